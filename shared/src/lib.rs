@@ -1,0 +1,24 @@
+//! What the Rebounce baker and viewer share.
+//!
+//! Everything here is free of I/O and of GPU code, and compiles to native and to wasm alike:
+//!
+//! * [`kernel`] – the weight function of the meshless basis (Lehtinen et al. 2008, Eq. 8 to 10);
+//! * [`octahedral`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
+//! * [`rbn`] – the .rbn file: header, sections, checksums, metadata;
+//! * [`relight`] – one frame of relighting on the CPU, the truth that the GPU is held against;
+//! * [`shot`], [`light`], [`camera`] – a picture to take: SHOT.json, lights and cameras.
+//!
+//! "Paper" below is Lehtinen et al., *A Meshless Hierarchical Representation for Light
+//! Transport*, ACM Transactions on Graphics 27(3), 2008.
+
+pub mod camera;
+pub mod interpolation;
+pub mod kernel;
+pub mod light;
+pub mod link;
+pub mod octahedral;
+pub mod rbn;
+pub mod relight;
+pub mod shot;
+
+pub use glam;

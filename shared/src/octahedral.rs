@@ -1,0 +1,98 @@
+//! Unit vectors packed by the octahedral map (Cigolle et al., *A Survey of Efficient
+//! Representations for Independent Unit Vectors*, JCGT 2014).
+
+use glam::{Vec2, Vec3};
+
+/// The octahedral map: a unit vector to the square `[-1, 1]²`.
+#[inline]
+pub fn encode(v: Vec3) -> Vec2 {
+    let p = Vec2::new(v.x, v.y) / (v.x.abs() + v.y.abs() + v.z.abs());
+    if v.z < 0.0 {
+        Vec2::new((1.0 - p.y.abs()) * 1f32.copysign(p.x), (1.0 - p.x.abs()) * 1f32.copysign(p.y))
+    } else {
+        p
+    }
+}
+
+/// The inverse of [`encode`]; the result has unit length.
+#[inline]
+pub fn decode(p: Vec2) -> Vec3 {
+    let z = 1.0 - p.x.abs() - p.y.abs();
+    let fold = (-z).max(0.0);
+    Vec3::new(p.x - fold * 1f32.copysign(p.x), p.y - fold * 1f32.copysign(p.y), z).normalize()
+}
+
+/// A unit vector in two signed normalised 16-bit numbers, x in the low half
+/// (WebGPU's `snorm16x2`, WGSL's `unpack2x16snorm`). Error at most 0.004 degrees.
+#[inline]
+pub fn pack_snorm16(v: Vec3) -> u32 {
+    let p = encode(v);
+    let quantise = |x: f32| (x.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16 as u32;
+    quantise(p.x) | quantise(p.y) << 16
+}
+
+/// The inverse of [`pack_snorm16`].
+#[inline]
+pub fn unpack_snorm16(bits: u32) -> Vec3 {
+    let value = |b: u32| (b as u16 as i16 as f32 / 32767.0).max(-1.0);
+    decode(Vec2::new(value(bits), value(bits >> 16)))
+}
+
+/// A unit vector in two signed normalised 8-bit numbers, x in the low byte.
+/// Picks the best of the four roundings: error at most 0.7 degrees.
+pub fn pack_snorm8(v: Vec3) -> u16 {
+    let p = encode(v) * 127.0;
+    let mut best = (f32::MIN, 0);
+    for (x, y) in [
+        (p.x.floor(), p.y.floor()),
+        (p.x.ceil(), p.y.floor()),
+        (p.x.floor(), p.y.ceil()),
+        (p.x.ceil(), p.y.ceil()),
+    ] {
+        let bits = (x as i8 as u8 as u16) | (y as i8 as u8 as u16) << 8;
+        let cosine = unpack_snorm8(bits).dot(v);
+        if cosine > best.0 {
+            best = (cosine, bits);
+        }
+    }
+    best.1
+}
+
+/// The inverse of [`pack_snorm8`] (WGSL's `unpack4x8snorm`, then [`decode`]).
+#[inline]
+pub fn unpack_snorm8(bits: u16) -> Vec3 {
+    let value = |b: u16| (b as u8 as i8 as f32 / 127.0).max(-1.0);
+    decode(Vec2::new(value(bits), value(bits >> 8)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn directions() -> impl Iterator<Item = Vec3> {
+        (0..20_000).map(|i| {
+            let z = 1.0 - 2.0 * (i as f32 + 0.5) / 20_000.0;
+            let angle = i as f32 * 2.399_963_2;
+            let r = (1.0 - z * z).sqrt();
+            Vec3::new(r * angle.cos(), r * angle.sin(), z)
+        })
+    }
+
+    #[test]
+    fn round_trip_stays_within_the_stated_angles() {
+        for v in directions() {
+            assert!(unpack_snorm16(pack_snorm16(v)).angle_between(v).to_degrees() < 0.05);
+            let (a, b) = (unpack_snorm8(pack_snorm8(v)), v);
+            let degrees = a.cross(b).length().atan2(a.dot(b)).to_degrees();
+            assert!(degrees < 0.7, "{degrees} degrees at {v}");
+        }
+    }
+
+    #[test]
+    fn axes_survive() {
+        for v in [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z] {
+            assert!(unpack_snorm16(pack_snorm16(v)).distance(v) < 1e-4);
+            assert!(unpack_snorm8(pack_snorm8(v)).distance(v) < 1e-4);
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! The container: a header, a table of sections, and the sections, each with a checksum.
+//!
+//! All numbers are little-endian.
+//!
+//! ```text
+//! header, 32 bytes   0  8 bytes  magic "REBOUNCE"
+//!                    8  u32      version
+//!                   12  u32      number of sections
+//!                   16  u64      length of the whole file in bytes
+//!                   24  u32      CRC-32 of the section table
+//!                   28  u32      CRC-32 of the first 28 bytes
+//! table, 32 bytes    0  4 bytes  name
+//! a section          4  u32      CRC-32 of the section's bytes
+//!                    8  u64      offset from the file's start, a multiple of 256
+//!                   16  u64      length in bytes
+//!                   24  u64      zero
+//! ```
+
+use super::RbnError;
+
+/// The first eight bytes.
+pub const MAGIC: [u8; 8] = *b"REBOUNCE";
+/// The format version that this code writes and reads.
+pub const VERSION: u32 = 1;
+/// Sections start at multiples of this many bytes: the strictest buffer-offset alignment of WebGPU.
+pub const ALIGNMENT: usize = 256;
+const HEADER: usize = 32;
+const ROW: usize = 32;
+const MAX_SECTIONS: usize = 64;
+
+/// A section's name and place in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Section {
+    /// Four ASCII letters.
+    pub name: [u8; 4],
+    /// CRC-32 (IEEE) of the bytes.
+    pub crc: u32,
+    /// Offset in bytes from the file's start.
+    pub offset: usize,
+    /// Length in bytes.
+    pub len: usize,
+}
+
+impl Section {
+    /// The name as text.
+    pub fn name(&self) -> String {
+        String::from_utf8_lossy(&self.name).into_owned()
+    }
+}
+
+/// Lays out a file from named sections, in this order.
+pub fn write(sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
+    let mut offset = align(HEADER + ROW * sections.len());
+    let mut table = Vec::with_capacity(ROW * sections.len());
+    let mut end = offset;
+    for (name, bytes) in sections {
+        table.extend_from_slice(name);
+        table.extend_from_slice(&crc32fast::hash(bytes).to_le_bytes());
+        table.extend_from_slice(&(offset as u64).to_le_bytes());
+        table.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
+        table.extend_from_slice(&0u64.to_le_bytes());
+        end = offset + bytes.len();
+        offset = align(end);
+    }
+    let mut file = Vec::with_capacity(end);
+    file.extend_from_slice(&MAGIC);
+    file.extend_from_slice(&VERSION.to_le_bytes());
+    file.extend_from_slice(&(sections.len() as u32).to_le_bytes());
+    file.extend_from_slice(&(end as u64).to_le_bytes());
+    file.extend_from_slice(&crc32fast::hash(&table).to_le_bytes());
+    file.extend_from_slice(&crc32fast::hash(&file).to_le_bytes());
+    file.extend_from_slice(&table);
+    for (_, bytes) in sections {
+        file.resize(align(file.len()), 0);
+        file.extend_from_slice(bytes);
+    }
+    file
+}
+
+/// Reads the header and the table and checks every checksum.
+///
+/// # Errors
+/// [`RbnError`] for anything but a whole, undamaged file of this version.
+pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
+    if file.len() < MAGIC.len() || file[..8] != MAGIC {
+        return Err(RbnError::NotRbn);
+    }
+    if file.len() < HEADER {
+        return Err(RbnError::Truncated { expected: HEADER as u64, found: file.len() as u64 });
+    }
+    let u32_at = |at: usize| u32::from_le_bytes([file[at], file[at + 1], file[at + 2], file[at + 3]]);
+    let u64_at = |at: usize| u32_at(at) as u64 | (u32_at(at + 4) as u64) << 32;
+    let damaged = |section: &str| RbnError::Checksum { section: section.to_owned() };
+    if u32_at(28) != crc32fast::hash(&file[..28]) {
+        return Err(damaged("header"));
+    }
+    let version = u32_at(8);
+    match version.cmp(&VERSION) {
+        std::cmp::Ordering::Greater => {
+            return Err(RbnError::NewerVersion { found: version, supported: VERSION });
+        }
+        std::cmp::Ordering::Less => {
+            return Err(RbnError::OlderVersion { found: version, supported: VERSION });
+        }
+        std::cmp::Ordering::Equal => {}
+    }
+    let expected = u64_at(16);
+    if (file.len() as u64) < expected {
+        return Err(RbnError::Truncated { expected, found: file.len() as u64 });
+    }
+    if (file.len() as u64) > expected {
+        return Err(RbnError::invalid(
+            "header",
+            format!("{} bytes follow the file's end", file.len() as u64 - expected),
+        ));
+    }
+    let count = u32_at(12) as usize;
+    if count > MAX_SECTIONS || HEADER + ROW * count > file.len() {
+        return Err(RbnError::invalid("header", format!("{count} sections")));
+    }
+    if u32_at(24) != crc32fast::hash(&file[HEADER..HEADER + ROW * count]) {
+        return Err(damaged("table"));
+    }
+    let mut sections = Vec::with_capacity(count);
+    for i in 0..count {
+        let at = HEADER + ROW * i;
+        let name = [file[at], file[at + 1], file[at + 2], file[at + 3]];
+        let (offset, len) = (u64_at(at + 8), u64_at(at + 16));
+        let fits = offset % ALIGNMENT as u64 == 0
+            && offset.checked_add(len).is_some_and(|end| end <= file.len() as u64);
+        let section = Section { name, crc: u32_at(at + 4), offset: offset as usize, len: len as usize };
+        if !fits {
+            return Err(RbnError::invalid(&section.name(), "it lies outside the file"));
+        }
+        if crc32fast::hash(&file[section.offset..section.offset + section.len]) != section.crc {
+            return Err(damaged(&section.name()));
+        }
+        sections.push(section);
+    }
+    // Bytes between sections are zero, so that a flipped bit anywhere is found.
+    let mut end = HEADER + ROW * count;
+    for section in &sections {
+        if section.offset < end || file[end..section.offset].iter().any(|&b| b != 0) {
+            return Err(damaged("padding"));
+        }
+        end = section.offset + section.len;
+    }
+    if end != file.len() {
+        return Err(damaged("padding"));
+    }
+    Ok(sections)
+}
+
+fn align(offset: usize) -> usize {
+    offset.div_ceil(ALIGNMENT) * ALIGNMENT
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Vec<u8> {
+        write(&[(*b"AAAA", b"hello"), (*b"BBBB", &[]), (*b"CCCC", &[7; 300])])
+    }
+
+    #[test]
+    fn round_trip() {
+        let file = sample();
+        let sections = read(&file).unwrap();
+        assert_eq!(&file[sections[0].offset..][..sections[0].len], b"hello");
+        assert_eq!(sections[2].len, 300);
+        assert_eq!(sections[2].offset % ALIGNMENT, 0);
+    }
+
+    #[test]
+    fn every_flipped_bit_is_found() {
+        let file = sample();
+        for bit in 0..file.len() * 8 {
+            let mut bad = file.clone();
+            bad[bit / 8] ^= 1 << (bit % 8);
+            assert!(read(&bad).is_err(), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn every_cut_is_found() {
+        let file = sample();
+        for len in 0..file.len() {
+            assert!(read(&file[..len]).is_err(), "cut to {len}");
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! The small metadata of a .rbn file: section `META`, bincode 2 standard configuration.
+//!
+//! bincode is used in this module alone, and never for more than [`MAX_BYTES`].
+
+use super::RbnError;
+use crate::{camera::Camera, light::Light};
+use bincode::{Decode, Encode};
+
+/// Largest `META` section, bytes.
+pub const MAX_BYTES: usize = 16 << 20;
+
+/// What a file holds besides the bulk sections.
+#[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
+pub struct Meta {
+    /// Program and version that baked the file.
+    pub generator: String,
+    /// The scene's name.
+    pub scene_name: String,
+    /// World space = local space + origin. All bulk positions are local.
+    pub origin: [f64; 3],
+    /// Least corner of the render geometry, local space.
+    pub bounds_min: [f32; 3],
+    /// Greatest corner.
+    pub bounds_max: [f32; 3],
+    /// Levels of points, coarsest first; level `l` ends where level `l + 1` begins.
+    pub levels: Vec<Level>,
+    /// Senders are the points of this many levels, the coarsest ones.
+    pub sender_levels: u32,
+    /// Direct light is sampled at the points of this many levels, at least `sender_levels`.
+    pub direct_levels: u32,
+    /// Materials, by index.
+    pub materials: Vec<Material>,
+    /// Textures, by index.
+    pub textures: Vec<Texture>,
+    /// Draw calls, opaque ones first.
+    pub draws: Vec<Draw>,
+    /// The scene's own lights, world space.
+    pub lights: Vec<Light>,
+    /// The scene's own cameras, world space; the first is the one to start with. Never empty.
+    pub cameras: Vec<Camera>,
+    /// How the bake was made and what it cost.
+    pub bake: BakeInfo,
+}
+
+/// One level of points.
+#[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
+pub struct Level {
+    /// Index of its first point.
+    pub first: u32,
+    /// Number of its points.
+    pub count: u32,
+    /// Poisson-disk radius `R`, scene units.
+    pub disk_radius: f32,
+    /// Support radius `C·R`, scene units.
+    pub support_radius: f32,
+}
+
+/// glTF's alphaMode.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Encode, Decode)]
+pub enum Alpha {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// Cut where alpha is under the cutoff.
+    Mask {
+        /// 0 to 1.
+        cutoff: f32,
+    },
+    /// Lets the share 1 − alpha of the light through.
+    Blend,
+}
+
+/// A Lambertian surface.
+#[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
+pub struct Material {
+    /// Its glTF name, or empty.
+    pub name: String,
+    /// Linear RGB albedo and alpha, multiplied with the texture's.
+    pub base_color: [f32; 4],
+    /// Index of the sRGB base-colour texture.
+    pub base_color_texture: Option<u32>,
+    /// How alpha is meant.
+    pub alpha: Alpha,
+    /// Whether the back reflects too. If not, the back blocks light and reflects nothing.
+    pub double_sided: bool,
+    /// Linear RGB radiance that the surface sends out by itself; shown, not part of the transport.
+    pub emission: [f32; 3],
+}
+
+/// How a texture coordinate outside [0, 1] is meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Encode, Decode)]
+pub enum Wrap {
+    /// Tiles.
+    #[default]
+    Repeat,
+    /// Tiles, every other one mirrored.
+    MirroredRepeat,
+    /// Keeps the border's colour.
+    ClampToEdge,
+}
+
+/// A compressed picture in section `TEXD`.
+#[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
+pub struct Texture {
+    /// Its glTF name, or empty.
+    pub name: String,
+    /// `image/png` or `image/jpeg`.
+    pub mime: String,
+    /// Offset in section `TEXD`, bytes.
+    pub offset: u64,
+    /// Length, bytes.
+    pub len: u64,
+    /// Width, pixels.
+    pub width: u32,
+    /// Height, pixels.
+    pub height: u32,
+    /// Horizontal wrap.
+    pub wrap_u: Wrap,
+    /// Vertical wrap.
+    pub wrap_v: Wrap,
+    /// False where glTF asks for nearest filtering.
+    pub linear_filter: bool,
+}
+
+/// A run of triangles with one material.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Encode, Decode)]
+pub struct Draw {
+    /// Index of the material.
+    pub material: u32,
+    /// First entry in section `INDX`.
+    pub first_index: u32,
+    /// Number of entries, a multiple of three.
+    pub index_count: u32,
+}
+
+/// How a bake was made and what it cost (the columns of paper, Table 1).
+#[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
+pub struct BakeInfo {
+    /// Name of the preset.
+    pub preset: String,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Link threshold ε: irradiance per unit irradiance.
+    pub epsilon: f32,
+    /// Bounces of light that the operator holds.
+    pub bounces: u32,
+    /// Rays cast for the operator.
+    pub rays: u64,
+    /// Senders times receivers.
+    pub potential_links: u64,
+}
+
+/// Encodes the metadata.
+///
+/// # Errors
+/// [`RbnError::TooLarge`] past [`MAX_BYTES`].
+pub fn encode(meta: &Meta) -> Result<Vec<u8>, RbnError> {
+    let too_large = || {
+        RbnError::TooLarge(format!(
+            "the scene's material and texture lists need over {MAX_BYTES} bytes: merge materials"
+        ))
+    };
+    let bytes = bincode::encode_to_vec(meta, bincode::config::standard()).map_err(|_| too_large())?;
+    if bytes.len() > MAX_BYTES { Err(too_large()) } else { Ok(bytes) }
+}
+
+/// Decodes the metadata; all bytes must be used.
+///
+/// # Errors
+/// [`RbnError::Invalid`].
+pub fn decode(bytes: &[u8]) -> Result<Meta, RbnError> {
+    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
+    match bincode::decode_from_slice::<Meta, _>(bytes, config) {
+        Ok((meta, used)) if used == bytes.len() => Ok(meta),
+        Ok((_, used)) => {
+            Err(RbnError::invalid("META", format!("{} bytes are left over", bytes.len() - used)))
+        }
+        Err(error) => Err(RbnError::invalid("META", error.to_string())),
+    }
+}

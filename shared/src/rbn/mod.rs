@@ -1,0 +1,86 @@
+//! The .rbn file: a scene baked to be relit. docs/FORMAT.md describes it for other readers.
+//!
+//! * [`container`] – header, section table, checksums;
+//! * [`meta`] – the small metadata (bincode);
+//! * [`bulk`] – the records of the bulk sections, which are what the GPU uploads;
+//! * [`Scene`] – a whole file in memory, written and read, with everything checked.
+
+pub mod bulk;
+pub mod container;
+pub mod meta;
+mod scene;
+
+pub use scene::Scene;
+
+/// Why a .rbn file could not be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum RbnError {
+    /// The first bytes are not those of a .rbn file.
+    #[error("this is not a .rbn file; make one with `rebounce bake SCENE.glb -o FILE.rbn`")]
+    NotRbn,
+    /// Written by a newer Rebounce.
+    #[error(
+        "the file has format version {found}, this Rebounce reads version {supported}: update Rebounce, or bake the scene again with this version"
+    )]
+    NewerVersion {
+        /// The file's version.
+        found: u32,
+        /// The version that this code reads.
+        supported: u32,
+    },
+    /// Written by an older Rebounce whose files are no longer read.
+    #[error(
+        "the file has format version {found}, this Rebounce reads version {supported}: bake the scene again"
+    )]
+    OlderVersion {
+        /// The file's version.
+        found: u32,
+        /// The version that this code reads.
+        supported: u32,
+    },
+    /// The file ends before its header or a section does.
+    #[error(
+        "the file is cut short: {expected} bytes were written, {found} are there; download or copy it again"
+    )]
+    Truncated {
+        /// The bytes that the header promises.
+        expected: u64,
+        /// The bytes present.
+        found: u64,
+    },
+    /// A checksum does not match.
+    #[error("section {section} is damaged (its checksum does not match); download or copy the file again")]
+    Checksum {
+        /// The section's four-letter name.
+        section: String,
+    },
+    /// Contents contradict each other.
+    #[error("section {section} is invalid: {problem}; bake the scene again")]
+    Invalid {
+        /// The section's four-letter name.
+        section: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// Too much for the format.
+    #[error("{0}")]
+    TooLarge(String),
+}
+
+impl RbnError {
+    /// A short code for programs: the viewer's `error` event carries it.
+    pub fn code(&self) -> &'static str {
+        match self {
+            RbnError::NotRbn => "not-rbn",
+            RbnError::NewerVersion { .. } => "newer-version",
+            RbnError::OlderVersion { .. } => "older-version",
+            RbnError::Truncated { .. } => "truncated",
+            RbnError::Checksum { .. } | RbnError::Invalid { .. } => "corrupt",
+            RbnError::TooLarge(_) => "too-large",
+        }
+    }
+
+    pub(crate) fn invalid(section: &str, problem: impl Into<String>) -> Self {
+        RbnError::Invalid { section: section.to_owned(), problem: problem.into() }
+    }
+}

@@ -1,0 +1,292 @@
+//! A whole .rbn file in memory.
+
+use super::bulk::{Point, Row, Vertex};
+use super::meta::{self, Meta};
+use super::{RbnError, container};
+use crate::interpolation::{Entry, MAX_POINTS, Rows};
+use crate::link::{Link, columns};
+use bytemuck::Pod;
+use std::ops::Range;
+
+/// A baked scene: what a .rbn file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Materials, cameras, levels and so on.
+    pub meta: Meta,
+    /// Vertices of the render geometry.
+    pub vertices: Vec<Vertex>,
+    /// Corners of triangles, three a triangle, grouped by `meta.draws`.
+    pub indices: Vec<u32>,
+    /// Textures in their original compressed bytes, located by `meta.textures`.
+    pub texture_bytes: Vec<u8>,
+    /// Basis functions, level after level.
+    pub points: Vec<Point>,
+    /// Push rows, one per point and one past the end: where each begins in `push_entries`.
+    /// A row interpolates the values of a point's parents at the point; level 0's are empty.
+    pub push_offsets: Vec<u32>,
+    /// Entries of the push rows.
+    pub push_entries: Vec<Entry>,
+    /// Pull rows, one per point of the levels `0..direct_levels - 1` and one past the end.
+    /// A row averages the children of a point.
+    pub pull_offsets: Vec<u32>,
+    /// Entries of the pull rows.
+    pub pull_entries: Vec<Entry>,
+    /// Receivers that have links, ascending, and a sentinel.
+    pub rows: Vec<Row>,
+    /// Transport links, row after row.
+    pub links: Vec<Link>,
+}
+
+/// Names of the sections, in file order.
+pub const SECTIONS: [[u8; 4]; 11] = [
+    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"PUSO", *b"PUSE", *b"PULO", *b"PULE", *b"ROWS", *b"LINK",
+    *b"TEXD",
+];
+
+impl Scene {
+    /// The points of level `l`.
+    pub fn level(&self, l: usize) -> Range<usize> {
+        let level = &self.meta.levels[l];
+        level.first as usize..(level.first + level.count) as usize
+    }
+
+    /// Number of senders: the points of the coarsest `sender_levels` levels.
+    pub fn sender_count(&self) -> usize {
+        self.first_of_level(self.meta.sender_levels)
+    }
+
+    /// Number of points at which direct light is sampled.
+    pub fn direct_count(&self) -> usize {
+        self.first_of_level(self.meta.direct_levels)
+    }
+
+    /// The points that the picture is made from: those of the finest level.
+    pub fn display(&self) -> Range<usize> {
+        self.meta.levels.len().checked_sub(1).map_or(0..0, |finest| self.level(finest))
+    }
+
+    fn first_of_level(&self, l: u32) -> usize {
+        self.meta.levels.get(l as usize).map_or(self.points.len(), |level| level.first as usize)
+    }
+
+    /// The push matrix.
+    pub fn push(&self) -> Rows<'_> {
+        Rows { offsets: &self.push_offsets, entries: &self.push_entries }
+    }
+
+    /// The pull matrix.
+    pub fn pull(&self) -> Rows<'_> {
+        Rows { offsets: &self.pull_offsets, entries: &self.pull_entries }
+    }
+
+    /// Receivers and their links, packed, in ascending order of the receiver.
+    pub fn link_rows(&self) -> impl Iterator<Item = (usize, &[Link])> + '_ {
+        self.rows.windows(2).map(|w| {
+            (w[0].receiver as usize, &self.links[w[0].first_link as usize..w[1].first_link as usize])
+        })
+    }
+
+    /// The compressed bytes of texture `i`.
+    pub fn texture(&self, i: usize) -> &[u8] {
+        let t = &self.meta.textures[i];
+        &self.texture_bytes[t.offset as usize..(t.offset + t.len) as usize]
+    }
+
+    /// The file's bytes.
+    ///
+    /// # Errors
+    /// [`RbnError`] when the scene breaks a rule of the format.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
+        self.check()?;
+        let meta = meta::encode(&self.meta)?;
+        let contents: [&[u8]; 11] = [
+            &meta,
+            bytemuck::cast_slice(&self.vertices),
+            bytemuck::cast_slice(&self.indices),
+            bytemuck::cast_slice(&self.points),
+            bytemuck::cast_slice(&self.push_offsets),
+            bytemuck::cast_slice(&self.push_entries),
+            bytemuck::cast_slice(&self.pull_offsets),
+            bytemuck::cast_slice(&self.pull_entries),
+            bytemuck::cast_slice(&self.rows),
+            bytemuck::cast_slice(&self.links),
+            &self.texture_bytes,
+        ];
+        let sections: Vec<_> = SECTIONS.into_iter().zip(contents).collect();
+        Ok(container::write(&sections))
+    }
+
+    /// Reads a file: checks checksums, then every length, index and float, so that what is
+    /// returned can be used without further checks.
+    ///
+    /// # Errors
+    /// [`RbnError`] for anything but a whole, undamaged, consistent file.
+    pub fn from_bytes(file: &[u8]) -> Result<Self, RbnError> {
+        let sections = container::read(file)?;
+        let bytes = |name: [u8; 4]| {
+            sections
+                .iter()
+                .find(|s| s.name == name)
+                .map(|s| &file[s.offset..s.offset + s.len])
+                .ok_or_else(|| RbnError::invalid(&String::from_utf8_lossy(&name), "it is missing"))
+        };
+        let scene = Self {
+            meta: meta::decode(bytes(*b"META")?)?,
+            vertices: records("VERT", bytes(*b"VERT")?)?,
+            indices: records("INDX", bytes(*b"INDX")?)?,
+            points: records("PNTS", bytes(*b"PNTS")?)?,
+            push_offsets: records("PUSO", bytes(*b"PUSO")?)?,
+            push_entries: records("PUSE", bytes(*b"PUSE")?)?,
+            pull_offsets: records("PULO", bytes(*b"PULO")?)?,
+            pull_entries: records("PULE", bytes(*b"PULE")?)?,
+            rows: records("ROWS", bytes(*b"ROWS")?)?,
+            links: records("LINK", bytes(*b"LINK")?)?,
+            texture_bytes: bytes(*b"TEXD")?.to_vec(),
+        };
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// Checks every rule of the format.
+    fn check(&self) -> Result<(), RbnError> {
+        let bad = |section: &str, problem: &str| RbnError::invalid(section, problem);
+        let finite = |v: &[f32]| v.iter().all(|x| x.is_finite());
+        let m = &self.meta;
+        if self.points.len() > MAX_POINTS {
+            return Err(RbnError::TooLarge(format!(
+                "{} basis functions; a file holds at most {MAX_POINTS}: bake with fewer levels",
+                self.points.len()
+            )));
+        }
+        if !m.origin.iter().all(|x| x.is_finite())
+            || !finite(&m.bounds_min)
+            || !finite(&m.bounds_max)
+            || m.cameras.is_empty()
+        {
+            return Err(bad("META", "origin, bounds or cameras"));
+        }
+        let mut next = 0u64;
+        for level in &m.levels {
+            if level.first as u64 != next || !finite(&[level.disk_radius, level.support_radius]) {
+                return Err(bad("META", "levels do not follow each other"));
+            }
+            next += level.count as u64;
+        }
+        if next != self.points.len() as u64 {
+            return Err(bad(
+                "META",
+                &format!("levels hold {next} points, section PNTS {}", self.points.len()),
+            ));
+        }
+        if m.sender_levels > m.direct_levels || m.direct_levels as usize > m.levels.len() {
+            return Err(bad("META", "sender or direct levels"));
+        }
+        for material in &m.materials {
+            if material.base_color_texture.is_some_and(|t| t as usize >= m.textures.len())
+                || !finite(&material.base_color)
+                || !finite(&material.emission)
+            {
+                return Err(bad("META", &format!("material {:?}", material.name)));
+            }
+        }
+        for texture in &m.textures {
+            if texture.offset.checked_add(texture.len).is_none_or(|end| end > self.texture_bytes.len() as u64)
+            {
+                return Err(bad("META", &format!("texture {:?} lies outside section TEXD", texture.name)));
+            }
+        }
+        for draw in &m.draws {
+            let end = draw.first_index as u64 + draw.index_count as u64;
+            if draw.material as usize >= m.materials.len()
+                || draw.index_count % 3 != 0
+                || end > self.indices.len() as u64
+            {
+                return Err(bad("META", "a draw call lies outside section INDX"));
+            }
+        }
+        if self.indices.iter().any(|&i| i as usize >= self.vertices.len()) {
+            return Err(bad("INDX", "an index lies outside section VERT"));
+        }
+        if !self.vertices.iter().all(|v| finite(&v.position) && finite(&v.uv)) {
+            return Err(bad("VERT", "a number is not finite"));
+        }
+        if !self.points.iter().all(|p| finite(&p.position) && p.radius.is_finite() && p.radius > 0.0) {
+            return Err(bad("PNTS", "a number is not finite"));
+        }
+        check_rows("PUSO", &self.push_offsets, &self.push_entries, self.points.len(), self.points.len())?;
+        // Parents come before their children, so that the push can go level by level.
+        let level_first: Vec<usize> = m.levels.iter().map(|l| l.first as usize).collect();
+        let level_of = |p: usize| level_first.partition_point(|&first| first <= p).saturating_sub(1);
+        for l in 0..m.levels.len() {
+            for i in self.level(l) {
+                if self.push().row(i).iter().any(|e| e.point() >= level_first[l]) {
+                    return Err(bad("PUSE", "a parent is not coarser than its child"));
+                }
+            }
+        }
+        let pull_rows = if m.direct_levels == 0 { 0 } else { level_first[m.direct_levels as usize - 1] };
+        check_rows("PULO", &self.pull_offsets, &self.pull_entries, pull_rows, self.direct_count())?;
+        for i in 0..pull_rows {
+            let level = level_of(i);
+            if self.pull().row(i).iter().any(|e| level_of(e.point()) <= level) {
+                return Err(bad("PULE", "a child is not finer than its parent"));
+            }
+        }
+        let Some((sentinel, rows)) = self.rows.split_last() else {
+            return Err(bad("ROWS", "the sentinel is missing"));
+        };
+        let ascending =
+            self.rows.windows(2).all(|w| w[0].receiver < w[1].receiver && w[0].first_link <= w[1].first_link);
+        if sentinel.receiver != u32::MAX
+            || sentinel.first_link as usize != self.links.len()
+            || !ascending
+            || rows.first().is_some_and(|r| r.first_link != 0)
+            || rows.iter().any(|r| r.receiver as usize >= self.points.len())
+        {
+            return Err(bad("ROWS", "receivers or links are out of order"));
+        }
+        let senders = self.sender_count();
+        for (_, row) in self.link_rows() {
+            let mut last = None;
+            for (column, _) in columns(row) {
+                if column >= senders || last.is_some_and(|l| l >= column) {
+                    return Err(bad("LINK", "a sender is out of range or order"));
+                }
+                last = Some(column);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn records<T: Pod>(section: &str, bytes: &[u8]) -> Result<Vec<T>, RbnError> {
+    if bytes.len() % size_of::<T>() != 0 {
+        return Err(RbnError::invalid(
+            section,
+            format!("{} bytes are not whole records of {}", bytes.len(), size_of::<T>()),
+        ));
+    }
+    let mut out = vec![T::zeroed(); bytes.len() / size_of::<T>()];
+    bytemuck::cast_slice_mut(&mut out).copy_from_slice(bytes);
+    Ok(out)
+}
+
+fn check_rows(
+    section: &str,
+    offsets: &[u32],
+    entries: &[Entry],
+    rows: usize,
+    points: usize,
+) -> Result<(), RbnError> {
+    let whole = offsets.len() == rows + 1
+        && offsets[0] == 0
+        && offsets.windows(2).all(|w| w[0] <= w[1])
+        && offsets[rows] as usize == entries.len();
+    if !whole {
+        return Err(RbnError::invalid(section, "rows do not follow each other"));
+    }
+    if entries.iter().any(|e| e.point() >= points) {
+        return Err(RbnError::invalid(section, "a point is out of range"));
+    }
+    Ok(())
+}

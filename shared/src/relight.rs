@@ -1,0 +1,76 @@
+//! One frame of relighting on the CPU: from direct irradiance at the points to the bounced
+//! light's vector irradiance at every point. The viewer's compute shaders do the same steps;
+//! this is what they are held against.
+//!
+//! The steps, all linear in the light:
+//! 1. *pull* ([`pull`]): from the finest sampled level to the coarsest, a point's direct
+//!    irradiance becomes the mean of its children's (paper, 2.1, pull-push);
+//! 2. *differences* ([`sender_coefficients`]): a sender's coefficient is its value minus what
+//!    its parents' values interpolate to at its place (Eq. 7);
+//! 3. *transport* ([`transport`]): `i = S e` (Eq. 15);
+//! 4. *push* ([`push`]): level after level, a point's value is its coefficient plus what its
+//!    parents' values interpolate to (Eq. 4). The finest level's values are the display basis.
+
+use crate::interpolation::mean;
+use crate::link::{VectorRgb, columns};
+use crate::rbn::Scene;
+use glam::Vec3;
+
+/// Replaces, coarser level by coarser level, the direct irradiance of every point that has
+/// children by its children's mean. `irradiance` has one RGB value per direct point.
+pub fn pull(scene: &Scene, irradiance: &mut [Vec3]) {
+    for l in (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev() {
+        for i in scene.level(l) {
+            if let Some(value) = mean(scene.pull().row(i), Vec3::ZERO, |j| irradiance[j]) {
+                irradiance[i] = value;
+            }
+        }
+    }
+}
+
+/// The senders' coefficients `e` from pulled values: one RGB value per sender.
+pub fn sender_coefficients(scene: &Scene, pulled: &[Vec3]) -> Vec<Vec3> {
+    (0..scene.sender_count())
+        .map(|i| pulled[i] - mean(scene.push().row(i), Vec3::ZERO, |k| pulled[k]).unwrap_or(Vec3::ZERO))
+        .collect()
+}
+
+/// `i = S e`: the coefficients of the bounced light, one per point, zero without links.
+pub fn transport(scene: &Scene, coefficients: &[Vec3]) -> Vec<VectorRgb> {
+    let mut out = vec![VectorRgb::ZERO; scene.points.len()];
+    for (receiver, row) in scene.link_rows() {
+        let sum = &mut out[receiver];
+        for (column, link) in columns(row) {
+            let power = link.magnitude() * coefficients[column];
+            let direction = link.direction();
+            for c in 0..3 {
+                sum.rgb[c] += direction * power[c];
+            }
+        }
+    }
+    out
+}
+
+/// Turns coefficients into values, in place: coarse to fine, each point adds what its parents'
+/// values interpolate to.
+pub fn push(scene: &Scene, values: &mut [VectorRgb]) {
+    for i in 0..scene.points.len() {
+        let row = scene.push().row(i);
+        let total: f32 = row.iter().map(|e| e.weight()).sum();
+        let mut sum = values[i];
+        for entry in row {
+            sum.add_scaled(entry.weight() / total, &values[entry.point()]);
+        }
+        values[i] = sum;
+    }
+}
+
+/// All steps: from direct irradiance at the direct points (RGB, `direct_count` of them) to the
+/// bounced light at every point.
+pub fn relight(scene: &Scene, mut irradiance: Vec<Vec3>) -> Vec<VectorRgb> {
+    pull(scene, &mut irradiance);
+    let coefficients = sender_coefficients(scene, &irradiance);
+    let mut values = transport(scene, &coefficients);
+    push(scene, &mut values);
+    values
+}
