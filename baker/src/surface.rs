@@ -1,0 +1,67 @@
+//! The one interface between light transport and geometry (paper, section 5.1).
+//!
+//! Points, basis, operator and renderers know surfaces through [`Surfaces`] alone: cast a ray;
+//! position, normal and reflectance at the hit. A new kind of surface implements this trait.
+
+use glam::Vec3;
+
+/// A ray in local space.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it starts. Casting ignores nothing near the origin: offset it by [`Hit::offset_origin`].
+    pub origin: Vec3,
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Only hits nearer than this count, scene units; may be infinite.
+    pub max_distance: f32,
+}
+
+/// Where a ray met a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// Distance from the ray's origin, scene units.
+    pub distance: f32,
+    /// Local space.
+    pub position: Vec3,
+    /// Unit normal of the true surface, on the side the ray came from.
+    pub geometric_normal: Vec3,
+    /// Unit shading normal. Of a two-sided surface, on the side the ray came from.
+    pub normal: Vec3,
+    /// Linear RGB reflectance towards the ray's origin; zero on the back of a one-sided surface,
+    /// which is where `normal` points away from the ray's origin.
+    pub albedo: Vec3,
+    /// Linear RGB radiance sent by the surface itself towards the ray's origin.
+    pub emission: Vec3,
+}
+
+impl Hit {
+    /// True where light is reflected towards the ray's origin: not the back of a one-sided surface.
+    #[inline]
+    pub fn faces(&self, ray_direction: Vec3) -> bool {
+        self.normal.dot(ray_direction) < 0.0
+    }
+
+    /// An origin for a ray that leaves this hit in `direction`: moved off the surface by `epsilon`
+    /// scene units, to the side that `direction` points to.
+    #[inline]
+    pub fn offset_origin(&self, direction: Vec3, epsilon: f32) -> Vec3 {
+        self.position + self.geometric_normal * epsilon.copysign(self.geometric_normal.dot(direction))
+    }
+}
+
+/// Something that rays can be cast at. All space is local (world − the scene's origin).
+pub trait Surfaces: Sync {
+    /// The nearest hit. Partly transparent surfaces let a ray through with the probability
+    /// 1 − alpha, decided by `seed` alone: the same ray and seed give the same hit.
+    fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit>;
+
+    /// The share of light that gets from `from` to `to`, 0 to 1: the product of 1 − alpha over
+    /// all surfaces in between. `to` may be far outside the scene.
+    fn transmittance(&self, from: Vec3, to: Vec3) -> f32;
+
+    /// Least and greatest corner of everything that can be hit.
+    fn bounds(&self) -> (Vec3, Vec3);
+
+    /// Safe distance to move ray origins off surfaces, scene units.
+    fn epsilon(&self) -> f32;
+}
