@@ -1,1 +1,8 @@
-//! Baker.
+//! Bakes how light bounces through a scene. Data flows one way:
+//! scene → points → basis → operator → file.
+
+pub mod basis;
+pub mod operator;
+pub mod points;
+pub mod random;
+pub mod surface;

@@ -136,7 +136,8 @@ impl Link {
     /// Signed magnitude per channel.
     #[inline]
     pub fn magnitude(self) -> Vec3 {
-        let step = (((self.colour >> 27) as i32 - EXPONENT_BIAS) as f32).exp2();
+        // 2^(E - 38), by its bits.
+        let step = f32::from_bits(((self.colour >> 27) + 127 - EXPONENT_BIAS as u32) << 23);
         let mantissa = |shift: u32| (((self.colour >> shift) << 23) as i32 >> 23) as f32;
         Vec3::new(mantissa(0), mantissa(9), mantissa(18)) * step
     }

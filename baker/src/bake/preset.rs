@@ -1,0 +1,78 @@
+//! Presets: one word for a whole set of parameters.
+
+use crate::operator::OperatorSettings;
+use crate::points::PlaceSettings;
+
+/// How good and how costly a bake is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preset {
+    /// To look at while arranging a scene: seconds.
+    Draft,
+    /// To ship: a minute or two for a room on two cores.
+    #[default]
+    Standard,
+    /// For stills and close looks.
+    Fine,
+}
+
+impl Preset {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Preset::Draft => "draft",
+            Preset::Standard => "standard",
+            Preset::Fine => "fine",
+        }
+    }
+}
+
+/// Everything that a bake is told besides the scene.
+#[derive(Clone, Debug)]
+pub struct BakeSettings {
+    /// The preset that the other values started from.
+    pub preset: Preset,
+    /// Where importance particles start, world space; `None`: the scene's camera, or found.
+    pub viewpoint: Option<[f64; 3]>,
+    /// How points are placed.
+    pub place: PlaceSettings,
+    /// How the operator is computed.
+    pub operator: OperatorSettings,
+    /// Direct light is sampled at the points of this many levels, at least the sender levels.
+    /// More levels: a moving shadow's edge sweeps more smoothly.
+    pub direct_levels: usize,
+}
+
+impl BakeSettings {
+    /// A preset's values.
+    pub fn new(preset: Preset) -> Self {
+        let (levels, coarse_count, rays, epsilon) = match preset {
+            Preset::Draft => (5, 150, vec![4096, 2048, 1024, 512, 256], 2e-3),
+            Preset::Standard => (6, 250, vec![16384, 8192, 4096, 1536, 768, 256], 1e-3),
+            Preset::Fine => (6, 400, vec![16384, 16384, 8192, 4096, 2048, 1024], 4e-4),
+        };
+        Self {
+            preset,
+            viewpoint: None,
+            place: PlaceSettings { levels, coarse_count, ..PlaceSettings::default() },
+            operator: OperatorSettings {
+                sender_levels: 3,
+                epsilon,
+                rays,
+                significance: 0.5,
+                bounces: None,
+                later_levels: 2,
+                seed: 1,
+            },
+            direct_levels: 5,
+        }
+    }
+
+    /// Makes the values fit each other: sender and direct levels within the levels there are.
+    pub fn normalised(mut self) -> Self {
+        let levels = self.place.levels.max(1);
+        self.place.levels = levels;
+        self.operator.sender_levels = self.operator.sender_levels.clamp(1, levels);
+        self.direct_levels = self.direct_levels.clamp(self.operator.sender_levels, levels);
+        self
+    }
+}

@@ -1,0 +1,212 @@
+//! Which functions cover a place, and with what weight.
+//!
+//! A hash grid per level: each cell lists the functions whose support's box touches it, so a
+//! query reads one list. docs/performance.md has the comparison with an R-tree (paper, 2.1).
+
+use glam::{IVec3, Vec3};
+use rebounce_shared::kernel::{SQUASH, weight};
+
+/// A function as queries read it. 32 bytes.
+#[derive(Clone, Copy, Debug)]
+struct Function {
+    position: Vec3,
+    radius: f32,
+    normal: Vec3,
+    index: u32,
+}
+
+/// Evaluates one level's functions.
+pub struct Evaluator {
+    functions: Vec<Function>,
+    cell_size: f32,
+    low: Vec3,
+    /// Open addressing: cell key and where its list begins and ends; `u64::MAX` is empty.
+    table: Vec<(u64, u32, u32)>,
+    lists: Vec<u32>,
+}
+
+impl Evaluator {
+    /// Functions given as (position, unit normal, support radius); queries name them by
+    /// `first_index` + their place in this list.
+    pub fn new(functions: impl IntoIterator<Item = (Vec3, Vec3, f32)>, first_index: u32) -> Self {
+        let functions: Vec<Function> = functions
+            .into_iter()
+            .zip(first_index..)
+            .map(|((position, normal, radius), index)| Function { position, radius, normal, index })
+            .collect();
+        let low = functions.iter().fold(Vec3::INFINITY, |m, f| m.min(f.position - f.radius));
+        let low = if low.is_finite() { low } else { Vec3::ZERO };
+        let largest = functions.iter().fold(0f32, |m, f| m.max(f.radius));
+        let cell_size = if largest > 0.0 { 0.5 * largest } else { 1.0 };
+        let cells_of = |f: &Function| {
+            // The box of an ellipsoid with semi-axes r, r and r / (1 + F_squash) along the normal.
+            let flat = 1.0 / (1.0 + SQUASH);
+            let n2 = f.normal * f.normal;
+            let half = f.radius * (Vec3::ONE - n2 * (1.0 - flat * flat)).max(Vec3::ZERO).map(f32::sqrt);
+            let first = ((f.position - half - low) / cell_size).floor().as_ivec3();
+            let last = ((f.position + half - low) / cell_size).floor().as_ivec3();
+            (first, last)
+        };
+        let mut pairs: Vec<(u64, u32)> = Vec::new();
+        for (i, f) in functions.iter().enumerate() {
+            let (first, last) = cells_of(f);
+            for z in first.z..=last.z {
+                for y in first.y..=last.y {
+                    for x in first.x..=last.x {
+                        pairs.push((key(IVec3::new(x, y, z)), i as u32));
+                    }
+                }
+            }
+        }
+        pairs.sort_unstable();
+        let cells = pairs.chunk_by(|a, b| a.0 == b.0).count();
+        let mut table = vec![(u64::MAX, 0, 0); (2 * cells + 1).next_power_of_two()];
+        let mask = table.len() - 1;
+        let mut start = 0u32;
+        for cell in pairs.chunk_by(|a, b| a.0 == b.0) {
+            let end = start + cell.len() as u32;
+            let mut slot = slot(cell[0].0) & mask;
+            while table[slot].0 != u64::MAX {
+                slot = (slot + 1) & mask;
+            }
+            table[slot] = (cell[0].0, start, end);
+            start = end;
+        }
+        let lists = pairs.into_iter().map(|(_, i)| i).collect();
+        Self { functions, cell_size, low, table, lists }
+    }
+
+    /// Calls `visit(index, weight)` for each function whose weight (Eq. 8) is positive at this
+    /// place, and returns the weights' sum: 0 where nothing covers it.
+    #[inline]
+    pub fn gather(&self, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
+        let wanted = key(((position - self.low) / self.cell_size).floor().as_ivec3());
+        let mask = self.table.len() - 1;
+        let mut slot = slot(wanted) & mask;
+        let mut total = 0.0;
+        loop {
+            let (key, start, end) = self.table[slot];
+            if key == wanted {
+                for &i in &self.lists[start as usize..end as usize] {
+                    let f = &self.functions[i as usize];
+                    let w = weight(position - f.position, normal, f.normal, f.radius);
+                    if w > 0.0 {
+                        total += w;
+                        visit(f.index, w);
+                    }
+                }
+                return total;
+            }
+            if key == u64::MAX {
+                return total;
+            }
+            slot = (slot + 1) & mask;
+        }
+    }
+}
+
+#[inline]
+fn key(cell: IVec3) -> u64 {
+    const MASK: u64 = (1 << 21) - 1;
+    (cell.x as u64 & MASK) | (cell.y as u64 & MASK) << 21 | (cell.z as u64 & MASK) << 42
+}
+
+#[inline]
+fn slot(key: u64) -> usize {
+    let h = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    (h ^ (h >> 32)) as usize
+}
+
+/// Evaluators for several levels: a place takes the finest level that covers it.
+pub struct Leveled {
+    /// Coarsest first.
+    levels: Vec<Evaluator>,
+}
+
+impl Leveled {
+    /// From levels, coarsest first.
+    pub fn new(levels: Vec<Evaluator>) -> Self {
+        Self { levels }
+    }
+
+    /// The levels again, coarsest first.
+    pub fn into_levels(self) -> Vec<Evaluator> {
+        self.levels
+    }
+
+    /// Fills `out` with (index, normalised weight) of the functions of the finest level that
+    /// covers this place; the weights sum to 1. Leaves it empty where no level does.
+    #[inline]
+    pub fn interpolate(&self, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
+        for level in self.levels.iter().rev() {
+            out.clear();
+            let total = level.gather(position, normal, |i, w| out.push((i, w)));
+            // A weight so small that its share is noise does not count as covered.
+            if total > 1e-6 {
+                let scale = 1.0 / total;
+                out.iter_mut().for_each(|e| e.1 *= scale);
+                return;
+            }
+        }
+        out.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    fn functions(n: u64) -> Vec<(Vec3, Vec3, f32)> {
+        (0..n)
+            .map(|i| {
+                let mut s = Stream::new(7, i);
+                (Vec3::new(s.unit(), s.unit(), s.unit()), s.sphere(), 0.1 + 0.1 * s.unit())
+            })
+            .collect()
+    }
+
+    #[test]
+    fn grid_finds_what_brute_force_finds() {
+        let functions = functions(500);
+        let grid = Evaluator::new(functions.iter().copied(), 10);
+        let mut found = 0;
+        for i in 0..5000 {
+            let mut s = Stream::new(8, i);
+            let (x, n) = (Vec3::new(s.unit(), s.unit(), s.unit()) * 1.4 - 0.2, s.sphere());
+            let mut got = Vec::new();
+            grid.gather(x, n, |i, w| got.push((i, w)));
+            got.sort_by_key(|e| e.0);
+            let want: Vec<(u32, f32)> = functions
+                .iter()
+                .zip(10..)
+                .map(|(f, i)| (i, weight(x - f.0, n, f.1, f.2)))
+                .filter(|e| e.1 > 0.0)
+                .collect();
+            assert_eq!(got, want);
+            found += got.len();
+        }
+        assert!(found > 1000);
+    }
+
+    #[test]
+    fn weights_are_a_partition_of_unity_on_every_level() {
+        let leveled = Leveled::new(vec![
+            Evaluator::new(functions(50).into_iter().map(|(x, n, r)| (x, n, 3.0 * r)), 0),
+            Evaluator::new(functions(800), 50),
+        ]);
+        let (mut out, mut fine, mut coarse) = (Vec::new(), 0, 0);
+        for i in 0..5000 {
+            let mut s = Stream::new(9, i);
+            leveled.interpolate(Vec3::new(s.unit(), s.unit(), s.unit()), s.sphere(), &mut out);
+            if out.is_empty() {
+                continue;
+            }
+            let sum: f32 = out.iter().map(|e| e.1).sum();
+            assert!((sum - 1.0).abs() < 1e-5 && out.iter().all(|e| e.1 > 0.0));
+            assert!(out.iter().all(|e| (e.0 < 50) == (out[0].0 < 50)));
+            if out[0].0 < 50 { coarse += 1 } else { fine += 1 }
+        }
+        assert!(fine > 100 && coarse > 100, "{fine} {coarse}");
+    }
+}

@@ -1,0 +1,120 @@
+//! Parents, children and neighbours (paper, section 2.1), in the form that the file stores.
+
+use super::{Evaluator, Leveled};
+use crate::points::{Points, SurfacePoint};
+use rayon::prelude::*;
+use rebounce_shared::interpolation::{Entry, Rows, pack_row};
+
+/// Who is whose parent, child and neighbour.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Relations {
+    /// Push rows, one per point: where each begins; and one past the end.
+    pub push_offsets: Vec<u32>,
+    /// A point's parents with their normalised weights at the point. Parents are of the next
+    /// coarser level, or of the finest coarser one that covers the point; none at level 0 and
+    /// where no coarser function reaches ("orphans").
+    pub push_entries: Vec<Entry>,
+    /// Pull rows, one per point of all sampled levels but the finest: where each begins.
+    pub pull_offsets: Vec<u32>,
+    /// A point's children with the weight of the point's function at them.
+    pub pull_entries: Vec<Entry>,
+    /// Neighbour rows, one per sender: where each begins.
+    pub neighbour_offsets: Vec<u32>,
+    /// Senders of the same level that a sender's function reaches.
+    pub neighbours: Vec<u32>,
+}
+
+impl Relations {
+    /// Finds the relations of points; `sender_levels` levels get neighbours, `direct_levels`
+    /// levels children.
+    pub fn new(points: &Points, sender_levels: usize, direct_levels: usize) -> Self {
+        let mut relations = Self { push_offsets: vec![0], ..Self::default() };
+        let mut coarser: Vec<Evaluator> = Vec::new();
+        for (l, level) in points.levels.iter().enumerate() {
+            let evaluator = evaluator(points, l);
+            let leveled = Leveled::new(std::mem::take(&mut coarser));
+            let rows: Vec<Vec<(u32, f32)>> = points.points[level.range()]
+                .par_iter()
+                .map(|p| {
+                    let mut row = Vec::new();
+                    leveled.interpolate(p.position, p.normal, &mut row);
+                    row
+                })
+                .collect();
+            for row in rows {
+                pack_row(&row, &mut relations.push_entries);
+                relations.push_offsets.push(relations.push_entries.len() as u32);
+            }
+            if l < sender_levels {
+                relations.add_neighbours(&points.points[level.range()], level.first as u32, &evaluator);
+            }
+            coarser = leveled.into_levels();
+            coarser.push(evaluator);
+        }
+        relations.add_children(points, direct_levels);
+        relations
+    }
+
+    /// The push matrix.
+    pub fn push(&self) -> Rows<'_> {
+        Rows { offsets: &self.push_offsets, entries: &self.push_entries }
+    }
+
+    /// The neighbours of a sender.
+    pub fn neighbours(&self, sender: usize) -> &[u32] {
+        &self.neighbours[self.neighbour_offsets[sender] as usize..self.neighbour_offsets[sender + 1] as usize]
+    }
+
+    fn add_neighbours(&mut self, level: &[SurfacePoint], first: u32, evaluator: &Evaluator) {
+        if self.neighbour_offsets.is_empty() {
+            self.neighbour_offsets.push(0);
+        }
+        let rows: Vec<Vec<u32>> = level
+            .par_iter()
+            .enumerate()
+            .map(|(i, p)| {
+                let own = first + i as u32;
+                let mut row = Vec::new();
+                evaluator.gather(p.position, p.normal, |j, _| {
+                    if j != own {
+                        row.push(j);
+                    }
+                });
+                row
+            })
+            .collect();
+        for row in rows {
+            self.neighbours.extend(row);
+            self.neighbour_offsets.push(self.neighbours.len() as u32);
+        }
+    }
+
+    /// The pull rows are the push rows transposed.
+    fn add_children(&mut self, points: &Points, direct_levels: usize) {
+        let end = |levels: usize| points.levels[..levels].last().map_or(0, |l| l.first + l.count);
+        let parents = end(direct_levels.saturating_sub(1));
+        let mut children: Vec<Vec<(u32, f32)>> = vec![Vec::new(); parents];
+        for j in 0..end(direct_levels) {
+            let row = self.push().row(j);
+            let total: f32 = row.iter().map(|e| e.weight()).sum();
+            for entry in row {
+                children[entry.point()].push((j as u32, entry.weight() / total));
+            }
+        }
+        self.pull_offsets.push(0);
+        for row in children {
+            pack_row(&row, &mut self.pull_entries);
+            self.pull_offsets.push(self.pull_entries.len() as u32);
+        }
+    }
+}
+
+/// The evaluator of one level.
+pub(crate) fn evaluator(points: &Points, level: usize) -> Evaluator {
+    let level = &points.levels[level];
+    let radius = level.support_radius;
+    Evaluator::new(
+        points.points[level.range()].iter().map(|p| (p.position, p.normal, radius)),
+        level.first as u32,
+    )
+}

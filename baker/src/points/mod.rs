@@ -1,0 +1,54 @@
+//! Points: where the basis functions sit (paper, section 2.3).
+//!
+//! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
+//! viewpoint when none is given, [`dart`] throws the candidates as darts into one level's
+//! Poisson-disk distribution, [`place`] makes all levels.
+
+pub mod candidates;
+pub mod dart;
+mod morton;
+pub mod place;
+pub mod viewpoint;
+
+use glam::Vec3;
+pub use place::{PlaceError, PlaceSettings, place};
+
+/// A point on a surface, local space, with its unit normals on the side that light reaches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Where it is.
+    pub position: Vec3,
+    /// Shading normal: the one the basis works with.
+    pub normal: Vec3,
+    /// Normal of the true surface: the one rays are moved off along.
+    pub geometric_normal: Vec3,
+}
+
+/// One level of points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointLevel {
+    /// Index of the level's first point in [`Points::points`].
+    pub first: usize,
+    /// Number of points.
+    pub count: usize,
+    /// Poisson-disk radius `R`, scene units.
+    pub disk_radius: f32,
+    /// Support radius `C·R` of the level's basis functions, scene units.
+    pub support_radius: f32,
+}
+
+impl PointLevel {
+    /// The indices of the level's points.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.first..self.first + self.count
+    }
+}
+
+/// All points, level after level, coarsest first; within a level along a space-filling curve.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Points {
+    /// The levels.
+    pub levels: Vec<PointLevel>,
+    /// The points of all levels.
+    pub points: Vec<SurfacePoint>,
+}

@@ -1,0 +1,50 @@
+//! A closed box as a second kind of surface: for tests of what is told about surfaces alone.
+
+use glam::Vec3;
+use rebounce::surface::{Hit, Ray, Surfaces};
+
+/// The inside of an axis-aligned box from `low` to `high`, with one albedo.
+pub struct BoxRoom {
+    /// Least corner.
+    pub low: Vec3,
+    /// Greatest corner.
+    pub high: Vec3,
+    /// Linear RGB.
+    pub albedo: Vec3,
+}
+
+impl Surfaces for BoxRoom {
+    fn cast(&self, ray: &Ray, _seed: u32) -> Option<Hit> {
+        let inverse = ray.direction.recip();
+        let far = ((self.low - ray.origin) * inverse).max((self.high - ray.origin) * inverse);
+        let (axis, distance) =
+            (0..3).map(|a| (a, far[a])).filter(|e| e.1 > 0.0).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        if distance >= ray.max_distance {
+            return None;
+        }
+        let mut normal = Vec3::ZERO;
+        normal[axis] = -ray.direction[axis].signum();
+        let mut position = ray.origin + ray.direction * distance;
+        position[axis] = if normal[axis] > 0.0 { self.low[axis] } else { self.high[axis] };
+        Some(Hit {
+            distance,
+            position,
+            geometric_normal: normal,
+            normal,
+            albedo: self.albedo,
+            emission: Vec3::ZERO,
+        })
+    }
+
+    fn transmittance(&self, _from: Vec3, _to: Vec3) -> f32 {
+        1.0
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        (self.low, self.high)
+    }
+
+    fn epsilon(&self) -> f32 {
+        1e-5 * (self.high - self.low).length()
+    }
+}

@@ -1,0 +1,156 @@
+//! Laws of points, basis and operator, on a closed box known through the surface interface alone.
+
+mod box_room;
+
+use box_room::BoxRoom;
+use glam::Vec3;
+use rebounce::basis::{Evaluator, Relations};
+use rebounce::operator::{Operator, OperatorSettings, bounces::add_later_bounces, refine::refine};
+use rebounce::points::{PlaceSettings, Points, place};
+use rebounce_shared::interpolation::mean;
+use rebounce_shared::kernel::distance_5d;
+use rebounce_shared::link::columns;
+
+fn room(albedo: f32) -> BoxRoom {
+    BoxRoom { low: Vec3::new(-2.0, -1.0, -1.5), high: Vec3::new(2.0, 1.0, 1.5), albedo: Vec3::splat(albedo) }
+}
+
+fn small_place() -> PlaceSettings {
+    PlaceSettings { levels: 4, coarse_count: 60, ..PlaceSettings::default() }
+}
+
+fn small_operator() -> OperatorSettings {
+    OperatorSettings {
+        sender_levels: 3,
+        epsilon: 1e-3,
+        rays: vec![1024, 512, 256, 256],
+        significance: 0.5,
+        bounces: None,
+        later_levels: 2,
+        seed: 1,
+    }
+}
+
+fn bake(albedo: f32) -> (Points, Relations, Operator) {
+    let room = room(albedo);
+    let points = place(&room, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    let relations = Relations::new(&points, 3, 4);
+    let mut operator = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
+    add_later_bounces(&mut operator, &points, &relations, &small_operator(), &|_, _| {});
+    (points, relations, operator)
+}
+
+#[test]
+fn points_keep_their_poisson_distance_and_cover_the_room() {
+    let room = room(0.5);
+    let points = place(&room, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    assert_eq!(points.levels.len(), 4);
+    for (l, level) in points.levels.iter().enumerate() {
+        let list = &points.points[level.range()];
+        for (i, p) in list.iter().enumerate() {
+            for q in &list[..i] {
+                assert!(distance_5d(p.position, p.normal, q.position, q.normal) >= level.disk_radius);
+            }
+        }
+        // Maximal: nearly every place is under some function.
+        let evaluator = Evaluator::new(list.iter().map(|p| (p.position, p.normal, level.support_radius)), 0);
+        let finest = &points.points[points.levels[3].range()];
+        let covered =
+            finest.iter().filter(|p| evaluator.gather(p.position, p.normal, |_, _| {}) > 0.0).count();
+        assert!(covered as f32 > 0.97 * finest.len() as f32, "level {l}: {covered} of {}", finest.len());
+    }
+    let counts: Vec<f32> = points.levels.iter().map(|l| l.count as f32).collect();
+    assert!((30.0..120.0).contains(&counts[0]), "{counts:?}");
+    for w in counts.windows(2) {
+        assert!(
+            (2.5..6.0).contains(&(w[1] / w[0])),
+            "halving the radius makes about four times the points: {counts:?}"
+        );
+    }
+}
+
+#[test]
+fn placement_does_not_depend_on_units_or_place() {
+    let metres = place(&room(0.5), Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    let scale = 1000.0;
+    let room = room(0.5);
+    let millimetres = BoxRoom { low: room.low * scale, high: room.high * scale, albedo: room.albedo };
+    let millimetres = place(&millimetres, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    for (a, b) in metres.levels.iter().zip(&millimetres.levels) {
+        let ratio = b.count as f32 / a.count as f32;
+        assert!((0.9..1.1).contains(&ratio), "{} {}", a.count, b.count);
+    }
+}
+
+#[test]
+fn a_constant_projects_to_itself() {
+    let (points, relations, _) = bake(0.5);
+    for i in 0..points.points.len() {
+        if let Some(value) = mean(relations.push().row(i), 0.0, |_| 1.0) {
+            assert!((value - 1.0f32).abs() < 1e-6);
+        }
+    }
+    assert!(relations.push().row(points.levels[1].first + 3).len() > 1);
+}
+
+#[test]
+fn furnace_unit_irradiance_comes_back_as_the_geometric_series() {
+    for albedo in [0.3, 0.8] {
+        let (points, relations, operator) = bake(albedo);
+        // Unit irradiance everywhere: level 0 and orphans carry 1, all differences are 0.
+        let is_root = |i: usize| relations.push().row(i).is_empty();
+        let want = albedo / (1.0 - albedo);
+        let mut sum = 0.0;
+        let level = points.levels[0].range();
+        for i in level.clone() {
+            let normal = points.points[i].normal;
+            let got: f32 = columns(&operator.rows[i])
+                .filter(|(column, _)| is_root(*column))
+                .map(|(_, link)| link.vectors().irradiance(normal).x)
+                .sum();
+            assert!((got / want - 1.0).abs() < 0.1, "albedo {albedo}, receiver {i}: {got}, not {want}");
+            sum += got;
+        }
+        let mean = sum / level.len() as f32;
+        assert!((mean / want - 1.0).abs() < 0.02, "albedo {albedo}: {mean}, not {want}");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_operator_at_any_thread_count() {
+    let with = |threads: usize| {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| bake(0.6))
+    };
+    let (one, three) = (with(1), with(3));
+    assert_eq!(one.0, three.0);
+    assert_eq!(one.1, three.1);
+    assert_eq!(one.2.rows, three.2.rows);
+    assert!(one.2.link_count() > 1000);
+}
+
+#[test]
+fn later_bounces_stop_where_they_are_told_to() {
+    let room = room(0.5);
+    let points = place(&room, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    let relations = Relations::new(&points, 3, 4);
+    let one = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
+    let sum = |operator: &Operator| {
+        let total: f32 = points.levels[0]
+            .range()
+            .flat_map(|i| columns(&operator.rows[i]).map(move |(c, l)| (i, c, l)))
+            .filter(|(_, column, _)| relations.push().row(*column).is_empty())
+            .map(|(i, _, link)| link.vectors().irradiance(points.points[i].normal).x)
+            .sum();
+        total / points.levels[0].count as f32
+    };
+    let mut expected = 0.0;
+    for bounces in 1..4 {
+        expected += 0.5f32.powi(bounces);
+        let mut operator = one.clone();
+        let settings = OperatorSettings { bounces: Some(bounces as u32), ..small_operator() };
+        add_later_bounces(&mut operator, &points, &relations, &settings, &|_, _| {});
+        assert_eq!(operator.bounces, bounces as u32);
+        let got = sum(&operator);
+        assert!((got / expected - 1.0).abs() < 0.02, "{bounces} bounces: {got}, not {expected}");
+    }
+}
