@@ -1,0 +1,149 @@
+//! The whole bake: from a scene to a file's contents.
+
+mod assemble;
+mod preset;
+mod report;
+
+pub use preset::{BakeSettings, Preset};
+pub use report::{BakeReport, LevelReport, SectionReport};
+
+use crate::basis::Relations;
+use crate::operator::{bounces::add_later_bounces, refine::refine};
+use crate::points::{PlaceError, candidates::Candidates, place, viewpoint};
+use crate::scene::{Scene, TriangleSurfaces};
+use crate::surface::Surfaces;
+use glam::{DVec3, Vec3};
+use rebounce_shared::rbn::{self, RbnError};
+use std::time::Instant;
+
+/// Why a bake failed.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    /// No triangle.
+    #[error("the scene has no triangles to bake")]
+    Empty,
+    /// No viewpoint was given and none was found.
+    #[error(
+        "no viewpoint was found from which any surface's reflecting side can be seen: give one inside the scene with --viewpoint x,y,z"
+    )]
+    NoViewpoint,
+    /// Points could not be placed.
+    #[error(transparent)]
+    Place(#[from] PlaceError),
+    /// The result does not fit the file format.
+    #[error(transparent)]
+    Format(#[from] RbnError),
+}
+
+/// How far a bake is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// What is being done.
+    pub stage: Stage,
+    /// Units done of this stage.
+    pub done: u64,
+    /// Units of this stage; 0 where that is not known.
+    pub total: u64,
+    /// Level of points that it is about, where it is about one.
+    pub level: usize,
+}
+
+/// A bake's stages, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Building the ray-casting structure, finding a viewpoint.
+    Prepare,
+    /// Placing points.
+    Points,
+    /// Finding parents, children and neighbours.
+    Basis,
+    /// Computing the one-bounce links.
+    Links,
+    /// Adding later bounces.
+    Bounces,
+    /// Putting the file together.
+    Assemble,
+}
+
+impl Stage {
+    /// What a person reads.
+    pub fn label(self) -> &'static str {
+        match self {
+            Stage::Prepare => "preparing",
+            Stage::Points => "placing points",
+            Stage::Basis => "relating points",
+            Stage::Links => "tracing links",
+            Stage::Bounces => "adding bounces",
+            Stage::Assemble => "assembling",
+        }
+    }
+}
+
+/// Bakes a scene. The same scene and settings give the same result at any thread count.
+///
+/// # Errors
+/// [`BakeError`].
+pub fn bake(
+    scene: &Scene,
+    settings: &BakeSettings,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<(rbn::Scene, BakeReport), BakeError> {
+    let settings = settings.clone().normalised();
+    let tell = |stage, done: usize, total: usize, level| {
+        progress(Progress { stage, done: done as u64, total: total as u64, level });
+    };
+    let mut report = BakeReport::new(scene, &settings);
+    let mut clock = Instant::now();
+    let mut lap = |report: &mut BakeReport, stage: Stage| {
+        report.seconds.push((stage.label().to_owned(), clock.elapsed().as_secs_f64()));
+        clock = Instant::now();
+    };
+    if scene.triangles.is_empty() {
+        return Err(BakeError::Empty);
+    }
+    tell(Stage::Prepare, 0, 0, 0);
+    let surfaces = TriangleSurfaces::from_scene(scene);
+    let viewpoint = choose_viewpoint(scene, &surfaces, &settings)?;
+    report.viewpoint = (DVec3::from(scene.origin) + viewpoint.as_dvec3()).to_array();
+    lap(&mut report, Stage::Prepare);
+    let points =
+        place(&surfaces, viewpoint, &settings.place, |level, count| tell(Stage::Points, count, 0, level))?;
+    lap(&mut report, Stage::Points);
+    tell(Stage::Basis, 0, 0, 0);
+    let relations = Relations::new(&points, settings.operator.sender_levels, settings.direct_levels);
+    lap(&mut report, Stage::Basis);
+    let mut operator =
+        refine(&surfaces, &points, &relations, &settings.operator, &|level, done, total| {
+            tell(Stage::Links, done, total, level);
+        });
+    lap(&mut report, Stage::Links);
+    add_later_bounces(&mut operator, &points, &relations, &settings.operator, &|done, total| {
+        tell(Stage::Bounces, done, total, 0);
+    });
+    lap(&mut report, Stage::Bounces);
+    tell(Stage::Assemble, 0, 0, 0);
+    report.describe(&points, &operator, &settings);
+    let file = assemble::assemble(scene, &settings, viewpoint, points, relations, operator);
+    lap(&mut report, Stage::Assemble);
+    Ok((file, report))
+}
+
+/// The viewpoint given, or the scene's first camera that sees something, or one that is found.
+fn choose_viewpoint(
+    scene: &Scene,
+    surfaces: &TriangleSurfaces,
+    settings: &BakeSettings,
+) -> Result<Vec3, BakeError> {
+    let local = |world: [f64; 3]| (DVec3::from(world) - DVec3::from(scene.origin)).as_vec3();
+    if let Some(world) = settings.viewpoint {
+        return Ok(local(world));
+    }
+    let seed = settings.place.seed;
+    let cameras = scene.cameras.iter().map(|camera| local(camera.position));
+    let sees = |point: &Vec3| Candidates::new(surfaces as &dyn Surfaces, *point, seed).batch().len() > 1000;
+    cameras
+        .into_iter()
+        .find(sees)
+        .or_else(|| viewpoint::find(surfaces, seed))
+        .ok_or(BakeError::NoViewpoint)
+}

@@ -1,0 +1,159 @@
+//! What a bake made and what it cost: the columns of the paper's Table 1 and the file's sections.
+
+use super::BakeSettings;
+use crate::operator::Operator;
+use crate::points::Points;
+use crate::scene::Scene;
+use rebounce_shared::rbn::container::Section;
+use serde::Serialize;
+use std::fmt;
+
+/// A bake's figures; `--report FILE.json` writes them.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct BakeReport {
+    /// The scene's name.
+    pub scene: String,
+    /// The preset's name.
+    pub preset: String,
+    /// Triangles of the scene.
+    pub triangles: u64,
+    /// Where importance particles started, world space.
+    pub viewpoint: [f64; 3],
+    /// Levels of points, coarsest first.
+    pub levels: Vec<LevelReport>,
+    /// Basis functions on all levels.
+    pub functions: u64,
+    /// Levels of senders.
+    pub sender_levels: u64,
+    /// Link threshold ε.
+    pub epsilon: f32,
+    /// Links kept.
+    pub links: u64,
+    /// Senders times receivers.
+    pub potential_links: u64,
+    /// Links kept over potential links.
+    pub link_share: f64,
+    /// Rays cast for the operator.
+    pub rays: u64,
+    /// Bounces that the operator holds.
+    pub bounces: u32,
+    /// Share of the reflected light that no sender covers.
+    pub lost_share: f64,
+    /// Seconds of each stage, in order.
+    pub seconds: Vec<(String, f64)>,
+    /// Peak memory of the process, bytes; 0 where the system does not tell.
+    pub peak_memory_bytes: u64,
+    /// The file's sections.
+    pub sections: Vec<SectionReport>,
+    /// The file's length, bytes.
+    pub file_bytes: u64,
+}
+
+/// One level of points in numbers.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct LevelReport {
+    /// Basis functions.
+    pub functions: u64,
+    /// Of these, receivers that kept links.
+    pub receivers: u64,
+    /// Links kept.
+    pub links: u64,
+    /// Poisson-disk radius, scene units.
+    pub disk_radius: f32,
+}
+
+/// One section of the file in numbers.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct SectionReport {
+    /// Its four letters.
+    pub name: String,
+    /// Its length.
+    pub bytes: u64,
+}
+
+impl BakeReport {
+    pub(super) fn new(scene: &Scene, settings: &BakeSettings) -> Self {
+        Self {
+            scene: scene.name.clone(),
+            preset: settings.preset.name().to_owned(),
+            triangles: scene.triangles.len() as u64,
+            sender_levels: settings.operator.sender_levels as u64,
+            epsilon: settings.operator.epsilon,
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn describe(&mut self, points: &Points, operator: &Operator, settings: &BakeSettings) {
+        let kept = |row: &Vec<_>| row.iter().filter(|link: &&rebounce_shared::link::Link| !link.is_page()).count();
+        self.levels = points
+            .levels
+            .iter()
+            .map(|level| {
+                let rows = &operator.rows[level.range()];
+                LevelReport {
+                    functions: level.count as u64,
+                    receivers: rows.iter().filter(|row| !row.is_empty()).count() as u64,
+                    links: rows.iter().map(|row| kept(row) as u64).sum(),
+                    disk_radius: level.disk_radius,
+                }
+            })
+            .collect();
+        self.functions = points.points.len() as u64;
+        let senders: u64 =
+            self.levels.iter().take(settings.operator.sender_levels).map(|level| level.functions).sum();
+        self.links = operator.link_count();
+        self.potential_links = senders * self.functions;
+        self.link_share = self.links as f64 / self.potential_links.max(1) as f64;
+        self.rays = operator.rays;
+        self.bounces = operator.bounces;
+        self.lost_share = operator.lost_share;
+    }
+
+    /// Adds what is known once the file is written.
+    pub fn add_file(&mut self, sections: &[Section], file_bytes: u64) {
+        self.sections =
+            sections.iter().map(|s| SectionReport { name: s.name(), bytes: s.len as u64 }).collect();
+        self.file_bytes = file_bytes;
+        self.peak_memory_bytes = peak_memory_bytes();
+    }
+
+    /// Seconds of all stages.
+    pub fn total_seconds(&self) -> f64 {
+        self.seconds.iter().map(|s| s.1).sum()
+    }
+}
+
+/// Peak resident memory of this process, bytes; 0 where the system does not tell.
+fn peak_memory_bytes() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok()).unwrap_or(0) * 1024
+}
+
+impl fmt::Display for BakeReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mb = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
+        writeln!(f, "scene         {} ({} triangles), preset {}", self.scene, self.triangles, self.preset)?;
+        let levels: Vec<String> = self.levels.iter().map(|l| l.functions.to_string()).collect();
+        writeln!(f, "functions     {} on {} levels ({})", self.functions, levels.len(), levels.join(", "))?;
+        let rows: Vec<String> = self.levels.iter().map(|l| l.receivers.to_string()).collect();
+        writeln!(f, "receivers     {} with links", rows.join(", "))?;
+        writeln!(
+            f,
+            "links         {} ({:.4}% of {} potential), {} sender levels, epsilon {}",
+            self.links,
+            100.0 * self.link_share,
+            self.potential_links,
+            self.sender_levels,
+            self.epsilon
+        )?;
+        writeln!(f, "rays          {:.1} M", self.rays as f64 / 1e6)?;
+        writeln!(f, "bounces       {}; {:.3}% of the light lost", self.bounces, 100.0 * self.lost_share)?;
+        let seconds: Vec<String> = self.seconds.iter().map(|(name, s)| format!("{name} {s:.1}")).collect();
+        writeln!(f, "seconds       {:.1} ({})", self.total_seconds(), seconds.join(", "))?;
+        writeln!(f, "peak memory   {}", mb(self.peak_memory_bytes))?;
+        let sections: Vec<String> =
+            self.sections.iter().map(|s| format!("{} {}", s.name, mb(s.bytes))).collect();
+        write!(f, "file          {} ({})", mb(self.file_bytes), sections.join(", "))
+    }
+}
