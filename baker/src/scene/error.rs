@@ -1,0 +1,72 @@
+//! Why a scene could not be loaded.
+
+/// Why a scene could not be loaded. Every sentence names the file and says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// A file could not be read.
+    #[error("cannot read {path}: {source}; check the path and the permissions")]
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file is not glTF 2.0.
+    #[error("{file} is not a glTF 2.0 file: {problem}; export the scene as .glb or .gltf (glTF 2.0)")]
+    NotGltf {
+        /// The file.
+        file: String,
+        /// What was found instead.
+        problem: String,
+    },
+    /// The file breaks a rule of glTF.
+    #[error("{file}: {problem}; the file is damaged or was written wrongly: export it again")]
+    Malformed {
+        /// The file.
+        file: String,
+        /// What is wrong and where.
+        problem: String,
+    },
+    /// The file needs an extension that this program does not know.
+    #[error("{file} requires the glTF extension {extension}, which is not supported: {advice}")]
+    Extension {
+        /// The file.
+        file: String,
+        /// The extension's name.
+        extension: String,
+        /// What to do instead.
+        advice: String,
+    },
+    /// A texture cannot be used.
+    #[error("{file}: texture {texture}: {problem}")]
+    Texture {
+        /// The file.
+        file: String,
+        /// Name or number of the texture.
+        texture: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// There is nothing to light.
+    #[error("{file} has no triangles in its scene; export the meshes too, as triangles")]
+    Empty {
+        /// The file.
+        file: String,
+    },
+    /// More than 32-bit indices can count.
+    #[error("{file} has too many vertices ({count}); the limit is 4 billion: simplify the scene")]
+    TooLarge {
+        /// The file.
+        file: String,
+        /// Vertices found.
+        count: usize,
+    },
+    /// No such built-in scene.
+    #[error("there is no built-in scene `{name}`; the built-in scenes are {known}")]
+    UnknownBuiltin {
+        /// The name asked for.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+}

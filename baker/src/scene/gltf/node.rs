@@ -1,0 +1,133 @@
+//! The node tree: transforms, lights, cameras.
+
+use super::schema::Node;
+use super::source::Source;
+use crate::scene::SceneError;
+use glam::{DMat4, DQuat, DVec3};
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
+
+/// A node of the scene with its transform to world space.
+pub(super) struct Placed {
+    pub index: usize,
+    pub world: DMat4,
+}
+
+/// All nodes of the file's scene, parents before children.
+pub(super) fn flatten(source: &Source) -> Result<Vec<Placed>, SceneError> {
+    let root = &source.root;
+    let roots: Vec<usize> = match root.scenes.get(root.scene.unwrap_or(0)) {
+        Some(scene) => scene.nodes.clone(),
+        None => {
+            let mut is_child = vec![false; root.nodes.len()];
+            for &child in root.nodes.iter().flat_map(|n| &n.children) {
+                if let Some(slot) = is_child.get_mut(child) {
+                    *slot = true;
+                }
+            }
+            (0..root.nodes.len()).filter(|&i| !is_child[i]).collect()
+        }
+    };
+    let mut seen = vec![false; root.nodes.len()];
+    let mut out: Vec<Placed> = Vec::new();
+    let mut stack: Vec<(usize, DMat4)> = roots.into_iter().rev().map(|i| (i, DMat4::IDENTITY)).collect();
+    while let Some((index, parent)) = stack.pop() {
+        let node =
+            root.nodes.get(index).ok_or_else(|| source.malformed(format!("there is no node {index}")))?;
+        if std::mem::replace(&mut seen[index], true) {
+            return Err(source.malformed(format!("node {index} has two parents or is its own ancestor")));
+        }
+        let world = parent * local_matrix(node);
+        if !world.is_finite() {
+            return Err(source
+                .malformed(format!("node {index} ({:?}) has a transform that is not finite", node.name)));
+        }
+        stack.extend(node.children.iter().rev().map(|&child| (child, world)));
+        out.push(Placed { index, world });
+    }
+    Ok(out)
+}
+
+fn local_matrix(node: &Node) -> DMat4 {
+    if let Some(m) = &node.matrix {
+        return DMat4::from_cols_array(m);
+    }
+    let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+    DMat4::from_scale_rotation_translation(
+        DVec3::from(node.scale.unwrap_or([1.0; 3])),
+        rotation,
+        DVec3::from(node.translation.unwrap_or([0.0; 3])),
+    )
+}
+
+/// The node's KHR_lights_punctual light.
+pub(super) fn light(source: &Source, node: &Placed) -> Result<Option<Light>, SceneError> {
+    let Some(reference) = &source.root.nodes[node.index].extensions.light else {
+        return Ok(None);
+    };
+    let lights = &source.root.extensions.lights.lights;
+    let light = lights
+        .get(reference.light)
+        .ok_or_else(|| source.malformed(format!("there is no light {}", reference.light)))?;
+    let position = node.world.w_axis.truncate().to_array();
+    let direction = (-node.world.z_axis.truncate()).try_normalize().unwrap_or(DVec3::NEG_Z).to_array();
+    let (color, intensity) = (light.color, light.intensity);
+    if !intensity.is_finite() || !color.iter().all(|c| c.is_finite()) {
+        return Err(
+            source.malformed(format!("light {} has an intensity that is not finite", reference.light))
+        );
+    }
+    Ok(Some(match light.kind.as_str() {
+        "point" => Light::Point { position, intensity, color },
+        "directional" => Light::Directional { direction, intensity, color },
+        "spot" => Light::Spot {
+            position,
+            direction,
+            outer_cone_deg: light.spot.outer_cone_angle.to_degrees(),
+            inner_cone_deg: Some(light.spot.inner_cone_angle.to_degrees()),
+            intensity,
+            color,
+        },
+        other => {
+            let problem = format!("light {} is of the unknown type {other:?}", reference.light);
+            return Err(source.malformed(problem));
+        }
+    }))
+}
+
+/// The node's camera. `size` is the scene's diagonal: the point looked at is beside its middle.
+/// An orthographic camera becomes a perspective one that sees as much at the scene's middle.
+pub(super) fn camera(
+    source: &Source,
+    node: &Placed,
+    origin: [f64; 3],
+    size: f64,
+) -> Result<Option<Camera>, SceneError> {
+    let Some(index) = source.root.nodes[node.index].camera else {
+        return Ok(None);
+    };
+    let camera = source
+        .root
+        .cameras
+        .get(index)
+        .ok_or_else(|| source.malformed(format!("there is no camera {index}")))?;
+    let position = node.world.w_axis.truncate();
+    let forward = (-node.world.z_axis.truncate()).try_normalize().unwrap_or(DVec3::NEG_Z);
+    let up = node.world.y_axis.truncate().try_normalize().unwrap_or(DVec3::Y);
+    let distance = forward.dot(DVec3::from(origin) - position).max(0.05 * size);
+    let yfov = match (&camera.perspective, &camera.orthographic) {
+        (Some(perspective), _) => perspective.yfov,
+        (None, Some(orthographic)) => 2.0 * (orthographic.ymag.abs() / distance).atan(),
+        (None, None) => return Err(source.malformed(format!("camera {index} is of no known type"))),
+    };
+    if !yfov.is_finite() {
+        return Err(source.malformed(format!("camera {index} has a field of view that is not finite")));
+    }
+    Ok(Some(Camera {
+        position: position.to_array(),
+        target: (position + forward * distance).to_array(),
+        up: up.to_array(),
+        yfov_deg: yfov.to_degrees().clamp(1.0, 170.0),
+    }))
+}

@@ -1,0 +1,162 @@
+use super::*;
+use crate::surface::{Ray, Surfaces};
+use crate::triangles::TriangleSurfaces;
+use glam::Vec3;
+use rebounce_shared::light::Light;
+
+fn parse(json: &str) -> Result<Scene, SceneError> {
+    convert(&Source::parse("test.gltf".into(), std::path::PathBuf::new(), json.as_bytes())?, "test".into())
+}
+
+fn base64(bytes: &[u8]) -> String {
+    let letters = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let sextets = bytes.chunks(3).flat_map(|c| {
+        let n = (c[0] as u32) << 16 | (*c.get(1).unwrap_or(&0) as u32) << 8 | *c.get(2).unwrap_or(&0) as u32;
+        [18, 12, 6, 0].into_iter().take(c.len() + 1).map(move |s| letters[(n >> s & 63) as usize] as char)
+    });
+    sextets.collect()
+}
+
+/// One mesh whose positions are a unit square in the plane z = 0, seen from +z; `node` and
+/// `more` are JSON members of the node and of the root, `primitive` of the primitive.
+fn square(node: &str, primitive: &str, more: &str) -> String {
+    let positions = [[0f32, 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
+    let mut bytes: Vec<u8> = positions.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend([0u8, 1, 2, 0, 2, 3]);
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0{node}}}],
+        "meshes":[{{"name":"square","primitives":[{{"attributes":{{"POSITION":0}}{primitive}}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"}},
+                     {{"bufferView":1,"componentType":5121,"count":6,"type":"SCALAR"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":48}},{{"buffer":0,"byteOffset":48,"byteLength":6}}],
+        "buffers":[{{"byteLength":54,"uri":"data:application/octet-stream;base64,{}"}}]{more}}}"#,
+        base64(&bytes)
+    )
+}
+
+fn total_area(scene: &Scene) -> f32 {
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| scene.positions[i as usize]);
+        0.5 * (b - a).cross(c - a).length()
+    };
+    scene.triangles.iter().map(area).sum()
+}
+
+#[test]
+fn every_way_to_list_triangles_gives_the_same_surface() {
+    for primitive in [r#","indices":1"#, r#","mode":6"#] {
+        let scene = parse(&square("", primitive, "")).unwrap();
+        assert_eq!((scene.triangles.len(), total_area(&scene)), (2, 1.0), "{primitive}");
+        assert!(scene.normals.iter().all(|&n| n == Vec3::Z), "{primitive}");
+        assert_eq!(scene.origin, [0.5, 0.5, 0.0]);
+    }
+    // Strip: 0 1 2, then 1 3 2 – both counter-clockwise in their order of corners.
+    let strip = parse(&square("", r#","mode":5"#, "")).unwrap();
+    assert_eq!(strip.triangles.len(), 2);
+    assert_eq!(strip.normals[0], Vec3::Z);
+}
+
+#[test]
+fn a_mirrored_node_keeps_its_front() {
+    let plain = parse(&square("", r#","indices":1"#, "")).unwrap();
+    let mirrored = parse(&square(r#","scale":[-2,1,1]"#, r#","indices":1"#, "")).unwrap();
+    for (scene, width) in [(plain, 1.0), (mirrored, 2.0)] {
+        assert_eq!(total_area(&scene), width);
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let ray = Ray { origin: Vec3::new(0.1, 0.2, 1.0), direction: -Vec3::Z, max_distance: 2.0 };
+        let hit = surfaces.cast(&ray, 0).unwrap();
+        assert_eq!((hit.normal, hit.albedo), (Vec3::Z, Vec3::ONE));
+    }
+}
+
+#[test]
+fn millimetres_far_from_the_origin_keep_their_shape() {
+    let node = r#","translation":[1e7,-2e7,3e7],"scale":[0.001,0.001,0.001]"#;
+    let scene = parse(&square(node, r#","indices":1"#, "")).unwrap();
+    assert!((total_area(&scene) - 1e-6).abs() < 1e-9);
+    assert!((scene.origin[0] - 1e7).abs() < 0.01);
+    let surfaces = TriangleSurfaces::from_scene(&scene);
+    let ray = Ray { origin: Vec3::new(1e-4, 2e-4, 1e-3), direction: -Vec3::Z, max_distance: 1.0 };
+    assert!((surfaces.cast(&ray, 0).unwrap().distance - 1e-3).abs() < 1e-8);
+}
+
+#[test]
+fn a_matrix_and_its_parts_are_the_same() {
+    let parts =
+        r#","translation":[1,2,3],"rotation":[0,0.7071067811865476,0,0.7071067811865476],"scale":[2,3,4]"#;
+    let matrix = r#","matrix":[0,0,-2,0, 0,3,0,0, 4,0,0,0, 1,2,3,1]"#;
+    let (a, b) = (parse(&square(parts, "", "")).unwrap(), parse(&square(matrix, "", "")).unwrap());
+    assert!(a.positions.iter().zip(&b.positions).all(|(p, q)| p.distance(*q) < 1e-6));
+    assert!(a.normals[0].distance(Vec3::X) < 1e-6 && b.normals[0].distance(Vec3::X) < 1e-6);
+}
+
+#[test]
+fn sparse_values_replace_those_of_the_buffer() {
+    let json = square("", "", "").replacen(
+        r#""count":4,"type":"VEC3""#,
+        r#""count":4,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":3}}"#,
+        1,
+    );
+    // Index 2 of the list of indices is the number 2; the value is vertex 1.
+    let views =
+        r#"{"buffer":0,"byteOffset":50,"byteLength":1},{"buffer":0,"byteOffset":12,"byteLength":12}]"#;
+    let json = json.replacen(r#""byteLength":6}]"#, &format!(r#""byteLength":6}},{views}"#), 1);
+    let scene = parse(&json).unwrap_err();
+    assert!(matches!(scene, SceneError::Empty { .. }), "corners 0, 1, 1 have no area: {scene}");
+}
+
+#[test]
+fn lights_and_cameras_stand_where_their_nodes_are() {
+    let node = r#","translation":[0,5,0],"rotation":[-0.7071067811865476,0,0,0.7071067811865476],"camera":0,
+        "extensions":{"KHR_lights_punctual":{"light":0}}"#;
+    let more = r#","cameras":[{"type":"perspective","perspective":{"yfov":1.0}}],
+        "extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","intensity":7,"spot":{"outerConeAngle":0.5}}]}}"#;
+    let scene = parse(&square(node, "", more)).unwrap();
+    let Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, .. } = &scene.lights[0]
+    else {
+        panic!("{:?}", scene.lights)
+    };
+    assert_eq!((*position, *intensity, *inner_cone_deg), ([0.0, 5.0, 0.0], 7.0, Some(0.0)));
+    assert!((direction[1] + 1.0).abs() < 1e-9 && (outer_cone_deg - 0.5f64.to_degrees()).abs() < 1e-9);
+    let camera = &scene.cameras[0];
+    assert!(camera.target[1] < 5.0 && (camera.yfov_deg - 1f64.to_degrees()).abs() < 1e-9);
+}
+
+#[test]
+fn a_required_extension_that_is_unknown_is_refused_by_name() {
+    for (name, advice) in
+        [("KHR_draco_mesh_compression", "gltf-transform copy"), ("VENDOR_odd", "without it")]
+    {
+        let error =
+            parse(&square("", "", &format!(r#","extensionsRequired":["{name}"]"#))).unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains(advice) && error.contains("test.gltf"), "{error}");
+    }
+    assert!(parse(&square("", "", r#","extensionsRequired":["KHR_texture_transform"]"#)).is_ok());
+}
+
+#[test]
+fn broken_files_give_sentences() {
+    let whole = square("", r#","indices":1"#, "");
+    for (from, to, says) in [
+        (r#""count":4"#, r#""count":5"#, "POSITION of mesh 0 (\"square\")"),
+        (r#""count":4"#, r#""count":18446744073709551615"#, "outside its buffer view"),
+        (r#""count":4"#, r#""count":2"#, "has the index 2, but 2 vertices"),
+        (r#""bufferView":1"#, r#""bufferView":9"#, "no buffer view 9"),
+        (r#""byteLength":54"#, r#""byteLength":99"#, "buffer 0 should have 99 bytes"),
+        (r#""byteOffset":48"#, r#""byteOffset":18446744073709551615"#, "outside its buffer"),
+        (r#""nodes":[0]"#, r#""nodes":[3]"#, "no node 3"),
+        (r#""mesh":0"#, r#""mesh":0,"children":[0]"#, "its own ancestor"),
+        (r#""mesh":0"#, r#""mesh":2"#, "no mesh 2"),
+        (r#""indices":1"#, r#""indices":1,"material":4"#, "no material 4"),
+        ("base64,AAAAAAAAAAA", "base64,AADAfwAAwH8", "not a finite number"),
+        (r#""version":"2.0""#, r#""version":"1.0""#, "glTF 2.0"),
+        (r#"{"asset""#, r#"["asset""#, "not a glTF 2.0 file"),
+    ] {
+        assert!(whole.contains(from), "{from}");
+        let error = parse(&whole.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains("test.gltf"), "{from} became {to}: {error}");
+    }
+    for len in 0..whole.len() {
+        assert!(parse(&whole[..len]).is_err());
+    }
+}

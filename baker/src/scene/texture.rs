@@ -1,0 +1,211 @@
+//! Textures: the picture that came with the scene and its decoded texels.
+
+use super::SceneError;
+use glam::{Vec2, Vec3};
+use rebounce_shared::rbn::meta::{self, Wrap};
+use std::sync::{Arc, LazyLock};
+
+/// Linear value of each 8-bit sRGB value (IEC 61966-2-1).
+static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let c = i as f64 / 255.0;
+        (if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }) as f32
+    })
+});
+
+/// Decoded texels, row after row from the top: sRGB with linear alpha, 8 bits each.
+#[derive(Debug, PartialEq)]
+pub struct Texels {
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `width · height` of them.
+    pub rgba: Vec<[u8; 4]>,
+}
+
+/// A base-colour texture: its compressed bytes, how it is sampled, and its texels.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// Name, picture type, size and wrapping; `offset` and `len` are not set before writing a file.
+    pub meta: meta::Texture,
+    /// The picture as it came, PNG or JPEG.
+    pub bytes: Arc<[u8]>,
+    /// The picture decoded.
+    pub texels: Arc<Texels>,
+}
+
+/// The MIME type that the first bytes of a picture tell, whatever its file calls it.
+pub fn sniff(bytes: &[u8]) -> Result<&'static str, &'static str> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => Ok("image/png"),
+        [0xff, 0xd8, 0xff, ..] => Ok("image/jpeg"),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Err("WebP"),
+        [0xab, b'K', b'T', b'X', ..] => Err("KTX"),
+        [b'D', b'D', b'S', b' ', ..] => Err("DDS"),
+        _ => Err("unknown"),
+    }
+}
+
+impl Texels {
+    /// Decodes a PNG or JPEG picture.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong.
+    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+        let format = match sniff(bytes) {
+            Ok("image/png") => image::ImageFormat::Png,
+            Ok(_) => image::ImageFormat::Jpeg,
+            Err(kind) => return Err(format!("its format is {kind}: convert it to PNG or JPEG")),
+        };
+        let picture = image::load_from_memory_with_format(bytes, format)
+            .map_err(|e| format!("it cannot be decoded ({e}): save it again as PNG or JPEG"))?
+            .into_rgba8();
+        let (width, height) = picture.dimensions();
+        if width == 0 || height == 0 {
+            return Err("it has no texels: replace it".into());
+        }
+        let rgba = picture.into_raw().as_chunks::<4>().0.to_vec();
+        Ok(Self { width, height, rgba })
+    }
+
+    #[inline]
+    fn at(&self, x: u32, y: u32) -> [u8; 4] {
+        self.rgba[y as usize * self.width as usize + x as usize]
+    }
+}
+
+/// Folds a texture coordinate into [0, 1].
+#[inline]
+fn fold(t: f32, wrap: Wrap) -> f32 {
+    match wrap {
+        Wrap::Repeat => t - t.floor(),
+        Wrap::MirroredRepeat => 1.0 - (t - 2.0 * (t * 0.5).floor() - 1.0).abs(),
+        Wrap::ClampToEdge => t.clamp(0.0, 1.0),
+    }
+}
+
+/// The two texels around a folded coordinate, and the second one's share.
+#[inline]
+fn neighbours(t: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
+    let x = t * size as f32 - 0.5;
+    let low = x.floor();
+    let share = x - low;
+    let last = size as i32 - 1;
+    let (a, b) = (low as i32, low as i32 + 1);
+    let border = |i: i32| match (i < 0, i > last, wrap) {
+        (true, _, Wrap::Repeat) => last,
+        (_, true, Wrap::Repeat) => 0,
+        _ => i.clamp(0, last),
+    };
+    (border(a) as u32, border(b) as u32, share)
+}
+
+#[inline]
+fn nearest(t: f32, size: u32) -> u32 {
+    ((t * size as f32) as u32).min(size - 1)
+}
+
+/// How a texture is looked up.
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    /// The texels.
+    pub texels: Arc<Texels>,
+    /// Horizontal wrap.
+    pub wrap_u: Wrap,
+    /// Vertical wrap.
+    pub wrap_v: Wrap,
+    /// False for nearest filtering.
+    pub linear_filter: bool,
+}
+
+impl Sampler {
+    /// Linear RGB at a texture coordinate: texels are made linear first, then filtered.
+    pub fn color(&self, uv: Vec2) -> Vec3 {
+        let t = &*self.texels;
+        let (u, v) = (fold(uv.x, self.wrap_u), fold(uv.y, self.wrap_v));
+        let linear = |x: u32, y: u32| {
+            let [r, g, b, _] = t.at(x, y);
+            let table = &*LINEAR;
+            Vec3::new(table[r as usize], table[g as usize], table[b as usize])
+        };
+        if !self.linear_filter {
+            return linear(nearest(u, t.width), nearest(v, t.height));
+        }
+        let (x0, x1, fx) = neighbours(u, t.width, self.wrap_u);
+        let (y0, y1, fy) = neighbours(v, t.height, self.wrap_v);
+        linear(x0, y0).lerp(linear(x1, y0), fx).lerp(linear(x0, y1).lerp(linear(x1, y1), fx), fy)
+    }
+
+    /// Alpha of the nearest texel, 0 to 1.
+    pub fn alpha(&self, uv: Vec2) -> f32 {
+        let t = &*self.texels;
+        let (u, v) = (fold(uv.x, self.wrap_u), fold(uv.y, self.wrap_v));
+        t.at(nearest(u, t.width), nearest(v, t.height))[3] as f32 / 255.0
+    }
+}
+
+impl Texture {
+    /// Decodes a texture. `meta`'s picture type and size are set from the bytes.
+    ///
+    /// # Errors
+    /// [`SceneError::Texture`].
+    pub fn new(file: &str, mut meta: meta::Texture, bytes: Vec<u8>) -> Result<Self, SceneError> {
+        let bad = |problem: String| SceneError::Texture {
+            file: file.to_owned(),
+            texture: meta.name.clone(),
+            problem,
+        };
+        let texels = Texels::decode(&bytes).map_err(bad)?;
+        meta.mime = sniff(&bytes).unwrap_or("image/png").to_owned();
+        (meta.width, meta.height) = (texels.width, texels.height);
+        Ok(Self { meta, bytes: bytes.into(), texels: Arc::new(texels) })
+    }
+
+    /// How the texture is looked up.
+    pub fn sampler(&self) -> Sampler {
+        Sampler {
+            texels: self.texels.clone(),
+            wrap_u: self.meta.wrap_u,
+            wrap_v: self.meta.wrap_v,
+            linear_filter: self.meta.linear_filter,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sampler(wrap: Wrap, linear_filter: bool) -> Sampler {
+        let rgba = vec![[0, 0, 0, 0], [255, 255, 255, 255]];
+        let texels = Arc::new(Texels { width: 2, height: 1, rgba });
+        Sampler { texels, wrap_u: wrap, wrap_v: wrap, linear_filter }
+    }
+
+    #[test]
+    fn filtering_is_linear_in_light() {
+        // Half way between black and white is half the light, not half the sRGB value.
+        assert!((sampler(Wrap::Repeat, true).color(Vec2::new(0.5, 0.5)) - 0.5).length() < 1e-6);
+        assert_eq!(sampler(Wrap::Repeat, false).color(Vec2::new(0.51, 0.5)), Vec3::ONE);
+    }
+
+    #[test]
+    fn wrapping_follows_gltf() {
+        for (wrap, at_zero, past_the_end) in
+            [(Wrap::Repeat, 0.5, 0.0), (Wrap::MirroredRepeat, 0.0, 1.0), (Wrap::ClampToEdge, 0.0, 1.0)]
+        {
+            let s = sampler(wrap, true);
+            assert!((s.color(Vec2::new(0.0, 0.5)).x - at_zero).abs() < 1e-6, "{wrap:?}");
+            assert!((s.color(Vec2::new(1.25, 0.5)).x - past_the_end).abs() < 1e-6, "{wrap:?}");
+            assert_eq!(s.alpha(Vec2::new(-0.25, 3.5)), if wrap == Wrap::Repeat { 1.0 } else { 0.0 });
+        }
+    }
+
+    #[test]
+    fn a_picture_that_is_none_is_refused_in_words() {
+        let error = Texels::decode(b"RIFF0000WEBPVP8 ").unwrap_err();
+        assert!(error.contains("WebP") && error.contains("convert"), "{error}");
+        assert!(Texels::decode(b"\x89PNG\r\n\x1a\nnothing").is_err());
+    }
+}

@@ -1,0 +1,165 @@
+//! What the ray caster needs to know, from a loaded [`Scene`] or a baked file alike.
+
+use crate::scene::texture::{Sampler, Texels};
+use crate::scene::{Scene, SceneError};
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use rebounce_shared::octahedral;
+use rebounce_shared::rbn;
+use rebounce_shared::rbn::meta::{Alpha, Material};
+use std::sync::Arc;
+
+/// A triangle with all it needs for shading.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Corners, local space.
+    pub positions: [Vec3; 3],
+    /// Unit shading normals at the corners.
+    pub normals: [Vec3; 3],
+    /// Texture coordinates at the corners.
+    pub uvs: [Vec2; 3],
+    /// Index of the material.
+    pub material: u32,
+}
+
+/// A material ready for lookups.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Linear RGB factor of the albedo.
+    pub color: Vec3,
+    /// Factor of alpha.
+    pub alpha_factor: f32,
+    /// Colour and alpha texture, multiplied with the factors.
+    pub texture: Option<Sampler>,
+    /// How alpha is meant; `Opaque` wherever alpha can never matter.
+    pub alpha: Alpha,
+    /// Whether the back reflects too.
+    pub double_sided: bool,
+    /// Linear RGB radiance sent out by itself.
+    pub emission: Vec3,
+}
+
+/// Triangles and materials, local space.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// All triangles.
+    pub triangles: Vec<Triangle>,
+    /// All materials.
+    pub surfaces: Vec<Surface>,
+}
+
+impl Surface {
+    /// Prepares a material. `texture` is its base-colour texture.
+    pub fn new(material: &Material, texture: Option<Sampler>) -> Self {
+        let [r, g, b, a] = material.base_color;
+        // Many exporters mark opaque surfaces as BLEND or MASK: see whether any texel is not opaque.
+        let least = |s: &Sampler| s.texels.rgba.iter().map(|t| t[3]).min().unwrap_or(255) as f32 / 255.0;
+        let alpha = match material.alpha {
+            Alpha::Opaque => Alpha::Opaque,
+            alpha => {
+                let least = a * texture.as_ref().map_or(1.0, least);
+                let opaque = match alpha {
+                    Alpha::Mask { cutoff } => least >= cutoff,
+                    _ => least >= 1.0,
+                };
+                if opaque { Alpha::Opaque } else { alpha }
+            }
+        };
+        Self {
+            color: Vec3::new(r, g, b),
+            alpha_factor: a,
+            texture,
+            alpha,
+            double_sided: material.double_sided,
+            emission: Vec3::from(material.emission),
+        }
+    }
+
+    /// Linear RGB reflectance at a texture coordinate.
+    #[inline]
+    pub fn albedo(&self, uv: Vec2) -> Vec3 {
+        match &self.texture {
+            Some(texture) => self.color * texture.color(uv),
+            None => self.color,
+        }
+    }
+
+    /// The share of light that the surface stops at a texture coordinate: 1 where opaque.
+    #[inline]
+    pub fn opacity(&self, uv: Vec2) -> f32 {
+        let alpha = || self.alpha_factor * self.texture.as_ref().map_or(1.0, |t| t.alpha(uv));
+        match self.alpha {
+            Alpha::Opaque => 1.0,
+            Alpha::Mask { cutoff } => (alpha() >= cutoff) as u32 as f32,
+            Alpha::Blend => alpha(),
+        }
+    }
+}
+
+impl From<&Scene> for Geometry {
+    fn from(scene: &Scene) -> Self {
+        let corner = |t: [u32; 3], material| Triangle {
+            positions: t.map(|i| scene.positions[i as usize]),
+            normals: t.map(|i| scene.normals[i as usize]),
+            uvs: t.map(|i| scene.uvs[i as usize]),
+            material,
+        };
+        let texture = |m: &Material| Some(scene.textures[m.base_color_texture? as usize].sampler());
+        Self {
+            triangles: scene
+                .triangles
+                .iter()
+                .zip(&scene.triangle_material)
+                .map(|(&t, &m)| corner(t, m))
+                .collect(),
+            surfaces: scene.materials.iter().map(|m| Surface::new(m, texture(m))).collect(),
+        }
+    }
+}
+
+impl TryFrom<&rbn::Scene> for Geometry {
+    type Error = SceneError;
+
+    /// Decodes the textures of a baked file.
+    ///
+    /// # Errors
+    /// [`SceneError::Texture`] where a picture cannot be decoded.
+    fn try_from(scene: &rbn::Scene) -> Result<Self, SceneError> {
+        let textures: Result<Vec<Sampler>, SceneError> = (0..scene.meta.textures.len())
+            .into_par_iter()
+            .map(|i| {
+                let meta = &scene.meta.textures[i];
+                let texels = Texels::decode(scene.texture(i)).map_err(|problem| SceneError::Texture {
+                    file: scene.meta.scene_name.clone(),
+                    texture: meta.name.clone(),
+                    problem,
+                })?;
+                Ok(Sampler {
+                    texels: Arc::new(texels),
+                    wrap_u: meta.wrap_u,
+                    wrap_v: meta.wrap_v,
+                    linear_filter: meta.linear_filter,
+                })
+            })
+            .collect();
+        let textures = textures?;
+        let texture = |m: &Material| textures.get(m.base_color_texture? as usize).cloned();
+        let mut triangles = Vec::new();
+        for draw in &scene.meta.draws {
+            let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
+            triangles.extend(scene.indices[range].as_chunks::<3>().0.iter().map(|t| {
+                let vertices = t.map(|i| scene.vertices[i as usize]);
+                Triangle {
+                    positions: vertices.map(|v| Vec3::from(v.position)),
+                    normals: vertices.map(|v| octahedral::unpack_snorm16(v.normal)),
+                    uvs: vertices.map(|v| Vec2::from(v.uv)),
+                    material: draw.material,
+                }
+            }));
+        }
+        Ok(Self {
+            triangles,
+            surfaces: scene.meta.materials.iter().map(|m| Surface::new(m, texture(m))).collect(),
+        })
+    }
+}

@@ -1,0 +1,91 @@
+//! Ray against triangle without gaps (Woop, Benthin, Wald: *Watertight Ray/Triangle
+//! Intersection*, JCGT 2013).
+//!
+//! The corners are sheared so that the ray becomes the z axis; what is left are signs of areas
+//! in the plane, and those are exact. A ray through a shared edge or corner therefore always
+//! hits one of the triangles around it: closed rooms are closed.
+
+use glam::{DVec4, Vec3, Vec4, Vec4Swizzles};
+
+/// A ray, sheared: see [`Corners::meet`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShearedRay {
+    axes: [usize; 3],
+    origin: [f32; 3],
+    shear: [f32; 3],
+}
+
+impl ShearedRay {
+    /// Prepares a ray; the direction must not be zero.
+    #[inline]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        let size = direction.abs();
+        let z = if size.x > size.y && size.x > size.z {
+            0
+        } else if size.y > size.z {
+            1
+        } else {
+            2
+        };
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let d = axes.map(|i| direction[i]);
+        Self { axes, origin: axes.map(|i| origin[i]), shear: [d[0] / d[2], d[1] / d[2], 1.0 / d[2]] }
+    }
+}
+
+/// The corners by axis: all x, all y, all z; the fourth components are zero. 48 bytes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corners([Vec4; 3]);
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Meeting {
+    /// From the ray's origin, in units of its direction's length.
+    pub distance: f32,
+    /// Weight of the second corner.
+    pub v: f32,
+    /// Weight of the third corner.
+    pub w: f32,
+}
+
+impl Corners {
+    pub fn new(positions: [Vec3; 3]) -> Self {
+        let [a, b, c] = positions;
+        Self([Vec4::new(a.x, b.x, c.x, 0.0), Vec4::new(a.y, b.y, c.y, 0.0), Vec4::new(a.z, b.z, c.z, 0.0)])
+    }
+
+    /// The meeting with a ray at a distance from 0 up to and including `limit`.
+    #[inline]
+    pub fn meet(&self, ray: &ShearedRay, limit: f32) -> Option<Meeting> {
+        let along = |i: usize| self.0[ray.axes[i]] - ray.origin[i];
+        let z = along(2);
+        let x = along(0) - ray.shear[0] * z;
+        let y = along(1) - ray.shear[1] * z;
+        // Twice the signed areas of the triangles that the z axis makes with each edge: the
+        // weights of a, b and c, up to a factor. A rounded difference of rounded products has
+        // the wrong sign never, but may be zero where the exact one is not.
+        let mut areas = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
+        if areas.cmpeq(Vec4::ZERO).bitmask() & 7 != 0 {
+            // Products of two f32 are exact in f64.
+            let (x, y): (DVec4, DVec4) = (x.as_dvec4(), y.as_dvec4());
+            let exact = |p: DVec4, q: DVec4| {
+                DVec4::new(p.z * q.y, p.x * q.z, p.y * q.x, 0.0)
+                    - DVec4::new(q.z * p.y, q.x * p.z, q.y * p.x, 0.0)
+            };
+            areas = exact(x, y).as_vec4();
+        }
+        let negative = areas.cmplt(Vec4::ZERO).bitmask() & 7;
+        let positive = areas.cmpgt(Vec4::ZERO).bitmask() & 7;
+        if negative != 0 && positive != 0 {
+            return None;
+        }
+        let sum = areas.x + areas.y + areas.z;
+        let scale = 1.0 / sum;
+        let distance = areas.dot(z) * scale * ray.shear[2];
+        // Also false for the NaN of a ray within the plane.
+        if !(distance >= 0.0 && distance <= limit) {
+            return None;
+        }
+        Some(Meeting { distance, v: areas.y * scale, w: areas.z * scale })
+    }
+}
