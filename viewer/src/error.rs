@@ -1,0 +1,85 @@
+//! What can go wrong in the viewer, each with a short code for programs.
+
+use rebounce_shared::rbn::RbnError;
+
+/// An error of the viewer. [`ViewerError::code`] is what the page's `error` event carries.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewerError {
+    /// The browser has no WebGPU.
+    #[error(
+        "this browser has no WebGPU; use a current Chrome, Edge, Safari or Firefox, and open the page over https or from localhost"
+    )]
+    NoWebGpu,
+    /// WebGPU is there, but no GPU can be used through it.
+    #[error(
+        "no graphics adapter can be used ({0}); switch on hardware acceleration, or update the graphics driver"
+    )]
+    NoAdapter(String),
+    /// The adapter gave no device, or the canvas no surface.
+    #[error("the graphics adapter gave no device ({0}); close other pages that use the GPU and load again")]
+    NoDevice(String),
+    /// The file cannot be read.
+    #[error(transparent)]
+    File(#[from] RbnError),
+    /// A section is larger than WebGPU guarantees to bind at once.
+    #[error(
+        "section {section} has {bytes} bytes, WebGPU guarantees {limit} in one buffer: bake the scene with fewer levels"
+    )]
+    TooLarge {
+        /// The section's four-letter name.
+        section: &'static str,
+        /// Its length.
+        bytes: u64,
+        /// The most that fits.
+        limit: u64,
+    },
+    /// A texture cannot be decoded.
+    #[error(
+        "texture {name:?} cannot be decoded ({problem}); convert it to a plain PNG or JPEG and bake again"
+    )]
+    Texture {
+        /// Its name, or its number where it has none.
+        name: String,
+        /// What the decoder said.
+        problem: String,
+    },
+    /// The device went away.
+    #[error("the graphics device was lost ({0}); reload the page")]
+    DeviceLost(String),
+    /// Nothing is loaded yet.
+    #[error("no scene is loaded; call load() first")]
+    NoScene,
+    /// A JSON text is not what was asked for.
+    #[error("{what}: {problem}")]
+    BadJson {
+        /// Shot, camera or lights.
+        what: &'static str,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// An argument is out of range.
+    #[error("{0}")]
+    BadArgument(String),
+    /// The GPU refused something that this code asked for.
+    #[error("internal error: {0}; please report it")]
+    Internal(String),
+}
+
+impl ViewerError {
+    /// A short, stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NoWebGpu => "no-webgpu",
+            Self::NoAdapter(_) => "no-adapter",
+            Self::NoDevice(_) => "no-device",
+            Self::File(error) => error.code(),
+            Self::TooLarge { .. } => "too-large",
+            Self::Texture { .. } => "texture",
+            Self::DeviceLost(_) => "device-lost",
+            Self::NoScene => "no-scene",
+            Self::BadJson { .. } => "bad-json",
+            Self::BadArgument(_) => "bad-argument",
+            Self::Internal(_) => "internal",
+        }
+    }
+}

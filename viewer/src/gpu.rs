@@ -1,0 +1,94 @@
+//! The GPU device: asked for with no more than WebGPU's default limits.
+
+use crate::error::ViewerError;
+use crate::oneshot::{self, Receiver};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A device, its queue, and what it offers beyond the least that WebGPU guarantees.
+#[derive(Clone)]
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name of the adapter, for the statistics.
+    pub adapter: String,
+    /// Whether passes can be timed.
+    pub timestamps: bool,
+    /// Whether 32-bit float targets can be blended; if not, splats add up in 16 bits.
+    pub float32_blendable: bool,
+    errors: Arc<Mutex<Option<String>>>,
+}
+
+/// What [`Gpu::request`] gives.
+pub struct Requested {
+    /// The device.
+    pub gpu: Gpu,
+    /// Ready with a reason when the device is lost.
+    pub lost: Receiver<String>,
+}
+
+impl Gpu {
+    /// Asks `adapter` for a device with WebGPU's default limits and, where present, timestamp
+    /// queries and blendable 32-bit float targets.
+    ///
+    /// # Errors
+    /// [`ViewerError::NoDevice`].
+    pub async fn request(adapter: &wgpu::Adapter) -> Result<Requested, ViewerError> {
+        let offered = adapter.features();
+        let wanted = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::FLOAT32_BLENDABLE;
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("rebounce"),
+                required_features: offered & wanted,
+                required_limits: wgpu::Limits::default(),
+                ..Default::default()
+            })
+            .await
+            .map_err(|e| ViewerError::NoDevice(e.to_string()))?;
+        let (sender, lost) = oneshot::channel();
+        device.set_device_lost_callback(move |_reason, message| sender.send(message));
+        let errors = Arc::new(Mutex::new(None));
+        let sink = errors.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            // The first error is the cause; what follows are its consequences.
+            sink.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
+        }));
+        let info = adapter.get_info();
+        let features = device.features();
+        let gpu = Gpu {
+            device,
+            queue,
+            adapter: if info.name.is_empty() { info.driver } else { info.name },
+            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+            float32_blendable: features.contains(wgpu::Features::FLOAT32_BLENDABLE),
+            errors,
+        };
+        Ok(Requested { gpu, lost })
+    }
+
+    /// A native device without a window, software adapters included.
+    ///
+    /// # Errors
+    /// [`ViewerError::NoAdapter`], [`ViewerError::NoDevice`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn headless() -> Result<Self, ViewerError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+            .map_err(|e| ViewerError::NoAdapter(e.to_string()))?;
+        Ok(pollster::block_on(Self::request(&adapter))?.gpu)
+    }
+
+    /// The first error that the device reported since the last call, if any.
+    pub fn take_error(&self) -> Option<String> {
+        self.errors.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// `Ok` unless the device has reported an error since the last call.
+    ///
+    /// # Errors
+    /// [`ViewerError::Internal`] with the device's words.
+    pub fn check(&self) -> Result<(), ViewerError> {
+        self.take_error().map_or(Ok(()), |message| Err(ViewerError::Internal(message)))
+    }
+}

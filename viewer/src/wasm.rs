@@ -1,0 +1,441 @@
+//! The browser's class `Viewer`: the renderer on a canvas.
+//!
+//! Every failure is a JavaScript `Error` whose `code` is one of [`ViewerError::code`]'s.
+
+use crate::controls::{Controls, PointerButton};
+use crate::error::ViewerError;
+use crate::gpu::{Gpu, Requested};
+use crate::renderer::{LoadedScene, Mode, Overlay, Renderer};
+use rebounce_shared::{camera::Camera, light::Light, rbn, shot::Shot};
+use std::cell::{Cell, RefCell};
+use std::future::Future;
+use std::rc::Rc;
+use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::{future_to_promise, spawn_local};
+use web_sys::HtmlCanvasElement;
+
+fn js_error(error: &ViewerError) -> JsValue {
+    coded(error.code(), &error.to_string())
+}
+
+fn coded(code: &str, message: &str) -> JsValue {
+    let error = js_sys::Error::new(message);
+    let _ = js_sys::Reflect::set(&error, &"code".into(), &code.into());
+    error.into()
+}
+
+fn promise<T: Into<JsValue>>(
+    work: impl Future<Output = Result<T, ViewerError>> + 'static,
+) -> js_sys::Promise {
+    future_to_promise(async move { work.await.map(Into::into).map_err(|e| js_error(&e)) })
+}
+
+/// Runs once when the module is loaded: a bug in Rust code becomes an `Error` with the code
+/// `internal` and the panic's words instead of a bare trap.
+#[wasm_bindgen(start)]
+pub fn start() {
+    std::panic::set_hook(Box::new(|info| {
+        wasm_bindgen::throw_val(coded("internal", &format!("internal error: {info}; please report it")))
+    }));
+}
+
+/// A view of a baked scene on a canvas.
+#[wasm_bindgen]
+pub struct Viewer {
+    state: Rc<RefCell<State>>,
+    callbacks: Rc<Callbacks>,
+}
+
+#[derive(Default)]
+struct Callbacks {
+    change: RefCell<Option<js_sys::Function>>,
+    lost: RefCell<Option<js_sys::Function>>,
+    is_lost: Cell<bool>,
+    disposed: Cell<bool>,
+}
+
+struct State {
+    renderer: Renderer,
+    controls: Controls,
+    surface: Option<wgpu::Surface<'static>>,
+    config: wgpu::SurfaceConfiguration,
+    configured: bool,
+    max_size: u32,
+}
+
+impl Callbacks {
+    fn changed(&self) {
+        let callback = self.change.borrow().clone();
+        if let Some(callback) = callback {
+            let _ = callback.call0(&JsValue::NULL);
+        }
+    }
+}
+
+impl Viewer {
+    /// Runs `work` on the state, then tells the page that a frame is wanted.
+    fn change<T>(&self, work: impl FnOnce(&mut State) -> Result<T, ViewerError>) -> Result<T, JsValue> {
+        let result = work(&mut self.state.borrow_mut());
+        self.callbacks.changed();
+        result.map_err(|e| js_error(&e))
+    }
+
+    fn to_json(value: &impl serde::Serialize) -> Result<String, JsValue> {
+        serde_json::to_string(value).map_err(|e| coded("internal", &e.to_string()))
+    }
+}
+
+fn from_json<T: serde::de::DeserializeOwned>(what: &'static str, json: &str) -> Result<T, ViewerError> {
+    serde_json::from_str(json).map_err(|e| ViewerError::BadJson { what, problem: e.to_string() })
+}
+
+#[wasm_bindgen]
+impl Viewer {
+    /// Makes a viewer that draws on `canvas`. Rejects with `no-webgpu`, `no-adapter` or `no-device`.
+    #[wasm_bindgen(unchecked_return_type = "Promise<Viewer>")]
+    pub fn create(canvas: HtmlCanvasElement) -> js_sys::Promise {
+        promise(async move {
+            let present = js_sys::Reflect::get(&js_sys::global(), &"navigator".into())
+                .and_then(|navigator| js_sys::Reflect::get(&navigator, &"gpu".into()))
+                .is_ok_and(|gpu| gpu.is_truthy());
+            if !present {
+                return Err(ViewerError::NoWebGpu);
+            }
+            let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+                backends: wgpu::Backends::BROWSER_WEBGPU,
+                ..wgpu::InstanceDescriptor::new_without_display_handle()
+            });
+            let adapter = instance
+                .request_adapter(&wgpu::RequestAdapterOptions {
+                    power_preference: wgpu::PowerPreference::HighPerformance,
+                    ..Default::default()
+                })
+                .await
+                .map_err(|_| ViewerError::NoAdapter("requestAdapter() gave none".into()))?;
+            let Requested { gpu, lost } = Gpu::request(&adapter).await?;
+            let (width, height) = (canvas.width().max(1), canvas.height().max(1));
+            let surface = instance
+                .create_surface(wgpu::SurfaceTarget::Canvas(canvas))
+                .map_err(|e| ViewerError::NoDevice(e.to_string()))?;
+            let mut config = surface
+                .get_default_config(&adapter, width, height)
+                .ok_or_else(|| ViewerError::NoDevice("the canvas has no usable format".into()))?;
+            config.alpha_mode = wgpu::CompositeAlphaMode::Opaque;
+            // The shader encodes sRGB itself, so the plain 8-bit format is the one wanted.
+            config.format = config.format.remove_srgb_suffix();
+            let max_size = gpu.device.limits().max_texture_dimension_2d;
+            let callbacks = Rc::new(Callbacks::default());
+            let on_lost = callbacks.clone();
+            spawn_local(async move {
+                let message = lost.await;
+                on_lost.is_lost.set(true);
+                if on_lost.disposed.get() {
+                    return;
+                }
+                let callback = on_lost.lost.borrow().clone();
+                if let Some(callback) = callback {
+                    let text = ViewerError::DeviceLost(message).to_string();
+                    let _ = callback.call1(&JsValue::NULL, &text.into());
+                }
+            });
+            let state = State {
+                renderer: Renderer::new(gpu)?,
+                controls: Controls::default(),
+                surface: Some(surface),
+                config,
+                configured: false,
+                max_size,
+            };
+            Ok(Viewer { state: Rc::new(RefCell::new(state)), callbacks })
+        })
+    }
+
+    /// Loads the bytes of a .rbn file, with its first camera and its lights. The scene before stays
+    /// until the new one is ready. Rejects with `not-rbn`, `truncated`, `corrupt`, `newer-version`,
+    /// `older-version`, `too-large`, `texture` or `device-lost`.
+    #[wasm_bindgen(unchecked_return_type = "Promise<void>")]
+    pub fn load(&self, bytes: js_sys::Uint8Array) -> js_sys::Promise {
+        let (state, callbacks) = (self.state.clone(), self.callbacks.clone());
+        promise(async move {
+            let scene = rbn::Scene::from_bytes(&bytes.to_vec())?;
+            drop(bytes);
+            let gpu = state.borrow().renderer.gpu().clone();
+            let loaded = LoadedScene::upload(&gpu, scene).await?;
+            if callbacks.is_lost.get() {
+                return Err(ViewerError::DeviceLost("while loading".into()));
+            }
+            {
+                let mut state = state.borrow_mut();
+                let state = &mut *state;
+                state.renderer.install(loaded)?;
+                state.controls.reset(&state.renderer);
+            }
+            callbacks.changed();
+            Ok(JsValue::UNDEFINED)
+        })
+    }
+
+    /// Sets the size of the canvas's drawing buffer, device pixels. Clamped to what the GPU can draw.
+    pub fn resize(&self, width: u32, height: u32) {
+        {
+            let mut state = self.state.borrow_mut();
+            let (width, height) = (width.clamp(1, state.max_size), height.clamp(1, state.max_size));
+            if (state.config.width, state.config.height) == (width, height) && state.configured {
+                return;
+            }
+            state.config.width = width;
+            state.config.height = height;
+            state.configured = false;
+            state.renderer.invalidate();
+        }
+        self.callbacks.changed();
+    }
+
+    /// Draws if anything changed since the last call. True while motion wants further frames.
+    #[wasm_bindgen(js_name = frame)]
+    pub fn frame(&self, now_ms: f64) -> Result<bool, JsValue> {
+        if self.callbacks.is_lost.get() {
+            return Ok(false);
+        }
+        let mut state = self.state.borrow_mut();
+        let state = &mut *state;
+        let moving = state.controls.advance(now_ms, &mut state.renderer);
+        if !state.renderer.needs_frame() {
+            return Ok(moving);
+        }
+        let Some(surface) = &state.surface else { return Ok(false) };
+        if !state.configured {
+            surface.configure(&state.renderer.gpu().device, &state.config);
+            state.configured = true;
+        }
+        let texture = match surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(t) | wgpu::CurrentSurfaceTexture::Suboptimal(t) => t,
+            _ => {
+                state.configured = false;
+                return Ok(true);
+            }
+        };
+        let view = texture.texture.create_view(&Default::default());
+        let drawn = state.renderer.draw(&view, state.config.format, state.config.width, state.config.height);
+        state.renderer.gpu().queue.present(texture);
+        drawn.map_err(|e| js_error(&e))?;
+        state.renderer.gpu().check().map_err(|e| js_error(&e))?;
+        Ok(moving || state.renderer.needs_frame())
+    }
+
+    /// Called with nothing when input or a setter wants a frame.
+    #[wasm_bindgen(setter)]
+    pub fn set_onchange(&self, callback: Option<js_sys::Function>) {
+        *self.callbacks.change.borrow_mut() = callback;
+    }
+
+    /// Called with a sentence when the GPU device is lost.
+    #[wasm_bindgen(setter)]
+    pub fn set_ondevicelost(&self, callback: Option<js_sys::Function>) {
+        *self.callbacks.lost.borrow_mut() = callback;
+    }
+
+    /// The present camera and lights as SHOT.json.
+    #[wasm_bindgen(js_name = shotJson)]
+    pub fn shot_json(&self) -> Result<String, JsValue> {
+        let state = self.state.borrow();
+        Self::to_json(&Shot {
+            scene: None,
+            size: [state.config.width, state.config.height],
+            camera: state.renderer.camera().clone(),
+            lights: state.renderer.lights().to_vec(),
+        })
+    }
+
+    /// Takes camera and lights from SHOT.json. Throws `bad-json` with what is wrong.
+    #[wasm_bindgen(js_name = setShotJson)]
+    pub fn set_shot_json(&self, json: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            let shot: Shot = from_json("SHOT.json", json)?;
+            state.renderer.set_camera(shot.camera)?;
+            state.renderer.set_lights(shot.lights)?;
+            state.renderer.rekey();
+            state.controls.reset(&state.renderer);
+            Ok(())
+        })
+    }
+
+    /// The present camera.
+    #[wasm_bindgen(js_name = cameraJson)]
+    pub fn camera_json(&self) -> Result<String, JsValue> {
+        Self::to_json(self.state.borrow().renderer.camera())
+    }
+
+    /// Sets the camera.
+    #[wasm_bindgen(js_name = setCameraJson)]
+    pub fn set_camera_json(&self, json: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_camera(from_json::<Camera>("camera", json)?)?;
+            state.controls.reset(&state.renderer);
+            Ok(())
+        })
+    }
+
+    /// The present lights.
+    #[wasm_bindgen(js_name = lightsJson)]
+    pub fn lights_json(&self) -> Result<String, JsValue> {
+        Self::to_json(&self.state.borrow().renderer.lights())
+    }
+
+    /// Sets the lights.
+    #[wasm_bindgen(js_name = setLightsJson)]
+    pub fn set_lights_json(&self, json: &str) -> Result<(), JsValue> {
+        self.change(|state| state.renderer.set_lights(from_json::<Vec<Light>>("lights", json)?))
+    }
+
+    /// Exposure in stops on top of the automatic one.
+    #[wasm_bindgen(getter)]
+    pub fn exposure(&self) -> f64 {
+        self.state.borrow().renderer.exposure() as f64
+    }
+
+    /// Sets the exposure.
+    #[wasm_bindgen(setter)]
+    pub fn set_exposure(&self, stops: f64) -> Result<(), JsValue> {
+        self.change(|state| state.renderer.set_exposure(stops as f32))
+    }
+
+    /// `"all"`, `"direct"` or `"indirect"`.
+    #[wasm_bindgen(getter)]
+    pub fn mode(&self) -> String {
+        self.state.borrow().renderer.mode().name().into()
+    }
+
+    /// Sets which light is shown.
+    #[wasm_bindgen(setter)]
+    pub fn set_mode(&self, mode: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_mode(Mode::parse(mode)?);
+            Ok(())
+        })
+    }
+
+    /// `"none"`, `"points"` or `"levels"`.
+    #[wasm_bindgen(getter)]
+    pub fn overlay(&self) -> String {
+        self.state.borrow().renderer.overlay().name().into()
+    }
+
+    /// Sets what is drawn over the picture.
+    #[wasm_bindgen(setter)]
+    pub fn set_overlay(&self, overlay: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_overlay(Overlay::parse(overlay)?);
+            Ok(())
+        })
+    }
+
+    /// Whether the lights' handles are drawn and can be dragged; true at first.
+    #[wasm_bindgen(getter)]
+    pub fn gizmos(&self) -> bool {
+        self.state.borrow().renderer.gizmos()
+    }
+
+    /// Shows or hides the lights' handles.
+    #[wasm_bindgen(setter)]
+    pub fn set_gizmos(&self, on: bool) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_gizmos(on);
+            Ok(())
+        })
+    }
+
+    /// A pointer goes down at (x, y), canvas pixels. `button` is that of a `PointerEvent`.
+    #[wasm_bindgen(js_name = pointerDown)]
+    pub fn pointer_down(
+        &self,
+        id: i32,
+        x: f64,
+        y: f64,
+        button: i32,
+        shift: bool,
+        ctrl: bool,
+    ) -> Result<(), JsValue> {
+        self.change(|state| {
+            let size = [state.config.width, state.config.height];
+            let button = PointerButton::from_event(button, shift, ctrl);
+            state.controls.pointer_down(id, [x, y], button, size, &mut state.renderer);
+            Ok(())
+        })
+    }
+
+    /// A pointer moves to (x, y).
+    #[wasm_bindgen(js_name = pointerMove)]
+    pub fn pointer_move(&self, id: i32, x: f64, y: f64) -> Result<(), JsValue> {
+        let changed = {
+            let mut state = self.state.borrow_mut();
+            let state = &mut *state;
+            let size = [state.config.width, state.config.height];
+            state.controls.pointer_move(id, [x, y], size, &mut state.renderer)
+        };
+        if changed {
+            self.callbacks.changed();
+        }
+        Ok(())
+    }
+
+    /// A pointer goes up, or is cancelled.
+    #[wasm_bindgen(js_name = pointerUp)]
+    pub fn pointer_up(&self, id: i32) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.controls.pointer_up(id, &mut state.renderer);
+            Ok(())
+        })
+    }
+
+    /// The wheel turns by `delta_y` pixels over (x, y): dolly.
+    pub fn wheel(&self, x: f64, y: f64, delta_y: f64) -> Result<(), JsValue> {
+        self.change(|state| {
+            let size = [state.config.width, state.config.height];
+            state.controls.wheel([x, y], delta_y, size, &mut state.renderer);
+            Ok(())
+        })
+    }
+
+    /// A key, by `KeyboardEvent.code`, goes down or up. True when the viewer uses that key.
+    pub fn key(&self, code: &str, down: bool) -> Result<bool, JsValue> {
+        self.change(|state| Ok(state.controls.key(code, down)))
+    }
+
+    /// Counts, bytes on the GPU, the adapter and, where the device can time them, milliseconds per pass.
+    #[wasm_bindgen(js_name = statsJson)]
+    pub fn stats_json(&self) -> Result<String, JsValue> {
+        Self::to_json(&self.state.borrow().renderer.stats())
+    }
+
+    /// The indirect light of the present camera and lights: linear radiance albedo/π·E, RGBA 32-bit
+    /// floats, rows from the top; alpha is the share of the pixel that a surface covers.
+    #[wasm_bindgen(js_name = readIndirect, unchecked_return_type = "Promise<Float32Array>")]
+    pub fn read_indirect(&self, width: u32, height: u32) -> js_sys::Promise {
+        let begun = self.state.borrow_mut().renderer.read_indirect(width, height);
+        promise(async move {
+            let bytes = begun?.wait().await?;
+            let floats: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+            Ok(js_sys::Float32Array::from(floats.as_slice()))
+        })
+    }
+
+    /// The tone-mapped picture without handles: RGBA bytes, rows from the top.
+    #[wasm_bindgen(js_name = readPixels, unchecked_return_type = "Promise<Uint8Array>")]
+    pub fn read_pixels(&self, width: u32, height: u32) -> js_sys::Promise {
+        let begun = self.state.borrow_mut().renderer.read_pixels(width, height);
+        promise(async move {
+            let bytes = begun?.wait().await?;
+            Ok(js_sys::Uint8Array::from(bytes.as_slice()))
+        })
+    }
+
+    /// Frees the GPU's memory. The viewer is of no use afterwards.
+    pub fn dispose(&self) {
+        self.callbacks.disposed.set(true);
+        self.callbacks.is_lost.set(true);
+        let mut state = self.state.borrow_mut();
+        state.surface = None;
+        state.renderer.gpu().device.destroy();
+    }
+}
