@@ -1,1 +1,42 @@
-fn main() {}
+//! The workspace's own commands: `cargo xtask demo`, `web`, `test`, `install`.
+
+mod bindgen;
+mod install;
+mod process;
+mod toolchain;
+mod web;
+
+use anyhow::{Result, bail};
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
+                     bakes a scene (builtin:cornell-box), builds the viewer, serves it on 127.0.0.1;
+                     with --screenshot: takes a picture in headless Chromium instead, and ends
+cargo xtask test     runs every test, those in the browser included
+cargo xtask web      builds the viewer and its page into web/dist
+cargo xtask install  installs what the others need, and says what";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    match dispatch(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn dispatch(args: &[String]) -> Result<()> {
+    match args.first().map(String::as_str) {
+        Some("install") => install::all(),
+        Some("web") => web::build(),
+        Some("help" | "--help" | "-h") => {
+            println!("{USAGE}");
+            Ok(())
+        }
+        Some(other) => bail!("there is no command {other}\n{USAGE}"),
+        None => bail!("which command?\n{USAGE}"),
+    }
+}

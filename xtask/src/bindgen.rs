@@ -1,0 +1,34 @@
+//! wasm-bindgen's generator, as the library of the same version that the viewer links.
+
+use anyhow::{Context, Result};
+use std::path::Path;
+use wasm_bindgen_cli_support::Bindgen;
+
+/// Writes `NAME.js`, `NAME.d.ts` and `NAME_bg.wasm` for a page that loads them as ES modules.
+///
+/// # Errors
+/// If the file is no wasm of this version of wasm-bindgen, or `out` cannot be written.
+pub fn module(wasm: &Path, name: &str, out: &Path) -> Result<()> {
+    let mut generator = Bindgen::new();
+    generator.web(true)?.typescript(true).remove_name_section(true).remove_producers_section(true);
+    generate(&mut generator, wasm, name, out)
+}
+
+/// Writes the same for a test program, whose tests are reached as plain exports.
+///
+/// # Errors
+/// As [`module`].
+pub fn tests(wasm: &Path, name: &str, out: &Path) -> Result<()> {
+    let mut generator = Bindgen::new();
+    generator.web(true)?.typescript(false).debug(true).export_wasm(true).emit_start(false);
+    generate(&mut generator, wasm, name, out)
+}
+
+fn generate(generator: &mut Bindgen, wasm: &Path, name: &str, out: &Path) -> Result<()> {
+    std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
+    generator
+        .input_path(wasm)
+        .out_name(name)
+        .generate(out)
+        .with_context(|| format!("making the JavaScript for {}", wasm.display()))
+}

@@ -1,0 +1,137 @@
+//! What the other commands need from outside, installed where it is missing and said so.
+
+use crate::process;
+use anyhow::{Result, bail};
+use std::path::Path;
+use std::process::Command;
+
+/// A Debian package, and how to see that what it brings is there.
+#[derive(Clone, Copy)]
+pub struct Need {
+    /// The package's name.
+    pub package: &'static str,
+    /// What it is for.
+    pub why: &'static str,
+    /// Whether what it brings is there, however it came.
+    pub present: fn() -> bool,
+}
+
+/// Node.js and npm: they build the page.
+pub const NODE: [Need; 2] = [
+    Need {
+        package: "nodejs",
+        why: "builds the page and drives the browser in tests",
+        present: || process::find(&["node", "nodejs"]).is_some(),
+    },
+    Need {
+        package: "npm",
+        why: "fetches the TypeScript compiler and Playwright's driver",
+        present: || process::find(&["npm"]).is_some(),
+    },
+];
+
+/// A browser with WebGPU, in software where there is no GPU.
+pub const BROWSER: [Need; 3] = [
+    Need {
+        package: "chromium",
+        why: "the browser that tests and screenshots run in",
+        present: || chromium().is_some(),
+    },
+    Need {
+        package: "mesa-vulkan-drivers",
+        why: "Vulkan in software (lavapipe) for tests without a GPU",
+        present: || lavapipe().is_some(),
+    },
+    Need { package: "libvulkan1", why: "the Vulkan loader", present: has_vulkan_loader },
+];
+
+/// The browser's program; the variable CHROMIUM names another.
+pub fn chromium() -> Option<std::path::PathBuf> {
+    match std::env::var_os("CHROMIUM") {
+        Some(file) => Some(file.into()),
+        None => process::find(&["chromium", "chromium-browser", "google-chrome"]),
+    }
+}
+
+/// The description of Mesa's software Vulkan.
+pub fn lavapipe() -> Option<std::path::PathBuf> {
+    let entries = std::fs::read_dir("/usr/share/vulkan/icd.d").ok()?;
+    entries
+        .flatten()
+        .map(|entry| entry.path())
+        .find(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("lvp_icd")))
+}
+
+fn has_vulkan_loader() -> bool {
+    let dirs = [
+        "/usr/lib",
+        "/usr/lib64",
+        "/lib",
+        "/usr/local/lib",
+        "/usr/lib/x86_64-linux-gnu",
+        "/usr/lib/aarch64-linux-gnu",
+    ];
+    dirs.iter().any(|dir| Path::new(dir).join("libvulkan.so.1").exists())
+}
+
+/// `cargo xtask install`: everything that any command needs.
+///
+/// # Errors
+/// If something is missing and cannot be installed.
+pub fn all() -> Result<()> {
+    ensure(&NODE)?;
+    ensure(&BROWSER)?;
+    crate::toolchain::find()?;
+    crate::web::npm()?;
+    println!("everything needed is installed");
+    Ok(())
+}
+
+/// Installs through apt what of these is missing.
+///
+/// # Errors
+/// Without apt, with what is missing and how to get it; or if apt fails.
+pub fn ensure(needs: &[Need]) -> Result<()> {
+    let missing: Vec<&Need> = needs.iter().filter(|need| !(need.present)()).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let list: String = missing.iter().map(|need| format!("\n  {:20} {}", need.package, need.why)).collect();
+    if process::find(&["apt-get"]).is_none() {
+        bail!(
+            "these are needed and not found (names of Debian packages):{list}\ninstall them with this system's package manager, and run the command again"
+        );
+    }
+    println!("installing through apt:{list}");
+    let is_root = process::quiet(Command::new("id").arg("-u")).is_some_and(|id| id.trim() == "0");
+    if !is_root && process::find(&["sudo"]).is_none() {
+        let names: Vec<&str> = missing.iter().map(|need| need.package).collect();
+        bail!("installing needs root and there is no sudo; run as root: apt-get install {}", names.join(" "));
+    }
+    let apt = || {
+        let mut command = Command::new(if is_root { "apt-get" } else { "sudo" });
+        if !is_root {
+            command.args(["env", "DEBIAN_FRONTEND=noninteractive", "apt-get"]);
+        }
+        command.env("DEBIAN_FRONTEND", "noninteractive");
+        command
+    };
+    update(apt().args(["update", "-qq"]))?;
+    process::run(
+        apt()
+            .args(["install", "-y", "-qq", "--no-install-recommends"])
+            .args(missing.iter().map(|need| need.package)),
+    )?;
+    if let Some(need) = missing.iter().find(|need| !(need.present)()) {
+        bail!("apt installed {}, but what it should bring is still not found", need.package);
+    }
+    Ok(())
+}
+
+/// Refreshes apt's lists, once in a run.
+fn update(command: &mut Command) -> Result<()> {
+    static ONCE: std::sync::Once = std::sync::Once::new();
+    let mut result = Ok(());
+    ONCE.call_once(|| result = process::run(command));
+    result
+}

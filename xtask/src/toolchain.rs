@@ -1,0 +1,152 @@
+//! How the standard library of wasm32-unknown-unknown is had.
+//!
+//! In the ordinary way, as a target of the active toolchain, where that works. Otherwise Debian's
+//! packaged toolchain for web browsers (rustc-web, which comes with the library's sources) builds it.
+
+use crate::install::{self, Need};
+use crate::process;
+use anyhow::{Result, bail};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The target's name.
+pub const TARGET: &str = "wasm32-unknown-unknown";
+const DEBIAN_CARGO: &str = "/usr/bin/cargo";
+const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+
+/// A Cargo that can build for wasm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Toolchain {
+    /// The active toolchain has the target.
+    Ordinary,
+    /// Debian's toolchain builds the standard library from source.
+    Debian,
+}
+
+/// Finds a toolchain for wasm, and installs one where none is there.
+///
+/// # Errors
+/// If there is none and none can be installed.
+pub fn find() -> Result<Toolchain> {
+    if has_target() {
+        return Ok(Toolchain::Ordinary);
+    }
+    if process::find(&["rustup"]).is_some() {
+        println!("installing Rust's standard library for {TARGET} (rustup target add)");
+        if add_target() && has_target() {
+            return Ok(Toolchain::Ordinary);
+        }
+        println!("  that failed; building it with Debian's rustc-web instead");
+    }
+    install::ensure(&DEBIAN)?;
+    if !Path::new(DEBIAN_CARGO).is_file() || !has_sources() {
+        bail!("no way to compile for {TARGET} was found; install it with `rustup target add {TARGET}`");
+    }
+    Ok(Toolchain::Debian)
+}
+
+const DEBIAN: [Need; 5] = [
+    Need {
+        package: "rustc-web",
+        why: "compiles the viewer to WebAssembly",
+        present: || exists(DEBIAN_RUSTC),
+    },
+    Need { package: "cargo-web", why: "the Cargo of that compiler", present: || exists(DEBIAN_CARGO) },
+    Need {
+        package: "rust-web-src",
+        why: "the standard library's sources, built for WebAssembly",
+        present: has_sources,
+    },
+    Need {
+        package: "rust-web-llvm",
+        why: "code generation for WebAssembly",
+        present: || exists("/usr/bin/rust-lld"),
+    },
+    Need { package: "lld-22", why: "links WebAssembly", present: || exists("/usr/bin/lld-22") },
+];
+
+fn exists(file: &str) -> bool {
+    Path::new(file).exists()
+}
+
+fn has_sources() -> bool {
+    let sysroot =
+        process::quiet(Command::new(DEBIAN_RUSTC).args(["--print", "sysroot"]).env_remove("LD_LIBRARY_PATH"));
+    sysroot.is_some_and(|dir| {
+        Path::new(dir.trim()).join("lib/rustlib/src/rust/library/std/Cargo.toml").is_file()
+    })
+}
+
+/// Whether the active compiler has the target's standard library.
+fn has_target() -> bool {
+    let Some(dir) = process::quiet(
+        Command::new("rustc")
+            .args(["--print", "target-libdir", "--target", TARGET])
+            .current_dir(process::root()),
+    ) else {
+        return false;
+    };
+    let Ok(entries) = std::fs::read_dir(dir.trim()) else { return false };
+    entries.flatten().any(|entry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        name.starts_with("libstd-") && name.ends_with(".rlib")
+    })
+}
+
+/// Tries it once, without noise, and not for ever.
+fn add_target() -> bool {
+    let started = Command::new("rustup")
+        .args(["target", "add", TARGET])
+        .env("RUSTUP_MAX_RETRIES", "1")
+        .current_dir(process::root())
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    let Ok(child) = started else { return false };
+    let mut child = process::Running(child);
+    let until = Instant::now() + Duration::from_secs(180);
+    while Instant::now() < until {
+        match child.0.try_wait() {
+            Ok(Some(status)) => return status.success(),
+            Ok(None) => std::thread::sleep(Duration::from_millis(100)),
+            Err(_) => return false,
+        }
+    }
+    false
+}
+
+impl Toolchain {
+    /// `cargo VERB --target wasm32-unknown-unknown`, to be completed.
+    pub fn cargo(self, verb: &str) -> Command {
+        let mut command = match self {
+            Toolchain::Ordinary => process::cargo(),
+            Toolchain::Debian => Command::new(DEBIAN_CARGO),
+        };
+        command.current_dir(process::root()).arg(verb).args(["--target", TARGET]);
+        // Flags meant for the native build do not hold for this one.
+        command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+        if self == Toolchain::Debian {
+            command.arg("-Zbuild-std=std,panic_abort");
+            // What rustup's proxies leave in the environment would mix two compilers.
+            for name in ["RUSTUP_TOOLCHAIN", "LD_LIBRARY_PATH", "CARGO", "RUSTDOC", "RUSTC_WRAPPER"] {
+                command.env_remove(name);
+            }
+            command
+                .env("RUSTC", DEBIAN_RUSTC)
+                .env("RUSTC_BOOTSTRAP", "1")
+                .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER", "rust-lld")
+                .env("CARGO_TARGET_DIR", self.target());
+        }
+        command
+    }
+
+    /// Where it builds: two compilers do not share a directory.
+    pub fn target(self) -> std::path::PathBuf {
+        match self {
+            Toolchain::Ordinary => process::target(),
+            Toolchain::Debian => process::target().join("wasm"),
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! `cargo xtask web`: the viewer as wasm, its page and its npm package, in web/dist.
+
+use crate::bindgen;
+use crate::install;
+use crate::process;
+use crate::toolchain::{self, Toolchain};
+use anyhow::{Context, Result, bail};
+use flate2::{Compression, write::GzEncoder};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The name of the generated JavaScript and wasm files.
+const NAME: &str = "rebounce_viewer";
+/// What wasm and JavaScript may weigh together after gzip, bytes.
+const LIMIT: usize = 250_000;
+/// Files of web/ that go into the site as they are.
+const STATIC: [&str; 2] = ["index.html", "page.css"];
+
+/// Builds web/dist, which is the site and what the npm package holds.
+///
+/// # Errors
+/// If a tool is missing or fails, or the bundle is over its limit.
+pub fn build() -> Result<()> {
+    install::ensure(&install::NODE)?;
+    let toolchain = toolchain::find()?;
+    npm()?;
+    let pkg = process::root().join("web/pkg");
+    bindgen::module(&wasm(toolchain)?, NAME, &pkg)?;
+    let files = assemble(&pkg)?;
+    let dist = process::root().join("web/dist");
+    mirror(&files, &dist)?;
+    weigh(&files)?;
+    println!("built {}", dist.display());
+    Ok(())
+}
+
+/// Compiles the viewer; where the wasm lies.
+fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
+    process::run(toolchain.cargo("build").args([
+        "--package",
+        "rebounce-viewer",
+        "--lib",
+        "--profile",
+        "web",
+    ]))?;
+    Ok(toolchain.target().join(toolchain::TARGET).join("web").join(NAME).with_extension("wasm"))
+}
+
+/// Installs what web/package-lock.json names, where that is not yet done.
+///
+/// # Errors
+/// If npm fails.
+pub fn npm() -> Result<()> {
+    let web = process::root().join("web");
+    let lock = fs::read(web.join("package-lock.json")).context("web/package-lock.json")?;
+    let stamp = web.join("node_modules/.rebounce-lock");
+    if fs::read(&stamp).is_ok_and(|installed| installed == lock) {
+        return Ok(());
+    }
+    println!("installing into web/node_modules, through npm: the TypeScript compiler, Playwright's driver");
+    process::run(
+        Command::new("npm").args(["ci", "--no-audit", "--no-fund", "--loglevel=error"]).current_dir(&web),
+    )?;
+    fs::write(&stamp, lock).with_context(|| stamp.display().to_string())
+}
+
+/// Compiles the TypeScript and gathers every file of the site.
+fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
+    let web = process::root().join("web");
+    let staging = process::target().join("web-staging");
+    if staging.exists() {
+        fs::remove_dir_all(&staging).with_context(|| staging.display().to_string())?;
+    }
+    process::run(
+        Command::new("node")
+            .arg("node_modules/typescript/bin/tsc")
+            .arg("--outDir")
+            .arg(&staging)
+            .current_dir(&web),
+    )?;
+    let mut files = BTreeMap::new();
+    let read = |path: PathBuf| fs::read(&path).with_context(|| path.display().to_string());
+    for entry in fs::read_dir(&staging).with_context(|| staging.display().to_string())? {
+        let entry = entry?;
+        files.insert(entry.file_name().to_string_lossy().into_owned(), read(entry.path())?);
+    }
+    for name in [format!("{NAME}.js"), format!("{NAME}.d.ts"), format!("{NAME}_bg.wasm")] {
+        files.insert(name.clone(), read(pkg.join(name))?);
+    }
+    for name in STATIC {
+        files.insert(name.to_owned(), read(web.join(name))?);
+    }
+    Ok(files)
+}
+
+/// Makes a directory hold these files and no others; leaves equal files untouched, so that what
+/// depends on them is not built again.
+fn mirror(files: &BTreeMap<String, Vec<u8>>, dir: &Path) -> Result<()> {
+    fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
+    for entry in fs::read_dir(dir)? {
+        let entry = entry?;
+        if entry.file_type()?.is_file() && !files.contains_key(entry.file_name().to_string_lossy().as_ref()) {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    for (name, bytes) in files {
+        let path = dir.join(name);
+        if fs::read(&path).ok().as_ref() != Some(bytes) {
+            fs::write(&path, bytes).with_context(|| path.display().to_string())?;
+        }
+    }
+    Ok(())
+}
+
+/// Prints the sizes, raw and after gzip, and holds the sum of wasm and JavaScript to the limit.
+fn weigh(files: &BTreeMap<String, Vec<u8>>) -> Result<()> {
+    let (mut raw, mut packed) = (0, 0);
+    println!("{:34} {:>9} {:>9}", "bytes", "raw", "gzip");
+    for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".js") || name.ends_with(".wasm")) {
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+        encoder.write_all(bytes)?;
+        let size = encoder.finish()?.len();
+        println!("{name:34} {:9} {size:9}", bytes.len());
+        raw += bytes.len();
+        packed += size;
+    }
+    println!("{:34} {raw:9} {packed:9}", "together");
+    if packed > LIMIT {
+        bail!("wasm and JavaScript are {packed} bytes after gzip, more than the {LIMIT} allowed");
+    }
+    Ok(())
+}
