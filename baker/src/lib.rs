@@ -3,10 +3,15 @@
 
 pub mod bake;
 pub mod basis;
+pub mod light;
 pub mod operator;
+pub mod path_trace;
+pub mod picture;
 pub mod points;
 pub mod random;
+pub mod render;
 pub mod scene;
+pub mod shot;
 pub mod surface;
 pub mod triangles;
 pub mod write;

@@ -1,0 +1,81 @@
+//! Direct irradiance with ray-cast visibility. Lambert's cosine law, inverse squares; the units
+//! are those of [`rebounce_shared::light`].
+
+use crate::surface::{Hit, Surfaces};
+use glam::Vec3;
+use rebounce_shared::light::{Incident, LightSource};
+
+/// RGB irradiance on a surface element at `position` (local space) with this unit normal.
+/// Visibility is tested from `position` moved off the surface along the normal.
+pub fn at_point(surfaces: &impl Surfaces, lights: &[LightSource], position: Vec3, normal: Vec3) -> Vec3 {
+    sum(surfaces, lights, position, normal, |_| position + normal * surfaces.epsilon())
+}
+
+/// RGB irradiance where a ray hit.
+pub fn at_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit) -> Vec3 {
+    sum(surfaces, lights, hit.position, hit.normal, |to_light| {
+        hit.offset_origin(to_light, surfaces.epsilon())
+    })
+}
+
+#[inline]
+fn sum(
+    surfaces: &impl Surfaces,
+    lights: &[LightSource],
+    position: Vec3,
+    normal: Vec3,
+    origin: impl Fn(Vec3) -> Vec3,
+) -> Vec3 {
+    let mut total = Vec3::ZERO;
+    for light in lights {
+        let Some(Incident { to_light, distance, irradiance }) = light.incident(position) else { continue };
+        let cosine = normal.dot(to_light);
+        if cosine <= 0.0 {
+            continue;
+        }
+        let to = if distance.is_finite() {
+            light.position
+        } else {
+            let (low, high) = surfaces.bounds();
+            let beyond = 2.0 * (high - low).length() + 2.0 * (position - low).length();
+            position + to_light * beyond
+        };
+        let visible = surfaces.transmittance(origin(to_light), to);
+        total += irradiance * (cosine * visible);
+    }
+    total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::triangles::TriangleSurfaces;
+    use rebounce_shared::light::Light;
+
+    #[test]
+    fn walls_of_the_furnace_get_the_inverse_square_law() {
+        let scene = crate::scene::load("builtin:furnace").unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let lights = [scene.lights[0].source(scene.origin)];
+        for (x, y) in [(0.0, 0.0), (0.5, -0.7), (0.99, 0.99)] {
+            let p = Vec3::new(x, y, -1.0);
+            let expected = 1.0 / p.length().powi(3);
+            let found = at_point(&surfaces, &lights, p, Vec3::Z);
+            assert!((found - expected).length() < 1e-5, "{found} instead of {expected}");
+        }
+        // Nothing comes through the wall, or to a surface that looks away.
+        assert_eq!(at_point(&surfaces, &lights, Vec3::new(0.1, 0.2, -1.5), Vec3::Z), Vec3::ZERO);
+        assert_eq!(at_point(&surfaces, &lights, Vec3::new(0.1, 0.2, -1.0), -Vec3::Z), Vec3::ZERO);
+    }
+
+    #[test]
+    fn the_sun_is_hidden_by_a_roof_and_only_by_it() {
+        let scene = crate::scene::load("builtin:furnace").unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let sun = Light::Directional { direction: [0.0, -3.0, 0.0], intensity: 5.0, color: [1.0, 0.5, 0.0] };
+        let lights = [sun.source(scene.origin)];
+        let above = at_point(&surfaces, &lights, Vec3::new(0.2, 1.0, 0.1), Vec3::Y);
+        assert_eq!(above, Vec3::new(5.0, 2.5, 0.0));
+        assert_eq!(at_point(&surfaces, &lights, Vec3::new(0.2, -1.0, 0.1), Vec3::Y), Vec3::ZERO);
+    }
+}

@@ -1,0 +1,3 @@
+//! Light straight from the lamps.
+
+pub mod direct;

@@ -1,0 +1,166 @@
+//! The project's own ground truth: a brute-force path tracer. It knows nothing of points, basis
+//! and operator, and shares with them only the surfaces and the lights.
+//!
+//! From the eye along cosine-distributed bounces; at every surface the lamps are sampled. Paths
+//! end by Russian roulette after [`ROULETTE_DEPTH`] bounces.
+
+use crate::light::direct;
+use crate::picture::expose::{Exposure, expose};
+use crate::picture::{Only, Picture};
+use crate::random::Stream;
+use crate::surface::{Ray, Surfaces};
+use glam::Vec3;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::{Light, LightSource};
+use std::f32::consts::FRAC_1_PI;
+
+/// Paths shorter than this never end by chance.
+const ROULETTE_DEPTH: u32 = 12;
+
+/// What light to trace.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Settings {
+    /// Which light to show.
+    pub only: Only,
+    /// Bounces before the surface seen; all of them when absent.
+    pub bounces: Option<u32>,
+}
+
+/// Takes a picture of `surfaces`, whose local space is world space − `origin`.
+/// `row_done` is called after each row, from any thread.
+pub fn path_trace(
+    surfaces: &impl Surfaces,
+    origin: [f64; 3],
+    camera: &Camera,
+    lights: &[Light],
+    exposure: Exposure,
+    settings: Settings,
+    row_done: impl Fn() + Sync,
+) -> Picture {
+    let lights: Vec<LightSource> = lights.iter().map(|l| l.source(origin)).collect();
+    let radiance = |ray: &Ray, stream: &mut Stream| radiance(surfaces, &lights, *ray, settings, stream);
+    expose(&camera.frame(origin), exposure, radiance, row_done)
+}
+
+/// One estimate of the linear RGB radiance that comes along `ray`.
+pub fn radiance(
+    surfaces: &impl Surfaces,
+    lights: &[LightSource],
+    mut ray: Ray,
+    settings: Settings,
+    stream: &mut Stream,
+) -> Vec3 {
+    let last = if settings.only == Only::Direct { 0 } else { settings.bounces.unwrap_or(u32::MAX) };
+    let mut total = Vec3::ZERO;
+    let mut throughput = Vec3::ONE;
+    let mut depth = 0;
+    while let Some(hit) = surfaces.cast(&ray, stream.bits() as u32) {
+        if depth == 0 && settings.only == Only::All {
+            total += hit.emission;
+        }
+        throughput *= hit.albedo;
+        if throughput == Vec3::ZERO {
+            break;
+        }
+        if depth > 0 || settings.only != Only::Indirect {
+            total += throughput * FRAC_1_PI * direct::at_hit(surfaces, lights, &hit);
+        }
+        if depth >= last {
+            break;
+        }
+        if depth >= ROULETTE_DEPTH {
+            let survival = throughput.max_element().min(0.95);
+            if stream.unit() >= survival {
+                break;
+            }
+            throughput /= survival;
+        }
+        let direction = stream.cosine_hemisphere(hit.normal);
+        let origin = hit.offset_origin(direction, surfaces.epsilon());
+        ray = Ray { origin, direction, max_distance: f32::INFINITY };
+        depth += 1;
+    }
+    total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene;
+    use crate::triangles::TriangleSurfaces;
+
+    #[test]
+    fn a_closed_room_of_albedo_half_holds_as_much_bounced_light_as_direct() {
+        // Flux: the lamp's 4π·I falls on the walls; each bounce keeps half. On average over the
+        // walls the indirect irradiance is ρ/(1 − ρ) = 1 times the direct one, 4π·I / 24.
+        let room = scene::load("builtin:furnace").unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&room);
+        let lights = [room.lights[0].source(room.origin)];
+        let n = 200_000;
+        let (mut direct, mut indirect) = (0.0, 0.0);
+        for i in 0..n {
+            let mut stream = Stream::new(1, i);
+            let axis = (i % 3) as usize;
+            let at = stream.square() * 2.0 - 1.0;
+            let mut origin = [0.0; 3];
+            (origin[(axis + 1) % 3], origin[(axis + 2) % 3]) = (at.x, at.y);
+            let mut direction = Vec3::ZERO;
+            direction[axis] = if stream.unit() < 0.5 { 1.0 } else { -1.0 };
+            let ray = Ray { origin: origin.into(), direction, max_distance: f32::INFINITY };
+            let mut of =
+                |only| radiance(&surfaces, &lights, ray, Settings { only, bounces: None }, &mut stream).x;
+            direct += of(Only::Direct) as f64;
+            indirect += of(Only::Indirect) as f64;
+        }
+        // Radiance = albedo / π · irradiance.
+        let expected = 0.5 / std::f64::consts::PI * 4.0 * std::f64::consts::PI / 24.0;
+        assert!(
+            (direct / n as f64 / expected - 1.0).abs() < 0.005,
+            "direct {}",
+            direct / n as f64 / expected
+        );
+        assert!(
+            (indirect / n as f64 / expected - 1.0).abs() < 0.01,
+            "indirect {}",
+            indirect / n as f64 / expected
+        );
+    }
+
+    #[test]
+    fn bounces_add_up_as_a_geometric_series() {
+        let room = scene::load("builtin:furnace").unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&room);
+        let exposure = Exposure { size: [24, 24], samples: 64, seed: 3 };
+        let mean = |bounces| {
+            let settings = Settings { only: Only::Indirect, bounces };
+            let picture =
+                path_trace(&surfaces, room.origin, &room.cameras[0], &room.lights, exposure, settings, || ());
+            picture.pixels.iter().map(|p| p.x).sum::<f32>() / picture.pixels.len() as f32
+        };
+        let (one, all) = (mean(Some(1)), mean(None));
+        assert_eq!(mean(Some(0)), 0.0);
+        // Almost uniform after the first bounce: each further one is half the one before.
+        assert!((all / one - 2.0).abs() < 0.06, "{}", all / one);
+    }
+
+    #[test]
+    fn the_parts_sum_to_the_whole_at_any_thread_count() {
+        let room = scene::load("builtin:cornell-box").unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&room);
+        let exposure = Exposure { size: [16, 16], samples: 8, seed: 5 };
+        let take = |only, threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let settings = Settings { only, bounces: None };
+            pool.install(|| {
+                path_trace(&surfaces, room.origin, &room.cameras[0], &room.lights, exposure, settings, || ())
+            })
+        };
+        let all = take(Only::All, 1);
+        assert_eq!(all, take(Only::All, 3));
+        let (direct, indirect) = (take(Only::Direct, 2), take(Only::Indirect, 2));
+        assert!(indirect.pixels.iter().any(|p| p.x > 0.0));
+        for ((a, d), i) in all.pixels.iter().zip(&direct.pixels).zip(&indirect.pixels) {
+            assert!((*a - *d - *i).abs().max_element() <= 1e-5 * (1.0 + a.max_element()));
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Averages the samples of each pixel over a box of one pixel.
+
+use super::Picture;
+use crate::random::Stream;
+use crate::surface::Ray;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use rebounce_shared::camera::CameraFrame;
+
+/// How many samples, and of what randomness.
+#[derive(Clone, Copy, Debug)]
+pub struct Exposure {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel, at least 1.
+    pub samples: u32,
+    /// Seed of all random numbers; the same seed gives the same picture at any thread count.
+    pub seed: u64,
+}
+
+/// Takes a picture. `radiance` gives the linear RGB radiance along a ray, local space; the
+/// stream is the sample's own. `row_done` is called after each row, from any thread.
+pub fn expose(
+    camera: &CameraFrame,
+    exposure: Exposure,
+    radiance: impl Fn(&Ray, &mut Stream) -> Vec3 + Sync,
+    row_done: impl Fn() + Sync,
+) -> Picture {
+    let [width, height] = exposure.size;
+    let samples = exposure.samples.max(1);
+    let mut pixels = vec![Vec3::ZERO; width as usize * height as usize];
+    pixels.par_chunks_mut(width.max(1) as usize).enumerate().for_each(|(y, row)| {
+        for (x, pixel) in row.iter_mut().enumerate() {
+            let index = (y as u64 * width as u64 + x as u64) * samples as u64;
+            let mut sum = DVec3::ZERO;
+            for s in 0..samples {
+                let mut stream = Stream::new(exposure.seed, index + s as u64);
+                let jitter = stream.square();
+                let direction = camera.direction(x as f32 + jitter.x, y as f32 + jitter.y, width, height);
+                let ray = Ray { origin: camera.eye, direction, max_distance: f32::INFINITY };
+                sum += radiance(&ray, &mut stream).as_dvec3();
+            }
+            *pixel = (sum / samples as f64).as_vec3();
+        }
+        row_done();
+    });
+    Picture { width, height, pixels }
+}

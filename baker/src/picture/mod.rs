@@ -1,0 +1,110 @@
+//! Pictures: taken, read, written.
+//!
+//! * [`expose`] – averages the samples of each pixel;
+//! * [`exr`] – linear radiance, the form for measuring;
+//! * [`png`] – tone mapped, the form for looking.
+
+pub mod expose;
+pub mod exr;
+pub mod png;
+
+use crate::write::{WriteError, write_whole};
+use glam::Vec3;
+use std::path::{Path, PathBuf};
+
+/// Linear RGB radiance, row after row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `width · height` pixels.
+    pub pixels: Vec<Vec3>,
+}
+
+/// Which light to show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Only {
+    /// Everything: direct and bounced light, and surfaces that shine by themselves.
+    #[default]
+    All,
+    /// Light that went from a lamp to the surface seen.
+    Direct,
+    /// Light that bounced at least once before it came to the surface seen.
+    Indirect,
+}
+
+/// Why a picture could not be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// The name does not tell the format.
+    #[error("{path}: the name must end in .exr (linear radiance) or .png (tone mapped)")]
+    UnknownFormat {
+        /// The file asked for.
+        path: PathBuf,
+    },
+    /// The picture could not be encoded or decoded.
+    #[error("{path}: {problem}")]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The file could not be written.
+    #[error("cannot write {0}")]
+    Write(#[from] WriteError),
+}
+
+/// Whether [`Picture::write`] knows what to write there; ask before a long computation.
+///
+/// # Errors
+/// [`PictureError::UnknownFormat`].
+pub fn check_name(path: &Path) -> Result<(), PictureError> {
+    match extension(path).as_str() {
+        "exr" | "png" => Ok(()),
+        _ => Err(PictureError::UnknownFormat { path: path.to_owned() }),
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+impl Picture {
+    /// Writes an EXR or a PNG, as the name's ending says, whole or not at all.
+    ///
+    /// # Errors
+    /// [`PictureError`].
+    pub fn write(&self, path: &Path) -> Result<(), PictureError> {
+        check_name(path)?;
+        let encoded = if extension(path) == "exr" { exr::encode(self) } else { png::encode(self) };
+        let bytes = encoded.map_err(|problem| PictureError::Format { path: path.to_owned(), problem })?;
+        Ok(write_whole(path, &bytes)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exr_keeps_every_float() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let pixels =
+            (0..35).map(|i| Vec3::new(i as f32 * 0.1, 1e-9 * i as f32, 1e9 / (1.0 + i as f32))).collect();
+        let picture = Picture { width: 7, height: 5, pixels };
+        picture.write(&path).unwrap();
+        assert_eq!(exr::read(&path).unwrap(), picture);
+        assert!(exr::read(&folder.path().join("none.exr")).is_err());
+    }
+
+    #[test]
+    fn a_name_without_a_known_ending_is_refused() {
+        let picture = Picture { width: 1, height: 1, pixels: vec![Vec3::ONE] };
+        let error = picture.write(Path::new("out.jpg")).unwrap_err().to_string();
+        assert!(error.contains(".exr") && error.contains(".png"), "{error}");
+    }
+}

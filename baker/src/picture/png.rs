@@ -1,0 +1,85 @@
+//! PNG for the eye: exposed automatically, tone mapped, sRGB.
+//!
+//! Exposure: the geometric mean of the luminance of all pixels that are not black becomes 0.18
+//! (Reinhard et al., *Photographic Tone Reproduction*, 2002). Tone mapping: Khronos PBR Neutral,
+//! which keeps the base colours of what is not very bright.
+
+use super::Picture;
+use glam::Vec3;
+
+/// Rec. 709 luminance of linear RGB.
+pub fn luminance(rgb: Vec3) -> f32 {
+    rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// The factor that exposes a picture automatically; 1 for a black one.
+pub fn automatic_exposure(picture: &Picture) -> f32 {
+    let lit = picture.pixels.iter().map(|&p| luminance(p)).filter(|&l| l > 0.0 && l.is_finite());
+    let (sum, count) = lit.fold((0.0f64, 0u64), |(sum, n), l| (sum + (l as f64).ln(), n + 1));
+    if count == 0 { 1.0 } else { (0.18 / (sum / count as f64).exp()) as f32 }
+}
+
+/// Khronos PBR Neutral tone mapper: exposed linear RGB to displayable linear RGB.
+pub fn tone_map(mut color: Vec3) -> Vec3 {
+    const START: f32 = 0.8 - 0.04;
+    const DESATURATION: f32 = 0.15;
+    let least = color.min_element().max(0.0);
+    color -= if least < 0.08 { least - 6.25 * least * least } else { 0.04 };
+    let peak = color.max_element();
+    if peak < START {
+        return color.max(Vec3::ZERO);
+    }
+    let d = 1.0 - START;
+    let new_peak = 1.0 - d * d / (peak + d - START);
+    color *= new_peak / peak;
+    let g = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    color.lerp(Vec3::splat(new_peak), g).max(Vec3::ZERO)
+}
+
+/// Linear to sRGB, 8 bits.
+fn srgb(c: f32) -> u8 {
+    let c = c.clamp(0.0, 1.0);
+    let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+    (encoded * 255.0 + 0.5) as u8
+}
+
+/// The bytes of a PNG file.
+pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, String> {
+    let exposure = automatic_exposure(picture);
+    let raw = picture.pixels.iter().flat_map(|&p| tone_map(p * exposure).to_array().map(srgb)).collect();
+    let image = image::RgbImage::from_raw(picture.width, picture.height, raw)
+        .ok_or("the picture's size does not fit its pixels")?;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| e.to_string())?;
+    Ok(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tone_mapping_is_continuous_rises_and_stays_below_one() {
+        let mut last = Vec3::ZERO;
+        for i in 0..200_000 {
+            let x = i as f32 * 1e-3;
+            let y = tone_map(Vec3::new(x, 0.5 * x, 0.2 * x));
+            assert!(y.cmpge(last - 1e-5).all() && y.max_element() <= 1.0, "{x}");
+            assert!(y.distance(last) < 2e-3, "a step at {x}");
+            last = y;
+        }
+    }
+
+    #[test]
+    fn exposure_does_not_depend_on_the_unit() {
+        let picture = |k: f32| Picture {
+            width: 2,
+            height: 2,
+            pixels: vec![Vec3::ZERO, Vec3::splat(k), Vec3::splat(4.0 * k), Vec3::splat(2.0 * k)],
+        };
+        let middle = 2.0 * automatic_exposure(&picture(1.0));
+        assert!((middle - 0.18).abs() < 1e-5);
+        assert!((automatic_exposure(&picture(1e6)) * 1e6 * 2.0 - 0.18).abs() < 1e-5);
+        assert_eq!(encode(&picture(1.0)), encode(&picture(1024.0)));
+    }
+}

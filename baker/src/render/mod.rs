@@ -1,0 +1,92 @@
+//! The truth about a baked file on the CPU: what the viewer should show.
+//!
+//! Direct light is sampled at the file's points with ray-cast visibility, the operator is
+//! applied ([`rebounce_shared::relight`]), and at every visible point the display basis is
+//! evaluated exactly: `E(x, n) = max(0, n · Σ w_j V_j / Σ w_j)` (paper, Eq. 6 and 8), reflected
+//! with albedo / π.
+
+use crate::basis::{Evaluator, Leveled};
+use crate::light::direct;
+use crate::picture::expose::{Exposure, expose};
+use crate::picture::{Only, Picture};
+use crate::random::Stream;
+use crate::surface::{Ray, Surfaces};
+use glam::Vec3;
+use rayon::prelude::*;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::{Light, LightSource};
+use rebounce_shared::link::VectorRgb;
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::relight;
+use std::f32::consts::FRAC_1_PI;
+
+/// A baked scene under certain lights.
+pub struct Relit {
+    lights: Vec<LightSource>,
+    values: Vec<VectorRgb>,
+    basis: Leveled,
+}
+
+impl Relit {
+    /// Relights `scene`. `surfaces` are those of the same file.
+    pub fn new(scene: &Scene, surfaces: &impl Surfaces, lights: &[Light]) -> Self {
+        let lights: Vec<LightSource> = lights.iter().map(|l| l.source(scene.meta.origin)).collect();
+        let irradiance: Vec<Vec3> = scene.points[..scene.direct_count()]
+            .par_iter()
+            .map(|p| direct::at_point(surfaces, &lights, p.position(), p.normal()))
+            .collect();
+        let values = relight::relight(scene, irradiance);
+        let level = |l: usize| {
+            let range = scene.level(l);
+            let functions = scene.points[range.clone()].iter().map(|p| (p.position(), p.normal(), p.radius));
+            Evaluator::new(functions, range.start as u32)
+        };
+        let basis = Leveled::new((0..scene.meta.levels.len()).map(level).collect());
+        Self { lights, values, basis }
+    }
+
+    /// RGB irradiance of the bounced light on a surface element, local space. Zero where no
+    /// function of any level covers it.
+    pub fn indirect(&self, position: Vec3, normal: Vec3) -> Vec3 {
+        let mut weights = Vec::with_capacity(64);
+        self.basis.interpolate(position, normal, &mut weights);
+        let mut sum = VectorRgb::ZERO;
+        for (index, weight) in weights {
+            sum.add_scaled(weight, &self.values[index as usize]);
+        }
+        sum.irradiance(normal).max(Vec3::ZERO)
+    }
+
+    /// The linear RGB radiance that comes along `ray`.
+    pub fn radiance(&self, surfaces: &impl Surfaces, ray: &Ray, only: Only, stream: &mut Stream) -> Vec3 {
+        let Some(hit) = surfaces.cast(ray, stream.bits() as u32) else {
+            return Vec3::ZERO;
+        };
+        let mut irradiance = Vec3::ZERO;
+        if hit.albedo != Vec3::ZERO {
+            if only != Only::Indirect {
+                irradiance += direct::at_hit(surfaces, &self.lights, &hit);
+            }
+            if only != Only::Direct {
+                irradiance += self.indirect(hit.position, hit.normal);
+            }
+        }
+        let emission = if only == Only::All { hit.emission } else { Vec3::ZERO };
+        hit.albedo * FRAC_1_PI * irradiance + emission
+    }
+}
+
+/// Takes a picture of a baked scene. `row_done` is called after each row, from any thread.
+pub fn render(
+    scene: &Scene,
+    surfaces: &impl Surfaces,
+    camera: &Camera,
+    lights: &[Light],
+    exposure: Exposure,
+    only: Only,
+    row_done: impl Fn() + Sync,
+) -> Picture {
+    let relit = Relit::new(scene, surfaces, lights);
+    let radiance = |ray: &Ray, stream: &mut Stream| relit.radiance(surfaces, ray, only, stream);
+    expose(&camera.frame(scene.meta.origin), exposure, radiance, row_done)
+}
