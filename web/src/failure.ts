@@ -1,0 +1,37 @@
+/** What can go wrong: a code for programs and a sentence for people. */
+
+/** An error with a short, stable code. */
+export class Failure extends Error {
+  constructor(
+    /** A short, stable code. */
+    readonly code: string,
+    message: string,
+    options?: ErrorOptions,
+  ) {
+    super(message, options);
+    this.name = "RebounceError";
+  }
+}
+
+/** Anything thrown, as a failure: the viewer's own errors carry a code, all else is a fault of ours. */
+export function failureOf(thrown: unknown): Failure {
+  if (thrown instanceof Failure) return thrown;
+  const code = (thrown as { code?: unknown } | null)?.code;
+  const message = thrown instanceof Error ? thrown.message : String(thrown);
+  if (typeof code === "string") return new Failure(code, message, { cause: thrown });
+  return new Failure("internal", `The viewer stopped because of a fault in it (${message}). Reload the page.`, {
+    cause: thrown,
+  });
+}
+
+/** Whether the viewer that gave this failure is of no further use. */
+export function isFatal(code: string): boolean {
+  return ["internal", "device-lost", "no-webgpu", "no-adapter", "no-device"].includes(code);
+}
+
+/** A message as a sentence: a capital first, a full stop last. */
+export function sentence(message: string): string {
+  const text = message.trim();
+  const first = text.charAt(0).toUpperCase() + text.slice(1);
+  return /[.!?]$/.test(first) ? first : `${first}.`;
+}

@@ -1,0 +1,73 @@
+/** Pointer, wheel and keyboard events of a canvas, handed to the viewer in canvas pixels. */
+
+import type { Viewer } from "./rebounce_viewer.js";
+
+/** Calls its argument with the viewer, if there is one to take input. */
+export type WithViewer = (use: (viewer: Viewer) => void) => void;
+
+/** Listens until the signal aborts. */
+export function listen(canvas: HTMLCanvasElement, withViewer: WithViewer, signal: AbortSignal): void {
+  const held = new Set<string>();
+  const at = (event: MouseEvent): [number, number] => {
+    const box = canvas.getBoundingClientRect();
+    const scale = [canvas.width / Math.max(box.width, 1), canvas.height / Math.max(box.height, 1)] as const;
+    return [(event.clientX - box.left) * scale[0], (event.clientY - box.top) * scale[1]];
+  };
+  const release = () => {
+    for (const code of held) withViewer((viewer) => viewer.key(code, false));
+    held.clear();
+  };
+  const up = (event: PointerEvent) => withViewer((viewer) => viewer.pointerUp(event.pointerId));
+
+  canvas.addEventListener(
+    "pointerdown",
+    (event) => {
+      canvas.focus({ preventScroll: true });
+      canvas.setPointerCapture(event.pointerId);
+      const [x, y] = at(event);
+      withViewer((viewer) =>
+        viewer.pointerDown(event.pointerId, x, y, event.button, event.shiftKey, event.ctrlKey || event.metaKey),
+      );
+    },
+    { signal },
+  );
+  canvas.addEventListener(
+    "pointermove",
+    (event) => withViewer((viewer) => viewer.pointerMove(event.pointerId, ...at(event))),
+    { signal },
+  );
+  canvas.addEventListener("pointerup", up, { signal });
+  canvas.addEventListener("pointercancel", up, { signal });
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      // Lines and pages become about as many pixels as browsers scroll for them.
+      const unit = [1, 16, 400][event.deltaMode] ?? 1;
+      withViewer((viewer) => viewer.wheel(...at(event), event.deltaY * unit));
+    },
+    { signal, passive: false },
+  );
+  canvas.addEventListener(
+    "keydown",
+    (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      withViewer((viewer) => {
+        if (viewer.key(event.code, true)) {
+          held.add(event.code);
+          event.preventDefault();
+        }
+      });
+    },
+    { signal },
+  );
+  canvas.addEventListener(
+    "keyup",
+    (event) => {
+      if (held.delete(event.code)) withViewer((viewer) => viewer.key(event.code, false));
+    },
+    { signal },
+  );
+  canvas.addEventListener("blur", release, { signal });
+}

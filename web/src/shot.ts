@@ -1,0 +1,62 @@
+/** Camera and lights as plain objects, in the form of SHOT.json. World space, metres or whatever
+ * unit the scene was modelled in; colours are linear RGB. */
+
+/** Three numbers: a position, a direction or a colour. */
+export type Triple = [number, number, number];
+
+/** A pinhole camera. */
+export interface Camera {
+  /** The eye. */
+  position: Triple;
+  /** A point looked at. */
+  target: Triple;
+  /** The direction that is up in the picture; (0, 1, 0) when absent. */
+  up?: Triple;
+  /** Vertical field of view, degrees; 60 when absent. */
+  yfov_deg?: number;
+}
+
+/** Shines all around. */
+export interface PointLight {
+  type: "point";
+  position: Triple;
+  /** Candela. */
+  intensity: number;
+  color?: Triple;
+}
+
+/** Shines within a cone. */
+export interface SpotLight {
+  type: "spot";
+  position: Triple;
+  /** The way the light travels; any length. */
+  direction: Triple;
+  /** Half angle of the cone, degrees. */
+  outer_cone_deg: number;
+  /** Half angle within which the light is full, degrees; a hard edge when absent. */
+  inner_cone_deg?: number;
+  /** Candela. */
+  intensity: number;
+  color?: Triple;
+}
+
+/** Shines from infinitely far. */
+export interface DirectionalLight {
+  type: "directional";
+  /** The way the light travels; any length. */
+  direction: Triple;
+  /** Lux on a surface that faces the light. */
+  intensity: number;
+  color?: Triple;
+}
+
+/** Any light. */
+export type Light = PointLight | SpotLight | DirectionalLight;
+
+/** Camera and lights together: what SHOT.json holds. */
+export interface Shot {
+  camera: Camera;
+  lights: Light[];
+  /** Width and height of the picture, pixels; the element keeps its own size. */
+  size?: [number, number];
+}
