@@ -1,1 +1,4 @@
-//! Tests that span crates.
+//! Tests that span crates, and what they need: pictures of linear radiance, compared.
+
+pub mod difference;
+pub mod float_picture;

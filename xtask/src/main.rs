@@ -1,8 +1,10 @@
 //! The workspace's own commands: `cargo xtask demo`, `web`, `test`, `install`.
 
 mod bindgen;
+mod demo;
 mod install;
 mod process;
+mod test;
 mod toolchain;
 mod web;
 
@@ -13,7 +15,8 @@ const USAGE: &str = "\
 cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
                      bakes a scene (builtin:cornell-box), builds the viewer, serves it on 127.0.0.1;
                      with --screenshot: takes a picture in headless Chromium instead, and ends
-cargo xtask test     runs every test, those in the browser included
+cargo xtask test [native|wasm|page]
+                     runs every test, those in the browser included; or one part
 cargo xtask web      builds the viewer and its page into web/dist
 cargo xtask install  installs what the others need, and says what";
 
@@ -30,6 +33,8 @@ fn main() -> ExitCode {
 
 fn dispatch(args: &[String]) -> Result<()> {
     match args.first().map(String::as_str) {
+        Some("demo") => demo::run(&args[1..]),
+        Some("test") => test::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),
         Some("help" | "--help" | "-h") => {

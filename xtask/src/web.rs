@@ -67,6 +67,16 @@ pub fn npm() -> Result<()> {
     fs::write(&stamp, lock).with_context(|| stamp.display().to_string())
 }
 
+/// Node.js in web/, which knows where the browser is.
+pub fn node() -> Command {
+    let mut command = Command::new(process::find(&["node", "nodejs"]).unwrap_or_else(|| "node".into()));
+    command.current_dir(process::root().join("web"));
+    if let Some(browser) = install::chromium() {
+        command.env("CHROMIUM", browser);
+    }
+    command
+}
+
 /// Compiles the TypeScript and gathers every file of the site.
 fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     let web = process::root().join("web");

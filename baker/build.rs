@@ -1,0 +1,46 @@
+//! Puts the built viewer (web/dist) into the binary, for `rebounce view`.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::{env, fs, io};
+
+fn main() -> io::Result<()> {
+    let manifest = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
+    let web = manifest.join("../web");
+    let dist = web.join("dist");
+    println!("cargo::rerun-if-changed=build.rs");
+    // A path that is not there would make Cargo build again every time.
+    match (dist.is_dir(), web.is_dir()) {
+        (true, _) => println!("cargo::rerun-if-changed=../web/dist"),
+        (_, true) => println!("cargo::rerun-if-changed=../web"),
+        _ => {}
+    }
+    let mut list = String::from("&[\n");
+    for name in served(&dist)? {
+        let copy = out.join("web").join(&name);
+        if let Some(parent) = copy.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        fs::copy(dist.join(&name), &copy)?;
+        // The list is written only to a String, which cannot fail.
+        let _ = writeln!(list, "({name:?}, include_bytes!({copy:?})),");
+    }
+    list.push(']');
+    fs::write(out.join("web_files.rs"), list)
+}
+
+/// The files that a browser asks for, sorted.
+fn served(dist: &Path) -> io::Result<Vec<String>> {
+    let mut names = Vec::new();
+    if dist.is_dir() {
+        for entry in fs::read_dir(dist)? {
+            let name = entry?.file_name().to_string_lossy().into_owned();
+            if !name.ends_with(".d.ts") {
+                names.push(name);
+            }
+        }
+    }
+    names.sort();
+    Ok(names)
+}

@@ -1,0 +1,263 @@
+//! `rebounce view`: serves the built viewer with one baked file on 127.0.0.1.
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use rebounce_shared::rbn::container::MAGIC;
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use tiny_http::{Header, Method, Request, Response, ResponseBox, Server};
+
+/// Arguments of `rebounce view`.
+#[derive(Args, Debug)]
+pub struct ViewArgs {
+    /// What `rebounce bake` wrote
+    #[arg(value_name = "FILE.rbn")]
+    file: PathBuf,
+    /// Port on 127.0.0.1; 7777, or any that is free, when absent
+    #[arg(long)]
+    port: Option<u16>,
+    /// Only prints the address, opens no browser
+    #[arg(long)]
+    no_open: bool,
+}
+
+/// The viewer's files by name; empty if the binary was built without them.
+static WEB: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/web_files.rs"));
+
+const DEFAULT_PORT: u16 = 7777;
+/// A page's files are few and small; a large scene does not hold them up.
+const THREADS: usize = 4;
+
+/// Sent with every answer. The last two give the page finer timers.
+const HEADERS: [(&str, &str); 7] = [
+    (
+        "Content-Security-Policy",
+        "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; \
+         connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    ),
+    ("X-Content-Type-Options", "nosniff"),
+    ("Referrer-Policy", "no-referrer"),
+    ("Cache-Control", "no-cache"),
+    ("Cross-Origin-Resource-Policy", "same-origin"),
+    ("Cross-Origin-Opener-Policy", "same-origin"),
+    ("Cross-Origin-Embedder-Policy", "require-corp"),
+];
+
+/// Runs the command; ends only when interrupted.
+pub fn run(args: &ViewArgs) -> Result<()> {
+    if WEB.is_empty() {
+        bail!(
+            "this rebounce was built without the viewer; build the viewer with `cargo xtask web`, then rebounce again"
+        );
+    }
+    check(&args.file)?;
+    let listener = listen(args.port)?;
+    let port = listener.local_addr()?.port();
+    let server =
+        Server::from_listener(listener, None).map_err(|e| anyhow::anyhow!("starting the server: {e}"))?;
+    let address = format!("http://127.0.0.1:{port}/");
+    println!("{} at {address}", args.file.display());
+    println!("Ctrl-C ends");
+    if !args.no_open {
+        open(&address);
+    }
+    let site = Arc::new(Site { file: args.file.clone(), port });
+    let server = Arc::new(server);
+    let threads: Vec<_> = (0..THREADS)
+        .map(|_| {
+            let (server, site) = (server.clone(), site.clone());
+            std::thread::spawn(move || {
+                for request in server.incoming_requests() {
+                    site.serve(request);
+                }
+            })
+        })
+        .collect();
+    for thread in threads {
+        if thread.join().is_err() {
+            bail!("the server stopped");
+        }
+    }
+    Ok(())
+}
+
+/// Whether the file can be read and begins like a .rbn file; the page checks the rest.
+fn check(path: &Path) -> Result<()> {
+    let mut start = [0; MAGIC.len()];
+    let mut file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+    if file.read_exact(&mut start).is_err() || start != MAGIC {
+        bail!("{} is not a .rbn file; make one with `rebounce bake SCENE.glb -o FILE.rbn`", path.display());
+    }
+    Ok(())
+}
+
+/// Binds the port asked for, or the usual one, or any.
+fn listen(port: Option<u16>) -> Result<TcpListener> {
+    let bind = |port| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
+    match port {
+        Some(port) => {
+            bind(port).with_context(|| format!("port {port} cannot be used; choose another with --port"))
+        }
+        None => bind(DEFAULT_PORT).or_else(|_| bind(0)).context("no port on 127.0.0.1 can be used"),
+    }
+}
+
+/// Asks the system for its browser; the address is printed in any case.
+fn open(address: &str) {
+    let program = match std::env::consts::OS {
+        "macos" => "open",
+        "windows" => "explorer",
+        _ => "xdg-open",
+    };
+    // Where there is none, the printed address has to do.
+    let _ = Command::new(program)
+        .arg(address)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+}
+
+struct Site {
+    file: PathBuf,
+    port: u16,
+}
+
+impl Site {
+    fn serve(&self, request: Request) {
+        let host =
+            request.headers().iter().find(|h| h.field.equiv("Host")).map(|h| h.value.as_str().to_owned());
+        let mut response = self.answer(request.method(), host.as_deref(), request.url());
+        for (name, value) in HEADERS {
+            add(&mut response, name, value);
+        }
+        // A browser that has gone away is no error here.
+        let _ = request.respond(response);
+    }
+
+    /// Any other name for this machine in the request would let a foreign page read the file
+    /// (DNS rebinding).
+    fn is_own(&self, host: Option<&str>) -> bool {
+        host.is_some_and(|host| {
+            host == format!("127.0.0.1:{}", self.port) || host == format!("localhost:{}", self.port)
+        })
+    }
+
+    /// Serves exactly the embedded files and the scene; nothing of the request becomes a path.
+    /// Nothing is sent in chunks: the page shows how much of the length has come.
+    fn answer(&self, method: &Method, host: Option<&str>, url: &str) -> ResponseBox {
+        if !self.is_own(host) {
+            return text(403, "this server answers only to 127.0.0.1");
+        }
+        if !matches!(method, Method::Get | Method::Head) {
+            return text(405, "only GET and HEAD");
+        }
+        let path = url.split(['?', '#']).next().unwrap_or_default();
+        let name = match path.strip_prefix('/') {
+            Some("") => "index.html",
+            Some(name) => name,
+            None => return text(400, "not a path"),
+        };
+        if name == "scene.rbn" {
+            return match File::open(&self.file) {
+                Ok(file) => {
+                    let body = Response::from_file(file).with_chunked_threshold(usize::MAX);
+                    typed(body.boxed(), "application/octet-stream")
+                }
+                Err(error) => text(404, &format!("the scene can no longer be read: {error}")),
+            };
+        }
+        match WEB.iter().find(|(known, _)| *known == name) {
+            Some((_, bytes)) => {
+                let headers = Vec::new();
+                let body = Response::new(200.into(), headers, Cursor::new(*bytes), Some(bytes.len()), None);
+                typed(body.with_chunked_threshold(usize::MAX).boxed(), mime(name))
+            }
+            None => text(404, "there is no such file"),
+        }
+    }
+}
+
+fn mime(name: &str) -> &'static str {
+    match name.rsplit('.').next() {
+        Some("html") => "text/html; charset=utf-8",
+        Some("js") => "text/javascript; charset=utf-8",
+        Some("css") => "text/css; charset=utf-8",
+        Some("wasm") => "application/wasm",
+        _ => "application/octet-stream",
+    }
+}
+
+fn text(status: u16, message: &str) -> ResponseBox {
+    typed(Response::from_string(message).with_status_code(status).boxed(), "text/plain; charset=utf-8")
+}
+
+fn typed(mut response: ResponseBox, mime: &str) -> ResponseBox {
+    add(&mut response, "Content-Type", mime);
+    response
+}
+
+/// All names and values here are plain ASCII, which a header always takes.
+fn add(response: &mut ResponseBox, name: &str, value: &str) {
+    if let Ok(header) = Header::from_bytes(name, value) {
+        response.add_header(header);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn site() -> (Site, tempfile::NamedTempFile) {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), MAGIC).unwrap();
+        (Site { file: file.path().to_owned(), port: 80 }, file)
+    }
+
+    fn get(site: &Site, host: &str, url: &str) -> u16 {
+        site.answer(&Method::Get, Some(host), url).status_code().0
+    }
+
+    #[test]
+    fn only_its_own_names_are_answered() {
+        let (site, _file) = site();
+        assert_eq!(get(&site, "127.0.0.1:80", "/scene.rbn"), 200);
+        assert_eq!(get(&site, "localhost:80", "/scene.rbn?x=1"), 200);
+        for host in ["evil.example:80", "127.0.0.1:81", "127.0.0.1", "127.0.0.1:80.evil.example"] {
+            assert_eq!(get(&site, host, "/scene.rbn"), 403, "{host}");
+        }
+        assert_eq!(site.answer(&Method::Get, None, "/scene.rbn").status_code().0, 403);
+    }
+
+    #[test]
+    fn nothing_but_its_files_is_served() {
+        let (site, file) = site();
+        let absolute = file.path().to_string_lossy().into_owned();
+        for url in [
+            "/../Cargo.toml",
+            "/%2e%2e/Cargo.toml",
+            "/..%2fCargo.toml",
+            "//etc/passwd",
+            "/etc/passwd",
+            "/src/main.rs",
+            "/./scene.rbn",
+            "http://127.0.0.1/scene.rbn",
+            "*",
+            &absolute,
+        ] {
+            let status = get(&site, "127.0.0.1:80", url);
+            assert!(status == 404 || status == 400, "{url}: {status}");
+        }
+        assert_eq!(site.answer(&Method::Post, Some("127.0.0.1:80"), "/").status_code().0, 405);
+    }
+
+    #[test]
+    fn wasm_has_its_own_type() {
+        assert_eq!(mime("rebounce_viewer_bg.wasm"), "application/wasm");
+        assert_eq!(mime("rebounce-viewer.js"), "text/javascript; charset=utf-8");
+    }
+}

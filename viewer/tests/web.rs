@@ -1,0 +1,121 @@
+//! The viewer's class and the shared crate as they are in a browser.
+#![cfg(target_arch = "wasm32")]
+
+use js_sys::{Float32Array, Promise, Reflect, Uint8Array};
+use rebounce_shared::camera::Camera;
+use rebounce_shared::rbn::bulk::{Point, Row, Vertex};
+use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
+use rebounce_shared::rbn::{RbnError, Scene};
+use rebounce_viewer::wasm::Viewer;
+use wasm_bindgen::convert::TryFromJsValue;
+use wasm_bindgen::{JsCast, JsValue};
+use wasm_bindgen_futures::JsFuture;
+use wasm_bindgen_test::{wasm_bindgen_test, wasm_bindgen_test_configure};
+
+wasm_bindgen_test_configure!(run_in_browser);
+
+/// One triangle and one basis function: the smallest scene with anything in it.
+fn triangle() -> Scene {
+    let corner = |x, y| Vertex { position: [x, y, 0.0], ..Vertex::default() };
+    Scene {
+        meta: Meta {
+            scene_name: "triangle – Ünïcode".into(),
+            origin: [1e6, -0.5, 0.25],
+            bounds_max: [1.0, 1.0, 0.0],
+            levels: vec![Level { first: 0, count: 1, disk_radius: 0.5, support_radius: 1.0 }],
+            sender_levels: 1,
+            direct_levels: 1,
+            materials: vec![Material { base_color: [0.5, 0.25, 0.125, 1.0], ..Material::default() }],
+            draws: vec![Draw { first_index: 0, index_count: 3, material: 0 }],
+            cameras: vec![Camera {
+                position: [1e6, 0.0, 3.0],
+                target: [1e6, 0.0, 0.0],
+                up: [0.0, 1.0, 0.0],
+                yfov_deg: 50.0,
+            }],
+            ..Meta::default()
+        },
+        vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)],
+        indices: vec![0, 1, 2],
+        points: vec![Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0 }],
+        push_offsets: vec![0, 0],
+        pull_offsets: vec![0],
+        rows: vec![Row { receiver: u32::MAX, first_link: 0 }],
+        ..Scene::default()
+    }
+}
+
+async fn viewer() -> Viewer {
+    let canvas = js_sys::eval("document.createElement('canvas')").unwrap();
+    let object = JsFuture::from(Viewer::create(canvas.unchecked_into())).await.unwrap();
+    Viewer::try_from_js_value(object).map_err(|_| "not a Viewer").unwrap()
+}
+
+/// The code that loading these bytes is refused with.
+async fn refusal(viewer: &Viewer, bytes: &[u8]) -> String {
+    let error = JsFuture::from(viewer.load(Uint8Array::from(bytes))).await.unwrap_err();
+    assert!(error.is_instance_of::<js_sys::Error>(), "not an Error: {error:?}");
+    code(&error)
+}
+
+fn code(error: &JsValue) -> String {
+    Reflect::get(error, &"code".into()).unwrap().as_string().expect("an error has a code")
+}
+
+#[wasm_bindgen_test]
+fn a_file_is_the_same_after_a_round_trip() {
+    let scene = triangle();
+    let bytes = scene.to_bytes().unwrap();
+    assert_eq!(Scene::from_bytes(&bytes).unwrap(), scene);
+    for len in (0..bytes.len()).step_by(7) {
+        assert!(Scene::from_bytes(&bytes[..len]).is_err(), "cut to {len}");
+    }
+    let damaged = |at: usize| {
+        let mut bytes = bytes.clone();
+        bytes[at] ^= 1;
+        Scene::from_bytes(&bytes)
+    };
+    assert!(matches!(damaged(0), Err(RbnError::NotRbn)));
+    assert!(matches!(damaged(bytes.len() - 1), Err(RbnError::Checksum { .. })));
+}
+
+#[wasm_bindgen_test]
+async fn files_that_are_none_are_refused_with_a_code() {
+    let viewer = viewer().await;
+    let whole = triangle().to_bytes().unwrap();
+    assert_eq!(refusal(&viewer, b"").await, "not-rbn");
+    assert_eq!(refusal(&viewer, b"glTF, which is something else").await, "not-rbn");
+    assert_eq!(refusal(&viewer, &whole[..whole.len() / 2]).await, "truncated");
+    let mut damaged = whole.clone();
+    damaged[whole.len() / 2] ^= 1;
+    assert_eq!(refusal(&viewer, &damaged).await, "corrupt");
+    let mut newer = whole.clone();
+    newer[8..12].copy_from_slice(&9u32.to_le_bytes());
+    // The header's own checksum comes first: a wrong version without it is damage.
+    assert_eq!(refusal(&viewer, &newer).await, "corrupt");
+    viewer.dispose();
+}
+
+#[wasm_bindgen_test]
+async fn wrong_arguments_throw_errors_with_codes() {
+    let viewer = viewer().await;
+    assert_eq!(code(&viewer.set_shot_json("{").unwrap_err()), "bad-json");
+    assert_eq!(code(&viewer.set_camera_json(r#"{"position": [0, 0]}"#).unwrap_err()), "bad-json");
+    assert_eq!(code(&viewer.set_lights_json(r#"[{"type": "moon"}]"#).unwrap_err()), "bad-json");
+    let read: Promise = viewer.read_indirect(8, 8);
+    assert_eq!(code(&JsFuture::from(read).await.unwrap_err()), "no-scene");
+    viewer.dispose();
+}
+
+#[wasm_bindgen_test]
+async fn without_lights_the_indirect_image_is_black_where_the_surface_is() {
+    let viewer = viewer().await;
+    JsFuture::from(viewer.load(Uint8Array::from(&triangle().to_bytes().unwrap()[..]))).await.unwrap();
+    let image = JsFuture::from(viewer.read_indirect(16, 16)).await.unwrap();
+    let image = image.unchecked_into::<Float32Array>().to_vec();
+    assert_eq!(image.len(), 16 * 16 * 4);
+    assert!(image.chunks(4).all(|pixel| pixel[..3] == [0.0; 3]), "light from nowhere");
+    let covered = image.chunks(4).filter(|pixel| pixel[3] > 0.0).count();
+    assert!(covered > 0 && covered < 256, "{covered} of 256 pixels are covered");
+    viewer.dispose();
+}

@@ -1,0 +1,37 @@
+// node test/run.mjs [--wasm DIR/NAME]... [--page WORK REBOUNCE COMPARE]: tests that need a browser.
+// --wasm: a test program, where wasm-bindgen wrote NAME.js and NAME_bg.wasm.
+// --page: the tests of the page, with a folder to work in and two programs.
+// The last line printed is "N passed, N failed"; fails if any test does.
+
+import path from "node:path";
+import { Harness } from "./harness.mjs";
+import { runPageTests } from "./page.mjs";
+import { runWasmTests } from "./wasm.mjs";
+
+const harness = new Harness();
+const args = process.argv.slice(2);
+while (args.length > 0) {
+  const kind = args.shift();
+  if (kind === "--wasm") {
+    const program = args.shift();
+    const name = path.basename(program);
+    console.log(`\nwasm tests in headless Chromium: ${name}`);
+    try {
+      harness.add(await runWasmTests(path.dirname(program), name));
+    } catch (error) {
+      await harness.test(name, () => Promise.reject(error));
+    }
+  } else if (kind === "--page") {
+    const [work, rebounce, compare] = args.splice(0, 3);
+    console.log("\npage tests in headless Chromium");
+    try {
+      await runPageTests(harness, { work, rebounce, compare });
+    } catch (error) {
+      await harness.test("page", () => Promise.reject(error));
+    }
+  } else {
+    throw new Error(`unknown argument ${kind}`);
+  }
+}
+console.log(`\n${harness.passed} passed, ${harness.failed} failed`);
+process.exitCode = harness.failed > 0 || harness.passed === 0 ? 1 : 0;

@@ -1,0 +1,120 @@
+//! `cargo xtask demo`: from nothing to a lit room in the browser.
+
+use crate::{install, process, web};
+use anyhow::{Context, Result, bail};
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// What the command line asks for.
+#[derive(Debug, Default, PartialEq)]
+struct Options {
+    scene: Option<String>,
+    port: Option<u16>,
+    screenshot: Option<PathBuf>,
+}
+
+fn parse(args: &[String]) -> Result<Options> {
+    let mut options = Options::default();
+    let mut args = args.iter();
+    while let Some(name) = args.next() {
+        let mut value = || args.next().with_context(|| format!("{name} needs a value"));
+        match name.as_str() {
+            "--scene" => options.scene = Some(value()?.clone()),
+            "--port" => options.port = Some(value()?.parse().context("--port needs a number up to 65535")?),
+            "--screenshot" => options.screenshot = Some(value()?.into()),
+            other => bail!("there is no option {other}; there are --scene, --port and --screenshot"),
+        }
+    }
+    Ok(options)
+}
+
+/// Builds everything, bakes the scene, and shows it; or takes a picture of it.
+///
+/// # Errors
+/// If a step fails, or the picture is blank.
+pub fn run(args: &[String]) -> Result<()> {
+    let options = parse(args)?;
+    if options.screenshot.is_some() {
+        install::ensure(&install::BROWSER)?;
+    }
+    web::build()?;
+    process::run(process::cargo().args([
+        "build",
+        "--release",
+        "--package",
+        "rebounce",
+        "--bin",
+        "rebounce",
+    ]))?;
+    let rebounce = process::target().join("release/rebounce");
+    let scene = options.scene.as_deref().unwrap_or("builtin:cornell-box");
+    let baked = baked(scene);
+    if let Some(dir) = baked.parent() {
+        std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
+    }
+    process::run(Command::new(&rebounce).args(["bake", scene, "-o"]).arg(&baked))?;
+    let mut view = Command::new(&rebounce);
+    view.arg("view").arg(&baked).arg("--no-open");
+    match options.screenshot {
+        Some(out) => {
+            view.args(["--port", &options.port.unwrap_or(0).to_string()]);
+            screenshot(&mut view, &std::path::absolute(out)?)
+        }
+        None => {
+            if let Some(port) = options.port {
+                view.args(["--port", &port.to_string()]);
+            }
+            process::run(&mut view)
+        }
+    }
+}
+
+/// Where the scene's baked file goes.
+fn baked(scene: &str) -> PathBuf {
+    let name = match scene.strip_prefix("builtin:") {
+        Some(name) => name.to_owned(),
+        None => Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+    };
+    process::target().join("demo").join(name + ".rbn")
+}
+
+/// Serves, loads the page in headless Chromium, and writes its picture.
+fn screenshot(view: &mut Command, out: &Path) -> Result<()> {
+    let child = view.stdout(Stdio::piped()).spawn().context("rebounce view could not be started")?;
+    let mut server = process::Running(child);
+    let stdout = server.0.stdout.take().context("rebounce view has no output")?;
+    let mut address = None;
+    for line in BufReader::new(stdout).lines() {
+        address = line?.split_whitespace().find(|word| word.starts_with("http://")).map(str::to_owned);
+        if address.is_some() {
+            break;
+        }
+    }
+    let address = address.context("rebounce view printed no address")?;
+    println!("taking a picture of {address}");
+    process::run(web::node().arg("test/screenshot.mjs").arg(address).arg(out))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options() {
+        let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let options = parse(&words("--scene a/room.glb --port 81 --screenshot out.png")).unwrap();
+        assert_eq!(options.scene.as_deref(), Some("a/room.glb"));
+        assert_eq!((options.port, options.screenshot), (Some(81), Some("out.png".into())));
+        assert_eq!(parse(&[]).unwrap(), Options::default());
+        for line in ["--scene", "--port x", "--port 70000", "--what", "room.glb"] {
+            assert!(parse(&words(line)).is_err(), "{line}");
+        }
+    }
+
+    #[test]
+    fn baked_files_are_named_after_their_scene() {
+        assert!(baked("builtin:cornell-box").ends_with("demo/cornell-box.rbn"));
+        assert!(baked("some/where/room.v2.glb").ends_with("demo/room.v2.rbn"));
+    }
+}

@@ -1,0 +1,98 @@
+//! `cargo xtask test`: every test. Nothing is compiled twice that need not be.
+
+use crate::toolchain::{self, Toolchain};
+use crate::{bindgen, install, process, web};
+use anyhow::{Context, Result, bail};
+use std::path::PathBuf;
+use std::process::Stdio;
+
+/// Runs every test, or one part: `native`, `wasm` or `page`. All parts run, whatever becomes of the
+/// first.
+///
+/// # Errors
+/// If something needed is missing, does not compile, or a test fails.
+pub fn run(args: &[String]) -> Result<()> {
+    let part = args.first().map(String::as_str);
+    if !matches!(part, None | Some("native" | "wasm" | "page")) || args.len() > 1 {
+        bail!("there are three parts: native, wasm, page; without a name all of them are run");
+    }
+    let wanted = |name| part.is_none() || part == Some(name);
+    install::ensure(&install::BROWSER)?;
+    // First the page: the binary that the tests build holds it.
+    if wanted("page") {
+        web::build()?;
+    } else {
+        install::ensure(&install::NODE)?;
+        web::npm()?;
+    }
+    let native = match part {
+        None | Some("native") => native(&[]),
+        Some("page") => native(&["--no-run"]),
+        Some(_) => Ok(()),
+    };
+    if let Err(error) = &native {
+        println!("{error:#}");
+    }
+    let programs = if wanted("wasm") { wasm_tests(toolchain::find()?)? } else { Vec::new() };
+    if wanted("wasm") || wanted("page") { native.and(browser(&programs, wanted("page"))) } else { native }
+}
+
+/// `cargo test` of the whole workspace, in the development profile (which is optimised). It builds
+/// the programs that the browser's tests call, too.
+fn native(options: &[&str]) -> Result<()> {
+    let mut command = process::cargo();
+    command.args(["test", "--workspace", "--no-fail-fast"]).args(options);
+    if let Some(description) = install::lavapipe() {
+        command.env("VK_DRIVER_FILES", description);
+    }
+    process::run(&mut command)
+}
+
+/// Runs wasm tests, and those of the page if wanted, in headless Chromium.
+fn browser(wasm: &[PathBuf], page: bool) -> Result<()> {
+    let work = process::target().join("browser-tests");
+    std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
+    let mut node = web::node();
+    node.arg("test/run.mjs");
+    for file in wasm {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let dir = work.join("wasm");
+        bindgen::tests(file, &name, &dir)?;
+        node.arg("--wasm").arg(dir.join(name));
+    }
+    if page {
+        let bin = |name: &str| process::target().join("debug").join(name);
+        node.arg("--page").arg(&work).arg(bin("rebounce")).arg(bin("compare"));
+    }
+    process::run(&mut node)
+}
+
+/// Compiles the viewer's wasm tests with the profile of the bundle, whose dependencies are built
+/// already; where the programs lie.
+fn wasm_tests(toolchain: Toolchain) -> Result<Vec<PathBuf>> {
+    let mut command = toolchain.cargo("test");
+    command.args(["--package", "rebounce-viewer", "--test", "web", "--profile", "web", "--no-run"]);
+    command.arg("--message-format=json-render-diagnostics");
+    println!("> {}", process::line(&command));
+    let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output().context("cargo")?;
+    if !output.status.success() {
+        bail!("the wasm tests do not compile");
+    }
+    let programs = executables(&String::from_utf8_lossy(&output.stdout));
+    if programs.is_empty() {
+        bail!("cargo named no wasm test");
+    }
+    Ok(programs)
+}
+
+/// The programs that Cargo's messages name.
+fn executables(messages: &str) -> Vec<PathBuf> {
+    let key = "\"executable\":\"";
+    messages
+        .lines()
+        .filter_map(|line| line.split_once(key))
+        .filter_map(|(_, rest)| rest.split_once('"'))
+        .map(|(path, _)| PathBuf::from(path))
+        .filter(|path| path.extension().is_some_and(|e| e == "wasm"))
+        .collect()
+}
