@@ -2,13 +2,35 @@
 //!
 //! It relights a baked scene ([`rebounce_shared::rbn::Scene`]) on the GPU and draws it: in the
 //! browser through WebGPU (the class `Viewer` of the module `wasm`), natively without a window.
+//!
+//! One frame, as far as something changed: [`shadow`] maps, [`relight`] (the bounced light at every
+//! point), [`gbuffer`], [`splat`] (from points to pixels), [`composite`], [`overlay`]. [`renderer`]
+//! decides what must be done; [`scene`] is what a file becomes; [`controls`] moves camera and lights.
 
+mod bindings;
+pub mod composite;
 pub mod controls;
 pub mod error;
+pub mod gbuffer;
 pub mod gpu;
+pub mod materials;
 pub mod oneshot;
+pub mod overlay;
 pub mod readback;
+pub mod relight;
 pub mod renderer;
+pub mod scene;
+pub mod settings;
+pub mod shaders;
+pub mod shadow;
+pub mod shadow_fit;
+pub mod splat;
+pub mod stats;
+pub mod target;
+pub mod textures;
+pub mod timing;
+pub mod upload;
+pub mod view;
 #[cfg(target_arch = "wasm32")]
 pub mod wasm;
 

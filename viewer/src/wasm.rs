@@ -2,10 +2,12 @@
 //!
 //! Every failure is a JavaScript `Error` whose `code` is one of [`ViewerError::code`]'s.
 
-use crate::controls::{Controls, PointerButton};
+use crate::controls::{Controls, PointerButton, Stage};
 use crate::error::ViewerError;
 use crate::gpu::{Gpu, Requested};
-use crate::renderer::{LoadedScene, Mode, Overlay, Renderer};
+use crate::renderer::Renderer;
+use crate::scene::LoadedScene;
+use crate::settings::{Mode, Overlay};
 use rebounce_shared::{camera::Camera, light::Light, rbn, shot::Shot};
 use std::cell::{Cell, RefCell};
 use std::future::Future;
@@ -54,7 +56,13 @@ struct Callbacks {
     disposed: Cell<bool>,
 }
 
+/// Frames further apart than this are not spent on averaging a still picture.
+const SLOW_MS: f64 = 60.0;
+
 struct State {
+    /// When [`Viewer::frame`] was last called, and whether it drew.
+    last_ms: f64,
+    drew_last: bool,
     renderer: Renderer,
     controls: Controls,
     surface: Option<wgpu::Surface<'static>>,
@@ -78,6 +86,23 @@ impl Viewer {
         let result = work(&mut self.state.borrow_mut());
         self.callbacks.changed();
         result.map_err(|e| js_error(&e))
+    }
+
+    /// Runs input on the controls and tells the page if that changed anything.
+    fn control(&self, work: impl FnOnce(&mut Controls, &mut Stage, [u32; 2], bool)) {
+        let changed = {
+            let mut state = self.state.borrow_mut();
+            let state = &mut *state;
+            let mut stage = state.renderer.stage();
+            let size = [state.config.width, state.config.height];
+            work(&mut state.controls, &mut stage, size, state.renderer.gizmos());
+            state.renderer.apply(stage);
+            state.renderer.set_active(state.controls.dragged());
+            state.renderer.needs_frame()
+        };
+        if changed {
+            self.callbacks.changed();
+        }
     }
 
     fn to_json(value: &impl serde::Serialize) -> Result<String, JsValue> {
@@ -139,6 +164,8 @@ impl Viewer {
                 }
             });
             let state = State {
+                last_ms: 0.0,
+                drew_last: false,
                 renderer: Renderer::new(gpu)?,
                 controls: Controls::default(),
                 surface: Some(surface),
@@ -159,8 +186,11 @@ impl Viewer {
         promise(async move {
             let scene = rbn::Scene::from_bytes(&bytes.to_vec())?;
             drop(bytes);
-            let gpu = state.borrow().renderer.gpu().clone();
-            let loaded = LoadedScene::upload(&gpu, scene).await?;
+            let (gpu, pipelines) = {
+                let state = state.borrow();
+                (state.renderer.gpu().clone(), state.renderer.pipelines())
+            };
+            let loaded = LoadedScene::upload(&gpu, &pipelines, scene).await?;
             if callbacks.is_lost.get() {
                 return Err(ViewerError::DeviceLost("while loading".into()));
             }
@@ -168,7 +198,7 @@ impl Viewer {
                 let mut state = state.borrow_mut();
                 let state = &mut *state;
                 state.renderer.install(loaded)?;
-                state.controls.reset(&state.renderer);
+                state.controls.reset();
             }
             callbacks.changed();
             Ok(JsValue::UNDEFINED)
@@ -199,8 +229,16 @@ impl Viewer {
         }
         let mut state = self.state.borrow_mut();
         let state = &mut *state;
-        let moving = state.controls.advance(now_ms, &mut state.renderer);
-        if !state.renderer.needs_frame() {
+        let mut stage = state.renderer.stage();
+        let moving = state.controls.advance(now_ms, &mut stage);
+        state.renderer.apply(stage);
+        let late = now_ms - state.last_ms > SLOW_MS;
+        if state.renderer.refining() && late && state.drew_last {
+            state.renderer.stop_refining();
+        }
+        state.last_ms = now_ms;
+        state.drew_last = state.renderer.needs_frame();
+        if !state.drew_last {
             return Ok(moving);
         }
         let Some(surface) = &state.surface else { return Ok(false) };
@@ -255,7 +293,7 @@ impl Viewer {
             state.renderer.set_camera(shot.camera)?;
             state.renderer.set_lights(shot.lights)?;
             state.renderer.rekey();
-            state.controls.reset(&state.renderer);
+            state.controls.reset();
             Ok(())
         })
     }
@@ -271,7 +309,7 @@ impl Viewer {
     pub fn set_camera_json(&self, json: &str) -> Result<(), JsValue> {
         self.change(|state| {
             state.renderer.set_camera(from_json::<Camera>("camera", json)?)?;
-            state.controls.reset(&state.renderer);
+            state.controls.reset();
             Ok(())
         })
     }
@@ -356,56 +394,46 @@ impl Viewer {
         shift: bool,
         ctrl: bool,
     ) -> Result<(), JsValue> {
-        self.change(|state| {
-            let size = [state.config.width, state.config.height];
-            let button = PointerButton::from_event(button, shift, ctrl);
-            state.controls.pointer_down(id, [x, y], button, size, &mut state.renderer);
-            Ok(())
-        })
+        let button = PointerButton::from_event(button, shift, ctrl);
+        self.control(|controls, stage, size, handles| {
+            controls.pointer_down(id, [x, y], button, size, stage, handles);
+        });
+        Ok(())
     }
 
     /// A pointer moves to (x, y).
     #[wasm_bindgen(js_name = pointerMove)]
     pub fn pointer_move(&self, id: i32, x: f64, y: f64) -> Result<(), JsValue> {
-        let changed = {
-            let mut state = self.state.borrow_mut();
-            let state = &mut *state;
-            let size = [state.config.width, state.config.height];
-            state.controls.pointer_move(id, [x, y], size, &mut state.renderer)
-        };
-        if changed {
-            self.callbacks.changed();
-        }
+        self.control(|controls, stage, size, _| controls.pointer_move(id, [x, y], size, stage));
         Ok(())
     }
 
     /// A pointer goes up, or is cancelled.
     #[wasm_bindgen(js_name = pointerUp)]
     pub fn pointer_up(&self, id: i32) -> Result<(), JsValue> {
-        self.change(|state| {
-            state.controls.pointer_up(id, &mut state.renderer);
-            Ok(())
-        })
+        self.control(|controls, _, _, _| controls.pointer_up(id));
+        Ok(())
     }
 
     /// The wheel turns by `delta_y` pixels over (x, y): dolly.
-    pub fn wheel(&self, x: f64, y: f64, delta_y: f64) -> Result<(), JsValue> {
-        self.change(|state| {
-            let size = [state.config.width, state.config.height];
-            state.controls.wheel([x, y], delta_y, size, &mut state.renderer);
-            Ok(())
-        })
+    pub fn wheel(&self, _x: f64, _y: f64, delta_y: f64) -> Result<(), JsValue> {
+        self.control(|controls, stage, _, _| controls.wheel(delta_y, stage));
+        Ok(())
     }
 
     /// A key, by `KeyboardEvent.code`, goes down or up. True when the viewer uses that key.
-    pub fn key(&self, code: &str, down: bool) -> Result<bool, JsValue> {
-        self.change(|state| Ok(state.controls.key(code, down)))
+    pub fn key(&self, code: &str, down: bool) -> bool {
+        let used = self.state.borrow_mut().controls.key(code, down);
+        if used {
+            self.callbacks.changed();
+        }
+        used
     }
 
     /// Counts, bytes on the GPU, the adapter and, where the device can time them, milliseconds per pass.
     #[wasm_bindgen(js_name = statsJson)]
     pub fn stats_json(&self) -> Result<String, JsValue> {
-        Self::to_json(&self.state.borrow().renderer.stats())
+        Self::to_json(&self.state.borrow_mut().renderer.stats())
     }
 
     /// The indirect light of the present camera and lights: linear radiance albedo/π·E, RGBA 32-bit

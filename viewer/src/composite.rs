@@ -1,0 +1,240 @@
+//! From G-buffer, lights and splats to the picture: shading, automatic exposure, tone mapping.
+
+use crate::bindings::{
+    Draw, Slot, attachment, blended, compute, empty_buffer, group, layout, opaque, target, texture_bytes,
+    view,
+};
+use crate::gbuffer::GBuffer;
+use crate::gpu::Gpu;
+use crate::shaders;
+use crate::splat::SplatTarget;
+use bytemuck::{Pod, Zeroable};
+use std::collections::HashMap;
+use wgpu::{BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat};
+
+/// Format of the averaged picture.
+const PICTURE: TextureFormat = TextureFormat::Rgba16Float;
+
+/// `Shading` in shade.wgsl.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Shading {
+    /// 1 where direct light is shown.
+    pub direct: f32,
+    /// 1 where bounced light is shown.
+    pub indirect: f32,
+    /// Number of lights.
+    pub lights: u32,
+    /// What the splats' sums were multiplied with.
+    pub splat_scale: f32,
+    /// 2^EV.
+    pub exposure: f32,
+    /// Share of this picture in the average so far.
+    pub blend: f32,
+    /// Pixels across one output pixel of [`CompositePass::indirect`].
+    pub scale: u32,
+    /// Unused.
+    pub pad: u32,
+}
+
+/// The pipelines, and the automatic exposure.
+pub struct CompositePass {
+    layout: wgpu::BindGroupLayout,
+    key_layout: wgpu::BindGroupLayout,
+    picture: wgpu::RenderPipeline,
+    key_pipeline: wgpu::ComputePipeline,
+    indirect: wgpu::RenderPipeline,
+    present_layout: wgpu::BindGroupLayout,
+    present: HashMap<TextureFormat, wgpu::RenderPipeline>,
+    /// One float: what radiance is multiplied with.
+    key: wgpu::Buffer,
+}
+
+/// The averaged picture of one size, and the bind groups that make it.
+pub struct Picture {
+    texture: wgpu::TextureView,
+    shading: wgpu::Buffer,
+    shade: wgpu::BindGroup,
+    measure: wgpu::BindGroup,
+    present: wgpu::BindGroup,
+    /// Bytes of the texture.
+    pub bytes: u64,
+}
+
+impl CompositePass {
+    /// Makes the pipelines; `lights` is the layout of the lights' bind group.
+    pub fn new(gpu: &Gpu, lights: &wgpu::BindGroupLayout) -> Self {
+        let slots = |key| {
+            [
+                Slot::Uniform,
+                Slot::Uniform,
+                Slot::TextureLoad,
+                Slot::TextureUint,
+                Slot::Depth,
+                Slot::TextureLoad,
+                Slot::Read,
+                key,
+            ]
+        };
+        let shade = layout(gpu, "shade", ShaderStages::FRAGMENT, &slots(Slot::Read));
+        let key_layout = layout(gpu, "key", ShaderStages::COMPUTE, &slots(Slot::Write));
+        let present_layout = layout(gpu, "present", ShaderStages::FRAGMENT, &[Slot::TextureLoad]);
+        let average = wgpu::BlendComponent {
+            src_factor: BlendFactor::SrcAlpha,
+            dst_factor: BlendFactor::OneMinusSrcAlpha,
+            operation: BlendOperation::Add,
+        };
+        let picture = Draw {
+            label: "composite",
+            source: shaders::COMPOSITE,
+            vertex: "fullscreen",
+            targets: &[blended(PICTURE, wgpu::BlendState { color: average, alpha: average })],
+            layouts: &[&shade, lights],
+            ..Default::default()
+        }
+        .pipeline(gpu);
+        let indirect = Draw {
+            label: "indirect",
+            source: shaders::INDIRECT,
+            vertex: "fullscreen",
+            targets: &[opaque(TextureFormat::Rgba32Float)],
+            layouts: &[&shade, lights],
+            ..Default::default()
+        }
+        .pipeline(gpu);
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+        let key = empty_buffer(gpu, "key", storage, 16);
+        gpu.queue.write_buffer(&key, 0, bytemuck::bytes_of(&1f32));
+        Self {
+            key_pipeline: compute(gpu, "measure", shaders::KEY, &[&key_layout, lights], &[]),
+            layout: shade,
+            key_layout,
+            picture,
+            indirect,
+            present_layout,
+            present: HashMap::new(),
+            key,
+        }
+    }
+
+    /// A picture from this G-buffer and these splats.
+    pub fn target(
+        &self,
+        gpu: &Gpu,
+        frame: &wgpu::Buffer,
+        gbuffer: &GBuffer,
+        splats: &SplatTarget,
+        emission: &wgpu::Buffer,
+        size: [u32; 2],
+    ) -> Picture {
+        let texture = target(gpu, "picture", PICTURE, size[0], size[1]);
+        let bytes = texture_bytes(&texture);
+        let texture = texture.create_view(&Default::default());
+        let shading = empty_buffer(
+            gpu,
+            "shading",
+            BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            size_of::<Shading>() as u64,
+        );
+        let resources = [
+            frame.as_entire_binding(),
+            shading.as_entire_binding(),
+            view(&gbuffer.albedo),
+            view(&gbuffer.surface),
+            view(&gbuffer.depth),
+            view(&splats.sums),
+            emission.as_entire_binding(),
+            self.key.as_entire_binding(),
+        ];
+        Picture {
+            shade: group(gpu, "shade", &self.layout, &resources),
+            measure: group(gpu, "key", &self.key_layout, &resources),
+            present: group(gpu, "present", &self.present_layout, &[view(&texture)]),
+            texture,
+            shading,
+            bytes,
+        }
+    }
+
+    /// Sets what the following passes do.
+    pub fn set_shading(&self, gpu: &Gpu, picture: &Picture, shading: &Shading) {
+        gpu.queue.write_buffer(&picture.shading, 0, bytemuck::bytes_of(shading));
+    }
+
+    /// Measures the automatic exposure.
+    pub fn measure(&self, encoder: &mut wgpu::CommandEncoder, picture: &Picture, lights: &wgpu::BindGroup) {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.key_pipeline);
+        pass.set_bind_group(0, &picture.measure, &[]);
+        pass.set_bind_group(1, lights, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+    }
+
+    /// Shades; blends with what is there by the share in [`Shading::blend`].
+    pub fn shade(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        picture: &Picture,
+        lights: &wgpu::BindGroup,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        self.pass(encoder, &self.picture, &picture.texture, &picture.shade, Some(lights), timestamps);
+    }
+
+    /// Writes the bounced light alone to an [`TextureFormat::Rgba32Float`] target.
+    pub fn indirect(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        picture: &Picture,
+        lights: &wgpu::BindGroup,
+        target: &wgpu::TextureView,
+    ) {
+        self.pass(encoder, &self.indirect, target, &picture.shade, Some(lights), None);
+    }
+
+    /// Encodes the picture to a target of this format.
+    pub fn present(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        picture: &Picture,
+        target: &wgpu::TextureView,
+        format: TextureFormat,
+    ) {
+        let pipeline = self.present.entry(format).or_insert_with(|| {
+            Draw {
+                label: "present",
+                source: shaders::PRESENT,
+                vertex: "fullscreen",
+                targets: &[opaque(format)],
+                layouts: &[&self.present_layout],
+                ..Default::default()
+            }
+            .pipeline(gpu)
+        });
+        let pipeline = pipeline.clone();
+        self.pass(encoder, &pipeline, target, &picture.present, None, None);
+    }
+
+    fn pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipeline: &wgpu::RenderPipeline,
+        target: &wgpu::TextureView,
+        bind: &wgpu::BindGroup,
+        lights: Option<&wgpu::BindGroup>,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[attachment(target, false)],
+            timestamp_writes: timestamps,
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, bind, &[]);
+        if let Some(lights) = lights {
+            pass.set_bind_group(1, lights, &[]);
+        }
+        pass.draw(0..3, 0..1);
+    }
+}

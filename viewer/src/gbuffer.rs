@@ -1,0 +1,100 @@
+//! The G-buffer: albedo, normals, material and depth of what the camera sees.
+
+use crate::bindings::{
+    Draw, Slot, attachment, depth_attachment, group, layout, opaque, target, texture_bytes,
+};
+use crate::gpu::Gpu;
+use crate::shaders;
+use crate::shadow::VERTEX;
+use crate::upload::{Run, Upload};
+use wgpu::{CompareFunction, ShaderStages, TextureFormat};
+
+const ALBEDO: TextureFormat = TextureFormat::Rgba8UnormSrgb;
+const SURFACE: TextureFormat = TextureFormat::Rg32Uint;
+
+/// The textures of one size.
+pub struct GBuffer {
+    /// Albedo; alpha tells whether the surface reflects.
+    pub albedo: wgpu::TextureView,
+    /// Normals and material.
+    pub surface: wgpu::TextureView,
+    /// Reversed depth; 0 where nothing is.
+    pub depth: wgpu::TextureView,
+    /// Bytes of all three.
+    pub bytes: u64,
+}
+
+impl GBuffer {
+    /// Of this size, pixels.
+    pub fn new(gpu: &Gpu, width: u32, height: u32) -> Self {
+        let albedo = target(gpu, "albedo", ALBEDO, width, height);
+        let surface = target(gpu, "surface", SURFACE, width, height);
+        let depth = target(gpu, "depth", TextureFormat::Depth32Float, width, height);
+        let bytes = texture_bytes(&albedo) + texture_bytes(&surface) + texture_bytes(&depth);
+        let view = |t: &wgpu::Texture| t.create_view(&Default::default());
+        Self { albedo: view(&albedo), surface: view(&surface), depth: view(&depth), bytes }
+    }
+}
+
+/// The pass that fills a [`GBuffer`].
+pub struct GBufferPass {
+    frame_layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl GBufferPass {
+    /// The pipeline.
+    pub fn new(gpu: &Gpu, material_layout: &wgpu::BindGroupLayout) -> Self {
+        let frame_layout = layout(gpu, "frame", ShaderStages::VERTEX_FRAGMENT, &[Slot::Uniform]);
+        let pipeline = Draw {
+            label: "g-buffer",
+            source: shaders::GBUFFER,
+            targets: &[opaque(ALBEDO), opaque(SURFACE)],
+            layouts: &[&frame_layout, material_layout],
+            buffers: &[Some(VERTEX)],
+            depth: Some((CompareFunction::Greater, true)),
+            ..Default::default()
+        }
+        .pipeline(gpu);
+        Self { frame_layout, pipeline }
+    }
+
+    /// The bind group for a picture's `Frame`.
+    pub fn frame_group(&self, gpu: &Gpu, frame: &wgpu::Buffer) -> wgpu::BindGroup {
+        group(gpu, "frame", &self.frame_layout, &[frame.as_entire_binding()])
+    }
+
+    /// Draws the scene.
+    pub fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &GBuffer,
+        frame: &wgpu::BindGroup,
+        upload: &Upload,
+        materials: &[wgpu::BindGroup],
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("g-buffer"),
+            color_attachments: &[attachment(&target.albedo, true), attachment(&target.surface, true)],
+            depth_stencil_attachment: depth_attachment(&target.depth, true),
+            timestamp_writes: timestamps,
+            ..Default::default()
+        });
+        if upload.runs.is_empty() {
+            return;
+        }
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, frame, &[]);
+        pass.set_vertex_buffer(0, upload.vertices.slice(..));
+        pass.set_index_buffer(upload.indices.slice(..), wgpu::IndexFormat::Uint32);
+        let mut last: Option<&Run> = None;
+        for run in &upload.runs {
+            if last.is_none_or(|l| l.material != run.material) {
+                pass.set_bind_group(1, &materials[run.material as usize], &[]);
+            }
+            pass.draw_indexed(run.indices.clone(), 0, 0..1);
+            last = Some(run);
+        }
+    }
+}

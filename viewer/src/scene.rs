@@ -1,0 +1,65 @@
+//! A baked scene on the GPU.
+
+use crate::error::ViewerError;
+use crate::gpu::Gpu;
+use crate::materials::{Materials, material_layout};
+use crate::relight::{Relight, RelightPipelines};
+use crate::upload::Upload;
+use glam::Vec3;
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::meta::Meta;
+use std::ops::Range;
+
+/// A scene on the GPU; what the CPU still needs is its metadata.
+pub struct LoadedScene {
+    /// Metadata.
+    pub meta: Meta,
+    /// Bulk sections.
+    pub upload: Upload,
+    /// Materials and textures.
+    pub materials: Materials,
+    /// Relighting.
+    pub relight: Relight,
+    /// Points of each level.
+    pub levels: Vec<Range<u32>>,
+    /// Number of links, page marks included.
+    pub link_count: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Distance of the near plane, scene units.
+    pub near: f32,
+    /// Least and greatest corner, local space.
+    pub bounds: [Vec3; 2],
+}
+
+impl LoadedScene {
+    /// Uploads a scene. Textures are decoded meanwhile, so this is not done at once.
+    ///
+    /// # Errors
+    /// [`ViewerError::TooLarge`], [`ViewerError::Texture`], or [`ViewerError::Internal`] where the device
+    /// refuses something.
+    pub async fn upload(gpu: &Gpu, pipelines: &RelightPipelines, scene: Scene) -> Result<Self, ViewerError> {
+        let upload = Upload::new(gpu, &scene)?;
+        let relight = Relight::new(gpu, pipelines, &upload, &scene);
+        let materials = Materials::new(gpu, &material_layout(gpu), &scene).await?;
+        gpu.check()?;
+        let bounds = [Vec3::from(scene.meta.bounds_min), Vec3::from(scene.meta.bounds_max)];
+        let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);
+        // Near enough that the eye can go close to the finest functions.
+        let finest = scene.meta.levels.last().map_or(f32::MAX, |l| l.support_radius);
+        let near = (1e-3 * diagonal).min(0.1 * finest).max(1e-6 * diagonal);
+        Ok(Self {
+            levels: (0..scene.meta.levels.len())
+                .map(|l| scene.level(l).start as u32..scene.level(l).end as u32)
+                .collect(),
+            link_count: scene.links.len(),
+            triangles: scene.indices.len() / 3,
+            meta: scene.meta,
+            upload,
+            materials,
+            relight,
+            near,
+            bounds,
+        })
+    }
+}

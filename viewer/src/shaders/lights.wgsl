@@ -1,0 +1,43 @@
+// Lights in scene-local space and what of them reaches a point; as shared/src/light.rs.
+
+const POINT = 0u;
+const SPOT = 1u;
+const DIRECTIONAL = 2u;
+
+struct Light {
+    position: vec3f,
+    kind: u32,
+    // The way the light travels.
+    direction: vec3f,
+    cone_scale: f32,
+    intensity: vec3f,
+    cone_offset: f32,
+    // First layer of the shadow map, and how many: 1, or 6 for a cube.
+    layer: u32,
+    layers: u32,
+    // Width of a shadow-map texel: at distance 1, or everywhere for a directional light.
+    texel: f32,
+    // Change of the shadow map's depth per unit of distance; directional lights only.
+    depth_scale: f32,
+}
+
+struct Incident {
+    // Unit vector to the light.
+    to_light: vec3f,
+    // Irradiance on a surface that faces the light, were nothing in between.
+    irradiance: vec3f,
+}
+
+fn incident(light: Light, position: vec3f) -> Incident {
+    if light.kind == DIRECTIONAL {
+        return Incident(-light.direction, light.intensity);
+    }
+    let offset = light.position - position;
+    let distance_squared = dot(offset, offset);
+    if distance_squared <= 0.0 {
+        return Incident(vec3f(0.0, 1.0, 0.0), vec3f(0.0));
+    }
+    let to_light = offset * inverseSqrt(distance_squared);
+    let ramp = saturate(-dot(to_light, light.direction) * light.cone_scale + light.cone_offset);
+    return Incident(to_light, light.intensity * (ramp * ramp / distance_squared));
+}

@@ -1,0 +1,42 @@
+// A material and its cut-outs. Group 1 holds the material of the present draw call.
+
+const OPAQUE = 0u;
+const MASK = 1u;
+const BLEND = 2u;
+
+struct Material {
+    base_color: vec4f,
+    alpha_mode: u32,
+    cutoff: f32,
+    double_sided: u32,
+    index: u32,
+}
+
+@group(1) @binding(0) var<uniform> material: Material;
+@group(1) @binding(1) var base_color_texture: texture_2d<f32>;
+@group(1) @binding(2) var color_sampler: sampler;
+@group(1) @binding(3) var alpha_sampler: sampler;
+
+// Thresholds at (k + 1/2) / 16 that spread evenly over every 4x4 pixels (a Bayer matrix), and from
+// picture to picture of an averaged series.
+fn dither(pixel: vec2f, sample: u32) -> f32 {
+    let x = u32(pixel.x) + sample;
+    let y = u32(pixel.y) + sample / 4u;
+    let a = (x ^ y) & 1u;
+    let b = y & 1u;
+    let c = ((x ^ y) >> 1u) & 1u;
+    let d = (y >> 1u) & 1u;
+    return (f32(a * 8u + b * 4u + c * 2u + d) + 0.5) / 16.0;
+}
+
+// Whether the surface is there at uv: a share alpha of the pixels for blended materials.
+fn covered(uv: vec2f, pixel: vec2f, sample: u32) -> bool {
+    if material.alpha_mode == OPAQUE {
+        return true;
+    }
+    let alpha = material.base_color.a * textureSampleLevel(base_color_texture, alpha_sampler, uv, 0.0).a;
+    if material.alpha_mode == MASK {
+        return alpha >= material.cutoff;
+    }
+    return alpha > dither(pixel, sample);
+}

@@ -1,0 +1,62 @@
+//! The WGSL modules, each put together from its parts.
+
+macro_rules! modules {
+    ($($(#[$doc:meta])* $name:ident: $($part:literal)+;)+) => {
+        $($(#[$doc])* pub const $name: &str = concat!($(include_str!(concat!($part, ".wgsl")), "\n"),+);)+
+
+        /// All modules with their names.
+        pub const ALL: &[(&str, &str)] = &[$((stringify!($name), $name)),+];
+    };
+}
+
+modules! {
+    /// Direct irradiance at points.
+    DIRECT: "octahedral" "point" "lights" "visibility" "direct";
+    /// Pull.
+    PULL: "octahedral" "link" "pull";
+    /// Sender coefficients.
+    COEFFICIENTS: "octahedral" "link" "coefficients";
+    /// `i = S e`.
+    TRANSPORT: "octahedral" "link" "transport";
+    /// Push.
+    PUSH: "octahedral" "link" "push";
+    /// Shadow maps.
+    SHADOW: "material" "shadow";
+    /// G-buffer.
+    GBUFFER: "octahedral" "frame" "material" "gbuffer";
+    /// Splats.
+    SPLAT: "octahedral" "point" "kernel" "frame" "splat";
+    /// Pixels that no function has covered.
+    HOLES: "holes";
+    /// The tone-mapped picture.
+    COMPOSITE: "octahedral" "frame" "lights" "visibility" "shade" "fullscreen" "composite";
+    /// Automatic exposure.
+    KEY: "octahedral" "frame" "lights" "visibility" "shade" "key";
+    /// Bounced light alone.
+    INDIRECT: "octahedral" "frame" "lights" "visibility" "shade" "fullscreen" "indirect";
+    /// Encoding for the screen.
+    PRESENT: "fullscreen" "present";
+    /// Mip levels.
+    MIPS: "fullscreen" "mips";
+    /// Dots over the picture.
+    OVERLAY: "point" "frame" "overlay";
+    /// The lights' handles.
+    GIZMO: "gizmo";
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn every_module_validates() {
+        for (name, source) in super::ALL {
+            let module = naga::front::wgsl::parse_str(source)
+                .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)));
+            naga::valid::Validator::new(
+                naga::valid::ValidationFlags::all(),
+                naga::valid::Capabilities::empty(),
+            )
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)));
+        }
+    }
+}

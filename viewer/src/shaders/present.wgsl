@@ -1,0 +1,18 @@
+// Encodes sRGB and dithers to 8 bits.
+
+@group(0) @binding(0) var picture: texture_2d<f32>;
+
+fn encode(c: vec3f) -> vec3f {
+    return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
+}
+
+// Evenly spread noise in [0, 1) (Jimenez, interleaved gradient noise).
+fn noise(pixel: vec2f) -> f32 {
+    return fract(52.9829189 * fract(dot(pixel, vec2f(0.06711056, 0.00583715))));
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let color = saturate(textureLoad(picture, vec2u(position.xy), 0).rgb);
+    return vec4f(encode(color) + (noise(position.xy) - 0.5) / 255.0, 1.0);
+}

@@ -1,0 +1,48 @@
+// Coefficients become values: each point adds what its parents' values interpolate to (paper,
+// Eq. 4); one level a dispatch, coarse to fine.
+
+struct Step {
+    first: u32,
+    count: u32,
+    extra: u32,
+    threads: u32,
+}
+
+@group(0) @binding(0) var<uniform> step_: Step;
+@group(0) @binding(1) var<storage, read> offsets: array<u32>;
+@group(0) @binding(2) var<storage, read> entries: array<u32>;
+@group(0) @binding(3) var<storage, read_write> values: array<f32>;
+
+fn load(point: u32, channel: u32) -> vec3f {
+    let at = point * 9u + channel * 3u;
+    return vec3f(values[at], values[at + 1u], values[at + 2u]);
+}
+
+@compute @workgroup_size(64)
+fn push(@builtin(global_invocation_id) id: vec3u) {
+    let k = id.x + id.y * step_.threads;
+    if k >= step_.count {
+        return;
+    }
+    let i = step_.first + k;
+    var sum = array<vec3f, 3>();
+    var total = 0.0;
+    for (var at = offsets[i]; at < offsets[i + 1u]; at++) {
+        let entry = entries[at];
+        let share = entry_weight(entry);
+        total += share;
+        for (var c = 0u; c < 3u; c++) {
+            sum[c] += load(entry_point(entry), c) * share;
+        }
+    }
+    if total <= 0.0 {
+        return;
+    }
+    for (var c = 0u; c < 3u; c++) {
+        let value = load(i, c) + sum[c] / total;
+        let at = i * 9u + c * 3u;
+        values[at] = value.x;
+        values[at + 1u] = value.y;
+        values[at + 2u] = value.z;
+    }
+}

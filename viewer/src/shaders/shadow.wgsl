@@ -1,0 +1,25 @@
+// Depth of the scene as a light sees it. Cut-out materials discard.
+
+@group(0) @binding(0) var<uniform> clip_from_local: mat4x4f;
+
+struct Out {
+    @builtin(position) position: vec4f,
+    @location(0) uv: vec2f,
+}
+
+@vertex
+fn opaque(@location(0) position: vec3f) -> @builtin(position) vec4f {
+    return clip_from_local * vec4f(position, 1.0);
+}
+
+@vertex
+fn cutout(@location(0) position: vec3f, @location(2) uv: vec2f) -> Out {
+    return Out(clip_from_local * vec4f(position, 1.0), uv);
+}
+
+@fragment
+fn cut(in: Out) {
+    if !covered(in.uv, in.position.xy, 0u) {
+        discard;
+    }
+}

@@ -1,0 +1,219 @@
+//! How lights are fitted with shadow maps: which layers, which projections. No GPU.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3};
+use rebounce_shared::light::{LightKind, LightSource};
+
+/// Cones wider than this half angle (its cosine) are covered by a cube instead of one map.
+const WIDEST_COS: f32 = 0.5;
+/// Layers that WebGPU guarantees in a texture.
+pub const MAX_LAYERS: u32 = 256;
+/// Bytes that shadow maps may take.
+const BUDGET: u64 = 128 << 20;
+/// Widest shadow map, texels.
+pub const LARGEST: u32 = 2048;
+/// Border around a map for the filter's taps, texels.
+const BORDER: f32 = 3.0;
+
+/// `Light` in lights.wgsl. 64 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LightRecord {
+    position: [f32; 3],
+    kind: u32,
+    direction: [f32; 3],
+    cone_scale: f32,
+    intensity: [f32; 3],
+    cone_offset: f32,
+    layer: u32,
+    layers: u32,
+    texel: f32,
+    depth_scale: f32,
+}
+
+/// The lights' records and one `clip_from_local` per layer of the shadow maps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fit {
+    /// Width and height of a layer, texels.
+    pub size: u32,
+    /// Lights.
+    pub lights: Vec<LightRecord>,
+    /// Projections, reversed depth.
+    pub matrices: Vec<Mat4>,
+}
+
+/// Number of layers that a light needs.
+pub fn layers(light: &LightSource) -> u32 {
+    match light.kind {
+        LightKind::Point => 6,
+        LightKind::Spot if light.cos_outer < WIDEST_COS => 6,
+        LightKind::Spot | LightKind::Directional => 1,
+    }
+}
+
+/// The side of a shadow map when there are so many layers: as large as the budget allows.
+pub fn size(layers: u32) -> u32 {
+    let mut size = LARGEST;
+    while size > 256 && size as u64 * size as u64 * 4 * layers as u64 > BUDGET {
+        size /= 2;
+    }
+    size
+}
+
+/// Fits all lights to a scene with these bounds. `near` is the least distance at which something
+/// blocks a point or spot light.
+pub fn fit(lights: &[LightSource], bounds: [Vec3; 2], near: f32, size: u32) -> Fit {
+    let mut out = Fit { size, ..Default::default() };
+    for light in lights {
+        let layer = out.matrices.len() as u32;
+        let border = 1.0 + 2.0 * BORDER / size as f32;
+        let (texel, depth_scale);
+        if light.kind == LightKind::Directional {
+            let (matrix, width, depth) = orthographic(light.direction, bounds, border);
+            out.matrices.push(matrix);
+            (texel, depth_scale) = (width / size as f32, 1.0 / depth);
+        } else if layers(light) == 1 {
+            let tan = ((1.0 - light.cos_outer * light.cos_outer).sqrt() / light.cos_outer).max(1e-3) * border;
+            out.matrices.push(perspective(
+                light.position,
+                light.direction,
+                any_up(light.direction),
+                tan,
+                near,
+            ));
+            (texel, depth_scale) = (2.0 * tan / size as f32, 0.0);
+        } else {
+            for axis in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
+                out.matrices.push(perspective(light.position, axis, any_up(axis), border, near));
+            }
+            (texel, depth_scale) = (2.0 * border / size as f32, 0.0);
+        }
+        out.lights.push(LightRecord {
+            position: light.position.to_array(),
+            kind: light.kind as u32,
+            direction: light.direction.to_array(),
+            cone_scale: light.cone_scale,
+            intensity: light.intensity.to_array(),
+            cone_offset: light.cone_offset,
+            layer,
+            layers: out.matrices.len() as u32 - layer,
+            texel,
+            depth_scale,
+        });
+    }
+    out
+}
+
+fn any_up(direction: Vec3) -> Vec3 {
+    if direction.y.abs() < 0.9 { Vec3::Y } else { Vec3::X }
+}
+
+/// Rows as planes: x, y, z and w of clip space are the four vectors' products with (position, 1).
+fn from_rows(x: glam::Vec4, y: glam::Vec4, z: glam::Vec4, w: glam::Vec4) -> Mat4 {
+    Mat4::from_cols(x, y, z, w).transpose()
+}
+
+/// A square perspective view; depth is near / distance.
+fn perspective(eye: Vec3, forward: Vec3, up: Vec3, tan: f32, near: f32) -> Mat4 {
+    let right = forward.cross(up).normalize_or(Vec3::X);
+    let up = right.cross(forward);
+    let plane = |v: Vec3| v.extend(-v.dot(eye));
+    from_rows(plane(right / tan), plane(up / tan), Vec3::ZERO.extend(near), plane(forward))
+}
+
+/// A square parallel view of the bounds along `forward`; depth is 1 where the light comes from, 0 at
+/// the far end. Also its width and its depth in scene units.
+fn orthographic(forward: Vec3, bounds: [Vec3; 2], border: f32) -> (Mat4, f32, f32) {
+    let right = forward.cross(any_up(forward)).normalize_or(Vec3::X);
+    let up = right.cross(forward);
+    let [low, high] = bounds;
+    let centre = 0.5 * (low + high);
+    let half = 0.5 * (high - low);
+    let extent = |axis: Vec3| axis.abs().dot(half).max(1e-20);
+    let width = 2.0 * extent(right).max(extent(up)) * border;
+    let depth = 2.0 * extent(forward) * 1.01;
+    let plane = |v: Vec3, offset: f32| v.extend(offset - v.dot(centre));
+    let matrix = from_rows(
+        plane(right * (2.0 / width), 0.0),
+        plane(up * (2.0 / width), 0.0),
+        plane(-forward / depth, 0.5),
+        Vec3::ZERO.extend(1.0),
+    );
+    (matrix, width, depth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rebounce_shared::light::Light;
+
+    fn inside(clip: glam::Vec4) -> bool {
+        let p = clip / clip.w;
+        clip.w > 0.0 && p.x.abs() <= 1.0 && p.y.abs() <= 1.0 && (0.0..=1.0).contains(&p.z)
+    }
+
+    #[test]
+    fn a_directional_light_sees_all_of_the_bounds() {
+        let sun = Light::Directional { direction: [0.3, -1.0, 0.2], intensity: 1.0, color: [1.0; 3] };
+        let bounds = [Vec3::new(-3.0, 0.0, -20.0), Vec3::new(5.0, 9.0, 2.0)];
+        let fit = fit(&[sun.source([0.0; 3])], bounds, 1e-3, 1024);
+        for corner in 0..8 {
+            let at = |axis: usize| bounds[(corner >> axis) & 1][axis];
+            assert!(inside(fit.matrices[0] * Vec3::new(at(0), at(1), at(2)).extend(1.0)));
+        }
+    }
+
+    #[test]
+    fn every_direction_of_a_point_light_falls_into_the_layer_that_the_shader_picks() {
+        let light = Light::Point { position: [1.0, 2.0, 3.0], intensity: 1.0, color: [1.0; 3] };
+        let fit = fit(&[light.source([0.0; 3])], [Vec3::ZERO, Vec3::ONE], 1e-3, 512);
+        assert_eq!(fit.matrices.len(), 6);
+        for i in 0..500 {
+            let t = i as f32 * 0.37;
+            let v = Vec3::new(t.sin() * (t * 1.7).cos(), (t * 0.9).sin(), (t * 2.3).cos()).normalize();
+            let a = v.abs();
+            // As cube_face() in visibility.wgsl.
+            let face = if a.x >= a.y && a.x >= a.z {
+                if v.x > 0.0 { 0 } else { 1 }
+            } else if a.y >= a.z {
+                if v.y > 0.0 { 2 } else { 3 }
+            } else if v.z > 0.0 {
+                4
+            } else {
+                5
+            };
+            assert!(inside(fit.matrices[face] * (Vec3::new(1.0, 2.0, 3.0) + 4.0 * v).extend(1.0)), "{v}");
+        }
+    }
+
+    #[test]
+    fn a_cone_lies_within_its_map() {
+        let spot = |outer_cone_deg| {
+            Light::Spot {
+                position: [0.0; 3],
+                direction: [0.0, -1.0, 0.0],
+                outer_cone_deg,
+                inner_cone_deg: None,
+                intensity: 1.0,
+                color: [1.0; 3],
+            }
+            .source([0.0; 3])
+        };
+        let narrow = fit(&[spot(50.0)], [Vec3::ZERO, Vec3::ONE], 1e-3, 512);
+        assert_eq!(narrow.matrices.len(), 1);
+        for k in 0..16 {
+            let around = k as f32 * 0.4;
+            let (s, c) = 50f32.to_radians().sin_cos();
+            let v = Vec3::new(s * around.cos(), -c, s * around.sin());
+            assert!(inside(narrow.matrices[0] * (2.0 * v).extend(1.0)));
+        }
+        assert_eq!(layers(&spot(80.0)), 6);
+    }
+
+    #[test]
+    fn maps_stay_within_their_budget() {
+        for layers in 1..=MAX_LAYERS {
+            assert!(size(layers) == 256 || (size(layers) as u64).pow(2) * 4 * layers as u64 <= BUDGET);
+        }
+    }
+}

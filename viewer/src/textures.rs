@@ -1,0 +1,213 @@
+//! Base-colour textures: decoded, uploaded as sRGB, with mip levels.
+//!
+//! In the browser `createImageBitmap` decodes, with no premultiplication and no colour conversion;
+//! natively the `image` crate.
+
+use crate::bindings::{Draw, Slot, attachment, group, layout, opaque, view};
+use crate::error::ViewerError;
+use crate::gpu::Gpu;
+use crate::shaders;
+use rebounce_shared::rbn::Scene;
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// Textures are decoded this many at a time.
+const BATCH: usize = 8;
+
+/// Makes mip levels.
+pub struct Mips {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::RenderPipeline,
+    sampler: wgpu::Sampler,
+}
+
+impl Mips {
+    /// The pipeline.
+    pub fn new(gpu: &Gpu) -> Self {
+        let layout = layout(gpu, "mips", wgpu::ShaderStages::FRAGMENT, &[Slot::Texture, Slot::Sampler]);
+        let pipeline = Draw {
+            label: "mips",
+            source: shaders::MIPS,
+            vertex: "fullscreen",
+            targets: &[opaque(FORMAT)],
+            layouts: &[&layout],
+            ..Default::default()
+        }
+        .pipeline(gpu);
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        Self { layout, pipeline, sampler }
+    }
+
+    /// Fills all levels but the first.
+    fn fill(&self, gpu: &Gpu, texture: &wgpu::Texture) {
+        let level = |base_mip_level| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                base_mip_level,
+                mip_level_count: Some(1),
+                ..Default::default()
+            })
+        };
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        for i in 1..texture.mip_level_count() {
+            let larger = level(i - 1);
+            let group = group(
+                gpu,
+                "mips",
+                &self.layout,
+                &[view(&larger), wgpu::BindingResource::Sampler(&self.sampler)],
+            );
+            let smaller = level(i);
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[attachment(&smaller, true)],
+                ..Default::default()
+            });
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+        gpu.queue.submit([encoder.finish()]);
+    }
+}
+
+/// All textures of the scene, by index.
+///
+/// # Errors
+/// [`ViewerError::Texture`] for the first that cannot be decoded.
+pub async fn load(gpu: &Gpu, mips: &Mips, scene: &Scene) -> Result<Vec<wgpu::TextureView>, ViewerError> {
+    let count = scene.meta.textures.len();
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    let mut out = Vec::with_capacity(count);
+    for first in (0..count).step_by(BATCH) {
+        let batch: Vec<_> =
+            (first..(first + BATCH).min(count)).map(|i| decode::begin(scene, i, limit)).collect();
+        for (k, decoding) in batch.into_iter().enumerate() {
+            let texture = decode::finish(gpu, decoding).await.map_err(|problem| {
+                let name = &scene.meta.textures[first + k].name;
+                let name = if name.is_empty() { (first + k).to_string() } else { name.clone() };
+                ViewerError::Texture { name, problem }
+            })?;
+            mips.fill(gpu, &texture);
+            out.push(texture.create_view(&Default::default()));
+        }
+    }
+    Ok(out)
+}
+
+/// A white texture of one pixel.
+pub fn white(gpu: &Gpu) -> wgpu::TextureView {
+    let texture = create(gpu, 1, 1);
+    write(gpu, &texture, &[255; 4]);
+    texture.create_view(&Default::default())
+}
+
+fn create(gpu: &Gpu, width: u32, height: u32) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("base colour"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: width.max(height).ilog2() + 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: FORMAT,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_DST
+            | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    })
+}
+
+fn write(gpu: &Gpu, texture: &wgpu::Texture, rgba: &[u8]) {
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * texture.width()),
+        rows_per_image: None,
+    };
+    let size = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
+    gpu.queue.write_texture(texture.as_image_copy(), rgba, layout, size);
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+mod decode {
+    use super::{Gpu, Scene, create, write};
+
+    pub fn begin(scene: &Scene, i: usize, limit: u32) -> Result<image::RgbaImage, String> {
+        let picture = image::load_from_memory(scene.texture(i)).map_err(|e| e.to_string())?;
+        let picture = if picture.width().max(picture.height()) > limit {
+            picture.resize(limit, limit, image::imageops::FilterType::Triangle)
+        } else {
+            picture
+        };
+        Ok(picture.to_rgba8())
+    }
+
+    pub async fn finish(
+        gpu: &Gpu,
+        picture: Result<image::RgbaImage, String>,
+    ) -> Result<wgpu::Texture, String> {
+        let picture = picture?;
+        let texture = create(gpu, picture.width(), picture.height());
+        write(gpu, &texture, picture.as_raw());
+        Ok(texture)
+    }
+}
+
+#[cfg(target_arch = "wasm32")]
+mod decode {
+    use super::{Gpu, Scene, create};
+    use js_sys::{Function, Object, Promise, Reflect};
+    use wasm_bindgen::{JsCast, JsValue};
+    use wasm_bindgen_futures::JsFuture;
+    use web_sys::ImageBitmap;
+
+    fn words(error: JsValue) -> String {
+        error.dyn_ref::<js_sys::Error>().map_or_else(|| "unknown".into(), |e| String::from(e.message()))
+    }
+
+    pub fn begin(scene: &Scene, i: usize, limit: u32) -> Result<Promise, String> {
+        let info = &scene.meta.textures[i];
+        let start = || {
+            let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(scene.texture(i)));
+            let bag = web_sys::BlobPropertyBag::new();
+            bag.set_type(&info.mime);
+            let blob = web_sys::Blob::new_with_u8_array_sequence_and_options(&parts, &bag)?;
+            let options = Object::new();
+            let set = |name: &str, value: &JsValue| Reflect::set(&options, &name.into(), value).map(|_| ());
+            set("premultiplyAlpha", &"none".into())?;
+            set("colorSpaceConversion", &"none".into())?;
+            if info.width.max(info.height) > limit {
+                let side = if info.width >= info.height { "resizeWidth" } else { "resizeHeight" };
+                set(side, &limit.into())?;
+            }
+            let function = Reflect::get(&js_sys::global(), &"createImageBitmap".into())?;
+            let function: Function = function.dyn_into()?;
+            function.call2(&JsValue::UNDEFINED, &blob, &options)?.dyn_into::<Promise>()
+        };
+        start().map_err(words)
+    }
+
+    pub async fn finish(gpu: &Gpu, promise: Result<Promise, String>) -> Result<wgpu::Texture, String> {
+        let bitmap = JsFuture::from(promise?).await.map_err(words)?;
+        let bitmap: ImageBitmap = bitmap.dyn_into().map_err(words)?;
+        let texture = create(gpu, bitmap.width(), bitmap.height());
+        gpu.queue.copy_external_image_to_texture(
+            &wgpu::CopyExternalImageSourceInfo {
+                source: wgpu::ExternalImageSource::ImageBitmap(bitmap.clone()),
+                origin: wgpu::Origin2d::ZERO,
+                flip_y: false,
+            },
+            wgpu::CopyExternalImageDestInfo {
+                texture: &texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d::ZERO,
+                aspect: wgpu::TextureAspect::All,
+                color_space: wgpu::PredefinedColorSpace::Srgb,
+                premultiplied_alpha: false,
+            },
+            wgpu::Extent3d { width: bitmap.width(), height: bitmap.height(), depth_or_array_layers: 1 },
+        );
+        bitmap.close();
+        Ok(texture)
+    }
+}

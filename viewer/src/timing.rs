@@ -1,0 +1,167 @@
+//! Milliseconds per pass, where the device has timestamp queries.
+
+use crate::gpu::Gpu;
+use crate::oneshot::{self, Receiver};
+use wgpu::BufferUsages;
+
+/// The passes that are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pass {
+    /// All shadow maps drawn in a frame.
+    Shadows,
+    /// From direct irradiance to the display basis.
+    Relight,
+    /// G-buffer.
+    GBuffer,
+    /// Splats, holes included.
+    Splat,
+    /// Composite.
+    Composite,
+}
+
+const PASSES: usize = 5;
+const BYTES: u64 = PASSES as u64 * 16;
+
+/// Milliseconds of each pass when it last ran; absent if it never did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Milliseconds {
+    /// Shadow maps.
+    pub shadows: Option<f64>,
+    /// Direct irradiance, pull, transport, push.
+    pub relight: Option<f64>,
+    /// G-buffer.
+    pub g_buffer: Option<f64>,
+    /// Splats.
+    pub splat: Option<f64>,
+    /// Composite.
+    pub composite: Option<f64>,
+}
+
+/// Where a pass writes its two timestamps.
+#[derive(Clone, Copy)]
+pub struct Stamps<'a> {
+    set: &'a wgpu::QuerySet,
+    first: u32,
+}
+
+impl<'a> Stamps<'a> {
+    /// For a render pass; `begin` and `end` say whether it is the first and the last of its kind.
+    pub fn render(self, begin: bool, end: bool) -> wgpu::RenderPassTimestampWrites<'a> {
+        wgpu::RenderPassTimestampWrites {
+            query_set: self.set,
+            beginning_of_pass_write_index: begin.then_some(self.first),
+            end_of_pass_write_index: end.then_some(self.first + 1),
+        }
+    }
+
+    /// For a compute pass.
+    pub fn compute(self) -> wgpu::ComputePassTimestampWrites<'a> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: self.set,
+            beginning_of_pass_write_index: Some(self.first),
+            end_of_pass_write_index: Some(self.first + 1),
+        }
+    }
+}
+
+/// Queries of one frame at a time; frames that come while a result is under way are not timed.
+pub struct Timing {
+    set: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    pending: Option<(Receiver<bool>, [bool; PASSES])>,
+    used: [bool; PASSES],
+    last: Milliseconds,
+    period_ns: f64,
+}
+
+impl Timing {
+    /// `None` where the device cannot time passes.
+    pub fn new(gpu: &Gpu) -> Option<Self> {
+        if !gpu.timestamps {
+            return None;
+        }
+        let buffer = |usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("timestamps"),
+                size: BYTES,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        Some(Self {
+            set: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("timestamps"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2 * PASSES as u32,
+            }),
+            resolved: buffer(BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC),
+            staging: buffer(BufferUsages::COPY_DST | BufferUsages::MAP_READ),
+            pending: None,
+            used: [false; PASSES],
+            last: Milliseconds::default(),
+            period_ns: gpu.queue.get_timestamp_period() as f64,
+        })
+    }
+
+    /// The stamps of a pass that is about to be encoded.
+    pub fn stamps(&mut self, pass: Pass) -> Option<Stamps<'_>> {
+        if self.pending.is_some() {
+            return None;
+        }
+        self.used[pass as usize] = true;
+        Some(Stamps { set: &self.set, first: 2 * pass as u32 })
+    }
+
+    /// Call at the end of a frame's commands.
+    pub fn resolve(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        if self.pending.is_none() && self.used.contains(&true) {
+            for (i, _) in self.used.iter().enumerate().filter(|(_, used)| **used) {
+                let first = 2 * i as u32;
+                // Offsets of resolved queries are multiples of 256, so all go to their place by a copy.
+                encoder.resolve_query_set(&self.set, first..first + 2, &self.resolved, 0);
+                encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 16 * i as u64, 16);
+            }
+        }
+    }
+
+    /// Call after the frame is submitted.
+    pub fn submitted(&mut self) {
+        if self.pending.is_none() && self.used.contains(&true) {
+            let (sender, receiver) = oneshot::channel();
+            self.staging.slice(..).map_async(wgpu::MapMode::Read, move |result| sender.send(result.is_ok()));
+            self.pending = Some((receiver, std::mem::take(&mut self.used)));
+        }
+    }
+
+    /// The latest results.
+    pub fn collect(&mut self, gpu: &Gpu) -> Milliseconds {
+        #[cfg(not(target_arch = "wasm32"))]
+        let _ = gpu.device.poll(wgpu::PollType::Poll);
+        #[cfg(target_arch = "wasm32")]
+        let _ = gpu;
+        let Some((receiver, used)) = &self.pending else { return self.last };
+        let used = *used;
+        let Some(mapped) = receiver.try_take() else { return self.last };
+        if mapped && let Ok(view) = self.staging.slice(..).get_mapped_range() {
+            let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&view);
+            for (i, _) in used.iter().enumerate().filter(|(_, used)| **used) {
+                let ms = stamps[2 * i + 1].wrapping_sub(stamps[2 * i]) as f64 * self.period_ns * 1e-6;
+                let slot = match i {
+                    0 => &mut self.last.shadows,
+                    1 => &mut self.last.relight,
+                    2 => &mut self.last.g_buffer,
+                    3 => &mut self.last.splat,
+                    _ => &mut self.last.composite,
+                };
+                *slot = Some(ms);
+            }
+        }
+        if mapped {
+            self.staging.unmap();
+        }
+        self.pending = None;
+        self.last
+    }
+}

@@ -1,0 +1,209 @@
+//! The bulk sections of a file, put into GPU buffers as they are.
+
+use crate::bindings::buffer;
+use crate::error::ViewerError;
+use crate::gpu::Gpu;
+use rebounce_shared::rbn::{Scene, meta::Alpha};
+use std::ops::Range;
+use wgpu::BufferUsages;
+
+/// Bytes that WebGPU guarantees in one storage binding.
+pub const MAX_BINDING: u64 = 128 << 20;
+/// Bytes that WebGPU guarantees in one buffer.
+pub const MAX_BUFFER: u64 = 256 << 20;
+/// Bytes of one point's vector irradiance: nine floats.
+pub const VALUE_BYTES: u64 = 36;
+
+/// Links in one buffer: whole rows.
+pub struct Chunk {
+    /// The links.
+    pub links: wgpu::Buffer,
+    /// Their rows.
+    pub rows: Range<u32>,
+    /// Index of the first link.
+    pub first_link: u32,
+}
+
+/// A run of triangles.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// Their material.
+    pub material: u32,
+    /// Their part of the index buffer.
+    pub indices: Range<u32>,
+    /// Whether the material cuts holes.
+    pub cut: bool,
+}
+
+/// The scene's sections on the GPU.
+pub struct Upload {
+    /// Section `VERT`.
+    pub vertices: wgpu::Buffer,
+    /// Section `INDX`.
+    pub indices: wgpu::Buffer,
+    /// Section `PNTS`.
+    pub points: wgpu::Buffer,
+    /// Section `PUSO`.
+    pub push_offsets: wgpu::Buffer,
+    /// Section `PUSE`.
+    pub push_entries: wgpu::Buffer,
+    /// Section `PULO`.
+    pub pull_offsets: wgpu::Buffer,
+    /// Section `PULE`.
+    pub pull_entries: wgpu::Buffer,
+    /// Section `ROWS`.
+    pub rows: wgpu::Buffer,
+    /// Section `LINK`.
+    pub links: Vec<Chunk>,
+    /// Draw calls by material, opaque ones first.
+    pub runs: Vec<Run>,
+    /// Draw calls where the material does not matter: neighbouring opaque runs are one.
+    pub shadow_runs: Vec<Run>,
+    /// Bytes uploaded.
+    pub bytes: u64,
+}
+
+impl Upload {
+    /// Uploads every section but textures.
+    ///
+    /// # Errors
+    /// [`ViewerError::TooLarge`] when a section is larger than a buffer of WebGPU's default limits.
+    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, ViewerError> {
+        let mut bytes = 0;
+        let mut section = |name: &'static str, usage: BufferUsages, limit: u64, content: &[u8]| {
+            let length = content.len() as u64;
+            if length > limit {
+                return Err(ViewerError::TooLarge { section: name, bytes: length, limit });
+            }
+            bytes += length;
+            Ok(buffer(gpu, name, usage, content))
+        };
+        let values = scene.points.len() as u64 * VALUE_BYTES;
+        if values > MAX_BINDING {
+            return Err(ViewerError::TooLarge { section: "PNTS", bytes: values, limit: MAX_BINDING });
+        }
+        let storage = BufferUsages::STORAGE;
+        let cast = bytemuck::cast_slice::<u32, u8>;
+        let runs = runs(scene);
+        let mut links = Vec::new();
+        for rows in chunks(scene, MAX_BINDING) {
+            let first_link = scene.rows[rows.start as usize].first_link;
+            let end = scene.rows[rows.end as usize].first_link;
+            let content = bytemuck::cast_slice(&scene.links[first_link as usize..end as usize]);
+            links.push(Chunk { links: section("LINK", storage, MAX_BINDING, content)?, rows, first_link });
+        }
+        Ok(Self {
+            vertices: section(
+                "VERT",
+                BufferUsages::VERTEX,
+                MAX_BUFFER,
+                bytemuck::cast_slice(&scene.vertices),
+            )?,
+            indices: section("INDX", BufferUsages::INDEX, MAX_BUFFER, cast(&scene.indices))?,
+            points: section("PNTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.points))?,
+            push_offsets: section("PUSO", storage, MAX_BINDING, cast(&scene.push_offsets))?,
+            push_entries: section("PUSE", storage, MAX_BINDING, bytemuck::cast_slice(&scene.push_entries))?,
+            pull_offsets: section("PULO", storage, MAX_BINDING, cast(&scene.pull_offsets))?,
+            pull_entries: section("PULE", storage, MAX_BINDING, bytemuck::cast_slice(&scene.pull_entries))?,
+            rows: section("ROWS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.rows))?,
+            links,
+            shadow_runs: merged(&runs),
+            runs,
+            bytes,
+        })
+    }
+}
+
+/// Splits the rows so that the links of each part fit one binding of `limit` bytes. A row that is
+/// larger by itself stays whole, and is refused on upload.
+fn chunks(scene: &Scene, limit: u64) -> Vec<Range<u32>> {
+    let rows = scene.rows.len().saturating_sub(1);
+    let most = (limit / 8) as u32;
+    let mut out = Vec::new();
+    let mut start = 0;
+    for row in 0..rows {
+        if row > start && scene.rows[row + 1].first_link - scene.rows[start].first_link > most {
+            out.push(start as u32..row as u32);
+            start = row;
+        }
+    }
+    if rows > start {
+        out.push(start as u32..rows as u32);
+    }
+    out
+}
+
+/// Draw calls sorted so that opaque ones come first and equal materials follow each other.
+fn runs(scene: &Scene) -> Vec<Run> {
+    let mut runs: Vec<Run> = scene
+        .meta
+        .draws
+        .iter()
+        .filter(|d| d.index_count > 0)
+        .map(|d| Run {
+            material: d.material,
+            indices: d.first_index..d.first_index + d.index_count,
+            cut: scene.meta.materials[d.material as usize].alpha != Alpha::Opaque,
+        })
+        .collect();
+    runs.sort_by_key(|run| (run.cut, run.material, run.indices.start));
+    runs
+}
+
+/// The same triangles in fewer runs: opaque neighbours in the index buffer become one.
+fn merged(runs: &[Run]) -> Vec<Run> {
+    let mut opaque: Vec<Run> = runs.iter().filter(|r| !r.cut).cloned().collect();
+    opaque.sort_by_key(|run| run.indices.start);
+    let mut out: Vec<Run> = Vec::new();
+    for run in opaque {
+        match out.last_mut() {
+            Some(last) if last.indices.end == run.indices.start => last.indices.end = run.indices.end,
+            _ => out.push(run),
+        }
+    }
+    out.extend(runs.iter().filter(|r| r.cut).cloned());
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rebounce_shared::link::Link;
+    use rebounce_shared::rbn::bulk::Row;
+    use rebounce_shared::rbn::meta::{Draw, Material};
+
+    #[test]
+    fn chunks_hold_every_row_once_and_fit() {
+        let mut scene = Scene { links: vec![Link::default(); 100], ..Default::default() };
+        scene.rows = (0..20).map(|i| Row { receiver: i, first_link: i * 5 }).collect();
+        scene.rows.push(Row { receiver: u32::MAX, first_link: 100 });
+        let chunks = chunks(&scene, 8 * 12);
+        assert_eq!(chunks.len(), 10);
+        assert_eq!(chunks[0].start, 0);
+        assert_eq!(chunks[9].end, 20);
+        for pair in chunks.windows(2) {
+            assert_eq!(pair[0].end, pair[1].start);
+        }
+    }
+
+    #[test]
+    fn shadows_draw_the_same_triangles() {
+        let mut scene = Scene::default();
+        scene.meta.materials = vec![
+            Material::default(),
+            Material { alpha: Alpha::Blend, ..Default::default() },
+            Material::default(),
+        ];
+        scene.meta.draws = vec![
+            Draw { material: 2, first_index: 0, index_count: 30 },
+            Draw { material: 1, first_index: 60, index_count: 3 },
+            Draw { material: 0, first_index: 30, index_count: 30 },
+        ];
+        let runs = runs(&scene);
+        assert_eq!(runs.iter().map(|r| r.material).collect::<Vec<_>>(), [0, 2, 1]);
+        let shadows = merged(&runs);
+        assert_eq!(shadows.len(), 2);
+        assert_eq!((shadows[0].indices.clone(), shadows[0].cut), (0..60, false));
+        assert_eq!((shadows[1].indices.clone(), shadows[1].cut), (60..63, true));
+    }
+}

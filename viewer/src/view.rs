@@ -1,0 +1,104 @@
+//! The camera as the shaders see it: `Frame` in frame.wgsl.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec4};
+use rebounce_shared::camera::CameraFrame;
+
+/// A picture's camera, in scene-local space. 144 bytes.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Frame {
+    /// Projection times view: reversed depth, near plane at 1, infinity at 0.
+    pub clip_from_local: [[f32; 4]; 4],
+    /// Eye.
+    pub eye: [f32; 3],
+    /// Distance of the near plane.
+    pub near: f32,
+    /// To the picture's right edge, at distance 1.
+    pub right: [f32; 3],
+    /// Width, pixels.
+    pub width: f32,
+    /// To the picture's top edge, at distance 1.
+    pub up: [f32; 3],
+    /// Height, pixels.
+    pub height: f32,
+    /// Into the picture, unit length.
+    pub forward: [f32; 3],
+    /// Number of this picture within an averaged series.
+    pub sample: u32,
+}
+
+impl Frame {
+    /// The frame for a picture of this size. `jitter` moves the picture by so many pixels, right and down.
+    pub fn new(camera: &CameraFrame, near: f32, size: [u32; 2], jitter: [f32; 2], sample: u32) -> Self {
+        let (width, height) = (size[0] as f32, size[1] as f32);
+        let (right, up) =
+            (camera.right * (camera.tan_half_yfov * width / height), camera.up * camera.tan_half_yfov);
+        // The ray through the middle of a moved picture.
+        let forward = camera.forward + right * (2.0 * jitter[0] / width) - up * (2.0 * jitter[1] / height);
+        // With d = position - eye: w = d·axis, x = d·right / |right|², y likewise, less the move, times w.
+        let x = right / right.length_squared() - camera.forward * (2.0 * jitter[0] / width);
+        let y = up / up.length_squared() + camera.forward * (2.0 * jitter[1] / height);
+        let plane = |v: glam::Vec3| v.extend(-v.dot(camera.eye));
+        let rows = Mat4::from_cols(plane(x), plane(y), Vec4::new(0.0, 0.0, 0.0, near), plane(camera.forward));
+        Self {
+            clip_from_local: rows.transpose().to_cols_array_2d(),
+            eye: camera.eye.to_array(),
+            near,
+            right: right.to_array(),
+            width,
+            up: up.to_array(),
+            height,
+            forward: forward.to_array(),
+            sample,
+        }
+    }
+}
+
+/// The shifts within a pixel, in pixels from its centre, of picture `i` of a series: evenly spread
+/// (Halton, bases 2 and 3), the first one at the centre.
+pub fn jitter(i: u32) -> [f32; 2] {
+    let radical_inverse = |base: u32| {
+        let (mut index, mut digit, mut sum) = (i, 1.0 / base as f32, 0.0);
+        while index > 0 {
+            sum += (index % base) as f32 * digit;
+            index /= base;
+            digit /= base as f32;
+        }
+        sum
+    };
+    if i == 0 { [0.0; 2] } else { [radical_inverse(2) - 0.5, radical_inverse(3) - 0.5] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use rebounce_shared::camera::Camera;
+
+    #[test]
+    fn projection_and_reconstruction_are_inverse() {
+        let camera = Camera {
+            position: [1.0, 2.0, 3.0],
+            target: [4.0, 1.0, -2.0],
+            up: [0.0, 1.0, 0.1],
+            yfov_deg: 50.0,
+        };
+        let size = [320, 180];
+        let frame = camera.frame([0.5, 0.0, 0.0]);
+        for shift in [[0.0, 0.0], [0.3, -0.4]] {
+            let f = Frame::new(&frame, 0.01, size, shift, 0);
+            for (x, y) in [(0.5, 0.5), (160.0, 90.0), (319.5, 3.5)] {
+                let p = frame.eye + 7.0 * frame.direction(x + shift[0], y + shift[1], size[0], size[1]);
+                let clip = Mat4::from_cols_array_2d(&f.clip_from_local) * p.extend(1.0);
+                let ndc = clip / clip.w;
+                let pixel = ((ndc.x + 1.0) * 160.0, (1.0 - ndc.y) * 90.0);
+                assert!((pixel.0 - x).abs() < 1e-2 && (pixel.1 - y).abs() < 1e-2, "{pixel:?}, not {x} {y}");
+                let (nx, ny) = (x * 2.0 / f.width - 1.0, 1.0 - y * 2.0 / f.height);
+                let ray = Vec3::from(f.forward) + nx * Vec3::from(f.right) + ny * Vec3::from(f.up);
+                let back = Vec3::from(f.eye) + ray * (f.near / ndc.z);
+                assert!(back.distance(p) < 1e-4, "{back} {p}");
+            }
+        }
+    }
+}
