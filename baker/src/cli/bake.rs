@@ -83,8 +83,10 @@ enum PresetName {
 }
 
 fn parse_point(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Vec<f64> =
-        text.split(',').map(|part| part.trim().parse::<f64>().map_err(|e| e.to_string())).collect::<Result<_, _>>()?;
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse::<f64>().map_err(|e| e.to_string()))
+        .collect::<Result<_, _>>()?;
     numbers.try_into().map_err(|_| "three numbers are needed, as in 0,1.5,-2".to_owned())
 }
 
@@ -132,8 +134,8 @@ pub fn run(args: &BakeArgs) -> Result<()> {
     let output = args.output();
     let scene = scene::load(&args.scene)?;
     let display = ProgressDisplay::new();
-    let (baked, mut report) =
-        bake(&scene, &args.settings(), &|progress| display.show(progress)).with_context(|| args.scene.clone())?;
+    let (baked, mut report) = bake(&scene, &args.settings(), &|progress| display.show(progress))
+        .with_context(|| args.scene.clone())?;
     display.finish();
     let bytes = baked.to_bytes().with_context(|| args.scene.clone())?;
     write_whole(&output, &bytes)?;
@@ -193,7 +195,8 @@ impl ProgressDisplay {
         self.bar.set_position(progress.done);
         if !self.is_terminal && now - state.last_line > Duration::from_secs(10) && progress.done > 0 {
             state.last_line = now;
-            let left = (now - state.since).as_secs_f64() * (progress.total as f64 / progress.done as f64 - 1.0);
+            let left =
+                (now - state.since).as_secs_f64() * (progress.total as f64 / progress.done as f64 - 1.0);
             match progress.total {
                 0 => eprintln!("{label}: {} so far", progress.done),
                 total => eprintln!("{label}: {} of {total}, {left:.0} s left", progress.done),

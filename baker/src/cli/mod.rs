@@ -1,3 +1,54 @@
 //! The verbs of the command line, one a file. They read arguments, call the library and print.
 
 pub mod bake;
+pub mod info;
+mod picture;
+pub mod reference;
+pub mod render;
+pub mod view;
+
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand};
+use rebounce_shared::rbn::Scene;
+use std::path::Path;
+
+/// Bakes how light bounces through a glTF scene, so that it can be relit live in a browser.
+#[derive(Parser, Debug)]
+#[command(version)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Bakes a scene into a .rbn file
+    Bake(bake::BakeArgs),
+    /// Says what is inside a .rbn file, and whether it is whole
+    Info(info::InfoArgs),
+    /// Takes a picture of a baked scene on the CPU
+    Render(render::RenderArgs),
+    /// Takes a picture of a scene with a brute-force path tracer, to compare with
+    Reference(reference::ReferenceArgs),
+    /// Shows a baked scene in the browser, from this machine
+    View(view::ViewArgs),
+}
+
+/// Runs the command asked for.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    match &arguments.command {
+        Command::Bake(args) => bake::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Render(args) => render::run(args),
+        Command::Reference(args) => reference::run(args),
+        Command::View(args) => view::run(args),
+    }
+}
+
+/// The bytes of a baked file and what they mean.
+fn read_baked(path: &Path) -> Result<(Vec<u8>, Scene)> {
+    let name = || path.display().to_string();
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", name()))?;
+    let scene = Scene::from_bytes(&bytes).with_context(name)?;
+    Ok((bytes, scene))
+}

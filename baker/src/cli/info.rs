@@ -1,0 +1,158 @@
+//! `rebounce info`: what is inside a baked file.
+
+use super::read_baked;
+use anyhow::Result;
+use clap::Args;
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::container::{self, Section};
+use rebounce_shared::rbn::meta::{Alpha, Material, Texture};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Arguments of `rebounce info`.
+#[derive(Args, Debug)]
+pub struct InfoArgs {
+    /// A baked scene
+    #[arg(value_name = "FILE.rbn")]
+    file: PathBuf,
+    /// Prints JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command. Reading checks every checksum and every rule of the format.
+pub fn run(args: &InfoArgs) -> Result<()> {
+    let (bytes, scene) = read_baked(&args.file)?;
+    let sections = container::read(&bytes)?;
+    let file = args.file.display().to_string();
+    if args.json {
+        println!("{:#}", as_json(&file, bytes.len(), &sections, &scene));
+    } else {
+        print!("{}", as_text(&file, bytes.len(), &sections, &scene));
+    }
+    Ok(())
+}
+
+fn as_json(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Value {
+    let m = &scene.meta;
+    let links = link_count(scene);
+    json!({
+        "file": file,
+        "bytes": bytes,
+        "version": container::VERSION,
+        "generator": m.generator,
+        "scene": m.scene_name,
+        "sections": sections.iter().map(|s| json!({
+            "name": s.name(), "offset": s.offset, "bytes": s.len, "share": s.len as f64 / bytes as f64,
+        })).collect::<Vec<_>>(),
+        "origin": m.origin,
+        "bounds": [m.bounds_min, m.bounds_max],
+        "triangles": scene.indices.len() / 3,
+        "vertices": scene.vertices.len(),
+        "points": scene.points.len(),
+        "senders": scene.sender_count(),
+        "direct_points": scene.direct_count(),
+        "links": links,
+        "potential_links": m.bake.potential_links,
+        "levels": m.levels.iter().map(|l| json!({
+            "points": l.count, "disk_radius": l.disk_radius, "support_radius": l.support_radius,
+        })).collect::<Vec<_>>(),
+        "sender_levels": m.sender_levels,
+        "direct_levels": m.direct_levels,
+        "materials": m.materials.iter().map(material_json).collect::<Vec<_>>(),
+        "textures": m.textures.iter().map(|t| json!({
+            "name": t.name, "mime": t.mime, "bytes": t.len, "width": t.width, "height": t.height,
+        })).collect::<Vec<_>>(),
+        "cameras": m.cameras,
+        "lights": m.lights,
+        "bake": {
+            "preset": m.bake.preset, "seed": m.bake.seed, "epsilon": m.bake.epsilon,
+            "bounces": m.bake.bounces, "rays": m.bake.rays,
+        },
+    })
+}
+
+fn material_json(m: &Material) -> Value {
+    let (mode, cutoff) = match m.alpha {
+        Alpha::Opaque => ("OPAQUE", None),
+        Alpha::Mask { cutoff } => ("MASK", Some(cutoff)),
+        Alpha::Blend => ("BLEND", None),
+    };
+    json!({
+        "name": m.name, "base_color": m.base_color, "base_color_texture": m.base_color_texture,
+        "alpha_mode": mode, "alpha_cutoff": cutoff, "double_sided": m.double_sided, "emission": m.emission,
+    })
+}
+
+/// Links that carry light; the marks between them do not count.
+fn link_count(scene: &Scene) -> usize {
+    scene.links.iter().filter(|l| !l.is_page()).count()
+}
+
+fn as_text(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> String {
+    let m = &scene.meta;
+    let mut out = String::new();
+    let mut line = |label: &str, text: String| out += &format!("{label:13} {text}\n");
+    line("file", format!("{file}, {}, format version {}", size(bytes), container::VERSION));
+    line("scene", format!("{:?}, by {}", m.scene_name, m.generator));
+    let [x, y, z] = std::array::from_fn(|i| m.bounds_max[i] - m.bounds_min[i]);
+    let [ox, oy, oz] = m.origin;
+    line("size", format!("{x:.4} x {y:.4} x {z:.4} around ({ox:.3}, {oy:.3}, {oz:.3})"));
+    line("geometry", format!("{} triangles, {} vertices", scene.indices.len() / 3, scene.vertices.len()));
+    line(
+        "points",
+        format!(
+            "{}, of which {} send and {} sample direct light",
+            scene.points.len(),
+            scene.sender_count(),
+            scene.direct_count()
+        ),
+    );
+    for (i, l) in m.levels.iter().enumerate() {
+        let sends = if (i as u32) < m.sender_levels { ", senders" } else { "" };
+        line(
+            &format!("  level {i}"),
+            format!("{} points, disk {:.4}, support {:.4}{sends}", l.count, l.disk_radius, l.support_radius),
+        );
+    }
+    let links = link_count(scene);
+    let share = 100.0 * links as f64 / (m.bake.potential_links.max(1)) as f64;
+    line("links", format!("{links}, {share:.2}% of {} potential ones", m.bake.potential_links));
+    line(
+        "bake",
+        format!(
+            "preset {}, seed {}, epsilon {:e}, {} bounces, {} rays",
+            m.bake.preset, m.bake.seed, m.bake.epsilon, m.bake.bounces, m.bake.rays
+        ),
+    );
+    let textured = m.materials.iter().filter(|m| m.base_color_texture.is_some()).count();
+    line("materials", format!("{}, {textured} with a texture", m.materials.len()));
+    let texture_bytes: u64 = m.textures.iter().map(|t| t.len).sum();
+    line("textures", format!("{}, {}", m.textures.len(), size(texture_bytes as usize)));
+    for Texture { name, mime, len, width, height, .. } in &m.textures {
+        line(
+            "",
+            format!(
+                "{width} x {height} {}, {}, {name:?}",
+                mime.trim_start_matches("image/"),
+                size(*len as usize)
+            ),
+        );
+    }
+    line("cameras", m.cameras.len().to_string());
+    line("lights", m.lights.len().to_string());
+    line("sections", String::new());
+    for s in sections {
+        let share = 100.0 * s.len as f64 / bytes as f64;
+        line(&format!("  {}", s.name()), format!("{:>12} bytes {share:5.1}%", s.len));
+    }
+    out
+}
+
+fn size(bytes: usize) -> String {
+    match bytes {
+        0..10_000 => format!("{bytes} bytes"),
+        10_000..10_000_000 => format!("{:.1} kB", bytes as f64 / 1e3),
+        _ => format!("{:.1} MB", bytes as f64 / 1e6),
+    }
+}

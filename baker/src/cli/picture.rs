@@ -1,0 +1,138 @@
+//! What `render` and `reference` have in common: the shot, the size, the samples, the file.
+
+use anyhow::{Context, Result};
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use rebounce::picture::expose::Exposure;
+use rebounce::picture::{Only, Picture, check_name};
+use rebounce::shot;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
+use rebounce_shared::shot::Shot;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Arguments of every command that takes a picture.
+#[derive(Args, Debug)]
+pub struct PictureArgs {
+    /// Camera and lights (docs/SHOT.md); the scene's own when absent
+    #[arg(long, value_name = "SHOT.json")]
+    shot: Option<PathBuf>,
+    /// Where to write: .exr holds linear radiance, .png is tone mapped
+    #[arg(short, long, value_name = "OUT.exr|OUT.png")]
+    output: PathBuf,
+    /// Which light to show
+    #[arg(long, value_enum, default_value = "all")]
+    only: OnlyArg,
+    /// Width and height in pixels; the shot's when absent
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<[u32; 2]>,
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Threads; all cores when absent
+    #[arg(long)]
+    threads: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum OnlyArg {
+    /// Direct and bounced light, and surfaces that shine by themselves
+    All,
+    /// Light straight from the lamps
+    Direct,
+    /// Light that bounced at least once
+    Indirect,
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let number = |part: &str| match part.trim().parse() {
+        Ok(n) if (1..=shot::MAX_SIZE).contains(&n) => Some(n),
+        _ => None,
+    };
+    text.split_once(['x', 'X'])
+        .and_then(|(w, h)| Some([number(w)?, number(h)?]))
+        .ok_or_else(|| format!("give width x height, each from 1 to {}, as in 640x360", shot::MAX_SIZE))
+}
+
+impl PictureArgs {
+    /// Checks what can be checked before the long work, and sets up the threads.
+    pub fn prepare(&self) -> Result<Option<Shot>> {
+        check_name(&self.output)?;
+        if let Some(threads) = self.threads {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build_global()
+                .context("setting up threads")?;
+        }
+        Ok(self.shot.as_deref().map(shot::read).transpose()?)
+    }
+
+    pub fn only(&self) -> Only {
+        match self.only {
+            OnlyArg::All => Only::All,
+            OnlyArg::Direct => Only::Direct,
+            OnlyArg::Indirect => Only::Indirect,
+        }
+    }
+
+    pub fn exposure(&self, shot: &Shot, samples: u32) -> Exposure {
+        Exposure { size: self.size.unwrap_or(shot.size), samples, seed: self.seed }
+    }
+
+    pub fn write(&self, picture: &Picture) -> Result<()> {
+        picture.write(&self.output)?;
+        eprintln!("wrote {}", self.output.display());
+        Ok(())
+    }
+}
+
+/// The shot given, or one of the scene's own first camera and its lights.
+pub fn shot_or_own(shot: Option<Shot>, spec: &str, cameras: &[Camera], lights: &[Light]) -> Result<Shot> {
+    if let Some(shot) = shot {
+        return Ok(shot);
+    }
+    let camera =
+        cameras.first().with_context(|| format!("{spec} has no camera: give one with --shot SHOT.json"))?;
+    if lights.is_empty() {
+        anyhow::bail!("{spec} has no light: give some with --shot SHOT.json");
+    }
+    Ok(Shot { scene: None, size: [640, 360], camera: camera.clone(), lights: lights.to_vec() })
+}
+
+/// Counts rows: a bar with the time left on a terminal, a line every ten seconds when piped.
+pub struct Rows {
+    bar: ProgressBar,
+    plain: Option<Mutex<(u32, Instant, Instant)>>,
+    total: u32,
+}
+
+impl Rows {
+    pub fn new(total: u32) -> Self {
+        let now = Instant::now();
+        let plain = (!std::io::stderr().is_terminal()).then(|| Mutex::new((0, now, now)));
+        let bar = if plain.is_some() { ProgressBar::hidden() } else { ProgressBar::new(total as u64) };
+        if let Ok(style) = ProgressStyle::with_template("rows [{bar:30}] {pos}/{len}, {eta} left") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Self { bar, plain, total }
+    }
+
+    pub fn done(&self) {
+        self.bar.inc(1);
+        let Some(Ok(mut state)) = self.plain.as_ref().map(|p| p.lock()) else { return };
+        let (done, began, last) = &mut *state;
+        *done += 1;
+        if last.elapsed() > Duration::from_secs(10) {
+            *last = Instant::now();
+            let left = began.elapsed().as_secs_f64() * (self.total as f64 / *done as f64 - 1.0);
+            eprintln!("row {done} of {}, {left:.0} s left", self.total);
+        }
+    }
+
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

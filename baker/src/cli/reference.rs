@@ -1,0 +1,38 @@
+//! `rebounce reference`: a scene path-traced by brute force.
+
+use super::picture::{PictureArgs, Rows, shot_or_own};
+use anyhow::Result;
+use clap::Args;
+use rebounce::path_trace::{Settings, path_trace};
+use rebounce::scene;
+use rebounce::triangles::TriangleSurfaces;
+
+/// Arguments of `rebounce reference`.
+#[derive(Args, Debug)]
+pub struct ReferenceArgs {
+    /// A .gltf or .glb file, or builtin:cornell-box
+    scene: String,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Samples per pixel
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+    /// Bounces of light; all of them when absent
+    #[arg(long)]
+    bounces: Option<u32>,
+}
+
+/// Runs the command.
+pub fn run(args: &ReferenceArgs) -> Result<()> {
+    let shot = args.picture.prepare()?;
+    let scene = scene::load(&args.scene)?;
+    let shot = shot_or_own(shot, &args.scene, &scene.cameras, &scene.lights)?;
+    let surfaces = TriangleSurfaces::from_scene(&scene);
+    let exposure = args.picture.exposure(&shot, args.spp);
+    let settings = Settings { only: args.picture.only(), bounces: args.bounces };
+    let rows = Rows::new(exposure.size[1]);
+    let picture =
+        path_trace(&surfaces, scene.origin, &shot.camera, &shot.lights, exposure, settings, || rows.done());
+    rows.finish();
+    args.picture.write(&picture)
+}

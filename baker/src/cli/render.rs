@@ -1,0 +1,37 @@
+//! `rebounce render`: a baked file relit on the CPU.
+
+use super::picture::{PictureArgs, Rows, shot_or_own};
+use super::read_baked;
+use anyhow::Result;
+use clap::Args;
+use rebounce::render::render;
+use rebounce::triangles::TriangleSurfaces;
+use std::path::PathBuf;
+
+/// Arguments of `rebounce render`.
+#[derive(Args, Debug)]
+pub struct RenderArgs {
+    /// A baked scene
+    #[arg(value_name = "FILE.rbn")]
+    file: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Samples per pixel
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+}
+
+/// Runs the command.
+pub fn run(args: &RenderArgs) -> Result<()> {
+    let shot = args.picture.prepare()?;
+    let (_, scene) = read_baked(&args.file)?;
+    let name = args.file.display().to_string();
+    let shot = shot_or_own(shot, &name, &scene.meta.cameras, &scene.meta.lights)?;
+    let surfaces = TriangleSurfaces::from_baked(&scene)?;
+    let exposure = args.picture.exposure(&shot, args.spp);
+    let rows = Rows::new(exposure.size[1]);
+    let only = args.picture.only();
+    let picture = render(&scene, &surfaces, &shot.camera, &shot.lights, exposure, only, || rows.done());
+    rows.finish();
+    args.picture.write(&picture)
+}
