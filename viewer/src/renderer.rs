@@ -188,6 +188,12 @@ impl Renderer {
         self.still_pictures = count.max(1);
     }
 
+    /// Makes shadow maps at most so many texels wide; for measurements.
+    pub fn set_largest_shadow_map(&mut self, texels: u32) {
+        self.shadows.largest = texels.clamp(16, shadow_fit::LARGEST);
+        self.dirty.lights = true;
+    }
+
     /// The camera, world space.
     pub fn camera(&self) -> &Camera {
         &self.camera
