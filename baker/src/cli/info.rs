@@ -7,6 +7,7 @@ use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::container::{self, Section};
 use rebounce_shared::rbn::meta::{Alpha, Material, Texture};
 use serde_json::{Value, json};
+use std::io::Write;
 use std::path::PathBuf;
 
 /// Arguments of `rebounce info`.
@@ -25,12 +26,16 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     let (bytes, scene) = read_baked(&args.file)?;
     let sections = container::read(&bytes)?;
     let file = args.file.display().to_string();
-    if args.json {
-        println!("{:#}", as_json(&file, bytes.len(), &sections, &scene));
+    let text = if args.json {
+        format!("{:#}\n", as_json(&file, bytes.len(), &sections, &scene))
     } else {
-        print!("{}", as_text(&file, bytes.len(), &sections, &scene));
+        as_text(&file, bytes.len(), &sections, &scene)
+    };
+    match std::io::stdout().write_all(text.as_bytes()) {
+        // Whoever reads may stop early, as `head` does.
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e.into()),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 fn as_json(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Value {
