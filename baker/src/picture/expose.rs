@@ -1,9 +1,10 @@
-//! Averages the samples of each pixel over a box of one pixel.
+//! Averages the samples of each pixel over a box of one pixel: one in each cell of a square grid,
+//! and what is left over anywhere.
 
 use super::Picture;
 use crate::random::Stream;
 use crate::surface::Ray;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::camera::CameraFrame;
 
@@ -28,6 +29,7 @@ pub fn expose(
 ) -> Picture {
     let [width, height] = exposure.size;
     let samples = exposure.samples.max(1);
+    let side = samples.isqrt();
     let mut pixels = vec![Vec3::ZERO; width as usize * height as usize];
     pixels.par_chunks_mut(width.max(1) as usize).enumerate().for_each(|(y, row)| {
         for (x, pixel) in row.iter_mut().enumerate() {
@@ -35,7 +37,10 @@ pub fn expose(
             let mut sum = DVec3::ZERO;
             for s in 0..samples {
                 let mut stream = Stream::new(exposure.seed, index + s as u64);
-                let jitter = stream.square();
+                let mut jitter = stream.square();
+                if s < side * side {
+                    jitter = (Vec2::new((s % side) as f32, (s / side) as f32) + jitter) / side as f32;
+                }
                 let direction = camera.direction(x as f32 + jitter.x, y as f32 + jitter.y, width, height);
                 let ray = Ray { origin: camera.eye, direction, max_distance: f32::INFINITY };
                 sum += radiance(&ray, &mut stream).as_dvec3();
