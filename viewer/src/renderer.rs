@@ -435,6 +435,9 @@ impl Renderer {
         // One submission a picture: their uniforms differ.
         for picture in 0..self.still_pictures {
             self.draw_view(&mut encoder, &scene, &target, picture, false);
+            if std::mem::take(&mut self.dirty.key) {
+                self.measure_key(&mut encoder, &target);
+            }
             self.shade(&mut encoder, &target, picture, false);
             self.gpu.queue.submit([encoder.finish()]);
             encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -496,17 +499,8 @@ impl Renderer {
             } else if self.dirty.splats {
                 self.draw_splats(encoder, scene, target, true);
             }
-            if self.dirty.key {
-                let shading = Shading { direct: 1.0, indirect: 1.0, ..self.shading(1.0) };
-                self.composite.set_shading(&self.gpu, &target.picture, &shading);
-                let earlier =
-                    std::mem::replace(encoder, self.gpu.device.create_command_encoder(&Default::default()));
-                // The picture's own settings come in a submission of their own.
-                self.gpu.queue.submit([earlier.finish()]);
-                self.composite.measure(encoder, &target.picture, &self.shadows.group);
-                let earlier =
-                    std::mem::replace(encoder, self.gpu.device.create_command_encoder(&Default::default()));
-                self.gpu.queue.submit([earlier.finish()]);
+            if std::mem::take(&mut self.dirty.key) {
+                self.measure_key(encoder, target);
             }
             self.shade(encoder, target, 0, true);
             self.pictures = 1;
@@ -515,6 +509,16 @@ impl Renderer {
             self.shade(encoder, target, self.pictures, true);
             self.pictures += 1;
         }
+    }
+
+    /// Measures the automatic exposure on what is drawn. Submits what `encoder` holds: the picture's
+    /// own settings must come later.
+    fn measure_key(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
+        let shading = Shading { direct: 1.0, indirect: 1.0, ..self.shading(1.0) };
+        self.composite.set_shading(&self.gpu, &target.picture, &shading);
+        self.composite.measure(encoder, &target.picture, &self.shadows.group);
+        let fresh = self.gpu.device.create_command_encoder(&Default::default());
+        self.gpu.queue.submit([std::mem::replace(encoder, fresh).finish()]);
     }
 
     /// G-buffer and splats of picture `sample` of a series.

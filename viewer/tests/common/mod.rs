@@ -1,0 +1,156 @@
+//! A small baked room made up by hand, and a device.
+
+use rebounce_shared::camera::Camera;
+use rebounce_shared::glam::Vec3;
+use rebounce_shared::interpolation::pack_row;
+use rebounce_shared::kernel;
+use rebounce_shared::light::Light;
+use rebounce_shared::link::{Link, RowWriter};
+use rebounce_shared::octahedral::pack_snorm16;
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::bulk::{Point, Row, Vertex};
+use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
+use rebounce_viewer::gpu::Gpu;
+
+/// The device, or `None` (said aloud) where there is no adapter.
+pub fn gpu() -> Option<Gpu> {
+    match Gpu::headless() {
+        Ok(gpu) => Some(gpu),
+        Err(error) => {
+            println!("skipped: no adapter ({error})");
+            None
+        }
+    }
+}
+
+/// A number in [0, 1) from a seed.
+pub fn random(seed: u32) -> f32 {
+    let mut x = seed.wrapping_mul(0x9e37_79b9) ^ 0x85eb_ca6b;
+    x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    ((x ^ (x >> 16)) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// The walls of the cube [-1, 1]³: inward normal, and two axes.
+const WALLS: [[Vec3; 3]; 6] = [
+    [Vec3::X, Vec3::Y, Vec3::Z],
+    [Vec3::NEG_X, Vec3::Z, Vec3::Y],
+    [Vec3::Y, Vec3::Z, Vec3::X],
+    [Vec3::NEG_Y, Vec3::X, Vec3::Z],
+    [Vec3::Z, Vec3::X, Vec3::Y],
+    [Vec3::NEG_Z, Vec3::Y, Vec3::X],
+];
+
+/// A closed room, the cube [-1, 1]³ seen from within, whose levels have `side`² points a wall, with
+/// links that mean nothing but fill all of the format: signs, directions, rows of all lengths.
+pub fn room(sides: &[u32]) -> Scene {
+    let mut scene = Scene::default();
+    let mut meta =
+        Meta { scene_name: "room".into(), bounds_min: [-1.0; 3], bounds_max: [1.0; 3], ..Meta::default() };
+    for (wall, [normal, u, v]) in WALLS.iter().enumerate() {
+        let first = scene.vertices.len() as u32;
+        for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            let position = (-*normal + *u * a + *v * b).to_array();
+            scene.vertices.push(Vertex { position, normal: pack_snorm16(*normal), uv: [a, b] });
+        }
+        scene.indices.extend([0, 1, 2, 0, 2, 3].map(|i| first + i));
+        meta.materials.push(Material {
+            base_color: [0.3 + 0.1 * wall as f32, 0.8 - 0.1 * wall as f32, 0.5, 1.0],
+            ..Material::default()
+        });
+        meta.draws.push(Draw { material: wall as u32, first_index: 6 * wall as u32, index_count: 6 });
+    }
+    for (l, &side) in sides.iter().enumerate() {
+        let (first, spacing) = (scene.points.len() as u32, 2.0 / side as f32);
+        for (wall, [normal, u, v]) in WALLS.iter().enumerate() {
+            for i in 0..side * side {
+                let shake =
+                    |k: u32| 0.4 * (random(l as u32 * 7919 + wall as u32 * 104_729 + i * 3 + k) - 0.5);
+                let a = ((i % side) as f32 + 0.5 + shake(0)) * spacing - 1.0;
+                let b = ((i / side) as f32 + 0.5 + shake(1)) * spacing - 1.0;
+                scene.points.push(Point {
+                    position: (-*normal + *u * a + *v * b).to_array(),
+                    radius: 1.6 * spacing,
+                    normal: pack_snorm16(*normal),
+                });
+            }
+        }
+        let count = scene.points.len() as u32 - first;
+        meta.levels.push(Level { first, count, disk_radius: spacing, support_radius: 1.6 * spacing });
+    }
+    meta.sender_levels = 2.min(sides.len() as u32);
+    meta.direct_levels = sides.len() as u32;
+    meta.cameras.push(Camera {
+        position: [0.2, 0.1, 0.9],
+        target: [-0.1, -0.2, -1.0],
+        up: [0.0, 1.0, 0.0],
+        yfov_deg: 70.0,
+    });
+    meta.lights.push(lamp([0.3, 0.4, 0.2]));
+    scene.meta = meta;
+    relate(&mut scene);
+    link(&mut scene);
+    scene
+}
+
+/// A lamp in the room.
+pub fn lamp(position: [f64; 3]) -> Light {
+    Light::Point { position, intensity: 3.0, color: [1.0, 0.7, 0.4] }
+}
+
+fn between(a: &Point, b: &Point) -> f32 {
+    kernel::weight(a.position() - b.position(), a.normal(), b.normal(), b.radius)
+}
+
+/// Push rows from each point's parents, pull rows from its children.
+fn relate(scene: &mut Scene) {
+    scene.push_offsets.push(0);
+    for l in 0..scene.meta.levels.len() {
+        for i in scene.level(l) {
+            let parents = if l == 0 { 0..0 } else { scene.level(l - 1) };
+            let row: Vec<_> = parents
+                .map(|k| (k as u32, between(&scene.points[i], &scene.points[k])))
+                .filter(|e| e.1 > 0.0)
+                .collect();
+            pack_row(&row, &mut scene.push_entries);
+            scene.push_offsets.push(scene.push_entries.len() as u32);
+        }
+    }
+    scene.pull_offsets.push(0);
+    for l in 0..scene.meta.direct_levels as usize - 1 {
+        for i in scene.level(l) {
+            let row: Vec<_> = scene
+                .level(l + 1)
+                .map(|k| (k as u32, between(&scene.points[k], &scene.points[i])))
+                .filter(|e| e.1 > 0.0)
+                .collect();
+            pack_row(&row, &mut scene.pull_entries);
+            scene.pull_offsets.push(scene.pull_entries.len() as u32);
+        }
+    }
+}
+
+fn link(scene: &mut Scene) {
+    let senders = scene.sender_count() as u32;
+    for receiver in 0..scene.points.len() as u32 {
+        // Some receivers have no row, some few links, some many.
+        let share = [0.0, 0.02, 0.3, 0.9][(random(receiver) * 4.0) as usize];
+        let first_link = scene.links.len() as u32;
+        let mut writer = RowWriter::default();
+        for sender in 0..senders {
+            let seed = receiver * senders + sender;
+            if random(seed ^ 0x5555) >= share {
+                continue;
+            }
+            let shift = |k: u32| random(seed.wrapping_mul(7) ^ k) - 0.5;
+            let direction = Vec3::new(shift(1), shift(2), shift(3)).normalize_or(Vec3::Z);
+            let magnitude =
+                Vec3::new(shift(4) + 0.6, shift(5) + 0.5, shift(6) + 0.3) * (shift(7) * 6.0).exp2() * 0.02;
+            writer.push(&mut scene.links, sender, Link::pack(0, direction, magnitude));
+        }
+        if scene.links.len() as u32 > first_link {
+            scene.rows.push(Row { receiver, first_link });
+        }
+    }
+    scene.rows.push(Row { receiver: u32::MAX, first_link: scene.links.len() as u32 });
+}

@@ -1,0 +1,237 @@
+//! The GPU's picture of the bounced light against a direct evaluation on the CPU, and what is drawn when.
+#![cfg(not(target_arch = "wasm32"))]
+
+mod common;
+
+use rebounce_shared::glam::Vec3;
+use rebounce_shared::kernel;
+use rebounce_shared::link::{Link, VectorRgb};
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::relight;
+use rebounce_viewer::gpu::Gpu;
+use rebounce_viewer::renderer::Renderer;
+use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::settings::Mode;
+
+const WIDTH: u32 = 48;
+const HEIGHT: u32 = 36;
+
+fn renderer(gpu: &Gpu, scene: &Scene) -> Renderer {
+    let mut renderer = Renderer::new(gpu.clone()).unwrap();
+    let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
+    renderer.install(loaded).unwrap();
+    renderer
+}
+
+fn indirect(renderer: &mut Renderer) -> Vec<[f32; 4]> {
+    let bytes = pollster::block_on(renderer.read_indirect(WIDTH, HEIGHT).unwrap().wait()).unwrap();
+    bytemuck::pod_collect_to_vec(&bytes)
+}
+
+fn target(gpu: &Gpu) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+/// Where a ray from inside the cube [-1, 1]³ leaves it, and the wall's inward normal and material.
+fn hit(eye: Vec3, direction: Vec3) -> (Vec3, Vec3, usize) {
+    let mut best = (f32::INFINITY, Vec3::ZERO, 0);
+    for axis in 0..3 {
+        for (k, sign) in [1.0f32, -1.0].into_iter().enumerate() {
+            // Wall 2·axis has the inward normal +axis and lies at -1.
+            let t = (-sign - eye[axis]) / direction[axis];
+            if t > 0.0 && t < best.0 {
+                let mut normal = Vec3::ZERO;
+                normal[axis] = sign;
+                best = (t, normal, 2 * axis + k);
+            }
+        }
+    }
+    (eye + direction * best.0, best.1, best.2)
+}
+
+/// The bounced radiance in one direction, summed over all functions of the finest level that covers it.
+fn radiance(scene: &Scene, values: &[VectorRgb], eye: Vec3, direction: Vec3) -> Vec3 {
+    let (position, normal, wall) = hit(eye, direction);
+    let color = scene.meta.materials[wall].base_color;
+    for l in (0..scene.meta.levels.len()).rev() {
+        let (mut sum, mut total) = (VectorRgb::ZERO, 0.0);
+        for j in scene.level(l) {
+            let p = &scene.points[j];
+            let w = kernel::weight(position - p.position(), normal, p.normal(), p.radius);
+            sum.add_scaled(w, &values[j]);
+            total += w;
+        }
+        if total > 0.0 {
+            let irradiance = sum.irradiance(normal).max(Vec3::ZERO) / total;
+            return Vec3::from_slice(&color[..3]) / std::f32::consts::PI * irradiance;
+        }
+    }
+    Vec3::ZERO
+}
+
+/// Nothing blocks light within a convex room: direct irradiance without visibility.
+fn unblocked(scene: &Scene) -> Vec<Vec3> {
+    let lights: Vec<_> = scene.meta.lights.iter().map(|l| l.source(scene.meta.origin)).collect();
+    let at = |p: &rebounce_shared::rbn::bulk::Point| {
+        let sum = lights.iter().filter_map(|light| light.incident(p.position()));
+        sum.map(|i| i.irradiance * p.normal().dot(i.to_light).max(0.0)).sum()
+    };
+    scene.points[..scene.direct_count()].iter().map(at).collect()
+}
+
+/// Relative RMS difference between the GPU's picture and the CPU's of the same 4 x 4 places a pixel.
+fn difference(scene: &Scene, ours: &[[f32; 4]]) -> f64 {
+    let values = relight::relight(scene, unblocked(scene));
+    let camera = scene.meta.cameras[0].frame(scene.meta.origin);
+    let (mut error, mut power) = (0.0, 0.0);
+    for y in 0..HEIGHT {
+        for x in 0..WIDTH {
+            let mut sum = Vec3::ZERO;
+            for k in 0..16 {
+                let (dx, dy) = (((k % 4) as f32 + 0.5) / 4.0, ((k / 4) as f32 + 0.5) / 4.0);
+                let direction = camera.direction(x as f32 + dx, y as f32 + dy, WIDTH, HEIGHT);
+                sum += radiance(scene, &values, camera.eye, direction) / 16.0;
+            }
+            let gpu = ours[(y * WIDTH + x) as usize];
+            assert_eq!(gpu[3], 1.0, "a closed room covers the picture");
+            for c in 0..3 {
+                error += (gpu[c] as f64 - sum[c] as f64).powi(2);
+                power += (sum[c] as f64).powi(2);
+            }
+        }
+    }
+    assert!(power > 0.0, "nothing to compare");
+    (error / power).sqrt()
+}
+
+#[test]
+fn splats_are_the_basis_evaluated_in_every_pixel() {
+    let Some(gpu) = common::gpu() else { return };
+    let scene = common::room(&[3, 6, 12]);
+    let ours = indirect(&mut renderer(&gpu, &scene));
+    let difference = difference(&scene, &ours);
+    // 8-bit albedo, shadow maps at the walls' corners and edges between walls remain.
+    assert!(difference < 0.01, "{difference}");
+}
+
+#[test]
+fn sixteen_bit_sums_are_nearly_as_good() {
+    let Some(mut gpu) = common::gpu() else { return };
+    gpu.float32_blendable = false;
+    let mut scene = common::room(&[3, 6, 12]);
+    // Units far from 1 must not matter.
+    let rebounce_shared::light::Light::Point { intensity, .. } = &mut scene.meta.lights[0] else { panic!() };
+    *intensity = 3e7;
+    let ours = indirect(&mut renderer(&gpu, &scene));
+    let difference = difference(&scene, &ours);
+    assert!(difference < 0.01, "{difference}");
+}
+
+#[test]
+fn holes_take_the_next_coarser_level() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut scene = common::room(&[3, 6, 12]);
+    // Functions so small that they leave most of the finest two levels' surfaces uncovered.
+    for (l, radius) in [(1, 0.15), (2, 0.04)] {
+        for i in scene.level(l) {
+            scene.points[i].radius = radius;
+        }
+    }
+    let ours = indirect(&mut renderer(&gpu, &scene));
+    let dark = ours.iter().filter(|p| p[0] + p[1] + p[2] == 0.0).count();
+    let difference = difference(&scene, &ours);
+    assert!(difference < 0.02, "{difference}, {dark} dark pixels");
+}
+
+#[test]
+fn light_is_linear() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut scene = common::room(&[3, 6, 12]);
+    // Nothing negative, which would be cut off at zero: light comes from above, from senders without parents.
+    scene.meta.sender_levels = 1;
+    scene.links.clear();
+    for (k, row) in scene.rows.iter_mut().enumerate() {
+        row.first_link = scene.links.len() as u32;
+        if row.receiver != u32::MAX {
+            let normal = scene.points[row.receiver as usize].normal();
+            let sender = k as u16 % scene.meta.levels[0].count as u16;
+            scene.links.push(Link::pack(sender, normal, Vec3::new(0.1, 0.2, 0.3)));
+        }
+    }
+    let mut renderer = renderer(&gpu, &scene);
+    let lamps = [common::lamp([0.3, 0.4, 0.2]), common::lamp([-0.5, -0.3, -0.4])];
+    let mut picture = |lights: &[rebounce_shared::light::Light]| {
+        renderer.set_lights(lights.to_vec()).unwrap();
+        indirect(&mut renderer)
+    };
+    let (both, first, second) = (picture(&lamps), picture(&lamps[..1]), picture(&lamps[1..]));
+    let dark = picture(&[]);
+    assert!(dark.iter().all(|p| p[..3] == [0.0; 3]), "no light, no light");
+    let (mut error, mut power) = (0.0, 0.0);
+    for i in 0..both.len() {
+        for c in 0..3 {
+            error += (both[i][c] - first[i][c] - second[i][c]).powi(2);
+            power += both[i][c].powi(2);
+        }
+    }
+    assert!(power > 0.0 && (error / power).sqrt() < 1e-3, "{}", (error / power).sqrt());
+}
+
+#[test]
+fn a_still_scene_costs_nothing_and_a_moved_light_only_what_it_must() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut renderer = renderer(&gpu, &common::room(&[3, 6]));
+    let texture = target(&gpu);
+    let view = texture.create_view(&Default::default());
+    let draw = |renderer: &mut Renderer| {
+        let mut frames = 0;
+        while renderer.needs_frame() {
+            renderer.draw(&view, texture.format(), WIDTH, HEIGHT).unwrap();
+            frames += 1;
+            assert!(frames < 100, "it never rests");
+        }
+        frames
+    };
+    assert!(draw(&mut renderer) > 1);
+    let before = renderer.stats();
+    assert_eq!(draw(&mut renderer), 0);
+    assert_eq!((before.relights, before.shadow_layers), (1, 6));
+    let camera = renderer.camera().clone();
+    renderer.set_camera(rebounce_shared::camera::Camera { yfov_deg: 50.0, ..camera }).unwrap();
+    draw(&mut renderer);
+    assert_eq!(renderer.stats().relights, 1, "the camera does not move light");
+    renderer.set_lights(vec![common::lamp([0.3, 0.4, 0.2]), common::lamp([-0.5, 0.0, 0.0])]).unwrap();
+    draw(&mut renderer);
+    let base = renderer.stats().shadow_layers;
+    renderer.set_lights(vec![common::lamp([0.3, 0.4, 0.2]), common::lamp([-0.5, 0.1, 0.0])]).unwrap();
+    draw(&mut renderer);
+    assert_eq!(renderer.stats().shadow_layers - base, 6, "the light that stood still keeps its maps");
+    let same = renderer.lights().to_vec();
+    renderer.set_lights(same).unwrap();
+    assert!(!renderer.needs_frame());
+    gpu.check().unwrap();
+}
+
+#[test]
+fn pictures_are_lit_and_modes_add_up() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut renderer = renderer(&gpu, &common::room(&[3, 6]));
+    renderer.set_still_pictures(1);
+    let mut mean = |mode| {
+        renderer.set_mode(mode);
+        let pixels = pollster::block_on(renderer.read_pixels(WIDTH, HEIGHT).unwrap().wait()).unwrap();
+        pixels.chunks(4).map(|p| p[0] as f64 + p[1] as f64 + p[2] as f64).sum::<f64>() / pixels.len() as f64
+    };
+    let (all, direct, indirect) = (mean(Mode::All), mean(Mode::Direct), mean(Mode::Indirect));
+    assert!(all > direct && all > indirect && direct > 1.0 && indirect > 1.0, "{all} {direct} {indirect}");
+    gpu.check().unwrap();
+}

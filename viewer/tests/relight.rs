@@ -1,0 +1,112 @@
+//! The GPU's relighting against the CPU's, step by step.
+#![cfg(not(target_arch = "wasm32"))]
+
+mod common;
+
+use rebounce_shared::glam::Vec3;
+use rebounce_shared::link::{Link, VectorRgb};
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::relight;
+use rebounce_viewer::gpu::Gpu;
+use rebounce_viewer::readback::Readback;
+use rebounce_viewer::relight::{Relight, RelightPipelines};
+use rebounce_viewer::shadow::Shadows;
+use rebounce_viewer::upload::Upload;
+
+fn floats(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<f32> {
+    let bytes = pollster::block_on(Readback::buffer(gpu, buffer).wait()).unwrap();
+    bytemuck::pod_collect_to_vec(&bytes)
+}
+
+/// Runs all steps but the first on the GPU, from this direct irradiance: pulled irradiance,
+/// coefficients and values.
+fn run(gpu: &Gpu, scene: &Scene, direct: &[Vec3], lanes: u32) -> [Vec<f32>; 3] {
+    let materials = rebounce_viewer::materials::material_layout(gpu);
+    let shadows = Shadows::new(gpu, &materials);
+    let pipelines = RelightPipelines::new(gpu, &shadows.layout);
+    let upload = Upload::new(gpu, scene).unwrap();
+    let mut relight = Relight::new(gpu, &pipelines, &upload, scene);
+    relight.set_lanes(gpu, &pipelines, lanes);
+    let rows: Vec<[f32; 4]> = direct.iter().map(|e| [e.x, e.y, e.z, 0.0]).collect();
+    gpu.queue.write_buffer(&relight.irradiance, 0, bytemuck::cast_slice(&rows));
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    relight.encode(&mut encoder, &pipelines, None, None);
+    gpu.queue.submit([encoder.finish()]);
+    [&relight.irradiance, &relight.coefficients, &relight.values].map(|b| floats(gpu, b))
+}
+
+/// Largest difference, over the largest value.
+fn relative(gpu: &[f32], cpu: &[f32]) -> f32 {
+    assert!(gpu.len() >= cpu.len());
+    let largest = cpu.iter().fold(0f32, |m, x| m.max(x.abs()));
+    assert!(largest > 0.0, "nothing to compare");
+    gpu.iter().zip(cpu).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) / largest
+}
+
+fn irradiance(count: usize) -> Vec<Vec3> {
+    let value = |i: usize, k: u32| common::random(i as u32 * 3 + k) * 5.0;
+    (0..count).map(|i| Vec3::new(value(i, 0), value(i, 1), value(i, 2))).collect()
+}
+
+fn check(gpu: &Gpu, scene: &Scene, lanes: u32) {
+    let direct = irradiance(scene.direct_count());
+    let [pulled, coefficients, values] = run(gpu, scene, &direct, lanes);
+    let mut cpu_pulled = direct.clone();
+    relight::pull(scene, &mut cpu_pulled);
+    let padded = |rows: &[Vec3]| -> Vec<f32> { rows.iter().flat_map(|v| [v.x, v.y, v.z, 0.0]).collect() };
+    assert!(relative(&pulled, &padded(&cpu_pulled)) < 1e-5);
+    let cpu_coefficients = relight::sender_coefficients(scene, &cpu_pulled);
+    assert!(relative(&coefficients, &padded(&cpu_coefficients)) < 1e-5);
+    let cpu_values: Vec<VectorRgb> = relight::relight(scene, direct);
+    let flat: Vec<f32> = cpu_values.iter().flat_map(|v| v.rgb.iter().flat_map(|c| c.to_array())).collect();
+    let difference = relative(&values, &flat);
+    assert!(difference < 1e-4, "{lanes} lanes: {difference}");
+}
+
+#[test]
+fn every_step_agrees_with_the_cpu_for_every_split_of_the_rows() {
+    let Some(gpu) = common::gpu() else { return };
+    let scene = common::room(&[3, 6, 12]);
+    for lanes in [1, 8, 16, 64] {
+        check(&gpu, &scene, lanes);
+    }
+}
+
+#[test]
+fn page_marks_lead_to_the_right_senders() {
+    let Some(gpu) = common::gpu() else { return };
+    // 6 · 110² = 72600 senders: their indices need more than 16 bits.
+    let mut scene = common::room(&[2]);
+    let coarse = scene.points.len() as u32;
+    let more = 72_600;
+    let template = scene.points[0];
+    scene.points.extend(std::iter::repeat_n(template, more));
+    scene.meta.levels.push(rebounce_shared::rbn::meta::Level {
+        first: coarse,
+        count: more as u32,
+        ..Default::default()
+    });
+    scene.push_offsets.extend(std::iter::repeat_n(scene.push_entries.len() as u32, more));
+    scene.meta.sender_levels = 2;
+    scene.meta.direct_levels = 2;
+    scene.pull_offsets = vec![0; coarse as usize + 1];
+    scene.pull_entries.clear();
+    scene.rows.clear();
+    scene.links.clear();
+    for receiver in 0..40 {
+        scene.rows.push(rebounce_shared::rbn::bulk::Row { receiver, first_link: scene.links.len() as u32 });
+        let mut writer = rebounce_shared::link::RowWriter::default();
+        for k in 0..100 {
+            let column = receiver + k * 727;
+            let magnitude = Vec3::splat(0.01 * (k + 1) as f32);
+            writer.push(&mut scene.links, column, Link::pack(0, Vec3::Y, magnitude));
+        }
+    }
+    scene
+        .rows
+        .push(rebounce_shared::rbn::bulk::Row { receiver: u32::MAX, first_link: scene.links.len() as u32 });
+    assert!(scene.links.iter().any(|l| l.is_page()), "the test needs page marks");
+    for lanes in [1, 16, 64] {
+        check(&gpu, &scene, lanes);
+    }
+}
