@@ -1,6 +1,7 @@
 //! The verbs of the command line, one a file. They read arguments, call the library and print.
 
 pub mod bake;
+mod http;
 pub mod info;
 mod picture;
 pub mod reference;

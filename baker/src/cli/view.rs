@@ -1,15 +1,14 @@
 //! `rebounce view`: serves the built viewer with one baked file on 127.0.0.1.
 
+use super::http::{self, Body, Request, Response};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rebounce_shared::rbn::container::MAGIC;
 use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::Arc;
-use tiny_http::{Header, Method, Request, Response, ResponseBox, Server};
 
 /// Arguments of `rebounce view`.
 #[derive(Args, Debug)]
@@ -29,8 +28,6 @@ pub struct ViewArgs {
 static WEB: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/web_files.rs"));
 
 const DEFAULT_PORT: u16 = 7777;
-/// A page's files are few and small; a large scene does not hold them up.
-const THREADS: usize = 4;
 
 /// Sent with every answer. The last two give the page finer timers.
 const HEADERS: [(&str, &str); 7] = [
@@ -57,32 +54,14 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     check(&args.file)?;
     let listener = listen(args.port)?;
     let port = listener.local_addr()?.port();
-    let server =
-        Server::from_listener(listener, None).map_err(|e| anyhow::anyhow!("starting the server: {e}"))?;
     let address = format!("http://127.0.0.1:{port}/");
     println!("{} at {address}", args.file.display());
     println!("Ctrl-C ends");
     if !args.no_open {
         open(&address);
     }
-    let site = Arc::new(Site { file: args.file.clone(), port });
-    let server = Arc::new(server);
-    let threads: Vec<_> = (0..THREADS)
-        .map(|_| {
-            let (server, site) = (server.clone(), site.clone());
-            std::thread::spawn(move || {
-                for request in server.incoming_requests() {
-                    site.serve(request);
-                }
-            })
-        })
-        .collect();
-    for thread in threads {
-        if thread.join().is_err() {
-            bail!("the server stopped");
-        }
-    }
-    Ok(())
+    let site = Site { file: args.file.clone(), port };
+    http::serve(&listener, &HEADERS, move |request| site.answer(request)).context("serving the page")
 }
 
 /// Whether the file can be read and begins like a .rbn file; the page checks the rest.
@@ -128,17 +107,6 @@ struct Site {
 }
 
 impl Site {
-    fn serve(&self, request: Request) {
-        let host =
-            request.headers().iter().find(|h| h.field.equiv("Host")).map(|h| h.value.as_str().to_owned());
-        let mut response = self.answer(request.method(), host.as_deref(), request.url());
-        for (name, value) in HEADERS {
-            add(&mut response, name, value);
-        }
-        // A browser that has gone away is no error here.
-        let _ = request.respond(response);
-    }
-
     /// Any other name for this machine in the request would let a foreign page read the file
     /// (DNS rebinding).
     fn is_own(&self, host: Option<&str>) -> bool {
@@ -148,15 +116,14 @@ impl Site {
     }
 
     /// Serves exactly the embedded files and the scene; nothing of the request becomes a path.
-    /// Nothing is sent in chunks: the page shows how much of the length has come.
-    fn answer(&self, method: &Method, host: Option<&str>, url: &str) -> ResponseBox {
-        if !self.is_own(host) {
+    fn answer(&self, request: &Request) -> Response {
+        if !self.is_own(request.host.as_deref()) {
             return text(403, "this server answers only to 127.0.0.1");
         }
-        if !matches!(method, Method::Get | Method::Head) {
+        if !matches!(request.method.as_str(), "GET" | "HEAD") {
             return text(405, "only GET and HEAD");
         }
-        let path = url.split(['?', '#']).next().unwrap_or_default();
+        let path = request.target.split(['?', '#']).next().unwrap_or_default();
         let name = match path.strip_prefix('/') {
             Some("") => "index.html",
             Some(name) => name,
@@ -165,18 +132,13 @@ impl Site {
         if name == "scene.rbn" {
             return match File::open(&self.file) {
                 Ok(file) => {
-                    let body = Response::from_file(file).with_chunked_threshold(usize::MAX);
-                    typed(body.boxed(), "application/octet-stream")
+                    Response { status: 200, mime: "application/octet-stream", body: Body::File(file) }
                 }
                 Err(error) => text(404, &format!("the scene can no longer be read: {error}")),
             };
         }
         match WEB.iter().find(|(known, _)| *known == name) {
-            Some((_, bytes)) => {
-                let headers = Vec::new();
-                let body = Response::new(200.into(), headers, Cursor::new(*bytes), Some(bytes.len()), None);
-                typed(body.with_chunked_threshold(usize::MAX).boxed(), mime(name))
-            }
+            Some((_, bytes)) => Response { status: 200, mime: mime(name), body: Body::Bytes(bytes) },
             None => text(404, "there is no such file"),
         }
     }
@@ -192,20 +154,8 @@ fn mime(name: &str) -> &'static str {
     }
 }
 
-fn text(status: u16, message: &str) -> ResponseBox {
-    typed(Response::from_string(message).with_status_code(status).boxed(), "text/plain; charset=utf-8")
-}
-
-fn typed(mut response: ResponseBox, mime: &str) -> ResponseBox {
-    add(&mut response, "Content-Type", mime);
-    response
-}
-
-/// All names and values here are plain ASCII, which a header always takes.
-fn add(response: &mut ResponseBox, name: &str, value: &str) {
-    if let Ok(header) = Header::from_bytes(name, value) {
-        response.add_header(header);
-    }
+fn text(status: u16, message: &str) -> Response {
+    Response { status, mime: "text/plain; charset=utf-8", body: Body::Text(message.into()) }
 }
 
 #[cfg(test)]
@@ -218,8 +168,13 @@ mod tests {
         (Site { file: file.path().to_owned(), port: 80 }, file)
     }
 
+    fn ask(site: &Site, method: &str, host: Option<&str>, target: &str) -> u16 {
+        site.answer(&Request { method: method.into(), target: target.into(), host: host.map(Into::into) })
+            .status
+    }
+
     fn get(site: &Site, host: &str, url: &str) -> u16 {
-        site.answer(&Method::Get, Some(host), url).status_code().0
+        ask(site, "GET", Some(host), url)
     }
 
     #[test]
@@ -230,7 +185,7 @@ mod tests {
         for host in ["evil.example:80", "127.0.0.1:81", "127.0.0.1", "127.0.0.1:80.evil.example"] {
             assert_eq!(get(&site, host, "/scene.rbn"), 403, "{host}");
         }
-        assert_eq!(site.answer(&Method::Get, None, "/scene.rbn").status_code().0, 403);
+        assert_eq!(ask(&site, "GET", None, "/scene.rbn"), 403);
     }
 
     #[test]
@@ -252,7 +207,7 @@ mod tests {
             let status = get(&site, "127.0.0.1:80", url);
             assert!(status == 404 || status == 400, "{url}: {status}");
         }
-        assert_eq!(site.answer(&Method::Post, Some("127.0.0.1:80"), "/").status_code().0, 405);
+        assert_eq!(ask(&site, "POST", Some("127.0.0.1:80"), "/"), 405);
     }
 
     #[test]
