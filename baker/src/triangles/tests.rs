@@ -211,3 +211,41 @@ fn nothing_at_all_is_a_scene_too() {
     assert!(s.cast(&down(0.0, 0.0), 0).is_none());
     assert_eq!(s.transmittance(Vec3::ZERO, Vec3::ONE), 1.0);
 }
+
+#[test]
+fn a_baked_file_is_hit_where_its_scene_is() {
+    use rebounce_shared::octahedral::pack_snorm16;
+    use rebounce_shared::rbn::bulk::Vertex;
+    use rebounce_shared::rbn::meta::Draw;
+    let scene = crate::scene::load("builtin:cornell-box").unwrap();
+    let mut baked = rbn::Scene::default();
+    baked.meta.materials = scene.materials.clone();
+    baked.vertices = (scene.positions.iter().zip(&scene.normals).zip(&scene.uvs))
+        .map(|((p, &n), uv)| Vertex { position: p.to_array(), normal: pack_snorm16(n), uv: uv.to_array() })
+        .collect();
+    for material in 0..scene.materials.len() as u32 {
+        let of_material =
+            scene.triangles.iter().zip(&scene.triangle_material).filter(|(_, m)| **m == material);
+        let first_index = baked.indices.len() as u32;
+        baked.indices.extend(of_material.flat_map(|(t, _)| *t));
+        let index_count = baked.indices.len() as u32 - first_index;
+        baked.meta.draws.push(Draw { material, first_index, index_count });
+    }
+    let (loaded, baked) =
+        (TriangleSurfaces::from_scene(&scene), TriangleSurfaces::from_baked(&baked).unwrap());
+    assert_eq!(loaded.bounds(), baked.bounds());
+    let mut hits = 0;
+    for i in 0..5_000 {
+        let direction = Stream::new(9, i).sphere();
+        let ray = Ray { origin: Vec3::new(0.5, 1.9, 1.0), direction, max_distance: f32::INFINITY };
+        match (loaded.cast(&ray, 0), baked.cast(&ray, 0)) {
+            (Some(a), Some(b)) => {
+                hits += 1;
+                assert_eq!((a.distance, a.albedo), (b.distance, b.albedo));
+                assert!(a.normal.distance(b.normal) < 1e-3);
+            }
+            (a, b) => assert!(a.is_none() && b.is_none()),
+        }
+    }
+    assert!(hits > 3_000);
+}

@@ -122,6 +122,64 @@ fn lights_and_cameras_stand_where_their_nodes_are() {
     assert!(camera.target[1] < 5.0 && (camera.yfov_deg - 1f64.to_degrees()).abs() < 1e-9);
 }
 
+/// The square with texture coordinates (x, 1 − y) and a picture of four texels: red, green above
+/// blue, white. glTF has v = 0 at the top, so that the picture stands upright.
+fn textured(info: &str) -> Scene {
+    let mut picture = image::RgbaImage::new(2, 2);
+    for (x, y, rgb) in [(0, 0, [255, 0, 0]), (1, 0, [0, 255, 0]), (0, 1, [0, 0, 255]), (1, 1, [255; 3])] {
+        picture.put_pixel(x, y, image::Rgba([rgb[0], rgb[1], rgb[2], 255]));
+    }
+    let mut png = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    // Normalised bytes: (0, 1), (1, 1), (1, 0), (0, 0), four bytes apart.
+    let uvs = [0u8, 255, 0, 0, 255, 255, 0, 0, 255, 0, 0, 0, 0, 0, 0, 0];
+    let accessor = r#","count":6,"type":"SCALAR"},{"bufferView":2,"componentType":5121,"normalized":true,"count":4,"type":"VEC2"}]"#;
+    let views = r#""byteLength":6},{"buffer":1,"byteLength":16,"byteStride":4}]"#;
+    let more = format!(
+        r#"}},{{"byteLength":16,"uri":"data:;base64,{}"}}],"images":[{{"uri":"data:image/jpeg;base64,{}"}}],
+        "textures":[{{"source":0,"sampler":0}}],"samplers":[{{"magFilter":9728}}],
+        "materials":[{{"pbrMetallicRoughness":{{"baseColorFactor":[0.5,1,1,1],"baseColorTexture":{{"index":0{info}}}}}}}]}}"#,
+        base64(&uvs),
+        base64(&png.into_inner())
+    );
+    let json = square("", r#","indices":1,"material":0"#, "")
+        .replacen(r#""POSITION":0"#, r#""POSITION":0,"TEXCOORD_0":2"#, 1)
+        .replacen(r#","count":6,"type":"SCALAR"}]"#, accessor, 1)
+        .replacen(r#""byteLength":6}]"#, views, 1);
+    let json = json.strip_suffix("}]}").unwrap().to_owned() + &more;
+    parse(&json).unwrap()
+}
+
+fn albedo_at(scene: &Scene, x: f32, y: f32) -> Vec3 {
+    let surfaces = TriangleSurfaces::from_scene(scene);
+    let origin = Vec3::new(x - 0.5, y - 0.5, 1.0);
+    surfaces.cast(&Ray { origin, direction: -Vec3::Z, max_distance: 2.0 }, 0).unwrap().albedo
+}
+
+#[test]
+fn pictures_stand_upright_and_are_multiplied_with_the_factor() {
+    // The picture calls itself a JPEG and is a PNG.
+    let scene = textured("");
+    assert_eq!((scene.textures[0].meta.mime.as_str(), scene.textures[0].meta.width), ("image/png", 2));
+    assert_eq!(albedo_at(&scene, 0.25, 0.75), Vec3::new(0.5, 0.0, 0.0));
+    assert_eq!(albedo_at(&scene, 0.75, 0.75), Vec3::new(0.0, 1.0, 0.0));
+    assert_eq!(albedo_at(&scene, 0.25, 0.25), Vec3::new(0.0, 0.0, 1.0));
+    assert_eq!(albedo_at(&scene, 0.75, 0.25), Vec3::new(0.5, 1.0, 1.0));
+}
+
+#[test]
+fn texture_transforms_scale_then_rotate_then_move() {
+    let info = |t: &str| format!(r#","extensions":{{"KHR_texture_transform":{{{t}}}}}"#);
+    let moved = textured(&info(r#""offset":[0.5,0]"#));
+    assert_eq!(albedo_at(&moved, 0.25, 0.75), Vec3::new(0.0, 1.0, 0.0));
+    let scaled = textured(&info(r#""scale":[2,2]"#));
+    assert_eq!(albedo_at(&scaled, 0.375, 0.875), Vec3::new(0.0, 1.0, 0.0));
+    // A quarter turn of the coordinates counter-clockwise turns the picture clockwise: (u, v) reads
+    // the picture at (v, −u), here (0.25, 0.25) at (0.25, 0.75).
+    let turned = textured(&info(r#""rotation":1.5707963267948966"#));
+    assert_eq!(albedo_at(&turned, 0.25, 0.75), Vec3::new(0.0, 0.0, 1.0));
+}
+
 #[test]
 fn a_required_extension_that_is_unknown_is_refused_by_name() {
     for (name, advice) in
