@@ -28,7 +28,7 @@ use wgpu::TextureFormat;
 /// Pictures averaged while nothing moves: smooth edges and translucent surfaces.
 const STILL_PICTURES: u32 = 16;
 /// Pixels that [`Renderer::read_indirect`] draws at most to average.
-const MOST_PIXELS: u64 = 4 << 20;
+const MOST_PIXELS: u64 = 1 << 20;
 
 /// What must be drawn again.
 #[derive(Clone, Copy, Debug, Default)]

@@ -105,7 +105,7 @@ impl Shadows {
         let replaced = self.maps.width() != size || self.maps.depth_or_array_layers() < layers.max(1);
         if replaced {
             self.maps = texture(gpu, size, layers.max(1));
-            self.views = (0..layers)
+            self.views = (0..layers.max(1))
                 .map(|base_array_layer| {
                     self.maps.create_view(&wgpu::TextureViewDescriptor {
                         dimension: Some(wgpu::TextureViewDimension::D2),

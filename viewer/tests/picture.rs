@@ -222,6 +222,28 @@ fn a_still_scene_costs_nothing_and_a_moved_light_only_what_it_must() {
 }
 
 #[test]
+fn lights_come_and_go() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut renderer = renderer(&gpu, &common::room(&[3, 6]));
+    let spot = rebounce_shared::light::Light::Spot {
+        position: [0.0; 3],
+        direction: [0.0, -1.0, 0.0],
+        outer_cone_deg: 40.0,
+        inner_cone_deg: None,
+        intensity: 1.0,
+        color: [1.0; 3],
+    };
+    let lamp = common::lamp([0.3, 0.4, 0.2]);
+    for lights in [vec![], vec![spot.clone()], vec![lamp.clone(), spot.clone()], vec![], vec![lamp, spot]] {
+        let wanted = !lights.is_empty();
+        renderer.set_lights(lights).unwrap();
+        let lit = indirect(&mut renderer).iter().any(|p| p[0] > 0.0);
+        assert_eq!(lit, wanted);
+    }
+    gpu.check().unwrap();
+}
+
+#[test]
 fn pictures_are_lit_and_modes_add_up() {
     let Some(gpu) = common::gpu() else { return };
     let mut renderer = renderer(&gpu, &common::room(&[3, 6]));

@@ -1,4 +1,5 @@
-// The automatic exposure: brings the geometric mean of the picture's radiance to a middle grey.
+// The automatic exposure: brings the picture to a middle grey, halfway (as the eye counts) between its
+// mean radiance and its geometric mean: bright spots keep their texture, dark rooms can be seen.
 
 @group(0) @binding(7) var<storage, read_write> key: array<f32>;
 
@@ -49,6 +50,6 @@ fn measure(@builtin(local_invocation_index) thread: u32) {
     let all_logs = total(thread, logs);
     if thread == 0u {
         let geometric = exp2(all_logs.x / max(all_logs.y, 1.0));
-        key[0] = select(1.0, MIDDLE_GREY / geometric, mean > 0.0);
+        key[0] = select(1.0, MIDDLE_GREY / sqrt(geometric * mean), mean > 0.0);
     }
 }

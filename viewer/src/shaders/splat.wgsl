@@ -97,6 +97,10 @@ fn fragment(in: Out) -> @location(0) vec4f {
         discard;
     }
     let offset = position_at(frame, in.position.xy, depth) - in.centre.xyz;
+    // Most of a quad lies outside the support: no more work there.
+    if squashed_distance_squared(offset, in.normal) >= in.centre.w * in.centre.w {
+        discard;
+    }
     let normal = unpack_normal(textureLoad(surface_texture, pixel, 0).x);
     let w = weight(offset, normal, in.normal, in.centre.w);
     if w <= 0.0 {
