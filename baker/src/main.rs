@@ -9,8 +9,20 @@ fn main() -> ExitCode {
     match cli::run(&cli::Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("rebounce: {error:#}");
+            eprintln!("rebounce: {}", sentence(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// The error and its causes, without those whose words the errors before them already hold.
+fn sentence(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |said, cause| {
+        let cause = cause.to_string();
+        match () {
+            () if said.is_empty() => cause,
+            () if said.contains(&cause) => said,
+            () => format!("{said}: {cause}"),
+        }
+    })
 }
