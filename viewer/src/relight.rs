@@ -14,8 +14,9 @@ const WORKGROUP: u32 = 64;
 const MAX_GROUPS: u32 = 65535;
 /// Distance of steps in their uniform buffer, bytes.
 const STRIDE: u64 = 256;
-/// Threads that share a row of `S e`.
-pub const LANES: u32 = 16;
+/// Threads that share a row of `S e`: neighbouring links are read at once, and little is lost on short rows or on
+/// software adapters (there, 8 take about as long as 1, and 64 seven times as long).
+pub const LANES: u32 = 8;
 
 /// `Step` of the shaders: what one dispatch works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]

@@ -1,6 +1,6 @@
 // i = S e (paper, Eq. 15): LANES threads a row, 64 / LANES rows a workgroup.
 
-override LANES: u32 = 16u;
+override LANES: u32 = 8u;
 // Whether rows hold page marks, that is whether there are more than 65536 senders.
 override PAGED: bool = false;
 
