@@ -18,14 +18,14 @@ export async function download(url: string, signal: AbortSignal, onProgress: OnP
     response = await fetch(url, { signal });
   } catch (error) {
     signal.throwIfAborted();
-    throw new Failure("network", `${name} could not be fetched; check the address and the connection.`, {
+    throw new Failure("network", `The file ${name} could not be fetched; check the address and the connection.`, {
       cause: error,
     });
   }
   if (!response.ok) {
     void response.body?.cancel().catch(() => undefined);
     const reason = response.status === 404 ? "it is not there (404)" : `the server answered ${response.status}`;
-    throw new Failure("http", `${name} could not be loaded: ${reason}. Check the src attribute.`);
+    throw new Failure("http", `The file ${name} could not be loaded: ${reason}. Check the src attribute.`);
   }
   // Under a content encoding the header counts other bytes than those that arrive.
   const encoded = response.headers.has("content-encoding");

@@ -8,14 +8,28 @@ export interface PanelHost {
   stats(): Stats | undefined;
 }
 
-/** Figures of the viewer: times per pass where the device can tell them, counts, bytes, the adapter. */
+/** Figures of the viewer. */
 export interface Stats {
   /** The graphics adapter's name. */
-  adapter?: string;
-  /** Milliseconds of each pass of the last frame, by name; absent where the device cannot time. */
-  passes?: Record<string, number>;
-  /** Milliseconds of the last frame, all passes. */
-  frame_ms?: number;
+  adapter: string;
+  /** The scene's name. */
+  scene: string;
+  /** Milliseconds of each pass when it last ran; absent where the device cannot time. */
+  milliseconds: Record<string, number | null>;
+  /** Pictures drawn so far. */
+  frames: number;
+  /** Times that light was computed anew. */
+  relights: number;
+  /** Triangles of the scene. */
+  triangles: number;
+  /** Basis functions per level, coarsest first. */
+  functions: number[];
+  /** Transport links. */
+  links: number;
+  /** Lights. */
+  lights: number;
+  /** Bytes on the GPU, by what they are for. */
+  bytes: Record<string, number>;
   [figure: string]: unknown;
 }
 
@@ -44,6 +58,7 @@ export class Panel {
   #counts: HTMLTableElement;
   #adapter: HTMLParagraphElement;
   #shownAt = 0;
+  #later = 0;
 
   constructor(host: PanelHost) {
     this.#host = host;
@@ -96,28 +111,36 @@ export class Panel {
     ] as const) {
       for (const input of this.#choices.get(name) ?? []) input.checked = input.value === value;
     }
-    if (!this.element.open || (!now && performance.now() - this.#shownAt < 250)) return;
+    clearTimeout(this.#later);
+    if (!this.element.open) return;
+    // The GPU tells its times after the frame, and the last frame of a motion is to be seen, too.
+    if (!now) this.#later = setTimeout(() => this.update(true), 300);
+    if (!now && performance.now() - this.#shownAt < 250) return;
     this.#shownAt = performance.now();
     const stats = this.#host.stats();
     if (!stats) return;
-    const { adapter, passes, frame_ms, ...counts } = stats;
-    const times = Object.entries(passes ?? {}).map(([name, ms]) => [name, `${ms.toFixed(2)} ms`] as const);
-    const sum = frame_ms ?? Object.values(passes ?? {}).reduce((a, b) => a + b, 0);
-    fill(this.#times, "Time per pass", times.length ? [...times, ["together", `${sum.toFixed(2)} ms`]] : []);
-    fill(this.#counts, "In this scene", rows(counts));
-    this.#adapter.textContent = adapter ?? "";
+    const passes = Object.entries(stats.milliseconds).filter((pass): pass is [string, number] => pass[1] !== null);
+    const together = passes.reduce((sum, [, ms]) => sum + ms, 0);
+    const times = [...passes, ["together", together] as const].map(([name, ms]) => [words(name), `${ms.toFixed(2)} ms`] as const);
+    fill(this.#times, "Time per pass", passes.length > 0 ? times : []);
+    const count = (value: number) => value.toLocaleString();
+    fill(this.#counts, "In this scene", [
+      ["triangles", count(stats.triangles)],
+      ["functions", count(stats.functions.reduce((a, b) => a + b, 0))],
+      ...stats.functions.map((functions, level) => [`\u2003level ${level}`, count(functions)] as const),
+      ["links", count(stats.links)],
+      ["lights", count(stats.lights)],
+      ["frames drawn", count(stats.frames)],
+      ["light computed", count(stats.relights)],
+      ...Object.entries(stats.bytes).map(([name, size]) => [`GPU, ${words(name)}`, bytes(size)] as const),
+    ]);
+    this.#adapter.textContent = stats.adapter;
   }
 }
 
-/** Figures as rows; nested objects and lists are spelt out. */
-function rows(figures: Record<string, unknown>): [string, string][] {
-  return Object.entries(figures).flatMap(([key, value]): [string, string][] => {
-    const name = key.replaceAll("_", " ");
-    if (typeof value === "number") return [[name, key.includes("bytes") ? bytes(value) : value.toLocaleString()]];
-    if (Array.isArray(value)) return [[name, value.map((part) => Number(part).toLocaleString()).join(" / ")]];
-    if (value && typeof value === "object") return rows(value as Record<string, unknown>);
-    return [];
-  });
+/** camelCase as words. */
+function words(name: string): string {
+  return name.replace(/[A-Z]/g, (letter) => ` ${letter.toLowerCase()}`);
 }
 
 function bytes(count: number): string {

@@ -302,6 +302,22 @@ async function failures(harness, context) {
     });
   }
 
+  await harness.test("page::failures::a_download_that_breaks_off", async () => {
+    const prepare = () => {
+      const original = window.fetch;
+      window.fetch = async (address, options) => {
+        if (!String(address).endsWith("scene.rbn")) return original(address, options);
+        const pull = (controller) => controller.error(new TypeError("network error"));
+        const start = (controller) => controller.enqueue(new Uint8Array(1000));
+        return new Response(new ReadableStream({ start, pull }), { headers: { "content-length": "5000" } });
+      };
+    };
+    const { page, faults } = await open(context, { prepare });
+    await expectFailure(page, "truncated");
+    equal(faults.join("\n"), "", "faults");
+    await page.close();
+  });
+
   await harness.test("page::failures::a_name_is_text_and_never_markup", async () => {
     const { page } = await open(context, { query: `?src=${encodeURIComponent("<img src=x onerror=alert(1)>.rbn")}` });
     await expectFailure(page, "http");
