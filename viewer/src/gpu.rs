@@ -56,10 +56,11 @@ impl Gpu {
         }));
         let info = adapter.get_info();
         let features = device.features();
+        let name = adapter_name(&device);
         let gpu = Gpu {
             device,
             queue,
-            adapter: if info.name.is_empty() { info.driver } else { info.name },
+            adapter: if info.name.is_empty() { name } else { info.name },
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
             float32_blendable: features.contains(wgpu::Features::FLOAT32_BLENDABLE),
             errors,
@@ -91,4 +92,19 @@ impl Gpu {
     pub fn check(&self) -> Result<(), ViewerError> {
         self.take_error().map_or(Ok(()), |message| Err(ViewerError::Internal(message)))
     }
+}
+
+/// What the browser tells of the adapter: vendor and architecture.
+#[cfg(target_arch = "wasm32")]
+fn adapter_name(device: &wgpu::Device) -> String {
+    let Some(device) = device.as_webgpu() else { return String::new() };
+    let Ok(info) = js_sys::Reflect::get(device, &"adapterInfo".into()) else { return String::new() };
+    let text = |name: &str| js_sys::Reflect::get(&info, &name.into()).ok().and_then(|v| v.as_string());
+    let parts: Vec<String> = ["vendor", "architecture"].into_iter().filter_map(text).collect();
+    parts.join(" ").trim().to_owned()
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn adapter_name(_: &wgpu::Device) -> String {
+    String::new()
 }

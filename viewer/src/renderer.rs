@@ -555,7 +555,14 @@ impl Renderer {
     ) {
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|t| t.stamps(Pass::Splat));
-        self.splat.draw(encoder, &target.splats, &target.gbuffer, &target.splat_group, &scene.levels, stamps);
+        self.splat.draw(
+            encoder,
+            &target.splats,
+            &target.gbuffer,
+            &target.splat_groups,
+            &scene.levels,
+            stamps,
+        );
     }
 
     fn shade(&mut self, encoder: &mut wgpu::CommandEncoder, target: &Target, picture: u32, timed: bool) {

@@ -33,6 +33,7 @@ pub struct SplatPass {
 pub struct SplatTarget {
     /// Σ w (n·V) and, in alpha, Σ w.
     pub sums: wgpu::TextureView,
+    /// Depth of the pixels that nothing has covered yet, 1 elsewhere.
     holes: wgpu::TextureView,
     holes_group: wgpu::BindGroup,
     /// Bytes of the textures.
@@ -88,24 +89,28 @@ impl SplatPass {
         SplatTarget { sums, holes: holes.create_view(&Default::default()), holes_group, bytes }
     }
 
-    /// The bind group for a picture's `Frame`, a scene's points and values, and a G-buffer.
-    pub fn group(
+    /// The bind groups for a picture's `Frame`, a scene's points and values: for the pixels of the
+    /// G-buffer, and for those that are still holes.
+    pub fn groups(
         &self,
         gpu: &Gpu,
         frame: &wgpu::Buffer,
         points: &wgpu::Buffer,
         values: &wgpu::Buffer,
         gbuffer: &GBuffer,
-    ) -> wgpu::BindGroup {
-        let resources = [
-            frame.as_entire_binding(),
-            self.uniform.as_entire_binding(),
-            points.as_entire_binding(),
-            values.as_entire_binding(),
-            view(&gbuffer.depth),
-            view(&gbuffer.surface),
-        ];
-        group(gpu, "splat", &self.layout, &resources)
+        target: &SplatTarget,
+    ) -> [wgpu::BindGroup; 2] {
+        [&gbuffer.depth, &target.holes].map(|depth| {
+            let resources = [
+                frame.as_entire_binding(),
+                self.uniform.as_entire_binding(),
+                points.as_entire_binding(),
+                values.as_entire_binding(),
+                view(depth),
+                view(&gbuffer.surface),
+            ];
+            group(gpu, "splat", &self.layout, &resources)
+        })
     }
 
     /// Sets the factor on irradiance that keeps sums within the target's range.
@@ -120,7 +125,7 @@ impl SplatPass {
         encoder: &mut wgpu::CommandEncoder,
         target: &SplatTarget,
         gbuffer: &GBuffer,
-        bind: &wgpu::BindGroup,
+        groups: &[wgpu::BindGroup; 2],
         levels: &[Range<u32>],
         stamps: Option<Stamps<'_>>,
     ) {
@@ -138,16 +143,16 @@ impl SplatPass {
             }
             let (first, last) = (i == 0, i + 1 == passes);
             let stamps = stamps.filter(|_| first || last).map(|s| s.render(first, last));
-            let depth = if i == 0 { &gbuffer.depth } else { &target.holes };
+            let depth = if first { &gbuffer.depth } else { &target.holes };
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("splat"),
-                color_attachments: &[attachment(&target.sums, i == 0)],
+                color_attachments: &[attachment(&target.sums, first)],
                 depth_stencil_attachment: depth_attachment(depth, false),
                 timestamp_writes: stamps,
                 ..Default::default()
             });
             pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, bind, &[]);
+            pass.set_bind_group(0, &groups[!first as usize], &[]);
             pass.draw(0..4, level.clone());
         }
         if passes == 0 {

@@ -21,8 +21,8 @@ pub struct Target {
     pub gbuffer: GBuffer,
     /// Splat sums.
     pub splats: SplatTarget,
-    /// Their bind group.
-    pub splat_group: wgpu::BindGroup,
+    /// Their bind groups: for all pixels, and for holes.
+    pub splat_groups: [wgpu::BindGroup; 2],
     /// The picture.
     pub picture: Picture,
     /// Bytes of all textures.
@@ -47,7 +47,14 @@ impl Target {
         Self {
             size,
             frame_group: gbuffer_pass.frame_group(gpu, &frame),
-            splat_group: splat_pass.group(gpu, &frame, &scene.upload.points, &scene.relight.values, &gbuffer),
+            splat_groups: splat_pass.groups(
+                gpu,
+                &frame,
+                &scene.upload.points,
+                &scene.relight.values,
+                &gbuffer,
+                &splats,
+            ),
             bytes: gbuffer.bytes + splats.bytes + picture.bytes,
             frame,
             gbuffer,

@@ -1,5 +1,6 @@
 //! The GPU's picture of the bounced light against a direct evaluation on the CPU, and what is drawn when.
 #![cfg(not(target_arch = "wasm32"))]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;
 

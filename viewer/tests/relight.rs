@@ -1,5 +1,6 @@
 //! The GPU's relighting against the CPU's, step by step.
 #![cfg(not(target_arch = "wasm32"))]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;
 

@@ -93,7 +93,8 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
 fn fragment(in: Out) -> @location(0) vec4f {
     let pixel = vec2u(in.position.xy);
     let depth = textureLoad(depth_texture, pixel, 0);
-    if depth <= 0.0 {
+    // Nothing there, or (in a coarser level) covered already.
+    if depth <= 0.0 || depth >= 1.0 {
         discard;
     }
     let offset = position_at(frame, in.position.xy, depth) - in.centre.xyz;
