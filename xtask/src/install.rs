@@ -18,17 +18,23 @@ pub struct Need {
 
 /// Node.js and npm: they build the page.
 pub const NODE: [Need; 2] = [
-    Need {
-        package: "nodejs",
-        why: "builds the page and drives the browser in tests",
-        present: || process::find(&["node", "nodejs"]).is_some(),
-    },
+    Need { package: "nodejs", why: "builds the page and drives the browser in tests", present: has_node },
     Need {
         package: "npm",
         why: "fetches the TypeScript compiler and Playwright's driver",
         present: || process::find(&["npm"]).is_some(),
     },
 ];
+
+/// The oldest Node.js that Playwright's driver runs on.
+const OLDEST_NODE: u32 = 18;
+
+fn has_node() -> bool {
+    let Some(node) = process::find(&["node", "nodejs"]) else { return false };
+    let version = process::quiet(Command::new(node).arg("--version")).unwrap_or_default();
+    let major = version.trim().trim_start_matches('v').split('.').next().and_then(|major| major.parse().ok());
+    major.is_some_and(|major: u32| major >= OLDEST_NODE)
+}
 
 /// A browser with WebGPU, in software where there is no GPU.
 pub const BROWSER: [Need; 3] = [
@@ -123,7 +129,11 @@ pub fn ensure(needs: &[Need]) -> Result<()> {
             .args(missing.iter().map(|need| need.package)),
     )?;
     if let Some(need) = missing.iter().find(|need| !(need.present)()) {
-        bail!("apt installed {}, but what it should bring is still not found", need.package);
+        bail!(
+            "apt has installed {}, but what is needed of it is still not there, or too old (Node.js has to be \
+             {OLDEST_NODE} or newer); install a newer one and run the command again",
+            need.package
+        );
     }
     Ok(())
 }
