@@ -1,7 +1,11 @@
-//! Renders a .rbn file without a window: `headless FILE.rbn [SHOT.json] OUT.png [--size WxH] [--mode MODE] [--overlay OVERLAY] [--compare INDIRECT.exr] [--shadows SIZE]`.
+//! Renders a .rbn file without a window:
+//!
+//! `headless FILE.rbn [SHOT.json] OUT.png [--size WxH] [--mode MODE] [--overlay OVERLAY] [--shadows TEXELS]
+//! [--compare INDIRECT.exr [--from FLOATS]]`
 //!
 //! `--compare` prints how far the GPU's bounced light is from a picture made by
-//! `rebounce render FILE.rbn --shot SHOT.json --only indirect`, and writes their difference to OUT.png.
+//! `rebounce render FILE.rbn --shot SHOT.json --only indirect`, and writes their difference to OUT.png;
+//! `--from` takes another viewer's `readIndirect` (RGBA 32-bit floats) instead of drawing.
 
 use rebounce_shared::{rbn::Scene, shot::Shot};
 use rebounce_viewer::gpu::Gpu;
@@ -14,7 +18,7 @@ use std::time::Instant;
 fn main() -> Result<(), Box<dyn Error>> {
     let mut files = Vec::new();
     let (mut mode, mut overlay, mut size) = (Mode::All, Overlay::None, None);
-    let (mut compare, mut shadows) = (None, None);
+    let (mut compare, mut from, mut shadows) = (None, None, None);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().ok_or("a value is missing");
@@ -22,6 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--mode" => mode = Mode::parse(&value()?)?,
             "--overlay" => overlay = Overlay::parse(&value()?)?,
             "--compare" => compare = Some(value()?),
+            "--from" => from = Some(value()?),
             "--shadows" => shadows = Some(value()?.parse()?),
             "--size" => {
                 let text = value()?;
@@ -51,7 +56,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         renderer.set_largest_shadow_map(size);
     }
     if let Some(path) = compare {
-        let bytes = pollster::block_on(renderer.read_indirect(width, height)?.wait())?;
+        let bytes = match &from {
+            Some(file) => std::fs::read(file)?,
+            None => pollster::block_on(renderer.read_indirect(width, height)?.wait())?,
+        };
         let ours: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let truth = read_exr(&path, width as usize, height as usize)?;
         let (mut error, mut power, mut sums) = (0.0, 0.0, [0.0; 2]);

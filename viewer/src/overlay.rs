@@ -112,7 +112,7 @@ impl OverlayPass {
             .enumerate()
             .map(|(i, (level, _))| {
                 let [r, g, b] = COLORS[level % COLORS.len()];
-                let size = 2.0 + 1.2 * (levels.len() - 1 - i) as f32;
+                let size = 1.5 + 0.7 * (levels.len() - 1 - i) as f32;
                 let dots = Dots { color: [r, g, b, 0.9], size, pad: [0.0; 3] };
                 let dots = buffer(gpu, "dots", BufferUsages::UNIFORM, bytemuck::bytes_of(&dots));
                 let resources =
