@@ -102,7 +102,9 @@ impl Shadows {
         let layers: u32 = lights.iter().map(shadow_fit::layers).sum();
         let size = shadow_fit::size(layers).min(self.largest);
         let fit = shadow_fit::fit(lights, bounds, near, size);
-        let replaced = self.maps.width() != size || self.maps.depth_or_array_layers() < layers.max(1);
+        // At first there are maps without views: the scene before the first light.
+        let held = self.views.len() as u32;
+        let replaced = self.maps.width() != size || held < layers.max(1);
         if replaced {
             self.maps = texture(gpu, size, layers.max(1));
             self.views = (0..layers.max(1))

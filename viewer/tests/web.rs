@@ -108,7 +108,7 @@ async fn wrong_arguments_throw_errors_with_codes() {
 }
 
 #[wasm_bindgen_test]
-async fn without_lights_the_indirect_image_is_black_where_the_surface_is() {
+async fn without_lights_there_is_no_light_and_the_first_one_shines() {
     let viewer = viewer().await;
     JsFuture::from(viewer.load(Uint8Array::from(&triangle().to_bytes().unwrap()[..]))).await.unwrap();
     let image = JsFuture::from(viewer.read_indirect(16, 16)).await.unwrap();
@@ -117,5 +117,12 @@ async fn without_lights_the_indirect_image_is_black_where_the_surface_is() {
     assert!(image.chunks(4).all(|pixel| pixel[..3] == [0.0; 3]), "light from nowhere");
     let covered = image.chunks(4).filter(|pixel| pixel[3] > 0.0).count();
     assert!(covered > 0 && covered < 256, "{covered} of 256 pixels are covered");
+    // The first light of a scene that had none.
+    viewer
+        .set_lights_json(r#"[{"type": "point", "position": [1000000.3, 0.3, 2], "intensity": 10}]"#)
+        .unwrap();
+    let picture = JsFuture::from(viewer.read_pixels(16, 16)).await.unwrap();
+    let picture = picture.unchecked_into::<Uint8Array>().to_vec();
+    assert!(picture.chunks(4).any(|pixel| pixel[0] > 0), "the light shines on nothing");
     viewer.dispose();
 }

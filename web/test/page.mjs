@@ -1,13 +1,10 @@
 // The page as a user has it: `rebounce view` serves it, headless Chromium shows it.
 
-import { execFile, spawn } from "node:child_process";
-import { readFile, writeFile } from "node:fs/promises";
+import { readFile } from "node:fs/promises";
 import path from "node:path";
-import { promisify } from "node:util";
+import { agreement, difference, exec, serve } from "./agreement.mjs";
 import { launch, spread, within } from "./browser.mjs";
 import { check, equal } from "./harness.mjs";
-
-const exec = promisify(execFile);
 
 /** Pictures are compared at this size; the browser's is averaged from FINER times as many pixels a
  * side, since the CPU takes 64 samples a pixel. */
@@ -37,7 +34,7 @@ const SHOTS = {
 /** Runs the tests of the page. `paths`: the programs rebounce and compare, and a folder to work in. */
 export async function runPageTests(harness, paths) {
   const baked = path.join(paths.work, "cornell-box.rbn");
-  await exec(paths.rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "-o", baked], { maxBuffer: 1 << 26 });
+  await exec(paths.rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "-o", baked]);
   const server = await serve(paths.rebounce, baked);
   const browser = await launch();
   const context = { ...paths, baked, browser, address: server.address, bytes: await readFile(baked) };
@@ -49,22 +46,6 @@ export async function runPageTests(harness, paths) {
     await browser.close();
     server.process.kill();
   }
-}
-
-/** Starts `rebounce view` on a free port and waits for the address that it prints. */
-async function serve(rebounce, file) {
-  const process = spawn(rebounce, ["view", file, "--port", "0", "--no-open"], { stdio: ["ignore", "pipe", "inherit"] });
-  const address = new Promise((resolve, reject) => {
-    let text = "";
-    process.stdout.on("data", (data) => {
-      text += data;
-      const found = /http:\/\/127\.0\.0\.1:\d+\//.exec(text);
-      if (found) resolve(found[0]);
-    });
-    process.on("exit", (code) => reject(new Error(`rebounce view ended (${code})`)));
-    process.on("error", reject);
-  });
-  return { process, address: await within(30, "rebounce view", address) };
 }
 
 /** Opens the page; `prepare` may change it before any of its scripts run. Faults are gathered. */
@@ -194,56 +175,25 @@ async function loading(harness, context) {
 
 async function light(harness, context) {
   const { page } = await open(context);
-  const compare = async (name, one, other) => {
-    const { stdout } = await exec(context.compare, [one, other]);
-    console.log(`    ${name}: ${stdout.trim()}`);
-    return JSON.parse(stdout);
-  };
   const files = [];
   for (const [name, shot] of Object.entries(SHOTS)) {
-    const stem = path.join(context.work, name.replaceAll(" ", "-"));
     await harness.test(`page::indirect_light_is_that_of_the_cpu: ${name}`, async () => {
       equal((await outcome(page)).type, "load", "the event");
-      await writeFile(`${stem}.json`, JSON.stringify({ ...shot, size: SIZE }));
-      const cpu = ["render", context.baked, "--shot", `${stem}.json`, "-o", `${stem}.exr`];
-      await exec(context.rebounce, [...cpu, "--only", "indirect", "--spp", "64"], { maxBuffer: 1 << 26 });
-      const base64 = await within(300, "readIndirect", page.evaluate(readIndirect, { shot, size: SIZE, finer: FINER }));
-      const file = `${stem}-${SIZE.join("x")}.f32`;
-      await writeFile(file, Buffer.from(base64, "base64"));
+      const { file, difference } = await agreement(page, context, name, shot, SIZE, FINER);
+      console.log(`    ${name}: ${JSON.stringify(difference)}`);
       files.push(file);
-      const { relative_rms: rms } = await compare(name, file, `${stem}.exr`);
+      const rms = difference.relative_rms;
       check(rms <= TOLERANCE, `relative RMS difference ${rms}, at most ${TOLERANCE} is allowed`);
     });
   }
   await harness.test("page::moving_the_light_changes_the_picture", async () => {
     equal(files.length, 2, "pictures");
-    const { relative_rms: rms } = await compare("one against the other", files[0], files[1]);
+    const { relative_rms: rms } = await difference(context, files[0], files[1]);
     check(rms > 0.3, `the two shots differ by ${rms} only`);
     const told = await page.evaluate(() => events.filter((event) => event.type === "light-change").length);
     check(told > 0, "no light-change event");
   });
   await page.close();
-}
-
-/** In the page: the indirect light of a shot, each pixel the mean of finer x finer ones; floats as base64. */
-async function readIndirect({ shot, size: [width, height], finer }) {
-  const viewer = document.querySelector("rebounce-viewer");
-  viewer.shot = shot;
-  // The events tell of it with the next frame.
-  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-  const fine = await viewer.readIndirect(width * finer, height * finer);
-  if (fine.length !== width * height * finer * finer * 4) throw new Error(`${fine.length} floats`);
-  const mean = new Float32Array(width * height * 4);
-  for (let i = 0; i < fine.length; i += 4) {
-    const x = Math.floor(((i / 4) % (width * finer)) / finer);
-    const y = Math.floor(i / 4 / (width * finer) / finer);
-    for (let c = 0; c < 4; c += 1) mean[(y * width + x) * 4 + c] += fine[i + c] / (finer * finer);
-  }
-  return new Promise((resolve) => {
-    const reader = new FileReader();
-    reader.onload = () => resolve(reader.result.split(",")[1]);
-    reader.readAsDataURL(new Blob([mean]));
-  });
 }
 
 /** A route that answers with these bytes. */
@@ -253,8 +203,6 @@ async function failures(harness, context) {
   const { bytes } = context;
   const damaged = Buffer.from(bytes);
   damaged[damaged.length >> 1] ^= 0x10;
-  const newer = Buffer.from(bytes);
-  newer.writeUInt32LE(1_000_000, 8);
   const cases = {
     a_wrong_file: { code: "not-rbn", body: Buffer.from("glTF, or something else that is no baked scene") },
     an_empty_file: { code: "not-rbn", body: Buffer.alloc(0) },
