@@ -34,7 +34,6 @@ struct Step {
 enum Kernel {
     Direct,
     Pull,
-    Coefficients,
     Transport(usize),
     Push,
 }
@@ -74,7 +73,6 @@ fn plan(scene: &Scene, chunks: impl Iterator<Item = (u32, u32, u32)>) -> Vec<Dis
     for l in (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev() {
         plan.push(Dispatch::threads(Kernel::Pull, scene.level(l).start, scene.level(l).len()));
     }
-    plan.push(Dispatch::threads(Kernel::Coefficients, 0, scene.sender_count()));
     for (i, (first, count, extra)) in chunks.enumerate() {
         plan.push(Dispatch::transport(Kernel::Transport(i), Step { first, count, extra, threads: 0 }, LANES));
     }
@@ -89,7 +87,6 @@ fn plan(scene: &Scene, chunks: impl Iterator<Item = (u32, u32, u32)>) -> Vec<Dis
 pub struct RelightPipelines {
     direct: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     pull: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    coefficients: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     push: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     transport: wgpu::BindGroupLayout,
 }
@@ -101,7 +98,6 @@ impl RelightPipelines {
         let layout = |label: &str, slots: &[Slot]| layout(gpu, label, ShaderStages::COMPUTE, slots);
         let direct = layout("direct", &[step, Slot::Read, Slot::Write]);
         let pull = layout("pull", &[step, Slot::Read, Slot::Read, Slot::Write]);
-        let coefficients = layout("coefficients", &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write]);
         let push = layout("push", &[step, Slot::Read, Slot::Read, Slot::Write]);
         let pipeline = |entry: &str, source, layouts: &[&wgpu::BindGroupLayout]| {
             compute(gpu, entry, source, layouts, &[])
@@ -110,10 +106,6 @@ impl RelightPipelines {
             transport: layout("transport", &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write]),
             direct: (direct.clone(), pipeline("direct", shaders::DIRECT, &[&direct, lights])),
             pull: (pull.clone(), pipeline("pull", shaders::PULL, &[&pull])),
-            coefficients: (
-                coefficients.clone(),
-                pipeline("differences", shaders::COEFFICIENTS, &[&coefficients]),
-            ),
             push: (push.clone(), pipeline("push", shaders::PUSH, &[&push])),
         }
     }
@@ -128,14 +120,11 @@ impl RelightPipelines {
 pub struct Relight {
     /// Direct irradiance at the direct points: RGB and one unused.
     pub irradiance: wgpu::Buffer,
-    /// The senders' coefficients: RGB and one unused.
-    pub coefficients: wgpu::Buffer,
     /// Vector irradiance at all points: nine floats, channel after channel.
     pub values: wgpu::Buffer,
     steps: wgpu::Buffer,
     direct: wgpu::BindGroup,
     pull: wgpu::BindGroup,
-    difference: wgpu::BindGroup,
     transport: Vec<wgpu::BindGroup>,
     transport_pipeline: wgpu::ComputePipeline,
     push: wgpu::BindGroup,
@@ -151,7 +140,6 @@ impl Relight {
     pub fn new(gpu: &Gpu, pipelines: &RelightPipelines, upload: &Upload, scene: &Scene) -> Self {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let irradiance = empty_buffer(gpu, "irradiance", storage, 16 * scene.direct_count() as u64);
-        let coefficients = empty_buffer(gpu, "coefficients", storage, 16 * scene.sender_count() as u64);
         let values = empty_buffer(gpu, "values", storage, VALUE_BYTES * scene.points.len() as u64);
         let plan =
             plan(scene, upload.links.iter().map(|c| (c.rows.start, c.rows.len() as u32, c.first_link)));
@@ -170,15 +158,10 @@ impl Relight {
             group(gpu, label, layout, &resources)
         };
         let paged = scene.sender_count() > 1 << 16;
-        let bytes = irradiance.size() + coefficients.size() + values.size() + steps.size();
+        let bytes = irradiance.size() + values.size() + steps.size();
         Self {
             direct: make("direct", &pipelines.direct.0, &[&upload.points, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
-            difference: make(
-                "coefficients",
-                &pipelines.coefficients.0,
-                &[&upload.push_offsets, &upload.push_entries, &irradiance, &coefficients],
-            ),
             transport: upload
                 .links
                 .iter()
@@ -186,14 +169,13 @@ impl Relight {
                     make(
                         "transport",
                         &pipelines.transport,
-                        &[&upload.rows, &chunk.links, &coefficients, &values],
+                        &[&upload.rows, &chunk.links, &irradiance, &values],
                     )
                 })
                 .collect(),
             transport_pipeline: pipelines.transport(gpu, LANES, paged),
             push: make("push", &pipelines.push.0, &[&upload.push_offsets, &upload.push_entries, &values]),
             irradiance,
-            coefficients,
             values,
             steps,
             plan,
@@ -247,7 +229,6 @@ impl Relight {
                 Kernel::Direct if lights.is_none() => continue,
                 Kernel::Direct => (&pipelines.direct.1, &self.direct),
                 Kernel::Pull => (&pipelines.pull.1, &self.pull),
-                Kernel::Coefficients => (&pipelines.coefficients.1, &self.difference),
                 Kernel::Transport(chunk) => (&self.transport_pipeline, &self.transport[chunk]),
                 Kernel::Push => (&pipelines.push.1, &self.push),
             };

@@ -14,8 +14,6 @@ modules! {
     DIRECT: "octahedral" "point" "lights" "visibility" "direct";
     /// Pull.
     PULL: "octahedral" "link" "pull";
-    /// Sender coefficients.
-    COEFFICIENTS: "octahedral" "link" "coefficients";
     /// `i = S e`.
     TRANSPORT: "octahedral" "link" "transport";
     /// Push.

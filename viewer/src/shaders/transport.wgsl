@@ -1,4 +1,4 @@
-// i = S e (paper, Eq. 15): LANES threads a row, 64 / LANES rows a workgroup.
+// i = S e (paper, Eq. 15), where e is the pulled irradiance of the senders: LANES threads a row, 64 / LANES rows a workgroup.
 
 override LANES: u32 = 8u;
 // Whether rows hold page marks, that is whether there are more than 65536 senders.
@@ -23,7 +23,7 @@ struct Row {
 @group(0) @binding(0) var<uniform> step_: Step;
 @group(0) @binding(1) var<storage, read> rows: array<Row>;
 @group(0) @binding(2) var<storage, read> links: array<vec2u>;
-@group(0) @binding(3) var<storage, read> coefficients: array<vec4f>;
+@group(0) @binding(3) var<storage, read> irradiance: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> values: array<f32>;
 
 var<workgroup> sums: array<array<vec3f, 3>, 64>;
@@ -58,7 +58,7 @@ fn transport(
             }
             let link = links[i];
             if link.x != PAGE_MARK {
-                let power = link_magnitude(link) * coefficients[base + link_column(link)].xyz;
+                let power = link_magnitude(link) * irradiance[base + link_column(link)].xyz;
                 let direction = link_direction(link);
                 red += direction * power.x;
                 green += direction * power.y;
