@@ -26,7 +26,8 @@ fn small_operator() -> OperatorSettings {
         rays: vec![1024, 512, 256, 256],
         significance: 0.5,
         bounces: None,
-        later_levels: 2,
+        later_levels: 3,
+        levels: 4,
         seed: 1,
     }
 }
@@ -36,7 +37,7 @@ fn bake(albedo: f32) -> (Points, Relations, Operator) {
     let points = place(&room, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
     let relations = Relations::new(&points, 3, 4);
     let mut operator = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
-    add_later_bounces(&mut operator, &points, &relations, &small_operator(), &|_, _| {});
+    add_later_bounces(&mut operator, &points, &small_operator(), &|_, _| {});
     (points, relations, operator)
 }
 
@@ -148,7 +149,7 @@ fn later_bounces_stop_where_they_are_told_to() {
         expected += 0.5f32.powi(bounces);
         let mut operator = one.clone();
         let settings = OperatorSettings { bounces: Some(bounces as u32), ..small_operator() };
-        add_later_bounces(&mut operator, &points, &relations, &settings, &|_, _| {});
+        add_later_bounces(&mut operator, &points, &settings, &|_, _| {});
         assert_eq!(operator.bounces, bounces as u32);
         let got = sum(&operator);
         assert!((got / expected - 1.0).abs() < 0.02, "{bounces} bounces: {got}, not {expected}");

@@ -5,10 +5,8 @@
 //! The steps, all linear in the light:
 //! 1. *pull* ([`pull`]): from the finest sampled level to the coarsest, a point's direct
 //!    irradiance becomes the mean of its children's (paper, 2.1, pull-push);
-//! 2. *differences* ([`sender_coefficients`]): a sender's coefficient is its value minus what
-//!    its parents' values interpolate to at its place (Eq. 7);
-//! 3. *transport* ([`transport`]): `i = S e` (Eq. 15);
-//! 4. *push* ([`push`]): level after level, a point's value is its coefficient plus what its
+//! 2. *transport* ([`transport`]): `i = S e` (Eq. 15), where `e` is the senders' pulled values;
+//! 3. *push* ([`push`]): level after level, a point's value is its coefficient plus what its
 //!    parents' values interpolate to (Eq. 4). The finest level's values are the display basis.
 
 use crate::interpolation::mean;
@@ -28,20 +26,14 @@ pub fn pull(scene: &Scene, irradiance: &mut [Vec3]) {
     }
 }
 
-/// The senders' coefficients `e` from pulled values: one RGB value per sender.
-pub fn sender_coefficients(scene: &Scene, pulled: &[Vec3]) -> Vec<Vec3> {
-    (0..scene.sender_count())
-        .map(|i| pulled[i] - mean(scene.push().row(i), Vec3::ZERO, |k| pulled[k]).unwrap_or(Vec3::ZERO))
-        .collect()
-}
-
 /// `i = S e`: the coefficients of the bounced light, one per point, zero without links.
-pub fn transport(scene: &Scene, coefficients: &[Vec3]) -> Vec<VectorRgb> {
+/// `pulled` has one RGB irradiance per sender, or more.
+pub fn transport(scene: &Scene, pulled: &[Vec3]) -> Vec<VectorRgb> {
     let mut out = vec![VectorRgb::ZERO; scene.points.len()];
     for (receiver, row) in scene.link_rows() {
         let sum = &mut out[receiver];
         for (column, link) in columns(row) {
-            let power = link.magnitude() * coefficients[column];
+            let power = link.magnitude() * pulled[column];
             let direction = link.direction();
             for c in 0..3 {
                 sum.rgb[c] += direction * power[c];
@@ -69,8 +61,7 @@ pub fn push(scene: &Scene, values: &mut [VectorRgb]) {
 /// bounced light at every point.
 pub fn relight(scene: &Scene, mut irradiance: Vec<Vec3>) -> Vec<VectorRgb> {
     pull(scene, &mut irradiance);
-    let coefficients = sender_coefficients(scene, &irradiance);
-    let mut values = transport(scene, &coefficients);
+    let mut values = transport(scene, &irradiance);
     push(scene, &mut values);
     values
 }

@@ -8,9 +8,9 @@ use crate::scene::Scene;
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::octahedral::pack_snorm16;
+use rebounce_shared::rbn;
 use rebounce_shared::rbn::bulk::{Point, Row, Vertex};
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Level, Meta};
-use rebounce_shared::rbn;
 use std::collections::HashMap;
 
 /// The contents of the .rbn file.
@@ -151,10 +151,5 @@ fn camera_at(origin: [f64; 3], viewpoint: Vec3, low: Vec3, high: Vec3) -> Camera
     }
     let position = DVec3::from(origin) + viewpoint.as_dvec3();
     let target = position + towards.normalize().as_dvec3() * 0.25 * (high - low).length() as f64;
-    Camera {
-        position: position.to_array(),
-        target: target.to_array(),
-        up: [0.0, 1.0, 0.0],
-        yfov_deg: 60.0,
-    }
+    Camera { position: position.to_array(), target: target.to_array(), up: [0.0, 1.0, 0.0], yfov_deg: 60.0 }
 }

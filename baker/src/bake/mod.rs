@@ -113,12 +113,11 @@ pub fn bake(
     tell(Stage::Basis, 0, 0, 0);
     let relations = Relations::new(&points, settings.operator.sender_levels, settings.direct_levels);
     lap(&mut report, Stage::Basis);
-    let mut operator =
-        refine(&surfaces, &points, &relations, &settings.operator, &|level, done, total| {
-            tell(Stage::Links, done, total, level);
-        });
+    let mut operator = refine(&surfaces, &points, &relations, &settings.operator, &|level, done, total| {
+        tell(Stage::Links, done, total, level);
+    });
     lap(&mut report, Stage::Links);
-    add_later_bounces(&mut operator, &points, &relations, &settings.operator, &|done, total| {
+    add_later_bounces(&mut operator, &points, &settings.operator, &|done, total| {
         tell(Stage::Bounces, done, total, 0);
     });
     lap(&mut report, Stage::Bounces);
@@ -142,9 +141,5 @@ fn choose_viewpoint(
     let seed = settings.place.seed;
     let cameras = scene.cameras.iter().map(|camera| local(camera.position));
     let sees = |point: &Vec3| Candidates::new(surfaces as &dyn Surfaces, *point, seed).batch().len() > 1000;
-    cameras
-        .into_iter()
-        .find(sees)
-        .or_else(|| viewpoint::find(surfaces, seed))
-        .ok_or(BakeError::NoViewpoint)
+    cameras.into_iter().find(sees).or_else(|| viewpoint::find(surfaces, seed)).ok_or(BakeError::NoViewpoint)
 }

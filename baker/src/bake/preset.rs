@@ -60,7 +60,8 @@ impl BakeSettings {
                 rays,
                 significance: 0.5,
                 bounces: None,
-                later_levels: 2,
+                later_levels: 3,
+                levels,
                 seed: 1,
             },
             direct_levels: 5,
@@ -71,6 +72,7 @@ impl BakeSettings {
     pub fn normalised(mut self) -> Self {
         let levels = self.place.levels.max(1);
         self.place.levels = levels;
+        self.operator.levels = levels;
         self.operator.sender_levels = self.operator.sender_levels.clamp(1, levels);
         self.direct_levels = self.direct_levels.clamp(self.operator.sender_levels, levels);
         self

@@ -84,7 +84,8 @@ impl BakeReport {
     }
 
     pub(super) fn describe(&mut self, points: &Points, operator: &Operator, settings: &BakeSettings) {
-        let kept = |row: &Vec<_>| row.iter().filter(|link: &&rebounce_shared::link::Link| !link.is_page()).count();
+        let kept =
+            |row: &Vec<_>| row.iter().filter(|link: &&rebounce_shared::link::Link| !link.is_page()).count();
         self.levels = points
             .levels
             .iter()

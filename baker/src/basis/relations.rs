@@ -98,7 +98,7 @@ impl Relations {
             let row = self.push().row(j);
             let total: f32 = row.iter().map(|e| e.weight()).sum();
             for entry in row {
-                children[entry.point()].push((j as u32, entry.weight() / total));
+                children[entry.point()].push((j as u32, (entry.weight() / total).powi(4)));
             }
         }
         self.pull_offsets.push(0);

@@ -1,18 +1,15 @@
-//! Later bounces: S = T + T² + T³ + … (Eq. 15), on the coarse levels (paper, section 3.2).
+//! Later bounces: S = T + T² + T³ + … (Eq. 15), arriving on the coarse levels (paper, section 3.2).
 //!
-//! The series is summed a few senders at a time: unit light at one sender is bounced through the
-//! coarse levels – transport, push, dot with the normals, pull, differences, and again – until
-//! the energy left is negligible. What it brings to a receiver after the first bounce is added
-//! to the receiver's links. This needs no product of sparse matrices, and its working memory is
-//! one vector.
+//! The series is summed a few senders at a time. Unit light at one sender is bounced from senders
+//! to senders, as irradiance, until the energy left is negligible or each bounce is a smaller
+//! copy of the one before; then all of it is sent to the coarse receivers at once. This needs no
+//! product of sparse matrices, and its working memory is one vector.
 
+use super::gather::link_directions;
 use super::{Operator, OperatorSettings};
-use crate::basis::Relations;
-use crate::operator::gather::link_directions;
 use crate::points::Points;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
-use rebounce_shared::interpolation::{Entry, Rows};
 use rebounce_shared::link::{Link, RowWriter, VectorRgb, columns};
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
@@ -20,10 +17,18 @@ use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 const BATCH: usize = 8;
 /// The series ends when what is left is under this share of what has come.
 const NEGLIGIBLE: f32 = 1e-3;
-/// The series ends here whatever is left: a closed room of albedo 0.99 has 1% left.
-const MAX_BOUNCES: u32 = 512;
+/// Or when the share that a bounce keeps changes by less than this from bounce to bounce: then
+/// all further bounces look alike, and their sum, a geometric series, is added at once.
+const STEADY: f32 = 2e-3;
+/// No more bounces than this are followed one by one.
+const MAX_BOUNCES: u32 = 64;
 
-/// One link of the coarse block, unpacked.
+/// One colour channel of some numbers that travel together.
+type Lane = [f32; BATCH];
+/// Irradiance at a sender, red, green and blue.
+type Light = [Lane; 3];
+
+/// One link to a coarse receiver, unpacked.
 struct Transfer {
     column: u32,
     direction: Vec3A,
@@ -34,50 +39,157 @@ struct Transfer {
 pub fn add_later_bounces(
     operator: &mut Operator,
     points: &Points,
-    relations: &Relations,
     settings: &OperatorSettings,
     progress: &(impl Fn(usize, usize) + Sync),
 ) {
-    let wanted = settings.bounces.unwrap_or(MAX_BOUNCES);
-    let levels = settings.later_levels.min(settings.sender_levels).min(points.levels.len());
-    let count = points.levels[..levels].last().map_or(0, |l| l.range().end);
-    if wanted <= 1 || count == 0 {
+    let levels = settings.later_levels.min(points.levels.len());
+    let receivers = points.levels[..levels].last().map_or(0, |l| l.range().end);
+    let senders = operator.irradiance.len();
+    if settings.bounces.is_some_and(|wanted| wanted <= 1) || receivers == 0 {
         return;
     }
-    let block = Block::new(operator, points, relations, levels, count);
+    let directions = link_directions();
+    let unpack = |(column, link): (usize, Link)| Transfer {
+        column: column as u32,
+        direction: directions[(link.column_direction >> 16) as usize],
+        magnitude: link.magnitude().into(),
+    };
+    let rows: Vec<Vec<Transfer>> =
+        operator.rows[..receivers].iter().map(|row| columns(row).map(unpack).collect()).collect();
+    let irradiance = &operator.irradiance;
+    // Only what sends anything to anyone needs to be followed.
+    let mut sends = vec![false; senders];
+    for (sender, _) in irradiance.iter().flatten() {
+        sends[*sender as usize] = true;
+    }
+    let active: Vec<u32> = (0..senders as u32).filter(|s| sends[*s as usize]).collect();
+    let epsilons: Vec<f32> = points.levels[..levels]
+        .iter()
+        .flat_map(|l| vec![settings.epsilon_on_level(points, l); l.count])
+        .collect();
     let deepest = AtomicU32::new(1);
     let done = AtomicUsize::new(0);
-    let starts: Vec<usize> = (0..count).step_by(BATCH).collect();
-    let found: Vec<Vec<(u32, u32, VectorRgb)>> = starts
-        .into_par_iter()
-        .map(|first| {
-            let (sums, bounces) = block.series(first, wanted);
-            deepest.fetch_max(bounces, Ordering::Relaxed);
-            let mut kept = Vec::new();
-            for (receiver, sums) in sums.iter().enumerate() {
-                for (b, sum) in sums.iter().enumerate().take(count.min(first + BATCH) - first) {
-                    let vectors = VectorRgb { rgb: sum.map(Vec3::from) };
-                    let sender = first + b;
-                    let carries_mean = block.is_root(receiver) && block.is_root(sender);
-                    if vectors.magnitude() > if carries_mean { 1e-7 } else { settings.epsilon } {
-                        kept.push((receiver as u32, sender as u32, vectors));
+    let found: Vec<Vec<Vec<(u32, VectorRgb)>>> = active
+        .par_chunks(BATCH * 16)
+        .map(|chunk| {
+            // Ascending senders within a chunk, so that small shares can be carried over.
+            let mut kept: Vec<Vec<(u32, VectorRgb)>> = vec![Vec::new(); receivers];
+            let mut carried = vec![VectorRgb::ZERO; receivers];
+            for batch in chunk.chunks(BATCH) {
+                let (light, bounces) = series(irradiance, batch, settings.bounces);
+                deepest.fetch_max(bounces, Ordering::Relaxed);
+                for (receiver, row) in rows.iter().enumerate() {
+                    let arriving = send(row, &light);
+                    for (sender, arriving) in batch.iter().zip(&arriving) {
+                        carried[receiver].add_scaled(1.0, arriving);
+                        if carried[receiver].magnitude() > epsilons[receiver] {
+                            kept[receiver].push((*sender, std::mem::take(&mut carried[receiver])));
+                        }
                     }
                 }
             }
-            progress((done.fetch_add(BATCH, Ordering::Relaxed) + BATCH).min(count), count);
+            if let Some(&last) = chunk.last() {
+                for (kept, carried) in kept.iter_mut().zip(carried) {
+                    if carried.magnitude() > 1e-7 {
+                        match kept.last_mut() {
+                            Some((sender, sum)) if *sender == last => sum.add_scaled(1.0, &carried),
+                            _ => kept.push((last, carried)),
+                        }
+                    }
+                }
+            }
+            let all = active.len();
+            progress((done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len()).min(all), all);
             kept
         })
         .collect();
     operator.bounces = deepest.into_inner();
-    let mut later: Vec<Vec<(u32, VectorRgb)>> = vec![Vec::new(); count];
-    for (receiver, sender, vectors) in found.into_iter().flatten() {
-        later[receiver as usize].push((sender, vectors));
-    }
-    operator.rows[..count].par_iter_mut().zip(later).for_each(|(row, later)| {
+    operator.rows[..receivers].par_iter_mut().enumerate().for_each(|(receiver, row)| {
+        let later: Vec<(u32, VectorRgb)> =
+            found.iter().flat_map(|chunk| chunk[receiver].iter().copied()).collect();
         if !later.is_empty() {
             *row = merge(row, &later);
         }
     });
+}
+
+impl OperatorSettings {
+    /// ε of a level, found by its place in the list.
+    fn epsilon_on_level(&self, points: &Points, level: &crate::points::PointLevel) -> f32 {
+        self.epsilon_on(points.levels.iter().position(|l| l.first == level.first).unwrap_or(0))
+    }
+}
+
+/// Unit light at the senders of a batch: the irradiance of all its bounces on every sender, the
+/// light itself not counted; and the bounces followed.
+fn series(rows: &[Vec<(u32, Vec3)>], batch: &[u32], wanted: Option<u32>) -> (Vec<Light>, u32) {
+    let zero = [[0f32; BATCH]; 3];
+    let mut light = vec![zero; rows.len()];
+    for (b, sender) in batch.iter().enumerate() {
+        light[*sender as usize] = std::array::from_fn(|c| {
+            let mut lane = light[*sender as usize][c];
+            lane[b] = 1.0;
+            lane
+        });
+    }
+    let mut sums = vec![zero; rows.len()];
+    let (mut total, mut last_energy, mut last_kept) = (0f32, 0f32, 0f32);
+    let mut bounce = 1;
+    loop {
+        // The receivers take the last bounce themselves: `sums` is what they take it from.
+        if wanted.is_some_and(|wanted| bounce >= wanted) || bounce == MAX_BOUNCES {
+            return (sums, bounce);
+        }
+        bounce += 1;
+        let next: Vec<Light> = rows
+            .iter()
+            .map(|row| {
+                let mut sum = zero;
+                for (sender, transfer) in row {
+                    let light = &light[*sender as usize];
+                    for c in 0..3 {
+                        for b in 0..BATCH {
+                            sum[c][b] += transfer[c] * light[c][b];
+                        }
+                    }
+                }
+                sum
+            })
+            .collect();
+        let energy: f32 = next.as_flattened().as_flattened().iter().sum();
+        total += energy;
+        let kept = energy / last_energy.max(f32::MIN_POSITIVE);
+        let ends = wanted.is_none()
+            && bounce > 3
+            && (energy <= NEGLIGIBLE * total * (1.0 - kept).max(0.02)
+                || (kept < 0.98 && (kept - last_kept).abs() < STEADY));
+        let scale = if ends { 1.0 + kept / (1.0 - kept.min(0.98)) } else { 1.0 };
+        for (sum, next) in sums.iter_mut().zip(&next) {
+            for c in 0..3 {
+                for b in 0..BATCH {
+                    sum[c][b] += scale * next[c][b];
+                }
+            }
+        }
+        if ends || energy <= 0.0 {
+            return (sums, bounce);
+        }
+        (last_energy, last_kept, light) = (energy, kept, next);
+    }
+}
+
+/// What a receiver's links bring it from senders with this irradiance.
+fn send(row: &[Transfer], light: &[Light]) -> [VectorRgb; BATCH] {
+    let mut out = [[Vec3A::ZERO; 3]; BATCH];
+    for link in row {
+        let [red, green, blue] = &light[link.column as usize];
+        for (b, out) in out.iter_mut().enumerate() {
+            out[0] += link.direction * (link.magnitude.x * red[b]);
+            out[1] += link.direction * (link.magnitude.y * green[b]);
+            out[2] += link.direction * (link.magnitude.z * blue[b]);
+        }
+    }
+    out.map(|rgb| VectorRgb { rgb: rgb.map(Vec3::from) })
 }
 
 /// A row plus later bounces; both ascend by sender.
@@ -103,168 +215,4 @@ fn merge(row: &[Link], later: &[(u32, VectorRgb)]) -> Vec<Link> {
         write(*sender, Link::pack_vectors(0, vectors));
     }
     merged
-}
-
-/// The coarse levels' part of everything.
-struct Block<'a> {
-    rows: Vec<Vec<Transfer>>,
-    push: Rows<'a>,
-    pull: Rows<'a>,
-    normals: Vec<Vec3A>,
-    /// First point of each level, and the number of all.
-    firsts: Vec<usize>,
-}
-
-impl<'a> Block<'a> {
-    fn new(
-        operator: &Operator,
-        points: &Points,
-        relations: &'a Relations,
-        levels: usize,
-        count: usize,
-    ) -> Self {
-        let directions = link_directions();
-        let rows = operator.rows[..count]
-            .iter()
-            .map(|row| {
-                columns(row)
-                    .filter(|(column, _)| *column < count)
-                    .map(|(column, link)| Transfer {
-                        column: column as u32,
-                        direction: directions[(link.column_direction >> 16) as usize],
-                        magnitude: link.magnitude().into(),
-                    })
-                    .collect()
-            })
-            .collect();
-        let mut firsts: Vec<usize> = points.levels[..levels].iter().map(|l| l.first).collect();
-        firsts.push(count);
-        Self {
-            rows,
-            push: relations.push(),
-            pull: Rows { offsets: &relations.pull_offsets, entries: &relations.pull_entries },
-            normals: points.points[..count].iter().map(|p| p.normal.into()).collect(),
-            firsts,
-        }
-    }
-
-    fn count(&self) -> usize {
-        self.rows.len()
-    }
-
-    fn is_root(&self, point: usize) -> bool {
-        self.push.row(point).is_empty()
-    }
-
-    /// Light of unit irradiance at the senders from `first` on: what their second and later
-    /// bounces bring to every receiver, as coefficients; and the bounces made.
-    fn series(&self, first: usize, wanted: u32) -> (Vec<[[Vec3A; 3]; BATCH]>, u32) {
-        let mut light = vec![[Vec3A::ZERO; BATCH]; self.count()];
-        for (b, sender) in light[first..].iter_mut().take(BATCH).enumerate() {
-            sender[b] = Vec3A::ONE;
-        }
-        let mut sums = vec![[[Vec3A::ZERO; 3]; BATCH]; self.count()];
-        let mut total = 0.0;
-        let mut last = f32::INFINITY;
-        for bounce in 1..=wanted {
-            let mut arriving = self.transport(&light);
-            if bounce > 1 {
-                for (sum, new) in sums.iter_mut().zip(&arriving) {
-                    for (sum, new) in sum.iter_mut().zip(new) {
-                        for c in 0..3 {
-                            sum[c] += new[c];
-                        }
-                    }
-                }
-            }
-            self.push(&mut arriving);
-            let mut irradiance: Vec<[Vec3A; BATCH]> = arriving
-                .iter()
-                .zip(&self.normals)
-                .map(|(v, n)| v.map(|v| Vec3A::new(v[0].dot(*n), v[1].dot(*n), v[2].dot(*n))))
-                .collect();
-            let energy: f32 = irradiance.iter().flatten().map(|e| e.abs().element_sum()).sum();
-            total += energy;
-            // What is still to come, if each bounce keeps the share that this one kept.
-            let kept = if last.is_finite() && last > 0.0 { (energy / last).min(0.999) } else { 0.999 };
-            if energy * kept / (1.0 - kept) < NEGLIGIBLE * total {
-                return (sums, bounce);
-            }
-            last = energy;
-            self.pull(&mut irradiance);
-            light = self.differences(&irradiance);
-        }
-        (sums, wanted)
-    }
-
-    fn transport(&self, light: &[[Vec3A; BATCH]]) -> Vec<[[Vec3A; 3]; BATCH]> {
-        let mut out = vec![[[Vec3A::ZERO; 3]; BATCH]; self.count()];
-        for (row, out) in self.rows.iter().zip(&mut out) {
-            for link in row {
-                let light = &light[link.column as usize];
-                for (light, out) in light.iter().zip(out.iter_mut()) {
-                    let power = link.magnitude * *light;
-                    out[0] += link.direction * power.x;
-                    out[1] += link.direction * power.y;
-                    out[2] += link.direction * power.z;
-                }
-            }
-        }
-        out
-    }
-
-    fn push(&self, values: &mut [[[Vec3A; 3]; BATCH]]) {
-        for i in 0..values.len() {
-            let row = self.push.row(i);
-            let scale = 1.0 / total(row).max(1.0);
-            let (coarser, rest) = values.split_at_mut(i);
-            for entry in row {
-                let weight = entry.weight() * scale;
-                for (value, parent) in rest[0].iter_mut().zip(&coarser[entry.point()]) {
-                    for c in 0..3 {
-                        value[c] += parent[c] * weight;
-                    }
-                }
-            }
-        }
-    }
-
-    fn pull(&self, irradiance: &mut [[Vec3A; BATCH]]) {
-        for level in (0..self.firsts.len().saturating_sub(2)).rev() {
-            for i in self.firsts[level]..self.firsts[level + 1] {
-                let mut sum = [Vec3A::ZERO; BATCH];
-                let mut weights = 0.0;
-                for entry in self.pull.row(i).iter().filter(|e| e.point() < self.count()) {
-                    weights += entry.weight();
-                    for (sum, child) in sum.iter_mut().zip(&irradiance[entry.point()]) {
-                        *sum += *child * entry.weight();
-                    }
-                }
-                if weights > 0.0 {
-                    irradiance[i] = sum.map(|s| s / weights);
-                }
-            }
-        }
-    }
-
-    fn differences(&self, irradiance: &[[Vec3A; BATCH]]) -> Vec<[Vec3A; BATCH]> {
-        (0..self.count())
-            .map(|i| {
-                let row = self.push.row(i);
-                let scale = 1.0 / total(row).max(1.0);
-                let mut out = irradiance[i];
-                for entry in row {
-                    let weight = entry.weight() * scale;
-                    for (out, parent) in out.iter_mut().zip(&irradiance[entry.point()]) {
-                        *out -= *parent * weight;
-                    }
-                }
-                out
-            })
-            .collect()
-    }
-}
-
-fn total(row: &[Entry]) -> f32 {
-    row.iter().map(|e| e.weight()).sum()
 }

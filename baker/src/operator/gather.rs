@@ -1,5 +1,5 @@
-//! One receiver's links from all senders: a hemispherical gather (Eq. 16), pulled to all sender
-//! levels, less what the coarser receivers already say (Eq. 17).
+//! One receiver's links from all senders: a hemispherical gather (Eq. 16), less what the coarser
+//! receivers already say (Eq. 17).
 
 use super::OperatorSettings;
 use super::directions::Directions;
@@ -63,6 +63,18 @@ pub struct GatherCost {
     pub lost: f64,
 }
 
+/// What one gather finds.
+#[derive(Clone, Debug, Default)]
+pub struct Gathered {
+    /// The links, columns ascending: differences to what coarser receivers say.
+    pub links: Vec<Link>,
+    /// Of a point that is a sender itself: its whole irradiance per channel from each sender,
+    /// for later bounces. Empty for other points.
+    pub irradiance: Vec<(u32, Vec3)>,
+    /// The cost.
+    pub cost: GatherCost,
+}
+
 /// A thread's working memory, reused from receiver to receiver.
 pub struct Scratch {
     sums: Vec<Sum>,
@@ -92,6 +104,15 @@ impl Scratch {
         }
     }
 
+    /// Fills `order` with the touched senders, ascending.
+    fn sort_touched(&mut self) {
+        self.order.clear();
+        for touched in &self.touched {
+            self.order.extend_from_slice(touched);
+        }
+        self.order.sort_unstable();
+    }
+
     #[inline]
     fn touch(&mut self, sender: u32, level: usize) {
         if !self.is_touched[sender as usize] {
@@ -102,7 +123,7 @@ impl Scratch {
 }
 
 impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
-    /// The links of one receiver, and the cost. `rows` holds the links of all coarser levels.
+    /// The links of one receiver, and more. `rows` holds the links of all coarser levels.
     pub fn links(
         &self,
         receiver: usize,
@@ -110,21 +131,26 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         directions: &Directions,
         rows: &[Vec<Link>],
         scratch: &mut Scratch,
-    ) -> (Vec<Link>, GatherCost) {
+    ) -> Gathered {
         let cost = self.integrate(receiver, directions, scratch);
-        self.pull(scratch);
-        let is_root = self.relations.push().row(receiver).is_empty();
-        if !is_root {
-            self.subtract_coarser(receiver, level, rows, scratch);
-        }
-        let links = self.choose(is_root, directions.len(), scratch);
+        let irradiance = if receiver < self.sender_count() {
+            self.irradiance_row(self.points.points[receiver].normal, scratch)
+        } else {
+            Vec::new()
+        };
+        self.subtract_coarser(receiver, level, rows, scratch);
+        let links = self.choose(self.settings.epsilon_on(level), directions.len(), scratch);
         for touched in &mut scratch.touched {
             for sender in touched.drain(..) {
                 scratch.sums[sender as usize] = Sum::default();
                 scratch.is_touched[sender as usize] = false;
             }
         }
-        (links, cost)
+        Gathered { links, irradiance, cost }
+    }
+
+    fn sender_count(&self) -> usize {
+        self.sender_levels.last().copied().unwrap_or(0)
     }
 
     fn level_of(&self, sender: u32) -> usize {
@@ -168,31 +194,12 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             }
         }
         scratch.weights = weights;
-        cost
-    }
-
-    /// A sender's value is its coefficient plus its parents' interpolated values, so what
-    /// arrives from a sender's value arrives, by shares, from its parents' coefficients too.
-    fn pull(&self, scratch: &mut Scratch) {
-        for level in (1..scratch.touched.len()).rev() {
-            let touched = std::mem::take(&mut scratch.touched[level]);
-            for &sender in &touched {
-                let sum = scratch.sums[sender as usize];
-                let row = self.relations.push().row(sender as usize);
-                let scale = 1.0 / total(row);
-                for entry in row {
-                    let parent = entry.point() as u32;
-                    scratch.touch(parent, self.level_of(parent));
-                    scratch.sums[parent as usize].add_scaled(entry.weight() * scale, &sum);
-                }
-            }
-            scratch.touched[level] = touched;
-        }
         for touched in &scratch.touched {
             for &sender in touched {
                 scratch.whole[sender as usize] = scratch.sums[sender as usize].magnitude_squared().sqrt();
             }
         }
+        cost
     }
 
     /// Eq. 17: takes off what the kept links of the parents, their parents and so on say.
@@ -240,43 +247,43 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         }
     }
 
-    /// Fig. 5's criteria, and one more: a link must stand out of its own noise.
-    fn choose(&self, is_root: bool, rays: usize, scratch: &mut Scratch) -> Vec<Link> {
-        let settings = self.settings;
-        scratch.order.clear();
-        for touched in &scratch.touched {
-            scratch.order.extend_from_slice(touched);
+    /// The whole irradiance from each sender, small shares carried over as in [`Self::choose`].
+    fn irradiance_row(&self, normal: Vec3, scratch: &mut Scratch) -> Vec<(u32, Vec3)> {
+        let least = 0.25 * self.settings.epsilon_on(0);
+        let normal = Vec3A::from(normal);
+        scratch.sort_touched();
+        let mut carried = Vec3::ZERO;
+        let mut row = Vec::new();
+        for &sender in &scratch.order {
+            let sum = &scratch.sums[sender as usize].0;
+            carried += Vec3::new(sum[0].dot(normal), sum[1].dot(normal), sum[2].dot(normal));
+            if carried.max_element() > least {
+                row.push((sender, std::mem::take(&mut carried)));
+            }
         }
-        scratch.order.sort_unstable();
+        row
+    }
+
+    /// The criterion of Fig. 5, ε, and two changes to it: a link must stand out of its own noise,
+    /// and what is dropped is carried over to the next sender along the space-filling curve until
+    /// it adds up to a link. So a row keeps its sum, and what a dropped link would have said is
+    /// said by a neighbour: senders that are too small to matter one by one act as one.
+    fn choose(&self, epsilon: f32, rays: usize, scratch: &mut Scratch) -> Vec<Link> {
+        scratch.sort_touched();
         let mut row = Vec::new();
         let mut writer = RowWriter::default();
+        // The variance of a mean of rays that either hit the sender or do not, per unit seen.
+        let noise = self.settings.significance.powi(2) / rays as f32;
+        let (mut carried, mut seen) = (Sum::default(), 0.0);
         for &sender in &scratch.order {
-            let j = sender as usize;
-            let sum = scratch.sums[j];
-            let magnitude = sum.magnitude_squared().sqrt();
-            let sender_is_root = self.relations.push().row(j).is_empty();
-            let keep = if sender_is_root && is_root {
-                magnitude > 1e-7
-            } else {
-                // The variance of a mean of rays that either hit the sender or do not.
-                let noise = (scratch.whole[j] / rays as f32).sqrt() * settings.significance;
-                magnitude > settings.epsilon
-                    && magnitude > noise
-                    && (sender_is_root || {
-                        let varies = settings.epsilon * settings.epsilon;
-                        self.relations.neighbours(j).iter().any(|&k| {
-                            let mut difference = sum;
-                            difference.add_scaled(-1.0, &scratch.sums[k as usize]);
-                            difference.magnitude_squared() > varies
-                        })
-                    })
-            };
-            if keep {
-                let vectors = VectorRgb { rgb: sum.0.map(Vec3::from) };
-                let link = Link::pack_vectors(0, &vectors);
-                if link.magnitude() != Vec3::ZERO {
-                    writer.push(&mut row, sender, link);
-                }
+            carried.add_scaled(1.0, &scratch.sums[sender as usize]);
+            seen += scratch.whole[sender as usize];
+            if carried.magnitude_squared() > (noise * seen).max(epsilon * epsilon) {
+                let link = Link::pack_vectors(0, &VectorRgb { rgb: carried.0.map(Vec3::from) });
+                writer.push(&mut row, sender, link);
+                // What packing lost is carried over too.
+                carried.add_scaled(-1.0, &Sum(link.vectors().rgb.map(Vec3A::from)));
+                seen = 0.0;
             }
         }
         row

@@ -10,29 +10,39 @@ pub mod directions;
 pub mod gather;
 pub mod refine;
 
+use glam::Vec3;
 use rebounce_shared::link::Link;
 
 /// How the operator is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatorSettings {
-    /// Senders are the functions of this many coarsest levels.
+    /// Senders are the functions of this many coarsest levels; light is sent by the finest of
+    /// them that covers a place.
     pub sender_levels: usize,
-    /// Links whose magnitude (irradiance per unit irradiance) is under this are dropped, but for
-    /// those that carry the mean: from the coarsest senders to the coarsest receivers.
+    /// ε on the finest level: links whose magnitude (irradiance per unit irradiance) is under it
+    /// are given to a neighbour. Smaller on coarser levels: see [`Self::epsilon_on`].
     pub epsilon: f32,
+    /// Levels that `epsilon` counts from.
+    pub levels: usize,
     /// Rays per receiver, by level; the last entry holds for all finer levels.
     pub rays: Vec<u32>,
     /// Links under this many standard deviations of their own Monte Carlo noise are dropped.
     pub significance: f32,
     /// Bounces of light; `None`: until the energy left is negligible.
     pub bounces: Option<u32>,
-    /// Later bounces reach, and start from, the functions of this many coarsest levels.
+    /// Later bounces reach the functions of this many coarsest levels.
     pub later_levels: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
 
 impl OperatorSettings {
+    /// ε on a level. A dropped link is an error over the receiver's support, whose area falls by
+    /// four per level; the same squared error for the same number of links lets ε double.
+    pub fn epsilon_on(&self, level: usize) -> f32 {
+        self.epsilon * 0.5f32.powi((self.levels.max(1) - 1).saturating_sub(level) as i32)
+    }
+
     /// Rays per receiver on a level.
     pub fn rays_on(&self, level: usize) -> u32 {
         self.rays.get(level).or(self.rays.last()).copied().unwrap_or(512)
@@ -44,6 +54,9 @@ impl OperatorSettings {
 pub struct Operator {
     /// For every point its links, columns ascending; empty where it receives nothing of its own.
     pub rows: Vec<Vec<Link>>,
+    /// For every sender its whole irradiance per channel from the senders: what later bounces
+    /// are made of. Not part of the file.
+    pub irradiance: Vec<Vec<(u32, Vec3)>>,
     /// Rays cast.
     pub rays: u64,
     /// Receivers whose links were computed.

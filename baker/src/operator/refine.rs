@@ -4,13 +4,12 @@
 //! parallel: each reads only the links of coarser levels.
 
 use super::directions::Directions;
-use super::gather::{GatherContext, GatherCost, Scratch, link_directions};
+use super::gather::{GatherContext, Gathered, Scratch, link_directions};
 use super::{Operator, OperatorSettings};
 use crate::basis::{Evaluator, Leveled, Relations, evaluator};
 use crate::points::Points;
 use crate::surface::Surfaces;
 use rayon::prelude::*;
-use rebounce_shared::link::Link;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -37,8 +36,12 @@ pub fn refine<S: Surfaces + ?Sized>(
         settings,
         link_directions: &link_directions,
     };
-    let mut operator =
-        Operator { rows: vec![Vec::new(); points.points.len()], bounces: 1, ..Operator::default() };
+    let mut operator = Operator {
+        rows: vec![Vec::new(); points.points.len()],
+        irradiance: vec![Vec::new(); sender_count],
+        bounces: 1,
+        ..Operator::default()
+    };
     let (mut seen, mut lost) = (0.0, 0.0);
     let pool = Mutex::new(Vec::new());
     for (l, level) in points.levels.iter().enumerate() {
@@ -47,13 +50,16 @@ pub fn refine<S: Surfaces + ?Sized>(
             .range()
             .filter(|&i| {
                 let parents = relations.push().row(i);
-                parents.is_empty() || parents.iter().any(|p| !operator.rows[p.point()].is_empty())
+                // Senders need their irradiance for later bounces, whatever their parents kept.
+                i < sender_count
+                    || parents.is_empty()
+                    || parents.iter().any(|p| !operator.rows[p.point()].is_empty())
             })
             .collect();
         let directions = Directions::new(settings.rays_on(l));
         let done = AtomicUsize::new(0);
         let rows = &operator.rows;
-        let found: Vec<(Vec<Link>, GatherCost)> = wanted
+        let found: Vec<Gathered> = wanted
             .par_chunks(64)
             .flat_map_iter(|chunk| {
                 let recycled = pool.lock().ok().and_then(|mut free| free.pop());
@@ -71,11 +77,14 @@ pub fn refine<S: Surfaces + ?Sized>(
             })
             .collect();
         operator.receivers += wanted.len() as u64;
-        for (&i, (links, cost)) in wanted.iter().zip(found) {
-            operator.rows[i] = links;
-            operator.rays += cost.rays;
-            seen += cost.seen;
-            lost += cost.lost;
+        for (&i, gathered) in wanted.iter().zip(found) {
+            operator.rows[i] = gathered.links;
+            if i < sender_count {
+                operator.irradiance[i] = gathered.irradiance;
+            }
+            operator.rays += gathered.cost.rays;
+            seen += gathered.cost.seen;
+            lost += gathered.cost.lost;
         }
     }
     operator.lost_share = if seen > 0.0 { lost / seen } else { 0.0 };
