@@ -84,13 +84,11 @@ fn screenshot(view: &mut Command, out: &Path) -> Result<()> {
     let child = view.stdout(Stdio::piped()).spawn().context("rebounce view could not be started")?;
     let mut server = process::Running(child);
     let stdout = server.0.stdout.take().context("rebounce view has no output")?;
-    let mut address = None;
-    for line in BufReader::new(stdout).lines() {
-        address = line?.split_whitespace().find(|word| word.starts_with("http://")).map(str::to_owned);
-        if address.is_some() {
-            break;
-        }
-    }
+    // Held until the end: a server whose output is closed would fail on its next word.
+    let mut output = BufReader::new(stdout);
+    let mut line = String::new();
+    output.read_line(&mut line).context("rebounce view")?;
+    let address = line.split_whitespace().find(|word| word.starts_with("http://"));
     let address = address.context("rebounce view printed no address")?;
     println!("taking a picture of {address}");
     process::run(web::node().arg("test/screenshot.mjs").arg(address).arg(out))

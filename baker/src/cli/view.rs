@@ -55,8 +55,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     let listener = listen(args.port)?;
     let port = listener.local_addr()?.port();
     let address = format!("http://127.0.0.1:{port}/");
-    println!("{} at {address}", args.file.display());
-    println!("Ctrl-C ends");
+    println!("{} at {address} (Ctrl-C ends)", args.file.display());
     if !args.no_open {
         open(&address);
     }
