@@ -55,6 +55,13 @@ impl VectorRgb {
         }
     }
 
+    /// The vectors turned as the unit normal `from` turns into `to`, so that the irradiance along
+    /// the normal stays.
+    #[inline]
+    pub fn turned(&self, from: Vec3, to: Vec3) -> Self {
+        Self { rgb: self.rgb.map(|v| turn(v, from, to)) }
+    }
+
     /// Irradiance per channel on a surface with this unit normal; not clamped.
     #[inline]
     pub fn irradiance(&self, normal: Vec3) -> Vec3 {
@@ -66,6 +73,16 @@ impl VectorRgb {
     pub fn magnitude(&self) -> f32 {
         (self.rgb.iter().map(|v| v.length_squared()).sum::<f32>() / 3.0).sqrt()
     }
+}
+
+/// Turns `v` as the unit vector `from` turns into `to`, the short way: `turn(from, from, to)` is
+/// `to`. Left as it is where the two are nearly opposite.
+#[inline]
+pub fn turn(v: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    let axis = from.cross(to);
+    let across = axis.cross(v);
+    let cosine = 1.0 + from.dot(to);
+    if cosine < 0.01 { v } else { v + across + axis.cross(across) / cosine }
 }
 
 impl Link {
@@ -216,6 +233,16 @@ mod tests {
         for c in 0..3 {
             assert!(back.rgb[c].distance(v.rgb[c]) < 0.02 * 0.02);
         }
+    }
+
+    #[test]
+    fn turning_keeps_lengths_and_irradiance() {
+        let (a, b) = (Vec3::new(0.6, 0.8, 0.0), Vec3::new(0.0, 0.28, 0.96));
+        let v = Vec3::new(0.3, -0.2, 0.9);
+        assert!((turn(a, a, b) - b).length() < 1e-6);
+        assert!((turn(v, a, b).length() - v.length()).abs() < 1e-6);
+        assert!((turn(v, a, b).dot(b) - v.dot(a)).abs() < 1e-6);
+        assert_eq!(turn(v, a, a), v);
     }
 
     #[test]

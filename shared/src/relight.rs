@@ -44,17 +44,28 @@ pub fn transport(scene: &Scene, pulled: &[Vec3]) -> Vec<VectorRgb> {
 }
 
 /// Turns coefficients into values, in place: coarse to fine, each point adds what its parents'
-/// values interpolate to.
+/// values interpolate to. A parent's vectors are turned with the normals, so that a point takes
+/// over its parents' irradiance, not what they say about a hemisphere that they did not see.
 pub fn push(scene: &Scene, values: &mut [VectorRgb]) {
     for i in 0..scene.points.len() {
         let row = scene.push().row(i);
         let total: f32 = row.iter().map(|e| e.weight()).sum();
+        let normal = scene.points[i].normal();
         let mut sum = values[i];
         for entry in row {
-            sum.add_scaled(entry.weight() / total, &values[entry.point()]);
+            let parent = entry.point();
+            let turned = values[parent].turned(scene.points[parent].normal(), normal);
+            sum.add_scaled(entry.weight() / total, &turned);
         }
         values[i] = sum;
     }
+}
+
+/// The irradiance of every point along its own normal, RGB, from its vector irradiance: what a
+/// picture interpolates. The vector was gathered over the point's own hemisphere; along another
+/// normal it leaves out what that normal sees beyond, and in a hall of columns 6% of the light.
+pub fn irradiance(scene: &Scene, values: &[VectorRgb]) -> Vec<Vec3> {
+    scene.points.iter().zip(values).map(|(point, value)| value.irradiance(point.normal())).collect()
 }
 
 /// All steps: from direct irradiance at the direct points (RGB, `direct_count` of them) to the

@@ -98,7 +98,7 @@ impl RelightPipelines {
         let layout = |label: &str, slots: &[Slot]| layout(gpu, label, ShaderStages::COMPUTE, slots);
         let direct = layout("direct", &[step, Slot::Read, Slot::Write]);
         let pull = layout("pull", &[step, Slot::Read, Slot::Read, Slot::Write]);
-        let push = layout("push", &[step, Slot::Read, Slot::Read, Slot::Write]);
+        let push = layout("push", &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write]);
         let pipeline = |entry: &str, source, layouts: &[&wgpu::BindGroupLayout]| {
             compute(gpu, entry, source, layouts, &[])
         };
@@ -174,7 +174,7 @@ impl Relight {
                 })
                 .collect(),
             transport_pipeline: pipelines.transport(gpu, LANES, paged),
-            push: make("push", &pipelines.push.0, &[&upload.push_offsets, &upload.push_entries, &values]),
+            push: make("push", &pipelines.push.0, &[&upload.push_offsets, &upload.push_entries, &upload.points, &values]),
             irradiance,
             values,
             steps,

@@ -64,15 +64,15 @@ fn radiance(scene: &Scene, values: &[VectorRgb], eye: Vec3, direction: Vec3) -> 
     let (position, normal, wall) = hit(eye, direction);
     let color = scene.meta.materials[wall].base_color;
     for l in (0..scene.meta.levels.len()).rev() {
-        let (mut sum, mut total) = (VectorRgb::ZERO, 0.0);
+        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
         for j in scene.level(l) {
             let p = &scene.points[j];
             let w = kernel::weight(position - p.position(), normal, p.normal(), p.radius);
-            sum.add_scaled(w, &values[j]);
+            sum += w * values[j].irradiance(p.normal());
             total += w;
         }
         if total > 0.0 {
-            let irradiance = sum.irradiance(normal).max(Vec3::ZERO) / total;
+            let irradiance = sum.max(Vec3::ZERO) / total;
             return Vec3::from_slice(&color[..3]) / std::f32::consts::PI * irradiance;
         }
     }

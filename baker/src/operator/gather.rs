@@ -7,9 +7,9 @@ use crate::basis::{Leveled, Relations};
 use crate::points::Points;
 use crate::random::mix;
 use crate::surface::{Ray, Surfaces};
-use glam::{Vec3, Vec3A};
+use glam::{Mat3A, Vec3, Vec3A};
 use rebounce_shared::interpolation::Entry;
-use rebounce_shared::link::{Link, RowWriter, VectorRgb, columns};
+use rebounce_shared::link::{Link, RowWriter, VectorRgb, columns, turn};
 use rebounce_shared::octahedral;
 
 /// What all gathers read.
@@ -205,6 +205,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// Eq. 17: takes off what the kept links of the parents, their parents and so on say.
     fn subtract_coarser(&self, receiver: usize, level: usize, rows: &[Vec<Link>], scratch: &mut Scratch) {
         let first_of = |l: usize| self.points.levels[l].first;
+        let normal = self.points.points[receiver].normal;
         let push = self.relations.push();
         let spread = |scratch: &mut Scratch, child: usize, weight: f32| {
             let row = push.row(child);
@@ -227,13 +228,14 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             let ancestors = std::mem::take(&mut scratch.ancestors[l]);
             for &ancestor in &ancestors {
                 let weight = std::mem::take(&mut scratch.ancestor_weight[ancestor as usize]);
+                let turn = turning(self.points.points[ancestor as usize].normal, normal);
                 for (column, link) in columns(&rows[ancestor as usize]) {
                     let sender_level = self.level_of(column as u32);
                     if !scratch.is_touched[column] {
                         scratch.whole[column] = 0.0;
                         scratch.touch(column as u32, sender_level);
                     }
-                    let direction = self.link_directions[(link.column_direction >> 16) as usize];
+                    let direction = turn * self.link_directions[(link.column_direction >> 16) as usize];
                     let magnitude = link.magnitude() * weight;
                     let sum = &mut scratch.sums[column].0;
                     sum[0] -= direction * magnitude.x;
@@ -288,6 +290,15 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         }
         row
     }
+}
+
+/// The rotation of `rebounce_shared::link::turn`.
+fn turning(from: Vec3, to: Vec3) -> Mat3A {
+    Mat3A::from_cols(
+        turn(Vec3::X, from, to).into(),
+        turn(Vec3::Y, from, to).into(),
+        turn(Vec3::Z, from, to).into(),
+    )
 }
 
 fn total(row: &[Entry]) -> f32 {

@@ -15,7 +15,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{Light, LightSource};
-use rebounce_shared::link::VectorRgb;
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::relight;
 use std::f32::consts::FRAC_1_PI;
@@ -23,7 +22,8 @@ use std::f32::consts::FRAC_1_PI;
 /// A baked scene under certain lights.
 pub struct Relit {
     lights: Vec<LightSource>,
-    values: Vec<VectorRgb>,
+    /// Bounced irradiance of every point along its own normal.
+    irradiance: Vec<Vec3>,
     basis: Leveled,
 }
 
@@ -35,14 +35,14 @@ impl Relit {
             .par_iter()
             .map(|p| direct::at_point(surfaces, &lights, p.position(), p.normal()))
             .collect();
-        let values = relight::relight(scene, irradiance);
+        let irradiance = relight::irradiance(scene, &relight::relight(scene, irradiance));
         let level = |l: usize| {
             let range = scene.level(l);
             let functions = scene.points[range.clone()].iter().map(|p| (p.position(), p.normal(), p.radius));
             Evaluator::new(functions, range.start as u32)
         };
         let basis = Leveled::new((0..scene.meta.levels.len()).map(level).collect());
-        Self { lights, values, basis }
+        Self { lights, irradiance, basis }
     }
 
     /// RGB irradiance of the bounced light on a surface element, local space. Zero where no
@@ -50,11 +50,8 @@ impl Relit {
     pub fn indirect(&self, position: Vec3, normal: Vec3) -> Vec3 {
         let mut weights = Vec::with_capacity(64);
         self.basis.interpolate(position, normal, &mut weights);
-        let mut sum = VectorRgb::ZERO;
-        for (index, weight) in weights {
-            sum.add_scaled(weight, &self.values[index as usize]);
-        }
-        sum.irradiance(normal).max(Vec3::ZERO)
+        let sum: Vec3 = weights.iter().map(|(index, weight)| self.irradiance[*index as usize] * *weight).sum();
+        sum.max(Vec3::ZERO)
     }
 
     /// The linear RGB radiance that comes along `ray`.

@@ -17,7 +17,7 @@ modules! {
     /// `i = S e`.
     TRANSPORT: "octahedral" "link" "transport";
     /// Push.
-    PUSH: "octahedral" "link" "push";
+    PUSH: "octahedral" "link" "point" "push";
     /// Shadow maps.
     SHADOW: "material" "shadow";
     /// G-buffer.

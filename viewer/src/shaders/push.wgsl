@@ -11,11 +11,23 @@ struct Step {
 @group(0) @binding(0) var<uniform> step_: Step;
 @group(0) @binding(1) var<storage, read> offsets: array<u32>;
 @group(0) @binding(2) var<storage, read> entries: array<u32>;
-@group(0) @binding(3) var<storage, read_write> values: array<f32>;
+@group(0) @binding(3) var<storage, read> points: array<Point>;
+@group(0) @binding(4) var<storage, read_write> values: array<f32>;
 
 fn load(point: u32, channel: u32) -> vec3f {
     let at = point * 9u + channel * 3u;
     return vec3f(values[at], values[at + 1u], values[at + 2u]);
+}
+
+// As turn in shared/src/link.rs: v turned as the normal `a` turns into `b`.
+fn turn(v: vec3f, a: vec3f, b: vec3f) -> vec3f {
+    let axis = cross(a, b);
+    let across = cross(axis, v);
+    let cosine = 1.0 + dot(a, b);
+    if cosine < 0.01 {
+        return v;
+    }
+    return v + across + cross(axis, across) / cosine;
 }
 
 @compute @workgroup_size(64)
@@ -27,12 +39,14 @@ fn push(@builtin(global_invocation_id) id: vec3u) {
     let i = step_.first + k;
     var sum = array<vec3f, 3>();
     var total = 0.0;
+    let normal = unpack_normal(points[i].normal);
     for (var at = offsets[i]; at < offsets[i + 1u]; at++) {
         let entry = entries[at];
         let share = entry_weight(entry);
+        let parent_normal = unpack_normal(points[entry_point(entry)].normal);
         total += share;
         for (var c = 0u; c < 3u; c++) {
-            sum[c] += load(entry_point(entry), c) * share;
+            sum[c] += turn(load(entry_point(entry), c), parent_normal, normal) * share;
         }
     }
     if total <= 0.0 {

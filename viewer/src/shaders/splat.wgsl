@@ -17,11 +17,10 @@ struct Out {
     @builtin(position) position: vec4f,
     @location(0) @interpolate(flat) centre: vec4f,
     @location(1) @interpolate(flat) normal: vec3f,
-    @location(2) @interpolate(flat) red: vec3f,
-    @location(3) @interpolate(flat) green: vec3f,
-    @location(4) @interpolate(flat) blue: vec3f,
+    @location(2) @interpolate(flat) irradiance: vec3f,
 }
 
+// Vector irradiance of one channel.
 fn value(point: u32, channel: u32) -> vec3f {
     let at = point * 9u + channel * 3u;
     return vec3f(values[at], values[at + 1u], values[at + 2u]) * splat.scale;
@@ -83,9 +82,13 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
     out.position = vec4f(at, min(1.0, frame.near / max(nearest, frame.near)), 1.0);
     out.centre = vec4f(centre, p.radius);
     out.normal = normal;
-    out.red = value(instance, 0u);
-    out.green = value(instance, 1u);
-    out.blue = value(instance, 2u);
+    // Irradiance along the point's own normal: the vector was gathered over its hemisphere, and says
+    // too little about others.
+    out.irradiance = vec3f(
+        dot(normal, value(instance, 0u)),
+        dot(normal, value(instance, 1u)),
+        dot(normal, value(instance, 2u)),
+    );
     return out;
 }
 
@@ -107,5 +110,5 @@ fn fragment(in: Out) -> @location(0) vec4f {
     if w <= 0.0 {
         discard;
     }
-    return w * vec4f(dot(normal, in.red), dot(normal, in.green), dot(normal, in.blue), 1.0);
+    return w * vec4f(in.irradiance, 1.0);
 }
