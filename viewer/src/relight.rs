@@ -174,7 +174,11 @@ impl Relight {
                 })
                 .collect(),
             transport_pipeline: pipelines.transport(gpu, LANES, paged),
-            push: make("push", &pipelines.push.0, &[&upload.push_offsets, &upload.push_entries, &upload.points, &values]),
+            push: make(
+                "push",
+                &pipelines.push.0,
+                &[&upload.push_offsets, &upload.push_entries, &upload.points, &values],
+            ),
             irradiance,
             values,
             steps,

@@ -46,9 +46,9 @@ impl BakeSettings {
     /// A preset's values.
     pub fn new(preset: Preset) -> Self {
         let (levels, coarse_count, rays, epsilon) = match preset {
-            Preset::Draft => (5, 150, vec![4096, 2048, 1024, 512, 256], 2e-3),
-            Preset::Standard => (6, 250, vec![16384, 8192, 4096, 1536, 768, 256], 1e-3),
-            Preset::Fine => (6, 400, vec![16384, 16384, 8192, 4096, 2048, 1024], 4e-4),
+            Preset::Draft => (5, 250, vec![2048, 2048, 1024, 512, 256], 0.008),
+            Preset::Standard => (6, 400, vec![4096, 4096, 4096, 1024, 512, 256], 0.008),
+            Preset::Fine => (6, 700, vec![8192, 8192, 8192, 4096, 2048, 1024], 0.004),
         };
         Self {
             preset,

@@ -18,7 +18,7 @@ pub struct PlaceSettings {
     pub coarse_radius: Option<f32>,
     /// About how many functions level 0 shall have.
     pub coarse_count: usize,
-    /// Support over disk radius on the coarsest level.
+    /// Support over disk radius on all levels but the finest.
     pub coarse_overlap: f32,
     /// Support over disk radius on the finest level.
     pub fine_overlap: f32,
@@ -34,9 +34,9 @@ impl Default for PlaceSettings {
         Self {
             levels: 6,
             coarse_radius: None,
-            coarse_count: 250,
+            coarse_count: 400,
             coarse_overlap: 1.5,
-            fine_overlap: 2.5,
+            fine_overlap: 2.0,
             failures: 2000,
             seed: 1,
         }
@@ -86,9 +86,7 @@ pub fn place<S: Surfaces + ?Sized>(
     for l in 0..settings.levels {
         let disk_radius = coarse_radius / (1u64 << l) as f32;
         let finest = l + 1 == settings.levels;
-        let share = if settings.levels > 1 { l as f32 / (settings.levels - 1) as f32 } else { 1.0 };
         let overlap = if finest { settings.fine_overlap } else { settings.coarse_overlap };
-        let _ = share;
         let mut board = DartBoard::new(disk_radius);
         let mut failures = 0;
         let mut batch = std::mem::take(&mut pool);

@@ -50,7 +50,8 @@ impl Relit {
     pub fn indirect(&self, position: Vec3, normal: Vec3) -> Vec3 {
         let mut weights = Vec::with_capacity(64);
         self.basis.interpolate(position, normal, &mut weights);
-        let sum: Vec3 = weights.iter().map(|(index, weight)| self.irradiance[*index as usize] * *weight).sum();
+        let sum: Vec3 =
+            weights.iter().map(|(index, weight)| self.irradiance[*index as usize] * *weight).sum();
         sum.max(Vec3::ZERO)
     }
 
