@@ -35,7 +35,7 @@ fn small_operator() -> OperatorSettings {
 fn bake(albedo: f32) -> (Points, Relations, Operator) {
     let room = room(albedo);
     let points = place(&room, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
-    let relations = Relations::new(&points, 3, 4);
+    let relations = Relations::new(&points, 4);
     let mut operator = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
     add_later_bounces(&mut operator, &points, &small_operator(), &|_, _| {});
     (points, relations, operator)
@@ -97,23 +97,19 @@ fn a_constant_projects_to_itself() {
 #[test]
 fn furnace_unit_irradiance_comes_back_as_the_geometric_series() {
     for albedo in [0.3, 0.8] {
-        let (points, relations, operator) = bake(albedo);
-        // Unit irradiance everywhere: level 0 and orphans carry 1, all differences are 0.
-        let is_root = |i: usize| relations.push().row(i).is_empty();
+        let (points, _, operator) = bake(albedo);
         let want = albedo / (1.0 - albedo);
         let mut sum = 0.0;
         let level = points.levels[0].range();
         for i in level.clone() {
             let normal = points.points[i].normal;
-            let got: f32 = columns(&operator.rows[i])
-                .filter(|(column, _)| is_root(*column))
-                .map(|(_, link)| link.vectors().irradiance(normal).x)
-                .sum();
-            assert!((got / want - 1.0).abs() < 0.1, "albedo {albedo}, receiver {i}: {got}, not {want}");
+            let got: f32 =
+                columns(&operator.rows[i]).map(|(_, link)| link.vectors().irradiance(normal).x).sum();
+            assert!((got / want - 1.0).abs() < 0.02, "albedo {albedo}, receiver {i}: {got}, not {want}");
             sum += got;
         }
         let mean = sum / level.len() as f32;
-        assert!((mean / want - 1.0).abs() < 0.02, "albedo {albedo}: {mean}, not {want}");
+        assert!((mean / want - 1.0).abs() < 0.01, "albedo {albedo}: {mean}, not {want}");
     }
 }
 
@@ -133,13 +129,12 @@ fn the_same_seed_gives_the_same_operator_at_any_thread_count() {
 fn later_bounces_stop_where_they_are_told_to() {
     let room = room(0.5);
     let points = place(&room, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
-    let relations = Relations::new(&points, 3, 4);
+    let relations = Relations::new(&points, 4);
     let one = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
     let sum = |operator: &Operator| {
         let total: f32 = points.levels[0]
             .range()
             .flat_map(|i| columns(&operator.rows[i]).map(move |(c, l)| (i, c, l)))
-            .filter(|(_, column, _)| relations.push().row(*column).is_empty())
             .map(|(i, _, link)| link.vectors().irradiance(points.points[i].normal).x)
             .sum();
         total / points.levels[0].count as f32

@@ -56,7 +56,7 @@ pub enum Stage {
     Prepare,
     /// Placing points.
     Points,
-    /// Finding parents, children and neighbours.
+    /// Finding parents and children.
     Basis,
     /// Computing the one-bounce links.
     Links,
@@ -111,7 +111,7 @@ pub fn bake(
         place(&surfaces, viewpoint, &settings.place, |level, count| tell(Stage::Points, count, 0, level))?;
     lap(&mut report, Stage::Points);
     tell(Stage::Basis, 0, 0, 0);
-    let relations = Relations::new(&points, settings.operator.sender_levels, settings.direct_levels);
+    let relations = Relations::new(&points, settings.direct_levels);
     lap(&mut report, Stage::Basis);
     let mut operator = refine(&surfaces, &points, &relations, &settings.operator, &|level, done, total| {
         tell(Stage::Links, done, total, level);

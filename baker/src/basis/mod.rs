@@ -1,7 +1,7 @@
 //! The basis: weight functions around points, normalised per level (paper, sections 2.1 and 2.2).
 //!
 //! * [`Evaluator`] finds and weighs the functions that cover a place, fast;
-//! * [`Relations`] holds who is whose parent, child and neighbour, as the file stores them.
+//! * [`Relations`] holds who is whose parent and child, as the file stores them.
 //!
 //! Levels are nested here, unlike the paper's: a point's value is its coefficient plus what its
 //! *parents' values* interpolate to, and a picture is made from the finest level's values alone.

@@ -1,11 +1,11 @@
-//! Parents, children and neighbours (paper, section 2.1), in the form that the file stores.
+//! Parents and children (paper, section 2.1), in the form that the file stores.
 
 use super::{Evaluator, Leveled};
-use crate::points::{Points, SurfacePoint};
+use crate::points::Points;
 use rayon::prelude::*;
 use rebounce_shared::interpolation::{Entry, Rows, pack_row};
 
-/// Who is whose parent, child and neighbour.
+/// Who is whose parent and child.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Relations {
     /// Push rows, one per point: where each begins; and one past the end.
@@ -16,18 +16,13 @@ pub struct Relations {
     pub push_entries: Vec<Entry>,
     /// Pull rows, one per point of all sampled levels but the finest: where each begins.
     pub pull_offsets: Vec<u32>,
-    /// A point's children with the weight of the point's function at them.
+    /// A point's children with their weights.
     pub pull_entries: Vec<Entry>,
-    /// Neighbour rows, one per sender: where each begins.
-    pub neighbour_offsets: Vec<u32>,
-    /// Senders of the same level that a sender's function reaches.
-    pub neighbours: Vec<u32>,
 }
 
 impl Relations {
-    /// Finds the relations of points; `sender_levels` levels get neighbours, `direct_levels`
-    /// levels children.
-    pub fn new(points: &Points, sender_levels: usize, direct_levels: usize) -> Self {
+    /// Finds the relations of points; those of `direct_levels` levels but the last get children.
+    pub fn new(points: &Points, direct_levels: usize) -> Self {
         let mut relations = Self { push_offsets: vec![0], ..Self::default() };
         let mut coarser: Vec<Evaluator> = Vec::new();
         for (l, level) in points.levels.iter().enumerate() {
@@ -45,9 +40,6 @@ impl Relations {
                 pack_row(&row, &mut relations.push_entries);
                 relations.push_offsets.push(relations.push_entries.len() as u32);
             }
-            if l < sender_levels {
-                relations.add_neighbours(&points.points[level.range()], level.first as u32, &evaluator);
-            }
             coarser = leveled.into_levels();
             coarser.push(evaluator);
         }
@@ -60,36 +52,9 @@ impl Relations {
         Rows { offsets: &self.push_offsets, entries: &self.push_entries }
     }
 
-    /// The neighbours of a sender.
-    pub fn neighbours(&self, sender: usize) -> &[u32] {
-        &self.neighbours[self.neighbour_offsets[sender] as usize..self.neighbour_offsets[sender + 1] as usize]
-    }
-
-    fn add_neighbours(&mut self, level: &[SurfacePoint], first: u32, evaluator: &Evaluator) {
-        if self.neighbour_offsets.is_empty() {
-            self.neighbour_offsets.push(0);
-        }
-        let rows: Vec<Vec<u32>> = level
-            .par_iter()
-            .enumerate()
-            .map(|(i, p)| {
-                let own = first + i as u32;
-                let mut row = Vec::new();
-                evaluator.gather(p.position, p.normal, |j, _| {
-                    if j != own {
-                        row.push(j);
-                    }
-                });
-                row
-            })
-            .collect();
-        for row in rows {
-            self.neighbours.extend(row);
-            self.neighbour_offsets.push(self.neighbours.len() as u32);
-        }
-    }
-
-    /// The pull rows are the push rows transposed.
+    /// The pull rows are the push rows transposed, and sharpened: a child counts by the fourth power
+    /// of its share, so that a point averages the direct light around it and not beyond its
+    /// neighbours. Averaging with the plain shares and interpolating again would blur it twice.
     fn add_children(&mut self, points: &Points, direct_levels: usize) {
         let end = |levels: usize| points.levels[..levels].last().map_or(0, |l| l.first + l.count);
         let parents = end(direct_levels.saturating_sub(1));

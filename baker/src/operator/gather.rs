@@ -18,7 +18,7 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
     pub surfaces: &'a S,
     /// All points.
     pub points: &'a Points,
-    /// Parents, children, neighbours.
+    /// Parents and children.
     pub relations: &'a Relations,
     /// The sender levels' functions, coarsest first.
     pub senders: &'a Leveled,
