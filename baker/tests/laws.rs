@@ -34,7 +34,7 @@ fn small_operator() -> OperatorSettings {
 
 fn bake(albedo: f32) -> (Points, Relations, Operator) {
     let room = room(albedo);
-    let points = place(&room, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    let points = place(&room, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
     let relations = Relations::new(&points, 4);
     let mut operator = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
     add_later_bounces(&mut operator, &points, &small_operator(), &|_, _| {});
@@ -44,7 +44,7 @@ fn bake(albedo: f32) -> (Points, Relations, Operator) {
 #[test]
 fn points_keep_their_poisson_distance_and_cover_the_room() {
     let room = room(0.5);
-    let points = place(&room, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    let points = place(&room, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
     assert_eq!(points.levels.len(), 4);
     for (l, level) in points.levels.iter().enumerate() {
         let list = &points.points[level.range()];
@@ -72,11 +72,11 @@ fn points_keep_their_poisson_distance_and_cover_the_room() {
 
 #[test]
 fn placement_does_not_depend_on_units_or_place() {
-    let metres = place(&room(0.5), Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    let metres = place(&room(0.5), &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
     let scale = 1000.0;
     let room = room(0.5);
     let millimetres = BoxRoom { low: room.low * scale, high: room.high * scale, albedo: room.albedo };
-    let millimetres = place(&millimetres, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    let millimetres = place(&millimetres, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
     for (a, b) in metres.levels.iter().zip(&millimetres.levels) {
         let ratio = b.count as f32 / a.count as f32;
         assert!((0.9..1.1).contains(&ratio), "{} {}", a.count, b.count);
@@ -128,7 +128,7 @@ fn the_same_seed_gives_the_same_operator_at_any_thread_count() {
 #[test]
 fn later_bounces_stop_where_they_are_told_to() {
     let room = room(0.5);
-    let points = place(&room, Vec3::ZERO, &small_place(), |_, _| {}).unwrap();
+    let points = place(&room, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
     let relations = Relations::new(&points, 4);
     let one = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
     let sum = |operator: &Operator| {

@@ -11,7 +11,6 @@ use crate::basis::Relations;
 use crate::operator::{bounces::add_later_bounces, refine::refine};
 use crate::points::{PlaceError, candidates::Candidates, place, viewpoint};
 use crate::scene::Scene;
-use crate::surface::Surfaces;
 use crate::triangles::TriangleSurfaces;
 use glam::{DVec3, Vec3};
 use rebounce_shared::rbn::{self, RbnError};
@@ -104,11 +103,12 @@ pub fn bake(
     }
     tell(Stage::Prepare, 0, 0, 0);
     let surfaces = TriangleSurfaces::from_scene(scene);
-    let viewpoint = choose_viewpoint(scene, &surfaces, &settings)?;
+    let viewpoints = choose_viewpoints(scene, &surfaces, &settings)?;
+    let viewpoint = viewpoints[0];
     report.viewpoint = (DVec3::from(scene.origin) + viewpoint.as_dvec3()).to_array();
     lap(&mut report, Stage::Prepare);
     let points =
-        place(&surfaces, viewpoint, &settings.place, |level, count| tell(Stage::Points, count, 0, level))?;
+        place(&surfaces, &viewpoints, &settings.place, |level, count| tell(Stage::Points, count, 0, level))?;
     lap(&mut report, Stage::Points);
     tell(Stage::Basis, 0, 0, 0);
     let relations = Relations::new(&points, settings.direct_levels);
@@ -128,18 +128,22 @@ pub fn bake(
     Ok((file, report))
 }
 
-/// The viewpoint given, or the scene's first camera that sees something, or one that is found.
-fn choose_viewpoint(
+/// The viewpoint given, or the scene's cameras that see something, or those that are found; never
+/// empty.
+fn choose_viewpoints(
     scene: &Scene,
     surfaces: &TriangleSurfaces,
     settings: &BakeSettings,
-) -> Result<Vec3, BakeError> {
+) -> Result<Vec<Vec3>, BakeError> {
     let local = |world: [f64; 3]| (DVec3::from(world) - DVec3::from(scene.origin)).as_vec3();
     if let Some(world) = settings.viewpoint {
-        return Ok(local(world));
+        return Ok(vec![local(world)]);
     }
     let seed = settings.place.seed;
-    let cameras = scene.cameras.iter().map(|camera| local(camera.position));
-    let sees = |point: &Vec3| Candidates::new(surfaces as &dyn Surfaces, *point, seed).batch().len() > 1000;
-    cameras.into_iter().find(sees).or_else(|| viewpoint::find(surfaces, seed)).ok_or(BakeError::NoViewpoint)
+    let mut viewpoints: Vec<Vec3> = scene.cameras.iter().map(|camera| local(camera.position)).collect();
+    viewpoints.retain(|point| Candidates::new(surfaces, &[*point], seed).batch().len() > 1000);
+    if viewpoints.is_empty() {
+        viewpoints = viewpoint::find(surfaces, seed);
+    }
+    if viewpoints.is_empty() { Err(BakeError::NoViewpoint) } else { Ok(viewpoints) }
 }

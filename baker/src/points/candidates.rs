@@ -18,17 +18,18 @@ const PARTICLES: u64 = 1024;
 /// An endless, reproducible source of candidates.
 pub struct Candidates<'a, S: Surfaces + ?Sized> {
     surfaces: &'a S,
-    viewpoint: Vec3,
+    viewpoints: &'a [Vec3],
     seed: u64,
     next_particle: u64,
     dropped_bounces: u32,
 }
 
 impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
-    /// Candidates for the surfaces seen, directly or not, from `viewpoint` (local space). The
+    /// Candidates for the surfaces seen, directly or not, from the `viewpoints` (local space), from
+    /// each in turn. The
     /// first three bounces are dropped, or fewer where most particles leave an open scene sooner.
-    pub fn new(surfaces: &'a S, viewpoint: Vec3, seed: u64) -> Self {
-        let mut source = Self { surfaces, viewpoint, seed, next_particle: 0, dropped_bounces: 3 };
+    pub fn new(surfaces: &'a S, viewpoints: &'a [Vec3], seed: u64) -> Self {
+        let mut source = Self { surfaces, viewpoints, seed, next_particle: 0, dropped_bounces: 3 };
         while source.dropped_bounces > 0 {
             let found = source.batch().len() as u64;
             source.next_particle = 0;
@@ -52,7 +53,10 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     fn trace(&self, particle: u64) -> Vec<SurfacePoint> {
         let mut found = Vec::new();
         let mut stream = Stream::new(self.seed, particle);
-        let mut ray = Ray { origin: self.viewpoint, direction: stream.sphere(), max_distance: f32::INFINITY };
+        let Some(&origin) = self.viewpoints.get(particle as usize % self.viewpoints.len().max(1)) else {
+            return found;
+        };
+        let mut ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY };
         for bounce in 0..BOUNCES {
             let seed = mix(stream.bits()) as u32;
             let Some(hit) = self.surfaces.cast(&ray, seed) else { break };

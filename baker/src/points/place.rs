@@ -59,18 +59,18 @@ pub enum PlaceError {
 /// Rays for the harmonic mean distance.
 const HARMONIC_RAYS: u32 = 32;
 
-/// Places the points of all levels for what is seen from `viewpoint` (local space). `progress`
+/// Places the points of all levels for what is seen from `viewpoints` (local space). `progress`
 /// is told the level and its number of points so far.
 ///
 /// # Errors
 /// [`PlaceError`].
 pub fn place<S: Surfaces + ?Sized>(
     surfaces: &S,
-    viewpoint: Vec3,
+    viewpoints: &[Vec3],
     settings: &PlaceSettings,
     mut progress: impl FnMut(usize, usize),
 ) -> Result<Points, PlaceError> {
-    let mut source = Candidates::new(surfaces, viewpoint, settings.seed);
+    let mut source = Candidates::new(surfaces, viewpoints, settings.seed);
     let mut pool = Vec::new();
     for _ in 0..64 {
         pool.extend(source.batch());
@@ -79,7 +79,8 @@ pub fn place<S: Surfaces + ?Sized>(
         }
     }
     if pool.is_empty() {
-        return Err(PlaceError::NothingSeen(viewpoint.x, viewpoint.y, viewpoint.z));
+        let first = viewpoints.first().copied().unwrap_or_default();
+        return Err(PlaceError::NothingSeen(first.x, first.y, first.z));
     }
     let coarse_radius = settings.coarse_radius.unwrap_or_else(|| radius_for(&pool, settings.coarse_count));
     let mut result = Points::default();

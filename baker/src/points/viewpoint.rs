@@ -1,22 +1,31 @@
-//! A viewpoint inside the scene, found without help.
+//! Viewpoints inside the scene, found without help.
 //!
-//! A good viewpoint sees the reflecting sides of surfaces all around it: from within a closed
-//! room every ray ends on one; inside a wall or under the floor rays end on backs; outside most
-//! rays leave the scene. Candidates are scattered over the scene's bounds and off its surfaces.
+//! Points are scattered over the scene's bounds and off its surfaces. A good one sees the
+//! reflecting sides of surfaces all around it: from within a closed room every ray ends on one;
+//! inside a wall or under the floor rays end on backs; outside most rays leave the scene. No
+//! single score tells a furnished room that is open to the sky from the closed hollow under its
+//! floor, so the best of each part of the scene all serve: particles start from each in turn.
 
 use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
-use glam::Vec3;
+use glam::{IVec3, Vec3};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 const TRIES: u64 = 2048;
 const RAYS: u64 = 96;
+/// Parts of the scene along each axis, each of which sends its best try to the second round.
+const PARTS: f32 = 4.0;
+/// A part's best try serves if its score is at least this share of the best of all.
+const GOOD: f32 = 0.3;
+/// Viewpoints at most.
+const MOST: usize = 16;
 
-/// The best of many tries; `None` when no try sees the reflecting side of any surface.
-pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Option<Vec3> {
+/// The best of many tries, best first; none when no try sees the reflecting side of any surface.
+pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Vec<Vec3> {
     let (low, high) = surfaces.bounds();
     let extent = high - low;
-    let best = (0..TRIES)
+    let tries: Vec<(f32, u64, Vec3)> = (0..TRIES)
         .into_par_iter()
         .filter_map(|i| {
             let mut stream = Stream::new(seed ^ 0x7669_6577, i);
@@ -36,12 +45,25 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Option<Vec3> {
             let score = score(surfaces, point, &mut stream, extent.length());
             (score > 0.0).then_some((score, i, point))
         })
-        .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-    best.map(|(_, _, point)| point)
+        .collect();
+    let part = |p: Vec3| ((p - low) / extent.max(Vec3::splat(f32::MIN_POSITIVE)) * PARTS).floor().as_ivec3();
+    let better = |a: &(f32, u64, Vec3), b: &(f32, u64, Vec3)| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1));
+    let mut best_of_part: HashMap<IVec3, (f32, u64, Vec3)> = HashMap::new();
+    for entry in tries {
+        let best = best_of_part.entry(part(entry.2)).or_insert(entry);
+        if better(&entry, best).is_gt() {
+            *best = entry;
+        }
+    }
+    let mut best: Vec<_> = best_of_part.into_values().collect();
+    best.sort_by(|a, b| better(b, a));
+    let least = best.first().map_or(0.0, |b| b.0 * GOOD);
+    best.iter().filter(|b| b.0 >= least).take(MOST).map(|b| b.2).collect()
 }
 
 /// How good a viewpoint is: the share of rays that end on a reflecting side, less those that end
-/// on a back, times a gentle preference for open space.
+/// on a back, squared, times the harmonic mean distance. So a room open to the sky beats the
+/// hollow of a wall, which is closed but tight, and the outside, where most rays leave.
 fn score<S: Surfaces + ?Sized>(surfaces: &S, point: Vec3, stream: &mut Stream, diagonal: f32) -> f32 {
     let (mut front, mut back, mut inverse_distance) = (0.0, 0.0, 0.0);
     for _ in 0..RAYS {
@@ -60,5 +82,8 @@ fn score<S: Surfaces + ?Sized>(surfaces: &S, point: Vec3, stream: &mut Stream, d
     }
     let share = ((front - 4.0 * back) / RAYS as f32).max(0.0);
     let free = (front / inverse_distance) / diagonal;
-    share * share * free.powf(0.25)
+    if free < 0.002 {
+        return 0.0;
+    }
+    share * share * free.min(0.25)
 }
