@@ -17,7 +17,7 @@ const RAYS: u64 = 96;
 /// Parts of the scene along each axis, each of which sends its best try to the second round.
 const PARTS: f32 = 4.0;
 /// A part's best try serves if its score is at least this share of the best of all.
-const GOOD: f32 = 0.3;
+const GOOD: f32 = 0.5;
 /// Viewpoints at most.
 const MOST: usize = 16;
 
