@@ -47,7 +47,7 @@ impl BakeSettings {
     pub fn new(preset: Preset) -> Self {
         let (levels, coarse_count, rays, epsilon) = match preset {
             Preset::Draft => (5, 250, vec![2048, 2048, 1024, 512, 256], 0.008),
-            Preset::Standard => (6, 600, vec![4096, 4096, 4096, 1024, 512, 256], 0.008),
+            Preset::Standard => (6, 400, vec![4096, 4096, 4096, 1024, 512, 256], 0.008),
             Preset::Fine => (6, 700, vec![8192, 8192, 8192, 4096, 2048, 1024], 0.004),
         };
         Self {

@@ -251,7 +251,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
 
     /// The whole irradiance from each sender, small shares carried over as in [`Self::choose`].
     fn irradiance_row(&self, normal: Vec3, scratch: &mut Scratch) -> Vec<(u32, Vec3)> {
-        let least = 0.25 * self.settings.epsilon_on(0);
+        let least = 2.0 * self.settings.epsilon_on(0);
         let normal = Vec3A::from(normal);
         scratch.sort_touched();
         let mut carried = Vec3::ZERO;
