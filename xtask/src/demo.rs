@@ -53,7 +53,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if let Some(dir) = baked.parent() {
         std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
     }
-    process::run(Command::new(&rebounce).args(["bake", scene, "-o"]).arg(&baked))?;
+    process::run(Command::new(&rebounce).args(["bake", scene, "--preset", "draft", "-o"]).arg(&baked))?;
     let mut view = Command::new(&rebounce);
     view.arg("view").arg(&baked).arg("--no-open");
     match options.screenshot {
