@@ -65,7 +65,8 @@ pub fn add_later_bounces(
     let active: Vec<u32> = (0..senders as u32).filter(|s| sends[*s as usize]).collect();
     let epsilons: Vec<f32> = points.levels[..levels]
         .iter()
-        .flat_map(|l| vec![settings.epsilon_on_level(points, l); l.count])
+        .enumerate()
+        .flat_map(|(l, level)| std::iter::repeat_n(settings.epsilon_on(l), level.count))
         .collect();
     let deepest = AtomicU32::new(1);
     let done = AtomicUsize::new(0);
@@ -111,13 +112,6 @@ pub fn add_later_bounces(
             *row = merge(row, &later);
         }
     });
-}
-
-impl OperatorSettings {
-    /// ε of a level, found by its place in the list.
-    fn epsilon_on_level(&self, points: &Points, level: &crate::points::PointLevel) -> f32 {
-        self.epsilon_on(points.levels.iter().position(|l| l.first == level.first).unwrap_or(0))
-    }
 }
 
 /// Unit light at the senders of a batch: the irradiance of all its bounces on every sender, the

@@ -204,7 +204,6 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
 
     /// Eq. 17: takes off what the kept links of the parents, their parents and so on say.
     fn subtract_coarser(&self, receiver: usize, level: usize, rows: &[Vec<Link>], scratch: &mut Scratch) {
-        let first_of = |l: usize| self.points.levels[l].first;
         let normal = self.points.points[receiver].normal;
         let push = self.relations.push();
         let spread = |scratch: &mut Scratch, child: usize, weight: f32| {
@@ -224,7 +223,6 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         };
         spread(scratch, receiver, 1.0);
         for l in (0..level).rev() {
-            debug_assert!(first_of(l) <= receiver);
             let ancestors = std::mem::take(&mut scratch.ancestors[l]);
             for &ancestor in &ancestors {
                 let weight = std::mem::take(&mut scratch.ancestor_weight[ancestor as usize]);
