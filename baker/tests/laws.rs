@@ -9,7 +9,7 @@ use rebounce::operator::{Operator, OperatorSettings, bounces::add_later_bounces,
 use rebounce::points::{PlaceSettings, Points, place};
 use rebounce_shared::interpolation::mean;
 use rebounce_shared::kernel::distance_5d;
-use rebounce_shared::link::columns;
+use rebounce_shared::link::{Link, columns};
 
 fn room(albedo: f32) -> BoxRoom {
     BoxRoom { low: Vec3::new(-2.0, -1.0, -1.5), high: Vec3::new(2.0, 1.0, 1.5), albedo: Vec3::splat(albedo) }
@@ -26,7 +26,7 @@ fn small_operator() -> OperatorSettings {
         rays: vec![1024, 512, 256, 256],
         significance: 0.5,
         bounces: None,
-        later_levels: 3,
+        later_levels: 2,
         levels: 4,
         seed: 1,
     }
@@ -94,21 +94,34 @@ fn a_constant_projects_to_itself() {
     assert!(relations.push().row(points.levels[1].first + 3).len() > 1);
 }
 
+/// What unit irradiance everywhere brings to each point of level 0: S applied to ones (red channel).
+fn from_ones(points: &Points, relations: &Relations, operator: &Operator) -> Vec<f32> {
+    let row = |links: &[Link], normal: Vec3, sent: &[f32]| -> f32 {
+        columns(links).map(|(c, link)| link.vectors().irradiance(normal).x * sent[c]).sum()
+    };
+    let senders = points.levels[..small_operator().sender_levels].last().unwrap().range().end;
+    let ones = vec![1.0; senders];
+    let normal = |i: usize| points.points[i].normal;
+    let mut bounced: Vec<f32> =
+        operator.later.iter().enumerate().map(|(i, links)| row(links, normal(i), &ones)).collect();
+    for i in bounced.len()..senders {
+        let parents = mean(relations.push().row(i), 0.0, |p| bounced.get(p).copied().unwrap_or(0.0));
+        bounced.push(parents.unwrap_or(0.0));
+    }
+    let sent: Vec<f32> = bounced.iter().map(|bounced| 1.0 + bounced).collect();
+    points.levels[0].range().map(|i| row(&operator.rows[i], normal(i), &sent)).collect()
+}
+
 #[test]
 fn furnace_unit_irradiance_comes_back_as_the_geometric_series() {
     for albedo in [0.3, 0.8] {
-        let (points, _, operator) = bake(albedo);
+        let (points, relations, operator) = bake(albedo);
         let want = albedo / (1.0 - albedo);
-        let mut sum = 0.0;
-        let level = points.levels[0].range();
-        for i in level.clone() {
-            let normal = points.points[i].normal;
-            let got: f32 =
-                columns(&operator.rows[i]).map(|(_, link)| link.vectors().irradiance(normal).x).sum();
+        let found = from_ones(&points, &relations, &operator);
+        for (i, got) in found.iter().enumerate() {
             assert!((got / want - 1.0).abs() < 0.02, "albedo {albedo}, receiver {i}: {got}, not {want}");
-            sum += got;
         }
-        let mean = sum / level.len() as f32;
+        let mean = found.iter().sum::<f32>() / found.len() as f32;
         assert!((mean / want - 1.0).abs() < 0.01, "albedo {albedo}: {mean}, not {want}");
     }
 }
@@ -122,6 +135,7 @@ fn the_same_seed_gives_the_same_operator_at_any_thread_count() {
     assert_eq!(one.0, three.0);
     assert_eq!(one.1, three.1);
     assert_eq!(one.2.rows, three.2.rows);
+    assert_eq!(one.2.later, three.2.later);
     assert!(one.2.link_count() > 1000);
 }
 
@@ -131,14 +145,6 @@ fn later_bounces_stop_where_they_are_told_to() {
     let points = place(&room, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
     let relations = Relations::new(&points, 4);
     let one = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
-    let sum = |operator: &Operator| {
-        let total: f32 = points.levels[0]
-            .range()
-            .flat_map(|i| columns(&operator.rows[i]).map(move |(c, l)| (i, c, l)))
-            .map(|(i, _, link)| link.vectors().irradiance(points.points[i].normal).x)
-            .sum();
-        total / points.levels[0].count as f32
-    };
     let mut expected = 0.0;
     for bounces in 1..4 {
         expected += 0.5f32.powi(bounces);
@@ -146,7 +152,8 @@ fn later_bounces_stop_where_they_are_told_to() {
         let settings = OperatorSettings { bounces: Some(bounces as u32), ..small_operator() };
         add_later_bounces(&mut operator, &points, &settings, &|_, _| {});
         assert_eq!(operator.bounces, bounces as u32);
-        let got = sum(&operator);
+        let found = from_ones(&points, &relations, &operator);
+        let got = found.iter().sum::<f32>() / found.len() as f32;
         assert!((got / expected - 1.0).abs() < 0.02, "{bounces} bounces: {got}, not {expected}");
     }
 }

@@ -5,13 +5,15 @@
 //! The steps, all linear in the light:
 //! 1. *pull* ([`pull`]): from the finest sampled level to the coarsest, a point's direct
 //!    irradiance becomes the mean of its children's (paper, 2.1, pull-push);
-//! 2. *transport* ([`transport`]): `i = S e` (Eq. 15), where `e` is the senders' pulled values;
-//! 3. *push* ([`push`]): level after level, a point's value is its coefficient plus what its
+//! 2. *later bounces* ([`add_bounced`]): to the senders' direct light comes what bounces again,
+//!    `e' = (1 + P G) e`;
+//! 3. *transport* ([`transport`]): `i = T e' = S e` (Eq. 15);
+//! 4. *push* ([`push`]): level after level, a point's value is its coefficient plus what its
 //!    parents' values interpolate to (Eq. 4). The finest level's values are the display basis.
 
 use crate::interpolation::mean;
 use crate::link::{VectorRgb, columns};
-use crate::rbn::Scene;
+use crate::rbn::{LinkMatrix, Scene};
 use glam::Vec3;
 
 /// Replaces, coarser level by coarser level, the direct irradiance of every point that has
@@ -26,11 +28,32 @@ pub fn pull(scene: &Scene, irradiance: &mut [Vec3]) {
     }
 }
 
-/// `i = S e`: the coefficients of the bounced light, one per point, zero without links.
-/// `pulled` has one RGB irradiance per sender, or more.
-pub fn transport(scene: &Scene, pulled: &[Vec3]) -> Vec<VectorRgb> {
-    let mut out = vec![VectorRgb::ZERO; scene.points.len()];
-    for (receiver, row) in scene.link_rows() {
+/// Adds to the senders' pulled direct irradiance what comes to them after one and more bounces:
+/// `G e` at the points of the coarse levels, its interpolation at the finer senders.
+pub fn add_bounced(scene: &Scene, pulled: &mut [Vec3]) {
+    let coarse = scene.later_count();
+    let vectors = apply(&scene.later, pulled, coarse);
+    let mut bounced: Vec<Vec3> =
+        vectors.iter().zip(&scene.points).map(|(v, p)| v.irradiance(p.normal())).collect();
+    for i in coarse..scene.sender_count() {
+        let interpolated = mean(scene.push().row(i), Vec3::ZERO, |parent| bounced[parent]);
+        bounced.push(interpolated.unwrap_or(Vec3::ZERO));
+    }
+    for (e, bounced) in pulled.iter_mut().zip(bounced) {
+        *e += bounced;
+    }
+}
+
+/// `i = T e'`: the coefficients of the bounced light, one per point, zero without links.
+/// `sent` has one RGB irradiance per sender, or more.
+pub fn transport(scene: &Scene, sent: &[Vec3]) -> Vec<VectorRgb> {
+    apply(&scene.transport, sent, scene.points.len())
+}
+
+/// A matrix of links times irradiance: vector irradiance at this many receivers.
+fn apply(matrix: &LinkMatrix, pulled: &[Vec3], receivers: usize) -> Vec<VectorRgb> {
+    let mut out = vec![VectorRgb::ZERO; receivers];
+    for (receiver, row) in matrix.iter() {
         let sum = &mut out[receiver];
         for (column, link) in columns(row) {
             let power = link.magnitude() * pulled[column];
@@ -72,6 +95,7 @@ pub fn irradiance(scene: &Scene, values: &[VectorRgb]) -> Vec<Vec3> {
 /// bounced light at every point.
 pub fn relight(scene: &Scene, mut irradiance: Vec<Vec3>) -> Vec<VectorRgb> {
     pull(scene, &mut irradiance);
+    add_bounced(scene, &mut irradiance);
     let mut values = transport(scene, &irradiance);
     push(scene, &mut values);
     values

@@ -17,7 +17,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pipelines = RelightPipelines::new(&gpu, &shadows.layout);
     let upload = Upload::new(&gpu, &scene)?;
     let mut relight = Relight::new(&gpu, &pipelines, &upload, &scene);
-    println!("{}: {} rows, {} links", gpu.adapter, scene.rows.len() - 1, scene.links.len());
+    println!(
+        "{}: {} rows, {} links",
+        gpu.adapter,
+        scene.transport.rows.len() - 1,
+        scene.transport.links.len()
+    );
     for lanes in [1, 2, 4, 8, 16, 32, 64] {
         relight.set_lanes(&gpu, &pipelines, lanes);
         let mut best = f64::INFINITY;

@@ -3,7 +3,7 @@
 use crate::bindings::{Slot, compute, empty_buffer, group, layout, part};
 use crate::gpu::Gpu;
 use crate::shaders;
-use crate::upload::{Upload, VALUE_BYTES};
+use crate::upload::{Chunk, Upload, VALUE_BYTES};
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::rbn::Scene;
 use wgpu::{BufferUsages, ShaderStages};
@@ -29,11 +29,12 @@ struct Step {
     threads: u32,
 }
 
-/// Which shader a dispatch runs; the transport with its chunk of links.
+/// Which shader a dispatch runs; the transport with its chunk of links, those for later bounces first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kernel {
     Direct,
     Pull,
+    Lift,
     Transport(usize),
     Push,
 }
@@ -67,15 +68,31 @@ fn grid(groups: u32) -> [u32; 2] {
     if groups <= MAX_GROUPS { [groups, 1] } else { [MAX_GROUPS, groups.div_ceil(MAX_GROUPS)] }
 }
 
-/// All dispatches of a frame, in order. `chunks` are first row, number of rows and first link.
-fn plan(scene: &Scene, chunks: impl Iterator<Item = (u32, u32, u32)>) -> Vec<Dispatch> {
+/// `extra` of [`Kernel::Lift`]: from the parents, instead of from the links.
+const FROM_PARENTS: u32 = 1;
+
+/// All dispatches of a frame, in order.
+fn plan(scene: &Scene, upload: &Upload) -> Vec<Dispatch> {
+    let later = upload.later.chunks.len();
+    let transport = |(i, chunk): (usize, &Chunk)| {
+        let (first, count) = (chunk.rows.start, chunk.rows.len() as u32);
+        let step = Step { first, count, extra: chunk.first_link, threads: 0 };
+        Dispatch::transport(Kernel::Transport(i), step, LANES)
+    };
     let mut plan = vec![Dispatch::threads(Kernel::Direct, 0, scene.direct_count())];
     for l in (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev() {
         plan.push(Dispatch::threads(Kernel::Pull, scene.level(l).start, scene.level(l).len()));
     }
-    for (i, (first, count, extra)) in chunks.enumerate() {
-        plan.push(Dispatch::transport(Kernel::Transport(i), Step { first, count, extra, threads: 0 }, LANES));
+    if later > 0 {
+        plan.extend(upload.later.chunks.iter().enumerate().map(transport));
+        plan.push(Dispatch::threads(Kernel::Lift, 0, scene.later_count()));
+        for l in scene.meta.later_levels as usize..scene.meta.sender_levels as usize {
+            let mut lift = Dispatch::threads(Kernel::Lift, scene.level(l).start, scene.level(l).len());
+            lift.step.extra = FROM_PARENTS;
+            plan.push(lift);
+        }
     }
+    plan.extend((later..).zip(&upload.transport.chunks).map(transport));
     for l in 1..scene.meta.levels.len() {
         plan.push(Dispatch::threads(Kernel::Push, scene.level(l).start, scene.level(l).len()));
     }
@@ -87,6 +104,7 @@ fn plan(scene: &Scene, chunks: impl Iterator<Item = (u32, u32, u32)>) -> Vec<Dis
 pub struct RelightPipelines {
     direct: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     pull: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    lift: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     push: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     transport: wgpu::BindGroupLayout,
 }
@@ -98,6 +116,10 @@ impl RelightPipelines {
         let layout = |label: &str, slots: &[Slot]| layout(gpu, label, ShaderStages::COMPUTE, slots);
         let direct = layout("direct", &[step, Slot::Read, Slot::Write]);
         let pull = layout("pull", &[step, Slot::Read, Slot::Read, Slot::Write]);
+        let lift = layout(
+            "lift",
+            &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write, Slot::Write, Slot::Write],
+        );
         let push = layout("push", &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write]);
         let pipeline = |entry: &str, source, layouts: &[&wgpu::BindGroupLayout]| {
             compute(gpu, entry, source, layouts, &[])
@@ -106,6 +128,7 @@ impl RelightPipelines {
             transport: layout("transport", &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write]),
             direct: (direct.clone(), pipeline("direct", shaders::DIRECT, &[&direct, lights])),
             pull: (pull.clone(), pipeline("pull", shaders::PULL, &[&pull])),
+            lift: (lift.clone(), pipeline("lift", shaders::LIFT, &[&lift])),
             push: (push.clone(), pipeline("push", shaders::PUSH, &[&push])),
         }
     }
@@ -118,13 +141,14 @@ impl RelightPipelines {
 
 /// A scene's part: buffers and the list of dispatches.
 pub struct Relight {
-    /// Direct irradiance at the direct points: RGB and one unused.
+    /// Direct irradiance at the direct points, and at senders all that they send: RGB and one unused.
     pub irradiance: wgpu::Buffer,
     /// Vector irradiance at all points: nine floats, channel after channel.
     pub values: wgpu::Buffer,
     steps: wgpu::Buffer,
     direct: wgpu::BindGroup,
     pull: wgpu::BindGroup,
+    lift: wgpu::BindGroup,
     transport: Vec<wgpu::BindGroup>,
     transport_pipeline: wgpu::ComputePipeline,
     push: wgpu::BindGroup,
@@ -141,8 +165,8 @@ impl Relight {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let irradiance = empty_buffer(gpu, "irradiance", storage, 16 * scene.direct_count() as u64);
         let values = empty_buffer(gpu, "values", storage, VALUE_BYTES * scene.points.len() as u64);
-        let plan =
-            plan(scene, upload.links.iter().map(|c| (c.rows.start, c.rows.len() as u32, c.first_link)));
+        let bounced = empty_buffer(gpu, "bounced", storage, 16 * scene.sender_count() as u64);
+        let plan = plan(scene, upload);
         let steps = empty_buffer(
             gpu,
             "steps",
@@ -158,19 +182,20 @@ impl Relight {
             group(gpu, label, layout, &resources)
         };
         let paged = scene.sender_count() > 1 << 16;
-        let bytes = irradiance.size() + values.size() + steps.size();
+        let bytes = irradiance.size() + values.size() + bounced.size() + steps.size();
         Self {
             direct: make("direct", &pipelines.direct.0, &[&upload.points, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
-            transport: upload
-                .links
-                .iter()
-                .map(|chunk| {
-                    make(
-                        "transport",
-                        &pipelines.transport,
-                        &[&upload.rows, &chunk.links, &irradiance, &values],
-                    )
+            lift: make(
+                "lift",
+                &pipelines.lift.0,
+                &[&upload.push_offsets, &upload.push_entries, &upload.points, &values, &bounced, &irradiance],
+            ),
+            transport: [&upload.later, &upload.transport]
+                .into_iter()
+                .flat_map(|matrix| matrix.chunks.iter().map(|chunk| (&matrix.rows, &chunk.links)))
+                .map(|(rows, links)| {
+                    make("transport", &pipelines.transport, &[rows, links, &irradiance, &values])
                 })
                 .collect(),
             transport_pipeline: pipelines.transport(gpu, LANES, paged),
@@ -234,6 +259,7 @@ impl Relight {
                 Kernel::Direct => (&pipelines.direct.1, &self.direct),
                 Kernel::Pull => (&pipelines.pull.1, &self.pull),
                 Kernel::Transport(chunk) => (&self.transport_pipeline, &self.transport[chunk]),
+                Kernel::Lift => (&pipelines.lift.1, &self.lift),
                 Kernel::Push => (&pipelines.push.1, &self.push),
             };
             pass.set_pipeline(pipeline);

@@ -52,7 +52,7 @@ impl LoadedScene {
             levels: (0..scene.meta.levels.len())
                 .map(|l| scene.level(l).start as u32..scene.level(l).end as u32)
                 .collect(),
-            link_count: scene.links.len(),
+            link_count: scene.transport.links.len() + scene.later.links.len(),
             triangles: scene.indices.len() / 3,
             meta: scene.meta,
             upload,

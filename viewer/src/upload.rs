@@ -3,7 +3,8 @@
 use crate::bindings::buffer;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use rebounce_shared::rbn::{Scene, meta::Alpha};
+use rebounce_shared::rbn::bulk::Row;
+use rebounce_shared::rbn::{LinkMatrix, Scene, meta::Alpha};
 use std::ops::Range;
 use wgpu::BufferUsages;
 
@@ -22,6 +23,14 @@ pub struct Chunk {
     pub rows: Range<u32>,
     /// Index of the first link.
     pub first_link: u32,
+}
+
+/// A matrix of links.
+pub struct LinkBuffers {
+    /// Its rows.
+    pub rows: wgpu::Buffer,
+    /// Its links, in as many buffers as it takes.
+    pub chunks: Vec<Chunk>,
 }
 
 /// A run of triangles.
@@ -51,10 +60,10 @@ pub struct Upload {
     pub pull_offsets: wgpu::Buffer,
     /// Section `PULE`.
     pub pull_entries: wgpu::Buffer,
-    /// Section `ROWS`.
-    pub rows: wgpu::Buffer,
-    /// Section `LINK`.
-    pub links: Vec<Chunk>,
+    /// Sections `ROWS` and `LINK`.
+    pub transport: LinkBuffers,
+    /// Sections `LROW` and `LLNK`.
+    pub later: LinkBuffers,
     /// Draw calls by material, opaque ones first.
     pub runs: Vec<Run>,
     /// Draw calls where the material does not matter: neighbouring opaque runs are one.
@@ -85,13 +94,23 @@ impl Upload {
         let storage = BufferUsages::STORAGE;
         let cast = bytemuck::cast_slice::<u32, u8>;
         let runs = runs(scene);
-        let mut links = Vec::new();
-        for rows in chunks(scene, MAX_BINDING) {
-            let first_link = scene.rows[rows.start as usize].first_link;
-            let end = scene.rows[rows.end as usize].first_link;
-            let content = bytemuck::cast_slice(&scene.links[first_link as usize..end as usize]);
-            links.push(Chunk { links: section("LINK", storage, MAX_BINDING, content)?, rows, first_link });
-        }
+        let mut matrix = |rows_name, links_name, matrix: &LinkMatrix| {
+            let mut parts = Vec::new();
+            for rows in chunks(&matrix.rows, MAX_BINDING) {
+                let first_link = matrix.rows[rows.start as usize].first_link;
+                let end = matrix.rows[rows.end as usize].first_link;
+                let content = bytemuck::cast_slice(&matrix.links[first_link as usize..end as usize]);
+                parts.push(Chunk {
+                    links: section(links_name, storage, MAX_BINDING, content)?,
+                    rows,
+                    first_link,
+                });
+            }
+            let rows = section(rows_name, storage, MAX_BINDING, bytemuck::cast_slice(&matrix.rows))?;
+            Ok::<_, ViewerError>(LinkBuffers { rows, chunks: parts })
+        };
+        let transport = matrix("ROWS", "LINK", &scene.transport)?;
+        let later = matrix("LROW", "LLNK", &scene.later)?;
         Ok(Self {
             vertices: section(
                 "VERT",
@@ -105,8 +124,8 @@ impl Upload {
             push_entries: section("PUSE", storage, MAX_BINDING, bytemuck::cast_slice(&scene.push_entries))?,
             pull_offsets: section("PULO", storage, MAX_BINDING, cast(&scene.pull_offsets))?,
             pull_entries: section("PULE", storage, MAX_BINDING, bytemuck::cast_slice(&scene.pull_entries))?,
-            rows: section("ROWS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.rows))?,
-            links,
+            transport,
+            later,
             shadow_runs: merged(&runs),
             runs,
             bytes,
@@ -116,13 +135,13 @@ impl Upload {
 
 /// Splits the rows so that the links of each part fit one binding of `limit` bytes. A row that is
 /// larger by itself stays whole, and is refused on upload.
-fn chunks(scene: &Scene, limit: u64) -> Vec<Range<u32>> {
-    let rows = scene.rows.len().saturating_sub(1);
+fn chunks(matrix: &[Row], limit: u64) -> Vec<Range<u32>> {
+    let rows = matrix.len().saturating_sub(1);
     let most = (limit / 8) as u32;
     let mut out = Vec::new();
     let mut start = 0;
     for row in 0..rows {
-        if row > start && scene.rows[row + 1].first_link - scene.rows[start].first_link > most {
+        if row > start && matrix[row + 1].first_link - matrix[start].first_link > most {
             out.push(start as u32..row as u32);
             start = row;
         }
@@ -168,16 +187,13 @@ fn merged(runs: &[Run]) -> Vec<Run> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rebounce_shared::link::Link;
-    use rebounce_shared::rbn::bulk::Row;
     use rebounce_shared::rbn::meta::{Draw, Material};
 
     #[test]
     fn chunks_hold_every_row_once_and_fit() {
-        let mut scene = Scene { links: vec![Link::default(); 100], ..Default::default() };
-        scene.rows = (0..20).map(|i| Row { receiver: i, first_link: i * 5 }).collect();
-        scene.rows.push(Row { receiver: u32::MAX, first_link: 100 });
-        let chunks = chunks(&scene, 8 * 12);
+        let mut rows: Vec<Row> = (0..20).map(|i| Row { receiver: i, first_link: i * 5 }).collect();
+        rows.push(Row { receiver: u32::MAX, first_link: 100 });
+        let chunks = chunks(&rows, 8 * 12);
         assert_eq!(chunks.len(), 10);
         assert_eq!(chunks[0].start, 0);
         assert_eq!(chunks[9].end, 20);

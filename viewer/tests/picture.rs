@@ -7,7 +7,7 @@ mod common;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::kernel;
 use rebounce_shared::link::{Link, VectorRgb};
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::{LinkMatrix, Scene};
 use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
@@ -159,15 +159,16 @@ fn light_is_linear() {
     let mut scene = common::room(&[3, 6, 12]);
     // Nothing negative, which would be cut off at zero: light comes from above, from senders without parents.
     scene.meta.sender_levels = 1;
-    scene.links.clear();
-    for (k, row) in scene.rows.iter_mut().enumerate() {
-        row.first_link = scene.links.len() as u32;
-        if row.receiver != u32::MAX {
-            let normal = scene.points[row.receiver as usize].normal();
-            let sender = k as u16 % scene.meta.levels[0].count as u16;
-            scene.links.push(Link::pack(sender, normal, Vec3::new(0.1, 0.2, 0.3)));
-        }
-    }
+    let senders = scene.meta.levels[0].count as u16;
+    let rows: Vec<(u32, [Link; 1])> = (0..)
+        .zip(scene.transport.iter())
+        .map(|(k, (receiver, _))| {
+            let normal = scene.points[receiver].normal();
+            (receiver as u32, [Link::pack(k % senders, normal, Vec3::new(0.1, 0.2, 0.3))])
+        })
+        .collect();
+    scene.transport = LinkMatrix::new(rows.iter().map(|(receiver, row)| (*receiver, row.as_slice())));
+    scene.later = LinkMatrix::default();
     let mut renderer = renderer(&gpu, &scene);
     let lamps = [common::lamp([0.3, 0.4, 0.2]), common::lamp([-0.5, -0.3, -0.4])];
     let mut picture = |lights: &[rebounce_shared::light::Light]| {

@@ -5,8 +5,8 @@
 mod common;
 
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::link::{Link, VectorRgb};
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::link::{Link, RowWriter, VectorRgb};
+use rebounce_shared::rbn::{LinkMatrix, Scene};
 use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::readback::Readback;
@@ -19,7 +19,7 @@ fn floats(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<f32> {
     bytemuck::pod_collect_to_vec(&bytes)
 }
 
-/// Runs all steps but the first on the GPU, from this direct irradiance: pulled irradiance and values.
+/// Runs all steps but the first on the GPU, from this direct irradiance: what the senders send and values.
 fn run(gpu: &Gpu, scene: &Scene, direct: &[Vec3], lanes: u32) -> [Vec<f32>; 2] {
     let materials = rebounce_viewer::materials::material_layout(gpu);
     let shadows = Shadows::new(gpu, &materials);
@@ -53,6 +53,7 @@ fn check(gpu: &Gpu, scene: &Scene, lanes: u32) {
     let [pulled, values] = run(gpu, scene, &direct, lanes);
     let mut cpu_pulled = direct.clone();
     relight::pull(scene, &mut cpu_pulled);
+    relight::add_bounced(scene, &mut cpu_pulled);
     let padded = |rows: &[Vec3]| -> Vec<f32> { rows.iter().flat_map(|v| [v.x, v.y, v.z, 0.0]).collect() };
     assert!(relative(&pulled, &padded(&cpu_pulled)) < 1e-5);
     let cpu_values: Vec<VectorRgb> = relight::relight(scene, direct);
@@ -89,21 +90,18 @@ fn page_marks_lead_to_the_right_senders() {
     scene.meta.direct_levels = 2;
     scene.pull_offsets = vec![0; coarse as usize + 1];
     scene.pull_entries.clear();
-    scene.rows.clear();
-    scene.links.clear();
-    for receiver in 0..40 {
-        scene.rows.push(rebounce_shared::rbn::bulk::Row { receiver, first_link: scene.links.len() as u32 });
-        let mut writer = rebounce_shared::link::RowWriter::default();
-        for k in 0..100 {
-            let column = receiver + k * 727;
-            let magnitude = Vec3::splat(0.01 * (k + 1) as f32);
-            writer.push(&mut scene.links, column, Link::pack(0, Vec3::Y, magnitude));
-        }
-    }
-    scene
-        .rows
-        .push(rebounce_shared::rbn::bulk::Row { receiver: u32::MAX, first_link: scene.links.len() as u32 });
-    assert!(scene.links.iter().any(|l| l.is_page()), "the test needs page marks");
+    let rows: Vec<Vec<Link>> = (0..40)
+        .map(|receiver| {
+            let (mut row, mut writer) = (Vec::new(), RowWriter::default());
+            for k in 0..100 {
+                let magnitude = Vec3::splat(0.01 * (k + 1) as f32);
+                writer.push(&mut row, receiver + k * 727, Link::pack(0, Vec3::Y, magnitude));
+            }
+            row
+        })
+        .collect();
+    scene.transport = LinkMatrix::new((0..).zip(rows.iter().map(Vec::as_slice)));
+    assert!(scene.transport.links.iter().any(|l| l.is_page()), "the test needs page marks");
     for lanes in [1, 16, 64] {
         check(&gpu, &scene, lanes);
     }

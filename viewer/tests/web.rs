@@ -3,7 +3,7 @@
 
 use js_sys::{Float32Array, Promise, Reflect, Uint8Array};
 use rebounce_shared::camera::Camera;
-use rebounce_shared::rbn::bulk::{Point, Row, Vertex};
+use rebounce_shared::rbn::bulk::{Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
 use rebounce_shared::rbn::{RbnError, Scene};
 use rebounce_viewer::wasm::Viewer;
@@ -40,7 +40,6 @@ fn triangle() -> Scene {
         points: vec![Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0 }],
         push_offsets: vec![0, 0],
         pull_offsets: vec![0],
-        rows: vec![Row { receiver: u32::MAX, first_link: 0 }],
         ..Scene::default()
     }
 }

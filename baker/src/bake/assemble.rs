@@ -7,10 +7,11 @@ use crate::points::Points;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::Camera;
+use rebounce_shared::link::Link;
 use rebounce_shared::octahedral::pack_snorm16;
-use rebounce_shared::rbn;
-use rebounce_shared::rbn::bulk::{Point, Row, Vertex};
+use rebounce_shared::rbn::bulk::{Point, Vertex};
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Level, Meta};
+use rebounce_shared::rbn::{self, LinkMatrix};
 use std::collections::HashMap;
 
 /// The contents of the .rbn file.
@@ -27,13 +28,7 @@ pub(super) fn assemble(
     let (low, high) = scene.bounds();
     let senders =
         points.levels[..settings.operator.sender_levels].last().map_or(0, |level| level.range().end);
-    let mut rows = Vec::new();
-    let mut links = Vec::new();
-    for (receiver, row) in operator.rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
-        rows.push(Row { receiver: receiver as u32, first_link: links.len() as u32 });
-        links.extend_from_slice(row);
-    }
-    rows.push(Row { receiver: u32::MAX, first_link: links.len() as u32 });
+    let matrix = |rows: &[Vec<Link>]| LinkMatrix::new((0..).zip(rows.iter().map(Vec::as_slice)));
     let mut cameras = scene.cameras.clone();
     if cameras.is_empty() {
         cameras.push(camera_at(scene.origin, viewpoint, low, high));
@@ -55,6 +50,7 @@ pub(super) fn assemble(
             })
             .collect(),
         sender_levels: settings.operator.sender_levels as u32,
+        later_levels: settings.operator.later_levels as u32,
         direct_levels: settings.direct_levels as u32,
         materials: scene.materials.clone(),
         textures,
@@ -88,8 +84,8 @@ pub(super) fn assemble(
         push_entries: relations.push_entries,
         pull_offsets: relations.pull_offsets,
         pull_entries: relations.pull_entries,
-        rows,
-        links,
+        transport: matrix(&operator.rows),
+        later: matrix(&operator.later),
     }
 }
 

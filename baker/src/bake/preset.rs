@@ -55,7 +55,7 @@ impl BakeSettings {
             viewpoint: None,
             place: PlaceSettings { levels, coarse_count, ..PlaceSettings::default() },
             operator: OperatorSettings {
-                sender_levels: 3,
+                sender_levels: 5,
                 epsilon,
                 rays,
                 significance: 0.5,
@@ -74,6 +74,7 @@ impl BakeSettings {
         self.place.levels = levels;
         self.operator.levels = levels;
         self.operator.sender_levels = self.operator.sender_levels.clamp(1, levels);
+        self.operator.later_levels = self.operator.later_levels.min(self.operator.sender_levels);
         self.direct_levels = self.direct_levels.clamp(self.operator.sender_levels, levels);
         self
     }

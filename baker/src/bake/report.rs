@@ -29,6 +29,8 @@ pub struct BakeReport {
     pub epsilon: f32,
     /// Links kept.
     pub links: u64,
+    /// Links kept for light that bounces again.
+    pub later_links: u64,
     /// Senders times receivers.
     pub potential_links: u64,
     /// Links kept over potential links.
@@ -102,7 +104,8 @@ impl BakeReport {
         self.functions = points.points.len() as u64;
         let senders: u64 =
             self.levels.iter().take(settings.operator.sender_levels).map(|level| level.functions).sum();
-        self.links = operator.link_count();
+        self.links = self.levels.iter().map(|level| level.links).sum();
+        self.later_links = operator.link_count() - self.links;
         self.potential_links = senders * self.functions;
         self.link_share = self.links as f64 / self.potential_links.max(1) as f64;
         self.rays = operator.rays;
@@ -141,10 +144,11 @@ impl fmt::Display for BakeReport {
         writeln!(f, "receivers     {} with links", rows.join(", "))?;
         writeln!(
             f,
-            "links         {} ({:.4}% of {} potential), {} sender levels, epsilon {}",
+            "links         {} ({:.4}% of {} potential) and {} for later bounces, {} sender levels, epsilon {}",
             self.links,
             100.0 * self.link_share,
             self.potential_links,
+            self.later_links,
             self.sender_levels,
             self.epsilon
         )?;

@@ -40,7 +40,6 @@ pub fn run(args: &InfoArgs) -> Result<()> {
 
 fn as_json(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Value {
     let m = &scene.meta;
-    let links = link_count(scene);
     json!({
         "file": file,
         "bytes": bytes,
@@ -57,13 +56,15 @@ fn as_json(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Val
         "points": scene.points.len(),
         "senders": scene.sender_count(),
         "direct_points": scene.direct_count(),
-        "links": links,
+        "links": scene.transport.link_count(),
+        "later_links": scene.later.link_count(),
         "potential_links": m.bake.potential_links,
         "levels": m.levels.iter().map(|l| json!({
             "points": l.count, "disk_radius": l.disk_radius, "support_radius": l.support_radius,
         })).collect::<Vec<_>>(),
         "sender_levels": m.sender_levels,
         "direct_levels": m.direct_levels,
+        "later_levels": m.later_levels,
         "materials": m.materials.iter().map(material_json).collect::<Vec<_>>(),
         "textures": m.textures.iter().map(|t| json!({
             "name": t.name, "mime": t.mime, "bytes": t.len, "width": t.width, "height": t.height,
@@ -87,11 +88,6 @@ fn material_json(m: &Material) -> Value {
         "name": m.name, "base_color": m.base_color, "base_color_texture": m.base_color_texture,
         "alpha_mode": mode, "alpha_cutoff": cutoff, "double_sided": m.double_sided, "emission": m.emission,
     })
-}
-
-/// Links that carry light; the marks between them do not count.
-fn link_count(scene: &Scene) -> usize {
-    scene.links.iter().filter(|l| !l.is_page()).count()
 }
 
 fn as_text(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> String {
@@ -120,9 +116,15 @@ fn as_text(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Str
             format!("{} points, disk {:.4}, support {:.4}{sends}", l.count, l.disk_radius, l.support_radius),
         );
     }
-    let links = link_count(scene);
+    let (links, later) = (scene.transport.link_count(), scene.later.link_count());
     let share = 100.0 * links as f64 / (m.bake.potential_links.max(1)) as f64;
-    line("links", format!("{links}, {share:.2}% of {} potential ones", m.bake.potential_links));
+    line(
+        "links",
+        format!(
+            "{links}, {share:.2}% of {} potential ones; {later} for later bounces",
+            m.bake.potential_links
+        ),
+    );
     line(
         "bake",
         format!(

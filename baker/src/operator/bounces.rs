@@ -1,19 +1,25 @@
-//! Later bounces: S = T + T² + T³ + … (Eq. 15), arriving on the coarse levels (paper, section 3.2).
+//! Later bounces: S = T + T² + T³ + … (Eq. 15) as S = T (1 + P G).
 //!
-//! The series is summed a few senders at a time. Unit light at one sender is bounced from senders
-//! to senders, as irradiance, until the energy left is negligible or each bounce is a smaller
-//! copy of the one before; then all of it is sent to the coarse receivers at once. This needs no
-//! product of sparse matrices, and its working memory is one vector.
+//! The links T take whatever the senders hold to all receivers. G gives, from direct light at the
+//! senders, the irradiance after one, two, three and all further bounces at the points of the
+//! coarse levels (paper, section 3.2: later bounces on coarse receivers); P interpolates it to the
+//! finer senders, where it is added to the direct light. So later bounces leave as smooth as the
+//! coarse levels are, and arrive with all the detail that T has.
+//!
+//! `G = (1 + C + C² + …) F`, with F the irradiance of coarse points from senders and C that from
+//! each other. The series is summed a few columns at a time: unit light at one coarse point is
+//! bounced among them until what is left is negligible or each bounce is a smaller copy of the one
+//! before. No product of sparse matrices grows on the way.
 
-use super::gather::link_directions;
+use super::gather::IrradianceRow;
 use super::{Operator, OperatorSettings};
 use crate::points::Points;
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::link::{Link, RowWriter, VectorRgb, columns};
+use rebounce_shared::link::{Link, RowWriter};
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
-/// Senders that travel together.
+/// Coarse points whose light travels together.
 const BATCH: usize = 8;
 /// The series ends when what is left is under this share of what has come.
 const NEGLIGIBLE: f32 = 1e-3;
@@ -25,77 +31,53 @@ const MAX_BOUNCES: u32 = 64;
 
 /// One colour channel of some numbers that travel together.
 type Lane = [f32; BATCH];
-/// Irradiance at a sender, red, green and blue.
+/// Irradiance at a point, red, green and blue.
 type Light = [Lane; 3];
 
-/// One link to a coarse receiver, unpacked.
-struct Transfer {
-    column: u32,
-    direction: Vec3A,
-    magnitude: Vec3A,
-}
-
-/// Adds the later bounces to the operator's links. `progress` is told the senders done and all.
+/// Fills the operator's [`later`](Operator::later) rows. `progress` is told the columns done and all.
 pub fn add_later_bounces(
     operator: &mut Operator,
     points: &Points,
     settings: &OperatorSettings,
     progress: &(impl Fn(usize, usize) + Sync),
 ) {
-    let levels = settings.later_levels.min(points.levels.len());
-    let receivers = points.levels[..levels].last().map_or(0, |l| l.range().end);
-    let senders = operator.irradiance.len();
-    if settings.bounces.is_some_and(|wanted| wanted <= 1) || receivers == 0 {
+    let count = operator.coarse.len();
+    if settings.bounces.is_some_and(|wanted| wanted <= 1) || count == 0 {
         return;
     }
-    let directions = link_directions();
-    let unpack = |(column, link): (usize, Link)| Transfer {
-        column: column as u32,
-        direction: directions[(link.column_direction >> 16) as usize],
-        magnitude: link.magnitude().into(),
-    };
-    let rows: Vec<Vec<Transfer>> =
-        operator.rows[..receivers].iter().map(|row| columns(row).map(unpack).collect()).collect();
-    let irradiance = &operator.irradiance;
-    // Only what sends anything to anyone needs to be followed.
-    let mut sends = vec![false; senders];
-    for (sender, _) in irradiance.iter().flatten() {
+    let (coarse, first) = (&operator.coarse, &operator.first);
+    let least = settings.least_irradiance();
+    // Only light that is sent on to anyone needs to be followed.
+    let mut sends = vec![false; count];
+    for (sender, _) in coarse.iter().flatten() {
         sends[*sender as usize] = true;
     }
-    let active: Vec<u32> = (0..senders as u32).filter(|s| sends[*s as usize]).collect();
-    let epsilons: Vec<f32> = points.levels[..levels]
-        .iter()
-        .enumerate()
-        .flat_map(|(l, level)| std::iter::repeat_n(settings.epsilon_on(l), level.count))
-        .collect();
-    let deepest = AtomicU32::new(1);
+    let active: Vec<u32> = (0..count as u32).filter(|s| sends[*s as usize]).collect();
+    let deepest = AtomicU32::new(2);
     let done = AtomicUsize::new(0);
-    let found: Vec<Vec<Vec<(u32, VectorRgb)>>> = active
+    // Rows of C + C² + …, by chunks of ascending columns, so that small entries can be carried over.
+    let chunks: Vec<Vec<IrradianceRow>> = active
         .par_chunks(BATCH * 16)
         .map(|chunk| {
-            // Ascending senders within a chunk, so that small shares can be carried over.
-            let mut kept: Vec<Vec<(u32, VectorRgb)>> = vec![Vec::new(); receivers];
-            let mut carried = vec![VectorRgb::ZERO; receivers];
+            let mut kept: Vec<IrradianceRow> = vec![Vec::new(); count];
+            let mut carried = vec![Vec3::ZERO; count];
             for batch in chunk.chunks(BATCH) {
-                let (light, bounces) = series(irradiance, batch, settings.bounces);
+                let (light, bounces) = series(coarse, batch, settings.bounces);
                 deepest.fetch_max(bounces, Ordering::Relaxed);
-                for (receiver, row) in rows.iter().enumerate() {
-                    let arriving = send(row, &light);
-                    for (sender, arriving) in batch.iter().zip(&arriving) {
-                        carried[receiver].add_scaled(1.0, arriving);
-                        if carried[receiver].magnitude() > epsilons[receiver] {
+                for (receiver, [red, green, blue]) in light.iter().enumerate() {
+                    for (b, sender) in batch.iter().enumerate() {
+                        carried[receiver] += Vec3::new(red[b], green[b], blue[b]);
+                        if carried[receiver].max_element() > least {
                             kept[receiver].push((*sender, std::mem::take(&mut carried[receiver])));
                         }
                     }
                 }
             }
             if let Some(&last) = chunk.last() {
-                for (kept, carried) in kept.iter_mut().zip(carried) {
-                    if carried.magnitude() > 1e-7 {
-                        match kept.last_mut() {
-                            Some((sender, sum)) if *sender == last => sum.add_scaled(1.0, &carried),
-                            _ => kept.push((last, carried)),
-                        }
+                for (kept, rest) in kept.iter_mut().zip(carried).filter(|(_, rest)| *rest != Vec3::ZERO) {
+                    match kept.last_mut() {
+                        Some((sender, sum)) if *sender == last => *sum += rest,
+                        _ => kept.push((last, rest)),
                     }
                 }
             }
@@ -105,18 +87,27 @@ pub fn add_later_bounces(
         })
         .collect();
     operator.bounces = deepest.into_inner();
-    operator.rows[..receivers].par_iter_mut().enumerate().for_each(|(receiver, row)| {
-        let later: Vec<(u32, VectorRgb)> =
-            found.iter().flat_map(|chunk| chunk[receiver].iter().copied()).collect();
-        if !later.is_empty() {
-            *row = merge(row, &later);
-        }
-    });
+    let senders = first.iter().flatten().map(|(sender, _)| *sender as usize + 1).max().unwrap_or(0);
+    operator.later = (0..count)
+        .into_par_iter()
+        .map_init(
+            || vec![Vec3::ZERO; senders],
+            |sums, receiver| {
+                let own = [(receiver as u32, Vec3::ONE)];
+                for &(through, share) in own.iter().chain(chunks.iter().flat_map(|rows| &rows[receiver])) {
+                    for &(sender, irradiance) in &first[through as usize] {
+                        sums[sender as usize] += share * irradiance;
+                    }
+                }
+                choose(sums, least, points.points[receiver].normal)
+            },
+        )
+        .collect();
 }
 
-/// Unit light at the senders of a batch: the irradiance of all its bounces on every sender, the
-/// light itself not counted; and the bounces followed.
-fn series(rows: &[Vec<(u32, Vec3)>], batch: &[u32], wanted: Option<u32>) -> (Vec<Light>, u32) {
+/// Unit light at the coarse points of a batch: the irradiance of its bounces on every coarse point,
+/// the light itself not counted; and the bounces that it has when the links have taken it on.
+fn series(rows: &[IrradianceRow], batch: &[u32], wanted: Option<u32>) -> (Vec<Light>, u32) {
     let zero = [[0f32; BATCH]; 3];
     let mut light = vec![zero; rows.len()];
     for (b, sender) in batch.iter().enumerate() {
@@ -128,9 +119,9 @@ fn series(rows: &[Vec<(u32, Vec3)>], batch: &[u32], wanted: Option<u32>) -> (Vec
     }
     let mut sums = vec![zero; rows.len()];
     let (mut total, mut last_energy, mut last_kept) = (0f32, 0f32, 0f32);
-    let mut bounce = 1;
+    // One bounce on the way here (F), one on the way to the receivers (T).
+    let mut bounce = 2;
     loop {
-        // The receivers take the last bounce themselves: `sums` is what they take it from.
         if wanted.is_some_and(|wanted| bounce >= wanted) || bounce == MAX_BOUNCES {
             return (sums, bounce);
         }
@@ -154,7 +145,7 @@ fn series(rows: &[Vec<(u32, Vec3)>], batch: &[u32], wanted: Option<u32>) -> (Vec
         total += energy;
         let kept = energy / last_energy.max(f32::MIN_POSITIVE);
         let ends = wanted.is_none()
-            && bounce > 3
+            && bounce > 4
             && (energy <= NEGLIGIBLE * total * (1.0 - kept).max(0.02)
                 || (kept < 0.98 && (kept - last_kept).abs() < STEADY));
         let scale = if ends { 1.0 + kept / (1.0 - kept.min(0.98)) } else { 1.0 };
@@ -172,41 +163,21 @@ fn series(rows: &[Vec<(u32, Vec3)>], batch: &[u32], wanted: Option<u32>) -> (Vec
     }
 }
 
-/// What a receiver's links bring it from senders with this irradiance.
-fn send(row: &[Transfer], light: &[Light]) -> [VectorRgb; BATCH] {
-    let mut out = [[Vec3A::ZERO; 3]; BATCH];
-    for link in row {
-        let [red, green, blue] = &light[link.column as usize];
-        for (b, out) in out.iter_mut().enumerate() {
-            out[0] += link.direction * (link.magnitude.x * red[b]);
-            out[1] += link.direction * (link.magnitude.y * green[b]);
-            out[2] += link.direction * (link.magnitude.z * blue[b]);
-        }
-    }
-    out.map(|rgb| VectorRgb { rgb: rgb.map(Vec3::from) })
-}
-
-/// A row plus later bounces; both ascend by sender.
-fn merge(row: &[Link], later: &[(u32, VectorRgb)]) -> Vec<Link> {
-    let mut merged = Vec::with_capacity(row.len() + later.len());
+/// Links for these sums, which are left zero. Small ones are carried over, as is what packing loses.
+fn choose(sums: &mut [Vec3], least: f32, normal: Vec3) -> Vec<Link> {
+    let mut row = Vec::new();
     let mut writer = RowWriter::default();
-    let mut later = later.iter().peekable();
-    let mut write = |sender: u32, link: Link| writer.push(&mut merged, sender, link);
-    for (column, link) in columns(row) {
-        while let Some((sender, vectors)) = later.next_if(|e| (e.0 as usize) < column) {
-            write(*sender, Link::pack_vectors(0, vectors));
-        }
-        match later.next_if(|e| e.0 as usize == column) {
-            Some((sender, vectors)) => {
-                let mut sum = *vectors;
-                sum.add_scaled(1.0, &link.vectors());
-                write(*sender, Link::pack_vectors(0, &sum));
-            }
-            None => write(column as u32, link),
+    let mut carried = Vec3::ZERO;
+    for (sender, sum) in sums.iter_mut().enumerate() {
+        carried += std::mem::take(sum);
+        if carried.max_element() > least {
+            let link = Link::pack(0, normal, carried);
+            writer.push(&mut row, sender as u32, link);
+            carried -= link.magnitude();
         }
     }
-    for (sender, vectors) in later {
-        write(*sender, Link::pack_vectors(0, vectors));
+    if let Some(last) = row.last_mut() {
+        *last = Link::pack(last.column(), normal, last.magnitude() + carried);
     }
-    merged
+    row
 }

@@ -22,8 +22,10 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
     pub relations: &'a Relations,
     /// The sender levels' functions, coarsest first.
     pub senders: &'a Leveled,
-    /// Index of the first point of each sender level, and one past the last sender.
-    pub sender_levels: &'a [usize],
+    /// The functions of the levels that later bounces travel between, coarsest first.
+    pub coarse: &'a Leveled,
+    /// Number of points on those levels.
+    pub coarse_count: usize,
     /// Settings.
     pub settings: &'a OperatorSettings,
     /// Unpacked directions of links, by their 16 bits.
@@ -63,61 +65,104 @@ pub struct GatherCost {
     pub lost: f64,
 }
 
+/// A receiver's irradiance per channel from senders, ascending.
+pub type IrradianceRow = Vec<(u32, Vec3)>;
+
 /// What one gather finds.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
     /// The links, columns ascending: differences to what coarser receivers say.
     pub links: Vec<Link>,
-    /// Of a point that is a sender itself: its whole irradiance per channel from each sender,
-    /// for later bounces. Empty for other points.
-    pub irradiance: Vec<(u32, Vec3)>,
+    /// Of a point that later bounces travel through: its whole irradiance from every sender.
+    pub first: IrradianceRow,
+    /// And from every other such point.
+    pub coarse: IrradianceRow,
     /// The cost.
     pub cost: GatherCost,
 }
 
-/// A thread's working memory, reused from receiver to receiver.
-pub struct Scratch {
+/// Sums by sender, of which few are not zero.
+struct Tally {
     sums: Vec<Sum>,
-    /// Magnitude before differences.
-    whole: Vec<f32>,
     is_touched: Vec<bool>,
-    /// Touched senders by level.
-    touched: Vec<Vec<u32>>,
-    weights: Vec<(u32, f32)>,
-    ancestor_weight: Vec<f32>,
-    ancestors: Vec<Vec<u32>>,
-    order: Vec<u32>,
+    touched: Vec<u32>,
 }
 
-impl Scratch {
-    /// Working memory for this many senders on this many sender levels, and points on all levels.
-    pub fn new(senders: usize, sender_levels: usize, points: usize, levels: usize) -> Self {
-        Self {
-            sums: vec![Sum::default(); senders],
-            whole: vec![0.0; senders],
-            is_touched: vec![false; senders],
-            touched: vec![Vec::new(); sender_levels],
-            weights: Vec::new(),
-            ancestor_weight: vec![0.0; points],
-            ancestors: vec![Vec::new(); levels],
-            order: Vec::new(),
-        }
+impl Tally {
+    fn new(senders: usize) -> Self {
+        Self { sums: vec![Sum::default(); senders], is_touched: vec![false; senders], touched: Vec::new() }
     }
 
-    /// Fills `order` with the touched senders, ascending.
-    fn sort_touched(&mut self) {
-        self.order.clear();
-        for touched in &self.touched {
-            self.order.extend_from_slice(touched);
+    /// True if this sender was not touched before.
+    #[inline]
+    fn touch(&mut self, sender: u32) -> bool {
+        let is_new = !self.is_touched[sender as usize];
+        if is_new {
+            self.is_touched[sender as usize] = true;
+            self.touched.push(sender);
         }
-        self.order.sort_unstable();
+        is_new
     }
 
     #[inline]
-    fn touch(&mut self, sender: u32, level: usize) {
-        if !self.is_touched[sender as usize] {
-            self.is_touched[sender as usize] = true;
-            self.touched[level].push(sender);
+    fn add(&mut self, shares: &[(u32, f32)], light: &Sum) {
+        for &(sender, share) in shares {
+            self.touch(sender);
+            self.sums[sender as usize].add_scaled(share, light);
+        }
+    }
+
+    fn clear(&mut self) {
+        for sender in self.touched.drain(..) {
+            self.sums[sender as usize] = Sum::default();
+            self.is_touched[sender as usize] = false;
+        }
+    }
+
+    /// The irradiance from each sender on a surface with this unit normal. What is not over
+    /// `least` is carried over to the next sender, as in [`GatherContext::choose`].
+    fn irradiance_row(&mut self, normal: Vec3, least: f32) -> IrradianceRow {
+        let normal = Vec3A::from(normal);
+        self.touched.sort_unstable();
+        let mut carried = Vec3::ZERO;
+        let mut row = Vec::new();
+        for &sender in &self.touched {
+            let sum = &self.sums[sender as usize].0;
+            carried += Vec3::new(sum[0].dot(normal), sum[1].dot(normal), sum[2].dot(normal));
+            if carried.max_element() > least {
+                row.push((sender, std::mem::take(&mut carried)));
+            }
+        }
+        match (row.last_mut(), self.touched.last()) {
+            (Some((_, last)), _) => *last += carried,
+            (None, Some(sender)) => row.push((*sender, carried)),
+            (None, None) => {}
+        }
+        row
+    }
+}
+
+/// A thread's working memory, reused from receiver to receiver.
+pub struct Scratch {
+    senders: Tally,
+    coarse: Tally,
+    /// Magnitude before differences, by sender.
+    whole: Vec<f32>,
+    weights: Vec<(u32, f32)>,
+    ancestor_weight: Vec<f32>,
+    ancestors: Vec<Vec<u32>>,
+}
+
+impl Scratch {
+    /// Working memory for this many senders and coarse points, and points on all levels.
+    pub fn new(senders: usize, coarse: usize, points: usize, levels: usize) -> Self {
+        Self {
+            senders: Tally::new(senders),
+            coarse: Tally::new(coarse),
+            whole: vec![0.0; senders],
+            weights: Vec::new(),
+            ancestor_weight: vec![0.0; points],
+            ancestors: vec![Vec::new(); levels],
         }
     }
 }
@@ -133,28 +178,18 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         scratch: &mut Scratch,
     ) -> Gathered {
         let cost = self.integrate(receiver, directions, scratch);
-        let irradiance = if receiver < self.sender_count() {
-            self.irradiance_row(self.points.points[receiver].normal, scratch)
-        } else {
-            Vec::new()
-        };
+        let (mut first, mut coarse) = (Vec::new(), Vec::new());
+        if receiver < self.coarse_count {
+            let normal = self.points.points[receiver].normal;
+            let least = self.settings.least_irradiance();
+            first = scratch.senders.irradiance_row(normal, least);
+            coarse = scratch.coarse.irradiance_row(normal, least);
+            scratch.coarse.clear();
+        }
         self.subtract_coarser(receiver, level, rows, scratch);
         let links = self.choose(self.settings.epsilon_on(level), directions.len(), scratch);
-        for touched in &mut scratch.touched {
-            for sender in touched.drain(..) {
-                scratch.sums[sender as usize] = Sum::default();
-                scratch.is_touched[sender as usize] = false;
-            }
-        }
-        Gathered { links, irradiance, cost }
-    }
-
-    fn sender_count(&self) -> usize {
-        self.sender_levels.last().copied().unwrap_or(0)
-    }
-
-    fn level_of(&self, sender: u32) -> usize {
-        self.sender_levels.partition_point(|&first| first <= sender as usize) - 1
+        scratch.senders.clear();
+        Gathered { links, first, coarse, cost }
     }
 
     /// Eq. 16: casts the rays and gives what each hit reflects to the functions that cover it.
@@ -187,17 +222,15 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             }
             let arriving =
                 Sum([hit.albedo.x, hit.albedo.y, hit.albedo.z].map(|rho| d.direction * (rho * weight)));
-            let level = self.level_of(weights[0].0);
-            for &(sender, share) in &weights {
-                scratch.touch(sender, level);
-                scratch.sums[sender as usize].add_scaled(share, &arriving);
+            scratch.senders.add(&weights, &arriving);
+            if receiver < self.coarse_count {
+                self.coarse.interpolate(hit.position, hit.normal, &mut weights);
+                scratch.coarse.add(&weights, &arriving);
             }
         }
         scratch.weights = weights;
-        for touched in &scratch.touched {
-            for &sender in touched {
-                scratch.whole[sender as usize] = scratch.sums[sender as usize].magnitude_squared().sqrt();
-            }
+        for &sender in &scratch.senders.touched {
+            scratch.whole[sender as usize] = scratch.senders.sums[sender as usize].magnitude_squared().sqrt();
         }
         cost
     }
@@ -228,14 +261,12 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
                 let weight = std::mem::take(&mut scratch.ancestor_weight[ancestor as usize]);
                 let turn = turning(self.points.points[ancestor as usize].normal, normal);
                 for (column, link) in columns(&rows[ancestor as usize]) {
-                    let sender_level = self.level_of(column as u32);
-                    if !scratch.is_touched[column] {
+                    if scratch.senders.touch(column as u32) {
                         scratch.whole[column] = 0.0;
-                        scratch.touch(column as u32, sender_level);
                     }
                     let direction = turn * self.link_directions[(link.column_direction >> 16) as usize];
                     let magnitude = link.magnitude() * weight;
-                    let sum = &mut scratch.sums[column].0;
+                    let sum = &mut scratch.senders.sums[column].0;
                     sum[0] -= direction * magnitude.x;
                     sum[1] -= direction * magnitude.y;
                     sum[2] -= direction * magnitude.z;
@@ -247,36 +278,19 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         }
     }
 
-    /// The whole irradiance from each sender, small shares carried over as in [`Self::choose`].
-    fn irradiance_row(&self, normal: Vec3, scratch: &mut Scratch) -> Vec<(u32, Vec3)> {
-        let least = 2.0 * self.settings.epsilon_on(0);
-        let normal = Vec3A::from(normal);
-        scratch.sort_touched();
-        let mut carried = Vec3::ZERO;
-        let mut row = Vec::new();
-        for &sender in &scratch.order {
-            let sum = &scratch.sums[sender as usize].0;
-            carried += Vec3::new(sum[0].dot(normal), sum[1].dot(normal), sum[2].dot(normal));
-            if carried.max_element() > least {
-                row.push((sender, std::mem::take(&mut carried)));
-            }
-        }
-        row
-    }
-
     /// The criterion of Fig. 5, ε, and two changes to it: a link must stand out of its own noise,
     /// and what is dropped is carried over to the next sender along the space-filling curve until
     /// it adds up to a link. So a row keeps its sum, and what a dropped link would have said is
     /// said by a neighbour: senders that are too small to matter one by one act as one.
     fn choose(&self, epsilon: f32, rays: usize, scratch: &mut Scratch) -> Vec<Link> {
-        scratch.sort_touched();
+        scratch.senders.touched.sort_unstable();
         let mut row = Vec::new();
         let mut writer = RowWriter::default();
         // The variance of a mean of rays that either hit the sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / rays as f32;
         let (mut carried, mut seen) = (Sum::default(), 0.0);
-        for &sender in &scratch.order {
-            carried.add_scaled(1.0, &scratch.sums[sender as usize]);
+        for &sender in &scratch.senders.touched {
+            carried.add_scaled(1.0, &scratch.senders.sums[sender as usize]);
             seen += scratch.whole[sender as usize];
             if carried.magnitude_squared() > (noise * seen).max(epsilon * epsilon) {
                 let link = Link::pack_vectors(0, &VectorRgb { rgb: carried.0.map(Vec3::from) });
@@ -285,6 +299,10 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
                 carried.add_scaled(-1.0, &Sum(link.vectors().rgb.map(Vec3A::from)));
                 seen = 0.0;
             }
+        }
+        if let Some(last) = row.last_mut() {
+            carried.add_scaled(1.0, &Sum(last.vectors().rgb.map(Vec3A::from)));
+            *last = Link::pack_vectors(last.column(), &VectorRgb { rgb: carried.0.map(Vec3::from) });
         }
         row
     }

@@ -10,14 +10,14 @@ pub mod directions;
 pub mod gather;
 pub mod refine;
 
-use glam::Vec3;
+use gather::IrradianceRow;
 use rebounce_shared::link::Link;
 
 /// How the operator is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatorSettings {
-    /// Senders are the functions of this many coarsest levels; light is sent by the finest of
-    /// them that covers a place.
+    /// Senders are the functions of this many coarsest levels; direct light is sent by the finest
+    /// of them that covers a place.
     pub sender_levels: usize,
     /// ε on the finest level: links whose magnitude (irradiance per unit irradiance) is under it
     /// are given to a neighbour. Smaller on coarser levels: see [`Self::epsilon_on`].
@@ -30,7 +30,8 @@ pub struct OperatorSettings {
     pub significance: f32,
     /// Bounces of light; `None`: until the energy left is negligible.
     pub bounces: Option<u32>,
-    /// Later bounces reach the functions of this many coarsest levels.
+    /// Light that bounced is gathered and sent on by the functions of this many coarsest levels,
+    /// at most the sender levels.
     pub later_levels: usize,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -43,6 +44,12 @@ impl OperatorSettings {
         self.epsilon * 0.5f32.powi((self.levels.max(1) - 1).saturating_sub(level) as i32)
     }
 
+    /// The least entry of a row of irradiance between coarse functions, which all of a scene's later
+    /// bounces go through: a smaller one is given to a neighbour.
+    pub fn least_irradiance(&self) -> f32 {
+        4.0 * self.epsilon_on(0)
+    }
+
     /// Rays per receiver on a level.
     pub fn rays_on(&self, level: usize) -> u32 {
         self.rays.get(level).or(self.rays.last()).copied().unwrap_or(512)
@@ -53,10 +60,16 @@ impl OperatorSettings {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Operator {
     /// For every point its links, columns ascending; empty where it receives nothing of its own.
+    /// They carry what the senders hold, direct light and bounced light alike: T.
     pub rows: Vec<Vec<Link>>,
-    /// For every sender its whole irradiance per channel from the senders: what later bounces
-    /// are made of. Not part of the file.
-    pub irradiance: Vec<Vec<(u32, Vec3)>>,
+    /// For every point of the coarse levels its whole irradiance from every sender. With `coarse`,
+    /// what later bounces are made of; not part of the file.
+    pub first: Vec<IrradianceRow>,
+    /// And from every point of the coarse levels.
+    pub coarse: Vec<IrradianceRow>,
+    /// For every point of the coarse levels its links for light that bounces again: irradiance after
+    /// any number of bounces, their direction the point's normal.
+    pub later: Vec<Vec<Link>>,
     /// Rays cast.
     pub rays: u64,
     /// Receivers whose links were computed.
@@ -70,6 +83,10 @@ pub struct Operator {
 impl Operator {
     /// Number of links.
     pub fn link_count(&self) -> u64 {
-        self.rows.iter().map(|row| row.iter().filter(|link| !link.is_page()).count() as u64).sum()
+        self.rows
+            .iter()
+            .chain(&self.later)
+            .map(|row| row.iter().filter(|link| !link.is_page()).count() as u64)
+            .sum()
     }
 }

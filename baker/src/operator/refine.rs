@@ -6,7 +6,7 @@
 use super::directions::Directions;
 use super::gather::{GatherContext, Gathered, Scratch, link_directions};
 use super::{Operator, OperatorSettings};
-use crate::basis::{Evaluator, Leveled, Relations, evaluator};
+use crate::basis::{Leveled, Relations, evaluator};
 use crate::points::Points;
 use crate::surface::Surfaces;
 use rayon::prelude::*;
@@ -21,27 +21,23 @@ pub fn refine<S: Surfaces + ?Sized>(
     settings: &OperatorSettings,
     progress: &(impl Fn(usize, usize, usize) + Sync),
 ) -> Operator {
-    let sender_levels = settings.sender_levels.clamp(1, points.levels.len().max(1)).min(points.levels.len());
-    let senders = Leveled::new((0..sender_levels).map(|l| evaluator(points, l)).collect::<Vec<Evaluator>>());
-    let mut firsts: Vec<usize> = points.levels[..sender_levels].iter().map(|l| l.first).collect();
-    let sender_count = points.levels[..sender_levels].last().map_or(0, |l| l.range().end);
-    firsts.push(sender_count);
-    let link_directions = link_directions();
+    let end = |levels: usize| points.levels[..levels].last().map_or(0, |level| level.range().end);
+    let basis = |levels: usize| Leveled::new((0..levels).map(|l| evaluator(points, l)).collect());
+    let sender_levels = settings.sender_levels.min(points.levels.len());
+    let coarse_levels = settings.later_levels.min(sender_levels);
+    let (sender_count, coarse_count) = (end(sender_levels), end(coarse_levels));
     let context = GatherContext {
         surfaces,
         points,
         relations,
-        senders: &senders,
-        sender_levels: &firsts,
+        senders: &basis(sender_levels),
+        coarse: &basis(coarse_levels),
+        coarse_count,
         settings,
-        link_directions: &link_directions,
+        link_directions: &link_directions(),
     };
-    let mut operator = Operator {
-        rows: vec![Vec::new(); points.points.len()],
-        irradiance: vec![Vec::new(); sender_count],
-        bounces: 1,
-        ..Operator::default()
-    };
+    let mut operator =
+        Operator { rows: vec![Vec::new(); points.points.len()], bounces: 1, ..Operator::default() };
     let (mut seen, mut lost) = (0.0, 0.0);
     let pool = Mutex::new(Vec::new());
     for (l, level) in points.levels.iter().enumerate() {
@@ -50,8 +46,8 @@ pub fn refine<S: Surfaces + ?Sized>(
             .range()
             .filter(|&i| {
                 let parents = relations.push().row(i);
-                // Senders need their irradiance for later bounces, whatever their parents kept.
-                i < sender_count
+                // Later bounces need these, whatever their parents kept.
+                i < coarse_count
                     || parents.is_empty()
                     || parents.iter().any(|p| !operator.rows[p.point()].is_empty())
             })
@@ -64,7 +60,7 @@ pub fn refine<S: Surfaces + ?Sized>(
             .flat_map_iter(|chunk| {
                 let recycled = pool.lock().ok().and_then(|mut free| free.pop());
                 let mut scratch = recycled.unwrap_or_else(|| {
-                    Scratch::new(sender_count, sender_levels, points.points.len(), points.levels.len())
+                    Scratch::new(sender_count, coarse_count, points.points.len(), points.levels.len())
                 });
                 let out: Vec<_> =
                     chunk.iter().map(|&i| context.links(i, l, &directions, rows, &mut scratch)).collect();
@@ -79,8 +75,9 @@ pub fn refine<S: Surfaces + ?Sized>(
         operator.receivers += wanted.len() as u64;
         for (&i, gathered) in wanted.iter().zip(found) {
             operator.rows[i] = gathered.links;
-            if i < sender_count {
-                operator.irradiance[i] = gathered.irradiance;
+            if i < coarse_count {
+                operator.first.push(gathered.first);
+                operator.coarse.push(gathered.coarse);
             }
             operator.rays += gathered.cost.rays;
             seen += gathered.cost.seen;

@@ -96,10 +96,7 @@ pub fn place<S: Surfaces + ?Sized>(
             let hopeful: Vec<bool> = batch
                 .par_iter()
                 .map(|candidate| {
-                    board.is_free(candidate)
-                        && (finest
-                            || std::env::var("NOTIGHT").is_ok()
-                            || !is_tight(surfaces, candidate, disk_radius))
+                    board.is_free(candidate) && (finest || !is_tight(surfaces, candidate, disk_radius))
                 })
                 .collect();
             for (candidate, hopeful) in batch.iter().zip(hopeful) {

@@ -26,6 +26,8 @@ pub struct Meta {
     pub levels: Vec<Level>,
     /// Senders are the points of this many levels, the coarsest ones.
     pub sender_levels: u32,
+    /// Light that bounces again is gathered by the points of this many levels, at most `sender_levels`.
+    pub later_levels: u32,
     /// Direct light is sampled at the points of this many levels, at least `sender_levels`.
     pub direct_levels: u32,
     /// Materials, by index.

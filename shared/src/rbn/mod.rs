@@ -3,13 +3,16 @@
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);
 //! * [`bulk`] – the records of the bulk sections, which are what the GPU uploads;
+//! * [`LinkMatrix`] – transport links by receiver;
 //! * [`Scene`] – a whole file in memory, written and read, with everything checked.
 
 pub mod bulk;
 pub mod container;
+mod matrix;
 pub mod meta;
 mod scene;
 
+pub use matrix::LinkMatrix;
 pub use scene::Scene;
 
 /// Why a .rbn file could not be read or written.

@@ -1,10 +1,10 @@
 //! A whole .rbn file in memory.
 
-use super::bulk::{Point, Row, Vertex};
+use super::bulk::{Point, Vertex};
+use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
 use super::{RbnError, container};
 use crate::interpolation::{Entry, MAX_POINTS, Rows};
-use crate::link::{Link, columns};
 use bytemuck::Pod;
 use std::ops::Range;
 
@@ -31,16 +31,17 @@ pub struct Scene {
     pub pull_offsets: Vec<u32>,
     /// Entries of the pull rows.
     pub pull_entries: Vec<Entry>,
-    /// Receivers that have links, ascending, and a sentinel.
-    pub rows: Vec<Row>,
-    /// Transport links, row after row.
-    pub links: Vec<Link>,
+    /// T: from what the senders hold to vector irradiance at all points.
+    pub transport: LinkMatrix,
+    /// G: from direct irradiance at the senders to the irradiance of all bounces but the last at
+    /// the points of the coarse levels.
+    pub later: LinkMatrix,
 }
 
 /// Names of the sections, in file order.
-pub const SECTIONS: [[u8; 4]; 11] = [
+pub const SECTIONS: [[u8; 4]; 13] = [
     *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"PUSO", *b"PUSE", *b"PULO", *b"PULE", *b"ROWS", *b"LINK",
-    *b"TEXD",
+    *b"LROW", *b"LLNK", *b"TEXD",
 ];
 
 impl Scene {
@@ -58,6 +59,11 @@ impl Scene {
     /// Number of points at which direct light is sampled.
     pub fn direct_count(&self) -> usize {
         self.first_of_level(self.meta.direct_levels)
+    }
+
+    /// Number of points at which light is gathered that bounces again.
+    pub fn later_count(&self) -> usize {
+        self.first_of_level(self.meta.later_levels)
     }
 
     /// The points that the picture is made from: those of the finest level.
@@ -79,13 +85,6 @@ impl Scene {
         Rows { offsets: &self.pull_offsets, entries: &self.pull_entries }
     }
 
-    /// Receivers and their links, packed, in ascending order of the receiver.
-    pub fn link_rows(&self) -> impl Iterator<Item = (usize, &[Link])> + '_ {
-        self.rows.windows(2).map(|w| {
-            (w[0].receiver as usize, &self.links[w[0].first_link as usize..w[1].first_link as usize])
-        })
-    }
-
     /// The compressed bytes of texture `i`.
     pub fn texture(&self, i: usize) -> &[u8] {
         let t = &self.meta.textures[i];
@@ -99,7 +98,7 @@ impl Scene {
     pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
         self.check()?;
         let meta = meta::encode(&self.meta)?;
-        let contents: [&[u8]; 11] = [
+        let contents: [&[u8]; 13] = [
             &meta,
             bytemuck::cast_slice(&self.vertices),
             bytemuck::cast_slice(&self.indices),
@@ -108,8 +107,10 @@ impl Scene {
             bytemuck::cast_slice(&self.push_entries),
             bytemuck::cast_slice(&self.pull_offsets),
             bytemuck::cast_slice(&self.pull_entries),
-            bytemuck::cast_slice(&self.rows),
-            bytemuck::cast_slice(&self.links),
+            bytemuck::cast_slice(&self.transport.rows),
+            bytemuck::cast_slice(&self.transport.links),
+            bytemuck::cast_slice(&self.later.rows),
+            bytemuck::cast_slice(&self.later.links),
             &self.texture_bytes,
         ];
         let sections: Vec<_> = SECTIONS.into_iter().zip(contents).collect();
@@ -139,8 +140,14 @@ impl Scene {
             push_entries: records("PUSE", bytes(*b"PUSE")?)?,
             pull_offsets: records("PULO", bytes(*b"PULO")?)?,
             pull_entries: records("PULE", bytes(*b"PULE")?)?,
-            rows: records("ROWS", bytes(*b"ROWS")?)?,
-            links: records("LINK", bytes(*b"LINK")?)?,
+            transport: LinkMatrix {
+                rows: records("ROWS", bytes(*b"ROWS")?)?,
+                links: records("LINK", bytes(*b"LINK")?)?,
+            },
+            later: LinkMatrix {
+                rows: records("LROW", bytes(*b"LROW")?)?,
+                links: records("LLNK", bytes(*b"LLNK")?)?,
+            },
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         scene.check()?;
@@ -178,8 +185,11 @@ impl Scene {
                 &format!("levels hold {next} points, section PNTS {}", self.points.len()),
             ));
         }
-        if m.sender_levels > m.direct_levels || m.direct_levels as usize > m.levels.len() {
-            return Err(bad("META", "sender or direct levels"));
+        if m.later_levels > m.sender_levels
+            || m.sender_levels > m.direct_levels
+            || m.direct_levels as usize > m.levels.len()
+        {
+            return Err(bad("META", "later, sender or direct levels"));
         }
         for material in &m.materials {
             if material.base_color_texture.is_some_and(|t| t as usize >= m.textures.len())
@@ -232,29 +242,9 @@ impl Scene {
                 return Err(bad("PULE", "a child is not finer than its parent"));
             }
         }
-        let Some((sentinel, rows)) = self.rows.split_last() else {
-            return Err(bad("ROWS", "the sentinel is missing"));
-        };
-        let ascending =
-            self.rows.windows(2).all(|w| w[0].receiver < w[1].receiver && w[0].first_link <= w[1].first_link);
-        if sentinel.receiver != u32::MAX
-            || sentinel.first_link as usize != self.links.len()
-            || !ascending
-            || rows.first().is_some_and(|r| r.first_link != 0)
-            || rows.iter().any(|r| r.receiver as usize >= self.points.len())
-        {
-            return Err(bad("ROWS", "receivers or links are out of order"));
-        }
         let senders = self.sender_count();
-        for (_, row) in self.link_rows() {
-            let mut last = None;
-            for (column, _) in columns(row) {
-                if column >= senders || last.is_some_and(|l| l >= column) {
-                    return Err(bad("LINK", "a sender is out of range or order"));
-                }
-                last = Some(column);
-            }
-        }
+        self.transport.check(["ROWS", "LINK"], self.points.len(), senders)?;
+        self.later.check(["LROW", "LLNK"], self.later_count(), senders)?;
         Ok(())
     }
 }

@@ -1,13 +1,5 @@
 // Direct irradiance at the points of the levels at which it is sampled.
 
-struct Step {
-    first: u32,
-    count: u32,
-    extra: u32,
-    threads: u32,
-}
-
-@group(0) @binding(0) var<uniform> step_: Step;
 @group(0) @binding(1) var<storage, read> points: array<Point>;
 @group(0) @binding(2) var<storage, read_write> irradiance: array<vec4f>;
 

@@ -11,13 +11,15 @@ macro_rules! modules {
 
 modules! {
     /// Direct irradiance at points.
-    DIRECT: "octahedral" "point" "lights" "visibility" "direct";
+    DIRECT: "octahedral" "point" "lights" "visibility" "step" "direct";
     /// Pull.
-    PULL: "octahedral" "link" "pull";
-    /// `i = S e`.
-    TRANSPORT: "octahedral" "link" "transport";
+    PULL: "octahedral" "link" "step" "pull";
+    /// Links times irradiance.
+    TRANSPORT: "octahedral" "link" "step" "transport";
+    /// Later bounces to the senders.
+    LIFT: "octahedral" "link" "point" "step" "lift";
     /// Push.
-    PUSH: "octahedral" "link" "point" "push";
+    PUSH: "octahedral" "link" "point" "step" "push";
     /// Shadow maps.
     SHADOW: "material" "shadow";
     /// G-buffer.

@@ -1,13 +1,5 @@
 // A point's direct irradiance becomes the mean of its children's; one level a dispatch.
 
-struct Step {
-    first: u32,
-    count: u32,
-    extra: u32,
-    threads: u32,
-}
-
-@group(0) @binding(0) var<uniform> step_: Step;
 @group(0) @binding(1) var<storage, read> offsets: array<u32>;
 @group(0) @binding(2) var<storage, read> entries: array<u32>;
 @group(0) @binding(3) var<storage, read_write> irradiance: array<vec4f>;

@@ -1,14 +1,6 @@
 // Coefficients become values: each point adds what its parents' values interpolate to (paper,
 // Eq. 4); one level a dispatch, coarse to fine.
 
-struct Step {
-    first: u32,
-    count: u32,
-    extra: u32,
-    threads: u32,
-}
-
-@group(0) @binding(0) var<uniform> step_: Step;
 @group(0) @binding(1) var<storage, read> offsets: array<u32>;
 @group(0) @binding(2) var<storage, read> entries: array<u32>;
 @group(0) @binding(3) var<storage, read> points: array<Point>;

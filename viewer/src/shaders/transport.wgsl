@@ -1,26 +1,14 @@
-// i = S e (paper, Eq. 15), where e is the pulled irradiance of the senders: LANES threads a row, 64 / LANES rows a workgroup.
+// A matrix of links times the irradiance of the senders (paper, Eq. 15): LANES threads a row, 64 / LANES rows a workgroup.
 
 override LANES: u32 = 8u;
 // Whether rows hold page marks, that is whether there are more than 65536 senders.
 override PAGED: bool = false;
-
-struct Step {
-    // First row of this chunk of links.
-    first: u32,
-    // Number of its rows.
-    count: u32,
-    // Index of its first link.
-    extra: u32,
-    // Workgroups in x.
-    groups: u32,
-}
 
 struct Row {
     receiver: u32,
     first_link: u32,
 }
 
-@group(0) @binding(0) var<uniform> step_: Step;
 @group(0) @binding(1) var<storage, read> rows: array<Row>;
 @group(0) @binding(2) var<storage, read> links: array<vec2u>;
 @group(0) @binding(3) var<storage, read> irradiance: array<vec4f>;
@@ -34,7 +22,7 @@ fn transport(
     @builtin(local_invocation_index) thread: u32,
 ) {
     let lane = thread % LANES;
-    let k = (group.x + group.y * step_.groups) * (64u / LANES) + thread / LANES;
+    let k = (group.x + group.y * step_.threads) * (64u / LANES) + thread / LANES;
     let present = k < step_.count;
     var receiver = 0u;
     var red = vec3f(0.0);

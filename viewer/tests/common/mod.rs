@@ -7,9 +7,9 @@ use rebounce_shared::kernel;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::{Link, RowWriter};
 use rebounce_shared::octahedral::pack_snorm16;
-use rebounce_shared::rbn::Scene;
-use rebounce_shared::rbn::bulk::{Point, Row, Vertex};
+use rebounce_shared::rbn::bulk::{Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
+use rebounce_shared::rbn::{LinkMatrix, Scene};
 use rebounce_viewer::gpu::Gpu;
 
 /// The device, or `None` (said aloud) where there is no adapter.
@@ -79,6 +79,7 @@ pub fn room(sides: &[u32]) -> Scene {
         meta.levels.push(Level { first, count, disk_radius: spacing, support_radius: 1.6 * spacing });
     }
     meta.sender_levels = 2.min(sides.len() as u32);
+    meta.later_levels = 1;
     meta.direct_levels = sides.len() as u32;
     meta.cameras.push(Camera {
         position: [0.2, 0.1, 0.9],
@@ -132,13 +133,17 @@ fn relate(scene: &mut Scene) {
 
 fn link(scene: &mut Scene) {
     let senders = scene.sender_count() as u32;
-    for receiver in 0..scene.points.len() as u32 {
+    scene.transport = links(scene.points.len() as u32, senders, 0);
+    scene.later = links(scene.later_count() as u32, senders, 0x1234);
+}
+
+fn links(receivers: u32, senders: u32, seed: u32) -> LinkMatrix {
+    let row = |receiver: u32| {
         // Some receivers have no row, some few links, some many.
-        let share = [0.0, 0.02, 0.3, 0.9][(random(receiver) * 4.0) as usize];
-        let first_link = scene.links.len() as u32;
-        let mut writer = RowWriter::default();
+        let share = [0.0, 0.02, 0.3, 0.9][(random(receiver ^ seed) * 4.0) as usize];
+        let (mut row, mut writer) = (Vec::new(), RowWriter::default());
         for sender in 0..senders {
-            let seed = receiver * senders + sender;
+            let seed = (receiver * senders + sender) ^ seed;
             if random(seed ^ 0x5555) >= share {
                 continue;
             }
@@ -146,11 +151,10 @@ fn link(scene: &mut Scene) {
             let direction = Vec3::new(shift(1), shift(2), shift(3)).normalize_or(Vec3::Z);
             let magnitude =
                 Vec3::new(shift(4) + 0.6, shift(5) + 0.5, shift(6) + 0.3) * (shift(7) * 6.0).exp2() * 0.02;
-            writer.push(&mut scene.links, sender, Link::pack(0, direction, magnitude));
+            writer.push(&mut row, sender, Link::pack(0, direction, magnitude));
         }
-        if scene.links.len() as u32 > first_link {
-            scene.rows.push(Row { receiver, first_link });
-        }
-    }
-    scene.rows.push(Row { receiver: u32::MAX, first_link: scene.links.len() as u32 });
+        row
+    };
+    let rows: Vec<Vec<Link>> = (0..receivers).map(row).collect();
+    LinkMatrix::new((0..).zip(rows.iter().map(Vec::as_slice)))
 }

@@ -1,0 +1,12 @@
+// What one dispatch of the relighting works on.
+struct Step {
+    // First point, or row of links.
+    first: u32,
+    count: u32,
+    // Number of lights; index of the chunk's first link; how to lift.
+    extra: u32,
+    // Threads of the grid in x; for the transport, workgroups.
+    threads: u32,
+}
+
+@group(0) @binding(0) var<uniform> step_: Step;
