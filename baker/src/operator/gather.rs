@@ -84,24 +84,34 @@ pub struct Gathered {
 /// Sums by sender, of which few are not zero.
 struct Tally {
     sums: Vec<Sum>,
-    is_touched: Vec<bool>,
-    touched: Vec<u32>,
+    /// One bit a sender, so that those touched come in order.
+    is_touched: Vec<u64>,
 }
 
 impl Tally {
     fn new(senders: usize) -> Self {
-        Self { sums: vec![Sum::default(); senders], is_touched: vec![false; senders], touched: Vec::new() }
+        Self { sums: vec![Sum::default(); senders], is_touched: vec![0; senders.div_ceil(64)] }
     }
 
     /// True if this sender was not touched before.
     #[inline]
     fn touch(&mut self, sender: u32) -> bool {
-        let is_new = !self.is_touched[sender as usize];
-        if is_new {
-            self.is_touched[sender as usize] = true;
-            self.touched.push(sender);
-        }
+        let (word, bit) = (&mut self.is_touched[sender as usize / 64], 1 << (sender % 64));
+        let is_new = *word & bit == 0;
+        *word |= bit;
         is_new
+    }
+
+    /// The senders touched, ascending.
+    fn touched(&self) -> impl Iterator<Item = u32> + '_ {
+        self.is_touched.iter().zip((0..).step_by(64)).flat_map(|(&word, first)| {
+            let mut rest = word;
+            std::iter::from_fn(move || {
+                let bit = (rest != 0).then(|| rest.trailing_zeros())?;
+                rest &= rest - 1;
+                Some(first + bit)
+            })
+        })
     }
 
     #[inline]
@@ -113,29 +123,29 @@ impl Tally {
     }
 
     fn clear(&mut self) {
-        for sender in self.touched.drain(..) {
-            self.sums[sender as usize] = Sum::default();
-            self.is_touched[sender as usize] = false;
+        for (word, sums) in self.is_touched.iter_mut().zip(self.sums.chunks_mut(64)) {
+            if std::mem::take(word) != 0 {
+                sums.fill(Sum::default());
+            }
         }
     }
 
     /// The irradiance from each sender on a surface with this unit normal. What is not over
     /// `least` is carried over to the next sender, as in [`GatherContext::choose`].
-    fn irradiance_row(&mut self, normal: Vec3, least: f32) -> IrradianceRow {
+    fn irradiance_row(&self, normal: Vec3, least: f32) -> IrradianceRow {
         let normal = Vec3A::from(normal);
-        self.touched.sort_unstable();
         let mut carried = Vec3::ZERO;
         let mut row = Vec::new();
-        for &sender in &self.touched {
+        for sender in self.touched() {
             let sum = &self.sums[sender as usize].0;
             carried += Vec3::new(sum[0].dot(normal), sum[1].dot(normal), sum[2].dot(normal));
             if carried.max_element() > least {
                 row.push((sender, std::mem::take(&mut carried)));
             }
         }
-        match (row.last_mut(), self.touched.last()) {
+        match (row.last_mut(), self.touched().next()) {
             (Some((_, last)), _) => *last += carried,
-            (None, Some(sender)) => row.push((*sender, carried)),
+            (None, Some(sender)) => row.push((sender, carried)),
             (None, None) => {}
         }
         row
@@ -229,7 +239,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             }
         }
         scratch.weights = weights;
-        for &sender in &scratch.senders.touched {
+        for sender in scratch.senders.touched() {
             scratch.whole[sender as usize] = scratch.senders.sums[sender as usize].magnitude_squared().sqrt();
         }
         cost
@@ -283,13 +293,12 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// it adds up to a link. So a row keeps its sum, and what a dropped link would have said is
     /// said by a neighbour: senders that are too small to matter one by one act as one.
     fn choose(&self, epsilon: f32, rays: usize, scratch: &mut Scratch) -> Vec<Link> {
-        scratch.senders.touched.sort_unstable();
         let mut row = Vec::new();
         let mut writer = RowWriter::default();
         // The variance of a mean of rays that either hit the sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / rays as f32;
         let (mut carried, mut seen) = (Sum::default(), 0.0);
-        for &sender in &scratch.senders.touched {
+        for sender in scratch.senders.touched() {
             carried.add_scaled(1.0, &scratch.senders.sums[sender as usize]);
             seen += scratch.whole[sender as usize];
             if carried.magnitude_squared() > (noise * seen).max(epsilon * epsilon) {

@@ -47,7 +47,7 @@ impl OperatorSettings {
     /// The least entry of a row of irradiance between coarse functions, which all of a scene's later
     /// bounces go through: a smaller one is given to a neighbour.
     pub fn least_irradiance(&self) -> f32 {
-        4.0 * self.epsilon_on(0)
+        self.epsilon / 8.0
     }
 
     /// Rays per receiver on a level.
