@@ -8,7 +8,6 @@ use crate::points::Points;
 use crate::random::mix;
 use crate::surface::{Ray, Surfaces};
 use glam::{Mat3A, Vec3, Vec3A};
-use rebounce_shared::interpolation::Entry;
 use rebounce_shared::link::{Link, RowWriter, VectorRgb, columns, turn};
 use rebounce_shared::octahedral;
 
@@ -36,6 +35,10 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
 pub fn link_directions() -> Vec<Vec3A> {
     (0..=u16::MAX).map(|bits| octahedral::unpack_snorm8(bits).into()).collect()
 }
+
+/// ε of a receiver's value as its children subtract it, over that of its links: a value's small parts are
+/// carried over like a link's, which keeps values short and changes nothing but the place that they come from.
+const VALUE_EPSILON: f32 = 0.5;
 
 /// Vector irradiance per channel, aligned for the inner loops.
 #[derive(Clone, Copy, Debug, Default)]
@@ -73,6 +76,8 @@ pub type IrradianceRow = Vec<(u32, Vec3)>;
 pub struct Gathered {
     /// The links, columns ascending: differences to what coarser receivers say.
     pub links: Vec<Link>,
+    /// The whole value that its links and its ancestors' say, on all levels but the finest.
+    pub value: Vec<Link>,
     /// Of a point that later bounces travel through: its whole irradiance from every sender.
     pub first: IrradianceRow,
     /// And from every other such point.
@@ -93,19 +98,30 @@ impl Tally {
         Self { sums: vec![Sum::default(); senders], is_touched: vec![0; senders.div_ceil(64)] }
     }
 
-    /// True if this sender was not touched before.
     #[inline]
-    fn touch(&mut self, sender: u32) -> bool {
-        let (word, bit) = (&mut self.is_touched[sender as usize / 64], 1 << (sender % 64));
-        let is_new = *word & bit == 0;
-        *word |= bit;
-        is_new
+    fn touch(&mut self, sender: usize) {
+        self.is_touched[sender / 64] |= 1 << (sender % 64);
+    }
+
+    #[inline]
+    fn add_link(&mut self, sender: usize, direction: Vec3A, magnitude: Vec3) {
+        self.touch(sender);
+        let sum = &mut self.sums[sender].0;
+        sum[0] += direction * magnitude.x;
+        sum[1] += direction * magnitude.y;
+        sum[2] += direction * magnitude.z;
     }
 
     /// The senders touched, ascending.
     fn touched(&self) -> impl Iterator<Item = u32> + '_ {
-        self.is_touched.iter().zip((0..).step_by(64)).flat_map(|(&word, first)| {
-            let mut rest = word;
+        self.touched_with(None)
+    }
+
+    /// The senders touched here or there, ascending.
+    fn touched_with<'a>(&'a self, other: Option<&'a Self>) -> impl Iterator<Item = u32> + 'a {
+        self.is_touched.iter().enumerate().flat_map(move |(i, &word)| {
+            let mut rest = word | other.map_or(0, |other| other.is_touched[i]);
+            let first = 64 * i as u32;
             std::iter::from_fn(move || {
                 let bit = (rest != 0).then(|| rest.trailing_zeros())?;
                 rest &= rest - 1;
@@ -117,7 +133,7 @@ impl Tally {
     #[inline]
     fn add(&mut self, shares: &[(u32, f32)], light: &Sum) {
         for &(sender, share) in shares {
-            self.touch(sender);
+            self.touch(sender as usize);
             self.sums[sender as usize].add_scaled(share, light);
         }
     }
@@ -156,50 +172,73 @@ impl Tally {
 pub struct Scratch {
     senders: Tally,
     coarse: Tally,
-    /// Magnitude before differences, by sender.
-    whole: Vec<f32>,
+    prediction: Tally,
     weights: Vec<(u32, f32)>,
-    ancestor_weight: Vec<f32>,
-    ancestors: Vec<Vec<u32>>,
 }
 
 impl Scratch {
-    /// Working memory for this many senders and coarse points, and points on all levels.
-    pub fn new(senders: usize, coarse: usize, points: usize, levels: usize) -> Self {
+    /// Working memory for this many senders and coarse points.
+    pub fn new(senders: usize, coarse: usize) -> Self {
         Self {
             senders: Tally::new(senders),
             coarse: Tally::new(coarse),
-            whole: vec![0.0; senders],
+            prediction: Tally::new(senders),
             weights: Vec::new(),
-            ancestor_weight: vec![0.0; points],
-            ancestors: vec![Vec::new(); levels],
         }
     }
 }
 
 impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
-    /// The links of one receiver, and more. `rows` holds the links of all coarser levels.
+    /// The links of one receiver, and more. `values` holds the [values](Gathered::value) of all
+    /// coarser levels.
     pub fn links(
         &self,
         receiver: usize,
         level: usize,
         directions: &Directions,
-        rows: &[Vec<Link>],
+        values: &[Vec<Link>],
         scratch: &mut Scratch,
     ) -> Gathered {
-        let cost = self.integrate(receiver, directions, scratch);
-        let (mut first, mut coarse) = (Vec::new(), Vec::new());
+        let epsilon = self.settings.epsilon_on(level);
+        let mut gathered =
+            Gathered { cost: self.integrate(receiver, directions, scratch), ..Gathered::default() };
+        let Scratch { senders, coarse, prediction, .. } = scratch;
         if receiver < self.coarse_count {
             let normal = self.points.points[receiver].normal;
             let least = self.settings.least_irradiance();
-            first = scratch.senders.irradiance_row(normal, least);
-            coarse = scratch.coarse.irradiance_row(normal, least);
-            scratch.coarse.clear();
+            gathered.first = senders.irradiance_row(normal, least);
+            gathered.coarse = coarse.irradiance_row(normal, least);
+            coarse.clear();
         }
-        self.subtract_coarser(receiver, level, rows, scratch);
-        let links = self.choose(self.settings.epsilon_on(level), directions.len(), scratch);
-        scratch.senders.clear();
-        Gathered { links, first, coarse, cost }
+        self.predict(receiver, values, prediction);
+        // The variance of a mean of rays that either hit a sender or do not, per unit seen.
+        let noise = self.settings.significance.powi(2) / directions.len() as f32;
+        gathered.links = choose(senders, Some(prediction), epsilon, noise);
+        if level + 1 < self.settings.levels {
+            for (column, link) in columns(&gathered.links) {
+                let direction = self.link_directions[(link.column_direction >> 16) as usize];
+                prediction.add_link(column, direction, link.magnitude());
+            }
+            gathered.value = choose(prediction, None, VALUE_EPSILON * epsilon, 0.0);
+        }
+        senders.clear();
+        prediction.clear();
+        gathered
+    }
+
+    /// What is left of a receiver that is not refined: the value that its parents' say.
+    pub fn inherit(
+        &self,
+        receiver: usize,
+        level: usize,
+        values: &[Vec<Link>],
+        scratch: &mut Scratch,
+    ) -> Gathered {
+        self.predict(receiver, values, &mut scratch.prediction);
+        let epsilon = VALUE_EPSILON * self.settings.epsilon_on(level);
+        let value = choose(&scratch.prediction, None, epsilon, 0.0);
+        scratch.prediction.clear();
+        Gathered { value, ..Gathered::default() }
     }
 
     /// Eq. 16: casts the rays and gives what each hit reflects to the functions that cover it.
@@ -239,82 +278,58 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             }
         }
         scratch.weights = weights;
-        for sender in scratch.senders.touched() {
-            scratch.whole[sender as usize] = scratch.senders.sums[sender as usize].magnitude_squared().sqrt();
-        }
         cost
     }
 
-    /// Eq. 17: takes off what the kept links of the parents, their parents and so on say.
-    fn subtract_coarser(&self, receiver: usize, level: usize, rows: &[Vec<Link>], scratch: &mut Scratch) {
+    /// Eq. 17: what the parents' values say at this receiver, turned with the normals as the push
+    /// will turn it.
+    fn predict(&self, receiver: usize, values: &[Vec<Link>], prediction: &mut Tally) {
         let normal = self.points.points[receiver].normal;
-        let push = self.relations.push();
-        let spread = |scratch: &mut Scratch, child: usize, weight: f32| {
-            let row = push.row(child);
-            if row.is_empty() {
-                return;
+        let row = self.relations.push().row(receiver);
+        let total: f32 = row.iter().map(|e| e.weight()).sum();
+        for parent in row {
+            let turn = turning(self.points.points[parent.point()].normal, normal);
+            for (column, link) in columns(&values[parent.point()]) {
+                let direction = turn * self.link_directions[(link.column_direction >> 16) as usize];
+                prediction.add_link(column, direction, link.magnitude() * (parent.weight() / total));
             }
-            let scale = weight / total(row);
-            for entry in row {
-                let parent = entry.point();
-                if scratch.ancestor_weight[parent] == 0.0 {
-                    let l = self.points.levels.partition_point(|level| level.first <= parent) - 1;
-                    scratch.ancestors[l].push(parent as u32);
-                }
-                scratch.ancestor_weight[parent] += entry.weight() * scale;
-            }
-        };
-        spread(scratch, receiver, 1.0);
-        for l in (0..level).rev() {
-            let ancestors = std::mem::take(&mut scratch.ancestors[l]);
-            for &ancestor in &ancestors {
-                let weight = std::mem::take(&mut scratch.ancestor_weight[ancestor as usize]);
-                let turn = turning(self.points.points[ancestor as usize].normal, normal);
-                for (column, link) in columns(&rows[ancestor as usize]) {
-                    if scratch.senders.touch(column as u32) {
-                        scratch.whole[column] = 0.0;
-                    }
-                    let direction = turn * self.link_directions[(link.column_direction >> 16) as usize];
-                    let magnitude = link.magnitude() * weight;
-                    let sum = &mut scratch.senders.sums[column].0;
-                    sum[0] -= direction * magnitude.x;
-                    sum[1] -= direction * magnitude.y;
-                    sum[2] -= direction * magnitude.z;
-                }
-                spread(scratch, ancestor as usize, weight);
-            }
-            scratch.ancestors[l] = ancestors;
-            scratch.ancestors[l].clear();
         }
     }
+}
 
-    /// The criterion of Fig. 5, ε, and two changes to it: a link must stand out of its own noise,
-    /// and what is dropped is carried over to the next sender along the space-filling curve until
-    /// it adds up to a link. So a row keeps its sum, and what a dropped link would have said is
-    /// said by a neighbour: senders that are too small to matter one by one act as one.
-    fn choose(&self, epsilon: f32, rays: usize, scratch: &mut Scratch) -> Vec<Link> {
-        let mut row = Vec::new();
-        let mut writer = RowWriter::default();
-        // The variance of a mean of rays that either hit the sender or do not, per unit seen.
-        let noise = self.settings.significance.powi(2) / rays as f32;
-        let (mut carried, mut seen) = (Sum::default(), 0.0);
-        for sender in scratch.senders.touched() {
-            carried.add_scaled(1.0, &scratch.senders.sums[sender as usize]);
-            seen += scratch.whole[sender as usize];
-            if carried.magnitude_squared() > (noise * seen).max(epsilon * epsilon) {
-                let link = Link::pack_vectors(0, &VectorRgb { rgb: carried.0.map(Vec3::from) });
-                writer.push(&mut row, sender, link);
-                // What packing lost is carried over too.
-                carried.add_scaled(-1.0, &Sum(link.vectors().rgb.map(Vec3A::from)));
-                seen = 0.0;
-            }
+/// The criterion of Fig. 5, ε, and two changes to it: a link must stand out of its own noise,
+/// and what is dropped is carried over to the next sender along the space-filling curve until
+/// it adds up to a link. So a row keeps its sum, and what a dropped link would have said is
+/// said by a neighbour: senders that are too small to matter one by one act as one.
+///
+/// Gives the links for `gathered` less `prediction`; `noise` is the variance of a gathered sum per
+/// unit of it.
+fn choose(gathered: &Tally, prediction: Option<&Tally>, epsilon: f32, noise: f32) -> Vec<Link> {
+    let mut row = Vec::new();
+    let mut writer = RowWriter::default();
+    let (mut carried, mut seen) = (Sum::default(), 0.0);
+    for sender in gathered.touched_with(prediction) {
+        let sum = &gathered.sums[sender as usize];
+        carried.add_scaled(1.0, sum);
+        if noise > 0.0 {
+            seen += sum.magnitude_squared().sqrt();
         }
-        if let Some(last) = row.last_mut() {
-            carried.add_scaled(1.0, &Sum(last.vectors().rgb.map(Vec3A::from)));
-            *last = Link::pack_vectors(last.column(), &VectorRgb { rgb: carried.0.map(Vec3::from) });
+        if let Some(prediction) = prediction {
+            carried.add_scaled(-1.0, &prediction.sums[sender as usize]);
         }
-        row
+        if carried.magnitude_squared() > (noise * seen).max(epsilon * epsilon) {
+            let link = Link::pack_vectors(0, &VectorRgb { rgb: carried.0.map(Vec3::from) });
+            writer.push(&mut row, sender, link);
+            // What packing lost is carried over too.
+            carried.add_scaled(-1.0, &Sum(link.vectors().rgb.map(Vec3A::from)));
+            seen = 0.0;
+        }
     }
+    if let Some(last) = row.last_mut() {
+        carried.add_scaled(1.0, &Sum(last.vectors().rgb.map(Vec3A::from)));
+        *last = Link::pack_vectors(last.column(), &VectorRgb { rgb: carried.0.map(Vec3::from) });
+    }
+    row
 }
 
 /// The rotation of `rebounce_shared::link::turn`.
@@ -324,8 +339,4 @@ fn turning(from: Vec3, to: Vec3) -> Mat3A {
         turn(Vec3::Y, from, to).into(),
         turn(Vec3::Z, from, to).into(),
     )
-}
-
-fn total(row: &[Entry]) -> f32 {
-    row.iter().map(|e| e.weight()).sum()
 }

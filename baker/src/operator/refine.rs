@@ -38,43 +38,49 @@ pub fn refine<S: Surfaces + ?Sized>(
     };
     let mut operator =
         Operator { rows: vec![Vec::new(); points.points.len()], bounces: 1, ..Operator::default() };
+    let mut values = vec![Vec::new(); points.points.len()];
     let (mut seen, mut lost) = (0.0, 0.0);
     let pool = Mutex::new(Vec::new());
     for (l, level) in points.levels.iter().enumerate() {
-        // Children of receivers that kept a link; and those that no coarser function reaches.
-        let wanted: Vec<usize> = level
-            .range()
-            .filter(|&i| {
-                let parents = relations.push().row(i);
-                // Later bounces need these, whatever their parents kept.
-                i < coarse_count
-                    || parents.is_empty()
-                    || parents.iter().any(|p| !operator.rows[p.point()].is_empty())
-            })
-            .collect();
         let directions = Directions::new(settings.rays_on(l));
-        let done = AtomicUsize::new(0);
+        let (done, refined) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let rows = &operator.rows;
-        let found: Vec<Gathered> = wanted
+        // Children of receivers that kept a link; those that no coarser function reaches; and those
+        // that later bounces need, whatever their parents kept.
+        let is_wanted = |i: usize| {
+            let parents = relations.push().row(i);
+            i < coarse_count
+                || parents.is_empty()
+                || parents.iter().any(|parent| !rows[parent.point()].is_empty())
+        };
+        let known = &values;
+        let indices: Vec<usize> = level.range().collect();
+        let found: Vec<Gathered> = indices
             .par_chunks(64)
             .flat_map_iter(|chunk| {
                 let recycled = pool.lock().ok().and_then(|mut free| free.pop());
-                let mut scratch = recycled.unwrap_or_else(|| {
-                    Scratch::new(sender_count, coarse_count, points.points.len(), points.levels.len())
-                });
-                let out: Vec<_> =
-                    chunk.iter().map(|&i| context.links(i, l, &directions, rows, &mut scratch)).collect();
+                let mut scratch = recycled.unwrap_or_else(|| Scratch::new(sender_count, coarse_count));
+                let gather = |&i: &usize| {
+                    if is_wanted(i) {
+                        refined.fetch_add(1, Ordering::Relaxed);
+                        context.links(i, l, &directions, known, &mut scratch)
+                    } else {
+                        context.inherit(i, l, known, &mut scratch)
+                    }
+                };
+                let out: Vec<_> = chunk.iter().map(gather).collect();
                 if let Ok(mut free) = pool.lock() {
                     free.push(scratch);
                 }
                 let done = done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len();
-                progress(l, done, wanted.len());
+                progress(l, done, indices.len());
                 out
             })
             .collect();
-        operator.receivers += wanted.len() as u64;
-        for (&i, gathered) in wanted.iter().zip(found) {
+        operator.receivers += refined.into_inner() as u64;
+        for (i, gathered) in indices.into_iter().zip(found) {
             operator.rows[i] = gathered.links;
+            values[i] = gathered.value;
             if i < coarse_count {
                 operator.first.push(gathered.first);
                 operator.coarse.push(gathered.coarse);
