@@ -9,7 +9,7 @@ use rebounce_shared::relight;
 fn baked() -> Scene {
     let mut settings = BakeSettings::new(Preset::Draft);
     settings.place.levels = 4;
-    settings.place.coarse_count = 80;
+    settings.place.functions = 4000;
     settings.operator.rays = vec![512, 512, 512, 256];
     let scene = scene::load("builtin:furnace").unwrap();
     bake(&scene, &settings, &|_| {}).unwrap().0

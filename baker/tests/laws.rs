@@ -16,7 +16,7 @@ fn room(albedo: f32) -> BoxRoom {
 }
 
 fn small_place() -> PlaceSettings {
-    PlaceSettings { levels: 4, coarse_count: 60, ..PlaceSettings::default() }
+    PlaceSettings { levels: 4, functions: 3000, ..PlaceSettings::default() }
 }
 
 fn small_operator() -> OperatorSettings {

@@ -45,15 +45,15 @@ pub struct BakeSettings {
 impl BakeSettings {
     /// A preset's values.
     pub fn new(preset: Preset) -> Self {
-        let (levels, coarse_count, rays, epsilon) = match preset {
-            Preset::Draft => (5, 250, vec![2048, 2048, 1024, 512, 256], 0.008),
-            Preset::Standard => (6, 400, vec![4096, 4096, 4096, 1024, 512, 256], 0.008),
-            Preset::Fine => (6, 700, vec![8192, 8192, 8192, 4096, 2048, 1024], 0.004),
+        let (levels, functions, rays, epsilon) = match preset {
+            Preset::Draft => (5, 25_000, vec![2048, 2048, 1024, 512, 256], 0.008),
+            Preset::Standard => (6, 120_000, vec![4096, 4096, 4096, 1024, 512, 256], 0.006),
+            Preset::Fine => (6, 250_000, vec![8192, 8192, 8192, 4096, 2048, 1024], 0.003),
         };
         Self {
             preset,
             viewpoint: None,
-            place: PlaceSettings { levels, coarse_count, ..PlaceSettings::default() },
+            place: PlaceSettings { levels, functions, ..PlaceSettings::default() },
             operator: OperatorSettings {
                 sender_levels: 5,
                 epsilon,

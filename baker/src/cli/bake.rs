@@ -34,10 +34,10 @@ pub struct BakeArgs {
     /// Levels at whose points direct light is sampled
     #[arg(long)]
     direct_levels: Option<usize>,
-    /// About how many functions the coarsest level has
+    /// About how many functions the finest level has
     #[arg(long)]
-    coarse_count: Option<usize>,
-    /// Poisson-disk radius of the coarsest level, scene units; overrides --coarse-count
+    functions: Option<usize>,
+    /// Poisson-disk radius of the coarsest level, scene units; overrides --functions
     #[arg(long)]
     coarse_radius: Option<f32>,
     /// Links weaker than this are dropped: irradiance per unit irradiance
@@ -52,7 +52,7 @@ pub struct BakeArgs {
     /// Bounces of light; all that matter when absent
     #[arg(long)]
     bounces: Option<u32>,
-    /// Levels that bounces after the first reach
+    /// Levels that light is gathered on to bounce again, the coarsest ones
     #[arg(long)]
     later_levels: Option<usize>,
     /// Support over disk radius, coarsest level
@@ -106,7 +106,7 @@ impl BakeArgs {
         s.place.coarse_radius = self.coarse_radius;
         s.operator.bounces = self.bounces;
         set(&mut s.place.levels, &self.levels);
-        set(&mut s.place.coarse_count, &self.coarse_count);
+        set(&mut s.place.functions, &self.functions);
         set(&mut s.place.coarse_overlap, &self.coarse_overlap);
         set(&mut s.place.fine_overlap, &self.fine_overlap);
         set(&mut s.operator.sender_levels, &self.sender_levels);

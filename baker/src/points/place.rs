@@ -14,10 +14,10 @@ use rebounce_shared::interpolation::MAX_POINTS;
 pub struct PlaceSettings {
     /// Number of levels.
     pub levels: usize,
-    /// Poisson-disk radius of level 0, scene units; `None`: chosen for `coarse_count` functions.
+    /// Poisson-disk radius of level 0, scene units; `None`: chosen for `functions`.
     pub coarse_radius: Option<f32>,
-    /// About how many functions level 0 shall have.
-    pub coarse_count: usize,
+    /// About how many functions the finest level shall have.
+    pub functions: usize,
     /// Support over disk radius on all levels but the finest.
     pub coarse_overlap: f32,
     /// Support over disk radius on the finest level.
@@ -34,7 +34,7 @@ impl Default for PlaceSettings {
         Self {
             levels: 6,
             coarse_radius: None,
-            coarse_count: 400,
+            functions: 120_000,
             coarse_overlap: 1.5,
             fine_overlap: 2.0,
             failures: 2000,
@@ -82,7 +82,7 @@ pub fn place<S: Surfaces + ?Sized>(
         let first = viewpoints.first().copied().unwrap_or_default();
         return Err(PlaceError::NothingSeen(first.x, first.y, first.z));
     }
-    let coarse_radius = settings.coarse_radius.unwrap_or_else(|| radius_for(&pool, settings.coarse_count));
+    let coarse_radius = settings.coarse_radius.unwrap_or_else(|| coarse_radius_for(&pool, settings));
     let mut result = Points::default();
     for l in 0..settings.levels {
         let disk_radius = coarse_radius / (1u64 << l) as f32;
@@ -131,6 +131,21 @@ pub fn place<S: Surfaces + ?Sized>(
         result.points.extend(points);
     }
     Ok(result)
+}
+
+/// Functions of a level over those of the level before: under 4, because rooms are full of small
+/// things that coarse functions cover less well. Measured on furnished rooms and halls: 3.2 to 4.
+const GROWTH: f32 = 3.6;
+/// The level whose functions are counted to choose the radii: fine enough to know the surface's
+/// area, coarse enough for a pool of candidates to fill it.
+const COUNTED_LEVEL: usize = 2;
+
+/// The radius of level 0 that gives the finest level about as many functions as wanted.
+fn coarse_radius_for(pool: &[SurfacePoint], settings: &PlaceSettings) -> f32 {
+    let finest = settings.levels.saturating_sub(1);
+    let counted = COUNTED_LEVEL.min(finest);
+    let count = settings.functions as f32 / GROWTH.powi((finest - counted) as i32);
+    radius_for(pool, count.max(1.0) as usize) * (1u32 << counted) as f32
 }
 
 /// The disk radius at which throwing these candidates leaves about `count` points.
