@@ -99,7 +99,7 @@ pub fn add_later_bounces(
                         sums[sender as usize] += share * irradiance;
                     }
                 }
-                choose(sums, least, points.points[receiver].normal)
+                choose(sums, settings.epsilon_later(), points.points[receiver].normal)
             },
         )
         .collect();

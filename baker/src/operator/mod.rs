@@ -50,6 +50,11 @@ impl OperatorSettings {
         self.epsilon / 8.0
     }
 
+    /// ε of the links for later bounces: what they bring is averaged over all that a receiver sees.
+    pub fn epsilon_later(&self) -> f32 {
+        self.epsilon / 4.0
+    }
+
     /// Rays per receiver on a level.
     pub fn rays_on(&self, level: usize) -> u32 {
         self.rays.get(level).or(self.rays.last()).copied().unwrap_or(512)
