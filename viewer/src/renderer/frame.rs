@@ -1,0 +1,195 @@
+//! The passes of a frame, in order, each only where something changed.
+
+use super::Renderer;
+use crate::composite::Shading;
+use crate::controls::gizmo;
+use crate::overlay::OverlayPass;
+use crate::scene::LoadedScene;
+use crate::settings::{Mode, Overlay};
+use crate::target::Target;
+use crate::timing::Pass;
+use crate::view::{Frame, jitter};
+use rebounce_shared::light::{LightKind, LightSource};
+use wgpu::TextureFormat;
+
+impl Renderer {
+    /// Brings shadow maps and bounced light up to date with the lights.
+    pub(super) fn update_lights(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &LoadedScene) {
+        if !std::mem::take(&mut self.dirty.lights) {
+            return;
+        }
+        self.dirty.splats = true;
+        let sources: Vec<_> = self.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
+        let near = 0.1 * scene.near;
+        let changed = self.shadows.set_lights(&self.gpu, &sources, scene.bounds, near);
+        for (i, &layer) in changed.iter().enumerate() {
+            let stamps = self.timing.as_mut().filter(|_| i == 0 || i + 1 == changed.len());
+            let stamps = stamps.and_then(|t| t.stamps(Pass::Shadows));
+            let stamps = stamps.map(|s| s.render(i == 0, i + 1 == changed.len()));
+            self.shadows.draw(encoder, &scene.upload, &scene.materials.groups, layer, stamps);
+        }
+        if sources.iter().all(|light| light.intensity == glam::Vec3::ZERO) {
+            scene.relight.clear(encoder);
+            return;
+        }
+        let extent = (scene.bounds[1] - scene.bounds[0]).length();
+        self.splat_scale = splat_scale(&sources, extent);
+        self.splat.set_scale(&self.gpu, self.splat_scale);
+        scene.relight.set_light_count(&self.gpu, sources.len() as u32);
+        let stamps = self.timing.as_mut().and_then(|t| t.stamps(Pass::Relight)).map(|s| s.compute());
+        scene.relight.encode(encoder, &self.relight, Some(&self.shadows.group), stamps);
+        self.relights += 1;
+    }
+
+    /// Draws what changed of the interactive picture, or one more picture for its average.
+    pub(super) fn update_picture(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &LoadedScene,
+        target: &Target,
+    ) {
+        let moved = self.dirty.view || self.dirty.splats;
+        if moved || self.dirty.shade || self.dirty.key {
+            // After an average the G-buffer holds a shifted picture.
+            if self.dirty.view || self.pictures > 1 {
+                self.draw_view(encoder, scene, target, 0, true);
+            } else if self.dirty.splats {
+                self.draw_splats(encoder, scene, target, true);
+            }
+            if std::mem::take(&mut self.dirty.key) {
+                self.measure_key(encoder, target);
+            }
+            self.shade(encoder, target, 0, true);
+            self.pictures = 1;
+        } else if !self.dirty.present && self.pictures < self.still_pictures {
+            self.draw_view(encoder, scene, target, self.pictures, true);
+            self.shade(encoder, target, self.pictures, true);
+            self.pictures += 1;
+        }
+    }
+
+    /// Measures the automatic exposure on what is drawn. Submits what `encoder` holds: the picture's
+    /// own settings must come later.
+    pub(super) fn measure_key(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
+        let shading = Shading { direct: 1.0, indirect: 1.0, ..self.shading(1.0) };
+        self.composite.set_shading(&self.gpu, &target.picture, &shading);
+        self.composite.measure(encoder, &target.picture, &self.shadows.group);
+        let fresh = self.gpu.device.create_command_encoder(&Default::default());
+        self.gpu.queue.submit([std::mem::replace(encoder, fresh).finish()]);
+    }
+
+    /// G-buffer and splats of picture `sample` of a series.
+    pub(super) fn draw_view(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &LoadedScene,
+        target: &Target,
+        sample: u32,
+        timed: bool,
+    ) {
+        let camera = self.camera.frame(scene.meta.origin);
+        let frame = Frame::new(&camera, scene.near, target.size, jitter(sample), sample);
+        self.gpu.queue.write_buffer(&target.frame, 0, bytemuck::bytes_of(&frame));
+        let timing = self.timing.as_mut().filter(|_| timed);
+        let stamps = timing.and_then(|t| t.stamps(Pass::GBuffer)).map(|s| s.render(true, true));
+        self.gbuffer.draw(
+            encoder,
+            &target.gbuffer,
+            &target.frame_group,
+            &scene.upload,
+            &scene.materials.groups,
+            stamps,
+        );
+        self.draw_splats(encoder, scene, target, timed);
+    }
+
+    fn draw_splats(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &LoadedScene,
+        target: &Target,
+        timed: bool,
+    ) {
+        let timing = self.timing.as_mut().filter(|_| timed);
+        let stamps = timing.and_then(|t| t.stamps(Pass::Splat));
+        self.splat.draw(
+            encoder,
+            &target.splats,
+            &target.gbuffer,
+            &target.splat_groups,
+            &scene.levels,
+            stamps,
+        );
+    }
+
+    pub(super) fn shade(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &Target,
+        picture: u32,
+        timed: bool,
+    ) {
+        let shading = self.shading(1.0 / (picture + 1) as f32);
+        self.composite.set_shading(&self.gpu, &target.picture, &shading);
+        let timing = self.timing.as_mut().filter(|_| timed);
+        let stamps = timing.and_then(|t| t.stamps(Pass::Composite)).map(|s| s.render(true, true));
+        self.composite.shade(encoder, &target.picture, &self.shadows.group, stamps);
+    }
+
+    pub(super) fn shading(&self, blend: f32) -> Shading {
+        Shading {
+            direct: (self.mode != Mode::Indirect) as u32 as f32,
+            indirect: (self.mode != Mode::Direct) as u32 as f32,
+            lights: self.lights.len() as u32,
+            splat_scale: self.splat_scale,
+            exposure: self.exposure.exp2(),
+            blend,
+            scale: 1,
+            pad: 0,
+        }
+    }
+
+    pub(super) fn draw_overlay(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &LoadedScene,
+        target: &Target,
+        view: &wgpu::TextureView,
+        format: TextureFormat,
+    ) {
+        if self.overlay == Overlay::None && !self.gizmos {
+            return;
+        }
+        let stage = self.stage();
+        let pass = match self.overlay_pass.take().filter(|pass| pass.format() == format) {
+            Some(pass) => pass,
+            None => OverlayPass::new(&self.gpu, format),
+        };
+        if self.overlay != Overlay::None {
+            let levels: Vec<_> = scene.levels.iter().cloned().enumerate().collect();
+            let first = if self.overlay == Overlay::Points { levels.len().saturating_sub(1) } else { 0 };
+            let depth = &target.gbuffer.depth;
+            let points = &scene.upload.points;
+            pass.draw_points(&self.gpu, encoder, view, depth, &target.frame, points, &levels[first..]);
+        }
+        if self.gizmos {
+            let shapes = gizmo::shapes(&stage, target.size, self.active);
+            pass.draw_gizmos(&self.gpu, encoder, view, target.size, &shapes);
+        }
+        self.overlay_pass = Some(pass);
+    }
+}
+
+/// The factor that brings bounced irradiance to about 1, whatever the lights' units.
+fn splat_scale(lights: &[LightSource], extent: f32) -> f32 {
+    let typical = lights.iter().map(|light| {
+        let intensity = light.intensity.max_element();
+        match light.kind {
+            LightKind::Directional => intensity,
+            _ => intensity / (0.25 * extent).powi(2).max(f32::MIN_POSITIVE),
+        }
+    });
+    let typical: f32 = typical.fold(0.0, f32::max);
+    // A power of two, so that only the exponent of sums changes.
+    (-typical.clamp(1e-30, 1e30).log2().round()).exp2()
+}

@@ -1,0 +1,290 @@
+//! The renderer: keeps what was drawn, and draws again only what changed.
+//!
+//! * here: the renderer itself, its scene, a whole frame;
+//! * `state` – what it is told: camera, lights, exposure, what to show;
+//! * `frame` – the passes;
+//! * `read` – pictures read back.
+
+mod frame;
+mod read;
+mod state;
+
+use crate::composite::CompositePass;
+use crate::controls::gizmo::Handle;
+use crate::error::ViewerError;
+use crate::gbuffer::GBufferPass;
+use crate::gpu::Gpu;
+use crate::materials::material_layout;
+use crate::overlay::OverlayPass;
+use crate::relight::RelightPipelines;
+use crate::scene::LoadedScene;
+use crate::settings::{Mode, Overlay};
+use crate::shadow::Shadows;
+use crate::shadow_fit;
+use crate::splat::SplatPass;
+use crate::stats::{Bytes, Stats};
+use crate::target::Target;
+use crate::timing::{Milliseconds, Timing};
+use rebounce_shared::{camera::Camera, light::Light};
+use state::check_lights;
+use std::rc::Rc;
+use std::sync::Arc;
+use wgpu::TextureFormat;
+
+/// Pictures averaged while nothing moves: smooth edges and translucent surfaces.
+const STILL_PICTURES: u32 = 16;
+
+/// What must be drawn again.
+#[derive(Clone, Copy, Debug, Default)]
+struct Dirty {
+    lights: bool,
+    view: bool,
+    splats: bool,
+    key: bool,
+    shade: bool,
+    /// Only what lies over the picture.
+    present: bool,
+}
+
+impl Dirty {
+    const ALL: Self = Self { lights: true, view: true, splats: true, key: true, shade: true, present: true };
+
+    fn any(self) -> bool {
+        self.lights || self.view || self.splats || self.key || self.shade || self.present
+    }
+}
+
+/// Draws a baked scene under changing lights.
+pub struct Renderer {
+    gpu: Gpu,
+    shadows: Shadows,
+    relight: Arc<RelightPipelines>,
+    gbuffer: GBufferPass,
+    splat: SplatPass,
+    composite: CompositePass,
+    overlay_pass: Option<OverlayPass>,
+    timing: Option<Timing>,
+    scene: Option<Rc<LoadedScene>>,
+    target: Option<Target>,
+    camera: Camera,
+    lights: Vec<Light>,
+    exposure: f32,
+    mode: Mode,
+    overlay: Overlay,
+    gizmos: bool,
+    active: Option<Handle>,
+    dirty: Dirty,
+    /// Pictures averaged so far, and how many are wanted.
+    pictures: u32,
+    still_pictures: u32,
+    splat_scale: f32,
+    frames: u64,
+    relights: u64,
+}
+
+impl Renderer {
+    /// A renderer without a scene.
+    ///
+    /// # Errors
+    /// [`ViewerError::Internal`] where the device refuses a pipeline at once.
+    pub fn new(gpu: Gpu) -> Result<Self, ViewerError> {
+        let material_layout = material_layout(&gpu);
+        let shadows = Shadows::new(&gpu, &material_layout);
+        let relight = Arc::new(RelightPipelines::new(&gpu, &shadows.layout));
+        let gbuffer = GBufferPass::new(&gpu, &material_layout);
+        let splat = SplatPass::new(&gpu);
+        let composite = CompositePass::new(&gpu, &shadows.layout);
+        let timing = Timing::new(&gpu);
+        gpu.check()?;
+        Ok(Self {
+            gpu,
+            shadows,
+            relight,
+            gbuffer,
+            splat,
+            composite,
+            overlay_pass: None,
+            timing,
+            scene: None,
+            target: None,
+            camera: Camera {
+                position: [0.0, 0.0, 1.0],
+                target: [0.0; 3],
+                up: [0.0, 1.0, 0.0],
+                yfov_deg: 60.0,
+            },
+            lights: Vec::new(),
+            exposure: 0.0,
+            mode: Mode::All,
+            overlay: Overlay::None,
+            gizmos: true,
+            active: None,
+            dirty: Dirty::ALL,
+            pictures: 0,
+            still_pictures: STILL_PICTURES,
+            splat_scale: 1.0,
+            frames: 0,
+            relights: 0,
+        })
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// What [`LoadedScene::upload`] needs.
+    pub fn pipelines(&self) -> Arc<RelightPipelines> {
+        self.relight.clone()
+    }
+
+    /// Shows another scene, from its first camera and with its own lights.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadArgument`] for a camera that cannot be used.
+    pub fn install(&mut self, scene: LoadedScene) -> Result<(), ViewerError> {
+        let camera = scene.meta.cameras.first().cloned().unwrap_or_else(|| self.camera.clone());
+        // A file may hold more lights than there can be shadow maps for; the first ones are on.
+        let mut lights = scene.meta.lights.clone();
+        while check_lights(&lights).is_err() {
+            lights.pop();
+        }
+        self.scene = Some(Rc::new(scene));
+        self.target = None;
+        self.shadows.forget();
+        self.dirty = Dirty::ALL;
+        self.set_camera(camera)?;
+        self.set_lights(lights)
+    }
+
+    /// The scene's metadata.
+    pub fn scene(&self) -> Option<&LoadedScene> {
+        self.scene.as_deref()
+    }
+
+    /// Draws everything again on the next frame, as after a change of the canvas's size.
+    pub fn invalidate(&mut self) {
+        self.dirty.present = true;
+    }
+
+    /// Measures the automatic exposure again on the next frame.
+    pub fn rekey(&mut self) {
+        self.dirty.key = true;
+    }
+
+    /// True when [`Renderer::draw`] would draw something new.
+    pub fn needs_frame(&self) -> bool {
+        self.dirty.any() || self.refining()
+    }
+
+    /// True while nothing moves but the average is not complete.
+    pub fn refining(&self) -> bool {
+        self.scene.is_some() && !self.dirty.any() && self.pictures < self.still_pictures
+    }
+
+    /// Leaves the average as it is until something changes: for slow devices.
+    pub fn stop_refining(&mut self) {
+        self.pictures = self.pictures.max(self.still_pictures);
+    }
+
+    /// Averages so many pictures while nothing moves; 1 for none.
+    pub fn set_still_pictures(&mut self, count: u32) {
+        self.still_pictures = count.max(1);
+    }
+
+    /// Makes shadow maps at most so many texels wide; for measurements.
+    pub fn set_largest_shadow_map(&mut self, texels: u32) {
+        self.shadows.largest = texels.clamp(16, shadow_fit::LARGEST);
+        self.dirty.lights = true;
+    }
+
+    /// Counts, bytes and times.
+    pub fn stats(&mut self) -> Stats {
+        let milliseconds =
+            self.timing.as_mut().map_or(Milliseconds::default(), |timing| timing.collect(&self.gpu));
+        let scene = self.scene.as_deref();
+        Stats {
+            adapter: self.gpu.adapter.clone(),
+            scene: scene.map_or(String::new(), |s| s.meta.scene_name.clone()),
+            milliseconds,
+            frames: self.frames,
+            relights: self.relights,
+            shadow_layers: self.shadows.drawn,
+            shadow_size: self.shadows.size(),
+            triangles: scene.map_or(0, |s| s.triangles),
+            functions: scene.map_or(Vec::new(), |s| s.levels.iter().map(|l| l.len() as u32).collect()),
+            links: scene.map_or(0, |s| s.link_count),
+            lights: self.lights.len(),
+            bytes: Bytes {
+                scene: scene.map_or(0, |s| s.upload.bytes),
+                textures: scene.map_or(0, |s| s.materials.bytes),
+                relight: scene.map_or(0, |s| s.relight.bytes),
+                shadows: self.shadows.bytes(),
+                picture: self.target.as_ref().map_or(0, |t| t.bytes),
+            },
+        }
+    }
+
+    /// Draws to a target of this format and size, with handles and overlay.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadArgument`] for a size that the device cannot draw.
+    pub fn draw(
+        &mut self,
+        view: &wgpu::TextureView,
+        format: TextureFormat,
+        width: u32,
+        height: u32,
+    ) -> Result<(), ViewerError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let Some(scene) = self.scene.clone() else {
+            drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[crate::bindings::attachment(view, true)],
+                ..Default::default()
+            }));
+            self.gpu.queue.submit([encoder.finish()]);
+            self.dirty = Dirty::default();
+            return Ok(());
+        };
+        self.check_size(width, height)?;
+        let target = match self.target.take().filter(|t| t.size == [width, height]) {
+            Some(target) => target,
+            None => {
+                self.dirty.view = true;
+                self.new_target(&scene, [width, height])
+            }
+        };
+        if let Some(timing) = &mut self.timing {
+            timing.collect(&self.gpu);
+        }
+        self.update_lights(&mut encoder, &scene);
+        self.update_picture(&mut encoder, &scene, &target);
+        self.composite.present(&self.gpu, &mut encoder, &target.picture, view, format);
+        self.draw_overlay(&mut encoder, &scene, &target, view, format);
+        if let Some(timing) = &mut self.timing {
+            timing.resolve(&mut encoder);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        if let Some(timing) = &mut self.timing {
+            timing.submitted();
+        }
+        self.frames += 1;
+        self.target = Some(target);
+        self.dirty = Dirty::default();
+        Ok(())
+    }
+
+    fn check_size(&self, width: u32, height: u32) -> Result<(), ViewerError> {
+        let limit = self.gpu.device.limits().max_texture_dimension_2d;
+        if width == 0 || height == 0 || width > limit || height > limit {
+            return Err(ViewerError::BadArgument(format!(
+                "a picture of {width} x {height} pixels: both must be between 1 and {limit}"
+            )));
+        }
+        Ok(())
+    }
+
+    fn new_target(&self, scene: &LoadedScene, size: [u32; 2]) -> Target {
+        Target::new(&self.gpu, &self.gbuffer, &self.splat, &self.composite, scene, size)
+    }
+}

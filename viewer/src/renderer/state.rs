@@ -1,0 +1,157 @@
+//! What the renderer is told: camera, lights, exposure, what to show.
+
+use super::Renderer;
+use crate::controls::Stage;
+use crate::controls::gizmo::Handle;
+use crate::error::ViewerError;
+use crate::settings::{Mode, Overlay};
+use crate::shadow_fit;
+use rebounce_shared::{camera::Camera, light::Light};
+
+impl Renderer {
+    /// The camera, world space.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Sets the camera.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadArgument`] unless all numbers are finite, position and target differ and the field
+    /// of view is between 0 and 180 degrees.
+    pub fn set_camera(&mut self, camera: Camera) -> Result<(), ViewerError> {
+        let finite = |v: &[f64; 3]| v.iter().all(|x| x.is_finite());
+        let good = finite(&camera.position)
+            && finite(&camera.target)
+            && finite(&camera.up)
+            && camera.position != camera.target
+            && camera.yfov_deg > 0.0
+            && camera.yfov_deg < 180.0;
+        if !good {
+            return Err(ViewerError::BadArgument(
+                "camera: position, target and up must be finite, position and target must differ, and yfov_deg \
+                 must be between 0 and 180"
+                    .into(),
+            ));
+        }
+        self.dirty.view |= self.camera != camera;
+        self.camera = camera;
+        Ok(())
+    }
+
+    /// The lights, world space.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// Replaces the lights.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadArgument`] for numbers that are not finite, negative intensities, or more lights than
+    /// there can be shadow maps for.
+    pub fn set_lights(&mut self, lights: Vec<Light>) -> Result<(), ViewerError> {
+        check_lights(&lights)?;
+        self.dirty.lights |= self.lights != lights;
+        self.lights = lights;
+        Ok(())
+    }
+
+    /// Exposure in stops on top of the automatic one.
+    pub fn exposure(&self) -> f32 {
+        self.exposure
+    }
+
+    /// Sets the exposure.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadArgument`] unless it lies between -32 and 32.
+    pub fn set_exposure(&mut self, stops: f32) -> Result<(), ViewerError> {
+        if !(-32.0..=32.0).contains(&stops) {
+            return Err(ViewerError::BadArgument(format!("exposure {stops}: it must be between -32 and 32")));
+        }
+        self.dirty.shade |= self.exposure != stops;
+        self.exposure = stops;
+        Ok(())
+    }
+
+    /// Which light is shown.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Sets which light is shown.
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.dirty.shade |= self.mode != mode;
+        self.mode = mode;
+    }
+
+    /// What is drawn over the picture.
+    pub fn overlay(&self) -> Overlay {
+        self.overlay
+    }
+
+    /// Sets what is drawn over the picture.
+    pub fn set_overlay(&mut self, overlay: Overlay) {
+        self.dirty.present |= self.overlay != overlay;
+        self.overlay = overlay;
+    }
+
+    /// Whether the lights' handles are drawn.
+    pub fn gizmos(&self) -> bool {
+        self.gizmos
+    }
+
+    /// Shows or hides the lights' handles.
+    pub fn set_gizmos(&mut self, on: bool) {
+        self.dirty.present |= self.gizmos != on;
+        self.gizmos = on;
+    }
+
+    /// Highlights a handle.
+    pub fn set_active(&mut self, handle: Option<Handle>) {
+        self.dirty.present |= self.active != handle;
+        self.active = handle;
+    }
+
+    /// What the controls act on; give it back with [`Renderer::apply`].
+    pub fn stage(&self) -> Stage {
+        let (extent, centre) = self.scene.as_ref().map_or((1.0, [0.0; 3]), |scene| {
+            let [low, high] = scene.bounds.map(|b| b.as_dvec3());
+            let centre = 0.5 * (low + high) + glam::DVec3::from(scene.meta.origin);
+            ((high - low).length(), centre.to_array())
+        });
+        Stage { camera: self.camera.clone(), lights: self.lights.clone(), extent, centre }
+    }
+
+    /// Takes over what the controls changed; what cannot be used is dropped.
+    pub fn apply(&mut self, stage: Stage) {
+        // Controls only ever make small steps from a valid state.
+        let _ = self.set_camera(stage.camera);
+        let _ = self.set_lights(stage.lights);
+    }
+}
+
+pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
+    for (i, light) in lights.iter().enumerate() {
+        let source = light.source([0.0; 3]);
+        let finite = source.position.is_finite()
+            && source.direction.is_finite()
+            && source.intensity.is_finite()
+            && source.cone_scale.is_finite()
+            && source.cone_offset.is_finite();
+        if !finite || source.intensity.min_element() < 0.0 {
+            return Err(ViewerError::BadArgument(format!(
+                "light {i}: all numbers must be finite, intensity and colour not negative"
+            )));
+        }
+    }
+    let layers: u32 = lights.iter().map(|light| shadow_fit::layers(&light.source([0.0; 3]))).sum();
+    if layers > shadow_fit::MAX_LAYERS {
+        return Err(ViewerError::BadArgument(format!(
+            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, others one",
+            lights.len(),
+            shadow_fit::MAX_LAYERS
+        )));
+    }
+    Ok(())
+}
