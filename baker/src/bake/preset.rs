@@ -47,7 +47,7 @@ impl BakeSettings {
     pub fn new(preset: Preset) -> Self {
         let (levels, functions, rays, epsilon) = match preset {
             Preset::Draft => (5, 25_000, vec![2048, 2048, 1024, 512, 256], 0.008),
-            Preset::Standard => (6, 120_000, vec![4096, 4096, 2048, 1024, 512, 512], 0.008),
+            Preset::Standard => (6, 120_000, vec![4096, 4096, 2048, 1024, 512, 320], 0.008),
             Preset::Fine => (6, 250_000, vec![8192, 8192, 8192, 4096, 2048, 1024], 0.004),
         };
         Self {
@@ -55,7 +55,7 @@ impl BakeSettings {
             viewpoint: None,
             place: PlaceSettings { levels, functions, ..PlaceSettings::default() },
             operator: OperatorSettings {
-                sender_levels: 5,
+                sender_levels: levels,
                 epsilon,
                 rays,
                 significance: 0.5,
@@ -64,7 +64,7 @@ impl BakeSettings {
                 levels,
                 seed: 1,
             },
-            direct_levels: 5,
+            direct_levels: levels,
         }
     }
 

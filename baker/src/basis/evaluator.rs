@@ -37,7 +37,7 @@ impl Evaluator {
         let low = functions.iter().fold(Vec3::INFINITY, |m, f| m.min(f.position - f.radius));
         let low = if low.is_finite() { low } else { Vec3::ZERO };
         let largest = functions.iter().fold(0f32, |m, f| m.max(f.radius));
-        let cell_size = if largest > 0.0 { 0.5 * largest } else { 1.0 };
+        let cell_size = if largest > 0.0 { 0.75 * largest } else { 1.0 };
         let cells_of = |f: &Function| {
             // The box of an ellipsoid with semi-axes r, r and r / (1 + F_squash) along the normal.
             let flat = 1.0 / (1.0 + SQUASH);
