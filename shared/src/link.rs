@@ -132,6 +132,12 @@ impl Link {
         Self::pack(column, direction, vectors.irradiance(direction))
     }
 
+    /// The same link from the sender whose index has these low 16 bits.
+    #[inline]
+    pub fn at(self, column: u16) -> Self {
+        Self { column_direction: (self.column_direction & 0xffff_0000) | column as u32, ..self }
+    }
+
     /// True for a page change; false for a link.
     #[inline]
     pub fn is_page(self) -> bool {
@@ -167,6 +173,11 @@ impl Link {
     }
 }
 
+/// Number of links of a row or of many; page marks do not count.
+pub fn count(links: &[Link]) -> usize {
+    links.iter().filter(|link| !link.is_page()).count()
+}
+
 /// The links of one row, each with its full column index.
 pub fn columns(row: &[Link]) -> impl Iterator<Item = (usize, Link)> + '_ {
     let mut base = 0;
@@ -194,10 +205,7 @@ impl RowWriter {
             row.push(Link::page(page));
             self.page = page;
         }
-        row.push(Link {
-            column_direction: (link.column_direction & 0xffff_0000) | (column & 0xffff),
-            ..link
-        });
+        row.push(link.at(column as u16));
     }
 }
 

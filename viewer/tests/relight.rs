@@ -100,7 +100,7 @@ fn page_marks_lead_to_the_right_senders() {
             row
         })
         .collect();
-    scene.transport = LinkMatrix::new((0..).zip(rows.iter().map(Vec::as_slice)));
+    scene.transport = LinkMatrix::from_rows(&rows);
     assert!(scene.transport.links.iter().any(|l| l.is_page()), "the test needs page marks");
     for lanes in [1, 16, 64] {
         check(&gpu, &scene, lanes);

@@ -7,7 +7,6 @@ use crate::points::Points;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::Camera;
-use rebounce_shared::link::Link;
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::bulk::{Point, Vertex};
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Level, Meta};
@@ -26,9 +25,7 @@ pub(super) fn assemble(
     let (draws, indices) = draws(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let (low, high) = scene.bounds();
-    let senders =
-        points.levels[..settings.operator.sender_levels].last().map_or(0, |level| level.range().end);
-    let matrix = |rows: &[Vec<Link>]| LinkMatrix::new((0..).zip(rows.iter().map(Vec::as_slice)));
+    let senders = points.count_on(settings.operator.sender_levels);
     let mut cameras = scene.cameras.clone();
     if cameras.is_empty() {
         cameras.push(camera_at(scene.origin, viewpoint, low, high));
@@ -84,8 +81,8 @@ pub(super) fn assemble(
         push_entries: relations.push_entries,
         pull_offsets: relations.pull_offsets,
         pull_entries: relations.pull_entries,
-        transport: matrix(&operator.rows),
-        later: matrix(&operator.later),
+        transport: LinkMatrix::from_rows(&operator.rows),
+        later: LinkMatrix::from_rows(&operator.later),
     }
 }
 

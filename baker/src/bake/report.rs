@@ -4,6 +4,7 @@ use super::BakeSettings;
 use crate::operator::Operator;
 use crate::points::Points;
 use crate::scene::Scene;
+use rebounce_shared::link;
 use rebounce_shared::rbn::container::Section;
 use serde::Serialize;
 use std::fmt;
@@ -86,8 +87,6 @@ impl BakeReport {
     }
 
     pub(super) fn describe(&mut self, points: &Points, operator: &Operator, settings: &BakeSettings) {
-        let kept =
-            |row: &Vec<_>| row.iter().filter(|link: &&rebounce_shared::link::Link| !link.is_page()).count();
         self.levels = points
             .levels
             .iter()
@@ -96,7 +95,7 @@ impl BakeReport {
                 LevelReport {
                     functions: level.count as u64,
                     receivers: rows.iter().filter(|row| !row.is_empty()).count() as u64,
-                    links: rows.iter().map(|row| kept(row) as u64).sum(),
+                    links: rows.iter().map(|row| link::count(row) as u64).sum(),
                     disk_radius: level.disk_radius,
                 }
             })

@@ -56,10 +56,9 @@ impl Relations {
     /// of its share, so that a point averages the direct light around it and not beyond its
     /// neighbours. Averaging with the plain shares and interpolating again would blur it twice.
     fn add_children(&mut self, points: &Points, direct_levels: usize) {
-        let end = |levels: usize| points.levels[..levels].last().map_or(0, |l| l.first + l.count);
-        let parents = end(direct_levels.saturating_sub(1));
+        let parents = points.count_on(direct_levels.saturating_sub(1));
         let mut children: Vec<Vec<(u32, f32)>> = vec![Vec::new(); parents];
-        for j in 0..end(direct_levels) {
+        for j in 0..points.count_on(direct_levels) {
             let row = self.push().row(j);
             let total: f32 = row.iter().map(|e| e.weight()).sum();
             for entry in row {

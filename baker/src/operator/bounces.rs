@@ -111,11 +111,7 @@ fn series(rows: &[IrradianceRow], batch: &[u32], wanted: Option<u32>) -> (Vec<Li
     let zero = [[0f32; BATCH]; 3];
     let mut light = vec![zero; rows.len()];
     for (b, sender) in batch.iter().enumerate() {
-        light[*sender as usize] = std::array::from_fn(|c| {
-            let mut lane = light[*sender as usize][c];
-            lane[b] = 1.0;
-            lane
-        });
+        light[*sender as usize].iter_mut().for_each(|lane| lane[b] = 1.0);
     }
     let mut sums = vec![zero; rows.len()];
     let (mut total, mut last_energy, mut last_kept) = (0f32, 0f32, 0f32);

@@ -52,6 +52,14 @@ impl Sum {
         }
     }
 
+    fn pack(&self) -> Link {
+        Link::pack_vectors(0, &VectorRgb { rgb: self.0.map(Vec3::from) })
+    }
+
+    fn unpack(link: Link) -> Self {
+        Self(link.vectors().rgb.map(Vec3A::from))
+    }
+
     fn magnitude_squared(&self) -> f32 {
         self.0.iter().map(|v| v.length_squared()).sum::<f32>() / 3.0
     }
@@ -147,7 +155,7 @@ impl Tally {
     }
 
     /// The irradiance from each sender on a surface with this unit normal. What is not over
-    /// `least` is carried over to the next sender, as in [`GatherContext::choose`].
+    /// `least` is carried over to the next sender, as in [`choose`].
     fn irradiance_row(&self, normal: Vec3, least: f32) -> IrradianceRow {
         let normal = Vec3A::from(normal);
         let mut carried = Vec3::ZERO;
@@ -216,10 +224,9 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         gathered.links = choose(senders, Some(prediction), epsilon, noise);
         if level + 1 < self.settings.levels {
             for (column, link) in columns(&gathered.links) {
-                let direction = self.link_directions[(link.column_direction >> 16) as usize];
-                prediction.add_link(column, direction, link.magnitude());
+                prediction.add_link(column, self.direction(link), link.magnitude());
             }
-            gathered.value = choose(prediction, None, VALUE_EPSILON * epsilon, 0.0);
+            gathered.value = self.value(level, prediction);
         }
         senders.clear();
         prediction.clear();
@@ -235,10 +242,19 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         scratch: &mut Scratch,
     ) -> Gathered {
         self.predict(receiver, values, &mut scratch.prediction);
-        let epsilon = VALUE_EPSILON * self.settings.epsilon_on(level);
-        let value = choose(&scratch.prediction, None, epsilon, 0.0);
+        let value = self.value(level, &scratch.prediction);
         scratch.prediction.clear();
         Gathered { value, ..Gathered::default() }
+    }
+
+    /// A receiver's value as its children will subtract it.
+    fn value(&self, level: usize, sums: &Tally) -> Vec<Link> {
+        choose(sums, None, VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
+    }
+
+    #[inline]
+    fn direction(&self, link: Link) -> Vec3A {
+        self.link_directions[(link.column_direction >> 16) as usize]
     }
 
     /// Eq. 16: casts the rays and gives what each hit reflects to the functions that cover it.
@@ -290,7 +306,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         for parent in row {
             let turn = turning(self.points.points[parent.point()].normal, normal);
             for (column, link) in columns(&values[parent.point()]) {
-                let direction = turn * self.link_directions[(link.column_direction >> 16) as usize];
+                let direction = turn * self.direction(link);
                 prediction.add_link(column, direction, link.magnitude() * (parent.weight() / total));
             }
         }
@@ -318,16 +334,16 @@ fn choose(gathered: &Tally, prediction: Option<&Tally>, epsilon: f32, noise: f32
             carried.add_scaled(-1.0, &prediction.sums[sender as usize]);
         }
         if carried.magnitude_squared() > (noise * seen).max(epsilon * epsilon) {
-            let link = Link::pack_vectors(0, &VectorRgb { rgb: carried.0.map(Vec3::from) });
+            let link = carried.pack();
             writer.push(&mut row, sender, link);
             // What packing lost is carried over too.
-            carried.add_scaled(-1.0, &Sum(link.vectors().rgb.map(Vec3A::from)));
+            carried.add_scaled(-1.0, &Sum::unpack(link));
             seen = 0.0;
         }
     }
     if let Some(last) = row.last_mut() {
-        carried.add_scaled(1.0, &Sum(last.vectors().rgb.map(Vec3A::from)));
-        *last = Link::pack_vectors(last.column(), &VectorRgb { rgb: carried.0.map(Vec3::from) });
+        carried.add_scaled(1.0, &Sum::unpack(*last));
+        *last = carried.pack().at(last.column());
     }
     row
 }

@@ -11,7 +11,7 @@ pub mod gather;
 pub mod refine;
 
 use gather::IrradianceRow;
-use rebounce_shared::link::Link;
+use rebounce_shared::link::{self, Link};
 
 /// How the operator is computed.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,10 +88,6 @@ pub struct Operator {
 impl Operator {
     /// Number of links.
     pub fn link_count(&self) -> u64 {
-        self.rows
-            .iter()
-            .chain(&self.later)
-            .map(|row| row.iter().filter(|link| !link.is_page()).count() as u64)
-            .sum()
+        self.rows.iter().chain(&self.later).map(|row| link::count(row) as u64).sum()
     }
 }

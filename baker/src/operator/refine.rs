@@ -21,11 +21,10 @@ pub fn refine<S: Surfaces + ?Sized>(
     settings: &OperatorSettings,
     progress: &(impl Fn(usize, usize, usize) + Sync),
 ) -> Operator {
-    let end = |levels: usize| points.levels[..levels].last().map_or(0, |level| level.range().end);
     let basis = |levels: usize| Leveled::new((0..levels).map(|l| evaluator(points, l)).collect());
     let sender_levels = settings.sender_levels.min(points.levels.len());
     let coarse_levels = settings.later_levels.min(sender_levels);
-    let (sender_count, coarse_count) = (end(sender_levels), end(coarse_levels));
+    let (sender_count, coarse_count) = (points.count_on(sender_levels), points.count_on(coarse_levels));
     let context = GatherContext {
         surfaces,
         points,

@@ -26,8 +26,8 @@ pub struct Candidates<'a, S: Surfaces + ?Sized> {
 
 impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     /// Candidates for the surfaces seen, directly or not, from the `viewpoints` (local space), from
-    /// each in turn. The
-    /// first three bounces are dropped, or fewer where most particles leave an open scene sooner.
+    /// each in turn. The first three bounces are dropped, or fewer where most particles leave an open
+    /// scene sooner.
     pub fn new(surfaces: &'a S, viewpoints: &'a [Vec3], seed: u64) -> Self {
         let mut source = Self { surfaces, viewpoints, seed, next_particle: 0, dropped_bounces: 3 };
         while source.dropped_bounces > 0 {

@@ -52,3 +52,10 @@ pub struct Points {
     /// The points of all levels.
     pub points: Vec<SurfacePoint>,
 }
+
+impl Points {
+    /// Number of points on this many coarsest levels.
+    pub fn count_on(&self, levels: usize) -> usize {
+        self.levels[..levels].last().map_or(0, |level| level.range().end)
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::RbnError;
 use super::bulk::Row;
-use crate::link::{Link, columns};
+use crate::link::{self, Link, columns};
 
 /// Links by receiver.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +32,11 @@ impl LinkMatrix {
         matrix
     }
 
+    /// From all receivers' rows, the first one's first.
+    pub fn from_rows(rows: &[Vec<Link>]) -> Self {
+        Self::new((0..).zip(rows.iter().map(Vec::as_slice)))
+    }
+
     /// Receivers and their links, packed, in ascending order of the receiver.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &[Link])> + '_ {
         self.rows.windows(2).map(|w| {
@@ -41,7 +46,7 @@ impl LinkMatrix {
 
     /// Number of links, page marks not counted.
     pub fn link_count(&self) -> usize {
-        self.links.iter().filter(|link| !link.is_page()).count()
+        link::count(&self.links)
     }
 
     /// Checks that rows and columns are in order, and within this many receivers and senders.

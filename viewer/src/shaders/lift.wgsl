@@ -20,13 +20,9 @@ fn lift(@builtin(global_invocation_id) id: vec3u) {
     let i = step_.first + k;
     var sum = vec3f(0.0);
     if step_.extra == FROM_LINKS {
-        let normal = unpack_normal(points[i].normal);
-        for (var c = 0u; c < 3u; c++) {
-            let at = i * 9u + c * 3u;
-            sum[c] = dot(vec3f(values[at], values[at + 1u], values[at + 2u]), normal);
+        sum = value_irradiance(i, unpack_normal(points[i].normal));
+        for (var at = i * 9u; at < i * 9u + 9u; at++) {
             values[at] = 0.0;
-            values[at + 1u] = 0.0;
-            values[at + 2u] = 0.0;
         }
     } else {
         var total = 0.0;

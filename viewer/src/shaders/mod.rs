@@ -17,15 +17,15 @@ modules! {
     /// Links times irradiance.
     TRANSPORT: "octahedral" "link" "step" "transport";
     /// Later bounces to the senders.
-    LIFT: "octahedral" "link" "point" "step" "lift";
+    LIFT: "octahedral" "link" "point" "values" "step" "lift";
     /// Push.
-    PUSH: "octahedral" "link" "point" "step" "push";
+    PUSH: "octahedral" "link" "point" "values" "step" "push";
     /// Shadow maps.
     SHADOW: "material" "shadow";
     /// G-buffer.
     GBUFFER: "octahedral" "frame" "material" "gbuffer";
     /// Splats.
-    SPLAT: "octahedral" "point" "kernel" "frame" "splat";
+    SPLAT: "octahedral" "point" "values" "kernel" "frame" "splat";
     /// Pixels that no function has covered.
     HOLES: "holes";
     /// The tone-mapped picture.

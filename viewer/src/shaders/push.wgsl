@@ -6,11 +6,6 @@
 @group(0) @binding(3) var<storage, read> points: array<Point>;
 @group(0) @binding(4) var<storage, read_write> values: array<f32>;
 
-fn load(point: u32, channel: u32) -> vec3f {
-    let at = point * 9u + channel * 3u;
-    return vec3f(values[at], values[at + 1u], values[at + 2u]);
-}
-
 // As turn in shared/src/link.rs: v turned as the normal `a` turns into `b`.
 fn turn(v: vec3f, a: vec3f, b: vec3f) -> vec3f {
     let axis = cross(a, b);
@@ -38,17 +33,17 @@ fn push(@builtin(global_invocation_id) id: vec3u) {
         let parent_normal = unpack_normal(points[entry_point(entry)].normal);
         total += share;
         for (var c = 0u; c < 3u; c++) {
-            sum[c] += turn(load(entry_point(entry), c), parent_normal, normal) * share;
+            sum[c] += turn(value(entry_point(entry), c), parent_normal, normal) * share;
         }
     }
     if total <= 0.0 {
         return;
     }
     for (var c = 0u; c < 3u; c++) {
-        let value = load(i, c) + sum[c] / total;
+        let pushed = value(i, c) + sum[c] / total;
         let at = i * 9u + c * 3u;
-        values[at] = value.x;
-        values[at + 1u] = value.y;
-        values[at + 2u] = value.z;
+        values[at] = pushed.x;
+        values[at + 1u] = pushed.y;
+        values[at + 2u] = pushed.z;
     }
 }

@@ -20,12 +20,6 @@ struct Out {
     @location(2) @interpolate(flat) irradiance: vec3f,
 }
 
-// Vector irradiance of one channel.
-fn value(point: u32, channel: u32) -> vec3f {
-    let at = point * 9u + channel * 3u;
-    return vec3f(values[at], values[at + 1u], values[at + 2u]) * splat.scale;
-}
-
 // The support is an ellipsoid with the half axes r, r in the tangent plane and r / (1 + SQUASH) along
 // the normal. A plane p·x + d = 0 touches it where (p·centre + d)² = q(p, p); q is this form.
 fn support(a: vec3f, b: vec3f, normal: vec3f, radius: f32) -> f32 {
@@ -84,11 +78,7 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
     out.normal = normal;
     // Irradiance along the point's own normal: the vector was gathered over its hemisphere, and says
     // too little about others.
-    out.irradiance = vec3f(
-        dot(normal, value(instance, 0u)),
-        dot(normal, value(instance, 1u)),
-        dot(normal, value(instance, 2u)),
-    );
+    out.irradiance = splat.scale * value_irradiance(instance, normal);
     return out;
 }
 

@@ -156,5 +156,5 @@ fn links(receivers: u32, senders: u32, seed: u32) -> LinkMatrix {
         row
     };
     let rows: Vec<Vec<Link>> = (0..receivers).map(row).collect();
-    LinkMatrix::new((0..).zip(rows.iter().map(Vec::as_slice)))
+    LinkMatrix::from_rows(&rows)
 }
