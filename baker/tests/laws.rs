@@ -23,6 +23,7 @@ fn small_operator() -> OperatorSettings {
     OperatorSettings {
         sender_levels: 3,
         epsilon: 1e-3,
+        reflected: 1.0,
         rays: vec![1024, 512, 256, 256],
         significance: 0.5,
         bounces: None,

@@ -57,7 +57,7 @@ pub(super) fn assemble(
         bake: BakeInfo {
             preset: settings.preset.name().to_owned(),
             seed: settings.operator.seed,
-            epsilon: settings.operator.epsilon,
+            epsilon: settings.operator.epsilon * settings.operator.reflected,
             bounces: operator.bounces,
             rays: operator.rays,
             potential_links: senders as u64 * points.points.len() as u64,

@@ -8,7 +8,7 @@ pub use preset::{BakeSettings, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport};
 
 use crate::basis::Relations;
-use crate::operator::{bounces::add_later_bounces, refine::refine};
+use crate::operator::{bounces::add_later_bounces, refine::refine, reflected::reflected_share};
 use crate::points::{PlaceError, candidates::Candidates, place, viewpoint};
 use crate::scene::Scene;
 use crate::triangles::TriangleSurfaces;
@@ -88,7 +88,7 @@ pub fn bake(
     settings: &BakeSettings,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<(rbn::Scene, BakeReport), BakeError> {
-    let settings = settings.clone().normalised();
+    let mut settings = settings.clone().normalised();
     let tell = |stage, done: usize, total: usize, level| {
         progress(Progress { stage, done: done as u64, total: total as u64, level });
     };
@@ -113,6 +113,7 @@ pub fn bake(
     tell(Stage::Basis, 0, 0, 0);
     let relations = Relations::new(&points, settings.direct_levels);
     lap(&mut report, Stage::Basis);
+    settings.operator.reflected = reflected_share(&surfaces, &points, settings.operator.seed);
     let mut operator = refine(&surfaces, &points, &relations, &settings.operator, &|level, done, total| {
         tell(Stage::Links, done, total, level);
     });

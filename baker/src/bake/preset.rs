@@ -46,9 +46,9 @@ impl BakeSettings {
     /// A preset's values.
     pub fn new(preset: Preset) -> Self {
         let (levels, functions, rays, epsilon) = match preset {
-            Preset::Draft => (5, 25_000, vec![2048, 2048, 1024, 512, 256], 0.008),
-            Preset::Standard => (6, 120_000, vec![4096, 4096, 2048, 1024, 512, 320], 0.008),
-            Preset::Fine => (6, 250_000, vec![8192, 8192, 8192, 4096, 2048, 1024], 0.004),
+            Preset::Draft => (5, 25_000, vec![2048, 2048, 1024, 512, 256], 0.016),
+            Preset::Standard => (6, 120_000, vec![4096, 4096, 2048, 1024, 512, 320], 0.016),
+            Preset::Fine => (6, 250_000, vec![8192, 8192, 8192, 4096, 2048, 1024], 0.008),
         };
         Self {
             preset,
@@ -57,6 +57,7 @@ impl BakeSettings {
             operator: OperatorSettings {
                 sender_levels: levels,
                 epsilon,
+                reflected: 1.0,
                 rays,
                 significance: 0.5,
                 bounces: None,

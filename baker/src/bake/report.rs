@@ -26,8 +26,10 @@ pub struct BakeReport {
     pub functions: u64,
     /// Levels of senders.
     pub sender_levels: u64,
-    /// Link threshold ε.
+    /// Link threshold ε, a share of `reflected`.
     pub epsilon: f32,
+    /// The share of light that the scene's surfaces pass on to each other.
+    pub reflected: f32,
     /// Links kept.
     pub links: u64,
     /// Links kept for light that bounces again.
@@ -87,6 +89,7 @@ impl BakeReport {
     }
 
     pub(super) fn describe(&mut self, points: &Points, operator: &Operator, settings: &BakeSettings) {
+        self.reflected = settings.operator.reflected;
         self.levels = points
             .levels
             .iter()
@@ -143,13 +146,14 @@ impl fmt::Display for BakeReport {
         writeln!(f, "receivers     {} with links", rows.join(", "))?;
         writeln!(
             f,
-            "links         {} ({:.4}% of {} potential) and {} for later bounces, {} sender levels, epsilon {}",
+            "links         {} ({:.4}% of {} potential) and {} for later bounces, {} sender levels, epsilon {} of {:.2}",
             self.links,
             100.0 * self.link_share,
             self.potential_links,
             self.later_links,
             self.sender_levels,
-            self.epsilon
+            self.epsilon,
+            self.reflected
         )?;
         writeln!(f, "rays          {:.1} M", self.rays as f64 / 1e6)?;
         writeln!(f, "bounces       {}; {:.3}% of the light lost", self.bounces, 100.0 * self.lost_share)?;

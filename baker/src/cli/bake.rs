@@ -40,10 +40,10 @@ pub struct BakeArgs {
     /// Poisson-disk radius of the coarsest level, scene units; overrides --functions
     #[arg(long)]
     coarse_radius: Option<f32>,
-    /// Links weaker than this are dropped: irradiance per unit irradiance
+    /// Links weaker than this share of what the scene's surfaces reflect are given to a neighbour
     #[arg(long)]
     epsilon: Option<f32>,
-    /// Links under this many standard deviations of their noise are dropped
+    /// Links under this many standard deviations of their noise are given to a neighbour
     #[arg(long)]
     significance: Option<f32>,
     /// Rays per receiver, coarsest level first; the last number holds for finer levels

@@ -1,5 +1,6 @@
 //! The direct-to-indirect operator S (paper, section 3).
 //!
+//! * [`reflected`] – how bright the scene is, which ε is a share of;
 //! * [`directions`] – the rays of one hemispherical gather;
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`refine`] – the adaptive queue of Fig. 5: the one-bounce operator T;
@@ -9,6 +10,7 @@ pub mod bounces;
 pub mod directions;
 pub mod gather;
 pub mod refine;
+pub mod reflected;
 
 use gather::IrradianceRow;
 use rebounce_shared::link::{self, Link};
@@ -19,9 +21,14 @@ pub struct OperatorSettings {
     /// Senders are the functions of this many coarsest levels; direct light is sent by the finest
     /// of them that covers a place.
     pub sender_levels: usize,
-    /// ε on the finest level: links whose magnitude (irradiance per unit irradiance) is under it
-    /// are given to a neighbour. Smaller on coarser levels: see [`Self::epsilon_on`].
+    /// ε on the finest level, as a share of [`Self::reflected`]: links whose magnitude (irradiance per
+    /// unit irradiance) is under it are given to a neighbour. Smaller on coarser levels: see
+    /// [`Self::epsilon_on`].
     pub epsilon: f32,
+    /// The share of light that the scene's surfaces pass on to each other
+    /// ([`reflected::reflected_share`]); 1 for an absolute ε. Bounced light is weaker in a dark scene,
+    /// and so are the links that make it up.
+    pub reflected: f32,
     /// Levels that `epsilon` counts from.
     pub levels: usize,
     /// Rays per receiver, by level; the last entry holds for all finer levels.
@@ -38,21 +45,22 @@ pub struct OperatorSettings {
 }
 
 impl OperatorSettings {
-    /// ε on a level. A dropped link is an error over the receiver's support, whose area falls by
+    /// ε on a level, irradiance per unit irradiance. A dropped link is an error over the receiver's support, whose area falls by
     /// four per level; the same squared error for the same number of links lets ε double.
     pub fn epsilon_on(&self, level: usize) -> f32 {
-        self.epsilon * 0.5f32.powi((self.levels.max(1) - 1).saturating_sub(level) as i32)
+        let coarser = (self.levels.max(1) - 1).saturating_sub(level);
+        self.epsilon * self.reflected * 0.5f32.powi(coarser as i32)
     }
 
     /// The least entry of a row of irradiance between coarse functions, which all of a scene's later
     /// bounces go through: a smaller one is given to a neighbour.
     pub fn least_irradiance(&self) -> f32 {
-        self.epsilon / 8.0
+        self.epsilon * self.reflected / 8.0
     }
 
     /// ε of the links for later bounces: what they bring is averaged over all that a receiver sees.
     pub fn epsilon_later(&self) -> f32 {
-        self.epsilon / 4.0
+        self.epsilon * self.reflected / 4.0
     }
 
     /// Rays per receiver on a level.

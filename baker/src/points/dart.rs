@@ -58,6 +58,11 @@ impl DartBoard {
         self.points.is_empty()
     }
 
+    /// The points so far, in the order they came.
+    pub fn points(&self) -> &[SurfacePoint] {
+        &self.points
+    }
+
     /// The points, in the order they came.
     pub fn into_points(self) -> Vec<SurfacePoint> {
         self.points

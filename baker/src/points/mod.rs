@@ -2,10 +2,11 @@
 //!
 //! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
 //! viewpoint when none is given, [`dart`] throws the candidates as darts into one level's
-//! Poisson-disk distribution, [`place`] makes all levels.
+//! Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels.
 
 pub mod candidates;
 pub mod dart;
+mod fill;
 mod morton;
 pub mod place;
 pub mod viewpoint;

@@ -2,6 +2,7 @@
 
 use super::candidates::Candidates;
 use super::dart::DartBoard;
+use super::fill::fill;
 use super::{PointLevel, Points, SurfacePoint, morton};
 use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
@@ -89,16 +90,13 @@ pub fn place<S: Surfaces + ?Sized>(
         let finest = l + 1 == settings.levels;
         let overlap = if finest { settings.fine_overlap } else { settings.coarse_overlap };
         let mut board = DartBoard::new(disk_radius);
+        let fits = |candidate: &SurfacePoint| finest || !is_tight(surfaces, candidate, disk_radius);
         let mut failures = 0;
         let mut batch = std::mem::take(&mut pool);
         'level: loop {
             // In parallel, sort out what cannot pass; then, in order, throw what is left.
-            let hopeful: Vec<bool> = batch
-                .par_iter()
-                .map(|candidate| {
-                    board.is_free(candidate) && (finest || !is_tight(surfaces, candidate, disk_radius))
-                })
-                .collect();
+            let hopeful: Vec<bool> =
+                batch.par_iter().map(|candidate| board.is_free(candidate) && fits(candidate)).collect();
             for (candidate, hopeful) in batch.iter().zip(hopeful) {
                 if hopeful && board.is_free(candidate) {
                     board.insert(*candidate);
@@ -118,6 +116,10 @@ pub fn place<S: Surfaces + ?Sized>(
                 break;
             }
             batch = source.batch();
+        }
+        fill(surfaces, &mut board, disk_radius, settings.seed, fits);
+        if result.points.len() + board.len() > MAX_POINTS {
+            return Err(PlaceError::TooMany);
         }
         let mut points = board.into_points();
         let (low, high) = surfaces.bounds();
