@@ -36,8 +36,10 @@ impl Surfaces for BoxRoom {
         })
     }
 
-    fn transmittance(&self, _from: Vec3, _to: Vec3) -> f32 {
-        1.0
+    fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+        // A box is convex: what its inside does not hold is behind a wall.
+        let holds = |p: Vec3| p.cmpge(self.low).all() && p.cmple(self.high).all();
+        if holds(from) && holds(to) { 1.0 } else { 0.0 }
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {
