@@ -8,7 +8,7 @@ mod box_room;
 
 use box_room::BoxRoom;
 use glam::Vec3;
-use rebounce::basis::Evaluator;
+use rebounce::basis::{Evaluator, Support};
 use rebounce::points::{PlaceSettings, SurfacePoint, place};
 use rebounce::random::Stream;
 use rebounce_shared::kernel::weight;
@@ -16,13 +16,13 @@ use rstar::{AABB, RTree, RTreeObject};
 use std::time::Instant;
 
 /// A function's support as an R-tree stores it: the box of its flat ellipsoid.
-struct Support {
+struct Boxed {
     position: Vec3,
     normal: Vec3,
     radius: f32,
 }
 
-impl RTreeObject for Support {
+impl RTreeObject for Boxed {
     type Envelope = AABB<[f32; 3]>;
 
     fn envelope(&self) -> Self::Envelope {
@@ -42,9 +42,9 @@ fn main() {
     for (l, level) in points.levels.iter().enumerate() {
         let list = &points.points[level.range()];
         let radius = level.support_radius;
-        let grid = Evaluator::new(list.iter().map(|p| (p.position, p.normal, radius)), 0);
+        let grid = Evaluator::new(list.iter().map(|p| Support { position: p.position, normal: p.normal, radius, cuts: &[] }), 0);
         let tree = RTree::bulk_load(
-            list.iter().map(|p| Support { position: p.position, normal: p.normal, radius }).collect(),
+            list.iter().map(|p| Boxed { position: p.position, normal: p.normal, radius }).collect(),
         );
         let mut stream = Stream::new(5, l as u64);
         let queries: Vec<SurfacePoint> =

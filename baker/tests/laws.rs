@@ -4,9 +4,9 @@ mod box_room;
 
 use box_room::BoxRoom;
 use glam::Vec3;
-use rebounce::basis::{Evaluator, Relations};
+use rebounce::basis::{Evaluator, Relations, Support};
 use rebounce::operator::{Operator, OperatorSettings, bounces::add_later_bounces, refine::refine};
-use rebounce::points::{PlaceSettings, Points, place};
+use rebounce::points::{PlaceSettings, Points, SurfacePoint, place};
 use rebounce_shared::interpolation::mean;
 use rebounce_shared::kernel::distance_5d;
 use rebounce_shared::link::{Link, columns};
@@ -55,7 +55,13 @@ fn points_keep_their_poisson_distance_and_cover_the_room() {
             }
         }
         // Maximal: nearly every place is under some function.
-        let evaluator = Evaluator::new(list.iter().map(|p| (p.position, p.normal, level.support_radius)), 0);
+        let support = |p: &SurfacePoint| Support {
+            position: p.position,
+            normal: p.normal,
+            radius: level.support_radius,
+            cuts: &[],
+        };
+        let evaluator = Evaluator::new(list.iter().map(support), 0);
         let finest = &points.points[points.levels[3].range()];
         let covered =
             finest.iter().filter(|p| evaluator.gather(p.position, p.normal, |_, _| {}) > 0.0).count();

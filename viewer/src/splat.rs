@@ -9,6 +9,7 @@ use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
 use crate::shaders;
 use crate::timing::Stamps;
+use crate::upload::Upload;
 use std::ops::Range;
 use wgpu::{BufferUsages, CompareFunction, ShaderStages, TextureFormat};
 
@@ -50,7 +51,7 @@ impl SplatPass {
             gpu,
             "splat",
             stages,
-            &[Slot::Uniform, Slot::Uniform, Slot::Read, Slot::Read, Slot::Depth, Slot::TextureUint],
+            &[Slot::Uniform, Slot::Uniform, Slot::Read, Slot::Read, Slot::Depth, Slot::TextureUint, Slot::Read],
         );
         let depth = Some((CompareFunction::Greater, false));
         let pipeline = Draw {
@@ -89,13 +90,13 @@ impl SplatPass {
         SplatTarget { sums, holes: holes.create_view(&Default::default()), holes_group, bytes }
     }
 
-    /// The bind groups for a picture's `Frame`, a scene's points and values: for the pixels of the
+    /// The bind groups for a picture's `Frame`, a scene's points, their cuts and values: for the pixels of the
     /// G-buffer, and for those that are still holes.
     pub fn groups(
         &self,
         gpu: &Gpu,
         frame: &wgpu::Buffer,
-        points: &wgpu::Buffer,
+        upload: &Upload,
         values: &wgpu::Buffer,
         gbuffer: &GBuffer,
         target: &SplatTarget,
@@ -104,10 +105,11 @@ impl SplatPass {
             let resources = [
                 frame.as_entire_binding(),
                 self.uniform.as_entire_binding(),
-                points.as_entire_binding(),
+                upload.points.as_entire_binding(),
                 values.as_entire_binding(),
                 view(depth),
                 view(&gbuffer.surface),
+                upload.cuts.as_entire_binding(),
             ];
             group(gpu, "splat", &self.layout, &resources)
         })

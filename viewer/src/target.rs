@@ -50,7 +50,7 @@ impl Target {
             splat_groups: splat_pass.groups(
                 gpu,
                 &frame,
-                &scene.upload.points,
+                &scene.upload,
                 &scene.relight.values,
                 &gbuffer,
                 &splats,

@@ -37,7 +37,7 @@ fn triangle() -> Scene {
         },
         vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)],
         indices: vec![0, 1, 2],
-        points: vec![Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0 }],
+        points: vec![Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts: 0 }],
         push_offsets: vec![0, 0],
         pull_offsets: vec![0],
         ..Scene::default()

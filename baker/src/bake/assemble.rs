@@ -64,12 +64,18 @@ pub(super) fn assemble(
         },
     };
     let mut packed = Vec::with_capacity(points.points.len());
+    let mut cuts = Vec::new();
     for level in &points.levels {
-        packed.extend(points.points[level.range()].iter().map(|p| Point {
-            position: p.position.to_array(),
-            radius: level.support_radius,
-            normal: pack_snorm16(p.normal),
-        }));
+        for i in level.range() {
+            let (p, own) = (&points.points[i], points.cuts_of(i));
+            packed.push(Point {
+                position: p.position.to_array(),
+                radius: level.support_radius,
+                normal: pack_snorm16(p.normal),
+                cuts: Point::pack_cuts(cuts.len(), own.len()),
+            });
+            cuts.extend_from_slice(own);
+        }
     }
     rbn::Scene {
         meta,
@@ -77,6 +83,7 @@ pub(super) fn assemble(
         indices,
         texture_bytes,
         points: packed,
+        cuts,
         push_offsets: relations.push_offsets,
         push_entries: relations.push_entries,
         pull_offsets: relations.pull_offsets,

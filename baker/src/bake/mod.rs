@@ -9,7 +9,7 @@ pub use report::{BakeReport, LevelReport, SectionReport};
 
 use crate::basis::Relations;
 use crate::operator::{bounces::add_later_bounces, refine::refine, reflected::reflected_share};
-use crate::points::{PlaceError, candidates::Candidates, place, viewpoint};
+use crate::points::{PlaceError, candidates::Candidates, cut, place, viewpoint};
 use crate::scene::Scene;
 use crate::triangles::TriangleSurfaces;
 use glam::{DVec3, Vec3};
@@ -107,8 +107,9 @@ pub fn bake(
     let viewpoint = viewpoints[0];
     report.viewpoint = (DVec3::from(scene.origin) + viewpoint.as_dvec3()).to_array();
     lap(&mut report, Stage::Prepare);
-    let points =
+    let mut points =
         place(&surfaces, &viewpoints, &settings.place, |level, count| tell(Stage::Points, count, 0, level))?;
+    cut(&surfaces, &mut points);
     lap(&mut report, Stage::Points);
     tell(Stage::Basis, 0, 0, 0);
     let relations = Relations::new(&points, settings.direct_levels);

@@ -5,19 +5,36 @@
 
 use glam::{IVec3, Vec3};
 use rebounce_shared::kernel::{SQUASH, weight};
+use rebounce_shared::rbn::bulk::Cut;
 
-/// A function as queries read it. 32 bytes.
+/// A basis function.
+#[derive(Clone, Copy, Debug)]
+pub struct Support<'a> {
+    /// Its point, local space.
+    pub position: Vec3,
+    /// The point's unit normal.
+    pub normal: Vec3,
+    /// Radius of the support, scene units.
+    pub radius: f32,
+    /// Planes that end it.
+    pub cuts: &'a [Cut],
+}
+
+/// A function as queries read it. 40 bytes.
 #[derive(Clone, Copy, Debug)]
 struct Function {
     position: Vec3,
     radius: f32,
     normal: Vec3,
     index: u32,
+    first_cut: u32,
+    cut_count: u32,
 }
 
 /// Evaluates one level's functions.
 pub struct Evaluator {
     functions: Vec<Function>,
+    cuts: Vec<Cut>,
     cell_size: f32,
     low: Vec3,
     /// Open addressing: cell key and where its list begins and ends; `u64::MAX` is empty.
@@ -26,13 +43,17 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
-    /// Functions given as (position, unit normal, support radius); queries name them by
-    /// `first_index` + their place in this list.
-    pub fn new(functions: impl IntoIterator<Item = (Vec3, Vec3, f32)>, first_index: u32) -> Self {
+    /// Queries name functions by `first_index` + their place in this list.
+    pub fn new<'a>(functions: impl IntoIterator<Item = Support<'a>>, first_index: u32) -> Self {
+        let mut all_cuts = Vec::new();
         let functions: Vec<Function> = functions
             .into_iter()
             .zip(first_index..)
-            .map(|((position, normal, radius), index)| Function { position, radius, normal, index })
+            .map(|(Support { position, normal, radius, cuts }, index)| {
+                let (first_cut, cut_count) = (all_cuts.len() as u32, cuts.len() as u32);
+                all_cuts.extend_from_slice(cuts);
+                Function { position, radius, normal, index, first_cut, cut_count }
+            })
             .collect();
         let low = functions.iter().fold(Vec3::INFINITY, |m, f| m.min(f.position - f.radius));
         let low = if low.is_finite() { low } else { Vec3::ZERO };
@@ -73,11 +94,11 @@ impl Evaluator {
             start = end;
         }
         let lists = pairs.into_iter().map(|(_, i)| i).collect();
-        Self { functions, cell_size, low, table, lists }
+        Self { functions, cuts: all_cuts, cell_size, low, table, lists }
     }
 
     /// Calls `visit(index, weight)` for each function whose weight (Eq. 8) is positive at this
-    /// place, and returns the weights' sum: 0 where nothing covers it.
+    /// place and that no cut ends there, and returns the weights' sum: 0 where nothing covers it.
     #[inline]
     pub fn gather(&self, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
         let wanted = key(((position - self.low) / self.cell_size).floor().as_ivec3());
@@ -89,8 +110,10 @@ impl Evaluator {
             if key == wanted {
                 for &i in &self.lists[start as usize..end as usize] {
                     let f = &self.functions[i as usize];
-                    let w = weight(position - f.position, normal, f.normal, f.radius);
-                    if w > 0.0 {
+                    let offset = position - f.position;
+                    let w = weight(offset, normal, f.normal, f.radius);
+                    let cuts = &self.cuts[f.first_cut as usize..(f.first_cut + f.cut_count) as usize];
+                    if w > 0.0 && !cuts.iter().any(|cut| cut.ends(offset)) {
                         total += w;
                         visit(f.index, w);
                     }
@@ -157,11 +180,17 @@ mod tests {
     use super::*;
     use crate::random::Stream;
 
-    fn functions(n: u64) -> Vec<(Vec3, Vec3, f32)> {
+    fn functions(n: u64) -> Vec<Support<'static>> {
+        const CUT: &[Cut] = &[Cut { towards: [12.0, 5.0, 0.0] }, Cut { towards: [0.0, -9.0, 9.0] }];
         (0..n)
             .map(|i| {
                 let mut s = Stream::new(7, i);
-                (Vec3::new(s.unit(), s.unit(), s.unit()), s.sphere(), 0.1 + 0.1 * s.unit())
+                Support {
+                    position: Vec3::new(s.unit(), s.unit(), s.unit()),
+                    normal: s.sphere(),
+                    radius: 0.1 + 0.1 * s.unit(),
+                    cuts: &CUT[..(i % 3) as usize],
+                }
             })
             .collect()
     }
@@ -180,7 +209,8 @@ mod tests {
             let want: Vec<(u32, f32)> = functions
                 .iter()
                 .zip(10..)
-                .map(|(f, i)| (i, weight(x - f.0, n, f.1, f.2)))
+                .filter(|(f, _)| !f.cuts.iter().any(|cut| cut.ends(x - f.position)))
+                .map(|(f, i)| (i, weight(x - f.position, n, f.normal, f.radius)))
                 .filter(|e| e.1 > 0.0)
                 .collect();
             assert_eq!(got, want);
@@ -192,7 +222,7 @@ mod tests {
     #[test]
     fn weights_are_a_partition_of_unity_on_every_level() {
         let leveled = Leveled::new(vec![
-            Evaluator::new(functions(50).into_iter().map(|(x, n, r)| (x, n, 3.0 * r)), 0),
+            Evaluator::new(functions(50).into_iter().map(|f| Support { radius: 3.0 * f.radius, ..f }), 0),
             Evaluator::new(functions(800), 50),
         ]);
         let (mut out, mut fine, mut coarse) = (Vec::new(), 0, 0);

@@ -12,6 +12,6 @@
 mod evaluator;
 mod relations;
 
-pub use evaluator::{Evaluator, Leveled};
+pub use evaluator::{Evaluator, Leveled, Support};
 pub use relations::Relations;
 pub(crate) use relations::evaluator;

@@ -1,6 +1,6 @@
 //! Parents and children (paper, section 2.1), in the form that the file stores.
 
-use super::{Evaluator, Leveled};
+use super::{Evaluator, Leveled, Support};
 use crate::points::Points;
 use rayon::prelude::*;
 use rebounce_shared::interpolation::{Entry, Rows, pack_row};
@@ -76,9 +76,10 @@ impl Relations {
 /// The evaluator of one level.
 pub(crate) fn evaluator(points: &Points, level: usize) -> Evaluator {
     let level = &points.levels[level];
-    let radius = level.support_radius;
-    Evaluator::new(
-        points.points[level.range()].iter().map(|p| (p.position, p.normal, radius)),
-        level.first as u32,
-    )
+    let support = |i: usize| {
+        let p = &points.points[i];
+        let (radius, cuts) = (level.support_radius, points.cuts_of(i));
+        Support { position: p.position, normal: p.normal, radius, cuts }
+    };
+    Evaluator::new(level.range().map(support), level.first as u32)
 }

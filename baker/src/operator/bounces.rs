@@ -61,24 +61,30 @@ pub fn add_later_bounces(
         .map(|chunk| {
             let mut kept: Vec<IrradianceRow> = vec![Vec::new(); count];
             let mut carried = vec![Vec3::ZERO; count];
+            // The last sender that each receiver sees, however little: what is left is given to it.
+            let mut seen = vec![u32::MAX; count];
             for batch in chunk.chunks(BATCH) {
                 let (light, bounces) = series(coarse, batch, settings.bounces);
                 deepest.fetch_max(bounces, Ordering::Relaxed);
                 for (receiver, [red, green, blue]) in light.iter().enumerate() {
                     for (b, sender) in batch.iter().enumerate() {
-                        carried[receiver] += Vec3::new(red[b], green[b], blue[b]);
+                        let arriving = Vec3::new(red[b], green[b], blue[b]);
+                        if arriving == Vec3::ZERO {
+                            continue;
+                        }
+                        carried[receiver] += arriving;
+                        seen[receiver] = *sender;
                         if carried[receiver].max_element() > least {
                             kept[receiver].push((*sender, std::mem::take(&mut carried[receiver])));
                         }
                     }
                 }
             }
-            if let Some(&last) = chunk.last() {
-                for (kept, rest) in kept.iter_mut().zip(carried).filter(|(_, rest)| *rest != Vec3::ZERO) {
-                    match kept.last_mut() {
-                        Some((sender, sum)) if *sender == last => *sum += rest,
-                        _ => kept.push((last, rest)),
-                    }
+            for ((kept, rest), last) in kept.iter_mut().zip(carried).zip(seen) {
+                match kept.last_mut() {
+                    Some((sender, sum)) if *sender == last => *sum += rest,
+                    _ if rest != Vec3::ZERO => kept.push((last, rest)),
+                    _ => {}
                 }
             }
             let all = active.len();

@@ -2,9 +2,11 @@
 //!
 //! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
 //! viewpoint when none is given, [`dart`] throws the candidates as darts into one level's
-//! Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels.
+//! Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
+//! [`cut`] ends supports at walls.
 
 pub mod candidates;
+mod cut;
 pub mod dart;
 mod fill;
 mod morton;
@@ -12,6 +14,8 @@ pub mod place;
 pub mod viewpoint;
 
 use glam::Vec3;
+use rebounce_shared::rbn::bulk::Cut;
+pub use cut::cut;
 pub use place::{PlaceError, PlaceSettings, place};
 
 /// A point on a surface, local space, with its unit normals on the side that light reaches.
@@ -52,9 +56,16 @@ pub struct Points {
     pub levels: Vec<PointLevel>,
     /// The points of all levels.
     pub points: Vec<SurfacePoint>,
+    /// The planes that end each point's support, at most four a point; none before [`cut`].
+    pub cuts: Vec<Vec<Cut>>,
 }
 
 impl Points {
+    /// The planes that end a point's support.
+    pub fn cuts_of(&self, point: usize) -> &[Cut] {
+        self.cuts.get(point).map_or(&[], Vec::as_slice)
+    }
+
     /// Number of points on this many coarsest levels.
     pub fn count_on(&self, levels: usize) -> usize {
         self.levels[..levels].last().map_or(0, |level| level.range().end)

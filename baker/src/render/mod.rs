@@ -5,7 +5,7 @@
 //! evaluated exactly: `E(x, n) = max(0, n · Σ w_j V_j / Σ w_j)` (paper, Eq. 6 and 8), reflected
 //! with albedo / π.
 
-use crate::basis::{Evaluator, Leveled};
+use crate::basis::{Evaluator, Leveled, Support};
 use crate::light::direct;
 use crate::picture::expose::{Exposure, expose};
 use crate::picture::{Only, Picture};
@@ -38,8 +38,11 @@ impl Relit {
         let irradiance = relight::irradiance(scene, &relight::relight(scene, irradiance));
         let level = |l: usize| {
             let range = scene.level(l);
-            let functions = scene.points[range.clone()].iter().map(|p| (p.position(), p.normal(), p.radius));
-            Evaluator::new(functions, range.start as u32)
+            let support = |i: usize| {
+                let p = &scene.points[i];
+                Support { position: p.position(), normal: p.normal(), radius: p.radius, cuts: scene.cuts_of(i) }
+            };
+            Evaluator::new(range.clone().map(support), range.start as u32)
         };
         let basis = Leveled::new((0..scene.meta.levels.len()).map(level).collect());
         Self { lights, irradiance, basis }

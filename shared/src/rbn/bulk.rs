@@ -6,6 +6,7 @@
 //! | `INDX` | `u32` | corner of a triangle; triangles are grouped by [`Draw`](super::meta::Draw) |
 //! | `TEXD` | bytes | textures as they came, one after another (PNG, JPEG) |
 //! | `PNTS` | [`Point`] | basis function, level after level |
+//! | `CUTS` | [`Cut`] | plane that ends a basis function's support |
 //! | `PUSO`, `PUSE` | `u32`, [`Entry`](crate::interpolation::Entry) | push rows: a point's value from its parents' |
 //! | `PULO`, `PULE` | `u32`, [`Entry`](crate::interpolation::Entry) | pull rows: a point's direct light from its children's |
 //! | `ROWS` | [`Row`] | receiver with links, and one past the end |
@@ -26,7 +27,7 @@ pub struct Vertex {
     pub uv: [f32; 2],
 }
 
-/// A basis function: its point and support. 20 bytes.
+/// A basis function: its point and support. 24 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Point {
@@ -36,9 +37,48 @@ pub struct Point {
     pub radius: f32,
     /// Unit normal, octahedral snorm16x2.
     pub normal: u32,
+    /// Where the support's cuts are in section `CUTS`: eight times the index of the first, plus their
+    /// number.
+    pub cuts: u32,
+}
+
+/// Planes that cut one support off, at most.
+pub const MAX_CUTS: usize = 4;
+
+/// A plane that ends a support. 12 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Cut {
+    /// From the point at right angles to the plane; its length is one over the distance.
+    pub towards: [f32; 3],
+}
+
+impl Cut {
+    /// The plane at this `distance` (positive, scene units) from the point in a unit direction.
+    pub fn new(towards: Vec3, distance: f32) -> Self {
+        Self { towards: (towards / distance).to_array() }
+    }
+
+    /// True behind the plane; `offset` is from the point, scene units.
+    #[inline]
+    pub fn ends(&self, offset: Vec3) -> bool {
+        Vec3::from(self.towards).dot(offset) > 1.0
+    }
 }
 
 impl Point {
+    /// [`Self::cuts`] for a support with this many cuts.
+    pub fn pack_cuts(first: usize, count: usize) -> u32 {
+        (first as u32) << 3 | count as u32
+    }
+
+    /// Where the support's cuts are in section `CUTS`.
+    #[inline]
+    pub fn cuts(&self) -> std::ops::Range<usize> {
+        let first = (self.cuts >> 3) as usize;
+        first..first + (self.cuts & 7) as usize
+    }
+
     /// Position as a vector.
     #[inline]
     pub fn position(&self) -> Vec3 {

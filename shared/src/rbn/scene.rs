@@ -1,6 +1,6 @@
 //! A whole .rbn file in memory.
 
-use super::bulk::{Point, Vertex};
+use super::bulk::{Cut, MAX_CUTS, Point, Vertex};
 use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
 use super::{RbnError, container};
@@ -21,6 +21,8 @@ pub struct Scene {
     pub texture_bytes: Vec<u8>,
     /// Basis functions, level after level.
     pub points: Vec<Point>,
+    /// Planes that end the points' supports.
+    pub cuts: Vec<Cut>,
     /// Push rows, one per point and one past the end: where each begins in `push_entries`.
     /// A row interpolates the values of a point's parents at the point; level 0's are empty.
     pub push_offsets: Vec<u32>,
@@ -39,9 +41,9 @@ pub struct Scene {
 }
 
 /// Names of the sections, in file order.
-pub const SECTIONS: [[u8; 4]; 13] = [
-    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"PUSO", *b"PUSE", *b"PULO", *b"PULE", *b"ROWS", *b"LINK",
-    *b"LROW", *b"LLNK", *b"TEXD",
+pub const SECTIONS: [[u8; 4]; 14] = [
+    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSO", *b"PUSE", *b"PULO", *b"PULE", *b"ROWS",
+    *b"LINK", *b"LROW", *b"LLNK", *b"TEXD",
 ];
 
 impl Scene {
@@ -71,6 +73,11 @@ impl Scene {
         self.meta.levels.len().checked_sub(1).map_or(0..0, |finest| self.level(finest))
     }
 
+    /// The planes that end the support of point `i`.
+    pub fn cuts_of(&self, i: usize) -> &[Cut] {
+        &self.cuts[self.points[i].cuts()]
+    }
+
     fn first_of_level(&self, l: u32) -> usize {
         self.meta.levels.get(l as usize).map_or(self.points.len(), |level| level.first as usize)
     }
@@ -98,11 +105,12 @@ impl Scene {
     pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
         self.check()?;
         let meta = meta::encode(&self.meta)?;
-        let contents: [&[u8]; 13] = [
+        let contents: [&[u8]; 14] = [
             &meta,
             bytemuck::cast_slice(&self.vertices),
             bytemuck::cast_slice(&self.indices),
             bytemuck::cast_slice(&self.points),
+            bytemuck::cast_slice(&self.cuts),
             bytemuck::cast_slice(&self.push_offsets),
             bytemuck::cast_slice(&self.push_entries),
             bytemuck::cast_slice(&self.pull_offsets),
@@ -136,6 +144,7 @@ impl Scene {
             vertices: records("VERT", bytes(*b"VERT")?)?,
             indices: records("INDX", bytes(*b"INDX")?)?,
             points: records("PNTS", bytes(*b"PNTS")?)?,
+            cuts: records("CUTS", bytes(*b"CUTS")?)?,
             push_offsets: records("PUSO", bytes(*b"PUSO")?)?,
             push_entries: records("PUSE", bytes(*b"PUSE")?)?,
             pull_offsets: records("PULO", bytes(*b"PULO")?)?,
@@ -222,6 +231,12 @@ impl Scene {
         }
         if !self.points.iter().all(|p| finite(&p.position) && p.radius.is_finite() && p.radius > 0.0) {
             return Err(bad("PNTS", "a number is not finite"));
+        }
+        if !self.points.iter().all(|p| p.cuts().len() <= MAX_CUTS && p.cuts().end <= self.cuts.len()) {
+            return Err(bad("PNTS", "a cut lies outside section CUTS"));
+        }
+        if !self.cuts.iter().all(|cut| finite(&cut.towards)) {
+            return Err(bad("CUTS", "a number is not finite"));
         }
         check_rows("PUSO", &self.push_offsets, &self.push_entries, self.points.len(), self.points.len())?;
         // Parents come before their children, so that the push can go level by level.

@@ -1,4 +1,4 @@
-// A basis function, as section PNTS stores it: 20 bytes.
+// A basis function, as section PNTS stores it: 24 bytes.
 
 struct Point {
     x: f32,
@@ -6,6 +6,8 @@ struct Point {
     z: f32,
     radius: f32,
     normal: u32,
+    // Eight times the index of its first cut, plus their number.
+    cuts: u32,
 }
 
 fn point_position(p: Point) -> vec3f {

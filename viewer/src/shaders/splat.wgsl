@@ -12,12 +12,14 @@ struct Splat {
 @group(0) @binding(3) var<storage, read> values: array<f32>;
 @group(0) @binding(4) var depth_texture: texture_depth_2d;
 @group(0) @binding(5) var surface_texture: texture_2d<u32>;
+@group(0) @binding(6) var<storage, read> cuts: array<f32>;
 
 struct Out {
     @builtin(position) position: vec4f,
     @location(0) @interpolate(flat) centre: vec4f,
     @location(1) @interpolate(flat) normal: vec3f,
     @location(2) @interpolate(flat) irradiance: vec3f,
+    @location(3) @interpolate(flat) cuts: u32,
 }
 
 // The support is an ellipsoid with the half axes r, r in the tangent plane and r / (1 + SQUASH) along
@@ -76,6 +78,7 @@ fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) instance:
     out.position = vec4f(at, min(1.0, frame.near / max(nearest, frame.near)), 1.0);
     out.centre = vec4f(centre, p.radius);
     out.normal = normal;
+    out.cuts = p.cuts;
     // Irradiance along the point's own normal: the vector was gathered over its hemisphere, and says
     // too little about others.
     out.irradiance = splat.scale * value_irradiance(instance, normal);
@@ -94,6 +97,12 @@ fn fragment(in: Out) -> @location(0) vec4f {
     // Most of a quad lies outside the support: no more work there.
     if squashed_distance_squared(offset, in.normal) >= in.centre.w * in.centre.w {
         discard;
+    }
+    for (var i = 0u; i < (in.cuts & 7u); i++) {
+        let k = 3u * ((in.cuts >> 3u) + i);
+        if dot(vec3f(cuts[k], cuts[k + 1u], cuts[k + 2u]), offset) > 1.0 {
+            discard;
+        }
     }
     let normal = unpack_normal(textureLoad(surface_texture, pixel, 0).x);
     let w = weight(offset, normal, in.normal, in.centre.w);

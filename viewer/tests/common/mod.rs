@@ -72,6 +72,7 @@ pub fn room(sides: &[u32]) -> Scene {
                     position: (-*normal + *u * a + *v * b).to_array(),
                     radius: 1.6 * spacing,
                     normal: pack_snorm16(*normal),
+                    cuts: 0,
                 });
             }
         }

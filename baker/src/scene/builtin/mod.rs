@@ -2,13 +2,15 @@
 
 mod cornell_box;
 mod furnace;
+mod library;
+mod two_rooms;
 
 use super::{Scene, SceneError, WorldMesh};
 use glam::{DVec3, Vec2};
 use rebounce_shared::rbn::meta::Material;
 
 /// The names after `builtin:`.
-pub const NAMES: [&str; 2] = ["cornell-box", "furnace"];
+pub const NAMES: [&str; 5] = ["cornell-box", "furnace", "library", "two-rooms", "two-rooms-door"];
 
 /// Generates the built-in scene of this name.
 ///
@@ -18,6 +20,9 @@ pub fn load(name: &str) -> Result<Scene, SceneError> {
     match name {
         "cornell-box" => Ok(cornell_box::scene()),
         "furnace" => Ok(furnace::scene()),
+        "library" => Ok(library::scene()),
+        "two-rooms" => Ok(two_rooms::scene(false)),
+        "two-rooms-door" => Ok(two_rooms::scene(true)),
         _ => {
             let known = NAMES.map(|n| format!("builtin:{n}")).join(", ");
             Err(SceneError::UnknownBuiltin { name: name.to_owned(), known })
@@ -30,7 +35,36 @@ fn matt(name: &str, [r, g, b]: [f32; 3]) -> Material {
     Material { name: name.to_owned(), base_color: [r, g, b, 1.0], ..Material::default() }
 }
 
+/// Adds a box with edges along the axes, seen from outside.
+fn block(mesh: &mut WorldMesh, low: DVec3, high: DVec3, material: u32) {
+    mesh.faces(low, high, [material; 6], false);
+}
+
 impl WorldMesh {
+    /// Adds a box with edges along the axes, seen from within. Materials of the faces at least y,
+    /// greatest y, least z, least x, greatest x, greatest z.
+    fn room(&mut self, low: DVec3, high: DVec3, [floor, ceiling, back, left, right, front]: [u32; 6]) {
+        self.faces(low, high, [left, floor, back, right, ceiling, front], true);
+    }
+
+    /// The faces of a box at least x, y, z and greatest x, y, z.
+    fn faces(&mut self, low: DVec3, high: DVec3, materials: [u32; 6], inward: bool) {
+        for (k, material) in materials.into_iter().enumerate() {
+            let (axis, is_high) = (k % 3, k >= 3);
+            let corner = |u: bool, v: bool| {
+                let mut p = low;
+                p[axis] = if is_high { high[axis] } else { low[axis] };
+                p[(axis + 1) % 3] = if u { high } else { low }[(axis + 1) % 3];
+                p[(axis + 2) % 3] = if v { high } else { low }[(axis + 2) % 3];
+                p
+            };
+            let round = [corner(false, false), corner(true, false), corner(true, true), corner(false, true)];
+            // Counter-clockwise seen from +axis, where the greater face's outside is.
+            let [a, b, c, d] = round;
+            self.quad(if is_high != inward { round } else { [d, c, b, a] }, material);
+        }
+    }
+
     /// Adds a flat quadrilateral, its corners counter-clockwise seen from the front.
     fn quad(&mut self, corners: [DVec3; 4], material: u32) {
         let [a, b, c, _] = corners;

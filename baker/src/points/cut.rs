@@ -1,0 +1,114 @@
+//! Cutting supports off at walls.
+//!
+//! The support of a function reaches through whatever stands within it: a floor's function under a
+//! wall into the next room, a cushion's through the cloth above it. The paper admits such leaks
+//! (section 5.2). Here rays from each point find what ends its sight along the surface; where nearly
+//! all of the support behind such a surface is out of sight, its plane cuts the support off there. So
+//! the weights themselves keep rooms apart – of senders, parents and pictures alike.
+
+use super::{Points, SurfacePoint};
+use crate::random::mix;
+use crate::surface::{Ray, Surfaces};
+use glam::Vec3;
+use rayon::prelude::*;
+use rebounce_shared::kernel::SQUASH;
+use rebounce_shared::rbn::bulk::{Cut, MAX_CUTS};
+
+/// Rays along the surface.
+const RAYS: usize = 24;
+/// Places looked at along each, at equal areas.
+const PLACES: usize = 8;
+/// Height of the rays, over the support radius: what is lower casts no cut.
+const LIFT: f32 = 0.08;
+/// Surfaces that turn up less than this (cosine of the angle to the normal) stand in the way; others
+/// are the point's own surface, curved.
+const STANDING: f32 = 0.35;
+/// A plane cuts if at least this share of the places behind it is out of sight.
+const HIDDEN: f32 = 0.75;
+/// And if it takes at least this many places (of RAYS · PLACES) that no other cut takes.
+const LEAST_PLACES: usize = 4;
+/// Planes lie this far behind the surface, over the support radius.
+const MARGIN: f32 = 2e-3;
+
+/// Finds the cuts of all points' supports. The same points give the same cuts.
+pub fn cut<S: Surfaces + ?Sized>(surfaces: &S, points: &mut Points) {
+    points.cuts = points
+        .levels
+        .iter()
+        .flat_map(|level| level.range().map(|i| (i, level.support_radius)))
+        .collect::<Vec<_>>()
+        .into_par_iter()
+        .map(|(i, radius)| cuts_of(surfaces, &points.points[i], radius, mix(i as u64) as u32))
+        .collect();
+}
+
+/// A point's sight along its surface.
+struct Sight {
+    /// Unit directions.
+    directions: [Vec3; RAYS],
+    /// How far each is free, over the support radius; 1 or more where all of it is.
+    free: [f32; RAYS],
+}
+
+impl Sight {
+    fn places(&self) -> impl Iterator<Item = (Vec3, bool)> + '_ {
+        self.directions.iter().zip(&self.free).flat_map(|(direction, free)| {
+            (0..PLACES).map(move |k| {
+                let distance = ((k as f32 + 0.5) / PLACES as f32).sqrt();
+                (*direction * distance, distance > *free)
+            })
+        })
+    }
+}
+
+fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32, seed: u32) -> Vec<Cut> {
+    let normal = point.normal;
+    let margin = MARGIN * radius + surfaces.epsilon();
+    let floor = point.position + point.geometric_normal * surfaces.epsilon();
+    let mut cuts = Vec::new();
+    // Straight up, as far as the support reaches: a lid ends everything.
+    let height = radius / (1.0 + SQUASH);
+    let lid = surfaces.cast(&Ray { origin: floor, direction: normal, max_distance: height }, seed);
+    if let Some(lid) = &lid {
+        cuts.push(Cut::new(normal, lid.distance + margin));
+    }
+    let lift = (LIFT * radius).min(lid.map_or(f32::INFINITY, |lid| 0.5 * lid.distance));
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let mut sight = Sight { directions: [Vec3::ZERO; RAYS], free: [f32::INFINITY; RAYS] };
+    let mut planes: Vec<(Vec3, f32)> = Vec::new();
+    for k in 0..RAYS {
+        let (sin, cos) = (k as f32 / RAYS as f32 * std::f32::consts::TAU).sin_cos();
+        let direction = tangent * cos + bitangent * sin;
+        sight.directions[k] = direction;
+        let ray = Ray { origin: floor + normal * lift, direction, max_distance: radius };
+        let Some(hit) = surfaces.cast(&ray, seed) else { continue };
+        let facing = hit.geometric_normal * -hit.geometric_normal.dot(direction).signum();
+        if facing.dot(normal) > STANDING {
+            continue;
+        }
+        sight.free[k] = hit.distance / radius;
+        let distance = (point.position - hit.position).dot(facing);
+        let is_known = |(n, d): &(Vec3, f32)| n.dot(facing) > 0.99 && (d - distance).abs() < margin;
+        if !planes.iter().any(is_known) {
+            planes.push((facing, distance));
+        }
+    }
+    // The greediest plane first.
+    let mut left: Vec<(Vec3, bool)> = sight.places().collect();
+    while cuts.len() < MAX_CUTS {
+        let behind = |(facing, distance): &(Vec3, f32), place: Vec3| -place.dot(*facing) * radius > *distance;
+        let gain = |plane: &(Vec3, f32)| {
+            let (mut hidden, mut all) = (0, 0);
+            for (_, is_hidden) in left.iter().filter(|(place, _)| behind(plane, *place)) {
+                all += 1;
+                hidden += *is_hidden as usize;
+            }
+            if hidden as f32 >= HIDDEN * all as f32 { hidden } else { 0 }
+        };
+        let best = planes.iter().map(|plane| (gain(plane), plane)).max_by_key(|(gain, _)| *gain);
+        let Some((_, plane)) = best.filter(|(gain, _)| *gain >= LEAST_PLACES) else { break };
+        cuts.push(Cut::new(-plane.0, plane.1.max(0.0) + margin));
+        left.retain(|(place, _)| !behind(plane, *place));
+    }
+    cuts
+}
