@@ -1,4 +1,3 @@
-//! Tests that span crates, and what they need: pictures of linear radiance, compared.
+//! Tests that span crates, and what they need: pictures of linear radiance, from the browser too.
 
-pub mod difference;
 pub mod float_picture;

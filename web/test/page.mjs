@@ -182,13 +182,13 @@ async function light(harness, context) {
       const { file, difference } = await agreement(page, context, name, shot, SIZE, FINER);
       console.log(`    ${name}: ${JSON.stringify(difference)}`);
       files.push(file);
-      const rms = difference.relative_rms;
+      const rms = difference.error;
       check(rms <= TOLERANCE, `relative RMS difference ${rms}, at most ${TOLERANCE} is allowed`);
     });
   }
   await harness.test("page::moving_the_light_changes_the_picture", async () => {
     equal(files.length, 2, "pictures");
-    const { relative_rms: rms } = await difference(context, files[0], files[1]);
+    const { error: rms } = await difference(context, files[0], files[1]);
     check(rms > 0.3, `the two shots differ by ${rms} only`);
     const told = await page.evaluate(() => events.filter((event) => event.type === "light-change").length);
     check(told > 0, "no light-change event");

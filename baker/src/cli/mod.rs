@@ -1,6 +1,7 @@
 //! The verbs of the command line, one a file. They read arguments, call the library and print.
 
 pub mod bake;
+pub mod compare;
 mod http;
 pub mod info;
 mod picture;
@@ -31,6 +32,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Takes a picture of a scene with a brute-force path tracer, to compare with
     Reference(reference::ReferenceArgs),
+    /// Says how far a picture is from its reference
+    Compare(compare::CompareArgs),
     /// Shows a baked scene in the browser, from this machine
     View(view::ViewArgs),
 }
@@ -42,6 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Command::Info(args) => info::run(args),
         Command::Render(args) => render::run(args),
         Command::Reference(args) => reference::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::View(args) => view::run(args),
     }
 }

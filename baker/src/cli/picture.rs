@@ -4,13 +4,14 @@ use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use rebounce::picture::expose::Exposure;
-use rebounce::picture::{Only, Picture, check_name};
+use rebounce::picture::{Only, Picture, check_name, png};
 use rebounce::shot;
+use rebounce::write::write_whole;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::shot::Shot;
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -100,6 +101,21 @@ pub fn shot_or_own(shot: Option<Shot>, spec: &str, cameras: &[Camera], lights: &
         anyhow::bail!("{spec} has no light: give some with --shot SHOT.json");
     }
     Ok(Shot { scene: None, size: [640, 360], camera: camera.clone(), lights: lights.to_vec() })
+}
+
+/// Writes a PNG of pictures side by side: those of radiance with the first one's exposure, then those
+/// that are shown as they are.
+pub fn write_panel(out: &Path, radiance: Option<&[&Picture]>, as_they_are: &[&Picture]) -> Result<()> {
+    if out.extension().is_none_or(|e| e != "png") {
+        anyhow::bail!("{}: such a picture is a PNG, its name must end in .png", out.display());
+    }
+    let radiance = radiance.unwrap_or_default();
+    let exposure = radiance.first().map_or(1.0, |first| png::automatic_exposure(first));
+    let developed: Vec<Picture> = radiance.iter().map(|p| png::developed(p, exposure)).collect();
+    let all: Vec<&Picture> = developed.iter().chain(as_they_are.iter().copied()).collect();
+    let name = || out.display().to_string();
+    let bytes = png::encode_display(&Picture::beside(&all)).map_err(anyhow::Error::msg).with_context(name)?;
+    write_whole(out, &bytes).with_context(name)
 }
 
 /// Counts rows: a bar with the time left on a terminal, a line every ten seconds when piped.

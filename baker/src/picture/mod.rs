@@ -1,9 +1,11 @@
 //! Pictures: taken, read, written.
 //!
+//! * [`compare`] – how far one is from another;
 //! * [`expose`] – averages the samples of each pixel;
 //! * [`exr`] – linear radiance, the form for measuring;
 //! * [`png`] – tone mapped, the form for looking.
 
+pub mod compare;
 pub mod expose;
 pub mod exr;
 pub mod png;
@@ -73,6 +75,29 @@ fn extension(path: &Path) -> String {
 }
 
 impl Picture {
+    /// The mean of two pictures of the same size.
+    pub fn mean(&self, other: &Self) -> Self {
+        let pixels = self.pixels.iter().zip(&other.pixels).map(|(a, b)| 0.5 * (a + b)).collect();
+        Self { pixels, ..*self }
+    }
+
+    /// Pictures of the same height side by side.
+    pub fn beside(pictures: &[&Self]) -> Self {
+        let height = pictures.iter().map(|p| p.height).min().unwrap_or(0);
+        let row = |y: u32| {
+            let part = move |p: &&Self| {
+                let first = (y * p.width) as usize;
+                p.pixels[first..first + p.width as usize].to_vec()
+            };
+            pictures.iter().flat_map(part)
+        };
+        Self {
+            width: pictures.iter().map(|p| p.width).sum(),
+            height,
+            pixels: (0..height).flat_map(row).collect(),
+        }
+    }
+
     /// Writes an EXR or a PNG, as the name's ending says, whole or not at all.
     ///
     /// # Errors

@@ -43,10 +43,20 @@ fn srgb(c: f32) -> u8 {
     (encoded * 255.0 + 0.5) as u8
 }
 
+/// An exposed, tone-mapped picture: linear RGB from 0 to 1.
+pub fn developed(picture: &Picture, exposure: f32) -> Picture {
+    let pixels = picture.pixels.iter().map(|&p| tone_map(p * exposure)).collect();
+    Picture { pixels, ..*picture }
+}
+
 /// The bytes of a PNG file.
 pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, String> {
-    let exposure = automatic_exposure(picture);
-    let raw = picture.pixels.iter().flat_map(|&p| tone_map(p * exposure).to_array().map(srgb)).collect();
+    encode_display(&developed(picture, automatic_exposure(picture)))
+}
+
+/// The bytes of a PNG file of linear RGB from 0 to 1, shown as it is.
+pub fn encode_display(picture: &Picture) -> Result<Vec<u8>, String> {
+    let raw = picture.pixels.iter().flat_map(|p| p.to_array().map(srgb)).collect();
     let image = image::RgbImage::from_raw(picture.width, picture.height, raw)
         .ok_or("the picture's size does not fit its pixels")?;
     let mut bytes = std::io::Cursor::new(Vec::new());

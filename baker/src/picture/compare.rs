@@ -1,0 +1,178 @@
+//! How far one picture is from another.
+
+use super::Picture;
+use glam::Vec3;
+
+/// Side of the blocks that [`Comparison::p95`] is measured over, pixels.
+const BLOCK: u32 = 8;
+
+/// How far a picture is from its reference, over the pixels in which the reference is not black.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Comparison {
+    /// Root mean square of the difference over the reference's root mean square; 0 is perfect.
+    pub error: f64,
+    /// The picture's mean over the reference's, less one; 0 is perfect.
+    pub bias: f64,
+    /// 95th percentile, over blocks of 8 by 8 pixels, of the difference of the blocks' means over the
+    /// reference's mean: leaks and blotches.
+    pub p95: f64,
+}
+
+/// Why two pictures cannot be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// Their sizes differ.
+    #[error("the picture is {0}x{1}, the reference {2}x{3}: take both at the same --size")]
+    Size(u32, u32, u32, u32),
+    /// A value of the picture is not finite.
+    #[error("{0} values of the picture are not finite")]
+    NotFinite(usize),
+    /// Nothing could be far from it.
+    #[error("the reference is black: take it of a place with light")]
+    Black,
+}
+
+/// Compares RGB. Given a second reference with noise of its own, its and the first one's noise cancel
+/// out of the error: `E[(p − a)(p − b)] = (p − truth)²`.
+///
+/// # Errors
+/// [`CompareError`].
+pub fn compare(
+    picture: &Picture,
+    reference: &Picture,
+    second: Option<&Picture>,
+) -> Result<Comparison, CompareError> {
+    let second = second.unwrap_or(reference);
+    for other in [reference, second] {
+        if (picture.width, picture.height) != (other.width, other.height) {
+            return Err(CompareError::Size(picture.width, picture.height, other.width, other.height));
+        }
+    }
+    let bad = picture.pixels.iter().filter(|p| !p.is_finite()).count();
+    if bad > 0 {
+        return Err(CompareError::NotFinite(bad));
+    }
+    let (mut squares, mut power, mut sum, mut reference_sum, mut seen) = (0.0, 0.0, 0.0, 0.0, 0u64);
+    for ((p, a), b) in picture.pixels.iter().zip(&reference.pixels).zip(&second.pixels) {
+        let (p, a, b) = (p.as_dvec3(), a.as_dvec3(), b.as_dvec3());
+        if (a + b).element_sum() > 0.0 {
+            squares += (p - a).dot(p - b);
+            power += a.dot(b);
+            sum += p.element_sum();
+            reference_sum += 0.5 * (a + b).element_sum();
+            seen += 1;
+        }
+    }
+    if power <= 0.0 || reference_sum <= 0.0 {
+        return Err(CompareError::Black);
+    }
+    let mean = reference_sum / (3 * seen) as f64;
+    let mut local = blocks(picture, reference, second);
+    local.iter_mut().for_each(|difference| *difference /= mean);
+    Ok(Comparison {
+        error: (squares.max(0.0) / power).sqrt(),
+        bias: sum / reference_sum - 1.0,
+        p95: percentile(local, 0.95),
+    })
+}
+
+/// Mean over the channels of |picture − mean of the references| for each whole block's mean.
+fn blocks(picture: &Picture, a: &Picture, b: &Picture) -> Vec<f64> {
+    let (columns, rows) = (picture.width / BLOCK, picture.height / BLOCK);
+    let block = |i: u32| {
+        let (x0, y0) = (i % columns * BLOCK, i / columns * BLOCK);
+        let mut sum = glam::DVec3::ZERO;
+        for y in y0..y0 + BLOCK {
+            for x in x0..x0 + BLOCK {
+                let at = (y * picture.width + x) as usize;
+                let reference = 0.5 * (a.pixels[at].as_dvec3() + b.pixels[at].as_dvec3());
+                sum += picture.pixels[at].as_dvec3() - reference;
+            }
+        }
+        sum.abs().element_sum() / (3 * BLOCK * BLOCK) as f64
+    };
+    (0..columns * rows).map(block).collect()
+}
+
+/// The value under which this share of the values lies, interpolated; 0 of none.
+fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let at = share * values.len().saturating_sub(1) as f64;
+    let (low, high) = (at.floor() as usize, at.ceil() as usize);
+    let Some((below, above)) = values.get(low).zip(values.get(high)) else { return 0.0 };
+    below + (above - below) * at.fract()
+}
+
+/// The signed difference to look at, for display as it is: grey where the two agree, red where the
+/// picture is too bright, blue where it is too dark; `gain` times the difference over the reference's
+/// root mean square. Linear RGB from 0 to 1.
+pub fn signed_difference(picture: &Picture, reference: &Picture, gain: f32) -> Picture {
+    let power: f64 = reference.pixels.iter().map(|p| p.as_dvec3().length_squared()).sum();
+    let rms = (power / (3 * reference.pixels.len()).max(1) as f64).sqrt() as f32;
+    let scale = gain / (3.0 * rms.max(f32::MIN_POSITIVE));
+    let colour = |(p, r): (&Vec3, &Vec3)| {
+        let d = ((p - r).element_sum() * scale).clamp(-1.0, 1.0);
+        let grey = 0.4 * (1.0 - d.abs());
+        Vec3::new(grey + d.max(0.0), grey, grey + (-d).max(0.0))
+    };
+    let pixels = picture.pixels.iter().zip(&reference.pixels).map(colour).collect();
+    Picture { pixels, ..*picture }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    fn made(of: impl Fn(u32) -> Vec3) -> Picture {
+        Picture { width: 32, height: 24, pixels: (0..32 * 24).map(of).collect() }
+    }
+
+    #[test]
+    fn a_picture_scaled_by_a_factor_differs_by_that_factor() {
+        let reference = made(|i| Vec3::new(i as f32, 2.0 * i as f32, 1.0));
+        let picture = made(|i| 1.25 * Vec3::new(i as f32, 2.0 * i as f32, 1.0));
+        let found = compare(&picture, &reference, None).unwrap();
+        assert!((found.error - 0.25).abs() < 1e-6 && (found.bias - 0.25).abs() < 1e-6, "{found:?}");
+        let same = compare(&reference, &reference, None).unwrap();
+        assert_eq!(same, Comparison { error: 0.0, bias: 0.0, p95: 0.0 });
+    }
+
+    #[test]
+    fn noise_of_two_references_cancels() {
+        let noisy = |seed| made(|i| Vec3::splat(1.0 + 0.5 * (Stream::new(seed, i as u64).unit() - 0.5)));
+        let (a, b) = (noisy(1), noisy(2));
+        let picture = made(|_| Vec3::splat(1.1));
+        let found = compare(&picture, &a, Some(&b)).unwrap();
+        assert!((found.error - 0.1).abs() < 0.01, "{found:?}");
+        assert!(compare(&picture, &a, None).unwrap().error > 0.15);
+    }
+
+    #[test]
+    fn a_blotch_shows_in_the_blocks() {
+        let reference = made(|_| Vec3::ONE);
+        // One of the twelve blocks, and then none but it.
+        let blotch = made(|i| if i % 32 < 8 && i / 32 < 8 { Vec3::splat(3.0) } else { Vec3::ONE });
+        let found = compare(&blotch, &reference, None).unwrap();
+        // Eleven zeros and a two: the 95th percentile lies 0.45 of the way from the last zero to it.
+        assert!((found.p95 - 0.9).abs() < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_refused() {
+        let one = made(|_| Vec3::ONE);
+        let small = Picture { width: 8, height: 8, pixels: vec![Vec3::ONE; 64] };
+        assert!(matches!(compare(&one, &small, None), Err(CompareError::Size(..))));
+        assert!(matches!(compare(&one, &made(|_| Vec3::ZERO), None), Err(CompareError::Black)));
+        let nan = made(|i| if i == 3 { Vec3::NAN } else { Vec3::ONE });
+        assert!(matches!(compare(&nan, &one, None), Err(CompareError::NotFinite(1))));
+    }
+
+    #[test]
+    fn too_bright_is_red_and_too_dark_is_blue() {
+        let reference = made(|_| Vec3::ONE);
+        let picture = made(|i| Vec3::splat([1.0, 1.2, 0.8][(i % 3) as usize]));
+        let shown = signed_difference(&picture, &reference, 4.0).pixels;
+        assert!(shown[0].x == shown[0].z && shown[1].x > shown[1].z && shown[2].z > shown[2].x);
+    }
+}
