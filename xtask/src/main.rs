@@ -1,7 +1,8 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `test`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `test`, `fidelity`, `install`.
 
 mod bindgen;
 mod demo;
+mod fidelity;
 mod install;
 mod process;
 mod test;
@@ -18,6 +19,9 @@ cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
 cargo xtask test [native|wasm|page]
                      runs every test, those in the browser included; or one part
 cargo xtask web      builds the viewer and its page into web/dist
+cargo xtask fidelity [--presets draft,standard,fine] [--scenes DIR]
+                     measures bakes against path-traced pictures and writes docs/fidelity.md; DIR holds
+                     scenes of yours in the same way: shots/NAME.shot.json, references/NAME.indirect.{a,b}.exr
 cargo xtask install  installs what the others need, and says what";
 
 fn main() -> ExitCode {
@@ -35,6 +39,7 @@ fn dispatch(args: &[String]) -> Result<()> {
     match args.first().map(String::as_str) {
         Some("demo") => demo::run(&args[1..]),
         Some("test") => test::run(&args[1..]),
+        Some("fidelity") => fidelity::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),
         Some("help" | "--help" | "-h") => {

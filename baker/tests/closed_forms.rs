@@ -1,0 +1,112 @@
+//! The path tracer against what can be worked out by hand. Furnaces are in its own tests.
+
+use glam::Vec3;
+use rebounce::path_trace::{Settings, radiance};
+use rebounce::picture::Only;
+use rebounce::random::Stream;
+use rebounce::surface::{Hit, Ray, Surfaces};
+use rebounce_shared::light::Light;
+use std::f32::consts::PI;
+
+/// One-sided squares across y, each looking up or down.
+struct Squares(Vec<Square>);
+
+struct Square {
+    /// Height of the plane.
+    y: f32,
+    /// Half the edge; the middle is at x = z = 0.
+    half: f32,
+    /// 1 looks up, −1 down.
+    facing: f32,
+    albedo: f32,
+}
+
+impl Surfaces for Squares {
+    fn cast(&self, ray: &Ray, _seed: u32) -> Option<Hit> {
+        let meet = |square: &Square| {
+            let distance = (square.y - ray.origin.y) / ray.direction.y;
+            let position = ray.origin + ray.direction * distance;
+            let inside = position.x.abs() <= square.half && position.z.abs() <= square.half;
+            (inside && distance > 0.0 && distance < ray.max_distance).then(|| {
+                let front = Vec3::Y * square.facing;
+                let faces = front.dot(ray.direction) < 0.0;
+                Hit {
+                    distance,
+                    position,
+                    geometric_normal: if faces { front } else { -front },
+                    normal: front,
+                    albedo: if faces { Vec3::splat(square.albedo) } else { Vec3::ZERO },
+                    emission: Vec3::ZERO,
+                }
+            })
+        };
+        self.0.iter().filter_map(meet).min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+        let way = to - from;
+        let ray = Ray { origin: from, direction: way.normalize(), max_distance: way.length() * 0.9999 };
+        if self.cast(&ray, 0).is_some() { 0.0 } else { 1.0 }
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        (Vec3::splat(-2.0), Vec3::splat(2.0))
+    }
+
+    fn epsilon(&self) -> f32 {
+        1e-5
+    }
+}
+
+/// The radiance that leaves the place (x, z) of the square at y = 0 straight up.
+fn upwards(squares: &Squares, light: &Light, [x, z]: [f32; 2], settings: Settings, stream: &mut Stream) -> f32 {
+    let ray = Ray { origin: Vec3::new(x, 0.5, z), direction: -Vec3::Y, max_distance: f32::INFINITY };
+    radiance(squares, &[light.source([0.0; 3])], ray, settings, stream).x
+}
+
+#[test]
+fn a_point_light_over_a_plane() {
+    let plane = Squares(vec![Square { y: 0.0, half: 1e4, facing: 1.0, albedo: 0.6 }]);
+    let height = 1.5f32;
+    let light = Light::Point { position: [0.0, height as f64, 0.0], intensity: 7.0, color: [1.0; 3] };
+    let mut stream = Stream::new(1, 1);
+    for distance in [0.0f32, 0.4, 1.0, 3.0, 20.0] {
+        let expected = 0.6 / PI * 7.0 * height / (height * height + distance * distance).powf(1.5);
+        let found = upwards(&plane, &light, [distance, 0.0], Settings::default(), &mut stream);
+        assert!((found / expected - 1.0).abs() < 1e-4, "{distance}: {found}, not {expected}");
+        let bounced = Settings { only: Only::Indirect, bounces: None };
+        assert_eq!(upwards(&plane, &light, [distance, 0.0], bounced, &mut stream), 0.0, "a plane sees no plane");
+    }
+}
+
+#[test]
+fn two_parallel_squares_exchange_their_form_factor() {
+    // Squares of edge 1 at distance 1. The sun shines from below past the lower one onto the upper one.
+    const FORM_FACTOR: f32 = 0.199_825;
+    let (lower, upper) = (0.7, 0.5);
+    let squares = Squares(vec![
+        Square { y: 0.0, half: 0.5, facing: 1.0, albedo: lower },
+        Square { y: 1.0, half: 0.5, facing: -1.0, albedo: upper },
+    ]);
+    let sun = Light::Directional { direction: [1.2, 1.0, 0.0], intensity: 3.0, color: [1.0; 3] };
+    let on_upper = 3.0 / (1.0f32 + 1.2 * 1.2).sqrt();
+    let mean = |bounces| {
+        let n = 400_000;
+        let settings = Settings { only: Only::Indirect, bounces };
+        let mut sum = 0.0f64;
+        for i in 0..n {
+            let mut stream = Stream::new(2, i);
+            let place = (stream.square() - 0.5).to_array();
+            sum += f64::from(upwards(&squares, &sun, place, settings, &mut stream));
+        }
+        (sum / n as f64) as f32
+    };
+    let once = lower / PI * FORM_FACTOR * upper * on_upper;
+    let found = mean(Some(1));
+    assert!((found / once - 1.0).abs() < 0.005, "{found}, not {once}");
+    // Light that went down and up again and down: nearly the form factor twice more, and a little
+    // over it, for it falls more on the middles, which see each other best.
+    let more = mean(Some(3)) / found - 1.0;
+    let twice = lower * upper * FORM_FACTOR * FORM_FACTOR;
+    assert!((1.0..1.15).contains(&(more / twice)), "{more} over {twice}");
+}

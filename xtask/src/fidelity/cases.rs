@@ -1,0 +1,95 @@
+//! What is measured: a scene, a shot of it, and its path-traced references.
+
+use super::measure::Tool;
+use crate::process;
+use anyhow::{Context, Result};
+use std::path::{Path, PathBuf};
+
+/// One shot of one scene.
+pub struct Case {
+    /// Its name on the page.
+    pub name: String,
+    /// What `rebounce bake` is given.
+    pub scene: String,
+    /// SHOT.json; the scene's own first camera and lights when absent.
+    pub shot: Option<PathBuf>,
+    /// Width and height in pixels; the shot's when absent.
+    pub size: Option<&'static str>,
+    /// Two references of bounced light with independent noise.
+    pub references: [PathBuf; 2],
+    /// References that another renderer made.
+    pub is_given: bool,
+}
+
+/// Samples a pixel of each reference that is made here.
+const SAMPLES: u32 = 256;
+
+impl Case {
+    /// The file name of its picture.
+    pub fn picture_name(&self) -> String {
+        format!("{}.png", self.name)
+    }
+
+    /// The shot and the size, as arguments.
+    pub fn view(&self) -> Vec<String> {
+        let mut args = Vec::new();
+        if let Some(shot) = &self.shot {
+            args.extend(["--shot".to_owned(), shot.display().to_string()]);
+        }
+        if let Some(size) = self.size {
+            args.extend(["--size".to_owned(), size.to_owned()]);
+        }
+        args
+    }
+}
+
+/// The scenes that the project generates; their references are made once.
+pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
+    [("cornell-box", "240x240"), ("two-rooms-door", "320x180"), ("library", "320x180")]
+        .into_iter()
+        .map(|(name, size)| {
+            let references = ["a", "b"].map(|which| tool.file(&format!("{name}.{which}.exr")));
+            let case = Case {
+                name: name.to_owned(),
+                scene: format!("builtin:{name}"),
+                shot: None,
+                size: Some(size),
+                references,
+                is_given: false,
+            };
+            for (seed, reference) in (11..).zip(&case.references) {
+                if !reference.exists() {
+                    tool.reference(&case, seed, SAMPLES, reference)?;
+                }
+            }
+            Ok(case)
+        })
+        .collect()
+}
+
+/// A folder of scenes with finished references, where there is one beside the repository.
+pub fn given() -> Option<PathBuf> {
+    let folder = process::root().join("../shared/scenes");
+    folder.join("shots").is_dir().then_some(folder)
+}
+
+/// All shots of a folder: `shots/NAME.shot.json`, which names its scene, and
+/// `references/NAME.indirect.{a,b}.exr`.
+pub fn in_folder(folder: &Path) -> Result<Vec<Case>> {
+    let shots = folder.join("shots");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(&shots)
+        .with_context(|| shots.display().to_string())?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .collect();
+    files.sort();
+    let case = |file: &PathBuf| {
+        let name = file.file_name()?.to_str()?.strip_suffix(".shot.json")?.to_owned();
+        let shot: serde_json::Value = serde_json::from_slice(&std::fs::read(file).ok()?).ok()?;
+        let references =
+            ["a", "b"].map(|which| folder.join("references").join(format!("{name}.indirect.{which}.exr")));
+        let scene = shots.join(shot.get("scene")?.as_str()?).display().to_string();
+        let complete = references.iter().all(|file| file.exists());
+        complete.then(|| Case { name, scene, shot: Some(file.clone()), size: None, references, is_given: true })
+    };
+    Ok(files.iter().filter_map(case).collect())
+}

@@ -1,0 +1,154 @@
+//! Runs `rebounce` and reads what it says.
+
+use super::cases::Case;
+use crate::process;
+use anyhow::{Context, Result};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What `rebounce compare --json` prints.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Comparison {
+    pub error: f64,
+    pub bias: f64,
+    pub p95: f64,
+}
+
+/// What of `rebounce bake --report` the page shows.
+#[derive(Debug, Deserialize)]
+pub struct Report {
+    pub triangles: u64,
+    pub functions: u64,
+    pub links: u64,
+    pub later_links: u64,
+    pub seconds: Vec<(String, f64)>,
+    pub peak_memory_bytes: u64,
+    pub file_bytes: u64,
+}
+
+/// A bake measured.
+pub struct Measured {
+    pub scene: String,
+    pub preset: String,
+    pub report: Report,
+    pub comparison: Comparison,
+}
+
+/// The command `rebounce`, and a folder to work in.
+pub struct Tool {
+    rebounce: PathBuf,
+    work: PathBuf,
+}
+
+/// Samples a pixel of renders.
+const SAMPLES: u32 = 16;
+/// Samples a pixel of the path tracer when it is itself checked.
+const TRACER_SAMPLES: u32 = 64;
+
+impl Tool {
+    pub fn new(work: PathBuf) -> Result<Self> {
+        std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
+        Ok(Self { rebounce: process::target().join("release/rebounce"), work })
+    }
+
+    /// A file in the folder.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.work.join(name)
+    }
+
+    fn command(&self, verb: &str) -> Command {
+        let mut command = Command::new(&self.rebounce);
+        command.arg(verb);
+        command
+    }
+
+    /// Path-traces the bounced light of a shot.
+    pub fn reference(&self, case: &Case, seed: u64, samples: u32, out: &Path) -> Result<()> {
+        let mut command = self.command("reference");
+        command.arg(&case.scene).args(case.view()).args(["--only", "indirect", "--seed", &seed.to_string()]);
+        process::run(command.args(["--spp", &samples.to_string(), "-o"]).arg(out))
+    }
+
+    /// Bakes with more arguments if `told`, renders the bounced light and compares; draws a panel if
+    /// `shown`.
+    pub fn measure(
+        &self,
+        case: &Case,
+        preset: &str,
+        told: &[String],
+        shown: Option<&Path>,
+    ) -> Result<Measured> {
+        let (baked, report) = (self.file("scene.rbn"), self.file("report.json"));
+        let mut bake = self.command("bake");
+        bake.arg(&case.scene).args(["--preset", preset]).args(told);
+        process::run(bake.arg("-o").arg(&baked).arg("--report").arg(&report))?;
+        let picture = self.file("picture.exr");
+        self.render(&baked, &case.view(), &picture)?;
+        let mut panel = Vec::new();
+        if let Some(shown) = shown {
+            panel.extend(["--panel".into(), shown.as_os_str().to_owned()]);
+        }
+        let [a, b] = &case.references;
+        Ok(Measured {
+            scene: case.name.clone(),
+            preset: preset.to_owned(),
+            report: serde_json::from_slice(&std::fs::read(&report)?).context("the bake's report")?,
+            comparison: self.compare(&picture, a, Some(b), &panel)?,
+        })
+    }
+
+    /// The project's path tracer against references that another renderer made.
+    pub fn path_tracer(&self, case: &Case) -> Result<Comparison> {
+        let own = self.file("own.exr");
+        self.reference(case, 1, TRACER_SAMPLES, &own)?;
+        let [a, b] = &case.references;
+        self.compare(&own, a, Some(b), &[])
+    }
+
+    /// Two rooms joined by nothing, light in one: bounced radiance in the other over that in the lit one.
+    pub fn leak(&self, preset: &str) -> Result<f64> {
+        let baked = self.file("two-rooms.rbn");
+        process::run(self.command("bake").args(["builtin:two-rooms", "--preset", preset, "-o"]).arg(&baked))?;
+        let lamp = serde_json::json!({
+            "type": "spot", "position": [-2.2, 2.3, 2.6], "direction": [0.5, -1.0, -0.55],
+            "outer_cone_deg": 55, "intensity": 60, "color": [1, 1, 1],
+        });
+        let take = |name: &str, side: f64| -> Result<PathBuf> {
+            let shot = serde_json::json!({
+                "size": [160, 90], "lights": [lamp],
+                "camera": {
+                    "position": [side * 3.6, 1.6, 3.6], "target": [side * 0.2, 1.0, 0.9], "up": [0, 1, 0],
+                    "yfov_deg": 65,
+                },
+            });
+            let (file, picture) =
+                (self.file(&format!("{name}.shot.json")), self.file(&format!("{name}.exr")));
+            std::fs::write(&file, shot.to_string())?;
+            self.render(&baked, &["--shot".to_owned(), file.display().to_string()], &picture)?;
+            Ok(picture)
+        };
+        let (dark, lit) = (take("dark", 1.0)?, take("lit", -1.0)?);
+        // The bias is the one's mean over the other's, less one.
+        Ok(self.compare(&dark, &lit, None, &[])?.bias + 1.0)
+    }
+
+    fn render(&self, baked: &Path, view: &[String], out: &Path) -> Result<()> {
+        let mut command = self.command("render");
+        command.arg(baked).args(view).args(["--only", "indirect", "--spp", &SAMPLES.to_string()]);
+        process::run(command.arg("-o").arg(out))
+    }
+
+    fn compare(
+        &self,
+        picture: &Path,
+        reference: &Path,
+        second: Option<&Path>,
+        more: &[std::ffi::OsString],
+    ) -> Result<Comparison> {
+        let mut command = self.command("compare");
+        command.arg(picture).arg(reference).args(second).arg("--json").args(more);
+        let printed = process::quiet(&mut command).with_context(|| process::line(&command))?;
+        serde_json::from_str(&printed).context("rebounce compare")
+    }
+}

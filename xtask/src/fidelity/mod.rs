@@ -1,0 +1,90 @@
+//! `cargo xtask fidelity`: how far baked scenes are from path-traced ones. Bakes, renders, path-traces,
+//! compares, and writes docs/fidelity.md with its tables and pictures. Takes long: half an hour for the
+//! generated scenes at `draft` and `standard`.
+
+mod cases;
+mod measure;
+mod page;
+
+use crate::process;
+use anyhow::{Context, Result, bail};
+use measure::Tool;
+use std::path::PathBuf;
+
+/// Presets measured when none are named.
+const PRESETS: [&str; 2] = ["draft", "standard"];
+/// Link thresholds of the curve, from coarse to fine.
+const EPSILONS: [f32; 6] = [0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
+
+struct Options {
+    presets: Vec<String>,
+    scenes: Option<PathBuf>,
+}
+
+fn parse(args: &[String]) -> Result<Options> {
+    let mut options = Options { presets: PRESETS.map(str::to_owned).to_vec(), scenes: cases::given() };
+    let mut args = args.iter();
+    while let Some(name) = args.next() {
+        let mut value = || args.next().with_context(|| format!("{name} needs a value"));
+        match name.as_str() {
+            "--presets" => options.presets = value()?.split(',').map(str::to_owned).collect(),
+            "--scenes" => options.scenes = Some(value()?.into()),
+            other => bail!("there is no option {other}; there are --presets and --scenes"),
+        }
+    }
+    Ok(options)
+}
+
+/// Measures everything and writes the page.
+///
+/// # Errors
+/// If a step fails.
+pub fn run(args: &[String]) -> Result<()> {
+    let options = parse(args)?;
+    process::run(process::cargo().args(["build", "--release", "--package", "rebounce"]))?;
+    let tool = Tool::new(process::target().join("fidelity"))?;
+    let mut cases = cases::generated(&tool)?;
+    if let Some(folder) = &options.scenes {
+        cases.extend(cases::in_folder(folder)?);
+    }
+    let pictures = process::root().join("docs/fidelity");
+    std::fs::create_dir_all(&pictures).with_context(|| pictures.display().to_string())?;
+    let mut page = page::Page::default();
+    for case in &cases {
+        for preset in &options.presets {
+            let shown = (Some(preset) == options.presets.last()).then(|| pictures.join(case.picture_name()));
+            page.scenes.push(tool.measure(case, preset, &[], shown.as_deref())?);
+        }
+        if case.is_given {
+            page.tracer.push((case.name.clone(), tool.path_tracer(case)?));
+        }
+    }
+    for preset in &options.presets {
+        page.leaks.push((preset.clone(), tool.leak(preset)?));
+    }
+    if let Some(case) = cases.iter().find(|case| case.name == "library") {
+        for epsilon in EPSILONS {
+            let told = ["--epsilon".to_owned(), epsilon.to_string()];
+            page.curve.push((epsilon, tool.measure(case, "draft", &told, None)?));
+        }
+        page::plot(&page.curve, &pictures.join("epsilon.svg"))?;
+    }
+    let out = process::root().join("docs/fidelity.md");
+    std::fs::write(&out, page.to_string()).with_context(|| out.display().to_string())?;
+    println!("wrote {}", out.display());
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options() {
+        let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let options = parse(&words("--presets fine,draft --scenes some/where")).unwrap();
+        assert_eq!(options.presets, ["fine", "draft"]);
+        assert_eq!(options.scenes, Some("some/where".into()));
+        assert!(parse(&words("--what")).is_err() && parse(&words("--presets")).is_err());
+    }
+}

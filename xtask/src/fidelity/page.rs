@@ -1,0 +1,152 @@
+//! docs/fidelity.md and its plot.
+
+use super::measure::{Comparison, Measured};
+use anyhow::Result;
+use plotters::prelude::*;
+use std::fmt;
+use std::path::Path;
+
+/// Everything measured.
+#[derive(Default)]
+pub struct Page {
+    /// Scenes at presets.
+    pub scenes: Vec<Measured>,
+    /// The path tracer against other renderers' references, by scene.
+    pub tracer: Vec<(String, Comparison)>,
+    /// Light that leaks through a wall, by preset.
+    pub leaks: Vec<(String, f64)>,
+    /// Bakes by ε.
+    pub curve: Vec<(f32, Measured)>,
+}
+
+const HEAD: &str = "\
+# Fidelity
+
+Bounced light of baked scenes against path-traced references. *Error* is the root mean square difference over the
+reference's root mean square (0 is perfect), *bias* the difference of the means, *p95* the 95th percentile of the
+difference over blocks of 8 by 8 pixels; noise of the references is cancelled out. No parameter set by hand.
+`cargo xtask fidelity` makes this page; `rebounce compare` takes one measurement.
+
+";
+
+impl fmt::Display for Page {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(HEAD)?;
+        writeln!(f, "| scene | preset | error | bias | p95 | seconds | peak memory | file | links | functions |")?;
+        writeln!(f, "|---|---|---|---|---|---|---|---|---|---|")?;
+        for m in &self.scenes {
+            let (c, r) = (&m.comparison, &m.report);
+            writeln!(
+                f,
+                "| {} ({} k triangles) | {} | {:.3} | {:+.3} | {:.2} | {:.0} | {:.0} MB | {:.0} MB | {} | {} k |",
+                m.scene,
+                r.triangles.div_ceil(1000),
+                m.preset,
+                c.error,
+                c.bias,
+                c.p95,
+                seconds(m),
+                r.peak_memory_bytes as f64 / 1e6,
+                r.file_bytes as f64 / 1e6,
+                millions(m),
+                r.functions / 1000,
+            )?;
+        }
+        if !self.tracer.is_empty() {
+            f.write_str(TRACER)?;
+            for (name, c) in &self.tracer {
+                writeln!(f, "| {name} | {:.3} | {:+.3} |", c.error, c.bias)?;
+            }
+        }
+        f.write_str("\n## Pictures\n\nPath traced, ours, and the difference four times enlarged: red is too bright, blue too dark.\n")?;
+        let mut shown: Vec<&str> = self.scenes.iter().map(|m| m.scene.as_str()).collect();
+        shown.dedup();
+        for scene in shown {
+            writeln!(f, "\n![{scene}: path traced, ours, difference](fidelity/{scene}.png)")?;
+        }
+        f.write_str(LEAKS)?;
+        for (preset, leak) in &self.leaks {
+            writeln!(f, "| {preset} | {leak:.6} |")?;
+        }
+        f.write_str(CURVE)?;
+        for (epsilon, m) in &self.curve {
+            writeln!(
+                f,
+                "| {epsilon} | {:.3} | {:+.3} | {:.1} | {} |",
+                m.comparison.error,
+                m.comparison.bias,
+                seconds(m),
+                millions(m)
+            )?;
+        }
+        f.write_str("\n![error over links and over seconds](fidelity/epsilon.svg)\n")
+    }
+}
+
+const TRACER: &str = "
+## The path tracer itself
+
+`rebounce reference`, 64 samples a pixel, against references that Mitsuba 3 made. Its tests hold it against closed forms,
+too: a furnace, a point light over a plane, two parallel squares.
+
+| scene | error | bias |
+|---|---|---|
+";
+
+const LEAKS: &str = "
+## Light through walls
+
+Two rooms of 4 m with a wall of 5 cm between them and no door, `builtin:two-rooms`; floor, ceiling and long walls run on
+past the wall. Mean bounced light in the dark room over that in the lit one:
+
+| preset | leak |
+|---|---|
+";
+
+const CURVE: &str = "
+## Error and cost
+
+The library at `draft`, by the link threshold ε (a share of what the scene's surfaces reflect):
+
+| ε | error | bias | seconds | links |
+|---|---|---|---|---|
+";
+
+fn seconds(m: &Measured) -> f64 {
+    m.report.seconds.iter().map(|(_, s)| s).sum()
+}
+
+fn millions(m: &Measured) -> String {
+    format!("{:.1} M", (m.report.links + m.report.later_links) as f64 / 1e6)
+}
+
+/// Draws error over links and over seconds, both axes logarithmic.
+///
+/// # Errors
+/// If the picture cannot be drawn or written.
+pub fn plot(curve: &[(f32, Measured)], out: &Path) -> Result<()> {
+    let area = SVGBackend::new(out, (900, 380)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let (left, right) = area.split_horizontally(450);
+    let links = |m: &Measured| (m.report.links + m.report.later_links) as f64;
+    let halves: [(_, &str, &dyn Fn(&Measured) -> f64); 2] =
+        [(left, "links", &links), (right, "seconds", &seconds)];
+    for (half, name, cost) in halves {
+        let points: Vec<(f64, f64)> = curve.iter().map(|(_, m)| (cost(m), m.comparison.error)).collect();
+        let range = |values: &dyn Fn(&(f64, f64)) -> f64| {
+            let low = points.iter().map(values).fold(f64::INFINITY, f64::min);
+            let high = points.iter().map(values).fold(0.0, f64::max);
+            0.8 * low..1.25 * high
+        };
+        let mut chart = ChartBuilder::on(&half)
+            .margin(14)
+            .x_label_area_size(42)
+            .y_label_area_size(58)
+            .build_cartesian_2d(range(&|p| p.0).log_scale(), range(&|p| p.1).log_scale())?;
+        chart.configure_mesh().x_desc(name).y_desc("error").draw()?;
+        chart.draw_series(LineSeries::new(points.clone(), &BLUE))?;
+        chart.draw_series(points.iter().map(|p| Circle::new(*p, 3, BLUE.filled())))?;
+    }
+    area.present()?;
+    Ok(())
+}
