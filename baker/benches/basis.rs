@@ -42,7 +42,10 @@ fn main() {
     for (l, level) in points.levels.iter().enumerate() {
         let list = &points.points[level.range()];
         let radius = level.support_radius;
-        let grid = Evaluator::new(list.iter().map(|p| Support { position: p.position, normal: p.normal, radius, cuts: &[] }), 0);
+        let grid = Evaluator::new(
+            list.iter().map(|p| Support { position: p.position, normal: p.normal, radius, cuts: &[] }),
+            0,
+        );
         let tree = RTree::bulk_load(
             list.iter().map(|p| Boxed { position: p.position, normal: p.normal, radius }).collect(),
         );

@@ -59,7 +59,13 @@ impl Surfaces for Squares {
 }
 
 /// The radiance that leaves the place (x, z) of the square at y = 0 straight up.
-fn upwards(squares: &Squares, light: &Light, [x, z]: [f32; 2], settings: Settings, stream: &mut Stream) -> f32 {
+fn upwards(
+    squares: &Squares,
+    light: &Light,
+    [x, z]: [f32; 2],
+    settings: Settings,
+    stream: &mut Stream,
+) -> f32 {
     let ray = Ray { origin: Vec3::new(x, 0.5, z), direction: -Vec3::Y, max_distance: f32::INFINITY };
     radiance(squares, &[light.source([0.0; 3])], ray, settings, stream).x
 }
@@ -75,7 +81,11 @@ fn a_point_light_over_a_plane() {
         let found = upwards(&plane, &light, [distance, 0.0], Settings::default(), &mut stream);
         assert!((found / expected - 1.0).abs() < 1e-4, "{distance}: {found}, not {expected}");
         let bounced = Settings { only: Only::Indirect, bounces: None };
-        assert_eq!(upwards(&plane, &light, [distance, 0.0], bounced, &mut stream), 0.0, "a plane sees no plane");
+        assert_eq!(
+            upwards(&plane, &light, [distance, 0.0], bounced, &mut stream),
+            0.0,
+            "a plane sees no plane"
+        );
     }
 }
 

@@ -41,11 +41,8 @@ mod tests {
     fn both_kinds_of_file_give_the_same_picture() {
         let dir = tempfile::tempdir().unwrap();
         let value = |i: usize| [(i % 3) as f32 + 0.25, (i / 3) as f32 * 100.0, 1e-3, 1.0];
-        let picture = Picture {
-            width: 3,
-            height: 2,
-            pixels: (0..6).map(|i| Vec3::from_slice(&value(i))).collect(),
-        };
+        let picture =
+            Picture { width: 3, height: 2, pixels: (0..6).map(|i| Vec3::from_slice(&value(i))).collect() };
         let exr = dir.path().join("picture.exr");
         picture.write(&exr).unwrap();
         let floats = dir.path().join("a-picture-3x2.f32");

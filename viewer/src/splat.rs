@@ -51,7 +51,15 @@ impl SplatPass {
             gpu,
             "splat",
             stages,
-            &[Slot::Uniform, Slot::Uniform, Slot::Read, Slot::Read, Slot::Depth, Slot::TextureUint, Slot::Read],
+            &[
+                Slot::Uniform,
+                Slot::Uniform,
+                Slot::Read,
+                Slot::Read,
+                Slot::Depth,
+                Slot::TextureUint,
+                Slot::Read,
+            ],
         );
         let depth = Some((CompareFunction::Greater, false));
         let pipeline = Draw {

@@ -33,13 +33,13 @@ struct Function {
 
 /// Evaluates one level's functions.
 pub struct Evaluator {
-    functions: Vec<Function>,
     cuts: Vec<Cut>,
     cell_size: f32,
     low: Vec3,
     /// Open addressing: cell key and where its list begins and ends; `u64::MAX` is empty.
     table: Vec<(u64, u32, u32)>,
-    lists: Vec<u32>,
+    /// The cells' functions, repeated for each cell: a query reads one run of memory.
+    lists: Vec<Function>,
 }
 
 impl Evaluator {
@@ -93,8 +93,8 @@ impl Evaluator {
             table[slot] = (cell[0].0, start, end);
             start = end;
         }
-        let lists = pairs.into_iter().map(|(_, i)| i).collect();
-        Self { functions, cuts: all_cuts, cell_size, low, table, lists }
+        let lists = pairs.into_iter().map(|(_, i)| functions[i as usize]).collect();
+        Self { cuts: all_cuts, cell_size, low, table, lists }
     }
 
     /// Calls `visit(index, weight)` for each function whose weight (Eq. 8) is positive at this
@@ -108,8 +108,7 @@ impl Evaluator {
         loop {
             let (key, start, end) = self.table[slot];
             if key == wanted {
-                for &i in &self.lists[start as usize..end as usize] {
-                    let f = &self.functions[i as usize];
+                for f in &self.lists[start as usize..end as usize] {
                     let offset = position - f.position;
                     let w = weight(offset, normal, f.normal, f.radius);
                     let cuts = &self.cuts[f.first_cut as usize..(f.first_cut + f.cut_count) as usize];

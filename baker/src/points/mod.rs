@@ -13,10 +13,10 @@ mod morton;
 pub mod place;
 pub mod viewpoint;
 
-use glam::Vec3;
-use rebounce_shared::rbn::bulk::Cut;
 pub use cut::cut;
+use glam::Vec3;
 pub use place::{PlaceError, PlaceSettings, place};
+use rebounce_shared::rbn::bulk::Cut;
 
 /// A point on a surface, local space, with its unit normals on the side that light reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]

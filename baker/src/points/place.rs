@@ -136,8 +136,8 @@ pub fn place<S: Surfaces + ?Sized>(
 }
 
 /// Functions of a level over those of the level before: under 4, because rooms are full of small
-/// things that coarse functions cover less well. Measured on furnished rooms and halls: 3.6 to 4.2.
-const GROWTH: f32 = 3.8;
+/// things that coarse functions cover less well. Measured on furnished rooms and halls: 3.5 to 4.
+const GROWTH: f32 = 3.6;
 /// The level whose functions are counted to choose the radii: fine enough to know the surface's
 /// area, coarse enough for a pool of candidates to fill it.
 const COUNTED_LEVEL: usize = 2;

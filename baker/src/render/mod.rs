@@ -40,7 +40,12 @@ impl Relit {
             let range = scene.level(l);
             let support = |i: usize| {
                 let p = &scene.points[i];
-                Support { position: p.position(), normal: p.normal(), radius: p.radius, cuts: scene.cuts_of(i) }
+                Support {
+                    position: p.position(),
+                    normal: p.normal(),
+                    radius: p.radius,
+                    cuts: scene.cuts_of(i),
+                }
             };
             Evaluator::new(range.clone().map(support), range.start as u32)
         };

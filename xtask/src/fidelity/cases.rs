@@ -89,7 +89,14 @@ pub fn in_folder(folder: &Path) -> Result<Vec<Case>> {
             ["a", "b"].map(|which| folder.join("references").join(format!("{name}.indirect.{which}.exr")));
         let scene = shots.join(shot.get("scene")?.as_str()?).display().to_string();
         let complete = references.iter().all(|file| file.exists());
-        complete.then(|| Case { name, scene, shot: Some(file.clone()), size: None, references, is_given: true })
+        complete.then(|| Case {
+            name,
+            scene,
+            shot: Some(file.clone()),
+            size: None,
+            references,
+            is_given: true,
+        })
     };
     Ok(files.iter().filter_map(case).collect())
 }

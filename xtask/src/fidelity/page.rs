@@ -32,7 +32,10 @@ difference over blocks of 8 by 8 pixels; noise of the references is cancelled ou
 impl fmt::Display for Page {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(HEAD)?;
-        writeln!(f, "| scene | preset | error | bias | p95 | seconds | peak memory | file | links | functions |")?;
+        writeln!(
+            f,
+            "| scene | preset | error | bias | p95 | seconds | peak memory | file | links | functions |"
+        )?;
         writeln!(f, "|---|---|---|---|---|---|---|---|---|---|")?;
         for m in &self.scenes {
             let (c, r) = (&m.comparison, &m.report);
