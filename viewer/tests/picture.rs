@@ -67,7 +67,11 @@ fn radiance(scene: &Scene, values: &[VectorRgb], eye: Vec3, direction: Vec3) -> 
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);
         for j in scene.level(l) {
             let p = &scene.points[j];
-            let w = kernel::weight(position - p.position(), normal, p.normal(), p.radius);
+            let offset = position - p.position();
+            if scene.cuts_of(j).iter().any(|cut| cut.ends(offset)) {
+                continue;
+            }
+            let w = kernel::weight(offset, normal, p.normal(), p.radius);
             sum += w * values[j].irradiance(p.normal());
             total += w;
         }

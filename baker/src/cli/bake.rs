@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// Arguments of `rebounce bake`.
 #[derive(Args, Debug)]
 pub struct BakeArgs {
-    /// A .gltf or .glb file, or builtin:cornell-box
+    /// A .gltf or .glb file, or builtin:cornell-box, builtin:library, builtin:two-rooms-door, builtin:two-rooms
     scene: String,
     /// Where to write; SCENE.rbn when absent
     #[arg(short, long, value_name = "FILE.rbn")]

@@ -112,3 +112,50 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
     }
     cuts
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene;
+    use crate::triangles::TriangleSurfaces;
+    use glam::{DVec3, dvec3, vec3};
+
+    /// The cuts of a support on the floor at this place, world space.
+    fn on_the_floor(name: &str, place: DVec3, radius: f32) -> Vec<Cut> {
+        let scene = scene::load(name).unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let position = (place - DVec3::from(scene.origin)).as_vec3();
+        let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y };
+        cuts_of(&surfaces, &point, radius, 1)
+    }
+
+    fn ended(cuts: &[Cut], offset: Vec3) -> bool {
+        cuts.iter().any(|cut| cut.ends(offset))
+    }
+
+    #[test]
+    fn a_wall_ends_a_support_and_its_foot_does_not() {
+        // The wall's face is 10 cm away, its back 15.
+        for radius in [0.2, 0.5, 2.0] {
+            let cuts = on_the_floor("builtin:two-rooms", dvec3(-0.125, 0.0, 2.0), radius);
+            assert!(ended(&cuts, vec3(0.16, 0.0, 0.0)) && ended(&cuts, vec3(0.16, 0.0, 0.1)), "{radius}");
+            assert!(!ended(&cuts, vec3(0.099, 0.0, 0.0)) && !ended(&cuts, vec3(-0.16, 0.0, 0.0)), "{radius}");
+        }
+    }
+
+    #[test]
+    fn corners_have_two_cuts_and_the_open_floor_has_none() {
+        let cuts = on_the_floor("builtin:two-rooms", dvec3(-0.2, 0.0, 0.2), 0.4);
+        assert!(ended(&cuts, vec3(0.3, 0.0, 0.1)) && ended(&cuts, vec3(-0.1, 0.0, -0.3)), "{cuts:?}");
+        assert!(cuts.len() <= MAX_CUTS);
+        assert_eq!(on_the_floor("builtin:two-rooms", dvec3(-2.0, 0.0, 2.0), 0.5), []);
+    }
+
+    #[test]
+    fn a_table_leg_ends_nothing_and_a_shelf_above_does() {
+        // 20 cm before a leg of 5 cm.
+        assert_eq!(on_the_floor("builtin:library", dvec3(3.2, 0.0, 2.48), 0.5), []);
+        let cuts = on_the_floor("builtin:library", dvec3(1.0, 0.0, 0.15), 0.6);
+        assert!(ended(&cuts, vec3(0.0, 0.11, 0.0)) && !ended(&cuts, vec3(0.0, 0.09, 0.0)), "{cuts:?}");
+    }
+}

@@ -7,7 +7,7 @@ use rebounce_shared::kernel;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::{Link, RowWriter};
 use rebounce_shared::octahedral::pack_snorm16;
-use rebounce_shared::rbn::bulk::{Point, Vertex};
+use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
 use rebounce_shared::rbn::{LinkMatrix, Scene};
 use rebounce_viewer::gpu::Gpu;
@@ -68,12 +68,16 @@ pub fn room(sides: &[u32]) -> Scene {
                     |k: u32| 0.4 * (random(l as u32 * 7919 + wall as u32 * 104_729 + i * 3 + k) - 0.5);
                 let a = ((i % side) as f32 + 0.5 + shake(0)) * spacing - 1.0;
                 let b = ((i / side) as f32 + 0.5 + shake(1)) * spacing - 1.0;
+                let planes = [Cut::new(*u, 0.8 * spacing), Cut::new(-*v, 0.8 * spacing)];
+                let cuts = &planes[..(i % 3 == 0) as usize + (i % 6 == 0) as usize];
                 scene.points.push(Point {
                     position: (-*normal + *u * a + *v * b).to_array(),
                     radius: 1.6 * spacing,
                     normal: pack_snorm16(*normal),
-                    cuts: 0,
+                    // Every third support ends halfway along u, every sixth along −v too.
+                    cuts: Point::pack_cuts(scene.cuts.len(), cuts.len()),
                 });
+                scene.cuts.extend(cuts);
             }
         }
         let count = scene.points.len() as u32 - first;

@@ -1,0 +1,53 @@
+//! No light goes through walls, whatever the size of the functions next to them.
+
+use glam::{DVec3, Vec3};
+use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::random::Stream;
+use rebounce::render::Relit;
+use rebounce::scene;
+use rebounce::surface::{Ray, Surfaces};
+use rebounce::triangles::TriangleSurfaces;
+
+/// Mean bounced irradiance on what is seen from the middle of the lit room and of the other one, and
+/// the greatest in the other one.
+fn rooms(name: &str, functions: usize) -> (f32, f32, f32) {
+    let scene = scene::load(name).unwrap();
+    let mut settings = BakeSettings::new(Preset::Draft);
+    settings.place.functions = functions;
+    settings.operator.rays = vec![512, 256, 256, 128, 128];
+    let (file, _) = bake(&scene, &settings, &|_| {}).unwrap();
+    let surfaces = TriangleSurfaces::from_scene(&scene);
+    let relit = Relit::new(&file, &surfaces, &scene.lights);
+    let seen_from = |world: DVec3| {
+        let origin = (world - DVec3::from(scene.origin)).as_vec3();
+        let mut stream = Stream::new(3, 3);
+        let (mut sum, mut greatest, n) = (0.0, 0f32, 20_000);
+        for _ in 0..n {
+            let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY };
+            let hit = surfaces.cast(&ray, 0).unwrap();
+            let light = relit.indirect(hit.position, hit.normal).dot(Vec3::splat(1.0 / 3.0));
+            sum += light;
+            greatest = greatest.max(light);
+        }
+        (sum / n as f32, greatest)
+    };
+    let ((lit, _), (other, greatest)) =
+        (seen_from(DVec3::new(-2.0, 1.2, 2.0)), seen_from(DVec3::new(2.0, 1.2, 2.0)));
+    (lit, other, greatest)
+}
+
+#[test]
+fn a_room_next_to_a_lit_one_is_black() {
+    // Functions of 20 and of 8 cm across; the wall is 5 cm thick.
+    for functions in [3000, 16_000] {
+        let (lit, other, greatest) = rooms("builtin:two-rooms", functions);
+        assert!(lit > 1.0, "{lit}");
+        assert!(other <= 1e-3 * lit && greatest <= 1e-2 * lit, "{other} and at most {greatest} beside {lit}");
+    }
+}
+
+#[test]
+fn an_open_door_lets_light_through() {
+    let (lit, other, _) = rooms("builtin:two-rooms-door", 3000);
+    assert!((0.02..0.5).contains(&(other / lit)), "{other} beside {lit}");
+}
