@@ -40,6 +40,10 @@ pub fn link_directions() -> Vec<Vec3A> {
 /// carried over like a link's, which keeps values short and changes nothing but the place that they come from.
 const VALUE_EPSILON: f32 = 0.5;
 
+/// What is left of a row without links is one link if it is at least this share of ε: else a few such rows,
+/// one under the other, would lose a noticeable part of the light.
+const LEAST_SUM: f32 = 0.125;
+
 /// Vector irradiance per channel, aligned for the inner loops.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum([Vec3A; 3]);
@@ -324,11 +328,16 @@ fn choose(gathered: &Tally, prediction: Option<&Tally>, epsilon: f32, noise: f32
     let mut row = Vec::new();
     let mut writer = RowWriter::default();
     let (mut carried, mut seen) = (Sum::default(), 0.0);
+    let mut strongest = (0, 0.0);
     for sender in gathered.touched_with(prediction) {
         let sum = &gathered.sums[sender as usize];
         carried.add_scaled(1.0, sum);
+        let strength = sum.magnitude_squared();
+        if strength > strongest.1 {
+            strongest = (sender, strength);
+        }
         if noise > 0.0 {
-            seen += sum.magnitude_squared().sqrt();
+            seen += strength.sqrt();
         }
         if let Some(prediction) = prediction {
             carried.add_scaled(-1.0, &prediction.sums[sender as usize]);
@@ -344,6 +353,8 @@ fn choose(gathered: &Tally, prediction: Option<&Tally>, epsilon: f32, noise: f32
     if let Some(last) = row.last_mut() {
         carried.add_scaled(1.0, &Sum::unpack(*last));
         *last = carried.pack().at(last.column());
+    } else if carried.magnitude_squared() > (LEAST_SUM * epsilon).powi(2) {
+        writer.push(&mut row, strongest.0, carried.pack());
     }
     row
 }
