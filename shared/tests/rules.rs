@@ -1,0 +1,80 @@
+//! What a .rbn file may not say: each broken rule is refused, by the name of its section.
+
+use rebounce_shared::camera::Camera;
+use rebounce_shared::glam::Vec3;
+use rebounce_shared::interpolation::pack_row;
+use rebounce_shared::link::Link;
+use rebounce_shared::rbn::bulk::{Cut, Point, Row, Vertex};
+use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
+use rebounce_shared::rbn::{LinkMatrix, Scene};
+
+/// A triangle with one coarse function, which has a cut, and one fine one, which has none.
+fn scene() -> Scene {
+    let corner = |x: f32, y: f32| Vertex { position: [x, y, 0.0], ..Vertex::default() };
+    let point = |cuts: u32| Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts };
+    let level = |first: u32| Level { first, count: 1, disk_radius: 0.5, support_radius: 1.0 };
+    let camera = Camera { position: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], yfov_deg: 50.0 };
+    let mut scene = Scene {
+        meta: Meta {
+            bounds_max: [1.0; 3],
+            levels: vec![level(0), level(1)],
+            sender_levels: 1,
+            later_levels: 1,
+            direct_levels: 2,
+            materials: vec![Material::default()],
+            draws: vec![Draw { first_index: 0, index_count: 3, material: 0 }],
+            cameras: vec![camera],
+            ..Meta::default()
+        },
+        vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)],
+        indices: vec![0, 1, 2],
+        points: vec![point(Point::pack_cuts(0, 1)), point(0)],
+        cuts: vec![Cut::new(Vec3::X, 0.5)],
+        push_offsets: vec![0, 0],
+        pull_offsets: vec![0],
+        transport: LinkMatrix::from_rows(&[vec![Link::pack(0, Vec3::Z, Vec3::ONE)], Vec::new()]),
+        ..Scene::default()
+    };
+    pack_row(&[(0, 1.0)], &mut scene.push_entries);
+    scene.push_offsets.push(1);
+    pack_row(&[(1, 1.0)], &mut scene.pull_entries);
+    scene.pull_offsets.push(1);
+    scene
+}
+
+#[test]
+fn a_scene_that_keeps_the_rules_survives_the_file() {
+    let scene = scene();
+    assert_eq!(Scene::from_bytes(&scene.to_bytes().unwrap()).unwrap(), scene);
+    assert!(scene.cuts_of(0)[0].ends(Vec3::X) && !scene.cuts_of(0)[0].ends(Vec3::Y));
+    assert!(scene.cuts_of(1).is_empty());
+}
+
+#[test]
+fn every_broken_rule_is_refused_by_its_section() {
+    type Break = fn(&mut Scene);
+    let breaks: [(&str, Break); 16] = [
+        ("META", |s| s.meta.origin[1] = f64::NAN),
+        ("META", |s| s.meta.cameras.clear()),
+        ("META", |s| s.meta.levels[1].first = 7),
+        ("META", |s| s.meta.sender_levels = 3),
+        ("META", |s| s.meta.draws[0].index_count = 6),
+        ("META", |s| s.meta.draws[0].material = 1),
+        ("INDX", |s| s.indices[2] = 3),
+        ("VERT", |s| s.vertices[0].uv[0] = f32::INFINITY),
+        ("PNTS", |s| s.points[0].radius = -1.0),
+        ("PNTS", |s| s.points[0].cuts = Point::pack_cuts(0, 2)),
+        ("PNTS", |s| s.points[1].cuts = Point::pack_cuts(1 << 28, 1)),
+        ("CUTS", |s| s.cuts[0].towards[2] = f32::NAN),
+        ("PUSE", |s| s.push_entries = s.pull_entries.clone()),
+        ("PULE", |s| s.pull_entries = s.push_entries.clone()),
+        ("ROWS", |s| s.transport.rows.insert(0, Row { receiver: 5, first_link: 0 })),
+        ("LINK", |s| s.transport.links[0] = Link::pack(1, Vec3::Z, Vec3::ONE)),
+    ];
+    for (i, (section, damage)) in breaks.into_iter().enumerate() {
+        let mut scene = scene();
+        damage(&mut scene);
+        let error = scene.to_bytes().expect_err("refused").to_string();
+        assert!(error.contains(section), "{i}: {error}");
+    }
+}
