@@ -52,7 +52,13 @@ pub fn run(args: &[String]) -> Result<()> {
     let mut page = page::Page::default();
     for case in &cases {
         for preset in &options.presets {
-            let shown = (Some(preset) == options.presets.last()).then(|| pictures.join(case.picture_name()));
+            // Pictures of scenes that are not the project's own stay out of its documentation.
+            let shown = if case.is_given {
+                tool.file(&case.picture_name())
+            } else {
+                pictures.join(case.picture_name())
+            };
+            let shown = (Some(preset) == options.presets.last()).then_some(shown);
             page.scenes.push(tool.measure(case, preset, &[], shown.as_deref())?);
         }
         if case.is_given {
