@@ -6,7 +6,7 @@ use glam::Vec3;
 /// Side of the blocks that [`Comparison::p95`] is measured over, pixels.
 const BLOCK: u32 = 8;
 
-/// How far a picture is from its reference, over the pixels in which the reference is not black.
+/// How far a picture is from its reference. Light where the reference is black counts, too.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Comparison {
     /// Root mean square of the difference over the reference's root mean square; 0 is perfect.
@@ -24,8 +24,8 @@ pub enum CompareError {
     /// Their sizes differ.
     #[error("the picture is {0}x{1}, the reference {2}x{3}: take both at the same --size")]
     Size(u32, u32, u32, u32),
-    /// A value of the picture is not finite.
-    #[error("{0} values of the picture are not finite")]
+    /// A pixel of a picture or a reference is not finite.
+    #[error("{0} pixels of the pictures are not finite")]
     NotFinite(usize),
     /// Nothing could be far from it.
     #[error("the reference is black: take it of a place with light")]
@@ -48,20 +48,19 @@ pub fn compare(
             return Err(CompareError::Size(picture.width, picture.height, other.width, other.height));
         }
     }
-    let bad = picture.pixels.iter().filter(|p| !p.is_finite()).count();
+    let all = picture.pixels.iter().chain(&reference.pixels).chain(&second.pixels);
+    let bad = all.filter(|p| !p.is_finite()).count();
     if bad > 0 {
         return Err(CompareError::NotFinite(bad));
     }
     let (mut squares, mut power, mut sum, mut reference_sum, mut seen) = (0.0, 0.0, 0.0, 0.0, 0u64);
     for ((p, a), b) in picture.pixels.iter().zip(&reference.pixels).zip(&second.pixels) {
         let (p, a, b) = (p.as_dvec3(), a.as_dvec3(), b.as_dvec3());
-        if (a + b).element_sum() > 0.0 {
-            squares += (p - a).dot(p - b);
-            power += a.dot(b);
-            sum += p.element_sum();
-            reference_sum += 0.5 * (a + b).element_sum();
-            seen += 1;
-        }
+        squares += (p - a).dot(p - b);
+        power += a.dot(b);
+        sum += p.element_sum();
+        reference_sum += 0.5 * (a + b).element_sum();
+        seen += ((a + b).element_sum() > 0.0) as u64;
     }
     if power <= 0.0 || reference_sum <= 0.0 {
         return Err(CompareError::Black);
@@ -166,6 +165,15 @@ mod tests {
         assert!(matches!(compare(&one, &made(|_| Vec3::ZERO), None), Err(CompareError::Black)));
         let nan = made(|i| if i == 3 { Vec3::NAN } else { Vec3::ONE });
         assert!(matches!(compare(&nan, &one, None), Err(CompareError::NotFinite(1))));
+        assert!(matches!(compare(&one, &one, Some(&nan)), Err(CompareError::NotFinite(1))));
+    }
+
+    #[test]
+    fn light_where_there_should_be_none_counts() {
+        let reference = made(|i| Vec3::splat((i % 2) as f32));
+        let picture = made(|_| Vec3::ONE);
+        let found = compare(&picture, &reference, None).unwrap();
+        assert!((found.error - 1.0).abs() < 1e-9 && (found.bias - 1.0).abs() < 1e-9, "{found:?}");
     }
 
     #[test]

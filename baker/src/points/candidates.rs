@@ -64,11 +64,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
                 break;
             }
             if bounce >= self.dropped_bounces {
-                found.push(SurfacePoint {
-                    position: hit.position,
-                    normal: hit.normal,
-                    geometric_normal: hit.geometric_normal,
-                });
+                found.push(hit.into());
             }
             let direction = stream.cosine_hemisphere(hit.normal);
             // A direction that the shading normal allows may still point into the surface.

@@ -88,8 +88,6 @@ fn cast<S: Surfaces + ?Sized>(
     max_distance: f32,
     stream: &mut Stream,
 ) -> Option<SurfacePoint> {
-    let hit = surfaces
-        .cast(&Ray { origin, direction, max_distance }, stream.bits() as u32)
-        .filter(|hit| hit.faces(direction))?;
-    Some(SurfacePoint { position: hit.position, normal: hit.normal, geometric_normal: hit.geometric_normal })
+    let hit = surfaces.cast(&Ray { origin, direction, max_distance }, stream.bits() as u32);
+    hit.filter(|hit| hit.faces(direction)).map(SurfacePoint::from)
 }

@@ -13,6 +13,7 @@ mod morton;
 pub mod place;
 pub mod viewpoint;
 
+use crate::surface::Hit;
 pub use cut::cut;
 use glam::Vec3;
 pub use place::{PlaceError, PlaceSettings, place};
@@ -27,6 +28,12 @@ pub struct SurfacePoint {
     pub normal: Vec3,
     /// Normal of the true surface: the one rays are moved off along.
     pub geometric_normal: Vec3,
+}
+
+impl From<Hit> for SurfacePoint {
+    fn from(hit: Hit) -> Self {
+        Self { position: hit.position, normal: hit.normal, geometric_normal: hit.geometric_normal }
+    }
 }
 
 /// One level of points.
