@@ -15,6 +15,18 @@ pub fn falloff(t: f32) -> f32 {
     if t >= 1.0 { 0.0 } else { 1.0 + t * t * (2.0 * t - 3.0) }
 }
 
+/// Functions of points whose normals are further apart than this cosine share nothing: 60 degrees.
+pub const LEAST_COSINE: f32 = 0.5;
+
+/// How alike two unit normals with this cosine are, 1 for equal ones. The paper has the cosine's
+/// square (Eq. 8); this falls off faster, so that the faces of a bevelled edge, which the same lamp
+/// lights very differently, keep their own light.
+#[inline]
+pub fn likeness(cosine: f32) -> f32 {
+    let above = ((cosine - LEAST_COSINE) * (1.0 / (1.0 - LEAST_COSINE))).max(0.0);
+    above * above
+}
+
 /// The squashed distance of Eq. 10, squared: ellipsoids around the point, flat along its normal.
 /// `offset` is `x - x_j` and `normal_j` the point's unit normal; the result is in squared scene units.
 #[inline]
@@ -23,31 +35,31 @@ pub fn squashed_distance_squared(offset: Vec3, normal_j: Vec3) -> f32 {
 }
 
 /// The weight `w_j(x, n)` of Eq. 8 for the point with this position, unit normal and radius.
-/// Not negative; 0 outside the support and for normals 90 degrees or more apart.
+/// Not negative; 0 outside the support and for normals 60 degrees or more apart.
 #[inline]
 pub fn weight(offset: Vec3, normal: Vec3, normal_j: Vec3, radius_j: f32) -> f32 {
     let cosine = normal.dot(normal_j);
-    if cosine <= 0.0 {
+    if cosine <= LEAST_COSINE {
         return 0.0;
     }
     let distance_squared = squashed_distance_squared(offset, normal_j);
     if distance_squared >= radius_j * radius_j {
         return 0.0;
     }
-    falloff(distance_squared.sqrt() / radius_j) * cosine * cosine
+    falloff(distance_squared.sqrt() / radius_j) * likeness(cosine)
 }
 
 /// The symmetric 5D distance `D(p, q)` of Eq. 11, in scene units; infinite for normals
-/// 90 degrees or more apart.
+/// 60 degrees or more apart.
 #[inline]
 pub fn distance_5d(position_p: Vec3, normal_p: Vec3, position_q: Vec3, normal_q: Vec3) -> f32 {
     let cosine = normal_p.dot(normal_q);
-    if cosine <= 0.0 {
+    if cosine <= LEAST_COSINE {
         return f32::INFINITY;
     }
     let offset = position_p - position_q;
     let near = squashed_distance_squared(offset, normal_p).min(squashed_distance_squared(offset, normal_q));
-    near.sqrt() / (cosine * cosine)
+    near.sqrt() / likeness(cosine)
 }
 
 #[cfg(test)]
@@ -71,6 +83,8 @@ mod tests {
         let (p, q) = (Vec3::new(0.1, 0.2, 0.3), Vec3::new(-0.4, 0.0, 0.9));
         let n = Vec3::Y;
         let m = Vec3::new(0.6, 0.8, 0.0);
+        assert_eq!(likeness(1.0), 1.0);
+        assert!(likeness(0.8) < 0.64 && likeness(0.8) > 0.0 && likeness(0.5) == 0.0);
         assert_eq!(distance_5d(p, n, q, m), distance_5d(q, m, p, n));
         assert!(distance_5d(p, n, q, m) >= distance_5d(p, n, q, n).min(distance_5d(p, m, q, m)));
         assert_eq!(distance_5d(p, n, q, Vec3::X), f32::INFINITY);

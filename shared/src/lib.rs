@@ -3,6 +3,7 @@
 //! Everything here is free of I/O and of GPU code, and compiles to native and to wasm alike:
 //!
 //! * [`kernel`] – the weight function of the meshless basis (Lehtinen et al. 2008, Eq. 8 to 10);
+//! * [`footprint`] – where direct light is sampled around a point;
 //! * [`octahedral`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
 //! * [`rbn`] – the .rbn file: header, sections, checksums, metadata;
 //! * [`relight`] – one frame of relighting on the CPU, the truth that the GPU is held against;
@@ -12,6 +13,7 @@
 //! Transport*, ACM Transactions on Graphics 27(3), 2008.
 
 pub mod camera;
+pub mod footprint;
 pub mod interpolation;
 pub mod kernel;
 pub mod light;

@@ -4,9 +4,11 @@
 
 mod common;
 
+use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::kernel;
 use rebounce_shared::link::{Link, VectorRgb};
+use rebounce_shared::rbn::bulk::Point;
 use rebounce_shared::rbn::{LinkMatrix, Scene};
 use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
@@ -86,9 +88,19 @@ fn radiance(scene: &Scene, values: &[VectorRgb], eye: Vec3, direction: Vec3) -> 
 /// Nothing blocks light within a convex room: direct irradiance without visibility.
 fn unblocked(scene: &Scene) -> Vec<Vec3> {
     let lights: Vec<_> = scene.meta.lights.iter().map(|l| l.source(scene.meta.origin)).collect();
-    let at = |p: &rebounce_shared::rbn::bulk::Point| {
-        let sum = lights.iter().filter_map(|light| light.incident(p.position()));
-        sum.map(|i| i.irradiance * p.normal().dot(i.to_light).max(0.0)).sum()
+    let at = |normal: Vec3, place: Vec3| -> Vec3 {
+        let sum = lights.iter().filter_map(|light| light.incident(place));
+        sum.map(|i| i.irradiance * normal.dot(i.to_light).max(0.0)).sum()
+    };
+    // Over the footprint, or at the point where it has no samples.
+    let at = |p: &Point| {
+        let samples: Vec<u32> = (0..footprint::SAMPLES).filter(|k| p.has_sample(*k)).collect();
+        let mut places: Vec<Vec3> =
+            samples.iter().map(|k| p.position() + footprint::offset(*k, p.normal(), p.radius)).collect();
+        if places.is_empty() {
+            places.push(p.position());
+        }
+        places.iter().map(|place| at(p.normal(), *place)).sum::<Vec3>() / places.len() as f32
     };
     scene.points[..scene.direct_count()].iter().map(at).collect()
 }

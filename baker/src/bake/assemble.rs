@@ -72,7 +72,7 @@ pub(super) fn assemble(
                 position: p.position.to_array(),
                 radius: level.support_radius,
                 normal: pack_snorm16(p.normal),
-                cuts: Point::pack_cuts(cuts.len(), own.len()),
+                cuts: Point::pack_cuts(cuts.len(), own.len(), points.samples_of(i)),
             });
             cuts.extend_from_slice(own);
         }

@@ -9,10 +9,11 @@ pub use report::{BakeReport, LevelReport, SectionReport};
 
 use crate::basis::Relations;
 use crate::operator::{bounces::add_later_bounces, refine::refine, reflected::reflected_share};
-use crate::points::{PlaceError, candidates::Candidates, cut, place, viewpoint};
+use crate::points::{PlaceError, candidates::Candidates, cut, footprint, place, viewpoint};
 use crate::scene::Scene;
 use crate::triangles::TriangleSurfaces;
 use glam::{DVec3, Vec3};
+use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 use rebounce_shared::rbn::{self, RbnError};
 use std::time::Instant;
 
@@ -30,6 +31,9 @@ pub enum BakeError {
     /// Points could not be placed.
     #[error(transparent)]
     Place(#[from] PlaceError),
+    /// More planes at walls than a file can hold.
+    #[error("supports are cut off by over {MAX_ALL_CUTS} walls: bake with fewer --functions or --levels")]
+    TooManyCuts,
     /// The result does not fit the file format.
     #[error(transparent)]
     Format(#[from] RbnError),
@@ -110,6 +114,7 @@ pub fn bake(
     let mut points =
         place(&surfaces, &viewpoints, &settings.place, |level, count| tell(Stage::Points, count, 0, level))?;
     cut(&surfaces, &mut points);
+    footprint(&surfaces, &mut points);
     lap(&mut report, Stage::Points);
     tell(Stage::Basis, 0, 0, 0);
     let relations = Relations::new(&points, settings.direct_levels);
@@ -125,6 +130,9 @@ pub fn bake(
     lap(&mut report, Stage::Bounces);
     tell(Stage::Assemble, 0, 0, 0);
     report.describe(&points, &operator, &settings);
+    if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
+        return Err(BakeError::TooManyCuts);
+    }
     let file = assemble::assemble(scene, &settings, viewpoint, points, relations, operator);
     lap(&mut report, Stage::Assemble);
     Ok((file, report))

@@ -14,4 +14,4 @@ mod relations;
 
 pub use evaluator::{Evaluator, Leveled, Support};
 pub use relations::Relations;
-pub(crate) use relations::evaluator;
+pub(crate) use relations::{evaluator, sender_evaluator};

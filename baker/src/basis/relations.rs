@@ -1,7 +1,7 @@
 //! Parents and children (paper, section 2.1), in the form that the file stores.
 
 use super::{Evaluator, Leveled, Support};
-use crate::points::Points;
+use crate::points::{PointLevel, Points};
 use rayon::prelude::*;
 use rebounce_shared::interpolation::{Entry, Rows, pack_row};
 
@@ -76,10 +76,23 @@ impl Relations {
 /// The evaluator of one level.
 pub(crate) fn evaluator(points: &Points, level: usize) -> Evaluator {
     let level = &points.levels[level];
+    with_supports(points, level, level.support_radius)
+}
+
+/// Support over disk radius of a function that takes what a ray finds: narrow, so that the direct
+/// light at its point is blurred little and few functions share a hit.
+const SENDER_OVERLAP: f32 = 1.25;
+
+/// The evaluator of one level of senders.
+pub(crate) fn sender_evaluator(points: &Points, level: usize) -> Evaluator {
+    let level = &points.levels[level];
+    with_supports(points, level, SENDER_OVERLAP * level.disk_radius)
+}
+
+fn with_supports(points: &Points, level: &PointLevel, radius: f32) -> Evaluator {
     let support = |i: usize| {
         let p = &points.points[i];
-        let (radius, cuts) = (level.support_radius, points.cuts_of(i));
-        Support { position: p.position, normal: p.normal, radius, cuts }
+        Support { position: p.position, normal: p.normal, radius, cuts: points.cuts_of(i) }
     };
     Evaluator::new(level.range().map(support), level.first as u32)
 }

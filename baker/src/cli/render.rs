@@ -17,7 +17,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     picture: PictureArgs,
     /// Samples per pixel
-    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 }
 

@@ -3,12 +3,28 @@
 
 use crate::surface::{Hit, Surfaces};
 use glam::Vec3;
+use rebounce_shared::footprint;
 use rebounce_shared::light::{Incident, LightSource};
+use rebounce_shared::rbn::bulk::Point;
 
 /// RGB irradiance on a surface element at `position` (local space) with this unit normal.
 /// Visibility is tested from `position` moved off the surface along the normal.
 pub fn at_point(surfaces: &impl Surfaces, lights: &[LightSource], position: Vec3, normal: Vec3) -> Vec3 {
     sum(surfaces, lights, position, normal, |_| position + normal * surfaces.epsilon())
+}
+
+/// RGB irradiance of a basis function's point: the mean over the samples of its footprint.
+pub fn at_footprint(surfaces: &impl Surfaces, lights: &[LightSource], point: &Point) -> Vec3 {
+    let (position, normal) = (point.position(), point.normal());
+    let (mut total, mut count) = (Vec3::ZERO, 0);
+    for sample in 0..footprint::SAMPLES {
+        if point.has_sample(sample) {
+            let place = position + footprint::offset(sample, normal, point.radius);
+            total += sum(surfaces, lights, place, normal, |_| place);
+            count += 1;
+        }
+    }
+    if count > 0 { total / count as f32 } else { at_point(surfaces, lights, position, normal) }
 }
 
 /// RGB irradiance where a ray hit.

@@ -6,7 +6,7 @@
 use super::directions::Directions;
 use super::gather::{GatherContext, Gathered, Scratch, link_directions};
 use super::{Operator, OperatorSettings};
-use crate::basis::{Leveled, Relations, evaluator};
+use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
 use crate::points::Points;
 use crate::surface::Surfaces;
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ pub fn refine<S: Surfaces + ?Sized>(
         surfaces,
         points,
         relations,
-        senders: &basis(sender_levels),
+        senders: &Leveled::new((0..sender_levels).map(|l| sender_evaluator(points, l)).collect()),
         coarse: &basis(coarse_levels),
         coarse_count,
         settings,

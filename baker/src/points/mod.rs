@@ -3,18 +3,20 @@
 //! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
 //! viewpoint when none is given, [`dart`] throws the candidates as darts into one level's
 //! Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
-//! [`cut`] ends supports at walls.
+//! [`cut`] ends supports at walls, [`footprint`] finds where direct light is sampled.
 
 pub mod candidates;
 mod cut;
 pub mod dart;
 mod fill;
+mod footprint;
 mod morton;
 pub mod place;
 pub mod viewpoint;
 
 use crate::surface::Hit;
 pub use cut::cut;
+pub use footprint::footprint;
 use glam::Vec3;
 pub use place::{PlaceError, PlaceSettings, place};
 use rebounce_shared::rbn::bulk::Cut;
@@ -65,12 +67,19 @@ pub struct Points {
     pub points: Vec<SurfacePoint>,
     /// The planes that end each point's support, at most four a point; none before [`cut`].
     pub cuts: Vec<Vec<Cut>>,
+    /// Each point's samples of direct light, one bit a sample; none before [`footprint`].
+    pub samples: Vec<u8>,
 }
 
 impl Points {
     /// The planes that end a point's support.
     pub fn cuts_of(&self, point: usize) -> &[Cut] {
         self.cuts.get(point).map_or(&[], Vec::as_slice)
+    }
+
+    /// The samples of a point's direct light, one bit a sample.
+    pub fn samples_of(&self, point: usize) -> u8 {
+        self.samples.get(point).copied().unwrap_or(0)
     }
 
     /// Number of points on this many coarsest levels.

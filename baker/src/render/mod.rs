@@ -33,7 +33,7 @@ impl Relit {
         let lights: Vec<LightSource> = lights.iter().map(|l| l.source(scene.meta.origin)).collect();
         let irradiance: Vec<Vec3> = scene.points[..scene.direct_count()]
             .par_iter()
-            .map(|p| direct::at_point(surfaces, &lights, p.position(), p.normal()))
+            .map(|point| direct::at_footprint(surfaces, &lights, point))
             .collect();
         let irradiance = relight::irradiance(scene, &relight::relight(scene, irradiance));
         let level = |l: usize| {

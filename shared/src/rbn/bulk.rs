@@ -37,13 +37,16 @@ pub struct Point {
     pub radius: f32,
     /// Unit normal, octahedral snorm16x2.
     pub normal: u32,
-    /// Where the support's cuts are in section `CUTS`: eight times the index of the first, plus their
-    /// number.
+    /// Bits 0 to 2: number of the support's cuts; 3 to 10: which samples of
+    /// [`footprint`](crate::footprint) its direct light is the mean of; 11 to 31: index of its first cut in
+    /// section `CUTS`.
     pub cuts: u32,
 }
 
 /// Planes that cut one support off, at most.
 pub const MAX_CUTS: usize = 4;
+/// Planes in a file, at most.
+pub const MAX_ALL_CUTS: usize = 1 << 21;
 
 /// A plane that ends a support. 12 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -67,15 +70,22 @@ impl Cut {
 }
 
 impl Point {
-    /// [`Self::cuts`] for a support with this many cuts.
-    pub fn pack_cuts(first: usize, count: usize) -> u32 {
-        (first as u32) << 3 | count as u32
+    /// [`Self::cuts`] for a support with this many cuts and these samples, one bit a sample.
+    pub fn pack_cuts(first: usize, count: usize, samples: u8) -> u32 {
+        (first as u32) << 11 | (samples as u32) << 3 | count as u32
+    }
+
+    /// True where the point's direct light is sampled at this place of its footprint. Where it is at
+    /// none, it is sampled at the point.
+    #[inline]
+    pub fn has_sample(&self, sample: u32) -> bool {
+        self.cuts >> (3 + sample) & 1 != 0
     }
 
     /// Where the support's cuts are in section `CUTS`.
     #[inline]
     pub fn cuts(&self) -> std::ops::Range<usize> {
-        let first = (self.cuts >> 3) as usize;
+        let first = (self.cuts >> 11) as usize;
         first..first + (self.cuts & 7) as usize
     }
 

@@ -11,7 +11,7 @@ macro_rules! modules {
 
 modules! {
     /// Direct irradiance at points.
-    DIRECT: "octahedral" "point" "lights" "visibility" "step" "direct";
+    DIRECT: "octahedral" "point" "lights" "visibility" "footprint" "step" "direct";
     /// Pull.
     PULL: "octahedral" "link" "step" "pull";
     /// Links times irradiance.

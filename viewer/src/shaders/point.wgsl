@@ -6,7 +6,7 @@ struct Point {
     z: f32,
     radius: f32,
     normal: u32,
-    // Eight times the index of its first cut, plus their number.
+    // Number of its cuts, samples of its direct light from bit 3 on, first cut from bit 11 on.
     cuts: u32,
 }
 

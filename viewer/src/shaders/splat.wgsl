@@ -99,7 +99,7 @@ fn fragment(in: Out) -> @location(0) vec4f {
         discard;
     }
     for (var i = 0u; i < (in.cuts & 7u); i++) {
-        let k = 3u * ((in.cuts >> 3u) + i);
+        let k = 3u * ((in.cuts >> 11u) + i);
         if dot(vec3f(cuts[k], cuts[k + 1u], cuts[k + 2u]), offset) > 1.0 {
             discard;
         }

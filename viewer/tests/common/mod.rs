@@ -1,6 +1,7 @@
 //! A small baked room made up by hand, and a device.
 
 use rebounce_shared::camera::Camera;
+use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::interpolation::pack_row;
 use rebounce_shared::kernel;
@@ -70,12 +71,19 @@ pub fn room(sides: &[u32]) -> Scene {
                 let b = ((i / side) as f32 + 0.5 + shake(1)) * spacing - 1.0;
                 let planes = [Cut::new(*u, 0.8 * spacing), Cut::new(-*v, 0.8 * spacing)];
                 let cuts = &planes[..(i % 3 == 0) as usize + (i % 6 == 0) as usize];
+                let (position, radius) = (-*normal + *u * a + *v * b, 1.6 * spacing);
+                // The samples that lie within the room; but every fifth point has none.
+                let inside = |k: &u32| {
+                    let place = position + footprint::offset(*k, *normal, radius);
+                    i % 5 != 0 && place.abs().max_element() < 0.99
+                };
+                let samples = (0..footprint::SAMPLES).filter(inside).fold(0, |bits, k| bits | 1 << k);
                 scene.points.push(Point {
-                    position: (-*normal + *u * a + *v * b).to_array(),
-                    radius: 1.6 * spacing,
+                    position: position.to_array(),
+                    radius,
                     normal: pack_snorm16(*normal),
                     // Every third support ends halfway along u, every sixth along −v too.
-                    cuts: Point::pack_cuts(scene.cuts.len(), cuts.len()),
+                    cuts: Point::pack_cuts(scene.cuts.len(), cuts.len(), samples),
                 });
                 scene.cuts.extend(cuts);
             }

@@ -19,15 +19,29 @@ pub struct Case {
     pub references: [PathBuf; 2],
     /// References that another renderer made.
     pub is_given: bool,
+    /// Of a scene with given references, the project's own.
+    pub own: Option<[PathBuf; 2]>,
 }
 
 /// Samples a pixel of each reference that is made here.
 const SAMPLES: u32 = 256;
+/// And of those that stand beside given ones.
+const OWN_SAMPLES: u32 = 64;
 
 impl Case {
     /// The file name of its picture.
     pub fn picture_name(&self) -> String {
         format!("{}.png", self.name)
+    }
+
+    /// Path-traces the references that are missing.
+    fn take(&self, tool: &Tool, references: &[PathBuf; 2], samples: u32) -> Result<()> {
+        for (seed, reference) in (11..).zip(references) {
+            if !reference.exists() {
+                tool.reference(self, seed, samples, reference)?;
+            }
+        }
+        Ok(())
     }
 
     /// The shot and the size, as arguments.
@@ -56,12 +70,9 @@ pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
                 size: Some(size),
                 references,
                 is_given: false,
+                own: None,
             };
-            for (seed, reference) in (11..).zip(&case.references) {
-                if !reference.exists() {
-                    tool.reference(&case, seed, SAMPLES, reference)?;
-                }
-            }
+            case.take(tool, &case.references, SAMPLES)?;
             Ok(case)
         })
         .collect()
@@ -75,7 +86,7 @@ pub fn given() -> Option<PathBuf> {
 
 /// All shots of a folder: `shots/NAME.shot.json`, which names its scene, and
 /// `references/NAME.indirect.{a,b}.exr`.
-pub fn in_folder(folder: &Path) -> Result<Vec<Case>> {
+pub fn in_folder(tool: &Tool, folder: &Path) -> Result<Vec<Case>> {
     let shots = folder.join("shots");
     let mut files: Vec<PathBuf> = std::fs::read_dir(&shots)
         .with_context(|| shots.display().to_string())?
@@ -96,7 +107,14 @@ pub fn in_folder(folder: &Path) -> Result<Vec<Case>> {
             size: None,
             references,
             is_given: true,
+            own: None,
         })
     };
-    Ok(files.iter().filter_map(case).collect())
+    let mut cases: Vec<Case> = files.iter().filter_map(case).collect();
+    for case in &mut cases {
+        let own = ["a", "b"].map(|which| tool.file(&format!("{}.own.{which}.exr", case.name)));
+        case.take(tool, &own, OWN_SAMPLES)?;
+        case.own = Some(own);
+    }
+    Ok(cases)
 }

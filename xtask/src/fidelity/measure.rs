@@ -34,6 +34,8 @@ pub struct Measured {
     pub preset: String,
     pub report: Report,
     pub comparison: Comparison,
+    /// Against the project's own path tracer, where `comparison` is with another renderer.
+    pub own: Option<Comparison>,
 }
 
 /// The command `rebounce`, and a folder to work in.
@@ -43,9 +45,7 @@ pub struct Tool {
 }
 
 /// Samples a pixel of renders.
-const SAMPLES: u32 = 16;
-/// Samples a pixel of the path tracer when it is itself checked.
-const TRACER_SAMPLES: u32 = 64;
+const SAMPLES: u32 = 64;
 
 impl Tool {
     pub fn new(work: PathBuf) -> Result<Self> {
@@ -66,8 +66,19 @@ impl Tool {
 
     /// Path-traces the bounced light of a shot.
     pub fn reference(&self, case: &Case, seed: u64, samples: u32, out: &Path) -> Result<()> {
+        self.path_traced(&case.scene, &case.view(), seed, samples, out)
+    }
+
+    pub fn path_traced(
+        &self,
+        scene: &str,
+        view: &[String],
+        seed: u64,
+        samples: u32,
+        out: &Path,
+    ) -> Result<()> {
         let mut command = self.command("reference");
-        command.arg(&case.scene).args(case.view()).args(["--only", "indirect", "--seed", &seed.to_string()]);
+        command.arg(scene).args(view).args(["--only", "indirect", "--seed", &seed.to_string()]);
         process::run(command.args(["--spp", &samples.to_string(), "-o"]).arg(out))
     }
 
@@ -91,21 +102,18 @@ impl Tool {
             panel.extend(["--panel".into(), shown.as_os_str().to_owned()]);
         }
         let [a, b] = &case.references;
+        let own = match &case.own {
+            Some([a, b]) => Some(self.compare(&picture, a, Some(b), &[])?),
+            None => None,
+        };
         Ok(Measured {
+            own,
             scene: case.name.clone(),
             is_given: case.is_given,
             preset: preset.to_owned(),
             report: serde_json::from_slice(&std::fs::read(&report)?).context("the bake's report")?,
             comparison: self.compare(&picture, a, Some(b), &panel)?,
         })
-    }
-
-    /// The project's path tracer against references that another renderer made.
-    pub fn path_tracer(&self, case: &Case) -> Result<Comparison> {
-        let own = self.file("own.exr");
-        self.reference(case, 1, TRACER_SAMPLES, &own)?;
-        let [a, b] = &case.references;
-        self.compare(&own, a, Some(b), &[])
     }
 
     /// Two rooms joined by nothing, light in one: bounced radiance in the other over that in the lit one.
@@ -135,13 +143,13 @@ impl Tool {
         Ok(self.compare(&dark, &lit, None, &[])?.bias + 1.0)
     }
 
-    fn render(&self, baked: &Path, view: &[String], out: &Path) -> Result<()> {
+    pub fn render(&self, baked: &Path, view: &[String], out: &Path) -> Result<()> {
         let mut command = self.command("render");
         command.arg(baked).args(view).args(["--only", "indirect", "--spp", &SAMPLES.to_string()]);
         process::run(command.arg("-o").arg(out))
     }
 
-    fn compare(
+    pub fn compare(
         &self,
         picture: &Path,
         reference: &Path,

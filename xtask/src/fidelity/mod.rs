@@ -5,6 +5,7 @@
 mod cases;
 mod measure;
 mod page;
+mod path;
 
 use crate::process;
 use anyhow::{Context, Result, bail};
@@ -45,7 +46,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let tool = Tool::new(process::target().join("fidelity"))?;
     let mut cases = cases::generated(&tool)?;
     if let Some(folder) = &options.scenes {
-        cases.extend(cases::in_folder(folder)?);
+        cases.extend(cases::in_folder(&tool, folder)?);
     }
     let pictures = process::root().join("docs/fidelity");
     std::fs::create_dir_all(&pictures).with_context(|| pictures.display().to_string())?;
@@ -61,14 +62,20 @@ pub fn run(args: &[String]) -> Result<()> {
             let shown = (Some(preset) == options.presets.last()).then_some(shown);
             page.scenes.push(tool.measure(case, preset, &[], shown.as_deref())?);
         }
-        if case.is_given {
-            page.tracer.push((case.name.clone(), tool.path_tracer(case)?));
+        if let Some([own, _]) = &case.own {
+            let [a, b] = &case.references;
+            page.tracer.push((case.name.clone(), tool.compare(own, a, Some(b), &[])?));
         }
     }
     for preset in &options.presets {
         page.leaks.push((preset.clone(), tool.leak(preset)?));
     }
     if let Some(case) = cases.iter().find(|case| case.name == "library") {
+        for preset in &options.presets {
+            tool.measure(case, preset, &[], None)?;
+            page.steps.push((preset.clone(), tool.steps(Some(&tool.file("scene.rbn")))?));
+        }
+        page.steps.push(("path tracer".to_owned(), tool.steps(None)?));
         for epsilon in EPSILONS {
             let told = ["--epsilon".to_owned(), epsilon.to_string()];
             page.curve.push((epsilon, tool.measure(case, "draft", &told, None)?));

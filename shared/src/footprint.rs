@@ -1,0 +1,61 @@
+//! Where direct light is sampled around a point: not at the point alone but over the part of the
+//! surface that it speaks for, so that a shadow's edge sweeps over it and does not jump.
+//!
+//! The same formulas stand in the viewer's `footprint.wgsl`; a test holds the two together.
+
+use glam::{Vec2, Vec3};
+
+/// Samples of a point's direct light (the 2007 report, 6.2, averages 10).
+pub const SAMPLES: u32 = 8;
+/// Radius of the disk that they lie in, over the support radius.
+pub const RADIUS: f32 = 0.25;
+/// Their height above the point's tangent plane, over the support radius: a surface that bends a little
+/// does not hide them.
+pub const LIFT: f32 = 0.02;
+
+/// Two unit tangents at right angles to a unit normal and to each other (Duff et al. 2017).
+#[inline]
+pub fn tangents(normal: Vec3) -> (Vec3, Vec3) {
+    let sign = if normal.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + normal.z);
+    let b = normal.x * normal.y * a;
+    let first = Vec3::new(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
+    (first, Vec3::new(b, sign + normal.y * normal.y * a, -normal.y))
+}
+
+/// Place of a sample in the unit disk: Vogel's spiral, whose samples all stand for the same area.
+#[inline]
+pub fn in_disk(sample: u32) -> Vec2 {
+    const GOLDEN_ANGLE: f32 = 2.399_963_2;
+    let radius = ((sample as f32 + 0.5) / SAMPLES as f32).sqrt();
+    let (sin, cos) = (sample as f32 * GOLDEN_ANGLE).sin_cos();
+    Vec2::new(cos, sin) * radius
+}
+
+/// A sample's offset from a point with this unit normal and support radius, scene units.
+#[inline]
+pub fn offset(sample: u32, normal: Vec3, support_radius: f32) -> Vec3 {
+    let (first, second) = tangents(normal);
+    let place = in_disk(sample) * RADIUS;
+    support_radius * (first * place.x + second * place.y + normal * LIFT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_lie_in_a_disk_around_the_point() {
+        for normal in
+            [Vec3::X, Vec3::NEG_Z, Vec3::Z, Vec3::new(0.36, -0.48, -0.8), Vec3::new(-0.6, 0.64, 0.48)]
+        {
+            let offsets: Vec<Vec3> = (0..SAMPLES).map(|k| offset(k, normal, 2.0)).collect();
+            let mean = offsets.iter().sum::<Vec3>() / SAMPLES as f32;
+            assert!((mean - 2.0 * LIFT * normal).length() < 0.06, "{mean}");
+            for o in offsets {
+                assert!((o.dot(normal) - 2.0 * LIFT).abs() < 1e-5);
+                assert!((o - 2.0 * LIFT * normal).length() <= 2.0 * RADIUS);
+            }
+        }
+    }
+}
