@@ -105,7 +105,7 @@ fn unblocked(scene: &Scene) -> Vec<Vec3> {
     scene.points[..scene.direct_count()].iter().map(at).collect()
 }
 
-/// Relative RMS difference between the GPU's picture and the CPU's of the same 4 x 4 places a pixel.
+/// Relative RMS difference between the GPU's picture and the CPU's of the same 8 x 8 places a pixel.
 fn difference(scene: &Scene, ours: &[[f32; 4]]) -> f64 {
     let values = relight::relight(scene, unblocked(scene));
     let camera = scene.meta.cameras[0].frame(scene.meta.origin);
@@ -113,10 +113,10 @@ fn difference(scene: &Scene, ours: &[[f32; 4]]) -> f64 {
     for y in 0..HEIGHT {
         for x in 0..WIDTH {
             let mut sum = Vec3::ZERO;
-            for k in 0..16 {
-                let (dx, dy) = (((k % 4) as f32 + 0.5) / 4.0, ((k / 4) as f32 + 0.5) / 4.0);
+            for k in 0..64 {
+                let (dx, dy) = (((k % 8) as f32 + 0.5) / 8.0, ((k / 8) as f32 + 0.5) / 8.0);
                 let direction = camera.direction(x as f32 + dx, y as f32 + dy, WIDTH, HEIGHT);
-                sum += radiance(scene, &values, camera.eye, direction) / 16.0;
+                sum += radiance(scene, &values, camera.eye, direction) / 64.0;
             }
             let gpu = ours[(y * WIDTH + x) as usize];
             assert_eq!(gpu[3], 1.0, "a closed room covers the picture");

@@ -6,9 +6,9 @@ use crate::points::PlaceSettings;
 /// How good and how costly a bake is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
-    /// To look at while arranging a scene: an error of about 0.1 (docs/fidelity.md), in seconds.
+    /// To look at while arranging a scene, in seconds.
     Draft,
-    /// To ship: an error of about 0.07, in a minute or two for a room on two cores.
+    /// To ship, in a minute or two for a room on two cores.
     #[default]
     Standard,
     /// For stills and close looks.
@@ -16,6 +16,16 @@ pub enum Preset {
 }
 
 impl Preset {
+    /// The error against a path tracer that it is made for ([`crate::picture::compare`]): what rooms and
+    /// halls stay under that were not chosen for it.
+    pub fn promised_error(self) -> f64 {
+        match self {
+            Preset::Draft => 0.15,
+            Preset::Standard => 0.08,
+            Preset::Fine => 0.06,
+        }
+    }
+
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {

@@ -16,6 +16,8 @@ pub struct BakeReport {
     pub scene: String,
     /// The preset's name.
     pub preset: String,
+    /// The error against a path tracer that the preset is made for.
+    pub promised_error: f64,
     /// Triangles of the scene.
     pub triangles: u64,
     /// Where importance particles started, world space.
@@ -81,6 +83,7 @@ impl BakeReport {
         Self {
             scene: scene.name.clone(),
             preset: settings.preset.name().to_owned(),
+            promised_error: settings.preset.promised_error(),
             triangles: scene.triangles.len() as u64,
             sender_levels: settings.operator.sender_levels as u64,
             epsilon: settings.operator.epsilon,

@@ -8,11 +8,11 @@ use crate::readback::Readback;
 use wgpu::TextureFormat;
 
 /// Pixels that [`Renderer::read_indirect`] draws at most to average.
-const MOST_PIXELS: u64 = 1 << 20;
+const MOST_PIXELS: u64 = 1 << 22;
 
 impl Renderer {
     /// Begins to read the bounced light of the present camera and lights at this size: RGBA 32-bit
-    /// floats, linear radiance albedo/π·E; each pixel is the mean over up to 4 x 4 places. Alpha is
+    /// floats, linear radiance albedo/π·E; each pixel is the mean over up to 8 x 8 places. Alpha is
     /// the share that a surface covers.
     ///
     /// # Errors
@@ -24,7 +24,7 @@ impl Renderer {
         let fits = |k: &u32| {
             width.max(height) * k <= limit && width as u64 * height as u64 * (k * k) as u64 <= MOST_PIXELS
         };
-        let scale = [4, 3, 2].into_iter().find(fits).unwrap_or(1);
+        let scale = [8, 6, 4, 3, 2].into_iter().find(fits).unwrap_or(1);
         let size = [width * scale, height * scale];
         let target = self.new_target(&scene, size);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());

@@ -18,6 +18,7 @@ pub struct Comparison {
 /// What of `rebounce bake --report` the page shows.
 #[derive(Debug, Deserialize)]
 pub struct Report {
+    pub promised_error: f64,
     pub triangles: u64,
     pub functions: u64,
     pub links: u64,

@@ -59,6 +59,12 @@ impl fmt::Display for Page {
                 r.functions / 1000,
             )?;
         }
+        let over: Vec<String> = self.scenes.iter().filter(|m| is_over(m)).map(named).collect();
+        if over.is_empty() {
+            writeln!(f, "\nEvery scene keeps the error that its preset is made for ({PROMISES}).")?;
+        } else {
+            writeln!(f, "\nOver the error that their preset is made for ({PROMISES}): {}.", over.join(", "))?;
+        }
         if !self.tracer.is_empty() {
             f.write_str(TRACER)?;
             for (name, c) in &self.tracer {
@@ -135,6 +141,18 @@ The library at `draft`, by the link threshold ε (a share of what the scene's su
 | ε | error | bias | seconds | links |
 |---|---|---|---|---|
 ";
+
+/// What `rebounce bake --help` says of presets.
+const PROMISES: &str = "`bake --help`; by the own truth where there is one";
+
+/// True if the error is over what the bake's preset promises.
+fn is_over(m: &Measured) -> bool {
+    m.own.unwrap_or(m.comparison).error > m.report.promised_error
+}
+
+fn named(m: &Measured) -> String {
+    format!("{} at {}", m.scene, m.preset)
+}
 
 /// Error, bias and p95 as cells of a table.
 fn cells(c: Option<&Comparison>) -> String {
