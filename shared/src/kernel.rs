@@ -49,7 +49,7 @@ pub fn weight(offset: Vec3, normal: Vec3, normal_j: Vec3, radius_j: f32) -> f32 
     falloff(distance_squared.sqrt() / radius_j) * likeness(cosine)
 }
 
-/// The symmetric 5D distance `D(p, q)` of Eq. 11, in scene units; infinite for normals
+/// The symmetric 5D distance `D(p, q)` of Eq. 11, with [`likeness`] for the squared cosine, in scene units; infinite for normals
 /// 60 degrees or more apart.
 #[inline]
 pub fn distance_5d(position_p: Vec3, normal_p: Vec3, position_q: Vec3, normal_q: Vec3) -> f32 {

@@ -336,11 +336,16 @@ fn choose(gathered: &Tally, prediction: Option<&Tally>, epsilon: f32, noise: f32
         if strength > strongest.1 {
             strongest = (sender, strength);
         }
-        if noise > 0.0 {
-            seen += strength.sqrt();
-        }
+        // Rays that by chance all miss a small sender say as little as those that by chance hit it often:
+        // what coarser receivers expect counts, too.
+        let mut expected = strength;
         if let Some(prediction) = prediction {
-            carried.add_scaled(-1.0, &prediction.sums[sender as usize]);
+            let sum = &prediction.sums[sender as usize];
+            carried.add_scaled(-1.0, sum);
+            expected = expected.max(sum.magnitude_squared());
+        }
+        if noise > 0.0 {
+            seen += expected.sqrt();
         }
         if carried.magnitude_squared() > (noise * seen).max(epsilon * epsilon) {
             let link = carried.pack();
