@@ -33,11 +33,9 @@ const MARGIN: f32 = 2e-3;
 /// Finds the cuts of all points' supports. The same points give the same cuts.
 pub fn cut<S: Surfaces + ?Sized>(surfaces: &S, points: &mut Points) {
     points.cuts = points
-        .levels
-        .iter()
-        .flat_map(|level| level.range().map(|i| (i, level.support_radius)))
-        .collect::<Vec<_>>()
+        .support_radii()
         .into_par_iter()
+        .enumerate()
         .map(|(i, radius)| cuts_of(surfaces, &points.points[i], radius, mix(i as u64) as u32))
         .collect();
 }

@@ -13,9 +13,7 @@ const DEPTH: f32 = 0.15;
 /// Finds, for all points, the samples of direct light that lie above the point's own surface, in its
 /// sight and within its cuts. The same points give the same samples.
 pub fn footprint<S: Surfaces + ?Sized>(surfaces: &S, points: &mut Points) {
-    let radii: Vec<f32> =
-        points.levels.iter().flat_map(|level| level.range().map(|_| level.support_radius)).collect();
-    let found = radii.into_par_iter().enumerate();
+    let found = points.support_radii().into_par_iter().enumerate();
     points.samples = found.map(|(i, radius)| samples_of(surfaces, points, i, radius)).collect();
 }
 

@@ -82,6 +82,11 @@ impl Points {
         self.samples.get(point).copied().unwrap_or(0)
     }
 
+    /// The radius of each point's support, scene units.
+    fn support_radii(&self) -> Vec<f32> {
+        self.levels.iter().flat_map(|level| level.range().map(|_| level.support_radius)).collect()
+    }
+
     /// Number of points on this many coarsest levels.
     pub fn count_on(&self, levels: usize) -> usize {
         self.levels[..levels].last().map_or(0, |level| level.range().end)
