@@ -17,9 +17,7 @@ pub struct Case {
     pub size: Option<&'static str>,
     /// Two references of bounced light with independent noise.
     pub references: [PathBuf; 2],
-    /// References that another renderer made.
-    pub is_given: bool,
-    /// Of a scene with given references, the project's own.
+    /// Where another renderer made the references, the project's own.
     pub own: Option<[PathBuf; 2]>,
 }
 
@@ -69,7 +67,6 @@ pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
                 shot: None,
                 size: Some(size),
                 references,
-                is_given: false,
                 own: None,
             };
             case.take(tool, &case.references, SAMPLES)?;
@@ -100,15 +97,7 @@ pub fn in_folder(tool: &Tool, folder: &Path) -> Result<Vec<Case>> {
             ["a", "b"].map(|which| folder.join("references").join(format!("{name}.indirect.{which}.exr")));
         let scene = shots.join(shot.get("scene")?.as_str()?).display().to_string();
         let complete = references.iter().all(|file| file.exists());
-        complete.then(|| Case {
-            name,
-            scene,
-            shot: Some(file.clone()),
-            size: None,
-            references,
-            is_given: true,
-            own: None,
-        })
+        complete.then(|| Case { name, scene, shot: Some(file.clone()), size: None, references, own: None })
     };
     let mut cases: Vec<Case> = files.iter().filter_map(case).collect();
     for case in &mut cases {

@@ -31,7 +31,6 @@ pub struct Report {
 /// A bake measured.
 pub struct Measured {
     pub scene: String,
-    pub is_given: bool,
     pub preset: String,
     pub report: Report,
     pub comparison: Comparison,
@@ -110,7 +109,6 @@ impl Tool {
         Ok(Measured {
             own,
             scene: case.name.clone(),
-            is_given: case.is_given,
             preset: preset.to_owned(),
             report: serde_json::from_slice(&std::fs::read(&report)?).context("the bake's report")?,
             comparison: self.compare(&picture, a, Some(b), &panel)?,

@@ -54,7 +54,7 @@ pub fn run(args: &[String]) -> Result<()> {
     for case in &cases {
         for preset in &options.presets {
             // Pictures of scenes that are not the project's own stay out of its documentation.
-            let shown = if case.is_given {
+            let shown = if case.own.is_some() {
                 tool.file(&case.picture_name())
             } else {
                 pictures.join(case.picture_name())

@@ -72,7 +72,7 @@ impl fmt::Display for Page {
             }
         }
         f.write_str("\n## Pictures\n\nPath traced, ours, and the difference four times enlarged: red is too bright, blue too dark.\n")?;
-        let generated = self.scenes.iter().filter(|m| !m.is_given);
+        let generated = self.scenes.iter().filter(|m| m.own.is_none());
         let mut shown: Vec<&str> = generated.map(|m| m.scene.as_str()).collect();
         shown.dedup();
         for scene in shown {
