@@ -98,7 +98,7 @@ impl CompositePass {
             source: shaders::INDIRECT,
             vertex: "fullscreen",
             targets: &[opaque(TextureFormat::Rgba32Float)],
-            layouts: &[&shade, lights],
+            layouts: &[&shade, lights, &present_layout],
             ..Default::default()
         }
         .pipeline(gpu);
@@ -178,18 +178,22 @@ impl CompositePass {
         lights: &wgpu::BindGroup,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        self.pass(encoder, &self.picture, &picture.texture, &picture.shade, Some(lights), timestamps);
+        self.pass(encoder, &self.picture, &picture.texture, &[&picture.shade, lights], timestamps);
     }
 
-    /// Writes the bounced light alone to an [`TextureFormat::Rgba32Float`] target.
+    /// Averages the bounced light alone with what `before` holds, by the share in [`Shading::blend`], to
+    /// `out`; both are [`TextureFormat::Rgba32Float`], which cannot be blended in place.
     pub fn indirect(
         &self,
+        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         picture: &Picture,
         lights: &wgpu::BindGroup,
-        target: &wgpu::TextureView,
+        [before, out]: [&wgpu::Texture; 2],
     ) {
-        self.pass(encoder, &self.indirect, target, &picture.shade, Some(lights), None);
+        let [before, out] = [before, out].map(|texture| texture.create_view(&Default::default()));
+        let before = group(gpu, "indirect before", &self.present_layout, &[view(&before)]);
+        self.pass(encoder, &self.indirect, &out, &[&picture.shade, lights, &before], None);
     }
 
     /// Encodes the picture to a target of this format.
@@ -213,7 +217,7 @@ impl CompositePass {
             .pipeline(gpu)
         });
         let pipeline = pipeline.clone();
-        self.pass(encoder, &pipeline, target, &picture.present, None, None);
+        self.pass(encoder, &pipeline, target, &[&picture.present], None);
     }
 
     fn pass(
@@ -221,8 +225,7 @@ impl CompositePass {
         encoder: &mut wgpu::CommandEncoder,
         pipeline: &wgpu::RenderPipeline,
         target: &wgpu::TextureView,
-        bind: &wgpu::BindGroup,
-        lights: Option<&wgpu::BindGroup>,
+        groups: &[&wgpu::BindGroup],
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -231,9 +234,8 @@ impl CompositePass {
             ..Default::default()
         });
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, bind, &[]);
-        if let Some(lights) = lights {
-            pass.set_bind_group(1, lights, &[]);
+        for (slot, group) in (0..).zip(groups) {
+            pass.set_bind_group(slot, *group, &[]);
         }
         pass.draw(0..3, 0..1);
     }

@@ -48,7 +48,7 @@ pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
         gpu,
         "material",
         ShaderStages::FRAGMENT,
-        &[Slot::Uniform, Slot::Texture, Slot::Sampler, Slot::Sampler],
+        &[Slot::Uniform, Slot::Texture, Slot::Sampler, Slot::Sampler, Slot::Sampler],
     )
 }
 
@@ -104,8 +104,9 @@ impl Materials {
                 let resources = [
                     uniform,
                     view(texture),
-                    wgpu::BindingResource::Sampler(&sampler(gpu, info, info.linear_filter)),
-                    wgpu::BindingResource::Sampler(&sampler(gpu, info, false)),
+                    wgpu::BindingResource::Sampler(&sampler(gpu, info, info.linear_filter, 8)),
+                    wgpu::BindingResource::Sampler(&sampler(gpu, info, false, 1)),
+                    wgpu::BindingResource::Sampler(&sampler(gpu, info, info.linear_filter, 1)),
                 ];
                 group(gpu, "material", layout, &resources)
             })
@@ -115,7 +116,7 @@ impl Materials {
     }
 }
 
-fn sampler(gpu: &Gpu, texture: &Texture, linear: bool) -> wgpu::Sampler {
+fn sampler(gpu: &Gpu, texture: &Texture, linear: bool, anisotropy: u16) -> wgpu::Sampler {
     let wrap = |wrap| match wrap {
         Wrap::Repeat => wgpu::AddressMode::Repeat,
         Wrap::MirroredRepeat => wgpu::AddressMode::MirrorRepeat,
@@ -128,7 +129,7 @@ fn sampler(gpu: &Gpu, texture: &Texture, linear: bool) -> wgpu::Sampler {
         mag_filter: filter,
         min_filter: filter,
         mipmap_filter: if linear { wgpu::MipmapFilterMode::Linear } else { wgpu::MipmapFilterMode::Nearest },
-        anisotropy_clamp: if linear { 8 } else { 1 },
+        anisotropy_clamp: if linear { anisotropy } else { 1 },
         ..Default::default()
     })
 }

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4};
 use rebounce_shared::camera::CameraFrame;
 
-/// A picture's camera, in scene-local space. 144 bytes.
+/// A picture's camera, in scene-local space. 160 bytes.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Frame {
@@ -26,19 +26,24 @@ pub struct Frame {
     pub forward: [f32; 3],
     /// Number of this picture within an averaged series.
     pub sample: u32,
+    /// 1 where textures are read without mip levels.
+    pub unfiltered: u32,
+    /// Unused.
+    pub pad: [u32; 3],
 }
 
 impl Frame {
-    /// The frame for a picture of this size. `jitter` moves the picture by so many pixels, right and down.
-    pub fn new(camera: &CameraFrame, near: f32, size: [u32; 2], jitter: [f32; 2], sample: u32) -> Self {
+    /// The frame for a picture of this size.
+    pub fn new(camera: &CameraFrame, near: f32, size: [u32; 2], sample: Sample) -> Self {
         let (width, height) = (size[0] as f32, size[1] as f32);
         let (right, up) =
             (camera.right * (camera.tan_half_yfov * width / height), camera.up * camera.tan_half_yfov);
         // The ray through the middle of a moved picture.
-        let forward = camera.forward + right * (2.0 * jitter[0] / width) - up * (2.0 * jitter[1] / height);
+        let forward =
+            camera.forward + right * (2.0 * sample.shift[0] / width) - up * (2.0 * sample.shift[1] / height);
         // With d = position - eye: w = d·axis, x = d·right / |right|², y likewise, less the move, times w.
-        let x = right / right.length_squared() - camera.forward * (2.0 * jitter[0] / width);
-        let y = up / up.length_squared() + camera.forward * (2.0 * jitter[1] / height);
+        let x = right / right.length_squared() - camera.forward * (2.0 * sample.shift[0] / width);
+        let y = up / up.length_squared() + camera.forward * (2.0 * sample.shift[1] / height);
         let plane = |v: glam::Vec3| v.extend(-v.dot(camera.eye));
         let rows = Mat4::from_cols(plane(x), plane(y), Vec4::new(0.0, 0.0, 0.0, near), plane(camera.forward));
         Self {
@@ -50,24 +55,53 @@ impl Frame {
             up: up.to_array(),
             height,
             forward: forward.to_array(),
-            sample,
+            sample: sample.index,
+            unfiltered: sample.unfiltered as u32,
+            pad: [0; 3],
         }
     }
 }
 
-/// The shifts within a pixel, in pixels from its centre, of picture `i` of a series: evenly spread
-/// (Halton, bases 2 and 3), the first one at the centre.
-pub fn jitter(i: u32) -> [f32; 2] {
-    let radical_inverse = |base: u32| {
-        let (mut index, mut digit, mut sum) = (i, 1.0 / base as f32, 0.0);
-        while index > 0 {
-            sum += (index % base) as f32 * digit;
-            index /= base;
-            digit /= base as f32;
-        }
-        sum
-    };
-    if i == 0 { [0.0; 2] } else { [radical_inverse(2) - 0.5, radical_inverse(3) - 0.5] }
+/// One picture of a series that is averaged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Its number; the seed of what is random in it.
+    pub index: u32,
+    /// Pixels that the picture is moved by, right and down.
+    pub shift: [f32; 2],
+    /// Textures are read without mip levels, as the CPU does: for pictures averaged from many.
+    pub unfiltered: bool,
+}
+
+impl Sample {
+    /// Picture `index` of a series without end: the first one at the pixels' centres, the others evenly
+    /// spread around (Halton, bases 2 and 3).
+    pub fn of(index: u32) -> Self {
+        let shift = match index {
+            0 => [0.0; 2],
+            _ => [radical_inverse(index, 2) - 0.5, radical_inverse(index, 3) - 0.5],
+        };
+        Self { index, shift, unfiltered: false }
+    }
+
+    /// Picture `index` of `count`, a power of two: no two in one row or column of the pixel, so that
+    /// edges of any direction are averaged well (Hammersley). Textures are not filtered: the average does that.
+    pub fn of_count(index: u32, count: u32) -> Self {
+        let middle = 0.5 / count as f32 - 0.5;
+        let shift = [index as f32 / count as f32 + middle, radical_inverse(index, 2) + middle];
+        Self { index, shift, unfiltered: true }
+    }
+}
+
+/// The digits of `index` in this base, mirrored at the point: in 0..1.
+fn radical_inverse(mut index: u32, base: u32) -> f32 {
+    let (mut digit, mut sum) = (1.0 / base as f32, 0.0);
+    while index > 0 {
+        sum += (index % base) as f32 * digit;
+        index /= base;
+        digit /= base as f32;
+    }
+    sum
 }
 
 #[cfg(test)]
@@ -87,7 +121,7 @@ mod tests {
         let size = [320, 180];
         let frame = camera.frame([0.5, 0.0, 0.0]);
         for shift in [[0.0, 0.0], [0.3, -0.4]] {
-            let f = Frame::new(&frame, 0.01, size, shift, 0);
+            let f = Frame::new(&frame, 0.01, size, Sample { shift, ..Sample::default() });
             for (x, y) in [(0.5, 0.5), (160.0, 90.0), (319.5, 3.5)] {
                 let p = frame.eye + 7.0 * frame.direction(x + shift[0], y + shift[1], size[0], size[1]);
                 let clip = Mat4::from_cols_array_2d(&f.clip_from_local) * p.extend(1.0);

@@ -15,6 +15,7 @@ use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
 use rebounce_viewer::settings::Mode;
+use rebounce_viewer::view::Sample;
 
 const WIDTH: u32 = 48;
 const HEIGHT: u32 = 36;
@@ -105,7 +106,8 @@ fn unblocked(scene: &Scene) -> Vec<Vec3> {
     scene.points[..scene.direct_count()].iter().map(at).collect()
 }
 
-/// Relative RMS difference between the GPU's picture and the CPU's of the same 8 x 8 places a pixel.
+/// Relative RMS difference between the GPU's picture and the CPU's of the same 64 places a pixel: 16 shifts of
+/// each quarter.
 fn difference(scene: &Scene, ours: &[[f32; 4]]) -> f64 {
     let values = relight::relight(scene, unblocked(scene));
     let camera = scene.meta.cameras[0].frame(scene.meta.origin);
@@ -114,7 +116,9 @@ fn difference(scene: &Scene, ours: &[[f32; 4]]) -> f64 {
         for x in 0..WIDTH {
             let mut sum = Vec3::ZERO;
             for k in 0..64 {
-                let (dx, dy) = (((k % 8) as f32 + 0.5) / 8.0, ((k / 8) as f32 + 0.5) / 8.0);
+                let [right, down] = Sample::of_count(k / 4, 16).shift;
+                let dx = ((k % 2) as f32 + 0.5 + right) / 2.0;
+                let dy = ((k / 2 % 2) as f32 + 0.5 + down) / 2.0;
                 let direction = camera.direction(x as f32 + dx, y as f32 + dy, WIDTH, HEIGHT);
                 sum += radiance(scene, &values, camera.eye, direction) / 64.0;
             }

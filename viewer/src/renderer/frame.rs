@@ -8,7 +8,7 @@ use crate::scene::LoadedScene;
 use crate::settings::{Mode, Overlay};
 use crate::target::Target;
 use crate::timing::Pass;
-use crate::view::{Frame, jitter};
+use crate::view::{Frame, Sample};
 use rebounce_shared::light::{LightKind, LightSource};
 use wgpu::TextureFormat;
 
@@ -52,7 +52,7 @@ impl Renderer {
         if moved || self.dirty.shade || self.dirty.key {
             // After an average the G-buffer holds a shifted picture.
             if self.dirty.view || self.pictures > 1 {
-                self.draw_view(encoder, scene, target, 0, true);
+                self.draw_view(encoder, scene, target, Sample::of(0), true);
             } else if self.dirty.splats {
                 self.draw_splats(encoder, scene, target, true);
             }
@@ -62,7 +62,7 @@ impl Renderer {
             self.shade(encoder, target, 0, true);
             self.pictures = 1;
         } else if !self.dirty.present && self.pictures < self.still_pictures {
-            self.draw_view(encoder, scene, target, self.pictures, true);
+            self.draw_view(encoder, scene, target, Sample::of(self.pictures), true);
             self.shade(encoder, target, self.pictures, true);
             self.pictures += 1;
         }
@@ -78,17 +78,17 @@ impl Renderer {
         self.gpu.queue.submit([std::mem::replace(encoder, fresh).finish()]);
     }
 
-    /// G-buffer and splats of picture `sample` of a series.
+    /// G-buffer and splats of one picture of a series.
     pub(super) fn draw_view(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         scene: &LoadedScene,
         target: &Target,
-        sample: u32,
+        sample: Sample,
         timed: bool,
     ) {
         let camera = self.camera.frame(scene.meta.origin);
-        let frame = Frame::new(&camera, scene.near, target.size, jitter(sample), sample);
+        let frame = Frame::new(&camera, scene.near, target.size, sample);
         self.gpu.queue.write_buffer(&target.frame, 0, bytemuck::bytes_of(&frame));
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|t| t.stamps(Pass::GBuffer)).map(|s| s.render(true, true));

@@ -5,15 +5,18 @@ use crate::bindings::target as texture_target;
 use crate::composite::Shading;
 use crate::error::ViewerError;
 use crate::readback::Readback;
+use crate::view::Sample;
 use wgpu::TextureFormat;
 
-/// Pixels that [`Renderer::read_indirect`] draws at most to average.
+/// Pictures that [`Renderer::read_indirect`] averages.
+const PICTURES: u32 = 16;
+/// Pixels of one of them at most.
 const MOST_PIXELS: u64 = 1 << 22;
 
 impl Renderer {
     /// Begins to read the bounced light of the present camera and lights at this size: RGBA 32-bit
-    /// floats, linear radiance albedo/π·E; each pixel is the mean over up to 8 x 8 places. Alpha is
-    /// the share that a surface covers.
+    /// floats, linear radiance albedo/π·E; each pixel is the mean over 64 places, 16 in pictures of over a
+    /// million pixels. Alpha is the share that a surface covers.
     ///
     /// # Errors
     /// [`ViewerError::NoScene`]; [`ViewerError::BadArgument`] for a size that the device cannot draw.
@@ -21,21 +24,25 @@ impl Renderer {
         let scene = self.scene.clone().ok_or(ViewerError::NoScene)?;
         self.check_size(width, height)?;
         let limit = self.gpu.device.limits().max_texture_dimension_2d;
-        let fits = |k: &u32| {
-            width.max(height) * k <= limit && width as u64 * height as u64 * (k * k) as u64 <= MOST_PIXELS
-        };
-        let scale = [8, 6, 4, 3, 2].into_iter().find(fits).unwrap_or(1);
-        let size = [width * scale, height * scale];
-        let target = self.new_target(&scene, size);
+        let fits = 2 * width.max(height) <= limit && 4 * width as u64 * height as u64 <= MOST_PIXELS;
+        let scale = if fits { 2 } else { 1 };
+        let target = self.new_target(&scene, [width * scale, height * scale]);
+        let average = |label| texture_target(&self.gpu, label, TextureFormat::Rgba32Float, width, height);
+        let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.update_lights(&mut encoder, &scene);
-        self.draw_view(&mut encoder, &scene, &target, 0, false);
-        let shading = Shading { direct: 0.0, indirect: 1.0, scale, ..self.shading(1.0) };
-        self.composite.set_shading(&self.gpu, &target.picture, &shading);
-        let out = texture_target(&self.gpu, "indirect", TextureFormat::Rgba32Float, width, height);
-        let view = out.create_view(&Default::default());
-        self.composite.indirect(&mut encoder, &target.picture, &self.shadows.group, &view);
-        self.gpu.queue.submit([encoder.finish()]);
+        // One submission a picture: their uniforms differ.
+        for picture in 0..PICTURES {
+            std::mem::swap(&mut before, &mut out);
+            self.draw_view(&mut encoder, &scene, &target, Sample::of_count(picture, PICTURES), false);
+            let shading =
+                Shading { direct: 0.0, indirect: 1.0, scale, ..self.shading(1.0 / (picture + 1) as f32) };
+            self.composite.set_shading(&self.gpu, &target.picture, &shading);
+            let group = &self.shadows.group;
+            self.composite.indirect(&self.gpu, &mut encoder, &target.picture, group, [&before, &out]);
+            self.gpu.queue.submit([encoder.finish()]);
+            encoder = self.gpu.device.create_command_encoder(&Default::default());
+        }
         Ok(Readback::texture(&self.gpu, &out, 16))
     }
 
@@ -54,7 +61,7 @@ impl Renderer {
         self.update_lights(&mut encoder, &scene);
         // One submission a picture: their uniforms differ.
         for picture in 0..self.still_pictures {
-            self.draw_view(&mut encoder, &scene, &target, picture, false);
+            self.draw_view(&mut encoder, &scene, &target, Sample::of(picture), false);
             if std::mem::take(&mut self.dirty.key) {
                 self.measure_key(&mut encoder, &target);
             }

@@ -18,12 +18,12 @@ fn direct(@builtin(global_invocation_id) id: vec3u) {
     for (var sample = 0u; sample < SAMPLES; sample++) {
         if ((p.cuts >> (3u + sample)) & 1u) != 0u {
             let place = position + footprint_offset(sample, normal, p.radius);
-            sum += direct_irradiance(place, normal, normal, step_.extra, 0);
+            sum += direct_irradiance(place, normal, normal, step_.extra, 0, LIFT * p.radius);
             count += 1.0;
         }
     }
     if count == 0.0 {
-        sum = direct_irradiance(position, normal, normal, step_.extra, 0);
+        sum = direct_irradiance(position, normal, normal, step_.extra, 0, 0.0);
         count = 1.0;
     }
     irradiance[i] = vec4f(sum / count, 0.0);

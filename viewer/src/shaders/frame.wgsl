@@ -13,6 +13,8 @@ struct Frame {
     forward: vec3f,
     // Number of this picture within a series that is averaged.
     sample: u32,
+    // 1 where textures are read without mip levels, for pictures that are averaged from many.
+    unfiltered: u32,
 }
 
 // The local position seen at a pixel (its centre, y down) with this depth-buffer value.

@@ -29,7 +29,12 @@ struct Targets {
 @fragment
 fn fragment(in: Out) -> Targets {
     // Derivatives and filtered samples before any discard.
-    let color = textureSample(base_color_texture, color_sampler, in.uv).rgb * material.base_color.rgb;
+    var color = material.base_color.rgb;
+    if frame.unfiltered == 0u {
+        color *= textureSample(base_color_texture, color_sampler, in.uv).rgb;
+    } else {
+        color *= textureSampleLevel(base_color_texture, plain_sampler, in.uv, 0.0).rgb;
+    }
     let to_eye = frame.eye - in.local;
     var flat_normal = normalize(cross(dpdx(in.local), dpdy(in.local)));
     if !(dot(flat_normal, flat_normal) > 0.5) {

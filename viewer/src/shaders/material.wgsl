@@ -16,6 +16,8 @@ struct Material {
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(1) @binding(2) var color_sampler: sampler;
 @group(1) @binding(3) var alpha_sampler: sampler;
+// For level 0 alone: some adapters' anisotropic filter walks over every texel that a pixel covers there.
+@group(1) @binding(4) var plain_sampler: sampler;
 
 // Thresholds at (k + 1/2) / 16 that spread evenly over every 4x4 pixels (a Bayer matrix), and from
 // picture to picture of an averaged series.

@@ -55,7 +55,7 @@ fn radiance(pixel: vec2u) -> vec4f {
         let position = position_at(frame, vec2f(pixel) + 0.5, depth);
         let flat_normal = octahedral_decode(unpack4x8snorm(surface.y & 0xffffu).xy);
         irradiance += shading.direct
-            * direct_irradiance(position, unpack_normal(surface.x), flat_normal, shading.lights, 1);
+            * direct_irradiance(position, unpack_normal(surface.x), flat_normal, shading.lights, 1, 0.0);
         own = shading.direct * emission[min(surface.y >> 16u, arrayLength(&emission) - 1u)].rgb;
     }
     return vec4f(albedo.rgb / PI * irradiance + own, 1.0);

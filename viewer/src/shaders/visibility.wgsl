@@ -18,8 +18,9 @@ fn cube_face(v: vec3f) -> u32 {
 }
 
 // Share of the light that reaches `position` on a surface with the unit normal `normal`, over a
-// square of (2 radius + 1) taps; each tap is bilinear.
-fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, radius: i32) -> f32 {
+// square of (2 radius + 1) taps; each tap is bilinear. `lift`: how far above the surface the position
+// lies already.
+fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, radius: i32, lift: f32) -> f32 {
     var layer = light.layer;
     if light.layers > 1u {
         layer += cube_face(position - light.position);
@@ -33,7 +34,7 @@ fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, rad
     let w = (clip_from_local * vec4f(position, 1.0)).w;
     let texel = light.texel * w;
     let reach = 1.42 * (f32(radius) + 1.0);
-    let moved = position + normal * (side * texel * (reach * sine + 0.1));
+    let moved = position + normal * (side * max(texel * (reach * sine + 0.1) - lift, 0.0));
     let clip = clip_from_local * vec4f(moved, 1.0);
     let bias = 0.5 * texel;
     var depth = clip.z / max(clip.w - bias, 1e-20);
@@ -54,15 +55,15 @@ fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, rad
 }
 
 // Direct irradiance at a point of a surface. `normal` is the shading normal, `flat_normal` that of
-// the triangle.
-fn direct_irradiance(position: vec3f, normal: vec3f, flat_normal: vec3f, count: u32, radius: i32) -> vec3f {
+// the triangle; radius and lift as above.
+fn direct_irradiance(position: vec3f, normal: vec3f, flat_normal: vec3f, count: u32, radius: i32, lift: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < count; i++) {
         let light = lights[i];
         let at = incident(light, position);
         let cosine = dot(normal, at.to_light);
         if cosine > 0.0 && any(at.irradiance > vec3f(0.0)) {
-            sum += at.irradiance * (cosine * visibility(light, position, flat_normal, at.to_light, radius));
+            sum += at.irradiance * (cosine * visibility(light, position, flat_normal, at.to_light, radius, lift));
         }
     }
     return sum;
