@@ -56,8 +56,8 @@ impl BakeSettings {
     /// A preset's values.
     pub fn new(preset: Preset) -> Self {
         let (levels, functions, rays, epsilon) = match preset {
-            Preset::Draft => (5, 25_000, vec![2048, 2048, 1024, 1024, 448], 0.016),
-            Preset::Standard => (6, 120_000, vec![4096, 4096, 2048, 1024, 512, 448], 0.018),
+            Preset::Draft => (5, 25_000, vec![2048, 2048, 1024, 1024, 512], 0.016),
+            Preset::Standard => (6, 120_000, vec![4096, 4096, 2048, 1024, 512, 512], 0.018),
             Preset::Fine => (6, 250_000, vec![8192, 8192, 4096, 2048, 1024, 768], 0.010),
         };
         Self {

@@ -11,7 +11,7 @@
 //! bounced among them until what is left is negligible or each bounce is a smaller copy of the one
 //! before. No product of sparse matrices grows on the way.
 
-use super::gather::IrradianceRow;
+use super::tally::IrradianceRow;
 use super::{Operator, OperatorSettings};
 use crate::points::Points;
 use glam::Vec3;

@@ -3,17 +3,21 @@
 //! * [`reflected`] – how bright the scene is, which ε is a share of;
 //! * [`directions`] – the rays of one hemispherical gather;
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
+//! * [`tally`] – what a gather sums up, by sender;
+//! * [`choose`] – which of it becomes a link;
 //! * [`refine`] – the adaptive queue of Fig. 5: the one-bounce operator T;
 //! * [`bounces`] – later bounces by the Neumann series: S.
 
 pub mod bounces;
+mod choose;
 pub mod directions;
 pub mod gather;
 pub mod refine;
 pub mod reflected;
+pub mod tally;
 
-use gather::IrradianceRow;
 use rebounce_shared::link::{self, Link};
+use tally::IrradianceRow;
 
 /// How the operator is computed.
 #[derive(Clone, Debug, PartialEq)]
