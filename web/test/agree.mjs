@@ -8,7 +8,8 @@ import { agreement, readShot, serve } from "./agreement.mjs";
 import { launch, within } from "./browser.mjs";
 
 const SIZE = [256, 144];
-const FINER = 4;
+const FINER = 2;
+const SAMPLES = 1024;
 
 const [rebounce, compare, baked, ...shots] = process.argv.slice(2);
 if (shots.length === 0) throw new Error("usage: node agree.mjs REBOUNCE COMPARE FILE.rbn SHOT.json...");
@@ -29,7 +30,7 @@ try {
   if (message) throw new Error(message);
   for (const shot of shots) {
     const name = path.basename(shot, ".json");
-    const { difference } = await agreement(page, tools, name, await readShot(shot), SIZE, FINER);
+    const { difference } = await agreement(page, tools, name, await readShot(shot), SIZE, FINER, SAMPLES);
     console.log(`${name}: ${JSON.stringify(difference)}`);
   }
 } finally {

@@ -29,13 +29,13 @@ export async function serve(rebounce, file) {
  * Sets a shot in a page whose scene is loaded, reads the indirect light back, has the CPU render the
  * same, and compares. `tools`: the programs rebounce and compare, the baked file, a folder to work in.
  * `finer`: how many times as many pixels a side the browser draws for each pixel compared, since the
- * CPU takes 256 samples a pixel. Gives the difference and the file of the browser's picture.
+ * CPU takes so many `samples` a pixel. Gives the difference and the file of the browser's picture.
  */
-export async function agreement(page, tools, name, shot, size, finer) {
+export async function agreement(page, tools, name, shot, size, finer, samples = 256) {
   const stem = path.join(tools.work, name.replaceAll(/\W+/g, "-"));
   await writeFile(`${stem}.json`, JSON.stringify({ ...shot, size }));
   const cpu = ["render", tools.baked, "--shot", `${stem}.json`, "-o", `${stem}.exr`];
-  await exec(tools.rebounce, [...cpu, "--only", "indirect", "--spp", "256"]);
+  await exec(tools.rebounce, [...cpu, "--only", "indirect", "--spp", String(samples)]);
   const base64 = await within(600, "readIndirect", page.evaluate(readIndirect, { shot, size, finer }));
   const file = `${stem}-${size.join("x")}.f32`;
   await writeFile(file, Buffer.from(base64, "base64"));
