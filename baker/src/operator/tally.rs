@@ -164,7 +164,6 @@ impl Tally<Vectors> {
 mod tests {
     use super::*;
     use crate::random::Stream;
-    use rebounce_shared::link::turn;
 
     #[test]
     fn a_packed_irradiance_tells_exactly_what_it_holds() {
@@ -178,17 +177,6 @@ mod tests {
             let largest = irradiance.abs().max_element();
             assert!((read - Vec3::from(held.0)).abs().max_element() < 1e-6 * largest, "{read} {held:?}");
             assert!((read - irradiance).abs().max_element() < 0.005 * largest, "{read} {irradiance}");
-        }
-    }
-
-    #[test]
-    fn turning_with_the_normal_keeps_the_part_along_it() {
-        for i in 0..500 {
-            let mut s = Stream::new(4, i);
-            let (from, to, v) = (s.sphere(), s.sphere(), s.sphere());
-            if from.dot(to) > -0.9 {
-                assert!((turn(v, from, to).dot(to) - v.dot(from)).abs() < 1e-5);
-            }
         }
     }
 }
