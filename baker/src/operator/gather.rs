@@ -127,10 +127,12 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         }
         self.predict(receiver, values, prediction);
         gathered.links = choose(senders, Some(prediction), epsilon, noise, Vectors::pack);
-        for (column, link) in columns(&gathered.links) {
-            prediction.add(column, 1.0, &vectors(self.direction(link), link.magnitude()));
+        if level + 1 < self.settings.levels {
+            for (column, link) in columns(&gathered.links) {
+                prediction.add(column, 1.0, &vectors(self.direction(link), link.magnitude()));
+            }
+            gathered.value = self.value(level, prediction);
         }
-        gathered.value = self.value(level, prediction);
         senders.clear();
         prediction.clear();
         gathered
@@ -153,12 +155,10 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         });
         // What turns the parent's normal into the receiver's turns its light alike: the part along the normal
         // stays the same.
-        let row = self.relations.push().row(receiver);
-        let total: f32 = row.iter().map(|e| e.weight()).sum();
-        for parent in row {
-            let normal = Vec3A::from(self.points.points[parent.point()].normal);
-            for (column, link) in columns(&values[parent.point()]) {
-                let along = self.direction(link).dot(normal) * (parent.weight() / total);
+        for (parent, share) in self.parents(receiver) {
+            let normal = Vec3A::from(self.points.points[parent].normal);
+            for (column, link) in columns(&values[parent]) {
+                let along = self.direction(link).dot(normal) * share;
                 prediction.add(column, along, &Irradiance(link.magnitude().into()));
             }
         }
@@ -184,6 +184,13 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         let value = self.value(level, &scratch.prediction);
         scratch.prediction.clear();
         Gathered { value, ..Gathered::default() }
+    }
+
+    /// A receiver's parents and their shares, which sum to 1.
+    fn parents(&self, receiver: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
+        let row = self.relations.push().row(receiver);
+        let total: f32 = row.iter().map(|e| e.weight()).sum();
+        row.iter().map(move |e| (e.point(), e.weight() / total))
     }
 
     /// A receiver's value as its children will subtract it.
@@ -240,13 +247,11 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// will turn it.
     fn predict(&self, receiver: usize, values: &[Vec<Link>], prediction: &mut Tally<Vectors>) {
         let normal = self.points.points[receiver].normal;
-        let row = self.relations.push().row(receiver);
-        let total: f32 = row.iter().map(|e| e.weight()).sum();
-        for parent in row {
-            let turn = turning(self.points.points[parent.point()].normal, normal);
-            for (column, link) in columns(&values[parent.point()]) {
+        for (parent, share) in self.parents(receiver) {
+            let turn = turning(self.points.points[parent].normal, normal);
+            for (column, link) in columns(&values[parent]) {
                 let direction = turn * self.direction(link);
-                prediction.add(column, parent.weight() / total, &vectors(direction, link.magnitude()));
+                prediction.add(column, share, &vectors(direction, link.magnitude()));
             }
         }
     }
