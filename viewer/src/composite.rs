@@ -1,13 +1,13 @@
-//! From G-buffer, lights and splats to the picture: shading, automatic exposure, tone mapping.
+//! From G-buffer, lights and bounced light to the picture: shading, automatic exposure, tone mapping.
 
 use crate::bindings::{
     Draw, Slot, attachment, blended, compute, empty_buffer, group, layout, opaque, target, texture_bytes,
     view,
 };
+use crate::display::DisplayTarget;
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
 use crate::shaders;
-use crate::splat::SplatTarget;
 use bytemuck::{Pod, Zeroable};
 use std::collections::HashMap;
 use wgpu::{BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat};
@@ -25,8 +25,6 @@ pub struct Shading {
     pub indirect: f32,
     /// Number of lights.
     pub lights: u32,
-    /// What the splats' sums were multiplied with.
-    pub splat_scale: f32,
     /// 2^EV.
     pub exposure: f32,
     /// Share of this picture in the average so far.
@@ -34,7 +32,7 @@ pub struct Shading {
     /// Pixels across one output pixel of [`CompositePass::indirect`].
     pub scale: u32,
     /// Unused.
-    pub pad: u32,
+    pub pad: [u32; 2],
 }
 
 /// The pipelines, and the automatic exposure.
@@ -71,9 +69,10 @@ impl CompositePass {
                 Slot::TextureLoad,
                 Slot::TextureUint,
                 Slot::Depth,
-                Slot::TextureLoad,
+                Slot::Read,
                 Slot::Read,
                 key,
+                Slot::Read,
             ]
         };
         let shade = layout(gpu, "shade", ShaderStages::FRAGMENT, &slots(Slot::Read));
@@ -117,13 +116,13 @@ impl CompositePass {
         }
     }
 
-    /// A picture from this G-buffer and these splats.
+    /// A picture from this G-buffer and this bounced light.
     pub fn target(
         &self,
         gpu: &Gpu,
         frame: &wgpu::Buffer,
         gbuffer: &GBuffer,
-        splats: &SplatTarget,
+        display: &DisplayTarget,
         emission: &wgpu::Buffer,
         size: [u32; 2],
     ) -> Picture {
@@ -142,9 +141,10 @@ impl CompositePass {
             view(&gbuffer.albedo),
             view(&gbuffer.surface),
             view(&gbuffer.depth),
-            view(&splats.sums),
+            display.light.as_entire_binding(),
             emission.as_entire_binding(),
             self.key.as_entire_binding(),
+            display.slots.as_entire_binding(),
         ];
         Picture {
             shade: group(gpu, "shade", &self.layout, &resources),

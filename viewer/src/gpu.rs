@@ -15,8 +15,6 @@ pub struct Gpu {
     pub adapter: String,
     /// Whether passes can be timed.
     pub timestamps: bool,
-    /// Whether 32-bit float targets can be blended; if not, splats add up in 16 bits.
-    pub float32_blendable: bool,
     errors: Arc<Mutex<Option<String>>>,
 }
 
@@ -30,13 +28,13 @@ pub struct Requested {
 
 impl Gpu {
     /// Asks `adapter` for a device with WebGPU's default limits and, where present, timestamp
-    /// queries and blendable 32-bit float targets.
+    /// queries.
     ///
     /// # Errors
     /// [`ViewerError::NoDevice`].
     pub async fn request(adapter: &wgpu::Adapter) -> Result<Requested, ViewerError> {
         let offered = adapter.features();
-        let wanted = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::FLOAT32_BLENDABLE;
+        let wanted = wgpu::Features::TIMESTAMP_QUERY;
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("rebounce"),
@@ -62,7 +60,6 @@ impl Gpu {
             queue,
             adapter: if info.name.is_empty() { name } else { info.name },
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
-            float32_blendable: features.contains(wgpu::Features::FLOAT32_BLENDABLE),
             errors,
         };
         Ok(Requested { gpu, lost })

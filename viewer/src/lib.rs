@@ -4,15 +4,17 @@
 //! browser through WebGPU (the class `Viewer` of the module `wasm`), natively without a window.
 //!
 //! One frame, as far as something changed: [`shadow`] maps, [`relight`] (the bounced light at every
-//! point), [`gbuffer`], [`splat`] (from points to pixels), [`composite`], [`overlay`]. [`renderer`]
+//! point), [`gbuffer`], [`display`] (from points to pixels), [`composite`], [`overlay`]. [`renderer`]
 //! decides what must be done; [`scene`] is what a file becomes; [`controls`] moves camera and lights.
 
 mod bindings;
 pub mod composite;
 pub mod controls;
+pub mod display;
 pub mod error;
 pub mod gbuffer;
 pub mod gpu;
+pub mod lookup;
 pub mod materials;
 pub mod oneshot;
 pub mod overlay;
@@ -24,7 +26,6 @@ pub mod settings;
 pub mod shaders;
 pub mod shadow;
 pub mod shadow_fit;
-pub mod splat;
 pub mod stats;
 pub mod target;
 pub mod textures;

@@ -37,6 +37,7 @@ enum Kernel {
     Lift,
     Transport(usize),
     Push,
+    Display,
 }
 
 /// One dispatch.
@@ -96,6 +97,7 @@ fn plan(scene: &Scene, upload: &Upload) -> Vec<Dispatch> {
     for l in 1..scene.meta.levels.len() {
         plan.push(Dispatch::threads(Kernel::Push, scene.level(l).start, scene.level(l).len()));
     }
+    plan.push(Dispatch::threads(Kernel::Display, 0, scene.points.len()));
     plan.retain(|dispatch| dispatch.step.count > 0);
     plan
 }
@@ -106,6 +108,7 @@ pub struct RelightPipelines {
     pull: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     lift: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     push: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    display: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
     transport: wgpu::BindGroupLayout,
 }
 
@@ -121,6 +124,7 @@ impl RelightPipelines {
             &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write, Slot::Write, Slot::Write],
         );
         let push = layout("push", &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write]);
+        let display = layout("display", &[step, Slot::Read, Slot::Read, Slot::Write]);
         let pipeline = |entry: &str, source, layouts: &[&wgpu::BindGroupLayout]| {
             compute(gpu, entry, source, layouts, &[])
         };
@@ -130,6 +134,7 @@ impl RelightPipelines {
             pull: (pull.clone(), pipeline("pull", shaders::PULL, &[&pull])),
             lift: (lift.clone(), pipeline("lift", shaders::LIFT, &[&lift])),
             push: (push.clone(), pipeline("push", shaders::PUSH, &[&push])),
+            display: (display.clone(), pipeline("display_values", shaders::DISPLAY, &[&display])),
         }
     }
 
@@ -145,6 +150,8 @@ pub struct Relight {
     pub irradiance: wgpu::Buffer,
     /// Vector irradiance at all points: nine floats, channel after channel.
     pub values: wgpu::Buffer,
+    /// Irradiance along each point's normal: RGB and one unused.
+    pub display: wgpu::Buffer,
     steps: wgpu::Buffer,
     direct: wgpu::BindGroup,
     pull: wgpu::BindGroup,
@@ -152,6 +159,7 @@ pub struct Relight {
     transport: Vec<wgpu::BindGroup>,
     transport_pipeline: wgpu::ComputePipeline,
     push: wgpu::BindGroup,
+    display_group: wgpu::BindGroup,
     plan: Vec<Dispatch>,
     /// Senders may be so many that rows hold page marks.
     paged: bool,
@@ -165,6 +173,7 @@ impl Relight {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let irradiance = empty_buffer(gpu, "irradiance", storage, 16 * scene.direct_count() as u64);
         let values = empty_buffer(gpu, "values", storage, VALUE_BYTES * scene.points.len() as u64);
+        let display = empty_buffer(gpu, "display", storage, 16 * scene.points.len() as u64);
         let bounced = empty_buffer(gpu, "bounced", storage, 16 * scene.sender_count() as u64);
         let plan = plan(scene, upload);
         let steps = empty_buffer(
@@ -182,7 +191,7 @@ impl Relight {
             group(gpu, label, layout, &resources)
         };
         let paged = scene.sender_count() > 1 << 16;
-        let bytes = irradiance.size() + values.size() + bounced.size() + steps.size();
+        let bytes = irradiance.size() + values.size() + display.size() + bounced.size() + steps.size();
         Self {
             direct: make("direct", &pipelines.direct.0, &[&upload.points, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
@@ -204,8 +213,10 @@ impl Relight {
                 &pipelines.push.0,
                 &[&upload.push_offsets, &upload.push_entries, &upload.points, &values],
             ),
+            display_group: make("display", &pipelines.display.0, &[&upload.points, &values, &display]),
             irradiance,
             values,
+            display,
             steps,
             plan,
             paged,
@@ -237,6 +248,7 @@ impl Relight {
     /// Sets all bounced light to zero: no light is on.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.clear_buffer(&self.values, 0, None);
+        encoder.clear_buffer(&self.display, 0, None);
     }
 
     /// Encodes all steps; without `lights` the irradiance is taken as it is in the buffer.
@@ -261,6 +273,7 @@ impl Relight {
                 Kernel::Transport(chunk) => (&self.transport_pipeline, &self.transport[chunk]),
                 Kernel::Lift => (&pipelines.lift.1, &self.lift),
                 Kernel::Push => (&pipelines.push.1, &self.push),
+                Kernel::Display => (&pipelines.display.1, &self.display_group),
             };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);

@@ -26,6 +26,8 @@ pub struct LoadedScene {
     pub link_count: usize,
     /// Number of triangles.
     pub triangles: usize,
+    /// Support radius of the finest functions, scene units: that which a tenth of them fall short of.
+    pub finest_radius: f32,
     /// Distance of the near plane, scene units.
     pub near: f32,
     /// Least and greatest corner, local space.
@@ -47,6 +49,13 @@ impl LoadedScene {
         let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);
         // Near enough that the eye can go close to the finest functions.
         let finest = scene.meta.levels.last().map_or(f32::MAX, |l| l.support_radius);
+        let mut radii: Vec<f32> = match scene.meta.levels.len() {
+            0 => Vec::new(),
+            levels => scene.points[scene.level(levels - 1)].iter().map(|p| p.radius).collect(),
+        };
+        let tenth = radii.len() / 10;
+        let finest_radius =
+            if radii.is_empty() { 0.0 } else { *radii.select_nth_unstable_by(tenth, f32::total_cmp).1 };
         let near = (1e-3 * diagonal).min(0.1 * finest).max(1e-6 * diagonal);
         Ok(Self {
             levels: (0..scene.meta.levels.len())
@@ -58,6 +67,7 @@ impl LoadedScene {
             upload,
             materials,
             relight,
+            finest_radius,
             near,
             bounds,
         })

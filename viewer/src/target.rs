@@ -2,10 +2,10 @@
 
 use crate::bindings::empty_buffer;
 use crate::composite::{CompositePass, Picture};
+use crate::display::{DisplayPass, DisplayTarget};
 use crate::gbuffer::{GBuffer, GBufferPass};
 use crate::gpu::Gpu;
 use crate::scene::LoadedScene;
-use crate::splat::{SplatPass, SplatTarget};
 use crate::view::Frame;
 use wgpu::BufferUsages;
 
@@ -19,10 +19,8 @@ pub struct Target {
     pub frame_group: wgpu::BindGroup,
     /// G-buffer.
     pub gbuffer: GBuffer,
-    /// Splat sums.
-    pub splats: SplatTarget,
-    /// Their bind groups: for all pixels, and for holes.
-    pub splat_groups: [wgpu::BindGroup; 2],
+    /// Which functions cover which pixels, and their light.
+    pub display: DisplayTarget,
     /// The picture.
     pub picture: Picture,
     /// Bytes of all textures.
@@ -34,7 +32,7 @@ impl Target {
     pub fn new(
         gpu: &Gpu,
         gbuffer_pass: &GBufferPass,
-        splat_pass: &SplatPass,
+        display_pass: &DisplayPass,
         composite_pass: &CompositePass,
         scene: &LoadedScene,
         size: [u32; 2],
@@ -42,23 +40,15 @@ impl Target {
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = empty_buffer(gpu, "frame", usage, size_of::<Frame>() as u64);
         let gbuffer = GBuffer::new(gpu, size[0], size[1]);
-        let splats = splat_pass.target(gpu, &gbuffer, size[0], size[1]);
-        let picture = composite_pass.target(gpu, &frame, &gbuffer, &splats, &scene.materials.emission, size);
+        let display = display_pass.target(gpu, &frame, &gbuffer, scene, size);
+        let picture = composite_pass.target(gpu, &frame, &gbuffer, &display, &scene.materials.emission, size);
         Self {
             size,
             frame_group: gbuffer_pass.frame_group(gpu, &frame),
-            splat_groups: splat_pass.groups(
-                gpu,
-                &frame,
-                &scene.upload,
-                &scene.relight.values,
-                &gbuffer,
-                &splats,
-            ),
-            bytes: gbuffer.bytes + splats.bytes + picture.bytes,
+            bytes: gbuffer.bytes + display.bytes + picture.bytes,
             frame,
             gbuffer,
-            splats,
+            display,
             picture,
         }
     }

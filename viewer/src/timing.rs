@@ -13,13 +13,15 @@ pub enum Pass {
     Relight,
     /// G-buffer.
     GBuffer,
-    /// Splats, holes included.
-    Splat,
+    /// Which functions cover which pixels.
+    Find,
+    /// Their light.
+    Gather,
     /// Composite.
     Composite,
 }
 
-const PASSES: usize = 5;
+const PASSES: usize = 6;
 const BYTES: u64 = PASSES as u64 * 16;
 
 /// Milliseconds of each pass when it last ran; absent if it never did.
@@ -32,8 +34,10 @@ pub struct Milliseconds {
     pub relight: Option<f64>,
     /// G-buffer.
     pub g_buffer: Option<f64>,
-    /// Splats.
-    pub splat: Option<f64>,
+    /// Which functions cover which pixels; only where the camera has moved.
+    pub find: Option<f64>,
+    /// From functions to pixels.
+    pub gather: Option<f64>,
     /// Composite.
     pub composite: Option<f64>,
 }
@@ -152,7 +156,8 @@ impl Timing {
                     0 => &mut self.last.shadows,
                     1 => &mut self.last.relight,
                     2 => &mut self.last.g_buffer,
-                    3 => &mut self.last.splat,
+                    3 => &mut self.last.find,
+                    4 => &mut self.last.gather,
                     _ => &mut self.last.composite,
                 };
                 *slot = Some(ms);

@@ -54,6 +54,8 @@ pub struct Upload {
     pub points: wgpu::Buffer,
     /// Section `CUTS`.
     pub cuts: wgpu::Buffer,
+    /// Which functions may cover a place ([`crate::lookup`]).
+    pub lookup: wgpu::Buffer,
     /// Section `PUSO`.
     pub push_offsets: wgpu::Buffer,
     /// Section `PUSE`.
@@ -123,6 +125,7 @@ impl Upload {
             indices: section("INDX", BufferUsages::INDEX, MAX_BUFFER, cast(&scene.indices))?,
             points: section("PNTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.points))?,
             cuts: section("CUTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.cuts))?,
+            lookup: section("lookup", storage, MAX_BINDING, cast(&crate::lookup::build(scene)?))?,
             push_offsets: section("PUSO", storage, MAX_BINDING, cast(&scene.push_offsets))?,
             push_entries: section("PUSE", storage, MAX_BINDING, bytemuck::cast_slice(&scene.push_entries))?,
             pull_offsets: section("PULO", storage, MAX_BINDING, cast(&scene.pull_offsets))?,

@@ -9,7 +9,6 @@ use crate::settings::{Mode, Overlay};
 use crate::target::Target;
 use crate::timing::Pass;
 use crate::view::{Frame, Sample};
-use rebounce_shared::light::{LightKind, LightSource};
 use wgpu::TextureFormat;
 
 impl Renderer {
@@ -18,7 +17,7 @@ impl Renderer {
         if !std::mem::take(&mut self.dirty.lights) {
             return;
         }
-        self.dirty.splats = true;
+        self.dirty.display = true;
         let sources: Vec<_> = self.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
         let near = 0.1 * scene.near;
         let changed = self.shadows.set_lights(&self.gpu, &sources, scene.bounds, near);
@@ -32,9 +31,6 @@ impl Renderer {
             scene.relight.clear(encoder);
             return;
         }
-        let extent = (scene.bounds[1] - scene.bounds[0]).length();
-        self.splat_scale = splat_scale(&sources, extent);
-        self.splat.set_scale(&self.gpu, self.splat_scale);
         scene.relight.set_light_count(&self.gpu, sources.len() as u32);
         let stamps = self.timing.as_mut().and_then(|t| t.stamps(Pass::Relight)).map(|s| s.compute());
         scene.relight.encode(encoder, &self.relight, Some(&self.shadows.group), stamps);
@@ -48,13 +44,13 @@ impl Renderer {
         scene: &LoadedScene,
         target: &Target,
     ) {
-        let moved = self.dirty.view || self.dirty.splats;
+        let moved = self.dirty.view || self.dirty.display;
         if moved || self.dirty.shade || self.dirty.key {
             // After an average the G-buffer holds a shifted picture.
             if self.dirty.view || self.pictures > 1 {
                 self.draw_view(encoder, scene, target, Sample::of(0), true);
-            } else if self.dirty.splats {
-                self.draw_splats(encoder, scene, target, true);
+            } else if self.dirty.display {
+                self.gather(encoder, target, true);
             }
             if std::mem::take(&mut self.dirty.key) {
                 self.measure_key(encoder, target);
@@ -78,7 +74,7 @@ impl Renderer {
         self.gpu.queue.submit([std::mem::replace(encoder, fresh).finish()]);
     }
 
-    /// G-buffer and splats of one picture of a series.
+    /// G-buffer and bounced light of one picture of a series.
     pub(super) fn draw_view(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -100,26 +96,14 @@ impl Renderer {
             &scene.materials.groups,
             stamps,
         );
-        self.draw_splats(encoder, scene, target, timed);
+        let timing = self.timing.as_mut().filter(|_| timed);
+        self.display.find(encoder, &target.display, timing.and_then(|t| t.stamps(Pass::Find)));
+        self.gather(encoder, target, timed);
     }
 
-    fn draw_splats(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        scene: &LoadedScene,
-        target: &Target,
-        timed: bool,
-    ) {
+    fn gather(&mut self, encoder: &mut wgpu::CommandEncoder, target: &Target, timed: bool) {
         let timing = self.timing.as_mut().filter(|_| timed);
-        let stamps = timing.and_then(|t| t.stamps(Pass::Splat));
-        self.splat.draw(
-            encoder,
-            &target.splats,
-            &target.gbuffer,
-            &target.splat_groups,
-            &scene.levels,
-            stamps,
-        );
+        self.display.gather(encoder, &target.display, timing.and_then(|t| t.stamps(Pass::Gather)));
     }
 
     pub(super) fn shade(
@@ -141,11 +125,10 @@ impl Renderer {
             direct: (self.mode != Mode::Indirect) as u32 as f32,
             indirect: (self.mode != Mode::Direct) as u32 as f32,
             lights: self.lights.len() as u32,
-            splat_scale: self.splat_scale,
             exposure: self.exposure.exp2(),
             blend,
             scale: 1,
-            pad: 0,
+            pad: [0; 2],
         }
     }
 
@@ -178,18 +161,4 @@ impl Renderer {
         }
         self.overlay_pass = Some(pass);
     }
-}
-
-/// The factor that brings bounced irradiance to about 1, whatever the lights' units.
-fn splat_scale(lights: &[LightSource], extent: f32) -> f32 {
-    let typical = lights.iter().map(|light| {
-        let intensity = light.intensity.max_element();
-        match light.kind {
-            LightKind::Directional => intensity,
-            _ => intensity / (0.25 * extent).powi(2).max(f32::MIN_POSITIVE),
-        }
-    });
-    let typical: f32 = typical.fold(0.0, f32::max);
-    // A power of two, so that only the exponent of sums changes.
-    (-typical.clamp(1e-30, 1e30).log2().round()).exp2()
 }

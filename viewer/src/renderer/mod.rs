@@ -11,6 +11,7 @@ mod state;
 
 use crate::composite::CompositePass;
 use crate::controls::gizmo::Handle;
+use crate::display::DisplayPass;
 use crate::error::ViewerError;
 use crate::gbuffer::GBufferPass;
 use crate::gpu::Gpu;
@@ -21,7 +22,6 @@ use crate::scene::LoadedScene;
 use crate::settings::{Mode, Overlay};
 use crate::shadow::Shadows;
 use crate::shadow_fit;
-use crate::splat::SplatPass;
 use crate::stats::{Bytes, Stats};
 use crate::target::Target;
 use crate::timing::{Milliseconds, Timing};
@@ -39,7 +39,7 @@ const STILL_PICTURES: u32 = 16;
 struct Dirty {
     lights: bool,
     view: bool,
-    splats: bool,
+    display: bool,
     key: bool,
     shade: bool,
     /// Only what lies over the picture.
@@ -47,10 +47,10 @@ struct Dirty {
 }
 
 impl Dirty {
-    const ALL: Self = Self { lights: true, view: true, splats: true, key: true, shade: true, present: true };
+    const ALL: Self = Self { lights: true, view: true, display: true, key: true, shade: true, present: true };
 
     fn any(self) -> bool {
-        self.lights || self.view || self.splats || self.key || self.shade || self.present
+        self.lights || self.view || self.display || self.key || self.shade || self.present
     }
 }
 
@@ -60,7 +60,7 @@ pub struct Renderer {
     shadows: Shadows,
     relight: Arc<RelightPipelines>,
     gbuffer: GBufferPass,
-    splat: SplatPass,
+    display: DisplayPass,
     composite: CompositePass,
     overlay_pass: Option<OverlayPass>,
     timing: Option<Timing>,
@@ -77,7 +77,6 @@ pub struct Renderer {
     /// Pictures averaged so far, and how many are wanted.
     pictures: u32,
     still_pictures: u32,
-    splat_scale: f32,
     frames: u64,
     relights: u64,
 }
@@ -92,7 +91,7 @@ impl Renderer {
         let shadows = Shadows::new(&gpu, &material_layout);
         let relight = Arc::new(RelightPipelines::new(&gpu, &shadows.layout));
         let gbuffer = GBufferPass::new(&gpu, &material_layout);
-        let splat = SplatPass::new(&gpu);
+        let display = DisplayPass::new(&gpu);
         let composite = CompositePass::new(&gpu, &shadows.layout);
         let timing = Timing::new(&gpu);
         gpu.check()?;
@@ -101,7 +100,7 @@ impl Renderer {
             shadows,
             relight,
             gbuffer,
-            splat,
+            display,
             composite,
             overlay_pass: None,
             timing,
@@ -122,7 +121,6 @@ impl Renderer {
             dirty: Dirty::ALL,
             pictures: 0,
             still_pictures: STILL_PICTURES,
-            splat_scale: 1.0,
             frames: 0,
             relights: 0,
         })
@@ -190,6 +188,14 @@ impl Renderer {
     /// Averages so many pictures while nothing moves; 1 for none.
     pub fn set_still_pictures(&mut self, count: u32) {
         self.still_pictures = count.max(1);
+    }
+
+    /// Looks up the bounced light in every pixel instead of interpolating it where a surface goes on; for
+    /// measurements.
+    pub fn set_every_pixel(&mut self, on: bool) {
+        self.display.every_pixel = on;
+        self.target = None;
+        self.dirty.view = true;
     }
 
     /// Makes shadow maps at most so many texels wide; for measurements.
@@ -285,6 +291,6 @@ impl Renderer {
     }
 
     fn new_target(&self, scene: &LoadedScene, size: [u32; 2]) -> Target {
-        Target::new(&self.gpu, &self.gbuffer, &self.splat, &self.composite, scene, size)
+        Target::new(&self.gpu, &self.gbuffer, &self.display, &self.composite, scene, size)
     }
 }

@@ -24,16 +24,18 @@ modules! {
     SHADOW: "material" "shadow";
     /// G-buffer.
     GBUFFER: "octahedral" "frame" "material" "gbuffer";
-    /// Splats.
-    SPLAT: "octahedral" "point" "values" "kernel" "frame" "splat";
-    /// Pixels that no function has covered.
-    HOLES: "holes";
+    /// Irradiance along the points' normals.
+    DISPLAY: "octahedral" "point" "values" "step" "display";
+    /// The functions that cover each pixel.
+    FIND: "octahedral" "point" "kernel" "lookup" "frame" "slots" "find";
+    /// From functions to pixels.
+    GATHER: "frame" "slots" "gather";
     /// The tone-mapped picture.
-    COMPOSITE: "octahedral" "frame" "lights" "visibility" "shade" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "visibility" "slots" "shade" "fullscreen" "composite";
     /// Automatic exposure.
-    KEY: "octahedral" "frame" "lights" "visibility" "shade" "key";
+    KEY: "octahedral" "frame" "lights" "visibility" "slots" "shade" "key";
     /// Bounced light alone.
-    INDIRECT: "octahedral" "frame" "lights" "visibility" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "visibility" "slots" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
     PRESENT: "fullscreen" "present";
     /// Mip levels.

@@ -9,15 +9,13 @@ struct Shading {
     indirect: f32,
     // Number of lights.
     lights: u32,
-    // What the splats' sums were multiplied with.
-    splat_scale: f32,
     // 2^EV.
     exposure: f32,
     // Share of this picture in the average so far.
     blend: f32,
     // Pixels across one output pixel, where the picture is made larger and averaged.
     scale: u32,
-    pad: u32,
+    pad: vec2u,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -25,14 +23,25 @@ struct Shading {
 @group(0) @binding(2) var albedo_texture: texture_2d<f32>;
 @group(0) @binding(3) var surface_texture: texture_2d<u32>;
 @group(0) @binding(4) var depth_texture: texture_depth_2d;
-@group(0) @binding(5) var sums: texture_2d<f32>;
+// Bounced irradiance by slot.
+@group(0) @binding(5) var<storage, read> light: array<vec4f>;
 // Radiance that the materials send out themselves.
 @group(0) @binding(6) var<storage, read> emission: array<vec4f>;
+// The slot of every pixel that has one of its own, else 0.
+@group(0) @binding(8) var<storage, read> slots: array<u32>;
 
 // Irradiance that has bounced at least once.
 fn bounced_irradiance(pixel: vec2u) -> vec3f {
-    let sum = textureLoad(sums, pixel, 0);
-    return max(sum.rgb, vec3f(0.0)) / max(sum.a * shading.splat_scale, 1e-30);
+    let slot = slots[pixel.y * u32(frame.width) + pixel.x];
+    if slot != 0u {
+        return light[slot].rgb;
+    }
+    let blocks = slots_blocks(frame);
+    let low = pixel / 2u;
+    let high = min((pixel + 1u) / 2u, blocks - 1u);
+    let above = light[low.y * blocks.x + low.x].rgb + light[low.y * blocks.x + high.x].rgb;
+    let below = light[high.y * blocks.x + low.x].rgb + light[high.y * blocks.x + high.x].rgb;
+    return 0.25 * (above + below);
 }
 
 // rgb: radiance; alpha: 1 where there is a surface.

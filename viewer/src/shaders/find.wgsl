@@ -1,0 +1,162 @@
+// Finds the functions that cover the pixels: rows of indices and weights, which hold until the camera moves
+// (paper, section 4.1, turned around: a pixel collects its functions, and nothing is splatted).
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> slot_layout: Slots;
+@group(0) @binding(2) var depth_texture: texture_depth_2d;
+@group(0) @binding(3) var surface_texture: texture_2d<u32>;
+@group(0) @binding(4) var<storage, read> points: array<Point>;
+@group(0) @binding(5) var<storage, read> cuts: array<f32>;
+@group(0) @binding(6) var<storage, read> lookup: array<u32>;
+@group(0) @binding(7) var<storage, read_write> rows: array<u32>;
+// The slot of every pixel that has a row of its own, else 0.
+@group(0) @binding(8) var<storage, read_write> slots: array<u32>;
+// Rows beyond those of the blocks; functions tested.
+@group(0) @binding(9) var<storage, read_write> counts: array<atomic<u32>, 2>;
+
+const LEAST_TOTAL = 1e-6;
+// Neighbours on one surface: their plane distance over the reach, and their normals' cosine.
+const FLATNESS = 0.1;
+const SAME_NORMAL = 0.99;
+
+// Functions tested by this workgroup.
+var<workgroup> tested: atomic<u32>;
+
+struct Place {
+    position: vec3f,
+    normal: vec3f,
+    present: bool,
+}
+
+fn place_at(pixel: vec2u) -> Place {
+    let depth = textureLoad(depth_texture, pixel, 0);
+    if depth <= 0.0 {
+        return Place(vec3f(0.0), vec3f(0.0), false);
+    }
+    let normal = unpack_normal(textureLoad(surface_texture, pixel, 0).x);
+    return Place(position_at(frame, vec2f(pixel) + 0.5, depth), normal, true);
+}
+
+fn is_cut(offset: vec3f, packed: u32) -> bool {
+    for (var i = 0u; i < (packed & 7u); i++) {
+        let k = 3u * ((packed >> 11u) + i);
+        if dot(vec3f(cuts[k], cuts[k + 1u], cuts[k + 2u]), offset) > 1.0 {
+            return true;
+        }
+    }
+    return false;
+}
+
+// In place of the row's smallest weight, where that is smaller.
+fn replace_smallest(slot: u32, entry: u32) {
+    var least = entry;
+    var at = slot_layout.row_length;
+    for (var k = 0u; k < slot_layout.row_length; k++) {
+        let other = rows[k * slot_layout.capacity + slot];
+        if (other >> 22u) < (least >> 22u) {
+            least = other;
+            at = k;
+        }
+    }
+    if at < slot_layout.row_length {
+        rows[at * slot_layout.capacity + slot] = entry;
+    }
+}
+
+// Writes the row of a place: the functions of the finest level that covers it.
+fn write_row(slot: u32, place: Place) {
+    var count = 0u;
+    var tests = 0u;
+    if place.present {
+        for (var level = lookup[0]; level > 0u; level--) {
+            let list = bucket(level - 1u, place.position);
+            tests += list.y - list.x;
+            var total = 0.0;
+            count = 0u;
+            for (var at = list.x; at < list.y; at++) {
+                let j = lookup[at];
+                let p = points[j];
+                let offset = place.position - point_position(p);
+                if dot(offset, offset) >= p.radius * p.radius {
+                    continue;
+                }
+                let w = weight(offset, place.normal, unpack_normal(p.normal), p.radius);
+                if w <= 0.0 || is_cut(offset, p.cuts) {
+                    continue;
+                }
+                total += w;
+                let entry = slots_entry(j, w);
+                if count < slot_layout.row_length {
+                    rows[count * slot_layout.capacity + slot] = entry;
+                    count++;
+                } else {
+                    replace_smallest(slot, entry);
+                }
+            }
+            if total > LEAST_TOTAL {
+                break;
+            }
+            count = 0u;
+        }
+    }
+    if count < slot_layout.row_length {
+        rows[count * slot_layout.capacity + slot] = 0u;
+    }
+    atomicAdd(&tested, tests);
+}
+
+fn add_tested(thread: u32) {
+    workgroupBarrier();
+    if thread == 0u {
+        atomicAdd(&counts[1], atomicLoad(&tested));
+    }
+}
+
+// The rows of the blocks: one thread each.
+@compute @workgroup_size(8, 8)
+fn blocks(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    let size = slots_blocks(frame);
+    if all(id.xy < size) {
+        write_row(id.y * size.x + id.x, place_at(2u * id.xy));
+    }
+    add_tested(thread);
+}
+
+// Whether the light at `b` may be taken for that at `a`.
+fn alike(a: Place, b: Place) -> bool {
+    let offset = b.position - a.position;
+    return b.present && dot(offset, offset) < slot_layout.reach * slot_layout.reach
+        && abs(dot(offset, a.normal)) < FLATNESS * slot_layout.reach && dot(a.normal, b.normal) > SAME_NORMAL;
+}
+
+// The rows of pixels that cannot be interpolated: one thread a pixel.
+@compute @workgroup_size(8, 8)
+fn edges(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
+    let size = vec2u(u32(frame.width), u32(frame.height));
+    if all(id.xy < size) {
+        let odd = id.xy & vec2u(1u);
+        var slot = 0u;
+        if any(odd != vec2u(0u)) {
+            let place = place_at(id.xy);
+            if place.present {
+                let low = id.xy - odd;
+                let high = min(id.xy + odd, 2u * (slots_blocks(frame) - 1u));
+                let same = alike(place, place_at(low)) && alike(place, place_at(high))
+                    && (any(odd == vec2u(0u))
+                        || (alike(place, place_at(vec2u(low.x, high.y)))
+                            && alike(place, place_at(vec2u(high.x, low.y)))));
+                if !same {
+                    let blocks = slots_blocks(frame);
+                    slot = blocks.x * blocks.y + atomicAdd(&counts[0], 1u);
+                    if slot < slot_layout.capacity {
+                        write_row(slot, place);
+                    } else {
+                        slot = 0u;
+                    }
+                }
+            }
+        }
+        slots[id.y * size.x + id.x] = slot;
+    }
+    add_tested(thread);
+}
