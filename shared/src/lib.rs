@@ -4,7 +4,7 @@
 //!
 //! * [`kernel`] – the weight function of the meshless basis (Lehtinen et al. 2008, Eq. 8 to 10);
 //! * [`footprint`] – where direct light is sampled around a point;
-//! * [`octahedral`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
+//! * [`octahedral`], [`colour`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
 //! * [`rbn`] – the .rbn file: header, sections, checksums, metadata;
 //! * [`relight`] – one frame of relighting on the CPU, the truth that the GPU is held against;
 //! * [`shot`], [`light`], [`camera`] – a picture to take: SHOT.json, lights and cameras.
@@ -13,6 +13,7 @@
 //! Transport*, ACM Transactions on Graphics 27(3), 2008.
 
 pub mod camera;
+pub mod colour;
 pub mod footprint;
 pub mod interpolation;
 pub mod kernel;

@@ -1,39 +1,59 @@
-//! The packed transport link: 8 bytes.
+//! Transport links, packed.
 //!
-//! A link carries the vector irradiance that a receiver gets, per colour channel, from unit
-//! scalar irradiance at one sender (paper, Eq. 16 and 17, with the 1/π of the Lambertian
-//! reflectance folded in, so that a closed room of albedo ρ sums to ρ). It is stored as one
-//! direction for all channels and a signed magnitude per channel:
+//! A link says what a receiver gets from unit scalar irradiance at one sender (paper, Eq. 16 and 17, with the
+//! 1/π of the Lambertian reflectance and the sender's mean reflectance folded in, so that a closed room of albedo
+//! ρ sums to ρ). Its colour is the sender's ([`Point::tint`](crate::rbn::bulk::Point::tint)): one amount
+//! serves all channels.
 //!
 //! ```text
-//! word 0   bits  0.. 8  red mantissa, 9-bit two's complement
-//!          bits  9..17  green mantissa
-//!          bits 18..26  blue mantissa
-//!          bits 27..31  shared exponent E: magnitude = mantissa · 2^(E - 31 - 7)
-//! word 1   bits  0..15  column: the sender's index, low 16 bits
-//!          bits 16..31  direction, octahedral snorm8x2
+//! Link: 4 bytes        bits  0..19  the sender's index
+//!                      bits 20..25  mantissa m
+//!                      bits 26..30  exponent e: amount = (1 + m / 64) · 2^(e - 30), and 0 for e = m = 0
+//!                      bit  31      sign
+//! VectorLink: 8 bytes  a Link, and in bits 0..15 of the second word the direction, octahedral snorm8x2
+//! LaterLink: 8 bytes   the sender's index, and a colour (rgb9e5)
 //! ```
 //!
-//! The columns of a row ascend. A link whose word 0 is [`PAGE_MARK`] carries no light: its
-//! column field is the page, the upper bits of the senders' indices that follow in that row.
+//! The senders of a row ascend.
 
 use crate::octahedral;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// Mantissas of zero under the largest exponent: a page change, not a link.
-pub const PAGE_MARK: u32 = 31 << 27;
-const MANTISSA_MAX: f32 = 255.0;
-const EXPONENT_BIAS: i32 = 31 + 7;
+/// Most senders that links can name.
+pub const MAX_SENDERS: usize = 1 << 20;
+const MANTISSA_BITS: u32 = 6;
+const EXPONENT_BIAS: i32 = 30;
 
-/// One packed link; the module's head gives the bits.
+/// Whatever names a sender.
+pub trait Sent: Copy {
+    /// The sender's index.
+    fn sender(self) -> usize;
+}
+
+/// A link of irradiance along the receiver's normal; the module's head gives the bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Link(pub u32);
+
+/// A link of vector irradiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Link {
-    /// Colour mantissas and shared exponent.
+pub struct VectorLink {
+    /// Sender and amount.
+    pub link: Link,
+    /// Direction, octahedral snorm8x2, in the low half.
+    pub direction: u32,
+}
+
+/// A link between points of the coarse levels: all further bounces of the sender's irradiance, by channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LaterLink {
+    /// The sender's index.
+    pub sender: u32,
+    /// Irradiance at the receiver per unit irradiance at the sender: rgb9e5.
     pub colour: u32,
-    /// Column (low half) and direction (high half).
-    pub column_direction: u32,
 }
 
 /// Vector irradiance per colour channel: `rgb[c]` is a 3-vector pointing towards the light.
@@ -86,126 +106,87 @@ pub fn turn(v: Vec3, from: Vec3, to: Vec3) -> Vec3 {
 }
 
 impl Link {
-    /// The page change that lets columns from `page << 16` on follow.
-    pub fn page(page: u16) -> Self {
-        Self { colour: PAGE_MARK, column_direction: page as u32 }
+    /// Packs a signed amount: 6 bits of mantissa, at most 3.96. Amounts under 2⁻³⁰ become zero.
+    pub fn pack(sender: u32, amount: f32) -> Self {
+        debug_assert!((sender as usize) < MAX_SENDERS);
+        let size = amount.abs().min(3.96);
+        // Rounds to the last bit kept; a carry goes into the exponent.
+        let rounded = (size.to_bits() + (1 << (22 - MANTISSA_BITS))) >> (23 - MANTISSA_BITS);
+        let least = ((127 - EXPONENT_BIAS) as u32) << MANTISSA_BITS;
+        let code = rounded.saturating_sub(least).min((1 << (5 + MANTISSA_BITS)) - 1);
+        let sign = if code > 0 && amount < 0.0 { 1 << 31 } else { 0 };
+        Self(sender | code << 20 | sign)
     }
 
-    /// Packs one direction with a signed magnitude per channel. Magnitudes are clamped to
-    /// ±2 and flushed to zero below 2⁻³⁹; the largest keeps 8 bits.
-    pub fn pack(column: u16, direction: Vec3, magnitude: Vec3) -> Self {
-        let direction = octahedral::pack_snorm8(direction) as u32;
-        let largest = magnitude.abs().max_element().min(1.99);
-        let mut exponent = 0;
-        if largest > 0.0 {
-            // The smallest exponent whose mantissas all fit: largest <= 255 * 2^(E - 38).
-            exponent = ((largest / MANTISSA_MAX).log2().ceil() as i32 + EXPONENT_BIAS).clamp(0, 31);
+    /// Signed amount.
+    #[inline]
+    pub fn amount(self) -> f32 {
+        let code = (self.0 >> 20) & 0x7ff;
+        if code == 0 {
+            return 0.0;
         }
-        let step = ((exponent - EXPONENT_BIAS) as f32).exp2();
-        let mantissa = |x: f32| ((x / step).round().clamp(-MANTISSA_MAX, MANTISSA_MAX) as i32 as u32) & 511;
-        let mantissas = mantissa(magnitude.x) | mantissa(magnitude.y) << 9 | mantissa(magnitude.z) << 18;
-        let exponent = if mantissas == 0 { 0 } else { exponent as u32 };
-        Self { colour: mantissas | exponent << 27, column_direction: column as u32 | direction << 16 }
+        let size = (code << (23 - MANTISSA_BITS)) + (((127 - EXPONENT_BIAS) as u32) << 23);
+        f32::from_bits(size | (self.0 & 1 << 31))
     }
 
-    /// Packs the best fit of one direction and three magnitudes to three vectors: the dominant
-    /// right singular vector, by power iteration, and the projections of the channels onto it.
-    pub fn pack_vectors(column: u16, vectors: &VectorRgb) -> Self {
-        let [r, g, b] = vectors.rgb;
-        let mut direction = r + g + b;
-        if direction.length_squared() < 1e-3 * (r.length_squared() + g.length_squared() + b.length_squared())
-        {
-            direction = if r.length_squared() > g.length_squared() { r } else { g };
-            direction = if b.length_squared() > direction.length_squared() { b } else { direction };
-        }
-        if direction.length_squared() == 0.0 {
-            return Self::pack(column, Vec3::Z, Vec3::ZERO);
-        }
-        for _ in 0..3 {
-            direction = direction.normalize();
-            direction = r * r.dot(direction) + g * g.dot(direction) + b * b.dot(direction);
-        }
-        if direction.length_squared() < f32::MIN_POSITIVE {
-            return Self::pack(column, Vec3::Z, Vec3::ZERO);
-        }
-        let direction = octahedral::unpack_snorm8(octahedral::pack_snorm8(direction.normalize()));
-        Self::pack(column, direction, vectors.irradiance(direction))
-    }
-
-    /// The same link from the sender whose index has these low 16 bits.
+    /// The same amount from another sender.
     #[inline]
-    pub fn at(self, column: u16) -> Self {
-        Self { column_direction: (self.column_direction & 0xffff_0000) | column as u32, ..self }
-    }
-
-    /// True for a page change; false for a link.
-    #[inline]
-    pub fn is_page(self) -> bool {
-        self.colour == PAGE_MARK
-    }
-
-    /// The low 16 bits of the sender's index, or the page.
-    #[inline]
-    pub fn column(self) -> u16 {
-        self.column_direction as u16
-    }
-
-    /// Unit direction towards the sender (away from it where the link takes light back).
-    #[inline]
-    pub fn direction(self) -> Vec3 {
-        octahedral::unpack_snorm8((self.column_direction >> 16) as u16)
-    }
-
-    /// Signed magnitude per channel.
-    #[inline]
-    pub fn magnitude(self) -> Vec3 {
-        // 2^(E - 38), by its bits.
-        let step = f32::from_bits(((self.colour >> 27) + 127 - EXPONENT_BIAS as u32) << 23);
-        let mantissa = |shift: u32| (((self.colour >> shift) << 23) as i32 >> 23) as f32;
-        Vec3::new(mantissa(0), mantissa(9), mantissa(18)) * step
-    }
-
-    /// The vectors that this link stands for.
-    #[inline]
-    pub fn vectors(self) -> VectorRgb {
-        let (d, m) = (self.direction(), self.magnitude());
-        VectorRgb { rgb: [d * m.x, d * m.y, d * m.z] }
+    pub fn at(self, sender: u32) -> Self {
+        Self((self.0 & !(MAX_SENDERS as u32 - 1)) | sender)
     }
 }
 
-/// Number of links of a row or of many; page marks do not count.
-pub fn count(links: &[Link]) -> usize {
-    links.iter().filter(|link| !link.is_page()).count()
+impl Sent for Link {
+    #[inline]
+    fn sender(self) -> usize {
+        self.0 as usize & (MAX_SENDERS - 1)
+    }
 }
 
-/// The links of one row, each with its full column index.
-pub fn columns(row: &[Link]) -> impl Iterator<Item = (usize, Link)> + '_ {
-    let mut base = 0;
-    row.iter().filter_map(move |&link| {
-        if link.is_page() {
-            base = (link.column() as usize) << 16;
-            None
-        } else {
-            Some((base + link.column() as usize, link))
+impl VectorLink {
+    /// Packs a vector: its length as the amount, its direction.
+    pub fn pack(sender: u32, vector: Vec3) -> Self {
+        let length = vector.length();
+        if length < 1e-20 {
+            return Self { link: Link::pack(sender, 0.0), direction: 0 };
         }
-    })
+        let direction = octahedral::pack_snorm8(vector / length);
+        // The part along the rounded direction.
+        let along = octahedral::unpack_snorm8(direction).dot(vector);
+        Self { link: Link::pack(sender, along), direction: direction as u32 }
+    }
+
+    /// The vector: towards the sender, or away from it where the link takes light back.
+    #[inline]
+    pub fn vector(self) -> Vec3 {
+        octahedral::unpack_snorm8(self.direction as u16) * self.link.amount()
+    }
 }
 
-/// Builds rows: adds the page marks where columns need them. Columns must ascend within a row.
-#[derive(Debug, Default)]
-pub struct RowWriter {
-    page: u16,
+impl Sent for VectorLink {
+    #[inline]
+    fn sender(self) -> usize {
+        self.link.sender()
+    }
 }
 
-impl RowWriter {
-    /// Appends `link` for the sender `column` to `row`, with a page mark before it when the page changes.
-    pub fn push(&mut self, row: &mut Vec<Link>, column: u32, link: Link) {
-        let page = (column >> 16) as u16;
-        if page != self.page {
-            row.push(Link::page(page));
-            self.page = page;
-        }
-        row.push(link.at(column as u16));
+impl LaterLink {
+    /// Packs a colour that is not negative.
+    pub fn pack(sender: u32, colour: Vec3) -> Self {
+        Self { sender, colour: crate::colour::pack_rgb9e5(colour) }
+    }
+
+    /// Irradiance per unit irradiance, by channel.
+    #[inline]
+    pub fn colour(self) -> Vec3 {
+        crate::colour::unpack_rgb9e5(self.colour)
+    }
+}
+
+impl Sent for LaterLink {
+    #[inline]
+    fn sender(self) -> usize {
+        self.sender as usize
     }
 }
 
@@ -214,33 +195,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn magnitudes_keep_eight_bits_and_their_signs() {
-        for k in 0..1000 {
-            let scale = 2f32.powf(-25.0 + 25.9 * k as f32 / 1000.0);
-            let m = Vec3::new(scale, -0.37 * scale, 0.011 * scale);
-            let back = Link::pack(7, Vec3::X, m).magnitude();
-            assert!((back - m).abs().max_element() <= scale / 250.0, "{m} became {back}");
+    fn amounts_keep_six_bits_and_their_signs() {
+        for k in 0..2000 {
+            let amount = 2f32.powf(-29.0 + 30.9 * k as f32 / 2000.0) * if k % 2 == 0 { 1.0 } else { -1.0 };
+            let link = Link::pack(k * 524, amount);
+            assert!((link.amount() - amount).abs() <= amount.abs() / 127.0, "{amount} became {}", link.amount());
+            assert_eq!(link.sender(), k as usize * 524);
+            assert_eq!(link.at(7), Link::pack(7, amount));
         }
-        assert_eq!(Link::pack(7, Vec3::X, Vec3::ZERO).magnitude(), Vec3::ZERO);
-        assert_eq!(Link::pack(65535, Vec3::X, Vec3::ONE).column(), 65535);
+        assert_eq!(Link::pack(MAX_SENDERS as u32 - 1, 0.0).amount(), 0.0);
+        assert_eq!(Link::pack(3, -1e-12).amount(), 0.0);
+        assert!(Link::pack(3, -50.0).amount() < -3.9);
     }
 
     #[test]
-    fn no_link_looks_like_a_page() {
-        for m in [0.0, 1e-30, 1e-9, 1.0, 5.0] {
-            assert!(!Link::pack(3, Vec3::Y, Vec3::splat(m)).is_page());
-            assert!(!Link::pack(3, Vec3::Y, Vec3::splat(-m)).is_page());
+    fn vectors_survive() {
+        for v in [Vec3::new(0.3, -0.5, 0.8), Vec3::NEG_Z * 1e-4, Vec3::new(-2e-3, 1e-3, 0.0)] {
+            let back = VectorLink::pack(5, v).vector();
+            assert!(back.distance(v) < 0.02 * v.length(), "{v} became {back}");
         }
-    }
-
-    #[test]
-    fn rank_one_vectors_survive() {
-        let d = Vec3::new(0.3, -0.5, 0.8).normalize();
-        let v = VectorRgb { rgb: [d * 0.02, d * -0.01, d * 0.005] };
-        let back = Link::pack_vectors(1, &v).vectors();
-        for c in 0..3 {
-            assert!(back.rgb[c].distance(v.rgb[c]) < 0.02 * 0.02);
-        }
+        assert_eq!(VectorLink::pack(5, Vec3::ZERO).vector(), Vec3::ZERO);
     }
 
     #[test]
@@ -251,17 +225,5 @@ mod tests {
         assert!((turn(v, a, b).length() - v.length()).abs() < 1e-6);
         assert!((turn(v, a, b).dot(b) - v.dot(a)).abs() < 1e-6);
         assert_eq!(turn(v, a, a), v);
-    }
-
-    #[test]
-    fn pages_carry_columns_past_sixteen_bits() {
-        let mut row = Vec::new();
-        let mut writer = RowWriter::default();
-        let wanted = [0u32, 5, 65535, 65536, 70000, 200_000, 262_144];
-        for &column in &wanted {
-            writer.push(&mut row, column, Link::pack(0, Vec3::X, Vec3::ONE));
-        }
-        let got: Vec<u32> = columns(&row).map(|(c, _)| c as u32).collect();
-        assert_eq!(got, wanted);
     }
 }

@@ -3,15 +3,15 @@
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::interpolation::pack_row;
-use rebounce_shared::link::Link;
-use rebounce_shared::rbn::bulk::{Cut, Point, Row, Vertex};
+use rebounce_shared::link::{LaterLink, Link, VectorLink};
+use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
 use rebounce_shared::rbn::{LinkMatrix, Scene};
 
 /// A triangle with one coarse function, which has a cut, and one fine one, which has none.
 fn scene() -> Scene {
     let corner = |x: f32, y: f32| Vertex { position: [x, y, 0.0], ..Vertex::default() };
-    let point = |cuts: u32| Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts };
+    let point = |cuts: u32| Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts, tint: 0 };
     let level = |first: u32| Level { first, count: 1, disk_radius: 0.5, support_radius: 1.0 };
     let camera = Camera { position: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], yfov_deg: 50.0 };
     let mut scene = Scene {
@@ -32,7 +32,9 @@ fn scene() -> Scene {
         cuts: vec![Cut::new(Vec3::X, 0.5)],
         push_offsets: vec![0, 0],
         pull_offsets: vec![0],
-        transport: LinkMatrix::from_rows(&[vec![Link::pack(0, Vec3::Z, Vec3::ONE)], Vec::new()]),
+        vectors: LinkMatrix::from_rows(&[vec![VectorLink::pack(0, Vec3::Z)]]),
+        finest: LinkMatrix::from_rows(&[vec![Link::pack(0, -0.5)]]),
+        later: LinkMatrix::from_rows(&[vec![LaterLink::pack(0, Vec3::ONE)]]),
         ..Scene::default()
     };
     pack_row(&[(0, 1.0)], &mut scene.push_entries);
@@ -53,7 +55,7 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 #[test]
 fn every_broken_rule_is_refused_by_its_section() {
     type Break = fn(&mut Scene);
-    let breaks: [(&str, Break); 16] = [
+    let breaks: [(&str, Break); 20] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
         ("META", |s| s.meta.levels[1].first = 7),
@@ -68,8 +70,12 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("CUTS", |s| s.cuts[0].towards[2] = f32::NAN),
         ("PUSE", |s| s.push_entries = s.pull_entries.clone()),
         ("PULE", |s| s.pull_entries = s.push_entries.clone()),
-        ("ROWS", |s| s.transport.rows.insert(0, Row { receiver: 5, first_link: 0 })),
-        ("LINK", |s| s.transport.links[0] = Link::pack(1, Vec3::Z, Vec3::ONE)),
+        ("VECO", |s| s.vectors.offsets.insert(0, 0)),
+        ("VECL", |s| s.vectors.links[0] = VectorLink::pack(1, Vec3::Z)),
+        ("FINO", |s| s.finest.offsets[1] = 0),
+        ("FINL", |s| s.finest.links[0] = Link::pack(1, 1.0)),
+        ("LATO", |s| s.later.offsets = vec![0]),
+        ("LATL", |s| s.later.links[0] = LaterLink::pack(1, Vec3::ONE)),
     ];
     for (i, (section, damage)) in breaks.into_iter().enumerate() {
         let mut scene = scene();

@@ -16,12 +16,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let shadows = Shadows::new(&gpu, &material_layout(&gpu));
     let pipelines = RelightPipelines::new(&gpu, &shadows.layout);
     let upload = Upload::new(&gpu, &scene)?;
-    let mut relight = Relight::new(&gpu, &pipelines, &upload, &scene);
+    let mut relight = Relight::new(&gpu, &pipelines, &upload, &scene)?;
     println!(
-        "{}: {} rows, {} links",
+        "{}: {} rows of vectors, {} links; {} of the finest level, {} links",
         gpu.adapter,
-        scene.transport.rows.len() - 1,
-        scene.transport.links.len()
+        scene.vectors.len(),
+        scene.vectors.links.len(),
+        scene.finest.len(),
+        scene.finest.links.len()
     );
     for lanes in [1, 2, 4, 8, 16, 32, 64] {
         relight.set_lanes(&gpu, &pipelines, lanes);

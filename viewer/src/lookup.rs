@@ -146,6 +146,7 @@ mod tests {
                     radius: (0.2 + 0.3 * random(i + 9000)) * if count == 40 { 3.0 } else { 1.0 },
                     normal: pack_snorm16(place(i + 5000).normalize()),
                     cuts: 0,
+                    tint: 0,
                 });
             }
             scene.meta.levels.push(Level { first, count, ..Level::default() });

@@ -3,7 +3,8 @@
 use crate::bindings::{Slot, compute, empty_buffer, group, layout, part};
 use crate::gpu::Gpu;
 use crate::shaders;
-use crate::upload::{Chunk, Upload, VALUE_BYTES};
+use crate::error::ViewerError;
+use crate::upload::{LinkBuffers, MAX_BINDING, Upload};
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::rbn::Scene;
 use wgpu::{BufferUsages, ShaderStages};
@@ -12,6 +13,8 @@ use wgpu::{BufferUsages, ShaderStages};
 const WORKGROUP: u32 = 64;
 /// Most workgroups in one dimension of a dispatch that WebGPU guarantees.
 const MAX_GROUPS: u32 = 65535;
+/// Bytes of one point's vector irradiance: nine floats.
+const VALUE_BYTES: u64 = 36;
 /// Distance of steps in their uniform buffer, bytes.
 const STRIDE: u64 = 256;
 /// Threads that share a row of `S e`: neighbouring links are read at once, and little is lost on short rows or on
@@ -19,25 +22,31 @@ const STRIDE: u64 = 256;
 pub const LANES: u32 = 8;
 
 /// `Step` of the shaders: what one dispatch works on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 struct Step {
     first: u32,
     count: u32,
     extra: u32,
-    /// Threads of the grid in x; for the transport, workgroups.
+    /// Threads of the grid in x; where threads share rows, workgroups.
     threads: u32,
+    /// What is added to a row's number to give its point.
+    shift: u32,
+    pad: [u32; 3],
 }
 
-/// Which shader a dispatch runs; the transport with its chunk of links, those for later bounces first.
+/// Which shader a dispatch runs; links with the number of their chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kernel {
     Direct,
     Pull,
-    Lift,
-    Transport(usize),
+    Send,
+    Vectors(usize),
     Push,
     Display,
+    Bounce,
+    Lift,
+    Finest(usize),
 }
 
 /// One dispatch.
@@ -53,12 +62,12 @@ impl Dispatch {
     fn threads(kernel: Kernel, first: usize, count: usize) -> Self {
         let groups = grid((count as u32).div_ceil(WORKGROUP));
         let step =
-            Step { first: first as u32, count: count as u32, extra: 0, threads: groups[0] * WORKGROUP };
+            Step { first: first as u32, count: count as u32, threads: groups[0] * WORKGROUP, ..Step::default() };
         Self { kernel, step, groups }
     }
 
     /// `lanes` threads for each row.
-    fn transport(kernel: Kernel, step: Step, lanes: u32) -> Self {
+    fn lanes(kernel: Kernel, step: Step, lanes: u32) -> Self {
         let groups = grid(step.count.div_ceil(WORKGROUP / lanes));
         Self { kernel, step: Step { threads: groups[0], ..step }, groups }
     }
@@ -69,112 +78,143 @@ fn grid(groups: u32) -> [u32; 2] {
     if groups <= MAX_GROUPS { [groups, 1] } else { [MAX_GROUPS, groups.div_ceil(MAX_GROUPS)] }
 }
 
-/// `extra` of [`Kernel::Lift`]: from the parents, instead of from the links.
-const FROM_PARENTS: u32 = 1;
-
 /// All dispatches of a frame, in order.
 fn plan(scene: &Scene, upload: &Upload) -> Vec<Dispatch> {
-    let later = upload.later.chunks.len();
-    let transport = |(i, chunk): (usize, &Chunk)| {
-        let (first, count) = (chunk.rows.start, chunk.rows.len() as u32);
-        let step = Step { first, count, extra: chunk.first_link, threads: 0 };
-        Dispatch::transport(Kernel::Transport(i), step, LANES)
+    let level = |kernel, l: usize| Dispatch::threads(kernel, scene.level(l).start, scene.level(l).len());
+    // The vector irradiance of the first so many points: rows, then parents.
+    let vectors = |plan: &mut Vec<Dispatch>, points: usize| {
+        for (i, chunk) in upload.vectors.chunks.iter().enumerate() {
+            let (first, end) = (chunk.rows.start, chunk.rows.end.min(points as u32));
+            let step = Step { first, count: end.saturating_sub(first), extra: chunk.first_link, ..Step::default() };
+            plan.push(Dispatch::lanes(Kernel::Vectors(i), step, LANES));
+        }
+        plan.extend((1..scene.meta.levels.len()).filter(|l| scene.level(*l).end <= points).map(|l| level(Kernel::Push, l)));
+        plan.push(Dispatch::threads(Kernel::Display, 0, points));
     };
     let mut plan = vec![Dispatch::threads(Kernel::Direct, 0, scene.direct_count())];
-    for l in (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev() {
-        plan.push(Dispatch::threads(Kernel::Pull, scene.level(l).start, scene.level(l).len()));
+    let send = Dispatch::threads(Kernel::Send, 0, scene.sender_count());
+    plan.extend((0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev().map(|l| level(Kernel::Pull, l)));
+    plan.push(send);
+    let coarse = scene.later_count();
+    if coarse > 0 {
+        vectors(&mut plan, coarse);
+        let step = Step { count: coarse as u32, ..Step::default() };
+        plan.push(Dispatch::lanes(Kernel::Bounce, step, LANES));
+        let finer = scene.meta.later_levels as usize..scene.meta.sender_levels as usize;
+        plan.extend(finer.map(|l| level(Kernel::Lift, l)));
+        plan.push(send);
     }
-    if later > 0 {
-        plan.extend(upload.later.chunks.iter().enumerate().map(transport));
-        plan.push(Dispatch::threads(Kernel::Lift, 0, scene.later_count()));
-        for l in scene.meta.later_levels as usize..scene.meta.sender_levels as usize {
-            let mut lift = Dispatch::threads(Kernel::Lift, scene.level(l).start, scene.level(l).len());
-            lift.step.extra = FROM_PARENTS;
-            plan.push(lift);
-        }
+    vectors(&mut plan, scene.vector_count());
+    for (i, chunk) in upload.finest.chunks.iter().enumerate() {
+        let mut finest = Dispatch::threads(Kernel::Finest(i), chunk.rows.start as usize, chunk.rows.len());
+        finest.step.extra = chunk.first_link;
+        finest.step.shift = scene.vector_count() as u32;
+        plan.push(finest);
     }
-    plan.extend((later..).zip(&upload.transport.chunks).map(transport));
-    for l in 1..scene.meta.levels.len() {
-        plan.push(Dispatch::threads(Kernel::Push, scene.level(l).start, scene.level(l).len()));
-    }
-    plan.push(Dispatch::threads(Kernel::Display, 0, scene.points.len()));
     plan.retain(|dispatch| dispatch.step.count > 0);
     plan
 }
 
+/// A kernel's bind group layout and pipeline.
+type Pass = (wgpu::BindGroupLayout, wgpu::ComputePipeline);
+
 /// Pipelines, which depend on no scene.
 pub struct RelightPipelines {
-    direct: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    pull: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    lift: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    push: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    display: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
-    transport: wgpu::BindGroupLayout,
+    direct: Pass,
+    pull: Pass,
+    send: Pass,
+    vectors: wgpu::BindGroupLayout,
+    push: Pass,
+    display: Pass,
+    bounce: wgpu::BindGroupLayout,
+    lift: Pass,
+    finest: Pass,
 }
 
 impl RelightPipelines {
     /// Makes them; `lights` is the layout of the lights' bind group.
     pub fn new(gpu: &Gpu, lights: &wgpu::BindGroupLayout) -> Self {
-        let step = Slot::UniformPart(size_of::<Step>() as u64);
-        let layout = |label: &str, slots: &[Slot]| layout(gpu, label, ShaderStages::COMPUTE, slots);
-        let direct = layout("direct", &[step, Slot::Read, Slot::Write]);
-        let pull = layout("pull", &[step, Slot::Read, Slot::Read, Slot::Write]);
-        let lift = layout(
-            "lift",
-            &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write, Slot::Write, Slot::Write],
-        );
-        let push = layout("push", &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write]);
-        let display = layout("display", &[step, Slot::Read, Slot::Read, Slot::Write]);
-        let pipeline = |entry: &str, source, layouts: &[&wgpu::BindGroupLayout]| {
-            compute(gpu, entry, source, layouts, &[])
+        let slots = |label: &str, reads: usize, writes: usize| {
+            let mut slots = vec![Slot::UniformPart(size_of::<Step>() as u64)];
+            slots.extend(std::iter::repeat_n(Slot::Read, reads));
+            slots.extend(std::iter::repeat_n(Slot::Write, writes));
+            layout(gpu, label, ShaderStages::COMPUTE, &slots)
         };
+        let pass = |entry: &str, source, reads, writes| {
+            let layout = slots(entry, reads, writes);
+            let pipeline = compute(gpu, entry, source, &[&layout], &[]);
+            (layout, pipeline)
+        };
+        let direct = slots("direct", 1, 1);
         Self {
-            transport: layout("transport", &[step, Slot::Read, Slot::Read, Slot::Read, Slot::Write]),
-            direct: (direct.clone(), pipeline("direct", shaders::DIRECT, &[&direct, lights])),
-            pull: (pull.clone(), pipeline("pull", shaders::PULL, &[&pull])),
-            lift: (lift.clone(), pipeline("lift", shaders::LIFT, &[&lift])),
-            push: (push.clone(), pipeline("push", shaders::PUSH, &[&push])),
-            display: (display.clone(), pipeline("display_values", shaders::DISPLAY, &[&display])),
+            direct: (direct.clone(), compute(gpu, "direct", shaders::DIRECT, &[&direct, lights], &[])),
+            pull: pass("pull", shaders::PULL, 2, 1),
+            send: pass("send", shaders::SEND, 2, 1),
+            vectors: slots("vectors", 3, 1),
+            push: pass("push", shaders::PUSH, 3, 1),
+            display: pass("display_values", shaders::DISPLAY, 2, 1),
+            bounce: slots("bounce", 3, 2),
+            lift: pass("lift", shaders::LIFT, 2, 2),
+            finest: pass("finest", shaders::FINEST, 5, 1),
         }
     }
 
-    fn transport(&self, gpu: &Gpu, lanes: u32, paged: bool) -> wgpu::ComputePipeline {
-        let constants = [("LANES", lanes as f64), ("PAGED", paged as u32 as f64)];
-        compute(gpu, "transport", shaders::TRANSPORT, &[&self.transport], &constants)
+    /// The kernels whose threads share rows, so many a row: vectors and bounces.
+    fn shared(&self, gpu: &Gpu, lanes: u32) -> [wgpu::ComputePipeline; 2] {
+        let constants = [("LANES", lanes as f64)];
+        [
+            compute(gpu, "vectors", shaders::VECTORS, &[&self.vectors], &constants),
+            compute(gpu, "bounce", shaders::BOUNCE, &[&self.bounce], &constants),
+        ]
     }
 }
 
 /// A scene's part: buffers and the list of dispatches.
 pub struct Relight {
-    /// Direct irradiance at the direct points, and at senders all that they send: RGB and one unused.
+    /// Direct irradiance at the direct points, and at senders that of later bounces too: RGB and one unused.
     pub irradiance: wgpu::Buffer,
-    /// Vector irradiance at all points: nine floats, channel after channel.
-    pub values: wgpu::Buffer,
     /// Irradiance along each point's normal: RGB and one unused.
     pub display: wgpu::Buffer,
     steps: wgpu::Buffer,
     direct: wgpu::BindGroup,
     pull: wgpu::BindGroup,
-    lift: wgpu::BindGroup,
-    transport: Vec<wgpu::BindGroup>,
-    transport_pipeline: wgpu::ComputePipeline,
+    send: wgpu::BindGroup,
+    vectors: Vec<wgpu::BindGroup>,
     push: wgpu::BindGroup,
     display_group: wgpu::BindGroup,
+    bounce: Vec<wgpu::BindGroup>,
+    lift: wgpu::BindGroup,
+    finest: Vec<wgpu::BindGroup>,
+    shared: [wgpu::ComputePipeline; 2],
     plan: Vec<Dispatch>,
-    /// Senders may be so many that rows hold page marks.
-    paged: bool,
     /// Bytes of the buffers made here.
     pub bytes: u64,
 }
 
 impl Relight {
     /// Buffers and bind groups for a scene.
-    pub fn new(gpu: &Gpu, pipelines: &RelightPipelines, upload: &Upload, scene: &Scene) -> Self {
+    ///
+    /// # Errors
+    /// [`ViewerError::TooLarge`] for more points than a buffer can hold light of.
+    pub fn new(
+        gpu: &Gpu,
+        pipelines: &RelightPipelines,
+        upload: &Upload,
+        scene: &Scene,
+    ) -> Result<Self, ViewerError> {
+        let bytes = VALUE_BYTES * scene.vector_count() as u64;
+        let bytes = bytes.max(16 * scene.points.len() as u64);
+        if bytes > MAX_BINDING {
+            return Err(ViewerError::TooLarge { section: "PNTS", bytes, limit: MAX_BINDING });
+        }
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let irradiance = empty_buffer(gpu, "irradiance", storage, 16 * scene.direct_count() as u64);
-        let values = empty_buffer(gpu, "values", storage, VALUE_BYTES * scene.points.len() as u64);
-        let display = empty_buffer(gpu, "display", storage, 16 * scene.points.len() as u64);
-        let bounced = empty_buffer(gpu, "bounced", storage, 16 * scene.sender_count() as u64);
+        let colours = |label, count: usize| empty_buffer(gpu, label, storage, 16 * count as u64);
+        let irradiance = colours("irradiance", scene.direct_count());
+        let display = colours("display", scene.points.len());
+        let bounced = colours("bounced", scene.sender_count());
+        let sent = colours("sent", scene.sender_count());
+        // Nine floats, channel after channel.
+        let values = empty_buffer(gpu, "values", storage, VALUE_BYTES * scene.vector_count() as u64);
         let plan = plan(scene, upload);
         let steps = empty_buffer(
             gpu,
@@ -190,46 +230,43 @@ impl Relight {
             resources.extend(buffers.iter().map(|b| b.as_entire_binding()));
             group(gpu, label, layout, &resources)
         };
-        let paged = scene.sender_count() > 1 << 16;
-        let bytes = irradiance.size() + values.size() + display.size() + bounced.size() + steps.size();
-        Self {
-            direct: make("direct", &pipelines.direct.0, &[&upload.points, &irradiance]),
+        let (points, offsets, entries) = (&upload.points, &upload.push_offsets, &upload.push_entries);
+        let all = [&irradiance, &display, &bounced, &sent, &values, &steps];
+        Ok(Self {
+            direct: make("direct", &pipelines.direct.0, &[points, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
-            lift: make(
-                "lift",
-                &pipelines.lift.0,
-                &[&upload.push_offsets, &upload.push_entries, &upload.points, &values, &bounced, &irradiance],
-            ),
-            transport: [&upload.later, &upload.transport]
-                .into_iter()
-                .flat_map(|matrix| matrix.chunks.iter().map(|chunk| (&matrix.rows, &chunk.links)))
+            send: make("send", &pipelines.send.0, &[points, &irradiance, &sent]),
+            vectors: chunks(&upload.vectors)
+                .map(|(rows, links)| make("vectors", &pipelines.vectors, &[rows, links, &sent, &values]))
+                .collect(),
+            push: make("push", &pipelines.push.0, &[offsets, entries, points, &values]),
+            display_group: make("display", &pipelines.display.0, &[points, &values, &display]),
+            bounce: chunks(&upload.later)
                 .map(|(rows, links)| {
-                    make("transport", &pipelines.transport, &[rows, links, &irradiance, &values])
+                    make("bounce", &pipelines.bounce, &[rows, links, &display, &bounced, &irradiance])
                 })
                 .collect(),
-            transport_pipeline: pipelines.transport(gpu, LANES, paged),
-            push: make(
-                "push",
-                &pipelines.push.0,
-                &[&upload.push_offsets, &upload.push_entries, &upload.points, &values],
-            ),
-            display_group: make("display", &pipelines.display.0, &[&upload.points, &values, &display]),
+            lift: make("lift", &pipelines.lift.0, &[offsets, entries, &bounced, &irradiance]),
+            finest: chunks(&upload.finest)
+                .map(|(rows, links)| {
+                    make("finest", &pipelines.finest.0, &[rows, links, &sent, offsets, entries, &display])
+                })
+                .collect(),
+            shared: pipelines.shared(gpu, LANES),
+            bytes: all.iter().map(|buffer| buffer.size()).sum(),
             irradiance,
-            values,
             display,
             steps,
             plan,
-            paged,
-            bytes,
-        }
+        })
     }
 
-    /// Shares each row of `S e` among so many threads, a power of two up to 64; for measurements.
+    /// Shares each row among so many threads, a power of two up to 64; for measurements.
     pub fn set_lanes(&mut self, gpu: &Gpu, pipelines: &RelightPipelines, lanes: u32) {
-        self.transport_pipeline = pipelines.transport(gpu, lanes, self.paged);
+        self.shared = pipelines.shared(gpu, lanes);
         for (i, dispatch) in self.plan.iter_mut().enumerate() {
-            if let Kernel::Transport(_) = dispatch.kernel {
-                *dispatch = Dispatch::transport(dispatch.kernel, dispatch.step, lanes);
+            if let Kernel::Vectors(_) | Kernel::Bounce = dispatch.kernel {
+                *dispatch = Dispatch::lanes(dispatch.kernel, dispatch.step, lanes);
                 gpu.queue.write_buffer(&self.steps, i as u64 * STRIDE, bytemuck::bytes_of(&dispatch.step));
             }
         }
@@ -247,7 +284,6 @@ impl Relight {
 
     /// Sets all bounced light to zero: no light is on.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.clear_buffer(&self.values, 0, None);
         encoder.clear_buffer(&self.display, 0, None);
     }
 
@@ -259,8 +295,6 @@ impl Relight {
         lights: Option<&wgpu::BindGroup>,
         timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
-        // Points without links get nothing from the transport.
-        encoder.clear_buffer(&self.values, 0, None);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("relight"),
             timestamp_writes: timestamps,
@@ -270,10 +304,13 @@ impl Relight {
                 Kernel::Direct if lights.is_none() => continue,
                 Kernel::Direct => (&pipelines.direct.1, &self.direct),
                 Kernel::Pull => (&pipelines.pull.1, &self.pull),
-                Kernel::Transport(chunk) => (&self.transport_pipeline, &self.transport[chunk]),
-                Kernel::Lift => (&pipelines.lift.1, &self.lift),
+                Kernel::Send => (&pipelines.send.1, &self.send),
+                Kernel::Vectors(chunk) => (&self.shared[0], &self.vectors[chunk]),
                 Kernel::Push => (&pipelines.push.1, &self.push),
                 Kernel::Display => (&pipelines.display.1, &self.display_group),
+                Kernel::Bounce => (&self.shared[1], &self.bounce[0]),
+                Kernel::Lift => (&pipelines.lift.1, &self.lift),
+                Kernel::Finest(chunk) => (&pipelines.finest.1, &self.finest[chunk]),
             };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);
@@ -283,4 +320,9 @@ impl Relight {
             pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
         }
     }
+}
+
+/// The buffers of a matrix, chunk by chunk: offsets and links.
+fn chunks(matrix: &LinkBuffers) -> impl Iterator<Item = (&wgpu::Buffer, &wgpu::Buffer)> {
+    matrix.chunks.iter().map(|chunk| (&matrix.offsets, &chunk.links))
 }

@@ -42,7 +42,7 @@ impl LoadedScene {
     /// refuses something.
     pub async fn upload(gpu: &Gpu, pipelines: &RelightPipelines, scene: Scene) -> Result<Self, ViewerError> {
         let upload = Upload::new(gpu, &scene)?;
-        let relight = Relight::new(gpu, pipelines, &upload, &scene);
+        let relight = Relight::new(gpu, pipelines, &upload, &scene)?;
         let materials = Materials::new(gpu, &material_layout(gpu), &scene).await?;
         gpu.check()?;
         let bounds = [Vec3::from(scene.meta.bounds_min), Vec3::from(scene.meta.bounds_max)];
@@ -61,7 +61,7 @@ impl LoadedScene {
             levels: (0..scene.meta.levels.len())
                 .map(|l| scene.level(l).start as u32..scene.level(l).end as u32)
                 .collect(),
-            link_count: scene.transport.links.len() + scene.later.links.len(),
+            link_count: scene.link_count() + scene.later.links.len(),
             triangles: scene.indices.len() / 3,
             meta: scene.meta,
             upload,

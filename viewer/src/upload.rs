@@ -3,7 +3,7 @@
 use crate::bindings::buffer;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use rebounce_shared::rbn::bulk::Row;
+use rebounce_shared::link::Sent;
 use rebounce_shared::rbn::{LinkMatrix, Scene, meta::Alpha};
 use std::ops::Range;
 use wgpu::BufferUsages;
@@ -12,8 +12,6 @@ use wgpu::BufferUsages;
 pub const MAX_BINDING: u64 = 128 << 20;
 /// Bytes that WebGPU guarantees in one buffer.
 pub const MAX_BUFFER: u64 = 256 << 20;
-/// Bytes of one point's vector irradiance: nine floats.
-pub const VALUE_BYTES: u64 = 36;
 
 /// Links in one buffer: whole rows.
 pub struct Chunk {
@@ -27,8 +25,8 @@ pub struct Chunk {
 
 /// A matrix of links.
 pub struct LinkBuffers {
-    /// Its rows.
-    pub rows: wgpu::Buffer,
+    /// Where each row begins, and one past the end.
+    pub offsets: wgpu::Buffer,
     /// Its links, in as many buffers as it takes.
     pub chunks: Vec<Chunk>,
 }
@@ -64,9 +62,11 @@ pub struct Upload {
     pub pull_offsets: wgpu::Buffer,
     /// Section `PULE`.
     pub pull_entries: wgpu::Buffer,
-    /// Sections `ROWS` and `LINK`.
-    pub transport: LinkBuffers,
-    /// Sections `LROW` and `LLNK`.
+    /// Sections `VECO` and `VECL`.
+    pub vectors: LinkBuffers,
+    /// Sections `FINO` and `FINL`.
+    pub finest: LinkBuffers,
+    /// Sections `LATO` and `LATL`.
     pub later: LinkBuffers,
     /// Draw calls by material, opaque ones first.
     pub runs: Vec<Run>,
@@ -91,30 +91,13 @@ impl Upload {
             bytes += length;
             Ok(buffer(gpu, name, usage, content))
         };
-        let values = scene.points.len() as u64 * VALUE_BYTES;
-        if values > MAX_BINDING {
-            return Err(ViewerError::TooLarge { section: "PNTS", bytes: values, limit: MAX_BINDING });
-        }
         let storage = BufferUsages::STORAGE;
         let cast = bytemuck::cast_slice::<u32, u8>;
         let runs = runs(scene);
-        let mut matrix = |rows_name, links_name, matrix: &LinkMatrix| {
-            let mut parts = Vec::new();
-            for rows in chunks(&matrix.rows, MAX_BINDING) {
-                let first_link = matrix.rows[rows.start as usize].first_link;
-                let end = matrix.rows[rows.end as usize].first_link;
-                let content = bytemuck::cast_slice(&matrix.links[first_link as usize..end as usize]);
-                parts.push(Chunk {
-                    links: section(links_name, storage, MAX_BINDING, content)?,
-                    rows,
-                    first_link,
-                });
-            }
-            let rows = section(rows_name, storage, MAX_BINDING, bytemuck::cast_slice(&matrix.rows))?;
-            Ok::<_, ViewerError>(LinkBuffers { rows, chunks: parts })
-        };
-        let transport = matrix("ROWS", "LINK", &scene.transport)?;
-        let later = matrix("LROW", "LLNK", &scene.later)?;
+        let vectors = matrix(&mut section, ["VECO", "VECL"], &scene.vectors, MAX_BINDING)?;
+        let finest = matrix(&mut section, ["FINO", "FINL"], &scene.finest, MAX_BINDING)?;
+        // One buffer: between coarse points there are few.
+        let later = matrix(&mut section, ["LATO", "LATL"], &scene.later, u64::MAX)?;
         Ok(Self {
             vertices: section(
                 "VERT",
@@ -130,7 +113,8 @@ impl Upload {
             push_entries: section("PUSE", storage, MAX_BINDING, bytemuck::cast_slice(&scene.push_entries))?,
             pull_offsets: section("PULO", storage, MAX_BINDING, cast(&scene.pull_offsets))?,
             pull_entries: section("PULE", storage, MAX_BINDING, bytemuck::cast_slice(&scene.pull_entries))?,
-            transport,
+            vectors,
+            finest,
             later,
             shadow_runs: merged(&runs),
             runs,
@@ -139,15 +123,33 @@ impl Upload {
     }
 }
 
-/// Splits the rows so that the links of each part fit one binding of `limit` bytes. A row that is
-/// larger by itself stays whole, and is refused on upload.
-fn chunks(matrix: &[Row], limit: u64) -> Vec<Range<u32>> {
-    let rows = matrix.len().saturating_sub(1);
-    let most = (limit / 8) as u32;
+/// Uploads a matrix in parts of at most `limit` bytes of links.
+fn matrix<L: Sent + bytemuck::Pod>(
+    section: &mut impl FnMut(&'static str, BufferUsages, u64, &[u8]) -> Result<wgpu::Buffer, ViewerError>,
+    [offsets_name, links_name]: [&'static str; 2],
+    matrix: &LinkMatrix<L>,
+    limit: u64,
+) -> Result<LinkBuffers, ViewerError> {
+    let mut parts = Vec::new();
+    for rows in chunks(&matrix.offsets, limit / size_of::<L>() as u64) {
+        let [first, end] = [rows.start, rows.end].map(|row| matrix.offsets[row as usize]);
+        let content = bytemuck::cast_slice(&matrix.links[first as usize..end as usize]);
+        let links = section(links_name, BufferUsages::STORAGE, MAX_BINDING, content)?;
+        parts.push(Chunk { links, rows, first_link: first });
+    }
+    let offsets = bytemuck::cast_slice(&matrix.offsets);
+    let offsets = section(offsets_name, BufferUsages::STORAGE, MAX_BINDING, offsets)?;
+    Ok(LinkBuffers { offsets, chunks: parts })
+}
+
+/// Splits the rows so that each part has at most so many links. A row that is larger by itself stays whole, and
+/// is refused on upload.
+fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
+    let rows = offsets.len().saturating_sub(1);
     let mut out = Vec::new();
     let mut start = 0;
     for row in 0..rows {
-        if row > start && matrix[row + 1].first_link - matrix[start].first_link > most {
+        if row > start && (offsets[row + 1] - offsets[start]) as u64 > most {
             out.push(start as u32..row as u32);
             start = row;
         }
@@ -197,9 +199,8 @@ mod tests {
 
     #[test]
     fn chunks_hold_every_row_once_and_fit() {
-        let mut rows: Vec<Row> = (0..20).map(|i| Row { receiver: i, first_link: i * 5 }).collect();
-        rows.push(Row { receiver: u32::MAX, first_link: 100 });
-        let chunks = chunks(&rows, 8 * 12);
+        let offsets: Vec<u32> = (0..21).map(|i| i * 5).collect();
+        let chunks = chunks(&offsets, 12);
         assert_eq!(chunks.len(), 10);
         assert_eq!(chunks[0].start, 0);
         assert_eq!(chunks[9].end, 20);

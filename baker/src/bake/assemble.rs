@@ -47,7 +47,7 @@ pub(super) fn assemble(
             })
             .collect(),
         sender_levels: settings.operator.sender_levels as u32,
-        later_levels: settings.operator.later_levels as u32,
+        later_levels: if operator.later.is_empty() { 0 } else { settings.operator.later_levels as u32 },
         direct_levels: settings.direct_levels as u32,
         materials: scene.materials.clone(),
         textures,
@@ -73,6 +73,7 @@ pub(super) fn assemble(
                 radius: level.support_radius,
                 normal: pack_snorm16(p.normal),
                 cuts: Point::pack_cuts(cuts.len(), own.len(), points.samples_of(i)),
+                tint: operator.tints[i],
             });
             cuts.extend_from_slice(own);
         }
@@ -88,7 +89,8 @@ pub(super) fn assemble(
         push_entries: relations.push_entries,
         pull_offsets: relations.pull_offsets,
         pull_entries: relations.pull_entries,
-        transport: LinkMatrix::from_rows(&operator.rows),
+        vectors: LinkMatrix::from_rows(&operator.vectors),
+        finest: LinkMatrix::from_rows(&operator.finest),
         later: LinkMatrix::from_rows(&operator.later),
     }
 }

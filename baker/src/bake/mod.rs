@@ -124,7 +124,7 @@ pub fn bake(
         tell(Stage::Links, done, total, level);
     });
     lap(&mut report, Stage::Links);
-    add_later_bounces(&mut operator, &points, &settings.operator, &|done, total| {
+    add_later_bounces(&mut operator, &settings.operator, &|done, total| {
         tell(Stage::Bounces, done, total, 0);
     });
     lap(&mut report, Stage::Bounces);

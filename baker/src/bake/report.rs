@@ -4,7 +4,6 @@ use super::BakeSettings;
 use crate::operator::Operator;
 use crate::points::Points;
 use crate::scene::Scene;
-use rebounce_shared::link;
 use rebounce_shared::rbn::container::Section;
 use serde::Serialize;
 use std::fmt;
@@ -93,15 +92,16 @@ impl BakeReport {
 
     pub(super) fn describe(&mut self, points: &Points, operator: &Operator, settings: &BakeSettings) {
         self.reflected = settings.operator.reflected;
+        let counts: Vec<usize> = operator.link_counts().collect();
         self.levels = points
             .levels
             .iter()
             .map(|level| {
-                let rows = &operator.rows[level.range()];
+                let rows = &counts[level.range()];
                 LevelReport {
                     functions: level.count as u64,
-                    receivers: rows.iter().filter(|row| !row.is_empty()).count() as u64,
-                    links: rows.iter().map(|row| link::count(row) as u64).sum(),
+                    receivers: rows.iter().filter(|links| **links > 0).count() as u64,
+                    links: rows.iter().map(|links| *links as u64).sum(),
                     disk_radius: level.disk_radius,
                 }
             })
@@ -110,7 +110,7 @@ impl BakeReport {
         let senders: u64 =
             self.levels.iter().take(settings.operator.sender_levels).map(|level| level.functions).sum();
         self.links = self.levels.iter().map(|level| level.links).sum();
-        self.later_links = operator.link_count() - self.links;
+        self.later_links = operator.later_count() as u64;
         self.potential_links = senders * self.functions;
         self.link_share = self.links as f64 / self.potential_links.max(1) as f64;
         self.rays = operator.rays;

@@ -56,8 +56,8 @@ fn as_json(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Val
         "points": scene.points.len(),
         "senders": scene.sender_count(),
         "direct_points": scene.direct_count(),
-        "links": scene.transport.link_count(),
-        "later_links": scene.later.link_count(),
+        "links": scene.link_count(),
+        "later_links": scene.later.links.len(),
         "potential_links": m.bake.potential_links,
         "levels": m.levels.iter().map(|l| json!({
             "points": l.count, "disk_radius": l.disk_radius, "support_radius": l.support_radius,
@@ -116,7 +116,7 @@ fn as_text(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Str
             format!("{} points, disk {:.4}, support {:.4}{sends}", l.count, l.disk_radius, l.support_radius),
         );
     }
-    let (links, later) = (scene.transport.link_count(), scene.later.link_count());
+    let (links, later) = (scene.link_count(), scene.later.links.len());
     let share = 100.0 * links as f64 / (m.bake.potential_links.max(1)) as f64;
     line(
         "links",

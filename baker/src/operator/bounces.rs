@@ -1,22 +1,20 @@
-//! Later bounces: S = T + T² + T³ + … (Eq. 15) as S = T (1 + P G).
+//! Later bounces: S = T + T² + T³ + … (Eq. 15) as S = T (1 + P (1 + H) F).
 //!
-//! The links T take whatever the senders hold to all receivers. G gives, from direct light at the
-//! senders, the irradiance after one, two, three and all further bounces at the points of the
-//! coarse levels (paper, section 3.2: later bounces on coarse receivers); P interpolates it to the
-//! finer senders, where it is added to the direct light. So later bounces leave as smooth as the
-//! coarse levels are, and arrive with all the detail that T has.
+//! The links T take whatever the senders hold to all receivers. F is the part of T that ends at the points of the
+//! coarse levels (paper, section 3.2: later bounces on coarse receivers): the irradiance there after one bounce. H
+//! adds that of all further bounces between them; P interpolates to the finer senders, where it is added to the
+//! direct light. So later bounces leave as smooth as the coarse levels are, and arrive with all the detail that
+//! T has.
 //!
-//! `G = (1 + C + C² + …) F`, with F the irradiance of coarse points from senders and C that from
-//! each other. The series is summed a few columns at a time: unit light at one coarse point is
-//! bounced among them until what is left is negligible or each bounce is a smaller copy of the one
-//! before. No product of sparse matrices grows on the way.
+//! `H = C + C² + …`, with C the irradiance of coarse points from each other. The series is summed a few columns
+//! at a time: unit light at one coarse point is bounced among them until what is left is negligible or each bounce
+//! is a smaller copy of the one before. No product of sparse matrices grows on the way.
 
 use super::tally::IrradianceRow;
 use super::{Operator, OperatorSettings};
-use crate::points::Points;
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::link::{Link, RowWriter};
+use rebounce_shared::link::LaterLink;
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
 /// Coarse points whose light travels together.
@@ -29,6 +27,8 @@ const STEADY: f32 = 2e-3;
 /// No more bounces than this are followed one by one.
 const MAX_BOUNCES: u32 = 64;
 
+/// A receiver's irradiance by channel from senders, ascending.
+type ColourRow = Vec<(u32, Vec3)>;
 /// One colour channel of some numbers that travel together.
 type Lane = [f32; BATCH];
 /// Irradiance at a point, red, green and blue.
@@ -37,7 +37,6 @@ type Light = [Lane; 3];
 /// Fills the operator's [`later`](Operator::later) rows. `progress` is told the columns done and all.
 pub fn add_later_bounces(
     operator: &mut Operator,
-    points: &Points,
     settings: &OperatorSettings,
     progress: &(impl Fn(usize, usize) + Sync),
 ) {
@@ -45,8 +44,8 @@ pub fn add_later_bounces(
     if settings.bounces.is_some_and(|wanted| wanted <= 1) || count == 0 {
         return;
     }
-    let (coarse, first) = (&operator.coarse, &operator.first);
-    let least = settings.least_irradiance();
+    let (coarse, tints) = (&operator.coarse, super::tint::unpack(&operator.tints[..count]));
+    let least = settings.epsilon_later();
     // Only light that is sent on to anyone needs to be followed.
     let mut sends = vec![false; count];
     for (sender, _) in coarse.iter().flatten() {
@@ -56,15 +55,15 @@ pub fn add_later_bounces(
     let deepest = AtomicU32::new(2);
     let done = AtomicUsize::new(0);
     // Rows of C + C² + …, by chunks of ascending columns, so that small entries can be carried over.
-    let chunks: Vec<Vec<IrradianceRow>> = active
+    let chunks: Vec<Vec<ColourRow>> = active
         .par_chunks(BATCH * 16)
         .map(|chunk| {
-            let mut kept: Vec<IrradianceRow> = vec![Vec::new(); count];
+            let mut kept: Vec<ColourRow> = vec![Vec::new(); count];
             let mut carried = vec![Vec3::ZERO; count];
             // The last sender that each receiver sees, however little: what is left is given to it.
             let mut seen = vec![u32::MAX; count];
             for batch in chunk.chunks(BATCH) {
-                let (light, bounces) = series(coarse, batch, settings.bounces);
+                let (light, bounces) = series(coarse, &tints, batch, settings.bounces);
                 deepest.fetch_max(bounces, Ordering::Relaxed);
                 for (receiver, [red, green, blue]) in light.iter().enumerate() {
                     for (b, sender) in batch.iter().enumerate() {
@@ -93,27 +92,18 @@ pub fn add_later_bounces(
         })
         .collect();
     operator.bounces = deepest.into_inner();
-    let senders = first.iter().flatten().map(|(sender, _)| *sender as usize + 1).max().unwrap_or(0);
     operator.later = (0..count)
         .into_par_iter()
-        .map_init(
-            || vec![Vec3::ZERO; senders],
-            |sums, receiver| {
-                let own = [(receiver as u32, Vec3::ONE)];
-                for &(through, share) in own.iter().chain(chunks.iter().flat_map(|rows| &rows[receiver])) {
-                    for &(sender, irradiance) in &first[through as usize] {
-                        sums[sender as usize] += share * irradiance;
-                    }
-                }
-                choose(sums, settings.epsilon_later(), points.points[receiver].normal)
-            },
-        )
+        .map(|receiver| {
+            let row = chunks.iter().flat_map(|rows| &rows[receiver]);
+            row.map(|(sender, colour)| LaterLink::pack(*sender, *colour)).collect()
+        })
         .collect();
 }
 
 /// Unit light at the coarse points of a batch: the irradiance of its bounces on every coarse point,
 /// the light itself not counted; and the bounces that it has when the links have taken it on.
-fn series(rows: &[IrradianceRow], batch: &[u32], wanted: Option<u32>) -> (Vec<Light>, u32) {
+fn series(rows: &[IrradianceRow], tints: &[Vec3], batch: &[u32], wanted: Option<u32>) -> (Vec<Light>, u32) {
     let zero = [[0f32; BATCH]; 3];
     let mut light = vec![zero; rows.len()];
     for (b, sender) in batch.iter().enumerate() {
@@ -133,10 +123,11 @@ fn series(rows: &[IrradianceRow], batch: &[u32], wanted: Option<u32>) -> (Vec<Li
             .map(|row| {
                 let mut sum = zero;
                 for (sender, transfer) in row {
-                    let light = &light[*sender as usize];
+                    let (light, tint) = (&light[*sender as usize], tints[*sender as usize]);
                     for c in 0..3 {
+                        let transfer = transfer * tint[c];
                         for b in 0..BATCH {
-                            sum[c][b] += transfer[c] * light[c][b];
+                            sum[c][b] += transfer * light[c][b];
                         }
                     }
                 }
@@ -163,23 +154,4 @@ fn series(rows: &[IrradianceRow], batch: &[u32], wanted: Option<u32>) -> (Vec<Li
         }
         (last_energy, last_kept, light) = (energy, kept, next);
     }
-}
-
-/// Links for these sums, which are left zero. Small ones are carried over, as is what packing loses.
-fn choose(sums: &mut [Vec3], least: f32, normal: Vec3) -> Vec<Link> {
-    let mut row = Vec::new();
-    let mut writer = RowWriter::default();
-    let mut carried = Vec3::ZERO;
-    for (sender, sum) in sums.iter_mut().enumerate() {
-        carried += std::mem::take(sum);
-        if carried.max_element() > least {
-            let link = Link::pack(0, normal, carried);
-            writer.push(&mut row, sender as u32, link);
-            carried -= link.magnitude();
-        }
-    }
-    if let Some(last) = row.last_mut() {
-        *last = Link::pack(last.column(), normal, last.magnitude() + carried);
-    }
-    row
 }

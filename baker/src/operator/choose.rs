@@ -1,7 +1,6 @@
 //! Which of what a receiver gets becomes a link.
 
-use super::tally::{Amount, Tally};
-use rebounce_shared::link::{Link, RowWriter};
+use super::tally::{Packed, Tally};
 
 /// What is left of a row without links is one link if it is at least this share of ε: else a few such rows,
 /// one under the other, would lose a noticeable part of the light.
@@ -14,16 +13,16 @@ const LEAST_SUM: f32 = 0.125;
 ///
 /// Gives the links for `gathered` less `prediction`; `noise` is the variance of a gathered sum per
 /// unit of it.
-pub fn choose<A: Amount>(
+pub fn choose<A: Packed>(
     gathered: &Tally<A>,
     prediction: Option<&Tally<A>>,
     epsilon: f32,
     noise: f32,
-    pack: impl Fn(&A) -> (Link, A),
-) -> Vec<Link> {
+) -> Vec<A::Link> {
     let mut row = Vec::new();
-    let mut writer = RowWriter::default();
-    let (mut carried, mut held_last, mut seen) = (A::default(), A::default(), 0.0);
+    let (mut carried, mut seen) = (A::default(), 0.0);
+    // Place, sender and contents of the last link and of the smallest before it.
+    let (mut last, mut smallest) = ((0, 0, A::default()), None::<(usize, u32, A)>);
     let mut strongest = (0, 0.0);
     for sender in gathered.touched_with(prediction) {
         let sum = gathered.get(sender);
@@ -44,19 +43,29 @@ pub fn choose<A: Amount>(
             seen += expected.sqrt();
         }
         if carried.magnitude_squared() > (noise * seen).max(epsilon * epsilon) {
-            let (link, held) = pack(&carried);
-            writer.push(&mut row, sender, link);
+            let (link, held) = carried.pack(sender);
+            row.push(link);
             // What packing lost is carried over too.
             carried.add_scaled(-1.0, &held);
-            held_last = held;
+            if row.len() > 1 && smallest.is_none_or(|s| last.2.magnitude_squared() < s.2.magnitude_squared()) {
+                smallest = Some(last);
+            }
+            last = (row.len() - 1, sender, held);
             seen = 0.0;
         }
     }
-    if let Some(last) = row.last_mut() {
-        carried.add_scaled(1.0, &held_last);
-        *last = pack(&carried).0.at(last.column());
+    if let Some(link) = row.last_mut() {
+        carried.add_scaled(1.0, &last.2);
+        let (packed, held) = carried.pack(last.1);
+        *link = packed;
+        // What packing lost at the end goes where it is lost least: to the smallest link.
+        if let Some((at, sender, mut amount)) = smallest {
+            amount.add_scaled(1.0, &carried);
+            amount.add_scaled(-1.0, &held);
+            row[at] = amount.pack(sender).0;
+        }
     } else if carried.magnitude_squared() > (LEAST_SUM * epsilon).powi(2) {
-        writer.push(&mut row, strongest.0, pack(&carried).0);
+        row.push(carried.pack(strongest.0).0);
     }
     row
 }

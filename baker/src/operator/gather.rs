@@ -4,13 +4,13 @@
 use super::OperatorSettings;
 use super::choose::choose;
 use super::directions::Directions;
-use super::tally::{Irradiance, IrradianceRow, Tally, Vectors};
+use super::tally::{Irradiance, IrradianceRow, Tally, Vector};
 use crate::basis::{Leveled, Relations};
 use crate::points::Points;
 use crate::random::mix;
 use crate::surface::{Hit, Ray, Surfaces};
 use glam::{Mat3A, Vec3, Vec3A};
-use rebounce_shared::link::{Link, columns, turn};
+use rebounce_shared::link::{Link, Sent, VectorLink, turn};
 use rebounce_shared::octahedral;
 
 /// What all gathers read.
@@ -27,6 +27,8 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
     pub coarse: &'a Leveled,
     /// Number of points on those levels.
     pub coarse_count: usize,
+    /// The colour that each point's surface gives to light; the channels' mean is 1.
+    pub tints: &'a [Vec3],
     /// Settings.
     pub settings: &'a OperatorSettings,
     /// Unpacked directions of links, by their 16 bits.
@@ -56,13 +58,14 @@ pub struct GatherCost {
 /// What one gather finds.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
-    /// The links, columns ascending: differences to what coarser receivers say.
-    pub links: Vec<Link>,
+    /// The links of a receiver on all levels but the finest, senders ascending: differences to what coarser
+    /// receivers say.
+    pub vectors: Vec<VectorLink>,
+    /// The links of one on the finest level.
+    pub finest: Vec<Link>,
     /// The whole value that its links and its ancestors' say, on all levels but the finest.
-    pub value: Vec<Link>,
-    /// Of a point that later bounces travel through: its whole irradiance from every sender.
-    pub first: IrradianceRow,
-    /// And from every other such point.
+    pub value: Vec<VectorLink>,
+    /// Of a point that later bounces travel through: its whole irradiance from every other such point.
     pub coarse: IrradianceRow,
     /// The cost.
     pub cost: GatherCost,
@@ -70,9 +73,9 @@ pub struct Gathered {
 
 /// A thread's working memory, reused from receiver to receiver.
 pub struct Scratch {
-    senders: Tally<Vectors>,
-    coarse: Tally<Vectors>,
-    prediction: Tally<Vectors>,
+    senders: Tally<Vector>,
+    coarse: Tally<Irradiance>,
+    prediction: Tally<Vector>,
     finest: [Tally<Irradiance>; 2],
     weights: Vec<(u32, f32)>,
 }
@@ -98,38 +101,40 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         receiver: usize,
         level: usize,
         directions: &Directions,
-        values: &[Vec<Link>],
+        values: &[Vec<VectorLink>],
         scratch: &mut Scratch,
     ) -> Gathered {
         // The variance of a mean of rays that either hit a sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
         let is_coarse = receiver < self.coarse_count;
-        if level + 1 == self.settings.levels && !is_coarse {
+        if level > 0 && level + 1 == self.settings.levels {
             return self.finest_links(receiver, directions, values, scratch, epsilon, noise);
         }
-        let normal = self.points.points[receiver].normal;
         let Scratch { senders, coarse, prediction, weights, .. } = scratch;
         let cost = self.integrate(receiver, directions, weights, |hit, arriving, weights| {
-            let light = arriving.vectors();
-            senders.share(weights, &light);
+            for &(sender, share) in weights.iter() {
+                let amount = share * self.brightness(sender, arriving.light);
+                senders.add(sender as usize, amount, &Vector(arriving.direction));
+            }
             if is_coarse {
                 self.coarse.interpolate(hit.position, hit.normal, weights);
-                coarse.share(weights, &light);
+                for &(sender, share) in weights.iter() {
+                    let amount = share * self.brightness(sender, arriving.light);
+                    coarse.add(sender as usize, amount, &Irradiance(arriving.cosine));
+                }
             }
         });
         let mut gathered = Gathered { cost, ..Gathered::default() };
         if is_coarse {
-            let least = self.settings.least_irradiance();
-            gathered.first = senders.irradiance_row(normal, least);
-            gathered.coarse = coarse.irradiance_row(normal, least);
+            gathered.coarse = coarse.row(self.settings.least_irradiance());
             coarse.clear();
         }
         self.predict(receiver, values, prediction);
-        gathered.links = choose(senders, Some(prediction), epsilon, noise, Vectors::pack);
+        gathered.vectors = choose(senders, Some(prediction), epsilon, noise);
         if level + 1 < self.settings.levels {
-            for (column, link) in columns(&gathered.links) {
-                prediction.add(column, 1.0, &vectors(self.direction(link), link.magnitude()));
+            for link in &gathered.vectors {
+                prediction.add(link.sender(), link.link.amount(), &Vector(self.direction(*link)));
             }
             gathered.value = self.value(level, prediction);
         }
@@ -144,29 +149,31 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         &self,
         receiver: usize,
         directions: &Directions,
-        values: &[Vec<Link>],
+        values: &[Vec<VectorLink>],
         scratch: &mut Scratch,
         epsilon: f32,
         noise: f32,
     ) -> Gathered {
         let Scratch { finest: [senders, prediction], weights, .. } = scratch;
         let cost = self.integrate(receiver, directions, weights, |_, arriving, weights| {
-            senders.share(weights, &arriving.irradiance());
+            for &(sender, share) in weights.iter() {
+                let amount = share * self.brightness(sender, arriving.light);
+                senders.add(sender as usize, amount, &Irradiance(arriving.cosine));
+            }
         });
         // What turns the parent's normal into the receiver's turns its light alike: the part along the normal
         // stays the same.
         for (parent, share) in self.parents(receiver) {
             let normal = Vec3A::from(self.points.points[parent].normal);
-            for (column, link) in columns(&values[parent]) {
-                let along = self.direction(link).dot(normal) * share;
-                prediction.add(column, along, &Irradiance(link.magnitude().into()));
+            for link in &values[parent] {
+                let along = self.direction(*link).dot(normal) * share;
+                prediction.add(link.sender(), along, &Irradiance(link.link.amount()));
             }
         }
-        let pack = Irradiance::packing(self.points.points[receiver].normal);
-        let links = choose(senders, Some(prediction), epsilon, noise, pack);
+        let finest = choose(senders, Some(prediction), epsilon, noise);
         senders.clear();
         prediction.clear();
-        Gathered { links, cost, ..Gathered::default() }
+        Gathered { finest, cost, ..Gathered::default() }
     }
 
     /// What is left of a receiver that is not refined: the value that its parents' say.
@@ -174,7 +181,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         &self,
         receiver: usize,
         level: usize,
-        values: &[Vec<Link>],
+        values: &[Vec<VectorLink>],
         scratch: &mut Scratch,
     ) -> Gathered {
         if level + 1 == self.settings.levels {
@@ -194,13 +201,20 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     }
 
     /// A receiver's value as its children will subtract it.
-    fn value(&self, level: usize, sums: &Tally<Vectors>) -> Vec<Link> {
-        choose(sums, None, VALUE_EPSILON * self.settings.epsilon_on(level), 0.0, Vectors::pack)
+    fn value(&self, level: usize, sums: &Tally<Vector>) -> Vec<VectorLink> {
+        choose(sums, None, VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
+    }
+
+    /// How bright light of this colour is, counted in a sender's tint: the best fit of the one to the other.
+    #[inline]
+    fn brightness(&self, sender: u32, light: Vec3) -> f32 {
+        let tint = self.tints[sender as usize];
+        light.dot(tint) / tint.length_squared()
     }
 
     #[inline]
-    fn direction(&self, link: Link) -> Vec3A {
-        self.link_directions[(link.column_direction >> 16) as usize]
+    fn direction(&self, link: VectorLink) -> Vec3A {
+        self.link_directions[link.direction as u16 as usize]
     }
 
     /// Eq. 16: casts the rays and tells `add` of each hit that reflects, with the functions that cover it
@@ -245,13 +259,13 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
 
     /// Eq. 17: what the parents' values say at this receiver, turned with the normals as the push
     /// will turn it.
-    fn predict(&self, receiver: usize, values: &[Vec<Link>], prediction: &mut Tally<Vectors>) {
+    fn predict(&self, receiver: usize, values: &[Vec<VectorLink>], prediction: &mut Tally<Vector>) {
         let normal = self.points.points[receiver].normal;
         for (parent, share) in self.parents(receiver) {
             let turn = turning(self.points.points[parent].normal, normal);
-            for (column, link) in columns(&values[parent]) {
-                let direction = turn * self.direction(link);
-                prediction.add(column, share, &vectors(direction, link.magnitude()));
+            for link in &values[parent] {
+                let direction = turn * self.direction(*link);
+                prediction.add(link.sender(), share * link.link.amount(), &Vector(direction));
             }
         }
     }
@@ -266,23 +280,6 @@ struct Arriving {
     cosine: f32,
     /// Radiance times the ray's share of the hemisphere.
     light: Vec3,
-}
-
-impl Arriving {
-    #[inline]
-    fn vectors(self) -> Vectors {
-        vectors(self.direction, self.light)
-    }
-
-    #[inline]
-    fn irradiance(self) -> Irradiance {
-        Irradiance((self.light * self.cosine).into())
-    }
-}
-
-#[inline]
-fn vectors(direction: Vec3A, magnitude: Vec3) -> Vectors {
-    Vectors([magnitude.x, magnitude.y, magnitude.z].map(|m| direction * m))
 }
 
 /// The rotation of `rebounce_shared::link::turn`.

@@ -5,7 +5,7 @@
 
 use super::directions::Directions;
 use super::gather::{GatherContext, Gathered, Scratch, link_directions};
-use super::{Operator, OperatorSettings};
+use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
 use crate::points::Points;
 use crate::surface::Surfaces;
@@ -25,6 +25,8 @@ pub fn refine<S: Surfaces + ?Sized>(
     let sender_levels = settings.sender_levels.min(points.levels.len());
     let coarse_levels = settings.later_levels.min(sender_levels);
     let (sender_count, coarse_count) = (points.count_on(sender_levels), points.count_on(coarse_levels));
+    let tints = tint::tints(surfaces, points, settings.seed);
+    let mut operator = Operator { tints, bounces: 1, ..Operator::default() };
     let context = GatherContext {
         surfaces,
         points,
@@ -32,18 +34,21 @@ pub fn refine<S: Surfaces + ?Sized>(
         senders: &Leveled::new((0..sender_levels).map(|l| sender_evaluator(points, l)).collect()),
         coarse: &basis(coarse_levels),
         coarse_count,
+        tints: &tint::unpack(&operator.tints),
         settings,
         link_directions: &link_directions(),
     };
-    let mut operator =
-        Operator { rows: vec![Vec::new(); points.points.len()], bounces: 1, ..Operator::default() };
+    let vector_levels = if points.levels.len() > 1 { points.levels.len() - 1 } else { points.levels.len() };
+    let vector_count = points.count_on(vector_levels);
+    operator.vectors = vec![Vec::new(); vector_count];
+    operator.finest = vec![Vec::new(); points.points.len() - vector_count];
     let mut values = vec![Vec::new(); points.points.len()];
     let (mut seen, mut lost) = (0.0, 0.0);
     let pool = Mutex::new(Vec::new());
     for (l, level) in points.levels.iter().enumerate() {
         let directions = Directions::new(settings.rays_on(l));
         let (done, refined) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let rows = &operator.rows;
+        let rows = &operator.vectors;
         // Children of receivers that kept a link; those that no coarser function reaches; and those
         // that later bounces need, whatever their parents kept.
         let is_wanted = |i: usize| {
@@ -78,10 +83,13 @@ pub fn refine<S: Surfaces + ?Sized>(
             .collect();
         operator.receivers += refined.into_inner() as u64;
         for (i, gathered) in indices.into_iter().zip(found) {
-            operator.rows[i] = gathered.links;
+            if i < vector_count {
+                operator.vectors[i] = gathered.vectors;
+            } else {
+                operator.finest[i - vector_count] = gathered.finest;
+            }
             values[i] = gathered.value;
             if i < coarse_count {
-                operator.first.push(gathered.first);
                 operator.coarse.push(gathered.coarse);
             }
             operator.rays += gathered.cost.rays;

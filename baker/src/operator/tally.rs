@@ -1,57 +1,59 @@
 //! What a receiver gets, summed by sender while its rays come in.
 
-use glam::{Vec3, Vec3A};
-use rebounce_shared::link::{Link, VectorRgb};
+use glam::Vec3A;
+use rebounce_shared::link::{Link, VectorLink};
 
 /// What a receiver gets from a sender.
 pub trait Amount: Copy + Default {
     /// `self += scale * other`.
     fn add_scaled(&mut self, scale: f32, other: &Self);
-    /// The square of how much it is, root mean square over the channels.
+    /// The square of how much it is.
     fn magnitude_squared(&self) -> f32;
 }
 
-/// Vector irradiance per channel, aligned for the inner loops.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Vectors(pub [Vec3A; 3]);
-
-impl Vectors {
+/// An amount that links can hold.
+pub trait Packed: Amount {
+    /// The link.
+    type Link: Copy;
     /// As a link, and what of it the link holds.
-    pub fn pack(&self) -> (Link, Self) {
-        let link = Link::pack_vectors(0, &VectorRgb { rgb: self.0.map(Vec3::from) });
-        (link, Self(link.vectors().rgb.map(Vec3A::from)))
+    fn pack(&self, sender: u32) -> (Self::Link, Self);
+}
+
+/// Vector irradiance, aligned for the inner loops.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Vector(pub Vec3A);
+
+impl Packed for Vector {
+    type Link = VectorLink;
+
+    fn pack(&self, sender: u32) -> (VectorLink, Self) {
+        let link = VectorLink::pack(sender, self.0.into());
+        (link, Self(link.vector().into()))
     }
 }
 
-impl Amount for Vectors {
+impl Amount for Vector {
     #[inline]
     fn add_scaled(&mut self, scale: f32, other: &Self) {
-        for c in 0..3 {
-            self.0[c] += other.0[c] * scale;
-        }
+        self.0 += other.0 * scale;
     }
 
     #[inline]
     fn magnitude_squared(&self) -> f32 {
-        self.0.iter().map(|v| v.length_squared()).sum::<f32>() / 3.0
+        self.0.length_squared()
     }
 }
 
-/// Irradiance per channel along the receiver's normal.
+/// Irradiance along the receiver's normal.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Irradiance(pub Vec3A);
+pub struct Irradiance(pub f32);
 
-impl Irradiance {
-    /// How a receiver with this unit normal makes links of it: along the normal. Gives the link, and what of
-    /// the irradiance it holds.
-    pub fn packing(normal: Vec3) -> impl Fn(&Self) -> (Link, Self) {
-        // A link's direction is rounded, and the receiver reads the part along its normal.
-        let direction = Link::pack(0, normal, Vec3::ONE).direction();
-        let along = direction.dot(normal);
-        move |irradiance| {
-            let link = Link::pack(0, direction, Vec3::from(irradiance.0) / along);
-            (link, Self(Vec3A::from(link.magnitude()) * along))
-        }
+impl Packed for Irradiance {
+    type Link = Link;
+
+    fn pack(&self, sender: u32) -> (Link, Self) {
+        let link = Link::pack(sender, self.0);
+        (link, Self(link.amount()))
     }
 }
 
@@ -63,12 +65,12 @@ impl Amount for Irradiance {
 
     #[inline]
     fn magnitude_squared(&self) -> f32 {
-        self.0.length_squared() / 3.0
+        self.0 * self.0
     }
 }
 
-/// A receiver's irradiance per channel from senders, ascending.
-pub type IrradianceRow = Vec<(u32, Vec3)>;
+/// A receiver's irradiance from senders, ascending.
+pub type IrradianceRow = Vec<(u32, f32)>;
 
 /// Sums by sender, of which few are not zero.
 pub struct Tally<A> {
@@ -119,14 +121,6 @@ impl<A: Amount> Tally<A> {
         })
     }
 
-    /// Adds a share of the amount to each of these senders.
-    #[inline]
-    pub fn share(&mut self, shares: &[(u32, f32)], amount: &A) {
-        for &(sender, share) in shares {
-            self.add(sender as usize, share, amount);
-        }
-    }
-
     /// Back to nothing.
     pub fn clear(&mut self) {
         for (word, sums) in self.is_touched.iter_mut().zip(self.sums.chunks_mut(64)) {
@@ -137,17 +131,15 @@ impl<A: Amount> Tally<A> {
     }
 }
 
-impl Tally<Vectors> {
-    /// The irradiance from each sender on a surface with this unit normal. What is not over
-    /// `least` is carried over to the next sender, as in [`super::choose`].
-    pub fn irradiance_row(&self, normal: Vec3, least: f32) -> IrradianceRow {
-        let normal = Vec3A::from(normal);
-        let mut carried = Vec3::ZERO;
-        let mut row = Vec::new();
+impl Tally<Irradiance> {
+    /// The irradiance from each sender. What is not over `least` is carried over to the next sender, as in
+    /// [`super::choose`].
+    pub fn row(&self, least: f32) -> IrradianceRow {
+        let mut carried = 0.0;
+        let mut row: IrradianceRow = Vec::new();
         for sender in self.touched() {
-            let sum = &self.sums[sender as usize].0;
-            carried += Vec3::new(sum[0].dot(normal), sum[1].dot(normal), sum[2].dot(normal));
-            if carried.max_element() > least {
+            carried += self.sums[sender as usize].0;
+            if carried > least {
                 row.push((sender, std::mem::take(&mut carried)));
             }
         }
@@ -166,17 +158,17 @@ mod tests {
     use crate::random::Stream;
 
     #[test]
-    fn a_packed_irradiance_tells_exactly_what_it_holds() {
+    fn what_is_packed_tells_exactly_what_it_holds() {
         for i in 0..2000 {
             let mut s = Stream::new(3, i);
-            let normal = s.sphere();
-            let mut channel = || (s.unit() - 0.5) * 10f32.powf(-6.0 * s.unit());
-            let irradiance = Vec3::new(channel(), channel(), channel());
-            let (link, held) = Irradiance::packing(normal)(&Irradiance(irradiance.into()));
-            let read = link.vectors().irradiance(normal);
-            let largest = irradiance.abs().max_element();
-            assert!((read - Vec3::from(held.0)).abs().max_element() < 1e-6 * largest, "{read} {held:?}");
-            assert!((read - irradiance).abs().max_element() < 0.005 * largest, "{read} {irradiance}");
+            let size = 10f32.powf(-6.0 * s.unit());
+            let (link, held) = Irradiance(-size).pack(7);
+            assert_eq!(link.amount(), held.0);
+            assert!((held.0 + size).abs() < 0.01 * size);
+            let vector = Vec3A::from(s.sphere()) * size;
+            let (link, held) = Vector(vector).pack(7);
+            assert_eq!(Vec3A::from(link.vector()), held.0);
+            assert!((held.0 - vector).length() < 0.02 * size);
         }
     }
 }

@@ -35,7 +35,7 @@ impl Relit {
             .par_iter()
             .map(|point| direct::at_footprint(surfaces, &lights, point))
             .collect();
-        let irradiance = relight::irradiance(scene, &relight::relight(scene, irradiance));
+        let irradiance = relight::relight(scene, irradiance);
         let level = |l: usize| {
             let range = scene.level(l);
             let support = |i: usize| {

@@ -9,8 +9,9 @@
 //! | `CUTS` | [`Cut`] | plane that ends a basis function's support |
 //! | `PUSO`, `PUSE` | `u32`, [`Entry`](crate::interpolation::Entry) | push rows: a point's value from its parents' |
 //! | `PULO`, `PULE` | `u32`, [`Entry`](crate::interpolation::Entry) | pull rows: a point's direct light from its children's |
-//! | `ROWS` | [`Row`] | receiver with links, and one past the end |
-//! | `LINK` | [`Link`](crate::link::Link) | transport link |
+//! | `VECO`, `VECL` | `u32`, [`VectorLink`](crate::link::VectorLink) | rows of links to the points of all levels but the finest |
+//! | `FINO`, `FINL` | `u32`, [`Link`](crate::link::Link) | rows of links to the points of the finest level |
+//! | `LATO`, `LATL` | `u32`, [`LaterLink`](crate::link::LaterLink) | rows of links for later bounces between coarse points |
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -27,7 +28,7 @@ pub struct Vertex {
     pub uv: [f32; 2],
 }
 
-/// A basis function: its point and support. 24 bytes.
+/// A basis function: its point and support. 28 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Point {
@@ -41,6 +42,8 @@ pub struct Point {
     /// [`footprint`](crate::footprint) its direct light is the mean of; 11 to 31: index of its first cut in
     /// section `CUTS`.
     pub cuts: u32,
+    /// What colour the surface gives to light, rgb9e5; the channels' mean is 1.
+    pub tint: u32,
 }
 
 /// Planes that cut one support off, at most.
@@ -89,6 +92,12 @@ impl Point {
         first..first + (self.cuts & 7) as usize
     }
 
+    /// What colour the surface gives to light; the channels' mean is 1. How bright it is, the links say.
+    #[inline]
+    pub fn tint(&self) -> Vec3 {
+        crate::colour::unpack_rgb9e5(self.tint)
+    }
+
     /// Position as a vector.
     #[inline]
     pub fn position(&self) -> Vec3 {
@@ -100,15 +109,4 @@ impl Point {
     pub fn normal(&self) -> Vec3 {
         crate::octahedral::unpack_snorm16(self.normal)
     }
-}
-
-/// A receiver and where its links begin; they end where the next row's begin. 8 bytes.
-/// Receivers ascend. The last row is a sentinel with receiver `u32::MAX`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct Row {
-    /// Index of the receiving point, over all levels.
-    pub receiver: u32,
-    /// Index of its first link.
-    pub first_link: u32,
 }

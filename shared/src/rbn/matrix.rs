@@ -1,83 +1,75 @@
-//! A sparse matrix of transport links: sections of rows and of links.
+//! A sparse matrix of transport links: sections of offsets and of links.
 
 use super::RbnError;
-use super::bulk::Row;
-use crate::link::{self, Link, columns};
+use crate::link::Sent;
 
-/// Links by receiver.
+/// Links by receiver: row `i` is `links[offsets[i]..offsets[i + 1]]`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LinkMatrix {
-    /// Receivers that have links, ascending, and a sentinel.
-    pub rows: Vec<Row>,
+pub struct LinkMatrix<L> {
+    /// Where each row begins, and one past the end.
+    pub offsets: Vec<u32>,
     /// The links, row after row.
-    pub links: Vec<Link>,
+    pub links: Vec<L>,
 }
 
-impl Default for LinkMatrix {
-    /// No links.
+impl<L> Default for LinkMatrix<L> {
+    /// No rows.
     fn default() -> Self {
-        Self::new(std::iter::empty::<(u32, &[Link])>())
+        Self { offsets: vec![0], links: Vec::new() }
     }
 }
 
-impl LinkMatrix {
-    /// From receivers, ascending, with their rows; empty rows are left out.
-    pub fn new<'a>(rows: impl IntoIterator<Item = (u32, &'a [Link])>) -> Self {
-        let mut matrix = Self { rows: Vec::new(), links: Vec::new() };
-        for (receiver, row) in rows.into_iter().filter(|(_, row)| !row.is_empty()) {
-            matrix.rows.push(Row { receiver, first_link: matrix.links.len() as u32 });
+impl<L: Sent> LinkMatrix<L> {
+    /// From all receivers' rows, the first one's first.
+    pub fn from_rows(rows: &[Vec<L>]) -> Self {
+        let mut matrix = Self::default();
+        for row in rows {
             matrix.links.extend_from_slice(row);
+            matrix.offsets.push(matrix.links.len() as u32);
         }
-        matrix.rows.push(Row { receiver: u32::MAX, first_link: matrix.links.len() as u32 });
         matrix
     }
 
-    /// From all receivers' rows, the first one's first.
-    pub fn from_rows(rows: &[Vec<Link>]) -> Self {
-        Self::new((0..).zip(rows.iter().map(Vec::as_slice)))
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.offsets.len().saturating_sub(1)
     }
 
-    /// Receivers and their links, packed, in ascending order of the receiver.
-    pub fn iter(&self) -> impl Iterator<Item = (usize, &[Link])> + '_ {
-        self.rows.windows(2).map(|w| {
-            (w[0].receiver as usize, &self.links[w[0].first_link as usize..w[1].first_link as usize])
-        })
+    /// True when there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
-    /// Number of links, page marks not counted.
-    pub fn link_count(&self) -> usize {
-        link::count(&self.links)
+    /// The links of row `i`.
+    #[inline]
+    pub fn row(&self, i: usize) -> &[L] {
+        &self.links[self.offsets[i] as usize..self.offsets[i + 1] as usize]
     }
 
-    /// Checks that rows and columns are in order, and within this many receivers and senders.
+    /// All rows, in order.
+    pub fn iter(&self) -> impl Iterator<Item = &[L]> + '_ {
+        self.offsets.windows(2).map(|w| &self.links[w[0] as usize..w[1] as usize])
+    }
+
+    /// Checks that there are so many rows, in order, and that their senders ascend and are within this many.
     /// The sections are named in errors.
     pub(super) fn check(
         &self,
-        [rows_name, links_name]: [&str; 2],
-        receivers: usize,
+        [offsets_name, links_name]: [&str; 2],
+        rows: usize,
         senders: usize,
     ) -> Result<(), RbnError> {
-        let Some((sentinel, rows)) = self.rows.split_last() else {
-            return Err(RbnError::invalid(rows_name, "the sentinel is missing"));
-        };
-        let ascending =
-            self.rows.windows(2).all(|w| w[0].receiver < w[1].receiver && w[0].first_link <= w[1].first_link);
-        if sentinel.receiver != u32::MAX
-            || sentinel.first_link as usize != self.links.len()
-            || !ascending
-            || self.rows[0].first_link != 0
-            || rows.iter().any(|r| r.receiver as usize >= receivers)
-        {
-            return Err(RbnError::invalid(rows_name, "receivers or links are out of order"));
+        let whole = self.len() == rows
+            && self.offsets.first() == Some(&0)
+            && self.offsets.windows(2).all(|w| w[0] <= w[1])
+            && self.offsets.last().map(|&end| end as usize) == Some(self.links.len());
+        if !whole {
+            return Err(RbnError::invalid(offsets_name, "rows do not follow each other"));
         }
-        for (_, row) in self.iter() {
-            let mut last = None;
-            for (column, _) in columns(row) {
-                if column >= senders || last.is_some_and(|l| l >= column) {
-                    return Err(RbnError::invalid(links_name, "a sender is out of range or order"));
-                }
-                last = Some(column);
-            }
+        let ascending = |row: &[L]| row.windows(2).all(|w| w[0].sender() < w[1].sender());
+        let within = |row: &[L]| row.last().is_none_or(|last| last.sender() < senders);
+        if self.iter().any(|row| !ascending(row) || !within(row)) {
+            return Err(RbnError::invalid(links_name, "a sender is out of range or order"));
         }
         Ok(())
     }

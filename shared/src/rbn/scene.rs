@@ -5,6 +5,7 @@ use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
 use super::{RbnError, container};
 use crate::interpolation::{Entry, MAX_POINTS, Rows};
+use crate::link::{LaterLink, Link, MAX_SENDERS, VectorLink};
 use bytemuck::Pod;
 use std::ops::Range;
 
@@ -33,17 +34,19 @@ pub struct Scene {
     pub pull_offsets: Vec<u32>,
     /// Entries of the pull rows.
     pub pull_entries: Vec<Entry>,
-    /// T: from what the senders hold to vector irradiance at all points.
-    pub transport: LinkMatrix,
-    /// G: from direct irradiance at the senders to the irradiance of all bounces but the last at
-    /// the points of the coarse levels.
-    pub later: LinkMatrix,
+    /// T: from what the senders send to vector irradiance at the points of all levels but the finest (of all
+    /// points, where there is one level only).
+    pub vectors: LinkMatrix<VectorLink>,
+    /// T: from what the senders send to irradiance at the points of the finest level.
+    pub finest: LinkMatrix<Link>,
+    /// H: from irradiance at the points of the coarse levels to that of all further bounces there.
+    pub later: LinkMatrix<LaterLink>,
 }
 
 /// Names of the sections, in file order.
-pub const SECTIONS: [[u8; 4]; 14] = [
-    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSO", *b"PUSE", *b"PULO", *b"PULE", *b"ROWS",
-    *b"LINK", *b"LROW", *b"LLNK", *b"TEXD",
+pub const SECTIONS: [[u8; 4]; 16] = [
+    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSO", *b"PUSE", *b"PULO", *b"PULE", *b"VECO",
+    *b"VECL", *b"FINO", *b"FINL", *b"LATO", *b"LATL", *b"TEXD",
 ];
 
 impl Scene {
@@ -66,6 +69,19 @@ impl Scene {
     /// Number of points at which light is gathered that bounces again.
     pub fn later_count(&self) -> usize {
         self.first_of_level(self.meta.later_levels)
+    }
+
+    /// Number of points whose light is kept as vectors: those of all levels but the finest.
+    pub fn vector_count(&self) -> usize {
+        match self.meta.levels.len() {
+            0 | 1 => self.points.len(),
+            levels => self.first_of_level(levels as u32 - 1),
+        }
+    }
+
+    /// Number of transport links, those for later bounces left out.
+    pub fn link_count(&self) -> usize {
+        self.vectors.links.len() + self.finest.links.len()
     }
 
     /// The points that the picture is made from: those of the finest level.
@@ -105,7 +121,7 @@ impl Scene {
     pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
         self.check()?;
         let meta = meta::encode(&self.meta)?;
-        let contents: [&[u8]; 14] = [
+        let contents: [&[u8]; 16] = [
             &meta,
             bytemuck::cast_slice(&self.vertices),
             bytemuck::cast_slice(&self.indices),
@@ -115,9 +131,11 @@ impl Scene {
             bytemuck::cast_slice(&self.push_entries),
             bytemuck::cast_slice(&self.pull_offsets),
             bytemuck::cast_slice(&self.pull_entries),
-            bytemuck::cast_slice(&self.transport.rows),
-            bytemuck::cast_slice(&self.transport.links),
-            bytemuck::cast_slice(&self.later.rows),
+            bytemuck::cast_slice(&self.vectors.offsets),
+            bytemuck::cast_slice(&self.vectors.links),
+            bytemuck::cast_slice(&self.finest.offsets),
+            bytemuck::cast_slice(&self.finest.links),
+            bytemuck::cast_slice(&self.later.offsets),
             bytemuck::cast_slice(&self.later.links),
             &self.texture_bytes,
         ];
@@ -149,13 +167,17 @@ impl Scene {
             push_entries: records("PUSE", bytes(*b"PUSE")?)?,
             pull_offsets: records("PULO", bytes(*b"PULO")?)?,
             pull_entries: records("PULE", bytes(*b"PULE")?)?,
-            transport: LinkMatrix {
-                rows: records("ROWS", bytes(*b"ROWS")?)?,
-                links: records("LINK", bytes(*b"LINK")?)?,
+            vectors: LinkMatrix {
+                offsets: records("VECO", bytes(*b"VECO")?)?,
+                links: records("VECL", bytes(*b"VECL")?)?,
+            },
+            finest: LinkMatrix {
+                offsets: records("FINO", bytes(*b"FINO")?)?,
+                links: records("FINL", bytes(*b"FINL")?)?,
             },
             later: LinkMatrix {
-                rows: records("LROW", bytes(*b"LROW")?)?,
-                links: records("LLNK", bytes(*b"LLNK")?)?,
+                offsets: records("LATO", bytes(*b"LATO")?)?,
+                links: records("LATL", bytes(*b"LATL")?)?,
             },
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
@@ -195,6 +217,7 @@ impl Scene {
             ));
         }
         if m.later_levels > m.sender_levels
+            || self.later_count() > self.vector_count()
             || m.sender_levels > m.direct_levels
             || m.direct_levels as usize > m.levels.len()
         {
@@ -258,8 +281,15 @@ impl Scene {
             }
         }
         let senders = self.sender_count();
-        self.transport.check(["ROWS", "LINK"], self.points.len(), senders)?;
-        self.later.check(["LROW", "LLNK"], self.later_count(), senders)?;
+        if senders > MAX_SENDERS {
+            return Err(RbnError::TooLarge(format!(
+                "{senders} senders; links can name {MAX_SENDERS}: bake with fewer sender levels"
+            )));
+        }
+        let vectors = self.vector_count();
+        self.vectors.check(["VECO", "VECL"], vectors, senders)?;
+        self.finest.check(["FINO", "FINL"], self.points.len() - vectors, senders)?;
+        self.later.check(["LATO", "LATL"], self.later_count(), self.later_count())?;
         Ok(())
     }
 }

@@ -1,21 +1,19 @@
-// The packed transport link and the packed interpolation entry; as shared/src/link.rs and
+// The packed transport links and the packed interpolation entry; as shared/src/link.rs and
 // shared/src/interpolation.rs.
 
-const PAGE_MARK = 0xf8000000u;
-
-fn link_column(link: vec2u) -> u32 {
-    return link.y & 0xffffu;
+fn link_sender(link: u32) -> u32 {
+    return link & 0xfffffu;
 }
 
-fn link_direction(link: vec2u) -> vec3f {
-    return octahedral_decode(unpack4x8snorm(link.y >> 16u).xy);
+fn link_amount(link: u32) -> f32 {
+    // (1 + m / 64) · 2^(e - 30), by its bits; exponent and mantissa of zero are zero.
+    let code = (link >> 20u) & 0x7ffu;
+    let size = bitcast<f32>((code << 17u) + (97u << 23u));
+    return select(select(size, -size, (link >> 31u) != 0u), 0.0, code == 0u);
 }
 
-fn link_magnitude(link: vec2u) -> vec3f {
-    // 2^(E - 38), by its bits.
-    let step = bitcast<f32>(((link.x >> 27u) + 89u) << 23u);
-    let c = bitcast<i32>(link.x);
-    return vec3f(vec3i(extractBits(c, 0u, 9u), extractBits(c, 9u, 9u), extractBits(c, 18u, 9u))) * step;
+fn link_direction(bits: u32) -> vec3f {
+    return octahedral_decode(unpack4x8snorm(bits).xy);
 }
 
 fn entry_point(entry: u32) -> u32 {

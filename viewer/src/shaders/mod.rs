@@ -14,10 +14,16 @@ modules! {
     DIRECT: "octahedral" "point" "lights" "visibility" "footprint" "step" "direct";
     /// Pull.
     PULL: "octahedral" "link" "step" "pull";
-    /// Links times irradiance.
-    TRANSPORT: "octahedral" "link" "step" "transport";
-    /// Later bounces to the senders.
-    LIFT: "octahedral" "link" "point" "values" "step" "lift";
+    /// What the senders send.
+    SEND: "colour" "point" "step" "send";
+    /// Links times what is sent: vectors.
+    VECTORS: "octahedral" "link" "step" "lanes" "vectors";
+    /// Later bounces between coarse points.
+    BOUNCE: "colour" "step" "lanes" "bounce";
+    /// Later bounces to finer senders.
+    LIFT: "octahedral" "link" "step" "lift";
+    /// The finest level's irradiance.
+    FINEST: "octahedral" "link" "step" "finest";
     /// Push.
     PUSH: "octahedral" "link" "point" "values" "step" "push";
     /// Shadow maps.

@@ -3,10 +3,12 @@ struct Step {
     // First point, or row of links.
     first: u32,
     count: u32,
-    // Number of lights; index of the chunk's first link; how to lift.
+    // Number of lights; index of the chunk's first link.
     extra: u32,
-    // Threads of the grid in x; for the transport, workgroups.
+    // Threads of the grid in x; where threads share rows, workgroups.
     threads: u32,
+    // What is added to a row's number to give its point.
+    shift: u32,
 }
 
 @group(0) @binding(0) var<uniform> step_: Step;

@@ -6,7 +6,8 @@ use rebounce_shared::glam::Vec3;
 use rebounce_shared::interpolation::pack_row;
 use rebounce_shared::kernel;
 use rebounce_shared::light::Light;
-use rebounce_shared::link::{Link, RowWriter};
+use rebounce_shared::colour::pack_rgb9e5;
+use rebounce_shared::link::{LaterLink, Link, VectorLink};
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
@@ -84,6 +85,7 @@ pub fn room(sides: &[u32]) -> Scene {
                     normal: pack_snorm16(*normal),
                     // Every third support ends halfway along u, every sixth along −v too.
                     cuts: Point::pack_cuts(scene.cuts.len(), cuts.len(), samples),
+                    tint: pack_rgb9e5(Vec3::new(0.7 + shake(5), 1.0 + shake(6), 1.3 + shake(7))),
                 });
                 scene.cuts.extend(cuts);
             }
@@ -146,28 +148,35 @@ fn relate(scene: &mut Scene) {
 
 fn link(scene: &mut Scene) {
     let senders = scene.sender_count() as u32;
-    scene.transport = links(scene.points.len() as u32, senders, 0);
-    scene.later = links(scene.later_count() as u32, senders, 0x1234);
+    let (vectors, all) = (scene.vector_count() as u32, scene.points.len() as u32);
+    let random_size = |shift: &dyn Fn(u32) -> f32| (shift(7) * 6.0).exp2() * 0.02;
+    scene.vectors = LinkMatrix::from_rows(&rows(0..vectors, senders, 0, |sender, shift| {
+        let direction = Vec3::new(shift(1), shift(2), shift(3)).normalize_or(Vec3::Z);
+        VectorLink::pack(sender, direction * random_size(shift))
+    }));
+    scene.finest = LinkMatrix::from_rows(&rows(vectors..all, senders, 0, |sender, shift| {
+        Link::pack(sender, (shift(4) + 0.3) * random_size(shift))
+    }));
+    let coarse = scene.later_count() as u32;
+    scene.later = LinkMatrix::from_rows(&rows(0..coarse, coarse, 0x1234, |sender, shift| {
+        let colour = Vec3::new(shift(4) + 0.6, shift(5) + 0.5, shift(6) + 0.5);
+        LaterLink::pack(sender, colour * random_size(shift))
+    }));
 }
 
-fn links(receivers: u32, senders: u32, seed: u32) -> LinkMatrix {
+/// Some receivers have no row, some few links, some many; `link` makes one from its sender and random numbers
+/// in -0.5..0.5.
+fn rows<L>(
+    receivers: std::ops::Range<u32>,
+    senders: u32,
+    seed: u32,
+    link: impl Fn(u32, &dyn Fn(u32) -> f32) -> L,
+) -> Vec<Vec<L>> {
     let row = |receiver: u32| {
-        // Some receivers have no row, some few links, some many.
         let share = [0.0, 0.02, 0.3, 0.9][(random(receiver ^ seed) * 4.0) as usize];
-        let (mut row, mut writer) = (Vec::new(), RowWriter::default());
-        for sender in 0..senders {
-            let seed = (receiver * senders + sender) ^ seed;
-            if random(seed ^ 0x5555) >= share {
-                continue;
-            }
-            let shift = |k: u32| random(seed.wrapping_mul(7) ^ k) - 0.5;
-            let direction = Vec3::new(shift(1), shift(2), shift(3)).normalize_or(Vec3::Z);
-            let magnitude =
-                Vec3::new(shift(4) + 0.6, shift(5) + 0.5, shift(6) + 0.3) * (shift(7) * 6.0).exp2() * 0.02;
-            writer.push(&mut row, sender, Link::pack(0, direction, magnitude));
-        }
-        row
+        let seed_of = |sender: u32| (receiver * senders + sender) ^ seed;
+        let linked = (0..senders).filter(|sender| random(seed_of(*sender) ^ 0x5555) < share);
+        linked.map(|sender| link(sender, &|k| random(seed_of(sender).wrapping_mul(7) ^ k) - 0.5)).collect()
     };
-    let rows: Vec<Vec<Link>> = (0..receivers).map(row).collect();
-    LinkMatrix::from_rows(&rows)
+    receivers.map(row).collect()
 }
