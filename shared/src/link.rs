@@ -25,6 +25,23 @@ pub const MAX_SENDERS: usize = 1 << 20;
 const MANTISSA_BITS: u32 = 6;
 const EXPONENT_BIAS: i32 = 30;
 
+/// A direction as links mean it: octahedral snorm8x2, decoded and rounded to [`DIRECTION_STEPS`] steps a component, so
+/// that what the GPU reads ([`spread_direction`]) is the same number.
+#[inline]
+pub fn unpack_direction(bits: u16) -> Vec3 {
+    (octahedral::unpack_snorm8(bits) * DIRECTION_STEPS).round() / DIRECTION_STEPS
+}
+
+/// The direction as three 10-bit two's complement numbers, x low: cheaper to decode than the octahedral map.
+pub fn spread_direction(bits: u16) -> u32 {
+    let steps = (octahedral::unpack_snorm8(bits) * DIRECTION_STEPS).round().as_ivec3();
+    let [x, y, z] = steps.to_array().map(|c| c as u32 & 1023);
+    x | y << 10 | z << 20
+}
+
+/// Steps from 0 to 1 of a direction's component.
+pub const DIRECTION_STEPS: f32 = 511.0;
+
 /// Whatever names a sender.
 pub trait Sent: Copy {
     /// The sender's index.
@@ -152,14 +169,14 @@ impl VectorLink {
         }
         let direction = octahedral::pack_snorm8(vector / length);
         // The part along the rounded direction.
-        let along = octahedral::unpack_snorm8(direction).dot(vector);
+        let along = unpack_direction(direction).dot(vector);
         Self { link: Link::pack(sender, along), direction: direction as u32 }
     }
 
     /// The vector: towards the sender, or away from it where the link takes light back.
     #[inline]
     pub fn vector(self) -> Vec3 {
-        octahedral::unpack_snorm8(self.direction as u16) * self.link.amount()
+        unpack_direction(self.direction as u16) * self.link.amount()
     }
 }
 
@@ -199,7 +216,11 @@ mod tests {
         for k in 0..2000 {
             let amount = 2f32.powf(-29.0 + 30.9 * k as f32 / 2000.0) * if k % 2 == 0 { 1.0 } else { -1.0 };
             let link = Link::pack(k * 524, amount);
-            assert!((link.amount() - amount).abs() <= amount.abs() / 127.0, "{amount} became {}", link.amount());
+            assert!(
+                (link.amount() - amount).abs() <= amount.abs() / 127.0,
+                "{amount} became {}",
+                link.amount()
+            );
             assert_eq!(link.sender(), k as usize * 524);
             assert_eq!(link.at(7), Link::pack(7, amount));
         }

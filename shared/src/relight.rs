@@ -40,7 +40,8 @@ fn sent(scene: &Scene, irradiance: &[Vec3]) -> Vec<Vec3> {
 pub fn add_bounced(scene: &Scene, pulled: &mut [Vec3]) {
     let coarse = scene.later_count();
     let first = irradiance(scene, &vectors(scene, &sent(scene, pulled), coarse));
-    let further = |row: &[LaterLink]| row.iter().map(|link| link.colour() * first[link.sender()]).sum::<Vec3>();
+    let further =
+        |row: &[LaterLink]| row.iter().map(|link| link.colour() * first[link.sender()]).sum::<Vec3>();
     let mut bounced: Vec<Vec3> =
         scene.later.iter().zip(&first).map(|(row, first)| *first + further(row)).collect();
     for i in coarse..scene.sender_count() {

@@ -68,13 +68,13 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("PNTS", |s| s.points[0].cuts = Point::pack_cuts(0, 2, 255)),
         ("PNTS", |s| s.points[1].cuts = Point::pack_cuts(1 << 20, 1, 0)),
         ("CUTS", |s| s.cuts[0].towards[2] = f32::NAN),
-        ("PUSE", |s| s.push_entries = s.pull_entries.clone()),
-        ("PULE", |s| s.pull_entries = s.push_entries.clone()),
-        ("VECO", |s| s.vectors.offsets.insert(0, 0)),
+        ("PUSH", |s| s.push_entries = s.pull_entries.clone()),
+        ("PULL", |s| s.pull_entries = s.push_entries.clone()),
+        ("VECL", |s| s.vectors.offsets.insert(0, 0)),
         ("VECL", |s| s.vectors.links[0] = VectorLink::pack(1, Vec3::Z)),
-        ("FINO", |s| s.finest.offsets[1] = 0),
+        ("FINL", |s| s.finest.offsets[1] = 0),
         ("FINL", |s| s.finest.links[0] = Link::pack(1, 1.0)),
-        ("LATO", |s| s.later.offsets = vec![0]),
+        ("LATL", |s| s.later.offsets = vec![0]),
         ("LATL", |s| s.later.links[0] = LaterLink::pack(1, Vec3::ONE)),
     ];
     for (i, (section, damage)) in breaks.into_iter().enumerate() {

@@ -104,22 +104,21 @@ impl DisplayPass {
     ) -> DisplayTarget {
         let blocks = size[0].div_ceil(2) as u64 * size[1].div_ceil(2) as u64;
         let pixels = size[0] as u64 * size[1] as u64;
-        let (singles, reach) =
-            if self.every_pixel { (pixels, 0.0) } else { (pixels / SINGLE_SHARE, REACH * scene.finest_radius) };
+        let (singles, reach) = if self.every_pixel {
+            (pixels, 0.0)
+        } else {
+            (pixels / SINGLE_SHARE, REACH * scene.finest_radius)
+        };
         let capacity = (blocks + singles).min((MAX_BINDING / 16).max(blocks));
         let row_length = (MAX_BINDING / (ENTRY * capacity)).clamp(1, ROW_LENGTH as u64);
-        let layout = Slots {
-            capacity: capacity as u32,
-            row_length: row_length as u32,
-            reach,
-            pad: 0,
-        };
+        let layout = Slots { capacity: capacity as u32, row_length: row_length as u32, reach, pad: 0 };
         let layout = buffer(gpu, "slots layout", BufferUsages::UNIFORM, bytemuck::bytes_of(&layout));
         let storage = BufferUsages::STORAGE;
         let rows = empty_buffer(gpu, "rows", storage, ENTRY * row_length * capacity);
         let slots = empty_buffer(gpu, "slots", storage, 4 * size[0] as u64 * size[1] as u64);
         let light = empty_buffer(gpu, "light", storage, 16 * capacity);
-        let counts = empty_buffer(gpu, "counts", storage | BufferUsages::COPY_DST | BufferUsages::COPY_SRC, 8);
+        let counts =
+            empty_buffer(gpu, "counts", storage | BufferUsages::COPY_DST | BufferUsages::COPY_SRC, 8);
         let find = group(
             gpu,
             "find",
@@ -155,7 +154,12 @@ impl DisplayPass {
     }
 
     /// Finds the functions of every row: after the G-buffer has changed.
-    pub fn find(&self, encoder: &mut wgpu::CommandEncoder, target: &DisplayTarget, stamps: Option<Stamps<'_>>) {
+    pub fn find(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &DisplayTarget,
+        stamps: Option<Stamps<'_>>,
+    ) {
         encoder.clear_buffer(&target.counts, 0, None);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("find"),
@@ -170,7 +174,12 @@ impl DisplayPass {
     }
 
     /// Gathers the light of every row: after the light or the rows have changed.
-    pub fn gather(&self, encoder: &mut wgpu::CommandEncoder, target: &DisplayTarget, stamps: Option<Stamps<'_>>) {
+    pub fn gather(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &DisplayTarget,
+        stamps: Option<Stamps<'_>>,
+    ) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("gather"),
             timestamp_writes: stamps.map(|s| s.compute()),

@@ -13,6 +13,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// Name of the adapter, for the statistics.
     pub adapter: String,
+    /// Whether the adapter is the processor itself: what helps a GPU may not help there.
+    pub software: bool,
     /// Whether passes can be timed.
     pub timestamps: bool,
     errors: Arc<Mutex<Option<String>>>,
@@ -53,12 +55,14 @@ impl Gpu {
             sink.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
         }));
         let info = adapter.get_info();
+        let software = info.device_type == wgpu::DeviceType::Cpu || is_fallback(&device);
         let features = device.features();
         let name = adapter_name(&device);
         let gpu = Gpu {
             device,
             queue,
             adapter: if info.name.is_empty() { name } else { info.name },
+            software,
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
             errors,
         };
@@ -99,6 +103,19 @@ fn adapter_name(device: &wgpu::Device) -> String {
     let text = |name: &str| js_sys::Reflect::get(&info, &name.into()).ok().and_then(|v| v.as_string());
     let parts: Vec<String> = ["vendor", "architecture"].into_iter().filter_map(text).collect();
     parts.join(" ").trim().to_owned()
+}
+
+/// Whether the browser says that the adapter is one of software.
+#[cfg(target_arch = "wasm32")]
+fn is_fallback(device: &wgpu::Device) -> bool {
+    let Some(device) = device.as_webgpu() else { return false };
+    let Ok(info) = js_sys::Reflect::get(device, &"adapterInfo".into()) else { return false };
+    js_sys::Reflect::get(&info, &"isFallbackAdapter".into()).is_ok_and(|flag| flag.is_truthy())
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn is_fallback(_: &wgpu::Device) -> bool {
+    false
 }
 
 #[cfg(not(target_arch = "wasm32"))]

@@ -92,7 +92,8 @@ impl Grid {
         let radius = MARGIN * point.radius;
         let thickness = radius / (1.0 + SQUASH);
         let n2 = normal * normal;
-        let half = (radius * radius * (Vec3::ONE - n2) + thickness * thickness * n2).max(Vec3::ZERO).map(f32::sqrt);
+        let half =
+            (radius * radius * (Vec3::ONE - n2) + thickness * thickness * n2).max(Vec3::ZERO).map(f32::sqrt);
         let first = ((centre - half) * self.cells_per_unit).floor().as_ivec3();
         let last = ((centre + half) * self.cells_per_unit).floor().as_ivec3();
         let side = 0.5 / self.cells_per_unit;

@@ -1,9 +1,9 @@
 //! One frame of relighting on the GPU: the steps of [`rebounce_shared::relight`] as compute passes.
 
 use crate::bindings::{Slot, compute, empty_buffer, group, layout, part};
+use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::shaders;
-use crate::error::ViewerError;
 use crate::upload::{LinkBuffers, MAX_BINDING, Upload};
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::rbn::Scene;
@@ -17,9 +17,10 @@ const MAX_GROUPS: u32 = 65535;
 const VALUE_BYTES: u64 = 36;
 /// Distance of steps in their uniform buffer, bytes.
 const STRIDE: u64 = 256;
-/// Threads that share a row of `S e`: neighbouring links are read at once, and little is lost on short rows or on
-/// software adapters (there, 8 take about as long as 1, and 64 seven times as long).
+/// Threads that share a row on a GPU: neighbouring links are read at once, and little is lost on short rows.
 pub const LANES: u32 = 8;
+/// And on an adapter of software, where threads of a workgroup wait for each other dearly.
+pub const SOFTWARE_LANES: u32 = 1;
 
 /// `Step` of the shaders: what one dispatch works on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -61,8 +62,12 @@ impl Dispatch {
     /// One thread for each of `count`.
     fn threads(kernel: Kernel, first: usize, count: usize) -> Self {
         let groups = grid((count as u32).div_ceil(WORKGROUP));
-        let step =
-            Step { first: first as u32, count: count as u32, threads: groups[0] * WORKGROUP, ..Step::default() };
+        let step = Step {
+            first: first as u32,
+            count: count as u32,
+            threads: groups[0] * WORKGROUP,
+            ..Step::default()
+        };
         Self { kernel, step, groups }
     }
 
@@ -79,27 +84,34 @@ fn grid(groups: u32) -> [u32; 2] {
 }
 
 /// All dispatches of a frame, in order.
-fn plan(scene: &Scene, upload: &Upload) -> Vec<Dispatch> {
+fn plan(scene: &Scene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
     let level = |kernel, l: usize| Dispatch::threads(kernel, scene.level(l).start, scene.level(l).len());
     // The vector irradiance of the first so many points: rows, then parents.
     let vectors = |plan: &mut Vec<Dispatch>, points: usize| {
         for (i, chunk) in upload.vectors.chunks.iter().enumerate() {
             let (first, end) = (chunk.rows.start, chunk.rows.end.min(points as u32));
-            let step = Step { first, count: end.saturating_sub(first), extra: chunk.first_link, ..Step::default() };
-            plan.push(Dispatch::lanes(Kernel::Vectors(i), step, LANES));
+            let step =
+                Step { first, count: end.saturating_sub(first), extra: chunk.first_link, ..Step::default() };
+            plan.push(Dispatch::lanes(Kernel::Vectors(i), step, lanes));
         }
-        plan.extend((1..scene.meta.levels.len()).filter(|l| scene.level(*l).end <= points).map(|l| level(Kernel::Push, l)));
+        plan.extend(
+            (1..scene.meta.levels.len())
+                .filter(|l| scene.level(*l).end <= points)
+                .map(|l| level(Kernel::Push, l)),
+        );
         plan.push(Dispatch::threads(Kernel::Display, 0, points));
     };
     let mut plan = vec![Dispatch::threads(Kernel::Direct, 0, scene.direct_count())];
     let send = Dispatch::threads(Kernel::Send, 0, scene.sender_count());
-    plan.extend((0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev().map(|l| level(Kernel::Pull, l)));
+    plan.extend(
+        (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev().map(|l| level(Kernel::Pull, l)),
+    );
     plan.push(send);
     let coarse = scene.later_count();
     if coarse > 0 {
         vectors(&mut plan, coarse);
         let step = Step { count: coarse as u32, ..Step::default() };
-        plan.push(Dispatch::lanes(Kernel::Bounce, step, LANES));
+        plan.push(Dispatch::lanes(Kernel::Bounce, step, lanes));
         let finer = scene.meta.later_levels as usize..scene.meta.sender_levels as usize;
         plan.extend(finer.map(|l| level(Kernel::Lift, l)));
         plan.push(send);
@@ -215,7 +227,8 @@ impl Relight {
         let sent = colours("sent", scene.sender_count());
         // Nine floats, channel after channel.
         let values = empty_buffer(gpu, "values", storage, VALUE_BYTES * scene.vector_count() as u64);
-        let plan = plan(scene, upload);
+        let lanes = if gpu.software { SOFTWARE_LANES } else { LANES };
+        let plan = plan(scene, upload, lanes);
         let steps = empty_buffer(
             gpu,
             "steps",
@@ -252,7 +265,7 @@ impl Relight {
                     make("finest", &pipelines.finest.0, &[rows, links, &sent, offsets, entries, &display])
                 })
                 .collect(),
-            shared: pipelines.shared(gpu, LANES),
+            shared: pipelines.shared(gpu, lanes),
             bytes: all.iter().map(|buffer| buffer.size()).sum(),
             irradiance,
             display,

@@ -3,7 +3,7 @@
 use crate::bindings::buffer;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use rebounce_shared::link::Sent;
+use rebounce_shared::link::{Sent, VectorLink, spread_direction};
 use rebounce_shared::rbn::{LinkMatrix, Scene, meta::Alpha};
 use std::ops::Range;
 use wgpu::BufferUsages;
@@ -54,19 +54,19 @@ pub struct Upload {
     pub cuts: wgpu::Buffer,
     /// Which functions may cover a place ([`crate::lookup`]).
     pub lookup: wgpu::Buffer,
-    /// Section `PUSO`.
+    /// Offsets of section `PUSH`.
     pub push_offsets: wgpu::Buffer,
-    /// Section `PUSE`.
+    /// Entries of section `PUSH`.
     pub push_entries: wgpu::Buffer,
-    /// Section `PULO`.
+    /// Offsets of section `PULL`.
     pub pull_offsets: wgpu::Buffer,
-    /// Section `PULE`.
+    /// Entries of section `PULL`.
     pub pull_entries: wgpu::Buffer,
-    /// Sections `VECO` and `VECL`.
+    /// Section `VECL`.
     pub vectors: LinkBuffers,
-    /// Sections `FINO` and `FINL`.
+    /// Section `FINL`.
     pub finest: LinkBuffers,
-    /// Sections `LATO` and `LATL`.
+    /// Section `LATL`.
     pub later: LinkBuffers,
     /// Draw calls by material, opaque ones first.
     pub runs: Vec<Run>,
@@ -94,10 +94,13 @@ impl Upload {
         let storage = BufferUsages::STORAGE;
         let cast = bytemuck::cast_slice::<u32, u8>;
         let runs = runs(scene);
-        let vectors = matrix(&mut section, ["VECO", "VECL"], &scene.vectors, MAX_BINDING)?;
-        let finest = matrix(&mut section, ["FINO", "FINL"], &scene.finest, MAX_BINDING)?;
+        let directions: Vec<u32> = (0..=u16::MAX).map(spread_direction).collect();
+        let spread =
+            |link: VectorLink| VectorLink { direction: directions[link.direction as u16 as usize], ..link };
+        let vectors = matrix(&mut section, "VECL", &scene.vectors, MAX_BINDING, spread)?;
+        let finest = matrix(&mut section, "FINL", &scene.finest, MAX_BINDING, |link| link)?;
         // One buffer: between coarse points there are few.
-        let later = matrix(&mut section, ["LATO", "LATL"], &scene.later, u64::MAX)?;
+        let later = matrix(&mut section, "LATL", &scene.later, u64::MAX, |link| link)?;
         Ok(Self {
             vertices: section(
                 "VERT",
@@ -109,10 +112,10 @@ impl Upload {
             points: section("PNTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.points))?,
             cuts: section("CUTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.cuts))?,
             lookup: section("lookup", storage, MAX_BINDING, cast(&crate::lookup::build(scene)?))?,
-            push_offsets: section("PUSO", storage, MAX_BINDING, cast(&scene.push_offsets))?,
-            push_entries: section("PUSE", storage, MAX_BINDING, bytemuck::cast_slice(&scene.push_entries))?,
-            pull_offsets: section("PULO", storage, MAX_BINDING, cast(&scene.pull_offsets))?,
-            pull_entries: section("PULE", storage, MAX_BINDING, bytemuck::cast_slice(&scene.pull_entries))?,
+            push_offsets: section("PUSH", storage, MAX_BINDING, cast(&scene.push_offsets))?,
+            push_entries: section("PUSH", storage, MAX_BINDING, bytemuck::cast_slice(&scene.push_entries))?,
+            pull_offsets: section("PULL", storage, MAX_BINDING, cast(&scene.pull_offsets))?,
+            pull_entries: section("PULL", storage, MAX_BINDING, bytemuck::cast_slice(&scene.pull_entries))?,
             vectors,
             finest,
             later,
@@ -123,22 +126,25 @@ impl Upload {
     }
 }
 
-/// Uploads a matrix in parts of at most `limit` bytes of links.
+/// Uploads a matrix in parts of at most `limit` bytes of links, each prepared for the GPU.
 fn matrix<L: Sent + bytemuck::Pod>(
     section: &mut impl FnMut(&'static str, BufferUsages, u64, &[u8]) -> Result<wgpu::Buffer, ViewerError>,
-    [offsets_name, links_name]: [&'static str; 2],
+    name: &'static str,
     matrix: &LinkMatrix<L>,
     limit: u64,
+    prepare: impl Fn(L) -> L + Copy,
 ) -> Result<LinkBuffers, ViewerError> {
     let mut parts = Vec::new();
     for rows in chunks(&matrix.offsets, limit / size_of::<L>() as u64) {
         let [first, end] = [rows.start, rows.end].map(|row| matrix.offsets[row as usize]);
-        let content = bytemuck::cast_slice(&matrix.links[first as usize..end as usize]);
-        let links = section(links_name, BufferUsages::STORAGE, MAX_BINDING, content)?;
+        let content: Vec<L> =
+            matrix.links[first as usize..end as usize].iter().copied().map(prepare).collect();
+        let content = bytemuck::cast_slice(&content);
+        let links = section(name, BufferUsages::STORAGE, MAX_BINDING, content)?;
         parts.push(Chunk { links, rows, first_link: first });
     }
     let offsets = bytemuck::cast_slice(&matrix.offsets);
-    let offsets = section(offsets_name, BufferUsages::STORAGE, MAX_BINDING, offsets)?;
+    let offsets = section(name, BufferUsages::STORAGE, MAX_BINDING, offsets)?;
     Ok(LinkBuffers { offsets, chunks: parts })
 }
 

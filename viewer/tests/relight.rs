@@ -47,16 +47,17 @@ fn irradiance(count: usize) -> Vec<Vec3> {
     (0..count).map(|i| Vec3::new(value(i, 0), value(i, 1), value(i, 2))).collect()
 }
 
-fn check(gpu: &Gpu, scene: &Scene, lanes: u32) {
+fn check(gpu: &Gpu, scene: &Scene, lanes: u32, tolerance: f32) {
     let direct = irradiance(scene.direct_count());
     let [pulled, values] = run(gpu, scene, &direct, lanes);
     let mut cpu_pulled = direct.clone();
     relight::pull(scene, &mut cpu_pulled);
     relight::add_bounced(scene, &mut cpu_pulled);
     let padded = |rows: &[Vec3]| -> Vec<f32> { rows.iter().flat_map(|v| [v.x, v.y, v.z, 0.0]).collect() };
-    assert!(relative(&pulled, &padded(&cpu_pulled)) < 1e-5);
+    let difference = relative(&pulled, &padded(&cpu_pulled));
+    assert!(difference < 0.1 * tolerance, "{lanes} lanes: {difference}");
     let difference = relative(&values, &padded(&relight::relight(scene, direct)));
-    assert!(difference < 1e-4, "{lanes} lanes: {difference}");
+    assert!(difference < tolerance, "{lanes} lanes: {difference}");
 }
 
 #[test]
@@ -64,7 +65,7 @@ fn every_step_agrees_with_the_cpu_for_every_split_of_the_rows() {
     let Some(gpu) = common::gpu() else { return };
     let scene = common::room(&[3, 6, 12]);
     for lanes in [1, 8, 16, 64] {
-        check(&gpu, &scene, lanes);
+        check(&gpu, &scene, lanes, 1e-4);
     }
 }
 
@@ -76,7 +77,8 @@ fn links_that_do_not_fit_one_binding_are_split_and_agree_too() {
     let copies = (150 << 20) / (8 * scene.vectors.links.len()) + 1;
     let template = scene.clone();
     scene.vectors = repeated(&template.vectors, copies);
-    check(&gpu, &scene, 8);
+    // Thousands of single-precision numbers a row, added up in another order.
+    check(&gpu, &scene, 8, 5e-3);
 }
 
 /// Every link this often, from the same sender.

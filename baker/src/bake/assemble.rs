@@ -22,7 +22,8 @@ pub(super) fn assemble(
     relations: Relations,
     operator: Operator,
 ) -> rbn::Scene {
-    let (draws, indices) = draws(scene);
+    let (draws, mut indices) = draws(scene);
+    let vertices = weld(&vertices(scene), &mut indices);
     let (textures, texture_bytes) = pack_textures(scene);
     let (low, high) = scene.bounds();
     let senders = points.count_on(settings.operator.sender_levels);
@@ -80,7 +81,7 @@ pub(super) fn assemble(
     }
     rbn::Scene {
         meta,
-        vertices: vertices(scene),
+        vertices,
         indices,
         texture_bytes,
         points: packed,
@@ -95,12 +96,12 @@ pub(super) fn assemble(
     }
 }
 
-/// Textures one after another; a picture that several textures share is written once.
+/// Textures one after another; equal pictures are written once.
 fn pack_textures(scene: &Scene) -> (Vec<meta::Texture>, Vec<u8>) {
-    let mut places: HashMap<*const u8, u64> = HashMap::new();
+    let mut places: HashMap<&[u8], u64> = HashMap::new();
     let mut bytes = Vec::new();
     let textures = scene.textures.iter().map(|texture| {
-        let offset = *places.entry(texture.bytes.as_ptr()).or_insert_with(|| {
+        let offset = *places.entry(&texture.bytes).or_insert_with(|| {
             bytes.extend_from_slice(&texture.bytes);
             (bytes.len() - texture.bytes.len()) as u64
         });
@@ -116,6 +117,20 @@ fn vertices(scene: &Scene) -> Vec<Vertex> {
         uv: uv.to_array(),
     };
     scene.positions.iter().zip(&scene.normals).zip(&scene.uvs).map(corner).collect()
+}
+
+/// Equal vertices become one, in the order of their first use; the indices follow. Vertices of no triangle go.
+fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
+    let mut places: HashMap<[u32; 6], u32> = HashMap::new();
+    let mut welded = Vec::new();
+    for index in indices {
+        let vertex = &vertices[*index as usize];
+        *index = *places.entry(bytemuck::cast(*vertex)).or_insert_with(|| {
+            welded.push(*vertex);
+            welded.len() as u32 - 1
+        });
+    }
+    welded
 }
 
 /// Triangles grouped by material: opaque ones first, then masked, then blended.
@@ -154,4 +169,19 @@ fn camera_at(origin: [f64; 3], viewpoint: Vec3, low: Vec3, high: Vec3) -> Camera
     let position = DVec3::from(origin) + viewpoint.as_dvec3();
     let target = position + towards.normalize().as_dvec3() * 0.25 * (high - low).length() as f64;
     Camera { position: position.to_array(), target: target.to_array(), up: [0.0, 1.0, 0.0], yfov_deg: 60.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_vertices_become_one_and_triangles_stay() {
+        let vertex = |x: f32, normal: u32| Vertex { position: [x, 0.0, 0.0], normal, uv: [0.0; 2] };
+        let vertices = [vertex(9.0, 0), vertex(0.0, 1), vertex(1.0, 1), vertex(0.0, 1), vertex(0.0, 2)];
+        let mut indices = [1, 2, 4, 3, 2, 4];
+        let welded = weld(&vertices, &mut indices);
+        assert_eq!(indices, [0, 1, 2, 0, 1, 2]);
+        assert_eq!(welded, [vertices[1], vertices[2], vertices[4]]);
+    }
 }

@@ -47,7 +47,8 @@ pub fn choose<A: Packed>(
             row.push(link);
             // What packing lost is carried over too.
             carried.add_scaled(-1.0, &held);
-            if row.len() > 1 && smallest.is_none_or(|s| last.2.magnitude_squared() < s.2.magnitude_squared()) {
+            if row.len() > 1 && smallest.is_none_or(|s| last.2.magnitude_squared() < s.2.magnitude_squared())
+            {
                 smallest = Some(last);
             }
             last = (row.len() - 1, sender, held);

@@ -10,8 +10,7 @@ use crate::points::Points;
 use crate::random::mix;
 use crate::surface::{Hit, Ray, Surfaces};
 use glam::{Mat3A, Vec3, Vec3A};
-use rebounce_shared::link::{Link, Sent, VectorLink, turn};
-use rebounce_shared::octahedral;
+use rebounce_shared::link::{Link, Sent, VectorLink, turn, unpack_direction};
 
 /// What all gathers read.
 pub struct GatherContext<'a, S: Surfaces + ?Sized> {
@@ -37,7 +36,7 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
 
 /// Unpacks all 65,536 link directions, for [`GatherContext::link_directions`].
 pub fn link_directions() -> Vec<Vec3A> {
-    (0..=u16::MAX).map(|bits| octahedral::unpack_snorm8(bits).into()).collect()
+    (0..=u16::MAX).map(|bits| unpack_direction(bits).into()).collect()
 }
 
 /// ε of a receiver's value as its children subtract it, over that of its links: a value's small parts are

@@ -71,7 +71,7 @@ impl OperatorSettings {
 
     /// ε of the links for later bounces: what they bring is averaged over all that a receiver sees.
     pub fn epsilon_later(&self) -> f32 {
-        self.epsilon * self.reflected / 4.0
+        self.epsilon * self.reflected / 2.0
     }
 
     /// Rays per receiver on a level.

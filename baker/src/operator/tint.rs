@@ -50,7 +50,8 @@ fn mean_albedo<S: Surfaces + ?Sized>(
     let mut stream = Stream::new(seed ^ 0x7469_6e74, i as u64);
     let mut sum = Vec3::ZERO;
     for k in 0..rays {
-        let (angle, share) = (std::f32::consts::TAU * stream.unit(), (k as f32 + stream.unit()) / rays as f32);
+        let (angle, share) =
+            (std::f32::consts::TAU * stream.unit(), (k as f32 + stream.unit()) / rays as f32);
         let along = (first * angle.cos() + second * angle.sin()) * share.sqrt();
         let origin = point.position + radius * (along + ABOVE * point.normal);
         let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius };

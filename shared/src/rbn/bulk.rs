@@ -1,4 +1,4 @@
-//! The records of the bulk sections: fixed little-endian layouts, uploaded to the GPU as they are.
+//! The records of the bulk sections: fixed little-endian layouts, as they are in memory and on the GPU; [`codec`](super::codec) packs them in the file.
 //!
 //! | section | record | one per |
 //! |---|---|---|
@@ -7,11 +7,11 @@
 //! | `TEXD` | bytes | textures as they came, one after another (PNG, JPEG) |
 //! | `PNTS` | [`Point`] | basis function, level after level |
 //! | `CUTS` | [`Cut`] | plane that ends a basis function's support |
-//! | `PUSO`, `PUSE` | `u32`, [`Entry`](crate::interpolation::Entry) | push rows: a point's value from its parents' |
-//! | `PULO`, `PULE` | `u32`, [`Entry`](crate::interpolation::Entry) | pull rows: a point's direct light from its children's |
-//! | `VECO`, `VECL` | `u32`, [`VectorLink`](crate::link::VectorLink) | rows of links to the points of all levels but the finest |
-//! | `FINO`, `FINL` | `u32`, [`Link`](crate::link::Link) | rows of links to the points of the finest level |
-//! | `LATO`, `LATL` | `u32`, [`LaterLink`](crate::link::LaterLink) | rows of links for later bounces between coarse points |
+//! | `PUSH` | `u32`, [`Entry`](crate::interpolation::Entry) | push rows: a point's value from its parents' |
+//! | `PULL` | `u32`, [`Entry`](crate::interpolation::Entry) | pull rows: a point's direct light from its children's |
+//! | `VECL` | `u32`, [`VectorLink`](crate::link::VectorLink) | rows of links to the points of all levels but the finest |
+//! | `FINL` | `u32`, [`Link`](crate::link::Link) | rows of links to the points of the finest level |
+//! | `LATL` | `u32`, [`LaterLink`](crate::link::LaterLink) | rows of links for later bounces between coarse points |
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

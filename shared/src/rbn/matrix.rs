@@ -52,24 +52,19 @@ impl<L: Sent> LinkMatrix<L> {
     }
 
     /// Checks that there are so many rows, in order, and that their senders ascend and are within this many.
-    /// The sections are named in errors.
-    pub(super) fn check(
-        &self,
-        [offsets_name, links_name]: [&str; 2],
-        rows: usize,
-        senders: usize,
-    ) -> Result<(), RbnError> {
+    /// The section is named in errors.
+    pub(super) fn check(&self, section: &str, rows: usize, senders: usize) -> Result<(), RbnError> {
         let whole = self.len() == rows
             && self.offsets.first() == Some(&0)
             && self.offsets.windows(2).all(|w| w[0] <= w[1])
             && self.offsets.last().map(|&end| end as usize) == Some(self.links.len());
         if !whole {
-            return Err(RbnError::invalid(offsets_name, "rows do not follow each other"));
+            return Err(RbnError::invalid(section, "rows do not follow each other"));
         }
         let ascending = |row: &[L]| row.windows(2).all(|w| w[0].sender() < w[1].sender());
         let within = |row: &[L]| row.last().is_none_or(|last| last.sender() < senders);
         if self.iter().any(|row| !ascending(row) || !within(row)) {
-            return Err(RbnError::invalid(links_name, "a sender is out of range or order"));
+            return Err(RbnError::invalid(section, "a sender is out of range or order"));
         }
         Ok(())
     }

@@ -2,11 +2,13 @@
 //!
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);
-//! * [`bulk`] – the records of the bulk sections, which are what the GPU uploads;
+//! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
+//! * [`codec`] – how the sections are packed in the file;
 //! * [`LinkMatrix`] – transport links by receiver;
 //! * [`Scene`] – a whole file in memory, written and read, with everything checked.
 
 pub mod bulk;
+pub mod codec;
 pub mod container;
 mod matrix;
 pub mod meta;

@@ -1,6 +1,7 @@
 //! A whole .rbn file in memory.
 
 use super::bulk::{Cut, MAX_CUTS, Point, Vertex};
+use super::codec::{Damaged, links, planes};
 use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
 use super::{RbnError, container};
@@ -44,9 +45,9 @@ pub struct Scene {
 }
 
 /// Names of the sections, in file order.
-pub const SECTIONS: [[u8; 4]; 16] = [
-    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSO", *b"PUSE", *b"PULO", *b"PULE", *b"VECO",
-    *b"VECL", *b"FINO", *b"FINL", *b"LATO", *b"LATL", *b"TEXD",
+pub const SECTIONS: [[u8; 4]; 11] = [
+    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSH", *b"PULL", *b"VECL", *b"FINL", *b"LATL",
+    *b"TEXD",
 ];
 
 impl Scene {
@@ -120,26 +121,20 @@ impl Scene {
     /// [`RbnError`] when the scene breaks a rule of the format.
     pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
         self.check()?;
-        let meta = meta::encode(&self.meta)?;
-        let contents: [&[u8]; 16] = [
-            &meta,
-            bytemuck::cast_slice(&self.vertices),
-            bytemuck::cast_slice(&self.indices),
-            bytemuck::cast_slice(&self.points),
-            bytemuck::cast_slice(&self.cuts),
-            bytemuck::cast_slice(&self.push_offsets),
-            bytemuck::cast_slice(&self.push_entries),
-            bytemuck::cast_slice(&self.pull_offsets),
-            bytemuck::cast_slice(&self.pull_entries),
-            bytemuck::cast_slice(&self.vectors.offsets),
-            bytemuck::cast_slice(&self.vectors.links),
-            bytemuck::cast_slice(&self.finest.offsets),
-            bytemuck::cast_slice(&self.finest.links),
-            bytemuck::cast_slice(&self.later.offsets),
-            bytemuck::cast_slice(&self.later.links),
-            &self.texture_bytes,
+        let contents: [Vec<u8>; 11] = [
+            meta::encode(&self.meta)?,
+            planes::encode(&self.vertices),
+            planes::encode(&self.indices),
+            planes::encode(&self.points),
+            planes::encode(&self.cuts),
+            links::encode(&self.push_offsets, &self.push_entries),
+            links::encode(&self.pull_offsets, &self.pull_entries),
+            links::encode(&self.vectors.offsets, &self.vectors.links),
+            links::encode(&self.finest.offsets, &self.finest.links),
+            links::encode(&self.later.offsets, &self.later.links),
+            self.texture_bytes.clone(),
         ];
-        let sections: Vec<_> = SECTIONS.into_iter().zip(contents).collect();
+        let sections: Vec<_> = SECTIONS.into_iter().zip(contents.iter().map(Vec::as_slice)).collect();
         Ok(container::write(&sections))
     }
 
@@ -157,28 +152,27 @@ impl Scene {
                 .map(|s| &file[s.offset..s.offset + s.len])
                 .ok_or_else(|| RbnError::invalid(&String::from_utf8_lossy(&name), "it is missing"))
         };
+        let (push_offsets, push_entries) = rows("PUSH", bytes(*b"PUSH")?)?;
+        let (pull_offsets, pull_entries) = rows("PULL", bytes(*b"PULL")?)?;
+        let (offsets, links) = rows("VECL", bytes(*b"VECL")?)?;
+        let vectors = LinkMatrix { offsets, links };
+        let (offsets, links) = rows("FINL", bytes(*b"FINL")?)?;
+        let finest = LinkMatrix { offsets, links };
+        let (offsets, links) = rows("LATL", bytes(*b"LATL")?)?;
+        let later = LinkMatrix { offsets, links };
         let scene = Self {
             meta: meta::decode(bytes(*b"META")?)?,
             vertices: records("VERT", bytes(*b"VERT")?)?,
             indices: records("INDX", bytes(*b"INDX")?)?,
             points: records("PNTS", bytes(*b"PNTS")?)?,
             cuts: records("CUTS", bytes(*b"CUTS")?)?,
-            push_offsets: records("PUSO", bytes(*b"PUSO")?)?,
-            push_entries: records("PUSE", bytes(*b"PUSE")?)?,
-            pull_offsets: records("PULO", bytes(*b"PULO")?)?,
-            pull_entries: records("PULE", bytes(*b"PULE")?)?,
-            vectors: LinkMatrix {
-                offsets: records("VECO", bytes(*b"VECO")?)?,
-                links: records("VECL", bytes(*b"VECL")?)?,
-            },
-            finest: LinkMatrix {
-                offsets: records("FINO", bytes(*b"FINO")?)?,
-                links: records("FINL", bytes(*b"FINL")?)?,
-            },
-            later: LinkMatrix {
-                offsets: records("LATO", bytes(*b"LATO")?)?,
-                links: records("LATL", bytes(*b"LATL")?)?,
-            },
+            push_offsets,
+            push_entries,
+            pull_offsets,
+            pull_entries,
+            vectors,
+            finest,
+            later,
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         scene.check()?;
@@ -261,23 +255,23 @@ impl Scene {
         if !self.cuts.iter().all(|cut| finite(&cut.towards)) {
             return Err(bad("CUTS", "a number is not finite"));
         }
-        check_rows("PUSO", &self.push_offsets, &self.push_entries, self.points.len(), self.points.len())?;
+        check_rows("PUSH", &self.push_offsets, &self.push_entries, self.points.len(), self.points.len())?;
         // Parents come before their children, so that the push can go level by level.
         let level_first: Vec<usize> = m.levels.iter().map(|l| l.first as usize).collect();
         let level_of = |p: usize| level_first.partition_point(|&first| first <= p).saturating_sub(1);
         for l in 0..m.levels.len() {
             for i in self.level(l) {
                 if self.push().row(i).iter().any(|e| e.point() >= level_first[l]) {
-                    return Err(bad("PUSE", "a parent is not coarser than its child"));
+                    return Err(bad("PUSH", "a parent is not coarser than its child"));
                 }
             }
         }
         let pull_rows = if m.direct_levels == 0 { 0 } else { level_first[m.direct_levels as usize - 1] };
-        check_rows("PULO", &self.pull_offsets, &self.pull_entries, pull_rows, self.direct_count())?;
+        check_rows("PULL", &self.pull_offsets, &self.pull_entries, pull_rows, self.direct_count())?;
         for i in 0..pull_rows {
             let level = level_of(i);
             if self.pull().row(i).iter().any(|e| level_of(e.point()) <= level) {
-                return Err(bad("PULE", "a child is not finer than its parent"));
+                return Err(bad("PULL", "a child is not finer than its parent"));
             }
         }
         let senders = self.sender_count();
@@ -287,23 +281,19 @@ impl Scene {
             )));
         }
         let vectors = self.vector_count();
-        self.vectors.check(["VECO", "VECL"], vectors, senders)?;
-        self.finest.check(["FINO", "FINL"], self.points.len() - vectors, senders)?;
-        self.later.check(["LATO", "LATL"], self.later_count(), self.later_count())?;
+        self.vectors.check("VECL", vectors, senders)?;
+        self.finest.check("FINL", self.points.len() - vectors, senders)?;
+        self.later.check("LATL", self.later_count(), self.later_count())?;
         Ok(())
     }
 }
 
 fn records<T: Pod>(section: &str, bytes: &[u8]) -> Result<Vec<T>, RbnError> {
-    if bytes.len() % size_of::<T>() != 0 {
-        return Err(RbnError::invalid(
-            section,
-            format!("{} bytes are not whole records of {}", bytes.len(), size_of::<T>()),
-        ));
-    }
-    let mut out = vec![T::zeroed(); bytes.len() / size_of::<T>()];
-    bytemuck::cast_slice_mut(&mut out).copy_from_slice(bytes);
-    Ok(out)
+    planes::decode(bytes).map_err(|Damaged| RbnError::invalid(section, "its records cannot be unpacked"))
+}
+
+fn rows<E: links::Beside>(section: &str, bytes: &[u8]) -> Result<(Vec<u32>, Vec<E>), RbnError> {
+    links::decode(bytes).map_err(|Damaged| RbnError::invalid(section, "its rows cannot be unpacked"))
 }
 
 fn check_rows(
@@ -319,6 +309,10 @@ fn check_rows(
         && offsets[rows] as usize == entries.len();
     if !whole {
         return Err(RbnError::invalid(section, "rows do not follow each other"));
+    }
+    let ascending = |row: &[Entry]| row.windows(2).all(|e| e[0].point() < e[1].point());
+    if !offsets.windows(2).all(|w| ascending(&entries[w[0] as usize..w[1] as usize])) {
+        return Err(RbnError::invalid(section, "the points of a row are out of order"));
     }
     if entries.iter().any(|e| e.point() >= points) {
         return Err(RbnError::invalid(section, "a point is out of range"));

@@ -6,15 +6,19 @@
 @group(0) @binding(3) var<storage, read> points: array<Point>;
 @group(0) @binding(4) var<storage, read_write> values: array<f32>;
 
-// As turn in shared/src/link.rs: v turned as the normal `a` turns into `b`.
-fn turn(v: vec3f, a: vec3f, b: vec3f) -> vec3f {
-    let axis = cross(a, b);
-    let across = cross(axis, v);
+// As turn in shared/src/link.rs: the rotation that turns the normal `a` into `b`.
+fn turning(a: vec3f, b: vec3f) -> mat3x3f {
+    let v = cross(a, b);
     let cosine = 1.0 + dot(a, b);
     if cosine < 0.01 {
-        return v;
+        return mat3x3f(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
     }
-    return v + across + cross(axis, across) / cosine;
+    let s = v / cosine;
+    return mat3x3f(
+        vec3f(1.0 - s.y * v.y - s.z * v.z, v.z + s.x * v.y, s.x * v.z - v.y),
+        vec3f(s.x * v.y - v.z, 1.0 - s.x * v.x - s.z * v.z, v.x + s.y * v.z),
+        vec3f(v.y + s.x * v.z, s.y * v.z - v.x, 1.0 - s.x * v.x - s.y * v.y),
+    );
 }
 
 @compute @workgroup_size(64)
@@ -32,8 +36,9 @@ fn push(@builtin(global_invocation_id) id: vec3u) {
         let share = entry_weight(entry);
         let parent_normal = unpack_normal(points[entry_point(entry)].normal);
         total += share;
+        let turn = turning(parent_normal, normal) * share;
         for (var c = 0u; c < 3u; c++) {
-            sum[c] += turn(value(entry_point(entry), c), parent_normal, normal) * share;
+            sum[c] += turn * value(entry_point(entry), c);
         }
     }
     if total <= 0.0 {

@@ -19,7 +19,7 @@ fn vectors(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index)
         let end = offsets[receiver + 1u] - step_.extra;
         for (var i = offsets[receiver] - step_.extra + lane; i < end; i += LANES) {
             let link = links[i];
-            let vector = link_direction(link.y) * link_amount(link.x);
+            let vector = link_direction(link.y) * (link_amount(link.x) * (1.0 / 511.0));
             let power = sent[link_sender(link.x)];
             red += vector * power.x;
             green += vector * power.y;

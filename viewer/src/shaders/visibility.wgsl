@@ -17,8 +17,8 @@ fn cube_face(v: vec3f) -> u32 {
     return select(5u, 4u, v.z > 0.0);
 }
 
-// Share of the light that reaches `position` on a surface with the unit normal `normal`, over a
-// square of (2 radius + 1) taps; each tap is bilinear. `lift`: how far above the surface the position
+// Share of the light that reaches `position` on a surface with the unit normal `normal`: one bilinear tap
+// (radius 0) or 3 x 3 of them (radius 1). `lift`: how far above the surface the position
 // lies already.
 fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, radius: i32, lift: f32) -> f32 {
     var layer = light.layer;
@@ -42,16 +42,29 @@ fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, rad
         depth = clip.z + bias * light.depth_scale;
     }
     let uv = vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5;
-    let step = 1.0 / f32(textureDimensions(shadow_maps).x);
+    if radius == 0 {
+        return textureSampleCompareLevel(shadow_maps, shadow_sampler, uv, layer, depth);
+    }
+    // The mean of 3 x 3 bilinear taps, as the 4 x 4 texels under them: four gathers.
+    let size = f32(textureDimensions(shadow_maps).x);
+    let at = uv * size - 0.5;
+    let first = floor(at);
+    let share = at - first;
+    let low = vec4f(1.0 - share.x, 1.0, 1.0, share.x);
+    let high = vec4f(1.0 - share.y, 1.0, 1.0, share.y);
+    let step = 1.0 / size;
     var sum = 0.0;
-    for (var y = -radius; y <= radius; y++) {
-        for (var x = -radius; x <= radius; x++) {
-            sum += textureSampleCompareLevel(
-                shadow_maps, shadow_sampler, uv + vec2f(f32(x), f32(y)) * step, layer, depth);
+    for (var y = 0; y < 2; y++) {
+        for (var x = 0; x < 2; x++) {
+            let corner = (first + 2.0 * vec2f(f32(x), f32(y))) * step;
+            // Texels in the order (0, 1), (1, 1), (1, 0), (0, 0).
+            let lit = textureGatherCompare(shadow_maps, shadow_sampler, corner, layer, depth);
+            let across = select(low.xy, low.zw, x == 1);
+            let along = select(high.xy, high.zw, y == 1);
+            sum += dot(lit, vec4f(across.x, across.y, across.y, across.x) * along.yyxx);
         }
     }
-    let side_taps = f32(2 * radius + 1);
-    return sum / (side_taps * side_taps);
+    return sum / 9.0;
 }
 
 // Direct irradiance at a point of a surface. `normal` is the shading normal, `flat_normal` that of

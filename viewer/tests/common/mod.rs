@@ -1,12 +1,12 @@
 //! A small baked room made up by hand, and a device.
 
 use rebounce_shared::camera::Camera;
+use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::interpolation::pack_row;
 use rebounce_shared::kernel;
 use rebounce_shared::light::Light;
-use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::link::{LaterLink, Link, VectorLink};
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
