@@ -7,6 +7,12 @@ const LARGEST: f32 = 511.0 / 512.0 * 65536.0;
 
 /// Packs a colour; what is negative becomes zero.
 pub fn pack_rgb9e5(colour: Vec3) -> u32 {
+    pack_rounded(colour, 1)
+}
+
+/// As [`pack_rgb9e5`], with mantissas rounded to multiples of `unit`, a power of two.
+pub fn pack_rounded(colour: Vec3, unit: u32) -> u32 {
+    let (unit, most) = (unit as f32, (512 - unit) as f32);
     let colour = colour.clamp(Vec3::ZERO, Vec3::splat(LARGEST));
     let largest = colour.max_element();
     if largest <= 0.0 {
@@ -16,10 +22,10 @@ pub fn pack_rgb9e5(colour: Vec3) -> u32 {
     let floor = (largest.to_bits() >> 23) as i32 - 127;
     let mut exponent = (floor.max(-16) + 16).clamp(0, 31);
     let step = |exponent: i32| ((exponent - 24) as f32).exp2();
-    if (largest / step(exponent)).round() > 511.0 {
+    if (largest / step(exponent) / unit).round() * unit > most {
         exponent = (exponent + 1).min(31);
     }
-    let mantissas = (colour / step(exponent)).round().min(Vec3::splat(511.0));
+    let mantissas = ((colour / step(exponent) / unit).round() * unit).min(Vec3::splat(most));
     let [r, g, b] = mantissas.to_array().map(|m| m as u32);
     r | g << 9 | b << 18 | (exponent as u32) << 27
 }

@@ -188,9 +188,9 @@ impl Sent for VectorLink {
 }
 
 impl LaterLink {
-    /// Packs a colour that is not negative.
+    /// Packs a colour that is not negative: six bits of its largest channel.
     pub fn pack(sender: u32, colour: Vec3) -> Self {
-        Self { sender, colour: crate::colour::pack_rgb9e5(colour) }
+        Self { sender, colour: crate::colour::pack_rounded(colour, 8) }
     }
 
     /// Irradiance per unit irradiance, by channel.

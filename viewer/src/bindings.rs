@@ -1,6 +1,7 @@
 //! Short forms for bind groups, buffers and pipelines.
 
 use crate::gpu::Gpu;
+use crate::shaders::Source;
 use std::num::NonZeroU64;
 use wgpu::ShaderStages;
 
@@ -140,10 +141,10 @@ pub fn target(gpu: &Gpu, label: &str, format: wgpu::TextureFormat, width: u32, h
 }
 
 /// A shader module.
-pub fn module(gpu: &Gpu, label: &str, source: &'static str) -> wgpu::ShaderModule {
+pub fn module(gpu: &Gpu, label: &str, source: Source) -> wgpu::ShaderModule {
     gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(label),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
+        source: wgpu::ShaderSource::Wgsl(source.concat().into()),
     })
 }
 
@@ -151,7 +152,7 @@ pub fn module(gpu: &Gpu, label: &str, source: &'static str) -> wgpu::ShaderModul
 pub fn compute(
     gpu: &Gpu,
     entry: &str,
-    source: &'static str,
+    source: Source,
     layouts: &[&wgpu::BindGroupLayout],
     constants: &[(&str, f64)],
 ) -> wgpu::ComputePipeline {
@@ -170,7 +171,7 @@ pub struct Draw<'a> {
     /// Name.
     pub label: &'a str,
     /// WGSL.
-    pub source: &'static str,
+    pub source: Source,
     /// Vertex entry point.
     pub vertex: &'a str,
     /// Fragment entry point and its targets, if there is one.
@@ -238,7 +239,7 @@ impl Default for Draw<'_> {
     fn default() -> Self {
         Self {
             label: "",
-            source: "",
+            source: &[],
             vertex: "vertex",
             fragment: Some("fragment"),
             targets: &[],

@@ -18,6 +18,12 @@
 
 use super::RbnError;
 
+/// CRC-32 (IEEE). One table of 1 kB: larger ones are faster, and longer to load in a page.
+fn checksum(bytes: &[u8]) -> u32 {
+    const CRC: crc::Crc<u32, crc::Table<1>> = crc::Crc::<u32, crc::Table<1>>::new(&crc::CRC_32_ISO_HDLC);
+    CRC.checksum(bytes)
+}
+
 /// The first eight bytes.
 pub const MAGIC: [u8; 8] = *b"REBOUNCE";
 /// The format version that this code writes and reads.
@@ -55,7 +61,7 @@ pub fn write(sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
     let mut end = offset;
     for (name, bytes) in sections {
         table.extend_from_slice(name);
-        table.extend_from_slice(&crc32fast::hash(bytes).to_le_bytes());
+        table.extend_from_slice(&checksum(bytes).to_le_bytes());
         table.extend_from_slice(&(offset as u64).to_le_bytes());
         table.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
         table.extend_from_slice(&0u64.to_le_bytes());
@@ -67,8 +73,8 @@ pub fn write(sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
     file.extend_from_slice(&VERSION.to_le_bytes());
     file.extend_from_slice(&(sections.len() as u32).to_le_bytes());
     file.extend_from_slice(&(end as u64).to_le_bytes());
-    file.extend_from_slice(&crc32fast::hash(&table).to_le_bytes());
-    file.extend_from_slice(&crc32fast::hash(&file).to_le_bytes());
+    file.extend_from_slice(&checksum(&table).to_le_bytes());
+    file.extend_from_slice(&checksum(&file).to_le_bytes());
     file.extend_from_slice(&table);
     for (_, bytes) in sections {
         file.resize(align(file.len()), 0);
@@ -91,7 +97,7 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
     let u32_at = |at: usize| u32::from_le_bytes([file[at], file[at + 1], file[at + 2], file[at + 3]]);
     let u64_at = |at: usize| u32_at(at) as u64 | (u32_at(at + 4) as u64) << 32;
     let damaged = |section: &str| RbnError::Checksum { section: section.to_owned() };
-    if u32_at(28) != crc32fast::hash(&file[..28]) {
+    if u32_at(28) != checksum(&file[..28]) {
         return Err(damaged("header"));
     }
     let version = u32_at(8);
@@ -118,7 +124,7 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
     if count > MAX_SECTIONS || HEADER + ROW * count > file.len() {
         return Err(RbnError::invalid("header", format!("{count} sections")));
     }
-    if u32_at(24) != crc32fast::hash(&file[HEADER..HEADER + ROW * count]) {
+    if u32_at(24) != checksum(&file[HEADER..HEADER + ROW * count]) {
         return Err(damaged("table"));
     }
     let mut sections = Vec::with_capacity(count);
@@ -132,7 +138,7 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
         if !fits {
             return Err(RbnError::invalid(&section.name(), "it lies outside the file"));
         }
-        if crc32fast::hash(&file[section.offset..section.offset + section.len]) != section.crc {
+        if checksum(&file[section.offset..section.offset + section.len]) != section.crc {
             return Err(damaged(&section.name()));
         }
         sections.push(section);

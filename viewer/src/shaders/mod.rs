@@ -1,11 +1,15 @@
-//! The WGSL modules, each put together from its parts.
+//! The WGSL modules, each put together from its parts when it is used; build.rs takes out the comments.
+
+/// A module's parts, in order.
+pub type Source = &'static [&'static str];
 
 macro_rules! modules {
     ($($(#[$doc:meta])* $name:ident: $($part:literal)+;)+) => {
-        $($(#[$doc])* pub const $name: &str = concat!($(include_str!(concat!($part, ".wgsl")), "\n"),+);)+
+        $($(#[$doc])* pub const $name: Source =
+            &[$(include_str!(concat!(env!("OUT_DIR"), "/", $part, ".wgsl"))),+];)+
 
         /// All modules with their names.
-        pub const ALL: &[(&str, &str)] = &[$((stringify!($name), $name)),+];
+        pub const ALL: &[(&str, Source)] = &[$((stringify!($name), $name)),+];
     };
 }
 
@@ -56,7 +60,8 @@ modules! {
 mod tests {
     #[test]
     fn every_module_validates() {
-        for (name, source) in super::ALL {
+        for (name, parts) in super::ALL {
+            let source = &parts.concat();
             let module = naga::front::wgsl::parse_str(source)
                 .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)));
             naga::valid::Validator::new(

@@ -65,6 +65,9 @@ impl Beside for VectorLink {
     }
 }
 
+/// The low three bits of the mantissas of a later link's colour, which the baker leaves zero.
+const LOW_BITS: u32 = 0b111 << 18 | 0b111 << 9 | 0b111;
+
 impl Beside for LaterLink {
     /// The colour.
     const BYTES: usize = 4;
@@ -74,18 +77,22 @@ impl Beside for LaterLink {
     }
 
     fn split(self, bytes: &mut [Vec<u8>], bits: &mut BitWriter) {
-        // The mantissas' high bits, and the exponent; three low bits each.
+        // The mantissas' high bits, and the exponent; their low bits, where there are any.
+        let low = self.colour & LOW_BITS;
         for c in 0..3 {
             bytes[c].push((self.colour >> (9 * c + 3)) as u8 & 63);
-            bits.push(self.colour >> (9 * c), 3);
+            if low != 0 {
+                bits.push(self.colour >> (9 * c), 3);
+            }
         }
-        bytes[3].push((self.colour >> 27) as u8);
+        bytes[3].push((self.colour >> 27) as u8 | if low != 0 { 32 } else { 0 });
     }
 
     fn join(index: u32, bytes: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged> {
         let mut colour = (bytes[3] as u32) << 27;
         for c in 0..3 {
-            colour |= ((bytes[c] as u32 & 63) << 3 | bits.take(3)?) << (9 * c);
+            let low = if bytes[3] & 32 != 0 { bits.take(3)? } else { 0 };
+            colour |= ((bytes[c] as u32 & 63) << 3 | low) << (9 * c);
         }
         Ok(Self { sender: index, colour })
     }
