@@ -104,6 +104,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         image::save_buffer(out, &bytes, width, height, image::ColorType::Rgba8)?;
     }
     println!("{}", serde_json::to_string_pretty(&renderer.stats())?);
+    let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&pollster::block_on(renderer.read_counts()?.wait())?);
+    let per_pixel = |count: u32| count as f64 / (width * height) as f64;
+    println!(
+        "of the pixels {:.3} have a row of their own; a pixel looks at {:.2} functions, evaluates {:.2}",
+        per_pixel(counts[0]),
+        per_pixel(counts[1]),
+        per_pixel(counts[2])
+    );
     Ok(())
 }
 

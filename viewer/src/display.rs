@@ -54,7 +54,7 @@ pub struct DisplayTarget {
     capacity: u32,
     find: wgpu::BindGroup,
     gather: wgpu::BindGroup,
-    /// Rows of single pixels that were asked for, and functions tested: two u32.
+    /// Rows of single pixels that were asked for, functions looked at, kernels evaluated: u32 each.
     pub counts: wgpu::Buffer,
     /// The slot of every pixel that has a row of its own, else 0.
     pub slots: wgpu::Buffer,
@@ -118,7 +118,7 @@ impl DisplayPass {
         let slots = empty_buffer(gpu, "slots", storage, 4 * size[0] as u64 * size[1] as u64);
         let light = empty_buffer(gpu, "light", storage, 16 * capacity);
         let counts =
-            empty_buffer(gpu, "counts", storage | BufferUsages::COPY_DST | BufferUsages::COPY_SRC, 8);
+            empty_buffer(gpu, "counts", storage | BufferUsages::COPY_DST | BufferUsages::COPY_SRC, 16);
         let find = group(
             gpu,
             "find",

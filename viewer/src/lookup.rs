@@ -12,7 +12,7 @@ use rebounce_shared::rbn::bulk::Point;
 /// Words of a level at the begin: one over the cell size (f32), first bucket, number of buckets less one.
 pub const LEVEL_WORDS: usize = 3;
 /// Width of a cell over the largest support radius of its level.
-const CELL: f32 = 0.75;
+const CELL: f32 = 0.6;
 /// Supports count as this much larger, so that a cell's rim may round to either side.
 const MARGIN: f32 = 1.001;
 
@@ -30,7 +30,7 @@ pub fn build(scene: &Scene) -> Result<Vec<u32>, ViewerError> {
         let range = scene.level(l);
         let points = &scene.points[range.clone()];
         let grid = Grid::new(points);
-        let buckets = (2 * points.len()).next_power_of_two();
+        let buckets = (4 * points.len()).next_power_of_two();
         let head = 1 + LEVEL_WORDS * l;
         words[head] = grid.cells_per_unit.to_bits();
         words[head + 1] = words.len() as u32;

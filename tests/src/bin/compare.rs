@@ -1,4 +1,5 @@
-//! `compare PICTURE REFERENCE`: prints how far one picture of linear radiance is from another, as JSON.
+//! `compare PICTURE REFERENCE [REFERENCE]`: prints how far one picture of linear radiance is from another, as JSON; with
+//! two references, which are noisy each in its own way, without their noise.
 //! Each is an .exr, or RGBA floats in a file named NAME-WIDTHxHEIGHT.f32.
 
 use anyhow::{Result, bail};
@@ -8,7 +9,11 @@ use std::path::PathBuf;
 
 fn main() -> Result<()> {
     let files: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
-    let [picture, reference] = files.as_slice() else { bail!("usage: compare PICTURE REFERENCE") };
-    println!("{}", serde_json::to_string(&compare(&read(picture)?, &read(reference)?, None)?)?);
+    let (picture, reference, second) = match files.as_slice() {
+        [picture, reference] => (picture, reference, None),
+        [picture, reference, second] => (picture, reference, Some(read(second)?)),
+        _ => bail!("usage: compare PICTURE REFERENCE [REFERENCE]"),
+    };
+    println!("{}", serde_json::to_string(&compare(&read(picture)?, &read(reference)?, second.as_ref())?)?);
     Ok(())
 }

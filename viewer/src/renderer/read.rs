@@ -46,6 +46,17 @@ impl Renderer {
         Ok(Readback::texture(&self.gpu, &out, 16))
     }
 
+    /// Begins to read how the bounced light of the last picture that [`Renderer::draw`] drew was looked up, as
+    /// u32: the pixels that have a row of their own besides every fourth one, the functions looked at, the
+    /// kernels evaluated.
+    ///
+    /// # Errors
+    /// [`ViewerError::NoScene`] before a picture is drawn.
+    pub fn read_counts(&self) -> Result<Readback, ViewerError> {
+        let target = self.target.as_ref().ok_or(ViewerError::NoScene)?;
+        Ok(Readback::buffer(&self.gpu, &target.display.counts))
+    }
+
     /// Begins to read the tone-mapped picture at this size, without handles: RGBA bytes.
     ///
     /// # Errors

@@ -14,17 +14,22 @@ fn direct(@builtin(global_invocation_id) id: vec3u) {
     let normal = unpack_normal(p.normal);
     let position = point_position(p);
     var sum = vec3f(0.0);
-    var count = 0.0;
-    for (var sample = 0u; sample < SAMPLES; sample++) {
-        if ((p.cuts >> (3u + sample)) & 1u) != 0u {
-            let place = position + footprint_offset(sample, normal, p.radius);
-            sum += direct_irradiance(place, normal, normal, step_.extra, 0, LIFT * p.radius);
-            count += 1.0;
+    let samples = (p.cuts >> 3u) & 0xffu;
+    for (var l = 0u; l < step_.extra; l++) {
+        // The footprint's samples lie within 0.27 radii.
+        if !may_reach(lights[l], position, normal, 0.27 * p.radius) {
+            continue;
+        }
+        if samples == 0u {
+            sum += irradiance_from(lights[l], position, normal, normal, 0, 0.0);
+            continue;
+        }
+        for (var sample = 0u; sample < SAMPLES; sample++) {
+            if ((samples >> sample) & 1u) != 0u {
+                let place = position + footprint_offset(sample, normal, p.radius);
+                sum += irradiance_from(lights[l], place, normal, normal, 0, LIFT * p.radius);
+            }
         }
     }
-    if count == 0.0 {
-        sum = direct_irradiance(position, normal, normal, step_.extra, 0, 0.0);
-        count = 1.0;
-    }
-    irradiance[i] = vec4f(sum / count, 0.0);
+    irradiance[i] = vec4f(sum / f32(max(countOneBits(samples), 1u)), 0.0);
 }

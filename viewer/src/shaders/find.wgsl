@@ -11,16 +11,17 @@
 @group(0) @binding(7) var<storage, read_write> rows: array<u32>;
 // The slot of every pixel that has a row of its own, else 0.
 @group(0) @binding(8) var<storage, read_write> slots: array<u32>;
-// Rows beyond those of the blocks; functions tested.
-@group(0) @binding(9) var<storage, read_write> counts: array<atomic<u32>, 2>;
+// Rows beyond those of the blocks; functions looked at; kernels evaluated.
+@group(0) @binding(9) var<storage, read_write> counts: array<atomic<u32>, 3>;
 
 const LEAST_TOTAL = 1e-6;
 // Neighbours on one surface: their plane distance over the reach, and their normals' cosine.
 const FLATNESS = 0.1;
 const SAME_NORMAL = 0.99;
 
-// Functions tested by this workgroup.
-var<workgroup> tested: atomic<u32>;
+// Functions looked at by this workgroup, and kernels evaluated.
+var<workgroup> looked_at: atomic<u32>;
+var<workgroup> evaluated: atomic<u32>;
 
 struct Place {
     position: vec3f,
@@ -66,22 +67,24 @@ fn replace_smallest(slot: u32, entry: u32) {
 // Writes the row of a place: the functions of the finest level that covers it.
 fn write_row(slot: u32, place: Place) {
     var count = 0u;
-    var tests = 0u;
+    var looks = 0u;
+    var kernels = 0u;
     if place.present {
         for (var level = lookup[0]; level > 0u; level--) {
             let list = bucket(level - 1u, place.position);
-            tests += list.y - list.x;
+            looks += list.y - list.x;
             var total = 0.0;
             count = 0u;
             for (var at = list.x; at < list.y; at++) {
                 let j = lookup[at];
-                let p = points[j];
-                let offset = place.position - point_position(p);
-                if dot(offset, offset) >= p.radius * p.radius {
+                let offset = place.position - vec3f(points[j].x, points[j].y, points[j].z);
+                let radius = points[j].radius;
+                if dot(offset, offset) >= radius * radius {
                     continue;
                 }
-                let w = weight(offset, place.normal, unpack_normal(p.normal), p.radius);
-                if w <= 0.0 || is_cut(offset, p.cuts) {
+                kernels++;
+                let w = weight(offset, place.normal, unpack_normal(points[j].normal), radius);
+                if w <= 0.0 || is_cut(offset, points[j].cuts) {
                     continue;
                 }
                 total += w;
@@ -102,13 +105,15 @@ fn write_row(slot: u32, place: Place) {
     if count < slot_layout.row_length {
         rows[count * slot_layout.capacity + slot] = 0u;
     }
-    atomicAdd(&tested, tests);
+    atomicAdd(&looked_at, looks);
+    atomicAdd(&evaluated, kernels);
 }
 
-fn add_tested(thread: u32) {
+fn add_counts(thread: u32) {
     workgroupBarrier();
     if thread == 0u {
-        atomicAdd(&counts[1], atomicLoad(&tested));
+        atomicAdd(&counts[1], atomicLoad(&looked_at));
+        atomicAdd(&counts[2], atomicLoad(&evaluated));
     }
 }
 
@@ -119,7 +124,7 @@ fn blocks(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_in
     if all(id.xy < size) {
         write_row(id.y * size.x + id.x, place_at(2u * id.xy));
     }
-    add_tested(thread);
+    add_counts(thread);
 }
 
 // Whether the light at `b` may be taken for that at `a`.
@@ -158,5 +163,5 @@ fn edges(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_ind
         }
         slots[id.y * size.x + id.x] = slot;
     }
-    add_tested(thread);
+    add_counts(thread);
 }

@@ -3,7 +3,7 @@
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> slot_layout: Slots;
 @group(0) @binding(2) var<storage, read> rows: array<u32>;
-@group(0) @binding(3) var<storage, read> counts: array<u32, 2>;
+@group(0) @binding(3) var<storage, read> counts: array<u32, 3>;
 // Irradiance along each point's normal.
 @group(0) @binding(4) var<storage, read> display: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> light: array<vec4f>;

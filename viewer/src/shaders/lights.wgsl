@@ -28,6 +28,24 @@ struct Incident {
     irradiance: vec3f,
 }
 
+// Whether any of the light may reach a place within `radius` of `position` on a surface with this unit normal.
+fn may_reach(light: Light, position: vec3f, normal: vec3f, radius: f32) -> bool {
+    if light.kind == DIRECTIONAL {
+        return dot(normal, light.direction) < 0.0;
+    }
+    let offset = light.position - position;
+    let distance = length(offset);
+    // The sine of the angle by which the way to the light may differ; past it, nothing is certain.
+    let spread = radius / max(distance, 1e-20);
+    if spread >= 0.5 {
+        return true;
+    }
+    let to_light = offset / distance;
+    let margin = 1.1 * spread;
+    return dot(normal, to_light) + margin > 0.0
+        && (-dot(to_light, light.direction) + margin) * light.cone_scale + light.cone_offset > 0.0;
+}
+
 fn incident(light: Light, position: vec3f) -> Incident {
     if light.kind == DIRECTIONAL {
         return Incident(-light.direction, light.intensity);

@@ -67,17 +67,22 @@ fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, rad
     return sum / 9.0;
 }
 
-// Direct irradiance at a point of a surface. `normal` is the shading normal, `flat_normal` that of
-// the triangle; radius and lift as above.
+// Irradiance at a point of a surface from one light. `normal` is the shading normal, `flat_normal` that of the
+// triangle; radius and lift as above.
+fn irradiance_from(light: Light, position: vec3f, normal: vec3f, flat_normal: vec3f, radius: i32, lift: f32) -> vec3f {
+    let at = incident(light, position);
+    let cosine = dot(normal, at.to_light);
+    if cosine <= 0.0 || all(at.irradiance <= vec3f(0.0)) {
+        return vec3f(0.0);
+    }
+    return at.irradiance * (cosine * visibility(light, position, flat_normal, at.to_light, radius, lift));
+}
+
+// From the first `count` lights.
 fn direct_irradiance(position: vec3f, normal: vec3f, flat_normal: vec3f, count: u32, radius: i32, lift: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < count; i++) {
-        let light = lights[i];
-        let at = incident(light, position);
-        let cosine = dot(normal, at.to_light);
-        if cosine > 0.0 && any(at.irradiance > vec3f(0.0)) {
-            sum += at.irradiance * (cosine * visibility(light, position, flat_normal, at.to_light, radius, lift));
-        }
+        sum += irradiance_from(lights[i], position, normal, flat_normal, radius, lift);
     }
     return sum;
 }

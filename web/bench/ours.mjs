@@ -1,0 +1,53 @@
+// The baked scene in <rebounce-viewer>. `bench` on the window is what run.mjs calls.
+
+// The device, as the page asks for it: to wait for the end of its work.
+let device;
+const request = GPUAdapter.prototype.requestDevice;
+GPUAdapter.prototype.requestDevice = async function (...parameters) {
+  device = await request.apply(this, parameters);
+  return device;
+};
+await import("/dist/rebounce-viewer.js");
+
+const viewer = document.querySelector("rebounce-viewer");
+const { camera, lights } = await (await fetch("/shot.json")).json();
+viewer.shot = { camera, lights };
+while (!viewer.loaded) {
+  const message = viewer.shadowRoot.querySelector("[role=alert]").textContent;
+  if (message) throw new Error(message);
+  await new Promise((later) => setTimeout(later, 20));
+}
+const loadedAt = performance.now();
+await device.queue.onSubmittedWorkDone();
+const litAt = performance.now();
+
+window.bench = {
+  loadedAt,
+  litAt,
+  /** Milliseconds of a frame, from the light's move to the end of the GPU's work. */
+  async frame(shift) {
+    const [x, y, z] = lights[0].position;
+    const before = viewer.stats().frames;
+    const start = performance.now();
+    viewer.lights = [{ ...lights[0], position: [x + shift, y, z] }, ...lights.slice(1)];
+    while (viewer.stats().frames === before) await new Promise(requestAnimationFrame);
+    await device.queue.onSubmittedWorkDone();
+    return performance.now() - start;
+  },
+  /** Milliseconds of a frame in which the camera moves and the light does not. */
+  async turn(shift) {
+    const [x, y, z] = camera.position;
+    const before = viewer.stats().frames;
+    const start = performance.now();
+    viewer.camera = { ...camera, position: [x, y + shift, z] };
+    while (viewer.stats().frames === before) await new Promise(requestAnimationFrame);
+    await device.queue.onSubmittedWorkDone();
+    return performance.now() - start;
+  },
+  async indirect(width, height) {
+    viewer.shot = { camera, lights };
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    return Array.from(await viewer.readIndirect(width, height));
+  },
+  stats: () => viewer.stats(),
+};

@@ -1,0 +1,107 @@
+// node bench/run.mjs REBOUNCE SCENE.glb SCENE.rbn SHOT.json REFERENCE OUT: frames with a moving light at 1280 x 720,
+// in turns: rebounce-viewer, three.js without global illumination, three.js with VXGI. Writes what was measured to
+// OUT as JSON. REFERENCE.indirect.a.exr and .b.exr are path-traced pictures of the shot's bounced light, or "-".
+
+import { execFile } from "node:child_process";
+import { createReadStream } from "node:fs";
+import { mkdtemp, readFile, writeFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { promisify } from "node:util";
+import { launch, within } from "../test/browser.mjs";
+
+const SIZE = { width: 1280, height: 720 };
+const PICTURE = [320, 180];
+const ROUNDS = 5;
+
+const [compare, glb, rbn, shot, reference, out] = process.argv.slice(2);
+const web = path.join(import.meta.dirname, "..");
+const TYPES = { ".html": "text/html", ".mjs": "text/javascript", ".js": "text/javascript", ".wasm": "application/wasm" };
+const FILES = { "/scene.glb": glb, "/scene.rbn": rbn, "/shot.json": shot };
+const FOLDERS = { "/three/": "bench/node_modules/three", "/dist/": "dist", "/bench/": "bench" };
+
+function fileOf(url) {
+  if (FILES[url]) return FILES[url];
+  const prefix = Object.keys(FOLDERS).find((folder) => url.startsWith(folder));
+  return prefix && !url.includes("..") ? path.join(web, FOLDERS[prefix], url.slice(prefix.length)) : undefined;
+}
+
+const server = createServer((request, response) => {
+  const file = fileOf(new URL(request.url, "http://localhost").pathname);
+  if (!file) return response.writeHead(404).end();
+  const stream = createReadStream(file);
+  stream.on("error", () => response.writeHead(404).end());
+  stream.on("open", () => {
+    response.writeHead(200, { "content-type": TYPES[path.extname(file)] ?? "application/octet-stream" });
+    stream.pipe(response);
+  });
+});
+await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
+const address = `http://127.0.0.1:${server.address().port}/bench/`;
+
+/** Opens a page and waits until it can be measured. */
+async function open(browser, name) {
+  const page = await browser.newPage({ viewport: SIZE });
+  page.setDefaultTimeout(600_000);
+  page.on("pageerror", (error) => console.error(`${name}: ${error}`));
+  await page.goto(address + name);
+  await within(300, name, page.waitForFunction(() => globalThis.bench));
+  return page;
+}
+
+/** The light goes back and forth; every frame has a place of its own. */
+const frames = async (page, count, first) => {
+  const times = [];
+  for (let i = 0; i < count; i += 1) {
+    const shift = 0.05 * (1 + ((first + i) % 10));
+    times.push(await within(300, "a frame", page.evaluate((s) => globalThis.bench.frame(s), shift)));
+  }
+  return times;
+};
+
+const median = (numbers) => [...numbers].sort((a, b) => a - b)[Math.floor(numbers.length / 2)];
+
+/** Relative error and bias of a picture against the reference, as `rebounce compare` measures them. */
+async function error(page, work, name) {
+  if (reference === "-") return undefined;
+  const pixels = await within(600, "the picture", page.evaluate(([w, h]) => globalThis.bench.indirect(w, h), PICTURE));
+  const file = path.join(work, `${name}-${PICTURE.join("x")}.f32`);
+  await writeFile(file, Buffer.from(new Float32Array(pixels).buffer));
+  const { stdout } = await promisify(execFile)(compare, [file, `${reference}.indirect.a.exr`, `${reference}.indirect.b.exr`]);
+  return JSON.parse(stdout);
+}
+
+const work = await mkdtemp(path.join(tmpdir(), "rebounce-bench-"));
+const results = { ours: { ms: [] }, three: { ms: [] }, vxgi: { ms: [] } };
+const names = { ours: "ours.html", three: "three.html", vxgi: "three.html?gi" };
+try {
+  // Each in a browser of its own, in turns: what else the machine does hits all alike.
+  for (let round = 0; round < ROUNDS; round += 1) {
+    for (const [which, name] of Object.entries(names)) {
+      if (which === "vxgi" && round > 0) continue;
+      const browser = await launch();
+      try {
+        const page = await open(browser, name);
+        await frames(page, 1, 7);
+        results[which].ms.push(...(await frames(page, which === "vxgi" ? 1 : 3, round)));
+        if (which === "ours") {
+          results.ours.turn = await within(300, "a turn", page.evaluate(() => globalThis.bench.turn(0.1)));
+          results.ours.lit = await page.evaluate(() => globalThis.bench.litAt);
+          results.ours.stats = await page.evaluate(() => globalThis.bench.stats());
+        }
+        if (round === 0 && which !== "three") results[which].error = await error(page, work, which);
+      } catch (failure) {
+        if (which !== "vxgi") throw failure;
+        results.vxgi.failure = String(failure);
+      } finally {
+        await browser.close();
+      }
+    }
+    console.log(Object.entries(results).map(([which, { ms }]) => `${which} ${ms.map(Math.round).join(" ")}`).join(" | "));
+  }
+} finally {
+  server.close();
+}
+for (const result of Object.values(results)) result.median = result.ms.length ? median(result.ms) : undefined;
+await writeFile(out, JSON.stringify(results, null, 1));

@@ -1,0 +1,99 @@
+// The same scene in three.js' WebGPURenderer: Lambert materials, one spot light with a 2048² shadow map; with
+// ?gi, voxel-based global illumination of one bounce (VXGI, 128³). `bench` on the window is what run.mjs calls.
+
+import * as THREE from "three/webgpu";
+import { diffuseColor, float, mrt, normalView, output, pass, renderOutput, vec4 } from "three/tsl";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+
+const parameters = new URLSearchParams(location.search);
+const { camera: view, lights } = await (await fetch("/shot.json")).json();
+const gi = parameters.has("gi");
+
+const renderer = new THREE.WebGPURenderer({ antialias: false });
+renderer.setPixelRatio(1);
+renderer.setSize(innerWidth, innerHeight);
+renderer.shadowMap.enabled = true;
+renderer.shadowMap.type = THREE.PCFShadowMap;
+renderer.toneMapping = THREE.NeutralToneMapping;
+document.body.append(renderer.domElement);
+await renderer.init();
+
+const scene = new THREE.Scene();
+const { scene: model } = await new GLTFLoader().loadAsync("/scene.glb");
+model.traverse((object) => {
+  if (object.isLight) object.visible = false;
+  if (!object.isMesh) return;
+  const { color, map, side, alphaTest, transparent, opacity } = object.material;
+  object.material = new THREE.MeshLambertMaterial({ color, map, side, alphaTest, transparent, opacity });
+  object.castShadow = object.receiveShadow = true;
+});
+scene.add(model);
+
+const [light] = lights;
+const spot = new THREE.SpotLight(
+  new THREE.Color(...light.color), light.intensity, 0, (light.outer_cone_deg * Math.PI) / 180, 1, 2);
+spot.castShadow = true;
+spot.shadow.mapSize.set(2048, 2048);
+spot.shadow.camera.near = 0.1;
+spot.shadow.normalBias = 0.05;
+scene.add(spot, spot.target);
+
+const camera = new THREE.PerspectiveCamera(view.yfov_deg, innerWidth / innerHeight, 0.1, 200);
+camera.position.set(...view.position);
+camera.up.set(...view.up);
+camera.lookAt(...view.target);
+
+function placeLight(shift) {
+  spot.position.set(light.position[0] + shift, light.position[1], light.position[2]);
+  const [x, y, z] = light.direction;
+  spot.target.position.set(spot.position.x + x, spot.position.y + y, spot.position.z + z);
+}
+
+let draw = () => renderer.render(scene, camera);
+let indirect;
+if (gi) {
+  const { vxgi } = await import("three/addons/lighting/vxgi/VXGINode.js");
+  const first = pass(scene, camera);
+  first.setMRT(mrt({ output, normal: vec4(normalView, 1), diffuse: vec4(diffuseColor.rgb, 1) }));
+  const node = vxgi(first.getTextureNode("depth"), first.getTextureNode("normal"), scene, camera, 128);
+  node.bounces = 1;
+  node.useTemporalFiltering = false;
+  // The effect runs where one of its textures is used; its occlusion is what starts it.
+  const bounced = first.getTextureNode("diffuse").rgb.mul(node.getGINode().rgb).div(Math.PI).mul(node.mul(0).add(1).x);
+  const pipeline = new THREE.RenderPipeline(renderer);
+  pipeline.outputColorTransform = false;
+  const all = renderOutput(vec4(first.getTextureNode().rgb.add(bounced), float(1)));
+  const alone = vec4(bounced, float(1));
+  pipeline.outputNode = all;
+  draw = () => pipeline.render();
+  indirect = async (width, height) => {
+    // Pixels of the reference's size, bounced light alone, as floats.
+    pipeline.outputNode = alone;
+    pipeline.needsUpdate = true;
+    const target = new THREE.RenderTarget(width, height, { type: THREE.FloatType });
+    renderer.setSize(width, height);
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+    renderer.setRenderTarget(target);
+    pipeline.render();
+    const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
+    renderer.setRenderTarget(null);
+    return Array.from(pixels);
+  };
+}
+
+const queue = renderer.backend.device.queue;
+window.bench = {
+  /** Milliseconds of a frame, from the light's move to the end of the GPU's work. */
+  async frame(shift) {
+    placeLight(shift);
+    const start = performance.now();
+    draw();
+    await queue.onSubmittedWorkDone();
+    return performance.now() - start;
+  },
+  async indirect(width, height) {
+    placeLight(0);
+    return indirect(width, height);
+  },
+};
