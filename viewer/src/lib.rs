@@ -18,6 +18,7 @@ pub mod lookup;
 pub mod materials;
 pub mod oneshot;
 pub mod overlay;
+pub mod pace;
 pub mod readback;
 pub mod relight;
 pub mod renderer;

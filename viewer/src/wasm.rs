@@ -5,6 +5,7 @@
 use crate::controls::{Controls, PointerButton, Stage};
 use crate::error::ViewerError;
 use crate::gpu::{Gpu, Requested};
+use crate::pace::Pace;
 use crate::renderer::Renderer;
 use crate::scene::LoadedScene;
 use crate::settings::{Mode, Overlay};
@@ -56,13 +57,8 @@ struct Callbacks {
     disposed: Cell<bool>,
 }
 
-/// Frames further apart than this are not spent on averaging a still picture.
-const SLOW_MS: f64 = 60.0;
-
 struct State {
-    /// When [`Viewer::frame`] was last called, and whether it drew.
-    last_ms: f64,
-    drew_last: bool,
+    pace: Pace,
     renderer: Renderer,
     controls: Controls,
     surface: Option<wgpu::Surface<'static>>,
@@ -164,8 +160,7 @@ impl Viewer {
                 }
             });
             let state = State {
-                last_ms: 0.0,
-                drew_last: false,
+                pace: Pace::default(),
                 renderer: Renderer::new(gpu)?,
                 controls: Controls::default(),
                 surface: Some(surface),
@@ -221,7 +216,8 @@ impl Viewer {
         self.callbacks.changed();
     }
 
-    /// Draws if anything changed since the last call. True while motion wants further frames.
+    /// Draws if anything changed since the last call and the GPU has done the frame before. True while motion,
+    /// or a change not yet drawn, wants further frames.
     #[wasm_bindgen(js_name = frame)]
     pub fn frame(&self, now_ms: f64) -> Result<bool, JsValue> {
         if self.callbacks.is_lost.get() {
@@ -232,13 +228,13 @@ impl Viewer {
         let mut stage = state.renderer.stage();
         let moving = state.controls.advance(now_ms, &mut stage);
         state.renderer.apply(stage);
-        let late = now_ms - state.last_ms > SLOW_MS;
-        if state.renderer.refining() && late && state.drew_last {
+        if state.pace.is_busy() {
+            return Ok(moving || state.renderer.needs_frame());
+        }
+        if state.renderer.refining() && state.pace.is_slow() {
             state.renderer.stop_refining();
         }
-        state.last_ms = now_ms;
-        state.drew_last = state.renderer.needs_frame();
-        if !state.drew_last {
+        if !state.renderer.needs_frame() {
             return Ok(moving);
         }
         let Some(surface) = &state.surface else { return Ok(false) };
@@ -255,7 +251,10 @@ impl Viewer {
         };
         let view = texture.texture.create_view(&Default::default());
         let drawn = state.renderer.draw(&view, state.config.format, state.config.width, state.config.height);
-        state.renderer.gpu().queue.present(texture);
+        let queue = &state.renderer.gpu().queue;
+        queue.present(texture);
+        let (done, start) = (state.pace.begin(), js_sys::Date::now());
+        queue.on_submitted_work_done(move || done(js_sys::Date::now() - start));
         drawn.map_err(|e| js_error(&e))?;
         state.renderer.gpu().check().map_err(|e| js_error(&e))?;
         Ok(moving || state.renderer.needs_frame())

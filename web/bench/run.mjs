@@ -13,7 +13,7 @@ import { launch, within } from "../test/browser.mjs";
 
 const SIZE = { width: 1280, height: 720 };
 const PICTURE = [320, 180];
-const ROUNDS = 5;
+const ROUNDS = 2;
 
 const [compare, glb, rbn, shot, reference, out] = process.argv.slice(2);
 const web = path.join(import.meta.dirname, "..");
