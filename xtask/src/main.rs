@@ -1,5 +1,6 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `test`, `fidelity`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `test`, `fidelity`, `bench-web`, `install`.
 
+mod bench_web;
 mod bindgen;
 mod demo;
 mod fidelity;
@@ -22,6 +23,8 @@ cargo xtask web      builds the viewer and its page into web/dist
 cargo xtask fidelity [--presets draft,standard,fine] [--scenes DIR]
                      measures bakes against path-traced pictures and writes docs/fidelity.md; DIR holds
                      scenes of yours in the same way: shots/NAME.shot.json, references/NAME.indirect.{a,b}.exr
+cargo xtask bench-web [--scenes DIR] [--shot NAME]
+                     times frames in headless Chromium beside three.js, same scene and light; DIR as above
 cargo xtask install  installs what the others need, and says what";
 
 fn main() -> ExitCode {
@@ -40,6 +43,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("demo") => demo::run(&args[1..]),
         Some("test") => test::run(&args[1..]),
         Some("fidelity") => fidelity::run(&args[1..]),
+        Some("bench-web") => bench_web::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),
         Some("help" | "--help" | "-h") => {

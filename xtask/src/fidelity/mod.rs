@@ -7,6 +7,8 @@ mod measure;
 mod page;
 mod path;
 
+pub use cases::given;
+
 use crate::process;
 use anyhow::{Context, Result, bail};
 use measure::Tool;

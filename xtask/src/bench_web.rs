@@ -1,0 +1,147 @@
+//! `cargo xtask bench-web`: what a frame of the viewer costs in a browser beside one of three.js, with the same
+//! scene, light and size, in turns on the same machine. Each picture's bounced light is compared with the
+//! path-traced one where there is one.
+
+use crate::fidelity::given;
+use crate::{install, process, web};
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The shot that is measured where none is named.
+const SHOT: &str = "sponza-dabrovic";
+
+#[derive(Debug, Default, PartialEq)]
+struct Options {
+    scenes: Option<PathBuf>,
+    shot: Option<String>,
+}
+
+fn parse(args: &[String]) -> Result<Options> {
+    let mut options = Options::default();
+    let mut args = args.iter();
+    while let Some(name) = args.next() {
+        let mut value = || args.next().with_context(|| format!("{name} needs a value"));
+        match name.as_str() {
+            "--scenes" => options.scenes = Some(value()?.into()),
+            "--shot" => options.shot = Some(value()?.clone()),
+            other => bail!("there is no option {other}; there are --scenes and --shot"),
+        }
+    }
+    Ok(options)
+}
+
+/// Bakes, serves, measures, prints a table and the line `frame ratio R`.
+///
+/// # Errors
+/// If a step fails, or there is no scene to measure.
+pub fn run(args: &[String]) -> Result<()> {
+    let options = parse(args)?;
+    let scenes = options.scenes.or_else(given).context(
+        "which scene? --scenes DIR names a folder with shots/NAME.shot.json, whose \"scene\" is a .glb file that three.js reads too",
+    )?;
+    let name = options.shot.as_deref().unwrap_or(SHOT);
+    let shot = std::path::absolute(scenes.join("shots").join(format!("{name}.shot.json")))?;
+    let text = std::fs::read_to_string(&shot).with_context(|| shot.display().to_string())?;
+    let scene: Value = serde_json::from_str(&text).with_context(|| shot.display().to_string())?;
+    let scene = scene["scene"].as_str().context("the shot names no scene")?;
+    let scene = shot.with_file_name("").join(scene);
+    let reference = std::path::absolute(scenes.join("references").join(name))?;
+    let has_reference = reference.with_file_name(format!("{name}.indirect.a.exr")).exists();
+
+    install::ensure(&install::BROWSER)?;
+    web::build()?;
+    process::run(
+        Command::new("npm")
+            .args(["ci", "--no-audit", "--no-fund", "--loglevel=error"])
+            .current_dir(process::root().join("web/bench")),
+    )?;
+    process::run(process::cargo().args([
+        "build",
+        "--release",
+        "--package",
+        "rebounce",
+        "--package",
+        "rebounce-tests",
+    ]))?;
+    let work = process::target().join("bench-web");
+    std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
+    let (baked, out) = (work.join(format!("{name}.rbn")), work.join("frames.json"));
+    let release = |program: &str| process::target().join("release").join(program);
+    process::run(Command::new(release("rebounce")).arg("bake").arg(&scene).arg("-o").arg(&baked))?;
+    let reference = if has_reference { reference } else { PathBuf::from("-") };
+    process::run(web::node().arg("bench/run.mjs").args([
+        &release("compare"),
+        &scene,
+        &baked,
+        &shot,
+        &reference,
+        &out,
+    ]))?;
+    report(&out)
+}
+
+fn report(file: &Path) -> Result<()> {
+    let results: Value = serde_json::from_slice(&std::fs::read(file)?).context("the figures")?;
+    println!("{}", table(&results)?);
+    Ok(())
+}
+
+/// The table, and the line that says it all.
+fn table(results: &Value) -> Result<String> {
+    let mut lines = vec![
+        "| a frame with the light moving, 1280 x 720 | seconds | error | bias |".to_owned(),
+        "|---|---|---|---|".to_owned(),
+    ];
+    let names = [
+        ("ours", "rebounce-viewer"),
+        ("three", "three.js, no global illumination"),
+        ("vxgi", "three.js, VXGI 128³, one bounce"),
+    ];
+    for (key, label) in names {
+        let result = &results[key];
+        let number = |value: &Value, digits: usize| {
+            value.as_f64().map_or_else(|| "–".to_owned(), |x| format!("{x:.digits$}"))
+        };
+        let seconds =
+            result["median"].as_f64().map_or_else(|| "–".to_owned(), |ms| format!("{:.2}", ms / 1e3));
+        let (error, bias) = (number(&result["error"]["error"], 3), number(&result["error"]["bias"], 3));
+        lines.push(format!("| {label} | {seconds} | {error} | {bias} |"));
+    }
+    let median = |key: &str| results[key]["median"].as_f64().with_context(|| format!("no frame of {key}"));
+    if let Some(turn) = results["ours"]["turn"].as_f64() {
+        lines.push(format!("\nrebounce-viewer with the camera moving instead: {:.2} s", turn / 1e3));
+    }
+    if let Some(lit) = results["ours"]["lit"].as_f64() {
+        lines.push(format!("first lit frame {:.1} s after navigation", lit / 1e3));
+    }
+    lines.push(format!("\nframe ratio {:.2}", median("ours")? / median("three")?));
+    Ok(lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options() {
+        let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let wanted = Options { scenes: Some("a/b".into()), shot: Some("hall".into()) };
+        assert_eq!(parse(&words("--scenes a/b --shot hall")).unwrap(), wanted);
+        assert!(parse(&words("--shot")).is_err() && parse(&words("hall")).is_err());
+    }
+
+    #[test]
+    fn the_table_ends_with_the_ratio() {
+        let results = serde_json::json!({
+            "ours": { "median": 600.0, "error": { "error": 0.07, "bias": -0.01 } },
+            "three": { "median": 400.0 },
+            "vxgi": {},
+        });
+        let table = table(&results).unwrap();
+        assert!(table.ends_with("frame ratio 1.50"), "{table}");
+        assert!(table.contains("| 0.60 | 0.070 | -0.010 |"), "{table}");
+        assert!(super::table(&serde_json::json!({})).is_err());
+    }
+}
