@@ -19,7 +19,7 @@ const ROW_LENGTH: u32 = 16;
 /// Bytes of a row's entry.
 const ENTRY: u64 = 4;
 /// Rows for single pixels, as a share of all pixels. Past this they are interpolated across edges.
-const SINGLE_SHARE: u64 = 4;
+const SINGLE_SHARE: u64 = 5;
 /// Distance over which light is interpolated between pixels, as a share of the finest support radius.
 const REACH: f32 = 0.25;
 /// Threads of a workgroup in gather.wgsl.

@@ -1,6 +1,6 @@
 //! Materials: one bind group each (WebGPU has no arrays of textures to index).
 
-use crate::bindings::{self, Slot, buffer, group, layout, view};
+use crate::bindings::{Slot, buffer, group, layout, view};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::textures::{self, Mips};
@@ -69,7 +69,7 @@ impl Materials {
     /// [`ViewerError::Texture`] for one that cannot be decoded.
     pub async fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, scene: &Scene) -> Result<Self, ViewerError> {
         let mips = Mips::new(gpu);
-        let textures = textures::load(gpu, &mips, scene).await?;
+        let (textures, bytes) = textures::load(gpu, &mips, scene).await?;
         let white = textures::white(gpu);
         let mut records = vec![0u8; STRIDE as usize * scene.meta.materials.len()];
         for (i, material) in scene.meta.materials.iter().enumerate() {
@@ -111,7 +111,6 @@ impl Materials {
                 group(gpu, "material", layout, &resources)
             })
             .collect();
-        let bytes = textures.iter().map(|t| bindings::texture_bytes(t.texture())).sum();
         Ok(Self { groups, emission, bytes })
     }
 }

@@ -3,11 +3,12 @@
 //! In the browser `createImageBitmap` decodes, with no premultiplication and no colour conversion;
 //! natively the `image` crate.
 
-use crate::bindings::{Draw, Slot, attachment, group, layout, opaque, view};
+use crate::bindings::{Draw, Slot, attachment, group, layout, opaque, texture_bytes, view};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::shaders;
 use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::meta::Texture;
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 /// Textures are decoded this many at a time.
@@ -72,28 +73,47 @@ impl Mips {
     }
 }
 
-/// All textures of the scene, by index.
+/// All textures of the scene, by index, and their bytes on the GPU. Pictures that the file holds once are there once.
 ///
 /// # Errors
 /// [`ViewerError::Texture`] for the first that cannot be decoded.
-pub async fn load(gpu: &Gpu, mips: &Mips, scene: &Scene) -> Result<Vec<wgpu::TextureView>, ViewerError> {
-    let count = scene.meta.textures.len();
+pub async fn load(
+    gpu: &Gpu,
+    mips: &Mips,
+    scene: &Scene,
+) -> Result<(Vec<wgpu::TextureView>, u64), ViewerError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
-    let mut out = Vec::with_capacity(count);
-    for first in (0..count).step_by(BATCH) {
-        let batch: Vec<_> =
-            (first..(first + BATCH).min(count)).map(|i| decode::begin(scene, i, limit)).collect();
-        for (k, decoding) in batch.into_iter().enumerate() {
+    let (firsts, shared) = distinct(&scene.meta.textures);
+    let (mut views, mut bytes) = (Vec::with_capacity(firsts.len()), 0);
+    for batch in firsts.chunks(BATCH) {
+        let decoding: Vec<_> = batch.iter().map(|&i| decode::begin(scene, i, limit)).collect();
+        for (&i, decoding) in batch.iter().zip(decoding) {
             let texture = decode::finish(gpu, decoding).await.map_err(|problem| {
-                let name = &scene.meta.textures[first + k].name;
-                let name = if name.is_empty() { (first + k).to_string() } else { name.clone() };
+                let name = &scene.meta.textures[i].name;
+                let name = if name.is_empty() { i.to_string() } else { name.clone() };
                 ViewerError::Texture { name, problem }
             })?;
             mips.fill(gpu, &texture);
-            out.push(texture.create_view(&Default::default()));
+            bytes += texture_bytes(&texture);
+            views.push(texture.create_view(&Default::default()));
         }
     }
-    Ok(out)
+    Ok((shared.into_iter().map(|k| views[k].clone()).collect(), bytes))
+}
+
+/// The first texture of every picture, and for each texture the place of its picture among these.
+fn distinct(textures: &[Texture]) -> (Vec<usize>, Vec<usize>) {
+    let mut firsts: Vec<usize> = Vec::new();
+    let mut shared = Vec::with_capacity(textures.len());
+    for (i, texture) in textures.iter().enumerate() {
+        let same =
+            |first: &usize| (textures[*first].offset, textures[*first].len) == (texture.offset, texture.len);
+        shared.push(firsts.iter().position(same).unwrap_or_else(|| {
+            firsts.push(i);
+            firsts.len() - 1
+        }));
+    }
+    (firsts, shared)
 }
 
 /// A white texture of one pixel.
@@ -209,5 +229,19 @@ mod decode {
         );
         bitmap.close();
         Ok(texture)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_of_one_picture_share_it() {
+        let texture = |offset, len| Texture { offset, len, ..Texture::default() };
+        let (firsts, shared) =
+            distinct(&[texture(0, 9), texture(9, 4), texture(0, 9), texture(0, 5), texture(9, 4)]);
+        assert_eq!(firsts, [0, 1, 3]);
+        assert_eq!(shared, [0, 1, 0, 2, 1]);
     }
 }
