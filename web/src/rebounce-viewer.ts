@@ -8,6 +8,7 @@ import { download } from "./download.js";
 import { Failure, failureOf, isFatal, sentence } from "./failure.js";
 import { listen } from "./input.js";
 import { createViewer, type Viewer } from "./module.js";
+import { OnScreen } from "./onscreen.js";
 import { Panel, type Stats } from "./panel.js";
 import type { Camera, Light, Shot } from "./shot.js";
 import { style } from "./style.js";
@@ -41,7 +42,7 @@ const MAX_PIXEL_RATIO = 2;
 
 /** The custom element. */
 export class RebounceViewer extends HTMLElement {
-  static readonly observedAttributes = ["src", "alt", "poster", "exposure", "mode", "overlay", "controls"];
+  static readonly observedAttributes = ["src", "alt", "poster", "exposure", "mode", "overlay", "controls", "loading"];
 
   #canvas = document.createElement("canvas");
   #poster = document.createElement("img");
@@ -55,10 +56,13 @@ export class RebounceViewer extends HTMLElement {
   /** Ends the present download; each load has its own. */
   #loading: AbortController | undefined;
   #loaded = false;
+  /** The file is not loaded before the element comes into view. */
+  #waits = false;
   #frame = 0;
   #pending: { shot?: Shot; camera?: Camera; lights?: Light[] } = {};
   #cameraJson = "";
   #lightsJson = "";
+  #onScreen = new OnScreen(this, () => this.#appear());
   #resizing = new ResizeObserver((entries) => this.#resize(entries[entries.length - 1]));
 
   constructor() {
@@ -128,6 +132,14 @@ export class RebounceViewer extends HTMLElement {
   }
   set overlay(overlay: Overlay) {
     this.setAttribute("overlay", overlay);
+  }
+
+  /** Whether the file is loaded at once, or only when the element comes near the visible part of the page. */
+  get loading(): "eager" | "lazy" {
+    return this.getAttribute("loading") === "lazy" ? "lazy" : "eager";
+  }
+  set loading(when: "eager" | "lazy") {
+    this.setAttribute("loading", when);
   }
 
   /** Whether the small panel is offered. */
@@ -222,7 +234,8 @@ export class RebounceViewer extends HTMLElement {
   /** @internal */
   connectedCallback(): void {
     this.#resizing.observe(this);
-    if (this.hasAttribute("src") && !this.#loaded && !this.#loading) void this.#load();
+    this.#onScreen.watch();
+    if (!this.#loaded && !this.#loading) this.#loadInTime();
     else this.#wantFrame();
   }
 
@@ -232,6 +245,7 @@ export class RebounceViewer extends HTMLElement {
     queueMicrotask(() => {
       if (this.isConnected) return;
       this.#resizing.disconnect();
+      this.#onScreen.stop();
       this.dispose();
     });
   }
@@ -241,7 +255,10 @@ export class RebounceViewer extends HTMLElement {
     if (before === value && name !== "src") return;
     switch (name) {
       case "src":
-        if (this.isConnected) void this.#load();
+        if (this.isConnected) this.#loadInTime();
+        break;
+      case "loading":
+        if (this.isConnected && !this.#loaded && !this.#loading) this.#loadInTime();
         break;
       case "alt":
         this.#canvas.setAttribute("aria-label", this.#label());
@@ -256,6 +273,18 @@ export class RebounceViewer extends HTMLElement {
       default:
         this.#applySettings();
     }
+  }
+
+  /** Loads now, or, with `loading="lazy"`, when the element comes into view. */
+  #loadInTime(): void {
+    this.#waits = this.hasAttribute("src") && this.loading === "lazy" && !this.#onScreen.visible;
+    if (this.hasAttribute("src") && !this.#waits) void this.#load();
+  }
+
+  /** The element comes into view: loads what it waited with, or draws what has changed meanwhile. */
+  #appear(): void {
+    if (this.#waits) this.#loadInTime();
+    this.#wantFrame();
   }
 
   /** Gets a viewer and the file, one beside the other, and shows the scene. Never rejects. */
@@ -388,10 +417,10 @@ export class RebounceViewer extends HTMLElement {
   // ---- drawing
 
   #wantFrame(): void {
-    if (this.#frame || !this.#ready() || !this.isConnected) return;
+    if (this.#frame || !this.#ready() || !this.isConnected || this.#onScreen.hidden) return;
     this.#frame = requestAnimationFrame((now) => {
       this.#frame = 0;
-      this.#draw(now);
+      if (!this.#onScreen.hidden) this.#draw(now);
     });
   }
 

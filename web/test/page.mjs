@@ -41,6 +41,7 @@ export async function runPageTests(harness, paths) {
   try {
     await loading(harness, context);
     await light(harness, context);
+    await onScreen(harness, context);
     await failures(harness, context);
   } finally {
     await browser.close();
@@ -169,6 +170,54 @@ async function loading(harness, context) {
 
   await harness.test("page::no_fault_on_the_way", async () => {
     equal(faults.join("\n"), "", "faults");
+  });
+  await page.close();
+}
+
+async function onScreen(harness, context) {
+  // The element far below what can be seen, and lazy.
+  const prepare = () => {
+    new MutationObserver((_, observer) => {
+      const viewer = document.querySelector("rebounce-viewer");
+      if (!viewer) return;
+      observer.disconnect();
+      viewer.setAttribute("loading", "lazy");
+      viewer.style.display = "block";
+      viewer.style.height = "180px";
+      document.documentElement.style.overflow = document.body.style.overflow = "auto";
+      document.documentElement.style.height = document.body.style.height = "auto";
+      document.body.style.display = "block";
+      const far = document.createElement("div");
+      far.style.height = "4000px";
+      viewer.before(far);
+    }).observe(document, { childList: true, subtree: true });
+  };
+  const { page, faults } = await open(context, { prepare });
+  const frames = () => page.evaluate(() => document.querySelector("rebounce-viewer").stats()?.frames);
+  const pause = (ms) => new Promise((later) => setTimeout(later, ms));
+  const scroll = (y) => page.evaluate((to) => scrollTo(0, to), y);
+
+  await harness.test("page::a_lazy_element_loads_when_it_comes_into_view", async () => {
+    await pause(1500);
+    equal(await page.evaluate(() => events.length), 0, "events while it is far away");
+    await scroll(4000);
+    equal((await outcome(page)).type, "load", "the event");
+  });
+
+  await harness.test("page::out_of_view_nothing_is_drawn", async () => {
+    await scroll(0);
+    await pause(500);
+    const before = await frames();
+    await page.evaluate(() => {
+      const viewer = document.querySelector("rebounce-viewer");
+      const [light] = viewer.lights;
+      viewer.lights = [{ ...light, intensity: light.intensity * 0.5 }];
+    });
+    await pause(1500);
+    equal(await frames(), before, "frames drawn out of view");
+    await scroll(4000);
+    await within(60, "a frame", page.waitForFunction((n) => document.querySelector("rebounce-viewer").stats().frames > n, before));
+    equal(faults.length, 0, faults.join("\n"));
   });
   await page.close();
 }
