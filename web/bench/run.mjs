@@ -13,7 +13,7 @@ import { launch, within } from "../test/browser.mjs";
 
 const SIZE = { width: 1280, height: 720 };
 const PICTURE = [320, 180];
-const ROUNDS = 2;
+const ROUNDS = 5;
 
 const [compare, glb, rbn, shot, reference, out] = process.argv.slice(2);
 const web = path.join(import.meta.dirname, "..");
@@ -87,10 +87,11 @@ try {
         results[which].ms.push(...(await frames(page, which === "vxgi" ? 1 : 3, round)));
         if (which === "ours") {
           results.ours.turn = await within(300, "a turn", page.evaluate(() => globalThis.bench.turn(0.1)));
+          results.ours.loaded = await page.evaluate(() => globalThis.bench.loadedAt);
           results.ours.lit = await page.evaluate(() => globalThis.bench.litAt);
           results.ours.stats = await page.evaluate(() => globalThis.bench.stats());
         }
-        if (round === 0 && which !== "three") results[which].error = await error(page, work, which);
+        if (round === 0 && which === "ours") results[which].error = await error(page, work, which);
       } catch (failure) {
         if (which !== "vxgi") throw failure;
         results.vxgi.failure = String(failure);

@@ -50,7 +50,6 @@ function placeLight(shift) {
 }
 
 let draw = () => renderer.render(scene, camera);
-let indirect;
 if (gi) {
   const { vxgi } = await import("three/addons/lighting/vxgi/VXGINode.js");
   const first = pass(scene, camera);
@@ -62,24 +61,8 @@ if (gi) {
   const bounced = first.getTextureNode("diffuse").rgb.mul(node.getGINode().rgb).div(Math.PI).mul(node.mul(0).add(1).x);
   const pipeline = new THREE.RenderPipeline(renderer);
   pipeline.outputColorTransform = false;
-  const all = renderOutput(vec4(first.getTextureNode().rgb.add(bounced), float(1)));
-  const alone = vec4(bounced, float(1));
-  pipeline.outputNode = all;
+  pipeline.outputNode = renderOutput(vec4(first.getTextureNode().rgb.add(bounced), float(1)));
   draw = () => pipeline.render();
-  indirect = async (width, height) => {
-    // Pixels of the reference's size, bounced light alone, as floats.
-    pipeline.outputNode = alone;
-    pipeline.needsUpdate = true;
-    const target = new THREE.RenderTarget(width, height, { type: THREE.FloatType });
-    renderer.setSize(width, height);
-    camera.aspect = width / height;
-    camera.updateProjectionMatrix();
-    renderer.setRenderTarget(target);
-    pipeline.render();
-    const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
-    renderer.setRenderTarget(null);
-    return Array.from(pixels);
-  };
 }
 
 const queue = renderer.backend.device.queue;
@@ -91,9 +74,5 @@ window.bench = {
     draw();
     await queue.onSubmittedWorkDone();
     return performance.now() - start;
-  },
-  async indirect(width, height) {
-    placeLight(0);
-    return indirect(width, height);
   },
 };
