@@ -13,6 +13,7 @@ use crate::points::{PlaceError, candidates::Candidates, cut, footprint, place, v
 use crate::scene::Scene;
 use crate::triangles::TriangleSurfaces;
 use glam::{DVec3, Vec3};
+use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 use rebounce_shared::rbn::{self, RbnError};
 use std::time::Instant;
@@ -115,6 +116,14 @@ pub fn bake(
         place(&surfaces, &viewpoints, &settings.place, |level, count| tell(Stage::Points, count, 0, level))?;
     cut(&surfaces, &mut points);
     footprint(&surfaces, &mut points);
+    // Links can name so many senders: beyond, the finest levels receive and do not send.
+    while points.count_on(settings.operator.sender_levels) > MAX_SENDERS
+        && settings.operator.sender_levels > 1
+    {
+        settings.operator.sender_levels -= 1;
+    }
+    settings = settings.normalised();
+    report.sender_levels = settings.operator.sender_levels as u64;
     lap(&mut report, Stage::Points);
     tell(Stage::Basis, 0, 0, 0);
     let relations = Relations::new(&points, settings.direct_levels);
