@@ -67,7 +67,7 @@ pub fn vectors(scene: &Scene, sent: &[Vec3], count: usize) -> Vec<VectorRgb> {
         let parents = scene.push().row(i);
         let total: f32 = parents.iter().map(|e| e.weight()).sum();
         let normal = scene.points[i].normal();
-        for entry in parents {
+        for entry in parents.iter().filter(|_| total > 0.0) {
             let parent: &VectorRgb = &values[entry.point()];
             let turned = parent.turned(scene.points[entry.point()].normal(), normal);
             sum.add_scaled(entry.weight() / total, &turned);

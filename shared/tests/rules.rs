@@ -55,7 +55,7 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 #[test]
 fn every_broken_rule_is_refused_by_its_section() {
     type Break = fn(&mut Scene);
-    let breaks: [(&str, Break); 20] = [
+    let breaks: [(&str, Break); 21] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
         ("META", |s| s.meta.levels[1].first = 7),
@@ -65,6 +65,7 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("INDX", |s| s.indices[2] = 3),
         ("VERT", |s| s.vertices[0].uv[0] = f32::INFINITY),
         ("PNTS", |s| s.points[0].radius = -1.0),
+        ("PNTS", |s| s.points[0].radius = 1e20),
         ("PNTS", |s| s.points[0].cuts = Point::pack_cuts(0, 2, 255)),
         ("PNTS", |s| s.points[1].cuts = Point::pack_cuts(1 << 20, 1, 0)),
         ("CUTS", |s| s.cuts[0].towards[2] = f32::NAN),

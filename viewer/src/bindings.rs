@@ -114,11 +114,11 @@ pub fn buffer(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -
     buffer
 }
 
-/// A buffer of zeros, at least 16 bytes.
+/// A buffer of zeros, at least as large as one record of any kind.
 pub fn empty_buffer(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: size.max(16).next_multiple_of(4),
+        size: size.max(32).next_multiple_of(4),
         usage,
         mapped_at_creation: false,
     })

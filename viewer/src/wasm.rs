@@ -237,6 +237,7 @@ impl Viewer {
         if !state.renderer.needs_frame() {
             return Ok(moving);
         }
+        let averages = state.renderer.refining();
         let Some(surface) = &state.surface else { return Ok(false) };
         if !state.configured {
             surface.configure(&state.renderer.gpu().device, &state.config);
@@ -253,7 +254,7 @@ impl Viewer {
         let drawn = state.renderer.draw(&view, state.config.format, state.config.width, state.config.height);
         let queue = &state.renderer.gpu().queue;
         queue.present(texture);
-        let (done, start) = (state.pace.begin(), js_sys::Date::now());
+        let (done, start) = (state.pace.begin(averages), js_sys::Date::now());
         queue.on_submitted_work_done(move || done(js_sys::Date::now() - start));
         drawn.map_err(|e| js_error(&e))?;
         state.renderer.gpu().check().map_err(|e| js_error(&e))?;

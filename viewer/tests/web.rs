@@ -5,7 +5,7 @@ use js_sys::{Float32Array, Promise, Reflect, Uint8Array};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::bulk::{Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
-use rebounce_shared::rbn::{RbnError, Scene};
+use rebounce_shared::rbn::{LinkMatrix, RbnError, Scene};
 use rebounce_viewer::wasm::Viewer;
 use wasm_bindgen::convert::TryFromJsValue;
 use wasm_bindgen::{JsCast, JsValue};
@@ -37,7 +37,8 @@ fn triangle() -> Scene {
         },
         vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)],
         indices: vec![0, 1, 2],
-        points: vec![Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts: 0 }],
+        points: vec![Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts: 0, tint: 0 }],
+        vectors: LinkMatrix::from_rows(&[Vec::new()]),
         push_offsets: vec![0, 0],
         pull_offsets: vec![0],
         ..Scene::default()

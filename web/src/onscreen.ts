@@ -40,6 +40,7 @@ export class OnScreen {
   /** Stops, and forgets. */
   stop(): void {
     this.#observer.disconnect();
+    this.#observer.takeRecords();
     this.#state = undefined;
   }
 }

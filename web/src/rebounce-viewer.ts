@@ -223,6 +223,7 @@ export class RebounceViewer extends HTMLElement {
 
   /** Frees the GPU's memory. The element stays empty until `src` is set or `reload()` is called. */
   dispose(): void {
+    this.#waits = false;
     this.#loading?.abort();
     this.#loading = undefined;
     this.#bar.hidden = true;
@@ -255,10 +256,13 @@ export class RebounceViewer extends HTMLElement {
     if (before === value && name !== "src") return;
     switch (name) {
       case "src":
+        this.#loading?.abort();
+        this.#loading = undefined;
+        this.#bar.hidden = true;
         if (this.isConnected) this.#loadInTime();
         break;
       case "loading":
-        if (this.isConnected && !this.#loaded && !this.#loading) this.#loadInTime();
+        if (this.isConnected && this.#waits) this.#loadInTime();
         break;
       case "alt":
         this.#canvas.setAttribute("aria-label", this.#label());
@@ -291,6 +295,7 @@ export class RebounceViewer extends HTMLElement {
   async #load(): Promise<void> {
     this.#loading?.abort();
     this.#loading = undefined;
+    this.#waits = false;
     this.#message.hidden = true;
     this.#message.replaceChildren();
     if (!this.getAttribute("src")) return;

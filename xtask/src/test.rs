@@ -73,6 +73,8 @@ fn wasm_tests(toolchain: Toolchain) -> Result<Vec<PathBuf>> {
     let mut command = toolchain.cargo("test");
     command.args(["--package", "rebounce-viewer", "--test", "web", "--profile", "web", "--no-run"]);
     command.arg("--message-format=json-render-diagnostics");
+    // As the bundle, or all dependencies would be compiled again.
+    web::lean(&mut command);
     println!("> {}", process::line(&command));
     let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output().context("cargo")?;
     if !output.status.success() {

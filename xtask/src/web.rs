@@ -41,11 +41,14 @@ pub fn build() -> Result<()> {
 fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
     let mut cargo = toolchain.cargo("build");
     cargo.args(["--package", "rebounce-viewer", "--lib", "--profile", "web"]);
-    // Places in panics and what only `{:?}` prints make up a tenth of a bundle, and nobody sees them in a page.
-    cargo.env("RUSTC_BOOTSTRAP", "1");
-    cargo.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", "-Zlocation-detail=none -Zfmt-debug=none");
-    process::run(&mut cargo)?;
+    process::run(lean(&mut cargo))?;
     Ok(toolchain.target().join(toolchain::TARGET).join("web").join(NAME).with_extension("wasm"))
+}
+
+/// Places in panics and what only `{:?}` prints make up a tenth of a bundle, and nobody sees them in a page.
+pub fn lean(cargo: &mut Command) -> &mut Command {
+    cargo.env("RUSTC_BOOTSTRAP", "1");
+    cargo.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", "-Zlocation-detail=none -Zfmt-debug=none")
 }
 
 /// Installs what web/package-lock.json names, where that is not yet done.

@@ -246,8 +246,11 @@ impl Scene {
         if !self.vertices.iter().all(|v| finite(&v.position) && finite(&v.uv)) {
             return Err(bad("VERT", "a number is not finite"));
         }
-        if !self.points.iter().all(|p| finite(&p.position) && p.radius.is_finite() && p.radius > 0.0) {
-            return Err(bad("PNTS", "a number is not finite"));
+        // Squares and sums of these stay finite.
+        let sane = |x: f32| x.abs() < 1e15;
+        let placed = |p: &Point| p.position.iter().all(|x| sane(*x)) && sane(p.radius) && p.radius > 0.0;
+        if !self.points.iter().all(placed) {
+            return Err(bad("PNTS", "a number is not finite, or far too large"));
         }
         if !self.points.iter().all(|p| p.cuts().len() <= MAX_CUTS && p.cuts().end <= self.cuts.len()) {
             return Err(bad("PNTS", "a cut lies outside section CUTS"));

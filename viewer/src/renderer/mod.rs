@@ -25,6 +25,7 @@ use crate::shadow_fit;
 use crate::stats::{Bytes, Stats};
 use crate::target::Target;
 use crate::timing::{Milliseconds, Timing};
+use crate::upload::MAX_BINDING;
 use rebounce_shared::{camera::Camera, light::Light};
 use state::check_lights;
 use std::rc::Rc;
@@ -285,6 +286,13 @@ impl Renderer {
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(ViewerError::BadArgument(format!(
                 "a picture of {width} x {height} pixels: both must be between 1 and {limit}"
+            )));
+        }
+        // A number a pixel must fit one binding.
+        let most = MAX_BINDING / 4;
+        if width as u64 * height as u64 > most {
+            return Err(ViewerError::BadArgument(format!(
+                "a picture of {width} x {height} pixels: at most {most} together"
             )));
         }
         Ok(())

@@ -5,6 +5,7 @@ use crate::bindings::target as texture_target;
 use crate::composite::Shading;
 use crate::error::ViewerError;
 use crate::readback::Readback;
+use crate::upload::MAX_BUFFER;
 use crate::view::Sample;
 use wgpu::TextureFormat;
 
@@ -23,6 +24,12 @@ impl Renderer {
     pub fn read_indirect(&mut self, width: u32, height: u32) -> Result<Readback, ViewerError> {
         let scene = self.scene.clone().ok_or(ViewerError::NoScene)?;
         self.check_size(width, height)?;
+        let bytes = 16 * width as u64 * height as u64;
+        if bytes > MAX_BUFFER {
+            return Err(ViewerError::BadArgument(format!(
+                "a picture of {width} x {height} pixels takes {bytes} bytes, at most {MAX_BUFFER} can be read"
+            )));
+        }
         let limit = self.gpu.device.limits().max_texture_dimension_2d;
         let fits = 2 * width.max(height) <= limit && 4 * width as u64 * height as u64 <= MOST_PIXELS;
         let scale = if fits { 2 } else { 1 };

@@ -16,6 +16,9 @@ mod rans;
 /// A section's contents over its packed size, at most.
 pub const MOST_TIMES: usize = 64;
 
+/// A section's contents at most, bytes.
+const MOST: usize = 1 << 30;
+
 /// A packed section that was not written by [`Writer`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Damaged;
@@ -63,7 +66,7 @@ pub struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// From a section's bytes.
     pub fn new(section: &'a [u8]) -> Self {
-        Self { rest: section, allowed: section.len().saturating_mul(MOST_TIMES) }
+        Self { rest: section, allowed: section.len().saturating_mul(MOST_TIMES).min(MOST) }
     }
 
     fn take(&mut self, n: usize) -> Result<&'a [u8], Damaged> {
