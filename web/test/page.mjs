@@ -206,8 +206,12 @@ async function onScreen(harness, context) {
 
   await harness.test("page::out_of_view_nothing_is_drawn", async () => {
     await scroll(0);
-    await pause(500);
-    const before = await frames();
+    // What was under way comes to its end, however slow the machine is.
+    let before = -1;
+    for (let now = await frames(); now !== before; now = await frames()) {
+      before = now;
+      await pause(1500);
+    }
     await page.evaluate(() => {
       const viewer = document.querySelector("rebounce-viewer");
       const [light] = viewer.lights;
