@@ -104,12 +104,6 @@ impl VectorRgb {
     pub fn irradiance(&self, normal: Vec3) -> Vec3 {
         Vec3::new(self.rgb[0].dot(normal), self.rgb[1].dot(normal), self.rgb[2].dot(normal))
     }
-
-    /// Frobenius norm over channels, divided by √3: the length of a grey vector.
-    #[inline]
-    pub fn magnitude(&self) -> f32 {
-        (self.rgb.iter().map(|v| v.length_squared()).sum::<f32>() / 3.0).sqrt()
-    }
 }
 
 /// Turns `v` as the unit vector `from` turns into `to`, the short way: `turn(from, from, to)` is

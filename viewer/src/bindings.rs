@@ -166,6 +166,16 @@ pub fn compute(
     })
 }
 
+/// Threads of a workgroup in shaders that count them in one dimension.
+pub const WORKGROUP: u32 = 64;
+/// Most workgroups in one dimension of a dispatch that WebGPU guarantees.
+const MAX_GROUPS: u32 = 65535;
+
+/// Workgroups in x and y, at least so many, within WebGPU's limits.
+pub fn grid(groups: u32) -> [u32; 2] {
+    if groups <= MAX_GROUPS { [groups, 1] } else { [MAX_GROUPS, groups.div_ceil(MAX_GROUPS)] }
+}
+
 /// A render pipeline, as far as the ones here differ.
 pub struct Draw<'a> {
     /// Name.
@@ -186,8 +196,6 @@ pub struct Draw<'a> {
     pub strip: bool,
     /// Depth test: comparison and whether depth is written.
     pub depth: Option<(wgpu::CompareFunction, bool)>,
-    /// Override constants of the fragment stage.
-    pub constants: &'a [(&'a str, f64)],
 }
 
 impl Draw<'_> {
@@ -223,10 +231,7 @@ impl Draw<'_> {
             fragment: self.fragment.map(|entry| wgpu::FragmentState {
                 module: &module,
                 entry_point: Some(entry),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: self.constants,
-                    ..Default::default()
-                },
+                compilation_options: Default::default(),
                 targets: &targets,
             }),
             multiview_mask: None,
@@ -247,7 +252,6 @@ impl Default for Draw<'_> {
             buffers: &[],
             strip: false,
             depth: None,
-            constants: &[],
         }
     }
 }

@@ -4,7 +4,7 @@
 //! Half of the pixels' rows and columns have such rows of functions; the others are interpolated where the
 //! surface goes on, and have rows of their own where it does not (slots.wgsl).
 
-use crate::bindings::{Slot, buffer, compute, empty_buffer, group, layout, view};
+use crate::bindings::{Slot, WORKGROUP, buffer, compute, empty_buffer, grid, group, layout, view};
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
 use crate::scene::LoadedScene;
@@ -22,10 +22,6 @@ const ENTRY: u64 = 4;
 const SINGLE_SHARE: u64 = 5;
 /// Distance over which light is interpolated between pixels, as a share of the finest support radius.
 const REACH: f32 = 0.25;
-/// Threads of a workgroup in gather.wgsl.
-const WORKGROUP: u32 = 64;
-/// Most workgroups in one dimension of a dispatch that WebGPU guarantees.
-const MAX_GROUPS: u32 = 65535;
 
 /// `Slots` in slots.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -115,7 +111,7 @@ impl DisplayPass {
         let layout = buffer(gpu, "slots layout", BufferUsages::UNIFORM, bytemuck::bytes_of(&layout));
         let storage = BufferUsages::STORAGE;
         let rows = empty_buffer(gpu, "rows", storage, ENTRY * row_length * capacity);
-        let slots = empty_buffer(gpu, "slots", storage, 4 * size[0] as u64 * size[1] as u64);
+        let slots = empty_buffer(gpu, "slots", storage, 4 * pixels);
         let light = empty_buffer(gpu, "light", storage, 16 * capacity);
         let counts =
             empty_buffer(gpu, "counts", storage | BufferUsages::COPY_DST | BufferUsages::COPY_SRC, 16);
@@ -186,7 +182,7 @@ impl DisplayPass {
         });
         pass.set_pipeline(&self.gather);
         pass.set_bind_group(0, &target.gather, &[]);
-        let groups = target.capacity.div_ceil(WORKGROUP);
-        pass.dispatch_workgroups(groups.min(MAX_GROUPS), groups.div_ceil(MAX_GROUPS), 1);
+        let [x, y] = grid(target.capacity.div_ceil(WORKGROUP));
+        pass.dispatch_workgroups(x, y, 1);
     }
 }

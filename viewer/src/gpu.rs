@@ -95,12 +95,17 @@ impl Gpu {
     }
 }
 
+/// `GPUDevice.adapterInfo` of this name.
+#[cfg(target_arch = "wasm32")]
+fn adapter_info(device: &wgpu::Device, name: &str) -> Option<wasm_bindgen::JsValue> {
+    let info = js_sys::Reflect::get(device.as_webgpu()?, &"adapterInfo".into()).ok()?;
+    js_sys::Reflect::get(&info, &name.into()).ok()
+}
+
 /// What the browser tells of the adapter: vendor and architecture.
 #[cfg(target_arch = "wasm32")]
 fn adapter_name(device: &wgpu::Device) -> String {
-    let Some(device) = device.as_webgpu() else { return String::new() };
-    let Ok(info) = js_sys::Reflect::get(device, &"adapterInfo".into()) else { return String::new() };
-    let text = |name: &str| js_sys::Reflect::get(&info, &name.into()).ok().and_then(|v| v.as_string());
+    let text = |name: &str| adapter_info(device, name).and_then(|v| v.as_string());
     let parts: Vec<String> = ["vendor", "architecture"].into_iter().filter_map(text).collect();
     parts.join(" ").trim().to_owned()
 }
@@ -108,9 +113,7 @@ fn adapter_name(device: &wgpu::Device) -> String {
 /// Whether the browser says that the adapter is one of software.
 #[cfg(target_arch = "wasm32")]
 fn is_fallback(device: &wgpu::Device) -> bool {
-    let Some(device) = device.as_webgpu() else { return false };
-    let Ok(info) = js_sys::Reflect::get(device, &"adapterInfo".into()) else { return false };
-    js_sys::Reflect::get(&info, &"isFallbackAdapter".into()).is_ok_and(|flag| flag.is_truthy())
+    adapter_info(device, "isFallbackAdapter").is_some_and(|flag| flag.is_truthy())
 }
 
 #[cfg(not(target_arch = "wasm32"))]

@@ -48,20 +48,7 @@ pub fn build(scene: &Scene) -> Result<Vec<u32>, ViewerError> {
 fn append(words: &mut Vec<u32>, grid: &Grid, points: &[Point], first: u32, buckets: usize) {
     let offsets = words.len();
     words.resize(offsets + buckets + 1, 0);
-    // The last function put into each bucket: two cells of one function may share a bucket.
-    let mut last = vec![u32::MAX; buckets];
-    let mut each = |mut visit: Box<dyn FnMut(usize, u32) + '_>| {
-        last.fill(u32::MAX);
-        for (point, i) in points.iter().zip(first..) {
-            grid.cells(point, |cell| {
-                let bucket = hash(cell) as usize & (buckets - 1);
-                if std::mem::replace(&mut last[bucket], i) != i {
-                    visit(bucket, i);
-                }
-            });
-        }
-    };
-    each(Box::new(|bucket, _| words[offsets + bucket + 1] += 1));
+    grid.buckets(points, first, buckets, |bucket, _| words[offsets + bucket + 1] += 1);
     words[offsets] = (offsets + buckets + 1) as u32;
     for b in 0..buckets {
         words[offsets + b + 1] += words[offsets + b];
@@ -69,10 +56,10 @@ fn append(words: &mut Vec<u32>, grid: &Grid, points: &[Point], first: u32, bucke
     let mut next = words[offsets..offsets + buckets].to_vec();
     let end = words[offsets + buckets] as usize;
     words.resize(end, 0);
-    each(Box::new(|bucket, i| {
+    grid.buckets(points, first, buckets, |bucket, i| {
         words[next[bucket] as usize] = i;
         next[bucket] += 1;
-    }));
+    });
 }
 
 /// The grid of a level.
@@ -84,6 +71,20 @@ impl Grid {
     fn new(points: &[Point]) -> Self {
         let largest = points.iter().fold(0f32, |m, p| m.max(p.radius));
         Self { cells_per_unit: if largest > 0.0 { 1.0 / (CELL * largest) } else { 1.0 } }
+    }
+
+    /// Every bucket, of so many, with the functions of its cells: ascending, counted from `first`, each once.
+    fn buckets(&self, points: &[Point], first: u32, buckets: usize, mut visit: impl FnMut(usize, u32)) {
+        // The last function put into each bucket: two cells of one function may share a bucket.
+        let mut last = vec![u32::MAX; buckets];
+        for (point, i) in points.iter().zip(first..) {
+            self.cells(point, |cell| {
+                let bucket = hash(cell) as usize & (buckets - 1);
+                if std::mem::replace(&mut last[bucket], i) != i {
+                    visit(bucket, i);
+                }
+            });
+        }
     }
 
     /// The cells that a point's support may reach into: an ellipsoid, flat along the normal.

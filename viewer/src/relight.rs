@@ -1,6 +1,6 @@
 //! One frame of relighting on the GPU: the steps of [`rebounce_shared::relight`] as compute passes.
 
-use crate::bindings::{Slot, compute, empty_buffer, group, layout, part};
+use crate::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout, part};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::shaders;
@@ -9,10 +9,6 @@ use bytemuck::{Pod, Zeroable};
 use rebounce_shared::rbn::Scene;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Threads of a workgroup in all relighting shaders.
-const WORKGROUP: u32 = 64;
-/// Most workgroups in one dimension of a dispatch that WebGPU guarantees.
-const MAX_GROUPS: u32 = 65535;
 /// Bytes of one point's vector irradiance: nine floats.
 const VALUE_BYTES: u64 = 36;
 /// Distance of steps in their uniform buffer, bytes.
@@ -76,11 +72,6 @@ impl Dispatch {
         let groups = grid(step.count.div_ceil(WORKGROUP / lanes));
         Self { kernel, step: Step { threads: groups[0], ..step }, groups }
     }
-}
-
-/// Workgroups in x and y, at least so many, within WebGPU's limits.
-fn grid(groups: u32) -> [u32; 2] {
-    if groups <= MAX_GROUPS { [groups, 1] } else { [MAX_GROUPS, groups.div_ceil(MAX_GROUPS)] }
 }
 
 /// All dispatches of a frame, in order.

@@ -49,10 +49,7 @@ impl LoadedScene {
         let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);
         // Near enough that the eye can go close to the finest functions.
         let finest = scene.meta.levels.last().map_or(f32::MAX, |l| l.support_radius);
-        let mut radii: Vec<f32> = match scene.meta.levels.len() {
-            0 => Vec::new(),
-            levels => scene.points[scene.level(levels - 1)].iter().map(|p| p.radius).collect(),
-        };
+        let mut radii: Vec<f32> = scene.points[scene.display()].iter().map(|p| p.radius).collect();
         let tenth = radii.len() / 10;
         let finest_radius =
             if radii.is_empty() { 0.0 } else { *radii.select_nth_unstable_by(tenth, f32::total_cmp).1 };

@@ -5,6 +5,7 @@ use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use rebounce_shared::link::{Sent, VectorLink, spread_direction};
 use rebounce_shared::rbn::{LinkMatrix, Scene, meta::Alpha};
+use std::borrow::Cow;
 use std::ops::Range;
 use wgpu::BufferUsages;
 
@@ -97,10 +98,12 @@ impl Upload {
         let directions: Vec<u32> = (0..=u16::MAX).map(spread_direction).collect();
         let spread =
             |link: VectorLink| VectorLink { direction: directions[link.direction as u16 as usize], ..link };
-        let vectors = matrix(&mut section, "VECL", &scene.vectors, MAX_BINDING, spread)?;
-        let finest = matrix(&mut section, "FINL", &scene.finest, MAX_BINDING, |link| link)?;
+        let vectors = matrix(&mut section, "VECL", &scene.vectors, MAX_BINDING, |links| {
+            links.iter().copied().map(spread).collect()
+        })?;
+        let finest = matrix(&mut section, "FINL", &scene.finest, MAX_BINDING, |links| Cow::Borrowed(links))?;
         // One buffer: between coarse points there are few.
-        let later = matrix(&mut section, "LATL", &scene.later, u64::MAX, |link| link)?;
+        let later = matrix(&mut section, "LATL", &scene.later, u64::MAX, |links| Cow::Borrowed(links))?;
         Ok(Self {
             vertices: section(
                 "VERT",
@@ -132,15 +135,13 @@ fn matrix<L: Sent + bytemuck::Pod>(
     name: &'static str,
     matrix: &LinkMatrix<L>,
     limit: u64,
-    prepare: impl Fn(L) -> L + Copy,
+    prepare: impl Fn(&[L]) -> Cow<'_, [L]>,
 ) -> Result<LinkBuffers, ViewerError> {
     let mut parts = Vec::new();
     for rows in chunks(&matrix.offsets, limit / size_of::<L>() as u64) {
         let [first, end] = [rows.start, rows.end].map(|row| matrix.offsets[row as usize]);
-        let content: Vec<L> =
-            matrix.links[first as usize..end as usize].iter().copied().map(prepare).collect();
-        let content = bytemuck::cast_slice(&content);
-        let links = section(name, BufferUsages::STORAGE, MAX_BINDING, content)?;
+        let content = prepare(&matrix.links[first as usize..end as usize]);
+        let links = section(name, BufferUsages::STORAGE, MAX_BINDING, bytemuck::cast_slice(&content))?;
         parts.push(Chunk { links, rows, first_link: first });
     }
     let offsets = bytemuck::cast_slice(&matrix.offsets);

@@ -21,28 +21,28 @@ const loadedAt = performance.now();
 await device.queue.onSubmittedWorkDone();
 const litAt = performance.now();
 
+/** Milliseconds from a change to the end of the GPU's work on the frame that shows it. */
+async function timed(change) {
+  const before = viewer.stats().frames;
+  const start = performance.now();
+  change();
+  while (viewer.stats().frames === before) await new Promise(requestAnimationFrame);
+  await device.queue.onSubmittedWorkDone();
+  return performance.now() - start;
+}
+
 window.bench = {
   loadedAt,
   litAt,
-  /** Milliseconds of a frame, from the light's move to the end of the GPU's work. */
-  async frame(shift) {
+  /** A frame with the light moved. */
+  frame(shift) {
     const [x, y, z] = lights[0].position;
-    const before = viewer.stats().frames;
-    const start = performance.now();
-    viewer.lights = [{ ...lights[0], position: [x + shift, y, z] }, ...lights.slice(1)];
-    while (viewer.stats().frames === before) await new Promise(requestAnimationFrame);
-    await device.queue.onSubmittedWorkDone();
-    return performance.now() - start;
+    return timed(() => (viewer.lights = [{ ...lights[0], position: [x + shift, y, z] }, ...lights.slice(1)]));
   },
-  /** Milliseconds of a frame in which the camera moves and the light does not. */
-  async turn(shift) {
+  /** A frame with the camera moved and the light as it is. */
+  turn(shift) {
     const [x, y, z] = camera.position;
-    const before = viewer.stats().frames;
-    const start = performance.now();
-    viewer.camera = { ...camera, position: [x, y + shift, z] };
-    while (viewer.stats().frames === before) await new Promise(requestAnimationFrame);
-    await device.queue.onSubmittedWorkDone();
-    return performance.now() - start;
+    return timed(() => (viewer.camera = { ...camera, position: [x, y + shift, z] }));
   },
   async indirect(width, height) {
     viewer.shot = { camera, lights };

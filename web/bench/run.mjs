@@ -1,4 +1,4 @@
-// node bench/run.mjs REBOUNCE SCENE.glb SCENE.rbn SHOT.json REFERENCE OUT: frames with a moving light at 1280 x 720,
+// node bench/run.mjs COMPARE SCENE.glb SCENE.rbn SHOT.json REFERENCE OUT: frames with a moving light at 1280 x 720,
 // in turns: rebounce-viewer, three.js without global illumination, three.js with VXGI. Writes what was measured to
 // OUT as JSON. REFERENCE.indirect.a.exr and .b.exr are path-traced pictures of the shot's bounced light, or "-".
 

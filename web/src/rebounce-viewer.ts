@@ -224,8 +224,7 @@ export class RebounceViewer extends HTMLElement {
   /** Frees the GPU's memory. The element stays empty until `src` is set or `reload()` is called. */
   dispose(): void {
     this.#waits = false;
-    this.#loading?.abort();
-    this.#loading = undefined;
+    this.#stopLoading();
     this.#bar.hidden = true;
     this.#end();
   }
@@ -256,8 +255,7 @@ export class RebounceViewer extends HTMLElement {
     if (before === value && name !== "src") return;
     switch (name) {
       case "src":
-        this.#loading?.abort();
-        this.#loading = undefined;
+        this.#stopLoading();
         this.#bar.hidden = true;
         if (this.isConnected) this.#loadInTime();
         break;
@@ -279,6 +277,11 @@ export class RebounceViewer extends HTMLElement {
     }
   }
 
+  #stopLoading(): void {
+    this.#loading?.abort();
+    this.#loading = undefined;
+  }
+
   /** Loads now, or, with `loading="lazy"`, when the element comes into view. */
   #loadInTime(): void {
     this.#waits = this.hasAttribute("src") && this.loading === "lazy" && !this.#onScreen.visible;
@@ -293,8 +296,7 @@ export class RebounceViewer extends HTMLElement {
 
   /** Gets a viewer and the file, one beside the other, and shows the scene. Never rejects. */
   async #load(): Promise<void> {
-    this.#loading?.abort();
-    this.#loading = undefined;
+    this.#stopLoading();
     this.#waits = false;
     this.#message.hidden = true;
     this.#message.replaceChildren();
@@ -400,8 +402,7 @@ export class RebounceViewer extends HTMLElement {
 
   #fail(failure: Failure): void {
     const message = sentence(failure.message);
-    this.#loading?.abort();
-    this.#loading = undefined;
+    this.#stopLoading();
     if (isFatal(failure.code)) this.#end();
     this.#loaded = false;
     this.#bar.hidden = true;

@@ -52,11 +52,7 @@ pub fn run(args: &[String]) -> Result<()> {
 
     install::ensure(&install::BROWSER)?;
     web::build()?;
-    process::run(
-        Command::new("npm")
-            .args(["ci", "--no-audit", "--no-fund", "--loglevel=error"])
-            .current_dir(process::root().join("web/bench")),
-    )?;
+    web::packages("web/bench", "three.js")?;
     process::run(process::cargo().args([
         "build",
         "--release",

@@ -56,15 +56,24 @@ pub fn lean(cargo: &mut Command) -> &mut Command {
 /// # Errors
 /// If npm fails.
 pub fn npm() -> Result<()> {
-    let web = process::root().join("web");
-    let lock = fs::read(web.join("package-lock.json")).context("web/package-lock.json")?;
-    let stamp = web.join("node_modules/.rebounce-lock");
+    packages("web", "the TypeScript compiler, the minifier, Playwright's driver")
+}
+
+/// Installs what the package-lock.json of a folder of the repository names, where that is not yet done.
+///
+/// # Errors
+/// If npm fails.
+pub fn packages(folder: &str, what: &str) -> Result<()> {
+    let dir = process::root().join(folder);
+    let lock =
+        fs::read(dir.join("package-lock.json")).with_context(|| format!("{folder}/package-lock.json"))?;
+    let stamp = dir.join("node_modules/.rebounce-lock");
     if fs::read(&stamp).is_ok_and(|installed| installed == lock) {
         return Ok(());
     }
-    println!("installing into web/node_modules, through npm: the TypeScript compiler, Playwright's driver");
+    println!("installing into {folder}/node_modules, through npm: {what}");
     process::run(
-        Command::new("npm").args(["ci", "--no-audit", "--no-fund", "--loglevel=error"]).current_dir(&web),
+        Command::new("npm").args(["ci", "--no-audit", "--no-fund", "--loglevel=error"]).current_dir(&dir),
     )?;
     fs::write(&stamp, lock).with_context(|| stamp.display().to_string())
 }

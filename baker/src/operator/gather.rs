@@ -4,7 +4,7 @@
 use super::OperatorSettings;
 use super::choose::choose;
 use super::directions::Directions;
-use super::tally::{Irradiance, IrradianceRow, Tally, Vector};
+use super::tally::{Amount, Irradiance, IrradianceRow, Tally, Vector};
 use crate::basis::{Leveled, Relations};
 use crate::points::Points;
 use crate::random::mix;
@@ -112,16 +112,10 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         }
         let Scratch { senders, coarse, prediction, weights, .. } = scratch;
         let cost = self.integrate(receiver, directions, weights, |hit, arriving, weights| {
-            for &(sender, share) in weights.iter() {
-                let amount = share * self.brightness(sender, arriving.light);
-                senders.add(sender as usize, amount, &Vector(arriving.direction));
-            }
+            self.share(weights, arriving.light, &Vector(arriving.direction), senders);
             if is_coarse {
                 self.coarse.interpolate(hit.position, hit.normal, weights);
-                for &(sender, share) in weights.iter() {
-                    let amount = share * self.brightness(sender, arriving.light);
-                    coarse.add(sender as usize, amount, &Irradiance(arriving.cosine));
-                }
+                self.share(weights, arriving.light, &Irradiance(arriving.cosine), coarse);
             }
         });
         let mut gathered = Gathered { cost, ..Gathered::default() };
@@ -155,10 +149,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     ) -> Gathered {
         let Scratch { finest: [senders, prediction], weights, .. } = scratch;
         let cost = self.integrate(receiver, directions, weights, |_, arriving, weights| {
-            for &(sender, share) in weights.iter() {
-                let amount = share * self.brightness(sender, arriving.light);
-                senders.add(sender as usize, amount, &Irradiance(arriving.cosine));
-            }
+            self.share(weights, arriving.light, &Irradiance(arriving.cosine), senders);
         });
         // What turns the parent's normal into the receiver's turns its light alike: the part along the normal
         // stays the same.
@@ -204,11 +195,14 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         choose(sums, None, VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
     }
 
-    /// How bright light of this colour is, counted in a sender's tint: the best fit of the one to the other.
+    /// Adds a ray's light to the senders that cover its hit, by their shares: as bright as it is counted in each
+    /// one's tint, the best fit of the one to the other. `amount` is what unit brightness brings.
     #[inline]
-    fn brightness(&self, sender: u32, light: Vec3) -> f32 {
-        let tint = self.tints[sender as usize];
-        light.dot(tint) / tint.length_squared()
+    fn share<A: Amount>(&self, shares: &[(u32, f32)], light: Vec3, amount: &A, senders: &mut Tally<A>) {
+        for &(sender, share) in shares {
+            let tint = self.tints[sender as usize];
+            senders.add(sender as usize, share * (light.dot(tint) / tint.length_squared()), amount);
+        }
     }
 
     #[inline]

@@ -38,8 +38,9 @@ pub fn refine<S: Surfaces + ?Sized>(
         settings,
         link_directions: &link_directions(),
     };
-    let vector_levels = if points.levels.len() > 1 { points.levels.len() - 1 } else { points.levels.len() };
-    let vector_count = points.count_on(vector_levels);
+    // All levels but the finest, or the only one.
+    let levels = points.levels.len();
+    let vector_count = points.count_on(levels.saturating_sub(1).max(1).min(levels));
     operator.vectors = vec![Vec::new(); vector_count];
     operator.finest = vec![Vec::new(); points.points.len() - vector_count];
     let mut values = vec![Vec::new(); points.points.len()];

@@ -1,8 +1,5 @@
 //! A sparse matrix of transport links: sections of offsets and of links.
 
-use super::RbnError;
-use crate::link::Sent;
-
 /// Links by receiver: row `i` is `links[offsets[i]..offsets[i + 1]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkMatrix<L> {
@@ -19,7 +16,7 @@ impl<L> Default for LinkMatrix<L> {
     }
 }
 
-impl<L: Sent> LinkMatrix<L> {
+impl<L: Copy> LinkMatrix<L> {
     /// From all receivers' rows, the first one's first.
     pub fn from_rows(rows: &[Vec<L>]) -> Self {
         let mut matrix = Self::default();
@@ -49,23 +46,5 @@ impl<L: Sent> LinkMatrix<L> {
     /// All rows, in order.
     pub fn iter(&self) -> impl Iterator<Item = &[L]> + '_ {
         self.offsets.windows(2).map(|w| &self.links[w[0] as usize..w[1] as usize])
-    }
-
-    /// Checks that there are so many rows, in order, and that their senders ascend and are within this many.
-    /// The section is named in errors.
-    pub(super) fn check(&self, section: &str, rows: usize, senders: usize) -> Result<(), RbnError> {
-        let whole = self.len() == rows
-            && self.offsets.first() == Some(&0)
-            && self.offsets.windows(2).all(|w| w[0] <= w[1])
-            && self.offsets.last().map(|&end| end as usize) == Some(self.links.len());
-        if !whole {
-            return Err(RbnError::invalid(section, "rows do not follow each other"));
-        }
-        let ascending = |row: &[L]| row.windows(2).all(|w| w[0].sender() < w[1].sender());
-        let within = |row: &[L]| row.last().is_none_or(|last| last.sender() < senders);
-        if self.iter().any(|row| !ascending(row) || !within(row)) {
-            return Err(RbnError::invalid(section, "a sender is out of range or order"));
-        }
-        Ok(())
     }
 }

@@ -121,7 +121,7 @@ impl Scene {
     /// [`RbnError`] when the scene breaks a rule of the format.
     pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
         self.check()?;
-        let contents: [Vec<u8>; 11] = [
+        let packed: [Vec<u8>; 10] = [
             meta::encode(&self.meta)?,
             planes::encode(&self.vertices),
             planes::encode(&self.indices),
@@ -132,9 +132,9 @@ impl Scene {
             links::encode(&self.vectors.offsets, &self.vectors.links),
             links::encode(&self.finest.offsets, &self.finest.links),
             links::encode(&self.later.offsets, &self.later.links),
-            self.texture_bytes.clone(),
         ];
-        let sections: Vec<_> = SECTIONS.into_iter().zip(contents.iter().map(Vec::as_slice)).collect();
+        let contents = packed.iter().map(Vec::as_slice).chain([self.texture_bytes.as_slice()]);
+        let sections: Vec<_> = SECTIONS.into_iter().zip(contents).collect();
         Ok(container::write(&sections))
     }
 
@@ -154,12 +154,6 @@ impl Scene {
         };
         let (push_offsets, push_entries) = rows("PUSH", bytes(*b"PUSH")?)?;
         let (pull_offsets, pull_entries) = rows("PULL", bytes(*b"PULL")?)?;
-        let (offsets, links) = rows("VECL", bytes(*b"VECL")?)?;
-        let vectors = LinkMatrix { offsets, links };
-        let (offsets, links) = rows("FINL", bytes(*b"FINL")?)?;
-        let finest = LinkMatrix { offsets, links };
-        let (offsets, links) = rows("LATL", bytes(*b"LATL")?)?;
-        let later = LinkMatrix { offsets, links };
         let scene = Self {
             meta: meta::decode(bytes(*b"META")?)?,
             vertices: records("VERT", bytes(*b"VERT")?)?,
@@ -170,9 +164,9 @@ impl Scene {
             push_entries,
             pull_offsets,
             pull_entries,
-            vectors,
-            finest,
-            later,
+            vectors: matrix("VECL", bytes(*b"VECL")?)?,
+            finest: matrix("FINL", bytes(*b"FINL")?)?,
+            later: matrix("LATL", bytes(*b"LATL")?)?,
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         scene.check()?;
@@ -284,9 +278,10 @@ impl Scene {
             )));
         }
         let vectors = self.vector_count();
-        self.vectors.check("VECL", vectors, senders)?;
-        self.finest.check("FINL", self.points.len() - vectors, senders)?;
-        self.later.check("LATL", self.later_count(), self.later_count())?;
+        let (finest, later) = (self.points.len() - vectors, self.later_count());
+        check_rows("VECL", &self.vectors.offsets, &self.vectors.links, vectors, senders)?;
+        check_rows("FINL", &self.finest.offsets, &self.finest.links, finest, senders)?;
+        check_rows("LATL", &self.later.offsets, &self.later.links, later, later)?;
         Ok(())
     }
 }
@@ -299,12 +294,17 @@ fn rows<E: links::Beside>(section: &str, bytes: &[u8]) -> Result<(Vec<u32>, Vec<
     links::decode(bytes).map_err(|Damaged| RbnError::invalid(section, "its rows cannot be unpacked"))
 }
 
-fn check_rows(
+fn matrix<L: links::Beside>(section: &str, bytes: &[u8]) -> Result<LinkMatrix<L>, RbnError> {
+    rows(section, bytes).map(|(offsets, links)| LinkMatrix { offsets, links })
+}
+
+/// Checks that there are so many rows, in order, and that the indices of each ascend and are under `limit`.
+fn check_rows<E: links::Beside>(
     section: &str,
     offsets: &[u32],
-    entries: &[Entry],
+    entries: &[E],
     rows: usize,
-    points: usize,
+    limit: usize,
 ) -> Result<(), RbnError> {
     let whole = offsets.len() == rows + 1
         && offsets[0] == 0
@@ -313,11 +313,11 @@ fn check_rows(
     if !whole {
         return Err(RbnError::invalid(section, "rows do not follow each other"));
     }
-    let ascending = |row: &[Entry]| row.windows(2).all(|e| e[0].point() < e[1].point());
+    let ascending = |row: &[E]| row.windows(2).all(|e| e[0].index() < e[1].index());
     if !offsets.windows(2).all(|w| ascending(&entries[w[0] as usize..w[1] as usize])) {
         return Err(RbnError::invalid(section, "the points of a row are out of order"));
     }
-    if entries.iter().any(|e| e.point() >= points) {
+    if entries.iter().any(|e| e.index() as usize >= limit) {
         return Err(RbnError::invalid(section, "a point is out of range"));
     }
     Ok(())

@@ -17,17 +17,17 @@ modules! {
     /// Direct irradiance at points.
     DIRECT: "octahedral" "point" "lights" "visibility" "footprint" "step" "direct";
     /// Pull.
-    PULL: "octahedral" "link" "step" "pull";
+    PULL: "link" "step" "pull";
     /// What the senders send.
     SEND: "colour" "point" "step" "send";
     /// Links times what is sent: vectors.
-    VECTORS: "octahedral" "link" "step" "lanes" "vectors";
+    VECTORS: "link" "step" "lanes" "vectors";
     /// Later bounces between coarse points.
     BOUNCE: "colour" "step" "lanes" "bounce";
     /// Later bounces to finer senders.
-    LIFT: "octahedral" "link" "step" "lift";
+    LIFT: "link" "step" "lift";
     /// The finest level's irradiance.
-    FINEST: "octahedral" "link" "step" "finest";
+    FINEST: "link" "step" "finest";
     /// Push.
     PUSH: "octahedral" "link" "point" "values" "step" "push";
     /// Shadow maps.

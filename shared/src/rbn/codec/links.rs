@@ -6,8 +6,8 @@
 
 use super::bits::{BitReader, BitWriter, class, push_rest, take_value};
 use super::{Damaged, Reader, Writer};
-use crate::interpolation::Entry;
-use crate::link::{LaterLink, Link, VectorLink};
+use crate::interpolation::{Entry, MAX_POINTS};
+use crate::link::{LaterLink, Link, MAX_SENDERS, Sent, VectorLink};
 
 /// An entry of a row: an index, and something beside it.
 pub trait Beside: Copy {
@@ -29,7 +29,7 @@ impl Beside for Link {
     const BYTES: usize = 1;
 
     fn index(self) -> u32 {
-        self.0 & 0xf_ffff
+        self.sender() as u32
     }
 
     fn split(self, bytes: &mut [Vec<u8>], bits: &mut BitWriter) {
@@ -38,7 +38,7 @@ impl Beside for Link {
     }
 
     fn join(index: u32, bytes: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged> {
-        if index >> 20 != 0 || bytes[0] >> 6 != 0 {
+        if index as usize >= MAX_SENDERS || bytes[0] >> 6 != 0 {
             return Err(Damaged);
         }
         Ok(Self((bytes[0] as u32) << 26 | bits.take(6)? << 20 | index))
@@ -50,7 +50,7 @@ impl Beside for VectorLink {
     const BYTES: usize = 3;
 
     fn index(self) -> u32 {
-        self.link.index()
+        self.sender() as u32
     }
 
     fn split(self, bytes: &mut [Vec<u8>], bits: &mut BitWriter) {
@@ -103,7 +103,7 @@ impl Beside for Entry {
     const BYTES: usize = 0;
 
     fn index(self) -> u32 {
-        self.0 & 0x3f_ffff
+        self.point() as u32
     }
 
     fn split(self, _: &mut [Vec<u8>], bits: &mut BitWriter) {
@@ -111,7 +111,7 @@ impl Beside for Entry {
     }
 
     fn join(index: u32, _: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged> {
-        if index >> 22 != 0 { Err(Damaged) } else { Ok(Self(bits.take(10)? << 22 | index)) }
+        if index as usize >= MAX_POINTS { Err(Damaged) } else { Ok(Self(bits.take(10)? << 22 | index)) }
     }
 }
 
