@@ -54,6 +54,7 @@ pub(super) fn assemble(
         textures,
         draws,
         lights: scene.lights.clone(),
+        animations: scene.animations.clone(),
         cameras,
         bake: BakeInfo {
             preset: settings.preset.name().to_owned(),

@@ -133,6 +133,9 @@ pub fn run(args: &BakeArgs) -> Result<()> {
     }
     let output = args.output();
     let scene = scene::load(&args.scene)?;
+    for problem in &scene.left_out {
+        eprintln!("warning: left out: {problem}");
+    }
     let display = ProgressDisplay::new();
     let (baked, mut report) = bake(&scene, &args.settings(), &|progress| display.show(progress))
         .with_context(|| args.scene.clone())?;

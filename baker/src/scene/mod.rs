@@ -15,7 +15,7 @@ pub use texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn::meta::Material;
+use rebounce_shared::rbn::meta::{Animation, Material};
 use std::path::Path;
 
 /// A scene in memory.
@@ -37,12 +37,16 @@ pub struct Scene {
     pub triangle_material: Vec<u32>,
     /// Materials that the triangles use.
     pub materials: Vec<Material>,
-    /// Base-colour textures that the materials use.
+    /// Textures that the materials use.
     pub textures: Vec<Texture>,
     /// The scene's own lights, world space.
     pub lights: Vec<Light>,
     /// The scene's own cameras, world space; may be empty.
     pub cameras: Vec<Camera>,
+    /// How the scene's own lights move.
+    pub animations: Vec<Animation>,
+    /// What of the file is not taken over because it cannot be used; each names what and why.
+    pub left_out: Vec<String>,
     /// Triangles without area that were left out.
     pub degenerate_triangles: usize,
 }

@@ -24,15 +24,15 @@ pub struct Texels {
     pub rgba: Vec<[u8; 4]>,
 }
 
-/// A base-colour texture: its compressed bytes, how it is sampled, and its texels.
+/// A texture: its compressed bytes, how it is sampled, and its texels where they are needed.
 #[derive(Clone, Debug)]
 pub struct Texture {
     /// Name, picture type, size and wrapping; `offset` and `len` are not set before writing a file.
     pub meta: meta::Texture,
     /// The picture as it came, PNG or JPEG.
     pub bytes: Arc<[u8]>,
-    /// The picture decoded.
-    pub texels: Arc<Texels>,
+    /// The picture decoded; only base colours are.
+    pub texels: Option<Arc<Texels>>,
 }
 
 /// The MIME type that the first bytes of a picture tell, whatever its file calls it.
@@ -47,19 +47,32 @@ pub fn sniff(bytes: &[u8]) -> Result<&'static str, &'static str> {
     }
 }
 
+/// Width and height of a PNG or JPEG picture, from its header.
+fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
+    let reader = image::ImageReader::with_format(std::io::Cursor::new(bytes), format(bytes)?);
+    reader.into_dimensions().map_err(|e| undecodable(&e))
+}
+
+fn format(bytes: &[u8]) -> Result<image::ImageFormat, String> {
+    match sniff(bytes) {
+        Ok("image/png") => Ok(image::ImageFormat::Png),
+        Ok(_) => Ok(image::ImageFormat::Jpeg),
+        Err(kind) => Err(format!("its format is {kind}: convert it to PNG or JPEG")),
+    }
+}
+
+fn undecodable(error: &image::ImageError) -> String {
+    format!("it cannot be decoded ({error}): save it again as PNG or JPEG")
+}
+
 impl Texels {
     /// Decodes a PNG or JPEG picture.
     ///
     /// # Errors
     /// A sentence that says what is wrong.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
-        let format = match sniff(bytes) {
-            Ok("image/png") => image::ImageFormat::Png,
-            Ok(_) => image::ImageFormat::Jpeg,
-            Err(kind) => return Err(format!("its format is {kind}: convert it to PNG or JPEG")),
-        };
-        let picture = image::load_from_memory_with_format(bytes, format)
-            .map_err(|e| format!("it cannot be decoded ({e}): save it again as PNG or JPEG"))?
+        let picture = image::load_from_memory_with_format(bytes, format(bytes)?)
+            .map_err(|e| undecodable(&e))?
             .into_rgba8();
         let (width, height) = picture.dimensions();
         if width == 0 || height == 0 {
@@ -146,30 +159,39 @@ impl Sampler {
 }
 
 impl Texture {
-    /// Decodes a texture. `meta`'s picture type and size are set from the bytes.
+    /// A texture, decoded or only looked at. `meta`'s picture type and size are set from the bytes.
     ///
     /// # Errors
     /// [`SceneError::Texture`].
-    pub fn new(file: &str, mut meta: meta::Texture, bytes: Vec<u8>) -> Result<Self, SceneError> {
+    pub fn new(
+        file: &str,
+        mut meta: meta::Texture,
+        bytes: Vec<u8>,
+        decoded: bool,
+    ) -> Result<Self, SceneError> {
         let bad = |problem: String| SceneError::Texture {
             file: file.to_owned(),
             texture: meta.name.clone(),
             problem,
         };
-        let texels = Texels::decode(&bytes).map_err(bad)?;
+        let texels = if decoded { Some(Arc::new(Texels::decode(&bytes).map_err(bad)?)) } else { None };
+        let size = match &texels {
+            Some(texels) => (texels.width, texels.height),
+            None => dimensions(&bytes).map_err(bad)?,
+        };
         meta.mime = sniff(&bytes).unwrap_or("image/png").to_owned();
-        (meta.width, meta.height) = (texels.width, texels.height);
-        Ok(Self { meta, bytes: bytes.into(), texels: Arc::new(texels) })
+        (meta.width, meta.height) = size;
+        Ok(Self { meta, bytes: bytes.into(), texels })
     }
 
-    /// How the texture is looked up.
-    pub fn sampler(&self) -> Sampler {
-        Sampler {
-            texels: self.texels.clone(),
+    /// How the texture is looked up; `None` where it is not decoded.
+    pub fn sampler(&self) -> Option<Sampler> {
+        Some(Sampler {
+            texels: self.texels.clone()?,
             wrap_u: self.meta.wrap_u,
             wrap_v: self.meta.wrap_v,
             linear_filter: self.meta.linear_filter,
-        }
+        })
     }
 }
 

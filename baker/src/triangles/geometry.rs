@@ -104,7 +104,7 @@ impl From<&Scene> for Geometry {
             uvs: t.map(|i| scene.uvs[i as usize]),
             material,
         };
-        let texture = |m: &Material| Some(scene.textures[m.base_color_texture? as usize].sampler());
+        let texture = |m: &Material| scene.textures[m.base_color_texture? as usize].sampler();
         Self {
             triangles: scene
                 .triangles
@@ -120,30 +120,34 @@ impl From<&Scene> for Geometry {
 impl TryFrom<&rbn::Scene> for Geometry {
     type Error = SceneError;
 
-    /// Decodes the textures of a baked file.
+    /// Decodes the base-colour textures of a baked file.
     ///
     /// # Errors
     /// [`SceneError::Texture`] where a picture cannot be decoded.
     fn try_from(scene: &rbn::Scene) -> Result<Self, SceneError> {
-        let textures: Result<Vec<Sampler>, SceneError> = (0..scene.meta.textures.len())
+        let used = |i: usize| scene.meta.materials.iter().any(|m| m.base_color_texture == Some(i as u32));
+        let textures: Result<Vec<Option<Sampler>>, SceneError> = (0..scene.meta.textures.len())
             .into_par_iter()
             .map(|i| {
+                if !used(i) {
+                    return Ok(None);
+                }
                 let meta = &scene.meta.textures[i];
                 let texels = Texels::decode(scene.texture(i)).map_err(|problem| SceneError::Texture {
                     file: scene.meta.scene_name.clone(),
                     texture: meta.name.clone(),
                     problem,
                 })?;
-                Ok(Sampler {
+                Ok(Some(Sampler {
                     texels: Arc::new(texels),
                     wrap_u: meta.wrap_u,
                     wrap_v: meta.wrap_v,
                     linear_filter: meta.linear_filter,
-                })
+                }))
             })
             .collect();
         let textures = textures?;
-        let texture = |m: &Material| textures.get(m.base_color_texture? as usize).cloned();
+        let texture = |m: &Material| textures[m.base_color_texture? as usize].clone();
         let mut triangles = Vec::new();
         for draw in &scene.meta.draws {
             let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;

@@ -40,6 +40,8 @@ pub struct Meta {
     pub lights: Vec<Light>,
     /// The scene's own cameras, world space; the first is the one to start with. Never empty.
     pub cameras: Vec<Camera>,
+    /// How the scene's own lights move.
+    pub animations: Vec<Animation>,
     /// How the bake was made and what it cost.
     pub bake: BakeInfo,
 }
@@ -72,8 +74,9 @@ pub enum Alpha {
     Blend,
 }
 
-/// A Lambertian surface.
-#[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
+/// A surface. Light transport takes it as Lambertian in its base colour, metals too; pictures add detail: normal
+/// maps and the direct lights' highlights (glTF 2.0, appendix B).
+#[derive(Clone, Debug, PartialEq, Encode, Decode)]
 pub struct Material {
     /// Its glTF name, or empty.
     pub name: String,
@@ -85,8 +88,118 @@ pub struct Material {
     pub alpha: Alpha,
     /// Whether the back reflects too. If not, the back blocks light and reflects nothing.
     pub double_sided: bool,
-    /// Linear RGB radiance that the surface sends out by itself; shown, not part of the transport.
+    /// Linear RGB radiance that the surface sends out by itself, multiplied with the texture's; shown, not part of
+    /// the transport.
     pub emission: [f32; 3],
+    /// sRGB texture of the emission.
+    pub emission_texture: Option<DetailTexture>,
+    /// 0 to 1, multiplied with the texture's blue.
+    pub metallic: f32,
+    /// 0 to 1, multiplied with the texture's green.
+    pub roughness: f32,
+    /// Roughness and metalness.
+    pub metallic_roughness_texture: Option<DetailTexture>,
+    /// Strength of the highlights of what is not metal, 0 to 1; 0 for a surface that is Lambertian in pictures too.
+    pub specular: f32,
+    /// Normals in tangent space.
+    pub normal_texture: Option<DetailTexture>,
+    /// What the normal texture's x and y are multiplied with.
+    pub normal_scale: f32,
+}
+
+impl Default for Material {
+    /// Black, opaque, one-sided, matt.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: [0.0; 4],
+            base_color_texture: None,
+            alpha: Alpha::Opaque,
+            double_sided: false,
+            emission: [0.0; 3],
+            emission_texture: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            specular: 0.0,
+            normal_texture: None,
+            normal_scale: 1.0,
+        }
+    }
+}
+
+impl Material {
+    /// Textures of detail that it has: emission, roughness and metalness, normals.
+    pub fn details(&self) -> [Option<&DetailTexture>; 3] {
+        [&self.emission_texture, &self.metallic_roughness_texture, &self.normal_texture].map(Option::as_ref)
+    }
+}
+
+/// A texture besides the base colour's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Encode, Decode)]
+pub struct DetailTexture {
+    /// Index of the texture.
+    pub texture: u32,
+    /// Its coordinates from the vertex's (u, v, 1), row by row.
+    pub uv_from_vertex: [[f32; 3]; 2],
+}
+
+/// Keyframes of lights.
+#[derive(Clone, Debug, Default, PartialEq, Encode, Decode, serde::Serialize)]
+pub struct Animation {
+    /// Its glTF name, or empty.
+    pub name: String,
+    /// Seconds.
+    pub duration: f32,
+    /// What changes.
+    pub tracks: Vec<Track>,
+}
+
+/// One property of one light over time.
+#[derive(Clone, Debug, PartialEq, Encode, Decode, serde::Serialize)]
+pub struct Track {
+    /// Index of the light.
+    pub light: u32,
+    /// What of it changes.
+    pub property: Property,
+    /// What is between two keys.
+    pub interpolation: Interpolation,
+    /// Seconds, each greater than the one before; at least one.
+    pub times: Vec<f32>,
+    /// [`Property::width`] numbers a time, in the units of [`Light`].
+    pub values: Vec<f32>,
+}
+
+/// What of a light may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Encode, Decode, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Property {
+    /// World space.
+    Position,
+    /// The way the light travels, world space.
+    Direction,
+    /// Candela or lux.
+    Intensity,
+    /// Linear RGB.
+    Color,
+}
+
+impl Property {
+    /// Numbers of one value.
+    pub fn width(self) -> usize {
+        if self == Self::Intensity { 1 } else { 3 }
+    }
+}
+
+/// What is between two keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Encode, Decode, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// A straight line.
+    #[default]
+    Linear,
+    /// The key before.
+    Step,
 }
 
 /// How a texture coordinate outside [0, 1] is meant.
@@ -122,6 +235,8 @@ pub struct Texture {
     pub wrap_v: Wrap,
     /// False where glTF asks for nearest filtering.
     pub linear_filter: bool,
+    /// True for numbers (roughness, normals), false for sRGB colours.
+    pub data: bool,
 }
 
 /// A run of triangles with one material.

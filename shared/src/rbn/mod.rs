@@ -8,6 +8,7 @@
 //! * [`Scene`] – a whole file in memory, written and read, with everything checked.
 
 pub mod bulk;
+mod check;
 pub mod codec;
 pub mod container;
 mod matrix;

@@ -4,7 +4,8 @@ use crate::scene::SceneError;
 
 /// Extensions that a file may require: those that are supported, and those that change only how
 /// a surface shines, which a Lambertian surface ignores.
-const FINE: [&str; 12] = [
+const FINE: [&str; 13] = [
+    "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",

@@ -1,19 +1,19 @@
-//! Materials and base-colour textures. Only what the triangles use is kept and decoded.
+//! Materials and their textures. Only what the triangles use is kept and decoded.
 
 use super::schema;
 use super::source::Source;
-use crate::scene::{SceneError, Texture};
+use crate::scene::{Scene, SceneError, Texture};
 use rayon::prelude::*;
-use rebounce_shared::rbn::meta::{self, Alpha, Material, Wrap};
+use glam::{DMat3, DVec3};
+use rebounce_shared::rbn::meta::{self, Alpha, DetailTexture, Material, Wrap};
 
 /// How a material reads its texture coordinates.
 #[derive(Clone, Copy)]
 pub(super) struct UvSource {
     /// Number of the TEXCOORD attribute.
     pub set: usize,
-    /// `uv' = matrix · uv + offset`, row by row: the matrix, then the offset.
-    pub matrix: [[f64; 2]; 2],
-    pub offset: [f64; 2],
+    /// From (u, v, 1) of the attribute.
+    pub matrix: DMat3,
 }
 
 /// Collects the materials in the order of their first use.
@@ -21,15 +21,18 @@ pub(super) struct Materials<'a> {
     source: &'a Source,
     /// glTF materials in our order; `None` is glTF's default material.
     used: Vec<Option<usize>>,
-    /// glTF textures in our order.
-    textures: Vec<usize>,
+    /// glTF textures in our order, and whether they hold numbers instead of colours.
+    textures: Vec<(usize, bool)>,
     out: Vec<Material>,
     uv: Vec<Option<UvSource>>,
+    /// What of the file is not taken over.
+    left_out: Vec<String>,
 }
 
 impl<'a> Materials<'a> {
     pub fn new(source: &'a Source) -> Self {
-        Self { source, used: Vec::new(), textures: Vec::new(), out: Vec::new(), uv: Vec::new() }
+        let (used, textures, out, uv, left_out) = Default::default();
+        Self { source, used, textures, out, uv, left_out }
     }
 
     /// Our index for a glTF material, and where its texture coordinates come from.
@@ -65,15 +68,27 @@ impl<'a> Materials<'a> {
             let problem = format!("material {index} ({:?}) has a colour that is not finite", m.name);
             return Err(self.source.malformed(problem));
         }
-        let (mut base_color_texture, mut uv) = (None, None);
-        if let Some(info) = &pbr.base_color_texture {
-            let at = self.textures.iter().position(|&t| t == info.index).unwrap_or_else(|| {
-                self.textures.push(info.index);
-                self.textures.len() - 1
-            });
-            base_color_texture = Some(at as u32);
-            uv = Some(uv_source(info));
+        let shine = [pbr.metallic_factor, pbr.roughness_factor].map(|factor| factor.unwrap_or(1.0));
+        let specular = m.extensions.specular.as_ref().and_then(|s| s.specular_factor).unwrap_or(1.0);
+        let normal_scale = m.normal_texture.as_ref().and_then(|t| t.scale).unwrap_or(1.0);
+        if !shine.iter().chain([&specular, &normal_scale]).all(|x| x.is_finite()) {
+            let problem = format!("material {index} ({:?}) has a factor that is not finite", m.name);
+            return Err(self.source.malformed(problem));
         }
+        let base_color_texture =
+            pbr.base_color_texture.as_ref().map(|info| self.texture_index(info.index, false));
+        // A vertex has one pair of coordinates: the first texture's.
+        let textures = [
+            &pbr.base_color_texture,
+            &m.normal_texture,
+            &pbr.metallic_roughness_texture,
+            &m.emissive_texture,
+        ];
+        let uv = textures.into_iter().flatten().next().map(uv_source);
+        let emission_texture = self.detail(&m.name, uv, m.emissive_texture.as_ref(), false);
+        let metallic_roughness_texture =
+            self.detail(&m.name, uv, pbr.metallic_roughness_texture.as_ref(), true);
+        let normal_texture = self.detail(&m.name, uv, m.normal_texture.as_ref(), true);
         let alpha = match m.alpha_mode.as_deref().unwrap_or("OPAQUE") {
             "MASK" => Alpha::Mask { cutoff: m.alpha_cutoff.unwrap_or(0.5) },
             "BLEND" => Alpha::Blend,
@@ -87,28 +102,109 @@ impl<'a> Materials<'a> {
             alpha,
             double_sided: m.double_sided,
             emission,
+            emission_texture,
+            metallic: shine[0].clamp(0.0, 1.0),
+            roughness: shine[1].clamp(0.0, 1.0),
+            metallic_roughness_texture,
+            specular: if m.extensions.unlit.is_some() { 0.0 } else { specular.clamp(0.0, 1.0) },
+            normal_texture,
+            normal_scale,
         };
         Ok((material, uv))
     }
 
-    /// The materials, and their textures decoded; textures with one image share it.
-    pub fn finish(self) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
+    /// Our index for a glTF texture.
+    fn texture_index(&mut self, texture: usize, data: bool) -> u32 {
+        let known = self.textures.iter().position(|t| *t == (texture, data));
+        known.unwrap_or_else(|| {
+            self.textures.push((texture, data));
+            self.textures.len() - 1
+        }) as u32
+    }
+
+    /// A texture besides the base colour's.
+    fn detail(
+        &mut self,
+        material: &str,
+        uv: Option<UvSource>,
+        info: Option<&schema::TextureInfo>,
+        data: bool,
+    ) -> Option<DetailTexture> {
+        let (info, uv) = (info?, uv?);
+        let own = uv_source(info);
+        if own.set != uv.set {
+            self.left_out.push(format!(
+                "texture {} of material {material:?}: its coordinates are TEXCOORD_{}, those of the material's \
+                 first texture TEXCOORD_{}",
+                info.index, own.set, uv.set
+            ));
+            return None;
+        }
+        let relative = own.matrix * uv.matrix.inverse();
+        let usable = uv.matrix.determinant() != 0.0 && relative.is_finite();
+        let rows = if usable { relative } else { DMat3::IDENTITY }.transpose().as_mat3();
+        let texture = self.texture_index(info.index, data);
+        Some(DetailTexture { texture, uv_from_vertex: [rows.x_axis.into(), rows.y_axis.into()] })
+    }
+
+    /// The materials and their textures; textures with one image share it. Only base colours are decoded: the rest
+    /// is for pictures, which do without what cannot be read.
+    pub fn finish(mut self, scene: &mut Scene) -> Result<(), SceneError> {
         let source = self.source;
-        let mut images: Vec<usize> = Vec::new();
+        let is_base = |out: &[Material], t: usize| out.iter().any(|m| m.base_color_texture == Some(t as u32));
+        let mut images: Vec<(usize, bool)> = Vec::new();
         let mut of_image = Vec::new();
-        for &t in &self.textures {
-            let image = image_index(source, t)?;
-            let at = images.iter().position(|&i| i == image).unwrap_or_else(|| {
-                images.push(image);
+        for (t, &(texture, _)) in self.textures.iter().enumerate() {
+            let base = is_base(&self.out, t);
+            let image = match image_index(source, texture) {
+                Ok(image) => image,
+                Err(error) if base => return Err(error),
+                Err(error) => {
+                    self.left_out.push(error.to_string());
+                    of_image.push(None);
+                    continue;
+                }
+            };
+            let at = images.iter().position(|&(i, _)| i == image).unwrap_or_else(|| {
+                images.push((image, false));
                 images.len() - 1
             });
-            of_image.push(at);
+            images[at].1 |= base;
+            of_image.push(Some(at));
         }
-        let pictures: Vec<Texture> =
-            images.par_iter().map(|&i| picture(source, i)).collect::<Result<_, SceneError>>()?;
-        let textures =
-            self.textures.iter().zip(of_image).map(|(&t, at)| sampled(source, t, &pictures[at])).collect();
-        Ok((self.out, textures))
+        let mut pictures = Vec::new();
+        let read: Vec<_> = images.par_iter().map(|&(i, decoded)| picture(source, i, decoded)).collect();
+        for (picture, (_, decoded)) in read.into_iter().zip(images) {
+            match picture {
+                Ok(picture) => pictures.push(Some(picture)),
+                Err(error) if decoded => return Err(error),
+                Err(error) => {
+                    self.left_out.push(error.to_string());
+                    pictures.push(None);
+                }
+            }
+        }
+        let mut places = Vec::new();
+        for (&(texture, data), at) in self.textures.iter().zip(of_image) {
+            let picture = at.and_then(|at| pictures[at].as_ref());
+            places.push(picture.map(|_| scene.textures.len() as u32));
+            scene.textures.extend(picture.map(|picture| sampled(source, texture, data, picture)));
+        }
+        for material in &mut self.out {
+            let place = |t: u32| places[t as usize];
+            material.base_color_texture = material.base_color_texture.and_then(place);
+            let details = [
+                &mut material.emission_texture,
+                &mut material.metallic_roughness_texture,
+                &mut material.normal_texture,
+            ];
+            for detail in details {
+                *detail = detail.and_then(|d| Some(DetailTexture { texture: place(d.texture)?, ..d }));
+            }
+        }
+        scene.materials = self.out;
+        scene.left_out = self.left_out;
+        Ok(())
     }
 }
 
@@ -116,14 +212,18 @@ impl<'a> Materials<'a> {
 /// picture is seen (v points down), then offset.
 fn uv_source(info: &schema::TextureInfo) -> UvSource {
     let Some(t) = &info.extensions.transform else {
-        return UvSource { set: info.tex_coord, matrix: [[1.0, 0.0], [0.0, 1.0]], offset: [0.0; 2] };
+        return UvSource { set: info.tex_coord, matrix: DMat3::IDENTITY };
     };
     let (sin, cos) = (t.rotation as f64).sin_cos();
     let [sx, sy] = t.scale.unwrap_or([1.0; 2]).map(f64::from);
+    let [x, y] = t.offset.map(f64::from);
     UvSource {
         set: t.tex_coord.unwrap_or(info.tex_coord),
-        matrix: [[cos * sx, sin * sy], [-sin * sx, cos * sy]],
-        offset: t.offset.map(f64::from),
+        matrix: DMat3::from_cols(
+            DVec3::new(cos * sx, -sin * sx, 0.0),
+            DVec3::new(sin * sy, cos * sy, 0.0),
+            DVec3::new(x, y, 1.0),
+        ),
     }
 }
 
@@ -139,8 +239,8 @@ fn image_index(source: &Source, texture: usize) -> Result<usize, SceneError> {
     })
 }
 
-/// An image, decoded.
-fn picture(source: &Source, index: usize) -> Result<Texture, SceneError> {
+/// An image, decoded or only looked at.
+fn picture(source: &Source, index: usize, decoded: bool) -> Result<Texture, SceneError> {
     let image = source.root.images.get(index);
     let image = image.ok_or_else(|| source.malformed(format!("there is no image {index}")))?;
     let bytes = match (&image.uri, image.buffer_view) {
@@ -151,11 +251,11 @@ fn picture(source: &Source, index: usize) -> Result<Texture, SceneError> {
     let file_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")).unwrap_or("");
     let name = [&image.name, file_name].into_iter().find(|n| !n.is_empty());
     let name = name.map_or_else(|| index.to_string(), str::to_owned);
-    Texture::new(&source.file, meta::Texture { name, ..meta::Texture::default() }, bytes)
+    Texture::new(&source.file, meta::Texture { name, ..meta::Texture::default() }, bytes, decoded)
 }
 
 /// A texture: its picture with its sampler. The index has been checked.
-fn sampled(source: &Source, index: usize, picture: &Texture) -> Texture {
+fn sampled(source: &Source, index: usize, data: bool, picture: &Texture) -> Texture {
     let texture = &source.root.textures[index];
     let sampler = texture.sampler.and_then(|s| source.root.samplers.get(s));
     let wrap = |code: Option<u32>| match code {
@@ -169,6 +269,7 @@ fn sampled(source: &Source, index: usize, picture: &Texture) -> Texture {
     }
     out.meta.wrap_u = wrap(sampler.and_then(|s| s.wrap_s));
     out.meta.wrap_v = wrap(sampler.and_then(|s| s.wrap_t));
+    out.meta.data = data;
     out.meta.linear_filter = sampler.and_then(|s| s.mag_filter) != Some(9728);
     out
 }

@@ -5,7 +5,7 @@ use super::node::Placed;
 use super::schema::Primitive;
 use super::source::Source;
 use crate::scene::{SceneError, WorldMesh};
-use glam::{DMat3, DVec3, Vec2, Vec3};
+use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
 /// Appends the triangles of mesh `index`, placed by `node`. Points and lines are left out; a
 /// skinned or morphed mesh is taken as it rests.
@@ -56,8 +56,7 @@ fn append_primitive(
             .read::<2>(a, "VEC2", &format!("TEXCOORD_{} of {what}", u.set))?
             .into_iter()
             .map(|[s, t]| {
-                let row = |r: usize| (u.matrix[r][0] * s + u.matrix[r][1] * t + u.offset[r]) as f32;
-                let uv = Vec2::new(row(0), row(1));
+                let uv = u.matrix.transform_point2(DVec2::new(s, t)).as_vec2();
                 if uv.is_finite() { uv } else { Vec2::ZERO }
             })
             .collect(),

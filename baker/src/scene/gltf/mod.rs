@@ -2,9 +2,10 @@
 //!
 //! * `schema` – the JSON; `source` – the bytes; `accessor` – the numbers;
 //! * `extensions` – what is refused; `material` – materials and textures;
-//! * `mesh` – primitives to triangles; `node` – transforms, lights and cameras.
+//! * `mesh` – primitives to triangles; `node` – transforms, lights and cameras; `animation` – how lights move.
 
 mod accessor;
+mod animation;
 mod extensions;
 mod material;
 mod mesh;
@@ -39,7 +40,7 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
     if mesh.positions.len() > u32::MAX as usize {
         return Err(SceneError::TooLarge { file: source.file.clone(), count: mesh.positions.len() });
     }
-    (scene.materials, scene.textures) = materials.finish()?;
+    materials.finish(&mut scene)?;
     mesh.finish(&mut scene);
     if scene.triangles.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
@@ -50,6 +51,7 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
         scene.lights.extend(node::light(source, node)?);
         scene.cameras.extend(node::camera(source, node, scene.origin, size)?);
     }
+    scene.animations = animation::animations(source, &nodes, &mut scene.left_out)?;
     Ok(scene)
 }
 

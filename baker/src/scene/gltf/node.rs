@@ -10,6 +10,8 @@ use rebounce_shared::light::Light;
 /// A node of the scene with its transform to world space.
 pub(super) struct Placed {
     pub index: usize,
+    /// The parent's place in the list.
+    pub parent: Option<usize>,
     pub world: DMat4,
 }
 
@@ -30,35 +32,56 @@ pub(super) fn flatten(source: &Source) -> Result<Vec<Placed>, SceneError> {
     };
     let mut seen = vec![false; root.nodes.len()];
     let mut out: Vec<Placed> = Vec::new();
-    let mut stack: Vec<(usize, DMat4)> = roots.into_iter().rev().map(|i| (i, DMat4::IDENTITY)).collect();
+    let mut stack: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|i| (i, None)).collect();
     while let Some((index, parent)) = stack.pop() {
         let node =
             root.nodes.get(index).ok_or_else(|| source.malformed(format!("there is no node {index}")))?;
         if std::mem::replace(&mut seen[index], true) {
             return Err(source.malformed(format!("node {index} has two parents or is its own ancestor")));
         }
-        let world = parent * local_matrix(node);
+        let world = parent.map_or(DMat4::IDENTITY, |p: usize| out[p].world) * local_matrix(node);
         if !world.is_finite() {
             return Err(source
                 .malformed(format!("node {index} ({:?}) has a transform that is not finite", node.name)));
         }
-        stack.extend(node.children.iter().rev().map(|&child| (child, world)));
-        out.push(Placed { index, world });
+        let place = Some(out.len());
+        stack.extend(node.children.iter().rev().map(|&child| (child, place)));
+        out.push(Placed { index, parent, world });
     }
     Ok(out)
 }
 
 fn local_matrix(node: &Node) -> DMat4 {
-    if let Some(m) = &node.matrix {
-        return DMat4::from_cols_array(m);
+    node.matrix.map_or_else(|| Pose::of(node).matrix(), |m| DMat4::from_cols_array(&m))
+}
+
+/// A node's transform in parts; each of them may be animated.
+#[derive(Clone, Copy)]
+pub(super) struct Pose {
+    pub translation: [f64; 3],
+    pub rotation: [f64; 4],
+    pub scale: [f64; 3],
+}
+
+impl Pose {
+    /// As the file has it.
+    pub fn of(node: &Node) -> Self {
+        Self {
+            translation: node.translation.unwrap_or([0.0; 3]),
+            rotation: node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
+            scale: node.scale.unwrap_or([1.0; 3]),
+        }
     }
-    let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
-    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
-    DMat4::from_scale_rotation_translation(
-        DVec3::from(node.scale.unwrap_or([1.0; 3])),
-        rotation,
-        DVec3::from(node.translation.unwrap_or([0.0; 3])),
-    )
+
+    pub fn matrix(&self) -> DMat4 {
+        let rotation = DQuat::from_array(self.rotation);
+        let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+        DMat4::from_scale_rotation_translation(
+            DVec3::from(self.scale),
+            rotation,
+            DVec3::from(self.translation),
+        )
+    }
 }
 
 /// The node's KHR_lights_punctual light.
@@ -70,8 +93,7 @@ pub(super) fn light(source: &Source, node: &Placed) -> Result<Option<Light>, Sce
     let light = lights
         .get(reference.light)
         .ok_or_else(|| source.malformed(format!("there is no light {}", reference.light)))?;
-    let position = node.world.w_axis.truncate().to_array();
-    let direction = (-node.world.z_axis.truncate()).try_normalize().unwrap_or(DVec3::NEG_Z).to_array();
+    let (position, direction) = placement(&node.world);
     let (color, intensity) = (light.color, light.intensity);
     if !intensity.is_finite() || !color.iter().all(|c| c.is_finite()) {
         return Err(
@@ -94,6 +116,12 @@ pub(super) fn light(source: &Source, node: &Placed) -> Result<Option<Light>, Sce
             return Err(source.malformed(problem));
         }
     }))
+}
+
+/// Position and direction of a light or camera with this transform.
+pub(super) fn placement(world: &DMat4) -> ([f64; 3], [f64; 3]) {
+    let direction = (-world.z_axis.truncate()).try_normalize().unwrap_or(DVec3::NEG_Z);
+    (world.w_axis.truncate().to_array(), direction.to_array())
 }
 
 /// The node's camera. `size` is the scene's diagonal: the point looked at is beside its middle.

@@ -1,4 +1,4 @@
-//! The parts of glTF 2.0's JSON that a diffuse renderer needs. Everything is optional here and
+//! The parts of glTF 2.0's JSON that are used. Everything is optional here and
 //! every index is checked where it is followed, so that a broken file ends in an error and never
 //! in a panic.
 
@@ -20,6 +20,7 @@ pub(super) struct Root {
     pub images: Vec<Image>,
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera>,
+    pub animations: Vec<Animation>,
     pub extensions_required: Vec<String>,
     pub extensions: RootExtensions,
 }
@@ -177,7 +178,9 @@ pub(super) struct Buffer {
 pub(super) struct Material {
     pub name: String,
     pub pbr_metallic_roughness: Pbr,
+    pub normal_texture: Option<TextureInfo>,
     pub emissive_factor: [f32; 3],
+    pub emissive_texture: Option<TextureInfo>,
     pub alpha_mode: Option<String>,
     pub alpha_cutoff: Option<f32>,
     pub double_sided: bool,
@@ -189,7 +192,20 @@ pub(super) struct Material {
 pub(super) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_emissive_strength")]
     pub emissive: Option<EmissiveStrength>,
+    #[serde(rename = "KHR_materials_specular")]
+    pub specular: Option<Specular>,
+    #[serde(rename = "KHR_materials_unlit")]
+    pub unlit: Option<Unlit>,
 }
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Specular {
+    pub specular_factor: Option<f32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Unlit {}
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -202,6 +218,9 @@ pub(super) struct EmissiveStrength {
 pub(super) struct Pbr {
     pub base_color_factor: Option<[f32; 4]>,
     pub base_color_texture: Option<TextureInfo>,
+    pub metallic_factor: Option<f32>,
+    pub roughness_factor: Option<f32>,
+    pub metallic_roughness_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -209,6 +228,8 @@ pub(super) struct Pbr {
 pub(super) struct TextureInfo {
     pub index: usize,
     pub tex_coord: usize,
+    /// Of a normal texture.
+    pub scale: Option<f32>,
     pub extensions: TextureInfoExtensions,
 }
 
@@ -269,4 +290,48 @@ pub(super) struct Perspective {
 #[serde(default)]
 pub(super) struct Orthographic {
     pub ymag: f64,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Animation {
+    pub name: String,
+    pub channels: Vec<Channel>,
+    pub samplers: Vec<AnimationSampler>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Channel {
+    pub sampler: usize,
+    pub target: Target,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Target {
+    pub node: Option<usize>,
+    pub path: String,
+    pub extensions: TargetExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct TargetExtensions {
+    #[serde(rename = "KHR_animation_pointer")]
+    pub pointer: Option<Pointer>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Pointer {
+    pub pointer: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct AnimationSampler {
+    pub input: usize,
+    pub output: usize,
+    pub interpolation: Option<String>,
 }

@@ -3,6 +3,7 @@ use crate::surface::{Ray, Surfaces};
 use crate::triangles::TriangleSurfaces;
 use glam::Vec3;
 use rebounce_shared::light::Light;
+use rebounce_shared::rbn::meta::{Interpolation, Property};
 
 fn parse(json: &str) -> Result<Scene, SceneError> {
     convert(&Source::parse("test.gltf".into(), std::path::PathBuf::new(), json.as_bytes())?, "test".into())
@@ -125,6 +126,13 @@ fn lights_and_cameras_stand_where_their_nodes_are() {
 /// The square with texture coordinates (x, 1 − y) and a picture of four texels: red, green above
 /// blue, white. glTF has v = 0 at the top, so that the picture stands upright.
 fn textured(info: &str) -> Scene {
+    textured_with(&format!(
+        r#""pbrMetallicRoughness":{{"baseColorFactor":[0.5,1,1,1],"baseColorTexture":{{"index":0{info}}}}}"#
+    ))
+}
+
+/// The square with texture coordinates; `material` are the members of its material. Texture 0 is a picture of 2 x 2.
+fn textured_with(material: &str) -> Scene {
     let mut picture = image::RgbaImage::new(2, 2);
     for (x, y, rgb) in [(0, 0, [255, 0, 0]), (1, 0, [0, 255, 0]), (0, 1, [0, 0, 255]), (1, 1, [255; 3])] {
         picture.put_pixel(x, y, image::Rgba([rgb[0], rgb[1], rgb[2], 255]));
@@ -138,7 +146,7 @@ fn textured(info: &str) -> Scene {
     let more = format!(
         r#"}},{{"byteLength":16,"uri":"data:;base64,{}"}}],"images":[{{"uri":"data:image/jpeg;base64,{}"}}],
         "textures":[{{"source":0,"sampler":0}}],"samplers":[{{"magFilter":9728}}],
-        "materials":[{{"pbrMetallicRoughness":{{"baseColorFactor":[0.5,1,1,1],"baseColorTexture":{{"index":0{info}}}}}}}]}}"#,
+        "materials":[{{{material}}}]}}"#,
         base64(&uvs),
         base64(&png.into_inner())
     );
@@ -217,4 +225,130 @@ fn broken_files_give_sentences() {
     for len in 0..whole.len() {
         assert!(parse(&whole[..len]).is_err());
     }
+}
+
+/// A file with one square, a node 1 with a spot light, its child of a parent node 2, and animations over `floats`.
+fn animated(floats: &[f32], accessors: &str, animations: &str) -> String {
+    let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let more = format!(
+        r#","extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"spot","intensity":5}}]}}}},
+        "animations":[{animations}]"#
+    );
+    let whole = square("", r#","indices":1"#, &more);
+    let buffer = format!(
+        r#""buffers":[{{"byteLength":{},"uri":"data:application/octet-stream;base64,{}"}},"#,
+        bytes.len(),
+        base64(&bytes)
+    );
+    let light = r#"{"translation":[0,1,0],"extensions":{"KHR_lights_punctual":{"light":0}}},{"children":[1]}"#;
+    whole
+        .replacen(r#""nodes":[0]"#, r#""nodes":[0,2]"#, 1)
+        .replacen(r#"[{"mesh":0}]"#, &format!(r#"[{{"mesh":0}},{light}]"#), 1)
+        .replacen(r#""buffers":["#, &buffer, 1)
+        .replacen(r#""bufferViews":[{"buffer":0"#, &format!(r#""bufferViews":[{{"buffer":0,"byteLength":{}}},{{"buffer":1"#, bytes.len()), 1)
+        .replacen(r#"{"buffer":0,"byteOffset":48"#, r#"{"buffer":1,"byteOffset":48"#, 1)
+        .replacen(r#""accessors":[{"bufferView":0"#, r#""accessors":[{"bufferView":1"#, 1)
+        .replacen(r#"{"bufferView":1,"componentType":5121"#, r#"{"bufferView":2,"componentType":5121"#, 1)
+        .replacen(r#""type":"SCALAR"}]"#, &format!(r#""type":"SCALAR"}},{accessors}]"#), 1)
+}
+
+fn floats(offset: usize, count: usize, kind: &str) -> String {
+    format!(
+        r#"{{"bufferView":0,"byteOffset":{},"componentType":5126,"count":{count},"type":"{kind}"}}"#,
+        4 * offset
+    )
+}
+
+#[test]
+fn a_light_follows_its_parent_s_keyframes() {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    // Two times; two places of the parent; a quarter turn about x.
+    let numbers = [0., 2., 1., 0., 0., 3., 0., 4., 0., 0., 0., 1., half, 0., 0., half];
+    let accessors = [floats(0, 2, "SCALAR"), floats(2, 2, "VEC3"), floats(8, 2, "VEC4")].join(",");
+    let animation = |channels: &str, samplers: &str| {
+        format!(r#"{{"name":"way","channels":[{channels}],"samplers":[{samplers}]}}"#)
+    };
+    let moved = animation(
+        r#"{"sampler":0,"target":{"node":2,"path":"translation"}}"#,
+        r#"{"input":2,"output":3}"#,
+    );
+    let scene = parse(&animated(&numbers, &accessors, &moved)).unwrap();
+    let [way] = scene.animations.as_slice() else { panic!("{:?}", scene.animations) };
+    assert_eq!((way.name.as_str(), way.duration, way.tracks.len()), ("way", 2.0, 1));
+    let track = &way.tracks[0];
+    assert_eq!((track.property, track.interpolation), (Property::Position, Interpolation::Linear));
+    assert_eq!((track.times.as_slice(), track.values.as_slice()), (&[0.0, 2.0][..], &[1., 1., 0., 3., 1., 4.][..]));
+
+    // Turned, the light swings on an arc from above to the front, and its direction turns from −z to +y.
+    let turned =
+        animation(r#"{"sampler":0,"target":{"node":2,"path":"rotation"}}"#, r#"{"input":2,"output":4}"#);
+    let scene = parse(&animated(&numbers, &accessors, &turned)).unwrap();
+    let [position, direction] = scene.animations[0].tracks.as_slice() else { panic!() };
+    assert_eq!((position.property, direction.property), (Property::Position, Property::Direction));
+    assert!(position.times.len() >= 60);
+    for (position, direction) in position.values.as_chunks::<3>().0.iter().zip(direction.values.as_chunks::<3>().0) {
+        let [position, direction] = [*position, *direction].map(Vec3::from);
+        assert!((position.length() - 1.0).abs() < 1e-5 && (direction.length() - 1.0).abs() < 1e-5);
+        assert!(position.dot(direction).abs() < 1e-5);
+    }
+    assert!((Vec3::from_slice(&direction.values[direction.values.len() - 3..]) - Vec3::Y).length() < 1e-5);
+
+    // By steps, the keys stay as they are.
+    let stepped = turned.replace(r#""output":4"#, r#""output":4,"interpolation":"STEP""#);
+    let scene = parse(&animated(&numbers, &accessors, &stepped)).unwrap();
+    let track = &scene.animations[0].tracks[0];
+    assert_eq!((track.interpolation, track.times.len()), (Interpolation::Step, 2));
+
+    // What moves no light is left out and named.
+    let other = moved.replace(r#""node":2"#, r#""node":0"#);
+    let scene = parse(&animated(&numbers, &accessors, &other)).unwrap();
+    assert!(scene.animations.is_empty() && scene.left_out[0].contains("way"));
+
+    let reversed = [2., 0., 1., 0., 0., 3., 0., 4., 0., 0., 0., 1., half, 0., 0., half];
+    let error = parse(&animated(&reversed, &accessors, &moved)).unwrap_err().to_string();
+    assert!(error.contains("channel 0 of \"way\"") && error.contains("out of order"), "{error}");
+}
+
+#[test]
+fn splines_pass_through_their_keys_and_pointers_reach_intensities() {
+    // Times, then in-tangent, value and out-tangent of two keys.
+    let numbers = [0., 1., 0., 2., 4., 4., 6., 0.];
+    let accessors = [floats(0, 2, "SCALAR"), floats(2, 6, "SCALAR")].join(",");
+    let animation = r#"{"channels":[{"sampler":0,"target":{"path":"pointer","extensions":{"KHR_animation_pointer":
+        {"pointer":"/extensions/KHR_lights_punctual/lights/0/intensity"}}}}],
+        "samplers":[{"input":2,"output":3,"interpolation":"CUBICSPLINE"}]}"#;
+    let scene = parse(&animated(&numbers, &accessors, animation)).unwrap();
+    let track = &scene.animations[0].tracks[0];
+    assert_eq!((track.property, track.light), (Property::Intensity, 0));
+    assert_eq!((track.values[0], *track.values.last().unwrap()), (2.0, 6.0));
+    // Tangents as steep as the chord: a straight line.
+    for (time, value) in track.times.iter().zip(&track.values) {
+        assert!((value - (2.0 + 4.0 * time)).abs() < 1e-5, "{value} at {time}");
+    }
+}
+
+#[test]
+fn detail_textures_keep_their_coordinates_relative_to_the_first() {
+    let info = |index: u32, offset: &str| {
+        format!(
+            r#"{{"index":{index},"extensions":{{"KHR_texture_transform":{{"offset":{offset},"scale":[2,4]}}}}}}"#
+        )
+    };
+    let material = format!(
+        r#""pbrMetallicRoughness":{{"baseColorTexture":{},"metallicFactor":0.25,"roughnessFactor":0.5}},
+        "normalTexture":{},"emissiveTexture":{{"index":0,"texCoord":1}}"#,
+        info(0, "[0,0]"),
+        info(0, "[0.5,0.25]")
+    );
+    let scene = textured_with(&material);
+    let m = &scene.materials[0];
+    assert_eq!((m.metallic, m.roughness, m.specular, m.normal_scale), (0.25, 0.5, 1.0, 1.0));
+    let normal = m.normal_texture.unwrap();
+    assert_eq!(normal.uv_from_vertex, [[1.0, 0.0, 0.5], [0.0, 1.0, 0.25]]);
+    let (base, normal) = (m.base_color_texture.unwrap(), normal.texture);
+    assert!(base != normal, "colours and numbers are uploaded differently");
+    assert!(!scene.textures[base as usize].meta.data && scene.textures[normal as usize].meta.data);
+    assert_eq!(scene.textures[base as usize].bytes, scene.textures[normal as usize].bytes);
+    // Coordinates of another set are not there; only the picture is poorer.
+    assert!(m.emission_texture.is_none() && scene.left_out[0].contains("TEXCOORD_1"), "{:?}", scene.left_out);
 }

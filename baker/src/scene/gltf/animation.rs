@@ -1,0 +1,271 @@
+//! Keyframes of nodes and lights to keyframes of the scene's lights, in world space.
+
+use super::node::{Placed, Pose, placement};
+use super::schema;
+use super::source::Source;
+use crate::scene::SceneError;
+use glam::{DMat4, DQuat};
+use rebounce_shared::rbn::meta::{Animation, Interpolation, Property, Track};
+
+/// Keys a second where a light's way between two keys is not straight: turned, or moved by several nodes.
+const KEYS_A_SECOND: f64 = 30.0;
+/// Keys of one track at most.
+const MOST_KEYS: usize = 1 << 16;
+
+/// A sampler's keys: times in seconds, and `W` numbers each.
+struct Curve<const W: usize> {
+    kind: Kind,
+    times: Vec<f64>,
+    /// One value a key; with splines three: in-tangent, value, out-tangent.
+    values: Vec<[f64; W]>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Step,
+    Linear,
+    Spline,
+}
+
+impl<const W: usize> Curve<W> {
+    fn read(source: &Source, sampler: &schema::AnimationSampler, what: &str) -> Result<Self, SceneError> {
+        let kind = match sampler.interpolation.as_deref().unwrap_or("LINEAR") {
+            "STEP" => Kind::Step,
+            "LINEAR" => Kind::Linear,
+            "CUBICSPLINE" => Kind::Spline,
+            other => return Err(source.malformed(format!("{what} has the unknown interpolation {other:?}"))),
+        };
+        let times = source.read::<1>(sampler.input, "SCALAR", &format!("input of {what}"))?;
+        let shape = ["", "SCALAR", "VEC2", "VEC3", "VEC4"][W];
+        let values = source.read::<W>(sampler.output, shape, &format!("output of {what}"))?;
+        let times: Vec<f64> = times.into_iter().map(|[t]| t).collect();
+        let finite = times.iter().chain(values.iter().flatten()).all(|x| x.is_finite());
+        let ordered = times.windows(2).all(|t| t[0] < t[1]) && times.first().is_some_and(|t| *t >= 0.0);
+        let each = if kind == Kind::Spline { 3 } else { 1 };
+        if !finite || !ordered || values.len() != each * times.len() {
+            return Err(source.malformed(format!("{what} has keys that are out of order, not finite or missing")));
+        }
+        Ok(Self { kind, times, values })
+    }
+
+    /// The value at a time; before the first key the first, after the last the last (glTF 2.0, 3.11).
+    fn at(&self, time: f64, between: impl Fn([f64; W], [f64; W], f64) -> [f64; W]) -> [f64; W] {
+        let value = |k: usize| self.values[if self.kind == Kind::Spline { 3 * k + 1 } else { k }];
+        let next = self.times.partition_point(|&t| t <= time);
+        if next == 0 || next == self.times.len() {
+            return value(next.saturating_sub(1));
+        }
+        let (k, step) = (next - 1, self.times[next] - self.times[next - 1]);
+        let s = (time - self.times[k]) / step;
+        match self.kind {
+            Kind::Step => value(k),
+            Kind::Linear => between(value(k), value(next), s),
+            // glTF 2.0, appendix C.5.
+            Kind::Spline => {
+                let (leaving, arriving) = (self.values[3 * k + 2], self.values[3 * next]);
+                let (a, b) = (value(k), value(next));
+                let (s2, s3) = (s * s, s * s * s);
+                std::array::from_fn(|c| {
+                    (2.0 * s3 - 3.0 * s2 + 1.0) * a[c]
+                        + step * (s3 - 2.0 * s2 + s) * leaving[c]
+                        + (3.0 * s2 - 2.0 * s3) * b[c]
+                        + step * (s3 - s2) * arriving[c]
+                })
+            }
+        }
+    }
+}
+
+fn straight<const W: usize>(a: [f64; W], b: [f64; W], s: f64) -> [f64; W] {
+    std::array::from_fn(|c| a[c] + s * (b[c] - a[c]))
+}
+
+fn around(a: [f64; 4], b: [f64; 4], s: f64) -> [f64; 4] {
+    let [a, b] = [a, b].map(|q| DQuat::from_array(q).normalize());
+    if a.is_finite() && b.is_finite() { a.slerp(b, s).to_array() } else { [0.0, 0.0, 0.0, 1.0] }
+}
+
+/// What moves a node.
+#[derive(Default)]
+struct Motion {
+    translation: Option<Curve<3>>,
+    rotation: Option<Curve<4>>,
+    scale: Option<Curve<3>>,
+}
+
+impl Motion {
+    fn curves(&self) -> impl Iterator<Item = (Kind, &[f64])> {
+        let translation = self.translation.iter().map(|c| (c.kind, c.times.as_slice()));
+        let rotation = self.rotation.iter().map(|c| (c.kind, c.times.as_slice()));
+        translation.chain(rotation).chain(self.scale.iter().map(|c| (c.kind, c.times.as_slice())))
+    }
+
+    fn pose(&self, rest: Pose, time: f64) -> Pose {
+        Pose {
+            translation: self.translation.as_ref().map_or(rest.translation, |c| c.at(time, straight)),
+            rotation: self.rotation.as_ref().map_or(rest.rotation, |c| c.at(time, around)),
+            scale: self.scale.as_ref().map_or(rest.scale, |c| c.at(time, straight)),
+        }
+    }
+}
+
+/// The animations that move lights. What else they move stays where it is: the bake holds still geometry.
+pub(super) fn animations(
+    source: &Source,
+    nodes: &[Placed],
+    left_out: &mut Vec<String>,
+) -> Result<Vec<Animation>, SceneError> {
+    // Lights in the order in which the scene lists them: their nodes, and the glTF light.
+    let lights: Vec<(usize, usize)> = nodes
+        .iter()
+        .enumerate()
+        .filter_map(|(place, node)| {
+            Some((place, source.root.nodes[node.index].extensions.light.as_ref()?.light))
+        })
+        .collect();
+    let mut out = Vec::new();
+    for (a, animation) in source.root.animations.iter().enumerate() {
+        let name = if animation.name.is_empty() { format!("animation {a}") } else { animation.name.clone() };
+        let mut motions: Vec<Motion> = nodes.iter().map(|_| Motion::default()).collect();
+        let mut tracks = Vec::new();
+        for (c, channel) in animation.channels.iter().enumerate() {
+            let what = format!("channel {c} of {name:?}");
+            let sampler = animation.samplers.get(channel.sampler);
+            let sampler = sampler.ok_or_else(|| source.malformed(format!("{what} has no sampler")))?;
+            if let Some(pointer) = &channel.target.extensions.pointer {
+                of_light(source, &pointer.pointer, sampler, &what, &lights, &mut tracks)?;
+                continue;
+            }
+            let Some(place) = channel.target.node.and_then(|n| nodes.iter().position(|p| p.index == n)) else {
+                continue;
+            };
+            let motion = &mut motions[place];
+            match channel.target.path.as_str() {
+                "translation" => motion.translation = Some(Curve::read(source, sampler, &what)?),
+                "rotation" => motion.rotation = Some(Curve::read(source, sampler, &what)?),
+                "scale" => motion.scale = Some(Curve::read(source, sampler, &what)?),
+                _ => {}
+            }
+        }
+        for (light, &(place, kind)) in lights.iter().enumerate() {
+            tracks.extend(way(source, nodes, &motions, light, place, kind));
+        }
+        if tracks.is_empty() {
+            left_out.push(format!("{name:?}: it moves no light, and the bake holds still geometry"));
+            continue;
+        }
+        let duration = tracks.iter().filter_map(|t| t.times.last()).fold(0.0f32, |a, &b| a.max(b));
+        out.push(Animation { name, duration, tracks });
+    }
+    Ok(out)
+}
+
+/// The tracks of a light that nodes move: position and direction, as far as its kind has them.
+fn way(
+    source: &Source,
+    nodes: &[Placed],
+    motions: &[Motion],
+    light: usize,
+    place: usize,
+    kind: usize,
+) -> Vec<Track> {
+    let chain: Vec<usize> = std::iter::successors(Some(place), |&p| nodes[p].parent).collect();
+    let curves = || chain.iter().flat_map(|&p| motions[p].curves());
+    let mut times: Vec<f64> = curves().flat_map(|(_, times)| times.iter().copied()).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return Vec::new() };
+    let step = curves().all(|(kind, _)| kind == Kind::Step);
+    let straight = curves().all(|(kind, _)| kind == Kind::Linear)
+        && chain.iter().all(|&p| motions[p].rotation.is_none() && motions[p].scale.is_none())
+        && chain.iter().filter(|&&p| motions[p].translation.is_some()).count() == 1;
+    if !step && !straight {
+        let more = (((last - first) * KEYS_A_SECOND).ceil() as usize).min(MOST_KEYS);
+        times.extend((0..more).map(|k| first + (last - first) * k as f64 / more as f64));
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+    }
+    let worlds: Vec<DMat4> = times
+        .iter()
+        .map(|&time| {
+            chain.iter().rev().fold(DMat4::IDENTITY, |parent, &p| {
+                let node = &source.root.nodes[nodes[p].index];
+                let still = motions[p].curves().next().is_none();
+                let local = match node.matrix {
+                    Some(matrix) if still => DMat4::from_cols_array(&matrix),
+                    _ => motions[p].pose(Pose::of(node), time).matrix(),
+                };
+                parent * local
+            })
+        })
+        .collect();
+    let interpolation = if step { Interpolation::Step } else { Interpolation::Linear };
+    let kind = source.root.extensions.lights.lights.get(kind).map_or("", |l| l.kind.as_str());
+    let track = |property, value: fn(&DMat4) -> [f64; 3]| {
+        let values: Vec<f32> = worlds.iter().flat_map(|world| value(world).map(|x| x as f32)).collect();
+        let moves = values.as_chunks::<3>().0.windows(2).any(|v| v[0] != v[1]);
+        let sound = values.iter().all(|x| x.is_finite());
+        let times = times.iter().map(|&t| t as f32).collect();
+        (moves && sound).then_some(Track { light: light as u32, property, interpolation, times, values })
+    };
+    let position = track(Property::Position, |world| placement(world).0).filter(|_| kind != "directional");
+    let direction = track(Property::Direction, |world| placement(world).1).filter(|_| kind != "point");
+    position.into_iter().chain(direction).map(distinct).collect()
+}
+
+/// The track of a light's own number, which KHR_animation_pointer names.
+fn of_light(
+    source: &Source,
+    pointer: &str,
+    sampler: &schema::AnimationSampler,
+    what: &str,
+    lights: &[(usize, usize)],
+    tracks: &mut Vec<Track>,
+) -> Result<(), SceneError> {
+    let Some((index, member)) = pointer
+        .strip_prefix("/extensions/KHR_lights_punctual/lights/")
+        .and_then(|rest| rest.split_once('/'))
+        .and_then(|(index, member)| Some((index.parse::<usize>().ok()?, member)))
+    else {
+        return Ok(());
+    };
+    let (property, interpolation, times, values) = match member {
+        "intensity" => keys(Property::Intensity, &Curve::<1>::read(source, sampler, what)?),
+        "color" => keys(Property::Color, &Curve::<3>::read(source, sampler, what)?),
+        _ => return Ok(()),
+    };
+    for (light, _) in lights.iter().enumerate().filter(|(_, (_, kind))| *kind == index) {
+        let (times, values) = (times.clone(), values.clone());
+        tracks.push(distinct(Track { light: light as u32, property, interpolation, times, values }));
+    }
+    Ok(())
+}
+
+fn keys<const W: usize>(
+    property: Property,
+    curve: &Curve<W>,
+) -> (Property, Interpolation, Vec<f32>, Vec<f32>) {
+    let mut times = curve.times.clone();
+    if curve.kind == Kind::Spline {
+        let (first, last) = (times[0], times[times.len() - 1]);
+        let more = (((last - first) * KEYS_A_SECOND).ceil() as usize).min(MOST_KEYS);
+        times.extend((0..more).map(|k| first + (last - first) * k as f64 / more as f64));
+        times.sort_by(f64::total_cmp);
+    }
+    // A spline may swing below zero, a light cannot.
+    let value = |&t: &f64| curve.at(t, straight).map(|x| (x as f32).max(0.0));
+    let interpolation = if curve.kind == Kind::Step { Interpolation::Step } else { Interpolation::Linear };
+    let values = times.iter().flat_map(value).collect();
+    (property, interpolation, times.iter().map(|&t| t as f32).collect(), values)
+}
+
+/// Without keys that are at one time once it is an f32.
+fn distinct(mut track: Track) -> Track {
+    let width = track.property.width();
+    let keep: Vec<usize> = (0..track.times.len())
+        .filter(|&k| k == 0 || track.times[k] > track.times[k - 1])
+        .collect();
+    track.values = keep.iter().flat_map(|&k| track.values[k * width..(k + 1) * width].to_vec()).collect();
+    track.times = keep.into_iter().map(|k| track.times[k]).collect();
+    track
+}
