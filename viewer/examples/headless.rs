@@ -12,6 +12,7 @@ use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
 use rebounce_viewer::settings::{Mode, Overlay};
+use rebounce_viewer::stats::Counts;
 use std::error::Error;
 use std::time::Instant;
 
@@ -104,13 +105,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         image::save_buffer(out, &bytes, width, height, image::ColorType::Rgba8)?;
     }
     println!("{}", serde_json::to_string_pretty(&renderer.stats())?);
-    let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&pollster::block_on(renderer.read_counts()?.wait())?);
-    let per_pixel = |count: u32| count as f64 / (width * height) as f64;
+    let (size, counts) = renderer.read_counts()?;
+    let counts = Counts::new(size, &pollster::block_on(counts.wait())?);
+    let per_pixel = |count: u64| count as f64 / counts.pixels as f64;
     println!(
-        "of the pixels {:.3} have a row of their own; a pixel looks at {:.2} functions, evaluates {:.2}",
-        per_pixel(counts[0]),
-        per_pixel(counts[1]),
-        per_pixel(counts[2])
+        "of the pixels {:.3} look functions up; a pixel looks at {:.2}, evaluates {:.2}",
+        per_pixel(counts.rows),
+        per_pixel(counts.looked_at),
+        per_pixel(counts.evaluated)
     );
     Ok(())
 }

@@ -31,9 +31,18 @@ pub struct Shading {
     pub blend: f32,
     /// Pixels across one output pixel of [`CompositePass::indirect`].
     pub scale: u32,
+    /// [`DETAILED`], [`AGX`], [`MANUAL`].
+    pub flags: u32,
     /// Unused.
-    pub pad: [u32; 2],
+    pub pad: u32,
 }
+
+/// The G-buffer holds what textures of detail say.
+pub const DETAILED: u32 = 1;
+/// Tone mapping by AgX instead of Khronos PBR Neutral.
+pub const AGX: u32 = 2;
+/// The exposure is not measured.
+pub const MANUAL: u32 = 4;
 
 /// The pipelines, and the automatic exposure.
 pub struct CompositePass {
@@ -42,7 +51,9 @@ pub struct CompositePass {
     picture: wgpu::RenderPipeline,
     key_pipeline: wgpu::ComputePipeline,
     indirect: wgpu::RenderPipeline,
+    before_layout: wgpu::BindGroupLayout,
     present_layout: wgpu::BindGroupLayout,
+    bilinear: wgpu::Sampler,
     present: HashMap<TextureFormat, wgpu::RenderPipeline>,
     /// One float: what radiance is multiplied with.
     key: wgpu::Buffer,
@@ -77,7 +88,14 @@ impl CompositePass {
         };
         let shade = layout(gpu, "shade", ShaderStages::FRAGMENT, &slots(Slot::Read));
         let key_layout = layout(gpu, "key", ShaderStages::COMPUTE, &slots(Slot::Write));
-        let present_layout = layout(gpu, "present", ShaderStages::FRAGMENT, &[Slot::TextureLoad]);
+        let before_layout = layout(gpu, "before", ShaderStages::FRAGMENT, &[Slot::TextureLoad]);
+        let slots = [Slot::Texture, Slot::Sampler, Slot::Uniform];
+        let present_layout = layout(gpu, "present", ShaderStages::FRAGMENT, &slots);
+        let bilinear = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
         let average = wgpu::BlendComponent {
             src_factor: BlendFactor::SrcAlpha,
             dst_factor: BlendFactor::OneMinusSrcAlpha,
@@ -97,7 +115,7 @@ impl CompositePass {
             source: shaders::INDIRECT,
             vertex: "fullscreen",
             targets: &[opaque(TextureFormat::Rgba32Float)],
-            layouts: &[&shade, lights, &present_layout],
+            layouts: &[&shade, lights, &before_layout],
             ..Default::default()
         }
         .pipeline(gpu);
@@ -110,7 +128,9 @@ impl CompositePass {
             key_layout,
             picture,
             indirect,
+            before_layout,
             present_layout,
+            bilinear,
             present: HashMap::new(),
             key,
         }
@@ -123,7 +143,7 @@ impl CompositePass {
         frame: &wgpu::Buffer,
         gbuffer: &GBuffer,
         display: &DisplayTarget,
-        emission: &wgpu::Buffer,
+        looks: &wgpu::Buffer,
         size: [u32; 2],
     ) -> Picture {
         let texture = target(gpu, "picture", PICTURE, size[0], size[1]);
@@ -142,14 +162,23 @@ impl CompositePass {
             view(&gbuffer.surface),
             view(&gbuffer.depth),
             display.light.as_entire_binding(),
-            emission.as_entire_binding(),
+            looks.as_entire_binding(),
             self.key.as_entire_binding(),
             display.slots.as_entire_binding(),
         ];
         Picture {
             shade: group(gpu, "shade", &self.layout, &resources),
             measure: group(gpu, "key", &self.key_layout, &resources),
-            present: group(gpu, "present", &self.present_layout, &[view(&texture)]),
+            present: group(
+                gpu,
+                "present",
+                &self.present_layout,
+                &[
+                    view(&texture),
+                    wgpu::BindingResource::Sampler(&self.bilinear),
+                    shading.as_entire_binding(),
+                ],
+            ),
             texture,
             shading,
             bytes,
@@ -192,7 +221,7 @@ impl CompositePass {
         [before, out]: [&wgpu::Texture; 2],
     ) {
         let [before, out] = [before, out].map(|texture| texture.create_view(&Default::default()));
-        let before = group(gpu, "indirect before", &self.present_layout, &[view(&before)]);
+        let before = group(gpu, "indirect before", &self.before_layout, &[view(&before)]);
         self.pass(encoder, &self.indirect, &out, &[&picture.shade, lights, &before], None);
     }
 

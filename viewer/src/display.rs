@@ -30,7 +30,7 @@ struct Slots {
     capacity: u32,
     row_length: u32,
     reach: f32,
-    pad: u32,
+    tilts: u32,
 }
 
 /// The pipelines.
@@ -54,7 +54,7 @@ pub struct DisplayTarget {
     pub counts: wgpu::Buffer,
     /// The slot of every pixel that has a row of its own, else 0.
     pub slots: wgpu::Buffer,
-    /// Bounced irradiance by slot: RGB and one unused.
+    /// Bounced irradiance by slot: RGB, and its tilt (tilt.wgsl).
     pub light: wgpu::Buffer,
     /// Bytes of the buffers.
     pub bytes: u64,
@@ -107,7 +107,12 @@ impl DisplayPass {
         };
         let capacity = (blocks + singles).min((MAX_BINDING / 16).max(blocks));
         let row_length = (MAX_BINDING / (ENTRY * capacity)).clamp(1, ROW_LENGTH as u64);
-        let layout = Slots { capacity: capacity as u32, row_length: row_length as u32, reach, pad: 0 };
+        let layout = Slots {
+            capacity: capacity as u32,
+            row_length: row_length as u32,
+            reach,
+            tilts: scene.materials.bumpy as u32,
+        };
         let layout = buffer(gpu, "slots layout", BufferUsages::UNIFORM, bytemuck::bytes_of(&layout));
         let storage = BufferUsages::STORAGE;
         let rows = empty_buffer(gpu, "rows", storage, ENTRY * row_length * capacity);

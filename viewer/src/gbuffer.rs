@@ -10,7 +10,8 @@ use crate::upload::{Run, Upload};
 use wgpu::{CompareFunction, ShaderStages, TextureFormat};
 
 const ALBEDO: TextureFormat = TextureFormat::Rgba8UnormSrgb;
-const SURFACE: TextureFormat = TextureFormat::Rg32Uint;
+/// Narrow, and with what textures of detail say.
+const SURFACES: [TextureFormat; 2] = [TextureFormat::Rg32Uint, TextureFormat::Rgba32Uint];
 
 /// The textures of one size.
 pub struct GBuffer {
@@ -22,41 +23,45 @@ pub struct GBuffer {
     pub depth: wgpu::TextureView,
     /// Bytes of all three.
     pub bytes: u64,
+    detailed: bool,
 }
 
 impl GBuffer {
-    /// Of this size, pixels.
-    pub fn new(gpu: &Gpu, width: u32, height: u32) -> Self {
+    /// Of this size, pixels; for a scene with textures of detail or without.
+    pub fn new(gpu: &Gpu, width: u32, height: u32, detailed: bool) -> Self {
         let albedo = target(gpu, "albedo", ALBEDO, width, height);
-        let surface = target(gpu, "surface", SURFACE, width, height);
+        let surface = target(gpu, "surface", SURFACES[detailed as usize], width, height);
         let depth = target(gpu, "depth", TextureFormat::Depth32Float, width, height);
         let bytes = texture_bytes(&albedo) + texture_bytes(&surface) + texture_bytes(&depth);
         let view = |t: &wgpu::Texture| t.create_view(&Default::default());
-        Self { albedo: view(&albedo), surface: view(&surface), depth: view(&depth), bytes }
+        Self { albedo: view(&albedo), surface: view(&surface), depth: view(&depth), bytes, detailed }
     }
 }
 
 /// The pass that fills a [`GBuffer`].
 pub struct GBufferPass {
     frame_layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::RenderPipeline,
+    /// For each of [`SURFACES`].
+    pipelines: [wgpu::RenderPipeline; 2],
 }
 
 impl GBufferPass {
-    /// The pipeline.
+    /// The pipelines.
     pub fn new(gpu: &Gpu, material_layout: &wgpu::BindGroupLayout) -> Self {
         let frame_layout = layout(gpu, "frame", ShaderStages::VERTEX_FRAGMENT, &[Slot::Uniform]);
-        let pipeline = Draw {
-            label: "g-buffer",
-            source: shaders::GBUFFER,
-            targets: &[opaque(ALBEDO), opaque(SURFACE)],
-            layouts: &[&frame_layout, material_layout],
-            buffers: &[Some(VERTEX)],
-            depth: Some((CompareFunction::Greater, true)),
-            ..Default::default()
-        }
-        .pipeline(gpu);
-        Self { frame_layout, pipeline }
+        let pipelines = SURFACES.map(|surface| {
+            Draw {
+                label: "g-buffer",
+                source: shaders::GBUFFER,
+                targets: &[opaque(ALBEDO), opaque(surface)],
+                layouts: &[&frame_layout, material_layout],
+                buffers: &[Some(VERTEX)],
+                depth: Some((CompareFunction::Greater, true)),
+                ..Default::default()
+            }
+            .pipeline(gpu)
+        });
+        Self { frame_layout, pipelines }
     }
 
     /// The bind group for a picture's `Frame`.
@@ -84,7 +89,7 @@ impl GBufferPass {
         if upload.runs.is_empty() {
             return;
         }
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.pipelines[target.detailed as usize]);
         pass.set_bind_group(0, frame, &[]);
         pass.set_vertex_buffer(0, upload.vertices.slice(..));
         pass.set_index_buffer(upload.indices.slice(..), wgpu::IndexFormat::Uint32);

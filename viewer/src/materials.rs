@@ -12,6 +12,8 @@ use wgpu::{BufferUsages, ShaderStages};
 
 /// Distance of materials in their uniform buffer, bytes.
 const STRIDE: u64 = 256;
+/// Texels that a pixel on a slanted surface is averaged over, at most, along the slant.
+const ANISOTROPY: u16 = 8;
 
 /// `Material` in material.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -22,10 +24,28 @@ struct Record {
     cutoff: f32,
     double_sided: u32,
     index: u32,
+    metallic: f32,
+    roughness: f32,
+    normal_scale: f32,
+    details: u32,
+    wide: u32,
+    pad: [u32; 3],
+    uv_from_vertex: [[f32; 4]; 6],
+}
+
+/// `Look` in surface.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct Look {
+    emission: [f32; 3],
+    specular: f32,
+    metallic: f32,
+    roughness: f32,
+    pad: [f32; 2],
 }
 
 impl Record {
-    fn new(index: usize, material: &Material) -> Self {
+    fn new(index: usize, material: &Material, wide: bool) -> Self {
         let (alpha_mode, cutoff) = match material.alpha {
             Alpha::Opaque => (0, 0.0),
             Alpha::Mask { cutoff } => (1, cutoff),
@@ -38,26 +58,40 @@ impl Record {
             double_sided: material.double_sided as u32,
             // The G-buffer keeps 16 bits.
             index: index.min(0xffff) as u32,
+            metallic: material.metallic,
+            roughness: material.roughness,
+            normal_scale: material.normal_scale,
+            details: (0..).zip(material.details()).map(|(i, d)| (d.is_some() as u32) << i).sum(),
+            wide: wide as u32,
+            pad: [0; 3],
+            uv_from_vertex: std::array::from_fn(|row| {
+                let detail = material.details()[row / 2];
+                detail.map_or([0.0; 4], |d| {
+                    let [a, b, c] = d.uv_from_vertex[row % 2];
+                    [a, b, c, 0.0]
+                })
+            }),
         }
     }
 }
 
 /// The layout of a material's bind group.
 pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
-    layout(
-        gpu,
-        "material",
-        ShaderStages::FRAGMENT,
-        &[Slot::Uniform, Slot::Texture, Slot::Sampler, Slot::Sampler, Slot::Sampler],
-    )
+    let mut slots = vec![Slot::Uniform, Slot::Texture, Slot::Sampler, Slot::Sampler, Slot::Sampler];
+    slots.extend([Slot::Texture, Slot::Sampler].repeat(3));
+    layout(gpu, "material", ShaderStages::FRAGMENT, &slots)
 }
 
 /// All materials of a scene.
 pub struct Materials {
     /// One bind group per material.
     pub groups: Vec<wgpu::BindGroup>,
-    /// Radiance that each sends out: RGB and one unused, 16 bytes a material.
-    pub emission: wgpu::Buffer,
+    /// `Look` of surface.wgsl, one a material.
+    pub looks: wgpu::Buffer,
+    /// Whether any of them has textures besides the base colour's.
+    pub detailed: bool,
+    /// Whether any of them bends normals.
+    pub bumpy: bool,
     /// Bytes of the textures on the GPU.
     pub bytes: u64,
 }
@@ -71,47 +105,54 @@ impl Materials {
         let mips = Mips::new(gpu);
         let (textures, bytes) = textures::load(gpu, &mips, scene).await?;
         let white = textures::white(gpu);
+        let materials = &scene.meta.materials;
+        let detailed = materials.iter().any(|m| m.details().iter().any(Option::is_some));
         let mut records = vec![0u8; STRIDE as usize * scene.meta.materials.len()];
         for (i, material) in scene.meta.materials.iter().enumerate() {
-            let record = Record::new(i, material);
+            let record = Record::new(i, material, detailed);
             let at = i * STRIDE as usize;
             records[at..at + size_of::<Record>()].copy_from_slice(bytemuck::bytes_of(&record));
         }
         let uniforms = buffer(gpu, "materials", BufferUsages::UNIFORM, &records);
-        let emission: Vec<[f32; 4]> = scene
-            .meta
-            .materials
-            .iter()
-            .take(0x10000)
-            .map(|m| [m.emission[0], m.emission[1], m.emission[2], 0.0])
-            .collect();
-        let emission = buffer(gpu, "emission", BufferUsages::STORAGE, bytemuck::cast_slice(&emission));
+        let look = |m: &Material| Look {
+            emission: m.emission,
+            specular: m.specular,
+            metallic: m.metallic,
+            roughness: m.roughness,
+            pad: [0.0; 2],
+        };
+        let looks: Vec<Look> = materials.iter().take(0x10000).map(look).collect();
+        let looks = buffer(gpu, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&looks));
         let plain = Texture { linear_filter: true, ..Default::default() };
-        let groups = scene
-            .meta
-            .materials
-            .iter()
-            .enumerate()
-            .map(|(i, material)| {
-                let texture = material.base_color_texture.map(|t| t as usize);
-                let info = texture.map_or(&plain, |t| &scene.meta.textures[t]);
-                let texture = texture.map_or(&white, |t| &textures[t]);
-                let uniform = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: &uniforms,
-                    offset: i as u64 * STRIDE,
-                    size: NonZeroU64::new(size_of::<Record>() as u64),
-                });
-                let resources = [
-                    uniform,
-                    view(texture),
-                    wgpu::BindingResource::Sampler(&sampler(gpu, info, info.linear_filter, 8)),
-                    wgpu::BindingResource::Sampler(&sampler(gpu, info, false, 1)),
-                    wgpu::BindingResource::Sampler(&sampler(gpu, info, info.linear_filter, 1)),
-                ];
-                group(gpu, "material", layout, &resources)
-            })
-            .collect();
-        Ok(Self { groups, emission, bytes })
+        let texture = |index: Option<u32>| match index {
+            Some(t) => (&scene.meta.textures[t as usize], &textures[t as usize]),
+            None => (&plain, &white),
+        };
+        let groups = materials.iter().enumerate().map(|(i, material)| {
+            let (info, base) = texture(material.base_color_texture);
+            let uniform = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &uniforms,
+                offset: i as u64 * STRIDE,
+                size: NonZeroU64::new(size_of::<Record>() as u64),
+            });
+            let samplers = [
+                sampler(gpu, info, info.linear_filter, ANISOTROPY),
+                sampler(gpu, info, false, 1),
+                sampler(gpu, info, info.linear_filter, 1),
+            ];
+            let details = material.details().map(|detail| {
+                let (info, texture) = texture(detail.map(|d| d.texture));
+                (texture, sampler(gpu, info, info.linear_filter, ANISOTROPY))
+            });
+            let mut resources = vec![uniform, view(base)];
+            resources.extend(samplers.iter().map(wgpu::BindingResource::Sampler));
+            for (texture, sampler) in &details {
+                resources.extend([view(texture), wgpu::BindingResource::Sampler(sampler)]);
+            }
+            group(gpu, "material", layout, &resources)
+        });
+        let bumpy = materials.iter().any(|m| m.normal_texture.is_some());
+        Ok(Self { groups: groups.collect(), looks, detailed, bumpy, bytes })
     }
 }
 

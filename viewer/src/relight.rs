@@ -29,7 +29,9 @@ struct Step {
     threads: u32,
     /// What is added to a row's number to give its point.
     shift: u32,
-    pad: [u32; 3],
+    /// 1 where the scene has normal maps.
+    tilts: u32,
+    pad: [u32; 2],
 }
 
 /// Which shader a dispatch runs; links with the number of their chunk.
@@ -115,6 +117,10 @@ fn plan(scene: &Scene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
         plan.push(finest);
     }
     plan.retain(|dispatch| dispatch.step.count > 0);
+    let bumpy = scene.meta.materials.iter().any(|m| m.normal_texture.is_some());
+    for dispatch in &mut plan {
+        dispatch.step.tilts = bumpy as u32;
+    }
     plan
 }
 
@@ -176,7 +182,7 @@ impl RelightPipelines {
 pub struct Relight {
     /// Direct irradiance at the direct points, and at senders that of later bounces too: RGB and one unused.
     pub irradiance: wgpu::Buffer,
-    /// Irradiance along each point's normal: RGB and one unused.
+    /// Irradiance along each point's normal: RGB, and its tilt (tilt.wgsl).
     pub display: wgpu::Buffer,
     steps: wgpu::Buffer,
     direct: wgpu::BindGroup,

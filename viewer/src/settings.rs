@@ -69,3 +69,33 @@ impl Overlay {
         }
     }
 }
+
+/// How radiance becomes display values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ToneMapping {
+    /// Khronos PBR Neutral: colours stay what they are.
+    #[default]
+    Neutral,
+    /// AgX: softer, bright colours fade to white.
+    Agx,
+}
+
+impl ToneMapping {
+    /// From its name: `neutral` or `agx`.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadArgument`].
+    pub fn parse(name: &str) -> Result<Self, ViewerError> {
+        [Self::Neutral, Self::Agx].into_iter().find(|t| t.name() == name).ok_or_else(|| {
+            ViewerError::BadArgument(format!("tone mapping {name:?}: it must be \"neutral\" or \"agx\""))
+        })
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Neutral => "neutral",
+            Self::Agx => "agx",
+        }
+    }
+}

@@ -32,6 +32,34 @@ pub struct Stats {
     pub bytes: Bytes,
 }
 
+/// How the bounced light of a picture was looked up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Counts {
+    /// Pixels of the picture.
+    pub pixels: u64,
+    /// Pixels that looked functions up; the others are interpolated.
+    pub rows: u64,
+    /// Functions whose sphere was tested.
+    pub looked_at: u64,
+    /// Kernels evaluated.
+    pub evaluated: u64,
+}
+
+impl Counts {
+    /// From the size of the picture and what [`Renderer::read_counts`](crate::renderer::Renderer::read_counts) reads.
+    pub fn new([width, height]: [u32; 2], counts: &[u8]) -> Self {
+        let count = |i: usize| bytemuck::pod_read_unaligned::<u32>(&counts[4 * i..4 * i + 4]) as u64;
+        let blocks = width.div_ceil(2) as u64 * height.div_ceil(2) as u64;
+        Self {
+            pixels: width as u64 * height as u64,
+            rows: blocks + count(0),
+            looked_at: count(1),
+            evaluated: count(2),
+        }
+    }
+}
+
 /// Bytes on the GPU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[serde(rename_all = "camelCase")]

@@ -39,9 +39,9 @@ impl Target {
     ) -> Self {
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = empty_buffer(gpu, "frame", usage, size_of::<Frame>() as u64);
-        let gbuffer = GBuffer::new(gpu, size[0], size[1]);
+        let gbuffer = GBuffer::new(gpu, size[0], size[1], scene.materials.detailed);
         let display = display_pass.target(gpu, &frame, &gbuffer, scene, size);
-        let picture = composite_pass.target(gpu, &frame, &gbuffer, &display, &scene.materials.emission, size);
+        let picture = composite_pass.target(gpu, &frame, &gbuffer, &display, &scene.materials.looks, size);
         Self {
             size,
             frame_group: gbuffer_pass.frame_group(gpu, &frame),

@@ -1,4 +1,4 @@
-//! Base-colour textures: decoded, uploaded as sRGB, with mip levels.
+//! Textures: decoded, uploaded as sRGB colours or as plain numbers, with mip levels.
 //!
 //! In the browser `createImageBitmap` decodes, with no premultiplication and no colour conversion;
 //! natively the `image` crate.
@@ -10,36 +10,41 @@ use crate::shaders;
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::Texture;
 
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// Of colours and of numbers.
+const FORMATS: [wgpu::TextureFormat; 2] =
+    [wgpu::TextureFormat::Rgba8UnormSrgb, wgpu::TextureFormat::Rgba8Unorm];
 /// Textures are decoded this many at a time.
 const BATCH: usize = 8;
 
 /// Makes mip levels.
 pub struct Mips {
     layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::RenderPipeline,
+    /// One for each of [`FORMATS`].
+    pipelines: [wgpu::RenderPipeline; 2],
     sampler: wgpu::Sampler,
 }
 
 impl Mips {
-    /// The pipeline.
+    /// The pipelines.
     pub fn new(gpu: &Gpu) -> Self {
         let layout = layout(gpu, "mips", wgpu::ShaderStages::FRAGMENT, &[Slot::Texture, Slot::Sampler]);
-        let pipeline = Draw {
-            label: "mips",
-            source: shaders::MIPS,
-            vertex: "fullscreen",
-            targets: &[opaque(FORMAT)],
-            layouts: &[&layout],
-            ..Default::default()
-        }
-        .pipeline(gpu);
+        let pipelines = FORMATS.map(|format| {
+            Draw {
+                label: "mips",
+                source: shaders::MIPS,
+                vertex: "fullscreen",
+                targets: &[opaque(format)],
+                layouts: &[&layout],
+                ..Default::default()
+            }
+            .pipeline(gpu)
+        });
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        Self { layout, pipeline, sampler }
+        Self { layout, pipelines, sampler }
     }
 
     /// Fills all levels but the first.
@@ -65,7 +70,7 @@ impl Mips {
                 color_attachments: &[attachment(&smaller, true)],
                 ..Default::default()
             });
-            pass.set_pipeline(&self.pipeline);
+            pass.set_pipeline(&self.pipelines[(texture.format() == FORMATS[1]) as usize]);
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3, 0..1);
         }
@@ -88,7 +93,8 @@ pub async fn load(
     for batch in firsts.chunks(BATCH) {
         let decoding: Vec<_> = batch.iter().map(|&i| decode::begin(scene, i, limit)).collect();
         for (&i, decoding) in batch.iter().zip(decoding) {
-            let texture = decode::finish(gpu, decoding).await.map_err(|problem| {
+            let data = scene.meta.textures[i].data;
+            let texture = decode::finish(gpu, decoding, data).await.map_err(|problem| {
                 let name = &scene.meta.textures[i].name;
                 let name = if name.is_empty() { i.to_string() } else { name.clone() };
                 ViewerError::Texture { name, problem }
@@ -106,9 +112,9 @@ fn distinct(textures: &[Texture]) -> (Vec<usize>, Vec<usize>) {
     let mut firsts: Vec<usize> = Vec::new();
     let mut shared = Vec::with_capacity(textures.len());
     for (i, texture) in textures.iter().enumerate() {
-        let same =
-            |first: &usize| (textures[*first].offset, textures[*first].len) == (texture.offset, texture.len);
-        shared.push(firsts.iter().position(same).unwrap_or_else(|| {
+        let picture = |t: &Texture| (t.offset, t.len, t.data);
+        let same = firsts.iter().position(|&first| picture(&textures[first]) == picture(texture));
+        shared.push(same.unwrap_or_else(|| {
             firsts.push(i);
             firsts.len() - 1
         }));
@@ -118,19 +124,19 @@ fn distinct(textures: &[Texture]) -> (Vec<usize>, Vec<usize>) {
 
 /// A white texture of one pixel.
 pub fn white(gpu: &Gpu) -> wgpu::TextureView {
-    let texture = create(gpu, 1, 1);
+    let texture = create(gpu, 1, 1, false);
     write(gpu, &texture, &[255; 4]);
     texture.create_view(&Default::default())
 }
 
-fn create(gpu: &Gpu, width: u32, height: u32) -> wgpu::Texture {
+fn create(gpu: &Gpu, width: u32, height: u32, data: bool) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("base colour"),
+        label: Some("texture"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: width.max(height).ilog2() + 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: FORMAT,
+        format: FORMATS[data as usize],
         usage: wgpu::TextureUsages::TEXTURE_BINDING
             | wgpu::TextureUsages::COPY_DST
             | wgpu::TextureUsages::RENDER_ATTACHMENT,
@@ -165,9 +171,10 @@ mod decode {
     pub async fn finish(
         gpu: &Gpu,
         picture: Result<image::RgbaImage, String>,
+        data: bool,
     ) -> Result<wgpu::Texture, String> {
         let picture = picture?;
-        let texture = create(gpu, picture.width(), picture.height());
+        let texture = create(gpu, picture.width(), picture.height(), data);
         write(gpu, &texture, picture.as_raw());
         Ok(texture)
     }
@@ -207,10 +214,14 @@ mod decode {
         start().map_err(words)
     }
 
-    pub async fn finish(gpu: &Gpu, promise: Result<Promise, String>) -> Result<wgpu::Texture, String> {
+    pub async fn finish(
+        gpu: &Gpu,
+        promise: Result<Promise, String>,
+        data: bool,
+    ) -> Result<wgpu::Texture, String> {
         let bitmap = JsFuture::from(promise?).await.map_err(words)?;
         let bitmap: ImageBitmap = bitmap.dyn_into().map_err(words)?;
-        let texture = create(gpu, bitmap.width(), bitmap.height());
+        let texture = create(gpu, bitmap.width(), bitmap.height(), data);
         gpu.queue.copy_external_image_to_texture(
             &wgpu::CopyExternalImageSourceInfo {
                 source: wgpu::ExternalImageSource::ImageBitmap(bitmap.clone()),
@@ -239,9 +250,10 @@ mod tests {
     #[test]
     fn textures_of_one_picture_share_it() {
         let texture = |offset, len| Texture { offset, len, ..Texture::default() };
+        let numbers = Texture { data: true, ..texture(9, 4) };
         let (firsts, shared) =
-            distinct(&[texture(0, 9), texture(9, 4), texture(0, 9), texture(0, 5), texture(9, 4)]);
-        assert_eq!(firsts, [0, 1, 3]);
-        assert_eq!(shared, [0, 1, 0, 2, 1]);
+            distinct(&[texture(0, 9), texture(9, 4), texture(0, 9), texture(0, 5), texture(9, 4), numbers]);
+        assert_eq!(firsts, [0, 1, 3, 5]);
+        assert_eq!(shared, [0, 1, 0, 2, 1, 3]);
     }
 }

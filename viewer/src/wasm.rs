@@ -8,7 +8,8 @@ use crate::gpu::{Gpu, Requested};
 use crate::pace::Pace;
 use crate::renderer::Renderer;
 use crate::scene::LoadedScene;
-use crate::settings::{Mode, Overlay};
+use crate::settings::{Mode, Overlay, ToneMapping};
+use crate::stats::Counts;
 use rebounce_shared::{camera::Camera, light::Light, rbn, shot::Shot};
 use std::cell::{Cell, RefCell};
 use std::future::Future;
@@ -338,6 +339,36 @@ impl Viewer {
         self.change(|state| state.renderer.set_exposure(stops as f32))
     }
 
+    /// Whether the exposure is measured; else radiance 1 is white at 0 stops.
+    #[wasm_bindgen(getter, js_name = autoExposure)]
+    pub fn auto_exposure(&self) -> bool {
+        self.state.borrow().renderer.auto_exposure()
+    }
+
+    /// Turns the measured exposure on or off.
+    #[wasm_bindgen(setter, js_name = autoExposure)]
+    pub fn set_auto_exposure(&self, on: bool) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_auto_exposure(on);
+            Ok(())
+        })
+    }
+
+    /// How radiance becomes display values: `"neutral"` or `"agx"`.
+    #[wasm_bindgen(getter, js_name = toneMapping)]
+    pub fn tone_mapping(&self) -> String {
+        self.state.borrow().renderer.tone_mapping().name().into()
+    }
+
+    /// Sets how radiance becomes display values.
+    #[wasm_bindgen(setter, js_name = toneMapping)]
+    pub fn set_tone_mapping(&self, name: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_tone_mapping(ToneMapping::parse(name)?);
+            Ok(())
+        })
+    }
+
     /// `"all"`, `"direct"` or `"indirect"`.
     #[wasm_bindgen(getter)]
     pub fn mode(&self) -> String {
@@ -434,6 +465,23 @@ impl Viewer {
     #[wasm_bindgen(js_name = statsJson)]
     pub fn stats_json(&self) -> Result<String, JsValue> {
         Self::to_json(&self.state.borrow_mut().renderer.stats())
+    }
+
+    /// The scene's own animations of lights: a list of `{ name, duration, tracks }`.
+    #[wasm_bindgen(js_name = animationsJson)]
+    pub fn animations_json(&self) -> Result<String, JsValue> {
+        let state = self.state.borrow();
+        Self::to_json(&state.renderer.scene().map_or(&[][..], |scene| &scene.meta.animations))
+    }
+
+    /// How the bounced light of the last picture was looked up: `{ pixels, rows, lookedAt, evaluated }`.
+    #[wasm_bindgen(js_name = countsJson, unchecked_return_type = "Promise<string>")]
+    pub fn counts_json(&self) -> js_sys::Promise {
+        let begun = self.state.borrow().renderer.read_counts();
+        promise(async move {
+            let (pixels, begun) = begun?;
+            Ok(Self::to_json(&Counts::new(pixels, &begun.wait().await?)).unwrap_or_default())
+        })
     }
 
     /// The indirect light of the present camera and lights: linear radiance albedo/π·E, RGBA 32-bit

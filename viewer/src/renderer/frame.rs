@@ -1,11 +1,11 @@
 //! The passes of a frame, in order, each only where something changed.
 
 use super::Renderer;
-use crate::composite::Shading;
+use crate::composite::{self, Shading};
 use crate::controls::gizmo;
 use crate::overlay::OverlayPass;
 use crate::scene::LoadedScene;
-use crate::settings::{Mode, Overlay};
+use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::target::Target;
 use crate::timing::Pass;
 use crate::view::{Frame, Sample};
@@ -121,6 +121,8 @@ impl Renderer {
     }
 
     pub(super) fn shading(&self, blend: f32) -> Shading {
+        let flag = |on: bool, bit| if on { bit } else { 0 };
+        let detailed = self.scene.as_ref().is_some_and(|scene| scene.materials.detailed);
         Shading {
             direct: (self.mode != Mode::Indirect) as u32 as f32,
             indirect: (self.mode != Mode::Direct) as u32 as f32,
@@ -128,7 +130,10 @@ impl Renderer {
             exposure: self.exposure.exp2(),
             blend,
             scale: 1,
-            pad: [0; 2],
+            flags: flag(detailed, composite::DETAILED)
+                | flag(self.tone_mapping == ToneMapping::Agx, composite::AGX)
+                | flag(!self.auto_exposure, composite::MANUAL),
+            pad: 0,
         }
     }
 

@@ -19,7 +19,7 @@ use crate::materials::material_layout;
 use crate::overlay::OverlayPass;
 use crate::relight::RelightPipelines;
 use crate::scene::LoadedScene;
-use crate::settings::{Mode, Overlay};
+use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::shadow::Shadows;
 use crate::shadow_fit;
 use crate::stats::{Bytes, Stats};
@@ -70,6 +70,8 @@ pub struct Renderer {
     camera: Camera,
     lights: Vec<Light>,
     exposure: f32,
+    auto_exposure: bool,
+    tone_mapping: ToneMapping,
     mode: Mode,
     overlay: Overlay,
     gizmos: bool,
@@ -115,6 +117,8 @@ impl Renderer {
             },
             lights: Vec::new(),
             exposure: 0.0,
+            auto_exposure: true,
+            tone_mapping: ToneMapping::default(),
             mode: Mode::All,
             overlay: Overlay::None,
             gizmos: true,

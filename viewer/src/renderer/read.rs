@@ -2,7 +2,7 @@
 
 use super::Renderer;
 use crate::bindings::target as texture_target;
-use crate::composite::Shading;
+use crate::composite::{self, Shading};
 use crate::error::ViewerError;
 use crate::readback::Readback;
 use crate::upload::MAX_BUFFER;
@@ -17,7 +17,8 @@ const MOST_PIXELS: u64 = 1 << 22;
 impl Renderer {
     /// Begins to read the bounced light of the present camera and lights at this size: RGBA 32-bit
     /// floats, linear radiance albedo/π·E; each pixel is the mean over 64 places, 16 in pictures of over a
-    /// million pixels. Alpha is the share that a surface covers.
+    /// million pixels. Alpha is the share that a surface covers. Surfaces are Lambertian, without normal maps, as in
+    /// the bake.
     ///
     /// # Errors
     /// [`ViewerError::NoScene`]; [`ViewerError::BadArgument`] for a size that the device cannot draw.
@@ -42,8 +43,10 @@ impl Renderer {
         for picture in 0..PICTURES {
             std::mem::swap(&mut before, &mut out);
             self.draw_view(&mut encoder, &scene, &target, Sample::of_count(picture, PICTURES), false);
-            let shading =
-                Shading { direct: 0.0, indirect: 1.0, scale, ..self.shading(1.0 / (picture + 1) as f32) };
+            // Lambertian surfaces, as the CPU's picture has them.
+            let shading = self.shading(1.0 / (picture + 1) as f32);
+            let flags = shading.flags & !composite::DETAILED;
+            let shading = Shading { direct: 0.0, indirect: 1.0, scale, flags, ..shading };
             self.composite.set_shading(&self.gpu, &target.picture, &shading);
             let group = &self.shadows.group;
             self.composite.indirect(&self.gpu, &mut encoder, &target.picture, group, [&before, &out]);
@@ -53,15 +56,14 @@ impl Renderer {
         Ok(Readback::texture(&self.gpu, &out, 16))
     }
 
-    /// Begins to read how the bounced light of the last picture that [`Renderer::draw`] drew was looked up, as
-    /// u32: the pixels that have a row of their own besides every fourth one, the functions looked at, the
-    /// kernels evaluated.
+    /// Begins to read how the bounced light of the last picture that [`Renderer::draw`] drew was looked up: its size,
+    /// and what [`Counts::new`](crate::stats::Counts::new) makes numbers of.
     ///
     /// # Errors
     /// [`ViewerError::NoScene`] before a picture is drawn.
-    pub fn read_counts(&self) -> Result<Readback, ViewerError> {
+    pub fn read_counts(&self) -> Result<([u32; 2], Readback), ViewerError> {
         let target = self.target.as_ref().ok_or(ViewerError::NoScene)?;
-        Ok(Readback::buffer(&self.gpu, &target.display.counts))
+        Ok((target.size, Readback::buffer(&self.gpu, &target.display.counts)))
     }
 
     /// Begins to read the tone-mapped picture at this size, without handles: RGBA bytes.

@@ -4,7 +4,7 @@ use super::Renderer;
 use crate::controls::Stage;
 use crate::controls::gizmo::Handle;
 use crate::error::ViewerError;
-use crate::settings::{Mode, Overlay};
+use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::shadow_fit;
 use rebounce_shared::{camera::Camera, light::Light};
 
@@ -72,6 +72,28 @@ impl Renderer {
         self.dirty.shade |= self.exposure != stops;
         self.exposure = stops;
         Ok(())
+    }
+
+    /// Whether the exposure is measured when a scene is shown for the first time; else radiance 1 is white at 0 stops.
+    pub fn auto_exposure(&self) -> bool {
+        self.auto_exposure
+    }
+
+    /// Turns the measured exposure on or off.
+    pub fn set_auto_exposure(&mut self, on: bool) {
+        self.dirty.shade |= self.auto_exposure != on;
+        self.auto_exposure = on;
+    }
+
+    /// How radiance becomes display values.
+    pub fn tone_mapping(&self) -> ToneMapping {
+        self.tone_mapping
+    }
+
+    /// Sets how radiance becomes display values.
+    pub fn set_tone_mapping(&mut self, tone_mapping: ToneMapping) {
+        self.dirty.shade |= self.tone_mapping != tone_mapping;
+        self.tone_mapping = tone_mapping;
     }
 
     /// Which light is shown.

@@ -21,13 +21,13 @@ fn direct(@builtin(global_invocation_id) id: vec3u) {
             continue;
         }
         if samples == 0u {
-            sum += irradiance_from(lights[l], position, normal, normal, 0, 0.0);
+            sum += lit(lights[l], position, normal, normal, 0, 0.0).irradiance;
             continue;
         }
         for (var sample = 0u; sample < SAMPLES; sample++) {
             if ((samples >> sample) & 1u) != 0u {
                 let place = position + footprint_offset(sample, normal, p.radius);
-                sum += irradiance_from(lights[l], place, normal, normal, 0, LIFT * p.radius);
+                sum += lit(lights[l], place, normal, normal, 0, LIFT * p.radius).irradiance;
             }
         }
     }

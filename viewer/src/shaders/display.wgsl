@@ -11,5 +11,13 @@ fn display_values(@builtin(global_invocation_id) id: vec3u) {
     if i >= step_.count {
         return;
     }
-    display[i] = vec4f(value_irradiance(i, unpack_normal(points[i].normal)), 0.0);
+    let normal = unpack_normal(points[i].normal);
+    let irradiance = value_irradiance(i, normal);
+    var tilt = 0.0;
+    if step_.tilts != 0u {
+        let flow = value(i, 0u) + value(i, 1u) + value(i, 2u);
+        let along = dot(flow, normal);
+        tilt = tilt_pack(select(vec3f(0.0), flow / along - normal, along > 1e-20));
+    }
+    display[i] = vec4f(irradiance, tilt);
 }

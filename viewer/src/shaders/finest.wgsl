@@ -18,10 +18,15 @@ fn finest(@builtin(global_invocation_id) id: vec3u) {
     let i = row + step_.shift;
     var sum = vec3f(0.0);
     var total = 0.0;
+    var tilt = vec4f(0.0);
     for (var at = push_offsets[i]; at < push_offsets[i + 1u]; at++) {
         let entry = push_entries[at];
-        sum += display[entry_point(entry)].xyz * entry_weight(entry);
+        let parent = display[entry_point(entry)];
+        sum += parent.xyz * entry_weight(entry);
         total += entry_weight(entry);
+        if step_.tilts != 0u {
+            tilt += vec4f(tilt_unpack(parent.w), 1.0) * (entry_weight(entry) * tilt_weight(parent.xyz));
+        }
     }
     if total > 0.0 {
         sum /= total;
@@ -30,5 +35,5 @@ fn finest(@builtin(global_invocation_id) id: vec3u) {
     for (var at = offsets[row] - step_.extra; at < end; at++) {
         sum += link_amount(links[at]) * sent[link_sender(links[at])].xyz;
     }
-    display[i] = vec4f(sum, 0.0);
+    display[i] = vec4f(sum, select(0.0, tilt_mean(tilt), step_.tilts != 0u));
 }

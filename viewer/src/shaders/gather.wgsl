@@ -4,7 +4,7 @@
 @group(0) @binding(1) var<uniform> slot_layout: Slots;
 @group(0) @binding(2) var<storage, read> rows: array<u32>;
 @group(0) @binding(3) var<storage, read> counts: array<u32, 3>;
-// Irradiance along each point's normal.
+// Irradiance along each point's normal, and its tilt.
 @group(0) @binding(4) var<storage, read> display: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> light: array<vec4f>;
 
@@ -17,14 +17,19 @@ fn gather(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) 
     }
     var sum = vec3f(0.0);
     var total = 0.0;
+    var tilt = vec4f(0.0);
     for (var k = 0u; k < slot_layout.row_length; k++) {
         let entry = rows[k * slot_layout.capacity + slot];
         if entry == 0u {
             break;
         }
         let w = slots_weight(entry);
-        sum += w * display[entry & POINT_MASK].xyz;
+        let function = display[entry & POINT_MASK];
+        sum += w * function.xyz;
         total += w;
+        if slot_layout.tilts != 0u {
+            tilt += vec4f(tilt_unpack(function.w), 1.0) * (w * tilt_weight(function.xyz));
+        }
     }
-    light[slot] = vec4f(max(sum, vec3f(0.0)) / max(total, 1e-30), 1.0);
+    light[slot] = vec4f(max(sum, vec3f(0.0)) / max(total, 1e-30), select(0.0, tilt_mean(tilt), slot_layout.tilts != 0u));
 }

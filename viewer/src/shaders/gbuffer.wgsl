@@ -22,8 +22,8 @@ struct Targets {
     // Albedo; alpha 1 where the surface reflects, 0 on the back of a one-sided surface.
     @location(0) albedo: vec4f,
     // Shading normal, flipped to the viewer on two-sided surfaces (snorm16x2); flat normal
-    // (snorm8x2, low half) and material (high half).
-    @location(1) surface: vec2u,
+    // (snorm8x2, low half) and material (high half); what the textures of detail say, kept in the wide format only.
+    @location(1) surface: vec4u,
 }
 
 @fragment
@@ -41,9 +41,6 @@ fn fragment(in: Out) -> Targets {
         flat_normal = normalize(in.normal);
     }
     flat_normal = select(flat_normal, -flat_normal, dot(flat_normal, to_eye) < 0.0);
-    if !covered(in.uv, in.position.xy, frame.sample) {
-        discard;
-    }
     var normal = normalize(in.normal);
     var reflects = 1.0;
     if dot(normal, to_eye) < 0.0 {
@@ -52,6 +49,14 @@ fn fragment(in: Out) -> Targets {
         }
         normal = -normal;
     }
-    let packed_flat = pack4x8snorm(vec4f(octahedral_encode(flat_normal), 0.0, 0.0));
-    return Targets(vec4f(color, reflects), vec2u(pack_normal(normal), packed_flat | (material.index << 16u)));
+    var seen = vec2u(0u);
+    if material.wide != 0u && frame.unfiltered == 0u {
+        seen = detail_pack(detail(normal, in.local, in.uv));
+    }
+    if !covered(in.uv, in.position.xy, frame.sample) {
+        discard;
+    }
+    let facet = pack4x8snorm(vec4f(octahedral_encode(flat_normal), 0.0, 0.0));
+    let surface = vec4u(pack_normal(normal), facet | (material.index << 16u), seen);
+    return Targets(vec4f(color, reflects), surface);
 }

@@ -10,6 +10,15 @@ struct Material {
     cutoff: f32,
     double_sided: u32,
     index: u32,
+    metallic: f32,
+    roughness: f32,
+    normal_scale: f32,
+    // Which of the textures below there are: 1 emission, 2 metalness and roughness, 4 normals.
+    details: u32,
+    // 1 where any material of the scene has one of them.
+    wide: u32,
+    // Their coordinates from the vertex's (u, v, 1), two rows each.
+    uv_from_vertex: array<vec4f, 6>,
 }
 
 @group(1) @binding(0) var<uniform> material: Material;

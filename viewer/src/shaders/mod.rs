@@ -27,25 +27,25 @@ modules! {
     /// Later bounces to finer senders.
     LIFT: "link" "step" "lift";
     /// The finest level's irradiance.
-    FINEST: "link" "step" "finest";
+    FINEST: "link" "tilt" "step" "finest";
     /// Push.
     PUSH: "octahedral" "link" "point" "values" "step" "push";
     /// Shadow maps.
     SHADOW: "material" "shadow";
     /// G-buffer.
-    GBUFFER: "octahedral" "frame" "material" "gbuffer";
+    GBUFFER: "octahedral" "frame" "material" "detail" "gbuffer";
     /// Irradiance along the points' normals.
-    DISPLAY: "octahedral" "point" "values" "step" "display";
+    DISPLAY: "octahedral" "point" "values" "tilt" "step" "display";
     /// The functions that cover each pixel.
     FIND: "octahedral" "point" "kernel" "lookup" "frame" "slots" "find";
     /// From functions to pixels.
-    GATHER: "frame" "slots" "gather";
+    GATHER: "frame" "slots" "tilt" "gather";
     /// The tone-mapped picture.
-    COMPOSITE: "octahedral" "frame" "lights" "visibility" "slots" "shade" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "fullscreen" "composite";
     /// Automatic exposure.
-    KEY: "octahedral" "frame" "lights" "visibility" "slots" "shade" "key";
+    KEY: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "key";
     /// Bounced light alone.
-    INDIRECT: "octahedral" "frame" "lights" "visibility" "slots" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
     PRESENT: "fullscreen" "present";
     /// Mip levels.

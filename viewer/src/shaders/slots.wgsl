@@ -12,6 +12,8 @@ struct Slots {
     row_length: u32,
     // Pixels further apart than this are not interpolated, scene units: a share of the finest supports.
     reach: f32,
+    // 1 where the scene has normal maps.
+    tilts: u32,
 }
 
 fn slots_blocks(frame: Frame) -> vec2u {

@@ -9,6 +9,8 @@ struct Step {
     threads: u32,
     // What is added to a row's number to give its point.
     shift: u32,
+    // 1 where the scene has normal maps.
+    tilts: u32,
 }
 
 @group(0) @binding(0) var<uniform> step_: Step;

@@ -67,22 +67,14 @@ fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, rad
     return sum / 9.0;
 }
 
-// Irradiance at a point of a surface from one light. `normal` is the shading normal, `flat_normal` that of the
-// triangle; radius and lift as above.
-fn irradiance_from(light: Light, position: vec3f, normal: vec3f, flat_normal: vec3f, radius: i32, lift: f32) -> vec3f {
+// The light that arrives at a point of a surface: its direction, and the irradiance along the normal. `normal` is the
+// shading normal, `flat_normal` that of the triangle; radius and lift as above.
+fn lit(light: Light, position: vec3f, normal: vec3f, flat_normal: vec3f, radius: i32, lift: f32) -> Incident {
     let at = incident(light, position);
     let cosine = dot(normal, at.to_light);
     if cosine <= 0.0 || all(at.irradiance <= vec3f(0.0)) {
-        return vec3f(0.0);
+        return Incident(at.to_light, vec3f(0.0));
     }
-    return at.irradiance * (cosine * visibility(light, position, flat_normal, at.to_light, radius, lift));
-}
-
-// From the first `count` lights.
-fn direct_irradiance(position: vec3f, normal: vec3f, flat_normal: vec3f, count: u32, radius: i32, lift: f32) -> vec3f {
-    var sum = vec3f(0.0);
-    for (var i = 0u; i < count; i++) {
-        sum += irradiance_from(lights[i], position, normal, flat_normal, radius, lift);
-    }
-    return sum;
+    let share = cosine * visibility(light, position, flat_normal, at.to_light, radius, lift);
+    return Incident(at.to_light, at.irradiance * share);
 }

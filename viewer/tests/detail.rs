@@ -1,0 +1,271 @@
+//! What pictures add to Lambertian surfaces: normal maps, highlights, emission, tone mapping.
+#![cfg(not(target_arch = "wasm32"))]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod common;
+
+use rebounce_shared::glam::Vec3;
+use rebounce_shared::link::VectorLink;
+use rebounce_shared::octahedral::unpack_snorm16;
+use rebounce_shared::rbn::meta::{DetailTexture, Texture};
+use rebounce_shared::rbn::{LinkMatrix, Scene};
+use rebounce_viewer::gpu::Gpu;
+use rebounce_viewer::renderer::Renderer;
+use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::settings::{Mode, ToneMapping};
+
+const SIZE: u32 = 33;
+/// The wall in the middle of the picture: inward normal +z, u along x, v along y.
+const WALL: usize = 4;
+
+/// A texture of one colour, added to the scene; its index.
+fn add_texture(scene: &mut Scene, rgb: [u8; 3], data: bool) -> u32 {
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_pixel(4, 4, image::Rgb(rgb)).write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let (offset, png) = (scene.texture_bytes.len() as u64, png.into_inner());
+    scene.texture_bytes.extend(&png);
+    scene.meta.textures.push(Texture {
+        mime: "image/png".into(),
+        offset,
+        len: png.len() as u64,
+        width: 4,
+        height: 4,
+        linear_filter: true,
+        data,
+        ..Texture::default()
+    });
+    scene.meta.textures.len() as u32 - 1
+}
+
+fn detail(texture: u32) -> Option<DetailTexture> {
+    Some(DetailTexture { texture, uv_from_vertex: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] })
+}
+
+/// The room with this normal, in the tangent space of a glTF normal map, all over the wall.
+fn bumped(scene: &Scene, normal: Vec3) -> Scene {
+    let mut scene = scene.clone();
+    let texel = ((normal.normalize() * 0.5 + 0.5) * 255.0).round();
+    let texture = add_texture(&mut scene, texel.to_array().map(|x| x as u8), true);
+    scene.meta.materials[WALL].normal_texture = detail(texture);
+    scene
+}
+
+fn renderer(gpu: &Gpu, scene: &Scene, mode: Mode) -> Renderer {
+    let mut renderer = Renderer::new(gpu.clone()).unwrap();
+    let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
+    renderer.install(loaded).unwrap();
+    renderer.set_auto_exposure(false);
+    renderer.set_mode(mode);
+    renderer
+}
+
+/// The least channel of the middle pixel, before Khronos PBR Neutral and sRGB; that channel is what they keep.
+fn middle(renderer: &mut Renderer) -> f32 {
+    let pixels = pollster::block_on(renderer.read_pixels(SIZE, SIZE).unwrap().wait()).unwrap();
+    let at = 4 * ((SIZE / 2) * SIZE + SIZE / 2) as usize;
+    let least = *pixels[at..at + 3].iter().min().unwrap() as f32 / 255.0;
+    assert!((0.05..0.9).contains(&least), "badly exposed: {:?}", &pixels[at..at + 3]);
+    let linear = if least <= 0.04045 { least / 12.92 } else { ((least + 0.055) / 1.055).powf(2.4) };
+    if linear < 0.04 { (linear / 6.25).sqrt() } else { linear + 0.04 }
+}
+
+fn value(gpu: &Gpu, scene: &Scene, mode: Mode) -> f32 {
+    middle(&mut renderer(gpu, scene, mode))
+}
+
+#[test]
+fn a_flat_normal_map_changes_nothing() {
+    let Some(gpu) = common::gpu() else { return };
+    let plain = common::room(&[3, 6]);
+    let flat = bumped(&plain, Vec3::Z);
+    for mode in [Mode::Direct, Mode::Indirect] {
+        let (plain, flat) = (value(&gpu, &plain, mode), value(&gpu, &flat, mode));
+        assert!((plain - flat).abs() < 0.02 * plain, "{plain} {flat}");
+    }
+    gpu.check().unwrap();
+}
+
+#[test]
+fn bounced_light_follows_bent_normals_as_vector_irradiance_does() {
+    let Some(gpu) = common::gpu() else { return };
+    for sides in [&[6][..], &[3, 6]] {
+        let mut scene = common::room(sides);
+        // All light comes from between a point's normal and +x, +y: its irradiance vector is that direction.
+        let way = |normal: Vec3| (normal + Vec3::new(0.5, 0.25, 0.0)).normalize();
+        let vectors = scene.points[..scene.vector_count()].iter().map(|p| unpack_snorm16(p.normal));
+        // The finer level adds nothing of its own.
+        let coarse = scene.meta.levels[0].count as usize;
+        let row = |(i, n): (usize, Vec3)| {
+            if i < coarse { vec![VectorLink::pack(0, way(n) * 2.0)] } else { Vec::new() }
+        };
+        let rows: Vec<_> = vectors.enumerate().map(row).collect();
+        scene.vectors = LinkMatrix::from_rows(&rows);
+        scene.finest.links.clear();
+        scene.finest.offsets.iter_mut().for_each(|offset| *offset = 0);
+        scene.later = LinkMatrix::from_rows(&[]);
+        scene.meta.later_levels = 0;
+        let flat = value(&gpu, &scene, Mode::Indirect);
+        for tilt in [Vec3::new(0.3, 0.0, 1.0), Vec3::new(-0.3, 0.0, 1.0), Vec3::new(0.0, 0.4, 1.0), Vec3::new(0.1, -0.5, 1.0)] {
+            // Red is along u, here x; green against v, here y.
+            let bent = Vec3::new(tilt.x, -tilt.y, tilt.z).normalize();
+            let expected = way(Vec3::Z).dot(bent) / way(Vec3::Z).z;
+            let ratio = value(&gpu, &bumped(&scene, tilt), Mode::Indirect) / flat;
+            assert!((ratio - expected).abs() < 0.03 * expected, "{tilt}: {ratio}, expected {expected}");
+        }
+    }
+    gpu.check().unwrap();
+}
+
+#[test]
+fn direct_light_follows_bent_normals_by_the_cosine() {
+    let Some(gpu) = common::gpu() else { return };
+    let scene = common::room(&[3]);
+    let mut plain = renderer(&gpu, &scene, Mode::Direct);
+    let camera = plain.camera().clone();
+    let [eye, target] = [camera.position, camera.target].map(|p| Vec3::from(p.map(|x| x as f32)));
+    let ahead = (target - eye).normalize();
+    let place = eye + ahead * ((-1.0 - eye.z) / ahead.z);
+    let to_light = (Vec3::new(0.3, 0.4, 0.2) - place).normalize();
+    let flat = middle(&mut plain);
+    for tilt in [Vec3::new(0.5, 0.0, 1.0), Vec3::new(-0.5, 0.0, 1.0), Vec3::new(0.0, -0.5, 1.0)] {
+        let bent = Vec3::new(tilt.x, -tilt.y, tilt.z).normalize();
+        let expected = to_light.dot(bent) / to_light.z;
+        let ratio = value(&gpu, &bumped(&scene, tilt), Mode::Direct) / flat;
+        assert!((ratio - expected).abs() < 0.04 * expected, "{tilt}: {ratio}, expected {expected}");
+    }
+    gpu.check().unwrap();
+}
+
+#[test]
+fn emission_shines_by_its_texture_without_any_lamp() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut scene = common::room(&[3]);
+    scene.meta.lights.clear();
+    scene.meta.materials[WALL].emission = [0.4; 3];
+    let whole = value(&gpu, &scene, Mode::Direct);
+    assert!((whole - 0.4).abs() < 0.01, "{whole}");
+    // sRGB 188 is half the light.
+    let texture = add_texture(&mut scene, [188; 3], false);
+    scene.meta.materials[WALL].emission_texture = detail(texture);
+    let half = value(&gpu, &scene, Mode::Direct);
+    assert!((half - 0.2).abs() < 0.01, "{half}");
+    gpu.check().unwrap();
+}
+
+#[test]
+fn a_polished_wall_shines_where_it_mirrors_the_lamp_and_a_rough_one_all_over() {
+    let Some(gpu) = common::gpu() else { return };
+    let with = |roughness: f32, metallic: f32, lamp: [f64; 3]| {
+        let mut scene = common::room(&[3]);
+        scene.meta.lights = vec![common::lamp(lamp)];
+        let wall = &mut scene.meta.materials[WALL];
+        (wall.roughness, wall.metallic, wall.specular) = (roughness, metallic, 1.0);
+        wall.base_color = [0.5, 0.5, 0.5, 1.0];
+        let mut renderer = renderer(&gpu, &scene, Mode::Direct);
+        renderer.set_exposure(-2.0).unwrap();
+        let pixels = pollster::block_on(renderer.read_pixels(SIZE, SIZE).unwrap().wait()).unwrap();
+        let at = 4 * ((SIZE / 2) * SIZE + SIZE / 2) as usize;
+        pixels[at] as i32
+    };
+    // The eye is at (0.2, 0.1, 0.9) and looks at (-0.1, -0.2, -1): its way goes on to (-0.37, -0.47, 0.7).
+    let (mirrored, aside) = ([-0.37, -0.47, 0.7], [0.6, 0.5, 0.7]);
+    assert!(with(0.3, 0.0, mirrored) > with(1.0, 0.0, mirrored) + 10, "a varnish");
+    assert!(with(0.3, 1.0, mirrored) > with(0.3, 0.0, mirrored) + 10, "metal more than varnish");
+    let (polished, rough) = (with(0.1, 1.0, aside), with(1.0, 1.0, aside));
+    assert!(polished < 5 && rough > 15, "a polished metal is dark beside, a rough one is not: {polished}, {rough}");
+    gpu.check().unwrap();
+}
+
+#[test]
+fn tone_curves_rise_and_stay_in_range() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut renderer = renderer(&gpu, &common::room(&[3]), Mode::Direct);
+    let mut pictures = Vec::new();
+    for tone_mapping in [ToneMapping::Neutral, ToneMapping::Agx] {
+        renderer.set_tone_mapping(tone_mapping);
+        let mut before = -1.0;
+        for stops in [-8.0, -4.0, 0.0, 4.0, 8.0] {
+            renderer.set_exposure(stops).unwrap();
+            let pixels = pollster::block_on(renderer.read_pixels(SIZE, SIZE).unwrap().wait()).unwrap();
+            let mean = pixels.iter().map(|&x| x as f64).sum::<f64>() / pixels.len() as f64;
+            assert!(mean > before, "{tone_mapping:?} at {stops}: {mean} after {before}");
+            before = mean;
+            pictures.push(pixels);
+        }
+    }
+    assert!(pictures[2] != pictures[7]);
+    gpu.check().unwrap();
+}
+
+/// Integrates the shader's own brdf over the hemisphere for every roughness and eye.
+const FURNACE: &str = "
+@group(0) @binding(0) var<storage, read_write> sums: array<f32>;
+const STEPS = 192u;
+@compute @workgroup_size(64)
+fn furnace(@builtin(global_invocation_id) id: vec3u) {
+    let roughness = 0.3 + 0.7 * f32(id.x % 8u) / 7.0;
+    let cosine = 0.25 + 0.75 * f32(id.x / 8u % 4u) / 3.0;
+    let metallic = f32(id.x / 32u);
+    let look = Look(vec3f(0.0), 1.0, metallic, roughness, vec2f(0.0));
+    let to_eye = vec3f(sqrt(1.0 - cosine * cosine), 0.0, cosine);
+    var sum = 0.0;
+    for (var i = 0u; i < STEPS; i++) {
+        for (var j = 0u; j < STEPS; j++) {
+            // Even in the square of the sine: the density of the cosine.
+            let sine2 = (f32(i) + 0.5) / f32(STEPS);
+            let angle = (f32(j) + 0.5) / f32(STEPS) * 2.0 * PI;
+            let to_light = vec3f(sqrt(sine2) * vec2f(cos(angle), sin(angle)), sqrt(1.0 - sine2));
+            sum += PI * brdf(vec3f(1.0), look, vec3f(0.0, 0.0, 1.0), to_light, to_eye).x;
+        }
+    }
+    sums[id.x] = sum / f32(STEPS * STEPS);
+}";
+
+#[test]
+fn a_white_surface_gives_back_what_arrives() {
+    let Some(gpu) = common::gpu() else { return };
+    let parts = [
+        include_str!("../src/shaders/octahedral.wgsl"),
+        include_str!("../src/shaders/surface.wgsl"),
+        include_str!("../src/shaders/brdf.wgsl"),
+        FURNACE,
+    ];
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(parts.concat().into()),
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: Some("furnace"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let sums = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 64 * 4,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: sums.as_entire_binding() }],
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+    }
+    gpu.queue.submit([encoder.finish()]);
+    let readback = rebounce_viewer::readback::Readback::buffer(&gpu, &sums);
+    let sums: Vec<f32> = bytemuck::pod_collect_to_vec(&pollster::block_on(readback.wait()).unwrap());
+    for (i, sum) in sums.iter().enumerate() {
+        let (roughness, eye, metal) = (i % 8, i / 8 % 4, i / 32 == 1);
+        assert!((sum - 1.0).abs() < 0.05, "roughness {roughness}, eye {eye}, metal {metal}: {sum}");
+    }
+    gpu.check().unwrap();
+}
