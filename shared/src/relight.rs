@@ -6,14 +6,11 @@
 //!    irradiance becomes the mean of its children's (paper, 2.1, pull-push);
 //! 2. *later bounces* ([`add_bounced`]): to the senders' direct light comes what bounces again,
 //!    `e' = e + P (1 + H) F e`;
-//! 3. *transport* ([`vectors`]): `i = T e' = S e` (Eq. 15), on all levels but the finest as vector irradiance,
-//!    *pushed* level after level: a point's value is its coefficient plus what its parents' values
-//!    interpolate to (Eq. 4);
-//! 4. *display* ([`display`]): the irradiance along each point's own normal, and on the finest level what its
-//!    links bring and its parents say.
+//! 3. *transport* ([`transport`]): `i = T e' = S e` (Eq. 15) along each point's own normal, *pushed* level after
+//!    level: a point's value is its coefficient plus what its parents' values interpolate to (Eq. 4).
 
 use crate::interpolation::mean;
-use crate::link::{LaterLink, Sent, VectorRgb};
+use crate::link::{LaterLink, Sent};
 use crate::rbn::Scene;
 use glam::Vec3;
 
@@ -39,7 +36,7 @@ fn sent(scene: &Scene, irradiance: &[Vec3]) -> Vec<Vec3> {
 /// (F e) and all further ones (H F e) at the points of the coarse levels, interpolated at the finer senders.
 pub fn add_bounced(scene: &Scene, pulled: &mut [Vec3]) {
     let coarse = scene.later_count();
-    let first = irradiance(scene, &vectors(scene, &sent(scene, pulled), coarse));
+    let first = transport(scene, &sent(scene, pulled), coarse);
     let further =
         |row: &[LaterLink]| row.iter().map(|link| link.colour() * first[link.sender()]).sum::<Vec3>();
     let mut bounced: Vec<Vec3> =
@@ -53,47 +50,18 @@ pub fn add_bounced(scene: &Scene, pulled: &mut [Vec3]) {
     }
 }
 
-/// The vector irradiance of the first `count` of the points that have vectors: their links' and their parents'.
-/// `sent` has one RGB value per sender. A parent's vectors are turned with the normals, so that a point takes
-/// over its parents' irradiance, not what they say about a hemisphere that they did not see.
-pub fn vectors(scene: &Scene, sent: &[Vec3], count: usize) -> Vec<VectorRgb> {
-    let mut values = Vec::with_capacity(count);
-    for (i, row) in scene.vectors.iter().take(count).enumerate() {
-        let mut sum = VectorRgb::ZERO;
-        for link in row {
-            let (vector, power) = (link.vector(), sent[link.sender()]);
-            sum.add_scaled(1.0, &VectorRgb { rgb: power.to_array().map(|p| vector * p) });
-        }
-        let parents = scene.push().row(i);
-        let total: f32 = parents.iter().map(|e| e.weight()).sum();
-        let normal = scene.points[i].normal();
-        for entry in parents.iter().filter(|_| total > 0.0) {
-            let parent: &VectorRgb = &values[entry.point()];
-            let turned = parent.turned(scene.points[entry.point()].normal(), normal);
-            sum.add_scaled(entry.weight() / total, &turned);
-        }
-        values.push(sum);
+/// The irradiance of the first `count` points along their own normals, RGB: their links' and their parents'. `sent`
+/// has one RGB value per sender. A parent's irradiance is that along its own normal: it was gathered over its own
+/// hemisphere, and along another normal would leave out what that normal sees beyond (in a hall of columns 6% of the
+/// light).
+pub fn transport(scene: &Scene, sent: &[Vec3], count: usize) -> Vec<Vec3> {
+    let mut values: Vec<Vec3> = Vec::with_capacity(count);
+    for (i, row) in scene.links.iter().take(count).enumerate() {
+        let own: Vec3 = row.iter().map(|link| link.amount() * sent[link.sender()]).sum();
+        let parents = mean(scene.push().row(i), Vec3::ZERO, |parent| values[parent]);
+        values.push(own + parents.unwrap_or(Vec3::ZERO));
     }
     values
-}
-
-/// The irradiance of points along their own normals, RGB. The vector was gathered over the point's own
-/// hemisphere; along another normal it leaves out what that normal sees beyond, and in a hall of columns 6% of
-/// the light.
-fn irradiance(scene: &Scene, values: &[VectorRgb]) -> Vec<Vec3> {
-    scene.points.iter().zip(values).map(|(point, value)| value.irradiance(point.normal())).collect()
-}
-
-/// The irradiance of every point along its own normal, RGB, which pictures interpolate: of the points that have
-/// vectors from these, of the others from their links and their parents'.
-pub fn display(scene: &Scene, values: &[VectorRgb], sent: &[Vec3]) -> Vec<Vec3> {
-    let mut display = irradiance(scene, values);
-    for (row, i) in scene.finest.iter().zip(values.len()..) {
-        let sum: Vec3 = row.iter().map(|link| link.amount() * sent[link.sender()]).sum();
-        let parents = mean(scene.push().row(i), Vec3::ZERO, |parent| display[parent]);
-        display.push(sum + parents.unwrap_or(Vec3::ZERO));
-    }
-    display
 }
 
 /// All steps: from direct irradiance at the direct points (RGB, `direct_count` of them) to the
@@ -101,7 +69,5 @@ pub fn display(scene: &Scene, values: &[VectorRgb], sent: &[Vec3]) -> Vec<Vec3> 
 pub fn relight(scene: &Scene, mut irradiance: Vec<Vec3>) -> Vec<Vec3> {
     pull(scene, &mut irradiance);
     add_bounced(scene, &mut irradiance);
-    let sent = sent(scene, &irradiance);
-    let values = vectors(scene, &sent, scene.vector_count());
-    display(scene, &values, &sent)
+    transport(scene, &sent(scene, &irradiance), scene.points.len())
 }

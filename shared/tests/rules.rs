@@ -3,9 +3,12 @@
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::interpolation::pack_row;
-use rebounce_shared::link::{LaterLink, Link, VectorLink};
+use rebounce_shared::link::{LaterLink, Link};
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
-use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
+use rebounce_shared::light::Light;
+use rebounce_shared::rbn::meta::{
+    Animation, DetailTexture, Draw, Interpolation, Level, Material, Meta, Property, Track,
+};
 use rebounce_shared::rbn::{LinkMatrix, Scene};
 
 /// A triangle with one coarse function, which has a cut, and one fine one, which has none.
@@ -14,6 +17,13 @@ fn scene() -> Scene {
     let point = |cuts: u32| Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts, tint: 0 };
     let level = |first: u32| Level { first, count: 1, disk_radius: 0.5, support_radius: 1.0 };
     let camera = Camera { position: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], yfov_deg: 50.0 };
+    let track = Track {
+        light: 0,
+        property: Property::Position,
+        interpolation: Interpolation::Step,
+        times: vec![0.5, 2.0],
+        values: vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
+    };
     let mut scene = Scene {
         meta: Meta {
             bounds_max: [1.0; 3],
@@ -24,6 +34,8 @@ fn scene() -> Scene {
             materials: vec![Material::default()],
             draws: vec![Draw { first_index: 0, index_count: 3, material: 0 }],
             cameras: vec![camera],
+            lights: vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3] }],
+            animations: vec![Animation { name: "way".into(), duration: 2.0, tracks: vec![track] }],
             ..Meta::default()
         },
         vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)],
@@ -32,8 +44,7 @@ fn scene() -> Scene {
         cuts: vec![Cut::new(Vec3::X, 0.5)],
         push_offsets: vec![0, 0],
         pull_offsets: vec![0],
-        vectors: LinkMatrix::from_rows(&[vec![VectorLink::pack(0, Vec3::Z)]]),
-        finest: LinkMatrix::from_rows(&[vec![Link::pack(0, -0.5)]]),
+        links: LinkMatrix::from_rows(&[vec![Link::pack(0, 0.75)], vec![Link::pack(0, -0.5)]]),
         later: LinkMatrix::from_rows(&[vec![LaterLink::pack(0, Vec3::ONE)]]),
         ..Scene::default()
     };
@@ -55,7 +66,7 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 #[test]
 fn every_broken_rule_is_refused_by_its_section() {
     type Break = fn(&mut Scene);
-    let breaks: [(&str, Break); 21] = [
+    let breaks: [(&str, Break); 26] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
         ("META", |s| s.meta.levels[1].first = 7),
@@ -71,10 +82,15 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("CUTS", |s| s.cuts[0].towards[2] = f32::NAN),
         ("PUSH", |s| s.push_entries = s.pull_entries.clone()),
         ("PULL", |s| s.pull_entries = s.push_entries.clone()),
-        ("VECL", |s| s.vectors.offsets.insert(0, 0)),
-        ("VECL", |s| s.vectors.links[0] = VectorLink::pack(1, Vec3::Z)),
-        ("FINL", |s| s.finest.offsets[1] = 0),
-        ("FINL", |s| s.finest.links[0] = Link::pack(1, 1.0)),
+        ("LINK", |s| s.links.offsets.insert(0, 0)),
+        ("LINK", |s| s.links.offsets[1] = 3),
+        ("LINK", |s| s.links.links[1] = Link::pack(1, 1.0)),
+        ("META", |s| s.meta.materials[0].roughness = f32::NAN),
+        ("META", |s| s.meta.materials[0].normal_texture = Some(DetailTexture::default())),
+        ("META", |s| s.meta.animations[0].tracks[0].light = 1),
+        ("META", |s| s.meta.animations[0].tracks[0].times[1] = 0.5),
+        ("META", |s| s.meta.animations[0].tracks[0].values.truncate(3)),
+        ("META", |s| s.meta.animations[0].duration = -1.0),
         ("LATL", |s| s.later.offsets = vec![0]),
         ("LATL", |s| s.later.links[0] = LaterLink::pack(1, Vec3::ONE)),
     ];

@@ -18,12 +18,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let upload = Upload::new(&gpu, &scene)?;
     let mut relight = Relight::new(&gpu, &pipelines, &upload, &scene)?;
     println!(
-        "{}: {} rows of vectors, {} links; {} of the finest level, {} links",
+        "{}: {} rows, {} links",
         gpu.adapter,
-        scene.vectors.len(),
-        scene.vectors.links.len(),
-        scene.finest.len(),
-        scene.finest.links.len()
+        scene.links.len(),
+        scene.links.links.len()
     );
     for lanes in [1, 2, 4, 8, 16, 32, 64] {
         relight.set_lanes(&gpu, &pipelines, lanes);

@@ -9,14 +9,15 @@ use bytemuck::{Pod, Zeroable};
 use rebounce_shared::rbn::Scene;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Bytes of one point's vector irradiance: nine floats.
-const VALUE_BYTES: u64 = 36;
 /// Distance of steps in their uniform buffer, bytes.
 const STRIDE: u64 = 256;
 /// Threads that share a row on a GPU: neighbouring links are read at once, and little is lost on short rows.
 pub const LANES: u32 = 8;
 /// And on an adapter of software, where threads of a workgroup wait for each other dearly.
 pub const SOFTWARE_LANES: u32 = 1;
+
+/// Links of a row, on average, under which a thread has it for itself.
+const SHORT: usize = 16;
 
 /// `Step` of the shaders: what one dispatch works on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -27,11 +28,9 @@ struct Step {
     extra: u32,
     /// Threads of the grid in x; where threads share rows, workgroups.
     threads: u32,
-    /// What is added to a row's number to give its point.
-    shift: u32,
     /// 1 where the scene has normal maps.
     tilts: u32,
-    pad: [u32; 2],
+    pad: [u32; 3],
 }
 
 /// Which shader a dispatch runs; links with the number of their chunk.
@@ -40,12 +39,12 @@ enum Kernel {
     Direct,
     Pull,
     Send,
-    Vectors(usize),
-    Push,
-    Display,
+    /// Threads share a row.
+    Transport(usize),
+    /// A thread a row.
+    Short(usize),
     Bounce,
     Lift,
-    Finest(usize),
 }
 
 /// One dispatch.
@@ -79,20 +78,24 @@ impl Dispatch {
 /// All dispatches of a frame, in order.
 fn plan(scene: &Scene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
     let level = |kernel, l: usize| Dispatch::threads(kernel, scene.level(l).start, scene.level(l).len());
-    // The vector irradiance of the first so many points: rows, then parents.
-    let vectors = |plan: &mut Vec<Dispatch>, points: usize| {
-        for (i, chunk) in upload.vectors.chunks.iter().enumerate() {
-            let (first, end) = (chunk.rows.start, chunk.rows.end.min(points as u32));
-            let step =
-                Step { first, count: end.saturating_sub(first), extra: chunk.first_link, ..Step::default() };
-            plan.push(Dispatch::lanes(Kernel::Vectors(i), step, lanes));
+    // The irradiance of the points of the first so many levels: links and parents.
+    let transport = |plan: &mut Vec<Dispatch>, levels: u32| {
+        for l in 0..levels as usize {
+            let level = scene.level(l);
+            let links = scene.links.offsets[level.end] - scene.links.offsets[level.start];
+            let is_short = (links as usize) < SHORT * level.len();
+            for (i, chunk) in upload.links.chunks.iter().enumerate() {
+                let first = chunk.rows.start.max(level.start as u32);
+                let end = chunk.rows.end.min(level.end as u32);
+                let count = end.saturating_sub(first);
+                let step = Step { first, count, extra: chunk.first_link, ..Step::default() };
+                plan.push(if is_short {
+                    Dispatch::lanes(Kernel::Short(i), step, 1)
+                } else {
+                    Dispatch::lanes(Kernel::Transport(i), step, lanes)
+                });
+            }
         }
-        plan.extend(
-            (1..scene.meta.levels.len())
-                .filter(|l| scene.level(*l).end <= points)
-                .map(|l| level(Kernel::Push, l)),
-        );
-        plan.push(Dispatch::threads(Kernel::Display, 0, points));
     };
     let mut plan = vec![Dispatch::threads(Kernel::Direct, 0, scene.direct_count())];
     let send = Dispatch::threads(Kernel::Send, 0, scene.sender_count());
@@ -102,20 +105,14 @@ fn plan(scene: &Scene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
     plan.push(send);
     let coarse = scene.later_count();
     if coarse > 0 {
-        vectors(&mut plan, coarse);
+        transport(&mut plan, scene.meta.later_levels);
         let step = Step { count: coarse as u32, ..Step::default() };
         plan.push(Dispatch::lanes(Kernel::Bounce, step, lanes));
         let finer = scene.meta.later_levels as usize..scene.meta.sender_levels as usize;
         plan.extend(finer.map(|l| level(Kernel::Lift, l)));
         plan.push(send);
     }
-    vectors(&mut plan, scene.vector_count());
-    for (i, chunk) in upload.finest.chunks.iter().enumerate() {
-        let mut finest = Dispatch::threads(Kernel::Finest(i), chunk.rows.start as usize, chunk.rows.len());
-        finest.step.extra = chunk.first_link;
-        finest.step.shift = scene.vector_count() as u32;
-        plan.push(finest);
-    }
+    transport(&mut plan, scene.meta.levels.len() as u32);
     plan.retain(|dispatch| dispatch.step.count > 0);
     let bumpy = scene.meta.materials.iter().any(|m| m.normal_texture.is_some());
     for dispatch in &mut plan {
@@ -132,12 +129,10 @@ pub struct RelightPipelines {
     direct: Pass,
     pull: Pass,
     send: Pass,
-    vectors: wgpu::BindGroupLayout,
-    push: Pass,
-    display: Pass,
+    transport: wgpu::BindGroupLayout,
+    short: wgpu::ComputePipeline,
     bounce: wgpu::BindGroupLayout,
     lift: Pass,
-    finest: Pass,
 }
 
 impl RelightPipelines {
@@ -155,24 +150,24 @@ impl RelightPipelines {
             (layout, pipeline)
         };
         let direct = slots("direct", 1, 1);
+        let transport = slots("transport", 6, 1);
+        let alone = [("LANES", 1.0)];
         Self {
+            short: compute(gpu, "transport", shaders::TRANSPORT, &[&transport], &alone),
+            transport,
             direct: (direct.clone(), compute(gpu, "direct", shaders::DIRECT, &[&direct, lights], &[])),
             pull: pass("pull", shaders::PULL, 2, 1),
             send: pass("send", shaders::SEND, 2, 1),
-            vectors: slots("vectors", 3, 1),
-            push: pass("push", shaders::PUSH, 3, 1),
-            display: pass("display_values", shaders::DISPLAY, 2, 1),
             bounce: slots("bounce", 3, 2),
             lift: pass("lift", shaders::LIFT, 2, 2),
-            finest: pass("finest", shaders::FINEST, 5, 1),
         }
     }
 
-    /// The kernels whose threads share rows, so many a row: vectors and bounces.
+    /// The kernels whose threads share rows, so many a row: transport and bounces.
     fn shared(&self, gpu: &Gpu, lanes: u32) -> [wgpu::ComputePipeline; 2] {
         let constants = [("LANES", lanes as f64)];
         [
-            compute(gpu, "vectors", shaders::VECTORS, &[&self.vectors], &constants),
+            compute(gpu, "transport", shaders::TRANSPORT, &[&self.transport], &constants),
             compute(gpu, "bounce", shaders::BOUNCE, &[&self.bounce], &constants),
         ]
     }
@@ -188,12 +183,9 @@ pub struct Relight {
     direct: wgpu::BindGroup,
     pull: wgpu::BindGroup,
     send: wgpu::BindGroup,
-    vectors: Vec<wgpu::BindGroup>,
-    push: wgpu::BindGroup,
-    display_group: wgpu::BindGroup,
+    transport: Vec<wgpu::BindGroup>,
     bounce: Vec<wgpu::BindGroup>,
     lift: wgpu::BindGroup,
-    finest: Vec<wgpu::BindGroup>,
     shared: [wgpu::ComputePipeline; 2],
     plan: Vec<Dispatch>,
     /// Bytes of the buffers made here.
@@ -211,8 +203,7 @@ impl Relight {
         upload: &Upload,
         scene: &Scene,
     ) -> Result<Self, ViewerError> {
-        let bytes = VALUE_BYTES * scene.vector_count() as u64;
-        let bytes = bytes.max(16 * scene.points.len() as u64);
+        let bytes = 16 * scene.points.len() as u64;
         if bytes > MAX_BINDING {
             return Err(ViewerError::TooLarge { section: "PNTS", bytes, limit: MAX_BINDING });
         }
@@ -222,8 +213,6 @@ impl Relight {
         let display = colours("display", scene.points.len());
         let bounced = colours("bounced", scene.sender_count());
         let sent = colours("sent", scene.sender_count());
-        // Nine floats, channel after channel.
-        let values = empty_buffer(gpu, "values", storage, VALUE_BYTES * scene.vector_count() as u64);
         let lanes = if gpu.software { SOFTWARE_LANES } else { LANES };
         let plan = plan(scene, upload, lanes);
         let steps = empty_buffer(
@@ -241,27 +230,23 @@ impl Relight {
             group(gpu, label, layout, &resources)
         };
         let (points, offsets, entries) = (&upload.points, &upload.push_offsets, &upload.push_entries);
-        let all = [&irradiance, &display, &bounced, &sent, &values, &steps];
+        let all = [&irradiance, &display, &bounced, &sent, &steps];
         Ok(Self {
             direct: make("direct", &pipelines.direct.0, &[points, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
             send: make("send", &pipelines.send.0, &[points, &irradiance, &sent]),
-            vectors: chunks(&upload.vectors)
-                .map(|(rows, links)| make("vectors", &pipelines.vectors, &[rows, links, &sent, &values]))
+            transport: chunks(&upload.links)
+                .map(|(rows, links)| {
+                    let buffers = [rows, links, &sent, offsets, entries, points, &display];
+                    make("transport", &pipelines.transport, &buffers)
+                })
                 .collect(),
-            push: make("push", &pipelines.push.0, &[offsets, entries, points, &values]),
-            display_group: make("display", &pipelines.display.0, &[points, &values, &display]),
             bounce: chunks(&upload.later)
                 .map(|(rows, links)| {
                     make("bounce", &pipelines.bounce, &[rows, links, &display, &bounced, &irradiance])
                 })
                 .collect(),
             lift: make("lift", &pipelines.lift.0, &[offsets, entries, &bounced, &irradiance]),
-            finest: chunks(&upload.finest)
-                .map(|(rows, links)| {
-                    make("finest", &pipelines.finest.0, &[rows, links, &sent, offsets, entries, &display])
-                })
-                .collect(),
             shared: pipelines.shared(gpu, lanes),
             bytes: all.iter().map(|buffer| buffer.size()).sum(),
             irradiance,
@@ -275,7 +260,7 @@ impl Relight {
     pub fn set_lanes(&mut self, gpu: &Gpu, pipelines: &RelightPipelines, lanes: u32) {
         self.shared = pipelines.shared(gpu, lanes);
         for (i, dispatch) in self.plan.iter_mut().enumerate() {
-            if let Kernel::Vectors(_) | Kernel::Bounce = dispatch.kernel {
+            if let Kernel::Transport(_) | Kernel::Bounce = dispatch.kernel {
                 *dispatch = Dispatch::lanes(dispatch.kernel, dispatch.step, lanes);
                 gpu.queue.write_buffer(&self.steps, i as u64 * STRIDE, bytemuck::bytes_of(&dispatch.step));
             }
@@ -315,12 +300,10 @@ impl Relight {
                 Kernel::Direct => (&pipelines.direct.1, &self.direct),
                 Kernel::Pull => (&pipelines.pull.1, &self.pull),
                 Kernel::Send => (&pipelines.send.1, &self.send),
-                Kernel::Vectors(chunk) => (&self.shared[0], &self.vectors[chunk]),
-                Kernel::Push => (&pipelines.push.1, &self.push),
-                Kernel::Display => (&pipelines.display.1, &self.display_group),
+                Kernel::Short(chunk) => (&pipelines.short, &self.transport[chunk]),
+                Kernel::Transport(chunk) => (&self.shared[0], &self.transport[chunk]),
                 Kernel::Bounce => (&self.shared[1], &self.bounce[0]),
                 Kernel::Lift => (&pipelines.lift.1, &self.lift),
-                Kernel::Finest(chunk) => (&pipelines.finest.1, &self.finest[chunk]),
             };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);

@@ -3,9 +3,8 @@
 use crate::bindings::buffer;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use rebounce_shared::link::{Sent, VectorLink, spread_direction};
+use rebounce_shared::link::Sent;
 use rebounce_shared::rbn::{LinkMatrix, Scene, meta::Alpha};
-use std::borrow::Cow;
 use std::ops::Range;
 use wgpu::BufferUsages;
 
@@ -63,10 +62,8 @@ pub struct Upload {
     pub pull_offsets: wgpu::Buffer,
     /// Entries of section `PULL`.
     pub pull_entries: wgpu::Buffer,
-    /// Section `VECL`.
-    pub vectors: LinkBuffers,
-    /// Section `FINL`.
-    pub finest: LinkBuffers,
+    /// Section `LINK`.
+    pub links: LinkBuffers,
     /// Section `LATL`.
     pub later: LinkBuffers,
     /// Draw calls by material, opaque ones first.
@@ -95,15 +92,9 @@ impl Upload {
         let storage = BufferUsages::STORAGE;
         let cast = bytemuck::cast_slice::<u32, u8>;
         let runs = runs(scene);
-        let directions: Vec<u32> = (0..=u16::MAX).map(spread_direction).collect();
-        let spread =
-            |link: VectorLink| VectorLink { direction: directions[link.direction as u16 as usize], ..link };
-        let vectors = matrix(&mut section, "VECL", &scene.vectors, MAX_BINDING, |links| {
-            links.iter().copied().map(spread).collect()
-        })?;
-        let finest = matrix(&mut section, "FINL", &scene.finest, MAX_BINDING, |links| Cow::Borrowed(links))?;
+        let links = matrix(&mut section, "LINK", &scene.links, MAX_BINDING)?;
         // One buffer: between coarse points there are few.
-        let later = matrix(&mut section, "LATL", &scene.later, u64::MAX, |links| Cow::Borrowed(links))?;
+        let later = matrix(&mut section, "LATL", &scene.later, u64::MAX)?;
         Ok(Self {
             vertices: section(
                 "VERT",
@@ -119,8 +110,7 @@ impl Upload {
             push_entries: section("PUSH", storage, MAX_BINDING, bytemuck::cast_slice(&scene.push_entries))?,
             pull_offsets: section("PULL", storage, MAX_BINDING, cast(&scene.pull_offsets))?,
             pull_entries: section("PULL", storage, MAX_BINDING, bytemuck::cast_slice(&scene.pull_entries))?,
-            vectors,
-            finest,
+            links,
             later,
             shadow_runs: merged(&runs),
             runs,
@@ -129,19 +119,18 @@ impl Upload {
     }
 }
 
-/// Uploads a matrix in parts of at most `limit` bytes of links, each prepared for the GPU.
+/// Uploads a matrix in parts of at most `limit` bytes of links.
 fn matrix<L: Sent + bytemuck::Pod>(
     section: &mut impl FnMut(&'static str, BufferUsages, u64, &[u8]) -> Result<wgpu::Buffer, ViewerError>,
     name: &'static str,
     matrix: &LinkMatrix<L>,
     limit: u64,
-    prepare: impl Fn(&[L]) -> Cow<'_, [L]>,
 ) -> Result<LinkBuffers, ViewerError> {
     let mut parts = Vec::new();
     for rows in chunks(&matrix.offsets, limit / size_of::<L>() as u64) {
         let [first, end] = [rows.start, rows.end].map(|row| matrix.offsets[row as usize]);
-        let content = prepare(&matrix.links[first as usize..end as usize]);
-        let links = section(name, BufferUsages::STORAGE, MAX_BINDING, bytemuck::cast_slice(&content))?;
+        let content = bytemuck::cast_slice(&matrix.links[first as usize..end as usize]);
+        let links = section(name, BufferUsages::STORAGE, MAX_BINDING, content)?;
         parts.push(Chunk { links, rows, first_link: first });
     }
     let offsets = bytemuck::cast_slice(&matrix.offsets);

@@ -7,7 +7,7 @@ mod common;
 use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::kernel;
-use rebounce_shared::link::{Link, VectorLink};
+use rebounce_shared::link::Link;
 use rebounce_shared::rbn::bulk::Point;
 use rebounce_shared::rbn::{LinkMatrix, Scene};
 use rebounce_shared::relight;
@@ -202,13 +202,9 @@ fn light_is_linear() {
     // Nothing negative, which would be cut off at zero: light comes from above, from senders without parents.
     scene.meta.sender_levels = 1;
     let senders = scene.meta.levels[0].count;
-    let normal = |i: u32| scene.points[i as usize].normal();
-    let (vectors, all) = (scene.vector_count() as u32, scene.points.len() as u32);
-    let vector_rows: Vec<_> =
-        (0..vectors).map(|i| vec![VectorLink::pack(i % senders, 0.2 * normal(i))]).collect();
-    let finest_rows: Vec<_> = (vectors..all).map(|i| vec![Link::pack(i % senders, 0.1)]).collect();
-    scene.vectors = LinkMatrix::from_rows(&vector_rows);
-    scene.finest = LinkMatrix::from_rows(&finest_rows);
+    let all = scene.points.len() as u32;
+    let rows: Vec<_> = (0..all).map(|i| vec![Link::pack(i % senders, 0.1)]).collect();
+    scene.links = LinkMatrix::from_rows(&rows);
     scene.meta.later_levels = 0;
     scene.later = LinkMatrix::default();
     let mut renderer = renderer(&gpu, &scene);

@@ -74,9 +74,9 @@ fn links_that_do_not_fit_one_binding_are_split_and_agree_too() {
     let Some(gpu) = common::gpu() else { return };
     let mut scene = common::room(&[3, 6, 12]);
     // The same links many times over, each a share of the whole: over 128 MiB.
-    let copies = (150 << 20) / (8 * scene.vectors.links.len()) + 1;
+    let copies = (150 << 20) / (4 * scene.links.links.len()) + 1;
     let template = scene.clone();
-    scene.vectors = repeated(&template.vectors, copies);
+    scene.links = repeated(&template.links, copies);
     // Thousands of single-precision numbers a row, added up in another order.
     check(&gpu, &scene, 8, 5e-3);
 }

@@ -91,8 +91,7 @@ pub(super) fn assemble(
         push_entries: relations.push_entries,
         pull_offsets: relations.pull_offsets,
         pull_entries: relations.pull_entries,
-        vectors: LinkMatrix::from_rows(&operator.vectors),
-        finest: LinkMatrix::from_rows(&operator.finest),
+        links: LinkMatrix::from_rows(&operator.links),
         later: LinkMatrix::from_rows(&operator.later),
     }
 }

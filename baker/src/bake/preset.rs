@@ -85,9 +85,7 @@ impl BakeSettings {
         self.place.levels = levels;
         self.operator.levels = levels;
         self.operator.sender_levels = self.operator.sender_levels.clamp(1, levels);
-        // The finest level's points hold no vectors, which coarse points pass on.
-        let coarse = self.operator.sender_levels.min((levels - 1).max(1));
-        self.operator.later_levels = self.operator.later_levels.min(coarse);
+        self.operator.later_levels = self.operator.later_levels.min(self.operator.sender_levels);
         self.direct_levels = self.direct_levels.clamp(self.operator.sender_levels, levels);
         self
     }

@@ -1,6 +1,7 @@
 //! Which of what a receiver gets becomes a link.
 
-use super::tally::{Packed, Tally};
+use super::tally::Tally;
+use rebounce_shared::link::Link;
 
 /// What is left of a row without links is one link if it is at least this share of ε: else a few such rows,
 /// one under the other, would lose a noticeable part of the light.
@@ -13,42 +14,36 @@ const LEAST_SUM: f32 = 0.125;
 ///
 /// Gives the links for `gathered` less `prediction`; `noise` is the variance of a gathered sum per
 /// unit of it.
-pub fn choose<A: Packed>(
-    gathered: &Tally<A>,
-    prediction: Option<&Tally<A>>,
-    epsilon: f32,
-    noise: f32,
-) -> Vec<A::Link> {
-    let mut row = Vec::new();
-    let (mut carried, mut seen) = (A::default(), 0.0);
-    // Place, sender and contents of the last link and of the smallest before it.
-    let (mut last, mut smallest) = ((0, 0, A::default()), None::<(usize, u32, A)>);
+pub fn choose(gathered: &Tally, prediction: Option<&Tally>, epsilon: f32, noise: f32) -> Vec<Link> {
+    let mut row: Vec<Link> = Vec::new();
+    let (mut carried, mut seen) = (0f32, 0f32);
+    // Place, sender and amount of the last link and of the smallest before it.
+    let (mut last, mut smallest) = ((0, 0, 0f32), None::<(usize, u32, f32)>);
     let mut strongest = (0, 0.0);
     for sender in gathered.touched_with(prediction) {
         let sum = gathered.get(sender);
-        carried.add_scaled(1.0, sum);
-        let strength = sum.magnitude_squared();
-        if strength > strongest.1 {
-            strongest = (sender, strength);
+        carried += sum;
+        if sum > strongest.1 {
+            strongest = (sender, sum);
         }
         // Rays that by chance all miss a small sender say as little as those that by chance hit it often:
         // what coarser receivers expect counts, too.
-        let mut expected = strength;
+        let mut expected = sum.abs();
         if let Some(prediction) = prediction {
             let sum = prediction.get(sender);
-            carried.add_scaled(-1.0, sum);
-            expected = expected.max(sum.magnitude_squared());
+            carried -= sum;
+            expected = expected.max(sum.abs());
         }
         if noise > 0.0 {
-            seen += expected.sqrt();
+            seen += expected;
         }
-        if carried.magnitude_squared() > (noise * seen).max(epsilon * epsilon) {
-            let (link, held) = carried.pack(sender);
+        if carried * carried > (noise * seen).max(epsilon * epsilon) {
+            let link = Link::pack(sender, carried);
+            let held = link.amount();
             row.push(link);
             // What packing lost is carried over too.
-            carried.add_scaled(-1.0, &held);
-            if row.len() > 1 && smallest.is_none_or(|s| last.2.magnitude_squared() < s.2.magnitude_squared())
-            {
+            carried -= held;
+            if row.len() > 1 && smallest.is_none_or(|s| last.2.abs() < s.2.abs()) {
                 smallest = Some(last);
             }
             last = (row.len() - 1, sender, held);
@@ -56,17 +51,15 @@ pub fn choose<A: Packed>(
         }
     }
     if let Some(link) = row.last_mut() {
-        carried.add_scaled(1.0, &last.2);
-        let (packed, held) = carried.pack(last.1);
-        *link = packed;
+        carried += last.2;
+        *link = Link::pack(last.1, carried);
+        let held = link.amount();
         // What packing lost at the end goes where it is lost least: to the smallest link.
-        if let Some((at, sender, mut amount)) = smallest {
-            amount.add_scaled(1.0, &carried);
-            amount.add_scaled(-1.0, &held);
-            row[at] = amount.pack(sender).0;
+        if let Some((at, sender, amount)) = smallest {
+            row[at] = Link::pack(sender, amount + carried - held);
         }
-    } else if carried.magnitude_squared() > (LEAST_SUM * epsilon).powi(2) {
-        row.push(carried.pack(strongest.0).0);
+    } else if carried.abs() > LEAST_SUM * epsilon {
+        row.push(Link::pack(strongest.0, carried));
     }
     row
 }

@@ -4,13 +4,13 @@
 use super::OperatorSettings;
 use super::choose::choose;
 use super::directions::Directions;
-use super::tally::{Amount, Irradiance, IrradianceRow, Tally, Vector};
+use super::tally::{IrradianceRow, Tally};
 use crate::basis::{Leveled, Relations};
 use crate::points::Points;
 use crate::random::mix;
 use crate::surface::{Hit, Ray, Surfaces};
-use glam::{Mat3A, Vec3, Vec3A};
-use rebounce_shared::link::{Link, Sent, VectorLink, turn, unpack_direction};
+use glam::Vec3;
+use rebounce_shared::link::{Link, Sent};
 
 /// What all gathers read.
 pub struct GatherContext<'a, S: Surfaces + ?Sized> {
@@ -30,13 +30,6 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
     pub tints: &'a [Vec3],
     /// Settings.
     pub settings: &'a OperatorSettings,
-    /// Unpacked directions of links, by their 16 bits.
-    pub link_directions: &'a [Vec3A],
-}
-
-/// Unpacks all 65,536 link directions, for [`GatherContext::link_directions`].
-pub fn link_directions() -> Vec<Vec3A> {
-    (0..=u16::MAX).map(|bits| unpack_direction(bits).into()).collect()
 }
 
 /// ε of a receiver's value as its children subtract it, over that of its links: a value's small parts are
@@ -57,13 +50,10 @@ pub struct GatherCost {
 /// What one gather finds.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
-    /// The links of a receiver on all levels but the finest, senders ascending: differences to what coarser
-    /// receivers say.
-    pub vectors: Vec<VectorLink>,
-    /// The links of one on the finest level.
-    pub finest: Vec<Link>,
+    /// The receiver's links, senders ascending: differences to what coarser receivers say.
+    pub links: Vec<Link>,
     /// The whole value that its links and its ancestors' say, on all levels but the finest.
-    pub value: Vec<VectorLink>,
+    pub value: Vec<Link>,
     /// Of a point that later bounces travel through: its whole irradiance from every other such point.
     pub coarse: IrradianceRow,
     /// The cost.
@@ -72,10 +62,9 @@ pub struct Gathered {
 
 /// A thread's working memory, reused from receiver to receiver.
 pub struct Scratch {
-    senders: Tally<Vector>,
-    coarse: Tally<Irradiance>,
-    prediction: Tally<Vector>,
-    finest: [Tally<Irradiance>; 2],
+    senders: Tally,
+    coarse: Tally,
+    prediction: Tally,
     weights: Vec<(u32, f32)>,
 }
 
@@ -86,7 +75,6 @@ impl Scratch {
             senders: Tally::new(senders),
             coarse: Tally::new(coarse),
             prediction: Tally::new(senders),
-            finest: [(); 2].map(|()| Tally::new(senders)),
             weights: Vec::new(),
         }
     }
@@ -100,22 +88,19 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         receiver: usize,
         level: usize,
         directions: &Directions,
-        values: &[Vec<VectorLink>],
+        values: &[Vec<Link>],
         scratch: &mut Scratch,
     ) -> Gathered {
         // The variance of a mean of rays that either hit a sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
         let is_coarse = receiver < self.coarse_count;
-        if level > 0 && level + 1 == self.settings.levels {
-            return self.finest_links(receiver, directions, values, scratch, epsilon, noise);
-        }
-        let Scratch { senders, coarse, prediction, weights, .. } = scratch;
+        let Scratch { senders, coarse, prediction, weights } = scratch;
         let cost = self.integrate(receiver, directions, weights, |hit, arriving, weights| {
-            self.share(weights, arriving.light, &Vector(arriving.direction), senders);
+            self.share(weights, arriving, senders);
             if is_coarse {
                 self.coarse.interpolate(hit.position, hit.normal, weights);
-                self.share(weights, arriving.light, &Irradiance(arriving.cosine), coarse);
+                self.share(weights, arriving, coarse);
             }
         });
         let mut gathered = Gathered { cost, ..Gathered::default() };
@@ -124,10 +109,10 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             coarse.clear();
         }
         self.predict(receiver, values, prediction);
-        gathered.vectors = choose(senders, Some(prediction), epsilon, noise);
+        gathered.links = choose(senders, Some(prediction), epsilon, noise);
         if level + 1 < self.settings.levels {
-            for link in &gathered.vectors {
-                prediction.add(link.sender(), link.link.amount(), &Vector(self.direction(*link)));
+            for link in &gathered.links {
+                prediction.add(link.sender(), link.amount());
             }
             gathered.value = self.value(level, prediction);
         }
@@ -136,42 +121,12 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         gathered
     }
 
-    /// The links of a receiver on the finest level. Nothing but the picture reads its value, and of that the
-    /// irradiance along its normal: that is all they hold.
-    fn finest_links(
-        &self,
-        receiver: usize,
-        directions: &Directions,
-        values: &[Vec<VectorLink>],
-        scratch: &mut Scratch,
-        epsilon: f32,
-        noise: f32,
-    ) -> Gathered {
-        let Scratch { finest: [senders, prediction], weights, .. } = scratch;
-        let cost = self.integrate(receiver, directions, weights, |_, arriving, weights| {
-            self.share(weights, arriving.light, &Irradiance(arriving.cosine), senders);
-        });
-        // What turns the parent's normal into the receiver's turns its light alike: the part along the normal
-        // stays the same.
-        for (parent, share) in self.parents(receiver) {
-            let normal = Vec3A::from(self.points.points[parent].normal);
-            for link in &values[parent] {
-                let along = self.direction(*link).dot(normal) * share;
-                prediction.add(link.sender(), along, &Irradiance(link.link.amount()));
-            }
-        }
-        let finest = choose(senders, Some(prediction), epsilon, noise);
-        senders.clear();
-        prediction.clear();
-        Gathered { finest, cost, ..Gathered::default() }
-    }
-
     /// What is left of a receiver that is not refined: the value that its parents' say.
     pub fn inherit(
         &self,
         receiver: usize,
         level: usize,
-        values: &[Vec<VectorLink>],
+        values: &[Vec<Link>],
         scratch: &mut Scratch,
     ) -> Gathered {
         if level + 1 == self.settings.levels {
@@ -191,33 +146,28 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     }
 
     /// A receiver's value as its children will subtract it.
-    fn value(&self, level: usize, sums: &Tally<Vector>) -> Vec<VectorLink> {
+    fn value(&self, level: usize, sums: &Tally) -> Vec<Link> {
         choose(sums, None, VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
     }
 
     /// Adds a ray's light to the senders that cover its hit, by their shares: as bright as it is counted in each
-    /// one's tint, the best fit of the one to the other. `amount` is what unit brightness brings.
+    /// one's tint, the best fit of the one to the other.
     #[inline]
-    fn share<A: Amount>(&self, shares: &[(u32, f32)], light: Vec3, amount: &A, senders: &mut Tally<A>) {
+    fn share(&self, shares: &[(u32, f32)], arriving: Vec3, senders: &mut Tally) {
         for &(sender, share) in shares {
             let tint = self.tints[sender as usize];
-            senders.add(sender as usize, share * (light.dot(tint) / tint.length_squared()), amount);
+            senders.add(sender as usize, share * (arriving.dot(tint) / tint.length_squared()));
         }
     }
 
-    #[inline]
-    fn direction(&self, link: VectorLink) -> Vec3A {
-        self.link_directions[link.direction as u16 as usize]
-    }
-
-    /// Eq. 16: casts the rays and tells `add` of each hit that reflects, with the functions that cover it
-    /// (a list that it may use afterwards).
+    /// Eq. 16: casts the rays and tells `add` of each hit that reflects, with the irradiance that it brings (RGB, per
+    /// unit irradiance at the hit) and the functions that cover it (a list that it may use afterwards).
     fn integrate(
         &self,
         receiver: usize,
         directions: &Directions,
         weights: &mut Vec<(u32, f32)>,
-        mut add: impl FnMut(&Hit, Arriving, &mut Vec<(u32, f32)>),
+        mut add: impl FnMut(&Hit, Vec3, &mut Vec<(u32, f32)>),
     ) -> GatherCost {
         let point = &self.points.points[receiver];
         let epsilon = self.surfaces.epsilon();
@@ -244,42 +194,17 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
                 cost.lost += seen;
                 continue;
             }
-            let arriving = Arriving { direction: d.direction, cosine: d.cosine, light: hit.albedo * weight };
-            add(&hit, arriving, weights);
+            add(&hit, hit.albedo * (weight * d.cosine), weights);
         }
         cost
     }
 
-    /// Eq. 17: what the parents' values say at this receiver, turned with the normals as the push
-    /// will turn it.
-    fn predict(&self, receiver: usize, values: &[Vec<VectorLink>], prediction: &mut Tally<Vector>) {
-        let normal = self.points.points[receiver].normal;
+    /// Eq. 17: what the parents' values say at this receiver, as the push will interpolate it.
+    fn predict(&self, receiver: usize, values: &[Vec<Link>], prediction: &mut Tally) {
         for (parent, share) in self.parents(receiver) {
-            let turn = turning(self.points.points[parent].normal, normal);
             for link in &values[parent] {
-                let direction = turn * self.direction(*link);
-                prediction.add(link.sender(), share * link.link.amount(), &Vector(direction));
+                prediction.add(link.sender(), share * link.amount());
             }
         }
     }
-}
-
-/// What one ray brings, per unit irradiance where it hit.
-#[derive(Clone, Copy)]
-struct Arriving {
-    /// Unit, from the receiver.
-    direction: Vec3A,
-    /// Its cosine to the receiver's normal.
-    cosine: f32,
-    /// Radiance times the ray's share of the hemisphere.
-    light: Vec3,
-}
-
-/// The rotation of `rebounce_shared::link::turn`.
-fn turning(from: Vec3, to: Vec3) -> Mat3A {
-    Mat3A::from_cols(
-        turn(Vec3::X, from, to).into(),
-        turn(Vec3::Y, from, to).into(),
-        turn(Vec3::Z, from, to).into(),
-    )
 }

@@ -18,7 +18,7 @@ pub mod reflected;
 pub mod tally;
 pub mod tint;
 
-use rebounce_shared::link::{LaterLink, Link, VectorLink};
+use rebounce_shared::link::{LaterLink, Link};
 use tally::IrradianceRow;
 
 /// How the operator is computed.
@@ -83,11 +83,9 @@ impl OperatorSettings {
 /// The operator: links by receiver, and what it took.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Operator {
-    /// For every point of all levels but the finest its links, senders ascending; empty where it receives
-    /// nothing of its own. They carry what the senders hold, direct light and bounced light alike: T.
-    pub vectors: Vec<Vec<VectorLink>>,
-    /// And for every point of the finest level.
-    pub finest: Vec<Vec<Link>>,
+    /// For every point its links, senders ascending; empty where it receives nothing of its own. They carry what the
+    /// senders hold, direct light and bounced light alike: T.
+    pub links: Vec<Vec<Link>>,
     /// The colour that each point's surface gives to light, rgb9e5.
     pub tints: Vec<u32>,
     /// For every point of the coarse levels its whole irradiance from every other, what later bounces are made
@@ -108,7 +106,7 @@ pub struct Operator {
 impl Operator {
     /// Number of links of each point of T.
     pub fn link_counts(&self) -> impl Iterator<Item = usize> + '_ {
-        self.vectors.iter().map(Vec::len).chain(self.finest.iter().map(Vec::len))
+        self.links.iter().map(Vec::len)
     }
 
     /// Number of links for later bounces.

@@ -4,7 +4,7 @@
 //! parallel: each reads only the links of coarser levels.
 
 use super::directions::Directions;
-use super::gather::{GatherContext, Gathered, Scratch, link_directions};
+use super::gather::{GatherContext, Gathered, Scratch};
 use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
 use crate::points::Points;
@@ -36,20 +36,15 @@ pub fn refine<S: Surfaces + ?Sized>(
         coarse_count,
         tints: &tint::unpack(&operator.tints),
         settings,
-        link_directions: &link_directions(),
     };
-    // All levels but the finest, or the only one.
-    let levels = points.levels.len();
-    let vector_count = points.count_on(levels.saturating_sub(1).max(1).min(levels));
-    operator.vectors = vec![Vec::new(); vector_count];
-    operator.finest = vec![Vec::new(); points.points.len() - vector_count];
+    operator.links = vec![Vec::new(); points.points.len()];
     let mut values = vec![Vec::new(); points.points.len()];
     let (mut seen, mut lost) = (0.0, 0.0);
     let pool = Mutex::new(Vec::new());
     for (l, level) in points.levels.iter().enumerate() {
         let directions = Directions::new(settings.rays_on(l));
         let (done, refined) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let rows = &operator.vectors;
+        let rows = &operator.links;
         // Children of receivers that kept a link; those that no coarser function reaches; and those
         // that later bounces need, whatever their parents kept.
         let is_wanted = |i: usize| {
@@ -84,11 +79,7 @@ pub fn refine<S: Surfaces + ?Sized>(
             .collect();
         operator.receivers += refined.into_inner() as u64;
         for (i, gathered) in indices.into_iter().zip(found) {
-            if i < vector_count {
-                operator.vectors[i] = gathered.vectors;
-            } else {
-                operator.finest[i - vector_count] = gathered.finest;
-            }
+            operator.links[i] = gathered.links;
             values[i] = gathered.value;
             if i < coarse_count {
                 operator.coarse.push(gathered.coarse);

@@ -9,8 +9,7 @@
 //! | `CUTS` | [`Cut`] | plane that ends a basis function's support |
 //! | `PUSH` | `u32`, [`Entry`](crate::interpolation::Entry) | push rows: a point's value from its parents' |
 //! | `PULL` | `u32`, [`Entry`](crate::interpolation::Entry) | pull rows: a point's direct light from its children's |
-//! | `VECL` | `u32`, [`VectorLink`](crate::link::VectorLink) | rows of links to the points of all levels but the finest |
-//! | `FINL` | `u32`, [`Link`](crate::link::Link) | rows of links to the points of the finest level |
+//! | `LINK` | `u32`, [`Link`](crate::link::Link) | rows of links to all points |
 //! | `LATL` | `u32`, [`LaterLink`](crate::link::LaterLink) | rows of links for later bounces between coarse points |
 
 use bytemuck::{Pod, Zeroable};

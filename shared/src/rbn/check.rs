@@ -40,7 +40,6 @@ impl Scene {
             ));
         }
         if m.later_levels > m.sender_levels
-            || self.later_count() > self.vector_count()
             || m.sender_levels > m.direct_levels
             || m.direct_levels as usize > m.levels.len()
         {
@@ -102,10 +101,8 @@ impl Scene {
                 "{senders} senders; links can name {MAX_SENDERS}: bake with fewer sender levels"
             )));
         }
-        let vectors = self.vector_count();
-        let (finest, later) = (self.points.len() - vectors, self.later_count());
-        check_rows("VECL", &self.vectors.offsets, &self.vectors.links, vectors, senders)?;
-        check_rows("FINL", &self.finest.offsets, &self.finest.links, finest, senders)?;
+        let later = self.later_count();
+        check_rows("LINK", &self.links.offsets, &self.links.links, self.points.len(), senders)?;
         check_rows("LATL", &self.later.offsets, &self.later.links, later, later)?;
         Ok(())
     }

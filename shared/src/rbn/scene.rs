@@ -6,7 +6,7 @@ use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
 use super::{RbnError, container};
 use crate::interpolation::{Entry, Rows};
-use crate::link::{LaterLink, Link, VectorLink};
+use crate::link::{LaterLink, Link};
 use bytemuck::Pod;
 use std::ops::Range;
 
@@ -35,19 +35,15 @@ pub struct Scene {
     pub pull_offsets: Vec<u32>,
     /// Entries of the pull rows.
     pub pull_entries: Vec<Entry>,
-    /// T: from what the senders send to vector irradiance at the points of all levels but the finest (of all
-    /// points, where there is one level only).
-    pub vectors: LinkMatrix<VectorLink>,
-    /// T: from what the senders send to irradiance at the points of the finest level.
-    pub finest: LinkMatrix<Link>,
+    /// T: from what the senders send to irradiance along the points' normals; a row per point of all levels.
+    pub links: LinkMatrix<Link>,
     /// H: from irradiance at the points of the coarse levels to that of all further bounces there.
     pub later: LinkMatrix<LaterLink>,
 }
 
 /// Names of the sections, in file order.
-pub const SECTIONS: [[u8; 4]; 11] = [
-    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSH", *b"PULL", *b"VECL", *b"FINL", *b"LATL",
-    *b"TEXD",
+pub const SECTIONS: [[u8; 4]; 10] = [
+    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSH", *b"PULL", *b"LINK", *b"LATL", *b"TEXD",
 ];
 
 impl Scene {
@@ -72,17 +68,9 @@ impl Scene {
         self.first_of_level(self.meta.later_levels)
     }
 
-    /// Number of points whose light is kept as vectors: those of all levels but the finest.
-    pub fn vector_count(&self) -> usize {
-        match self.meta.levels.len() {
-            0 | 1 => self.points.len(),
-            levels => self.first_of_level(levels as u32 - 1),
-        }
-    }
-
     /// Number of transport links, those for later bounces left out.
     pub fn link_count(&self) -> usize {
-        self.vectors.links.len() + self.finest.links.len()
+        self.links.links.len()
     }
 
     /// The points that the picture is made from: those of the finest level.
@@ -121,7 +109,7 @@ impl Scene {
     /// [`RbnError`] when the scene breaks a rule of the format.
     pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
         self.check()?;
-        let packed: [Vec<u8>; 10] = [
+        let packed: [Vec<u8>; 9] = [
             meta::encode(&self.meta)?,
             planes::encode(&self.vertices),
             planes::encode(&self.indices),
@@ -129,8 +117,7 @@ impl Scene {
             planes::encode(&self.cuts),
             links::encode(&self.push_offsets, &self.push_entries),
             links::encode(&self.pull_offsets, &self.pull_entries),
-            links::encode(&self.vectors.offsets, &self.vectors.links),
-            links::encode(&self.finest.offsets, &self.finest.links),
+            links::encode(&self.links.offsets, &self.links.links),
             links::encode(&self.later.offsets, &self.later.links),
         ];
         let contents = packed.iter().map(Vec::as_slice).chain([self.texture_bytes.as_slice()]);
@@ -164,8 +151,7 @@ impl Scene {
             push_entries,
             pull_offsets,
             pull_entries,
-            vectors: matrix("VECL", bytes(*b"VECL")?)?,
-            finest: matrix("FINL", bytes(*b"FINL")?)?,
+            links: matrix("LINK", bytes(*b"LINK")?)?,
             later: matrix("LATL", bytes(*b"LATL")?)?,
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };

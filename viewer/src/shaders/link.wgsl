@@ -12,12 +12,6 @@ fn link_amount(link: u32) -> f32 {
     return select(select(size, -size, (link >> 31u) != 0u), 0.0, code == 0u);
 }
 
-// Times 511: three 10-bit two's complement numbers, as upload.rs spreads them.
-fn link_direction(bits: u32) -> vec3f {
-    let i = bitcast<i32>(bits);
-    return vec3f(vec3i(extractBits(i, 0u, 10u), extractBits(i, 10u, 10u), extractBits(i, 20u, 10u)));
-}
-
 fn entry_point(entry: u32) -> u32 {
     return entry & 0x3fffffu;
 }

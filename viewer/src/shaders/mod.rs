@@ -20,22 +20,16 @@ modules! {
     PULL: "link" "step" "pull";
     /// What the senders send.
     SEND: "colour" "point" "step" "send";
-    /// Links times what is sent: vectors.
-    VECTORS: "link" "step" "lanes" "vectors";
+    /// Links times what is sent.
+    TRANSPORT: "octahedral" "link" "point" "tilt" "step" "lanes" "transport";
     /// Later bounces between coarse points.
     BOUNCE: "colour" "step" "lanes" "bounce";
     /// Later bounces to finer senders.
     LIFT: "link" "step" "lift";
-    /// The finest level's irradiance.
-    FINEST: "link" "tilt" "step" "finest";
-    /// Push.
-    PUSH: "octahedral" "link" "point" "values" "step" "push";
     /// Shadow maps.
     SHADOW: "material" "shadow";
     /// G-buffer.
     GBUFFER: "octahedral" "frame" "material" "detail" "gbuffer";
-    /// Irradiance along the points' normals.
-    DISPLAY: "octahedral" "point" "values" "tilt" "step" "display";
     /// The functions that cover each pixel.
     FIND: "octahedral" "point" "kernel" "lookup" "frame" "slots" "find";
     /// From functions to pixels.

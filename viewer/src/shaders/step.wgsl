@@ -7,8 +7,6 @@ struct Step {
     extra: u32,
     // Threads of the grid in x; where threads share rows, workgroups.
     threads: u32,
-    // What is added to a row's number to give its point.
-    shift: u32,
     // 1 where the scene has normal maps.
     tilts: u32,
 }

@@ -7,7 +7,7 @@ use rebounce_shared::glam::Vec3;
 use rebounce_shared::interpolation::pack_row;
 use rebounce_shared::kernel;
 use rebounce_shared::light::Light;
-use rebounce_shared::link::{LaterLink, Link, VectorLink};
+use rebounce_shared::link::{LaterLink, Link};
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
@@ -148,13 +148,9 @@ fn relate(scene: &mut Scene) {
 
 fn link(scene: &mut Scene) {
     let senders = scene.sender_count() as u32;
-    let (vectors, all) = (scene.vector_count() as u32, scene.points.len() as u32);
+    let all = scene.points.len() as u32;
     let random_size = |shift: &dyn Fn(u32) -> f32| (shift(7) * 6.0).exp2() * 0.02;
-    scene.vectors = LinkMatrix::from_rows(&rows(0..vectors, senders, 0, |sender, shift| {
-        let direction = Vec3::new(shift(1), shift(2), shift(3)).normalize_or(Vec3::Z);
-        VectorLink::pack(sender, direction * random_size(shift))
-    }));
-    scene.finest = LinkMatrix::from_rows(&rows(vectors..all, senders, 0, |sender, shift| {
+    scene.links = LinkMatrix::from_rows(&rows(0..all, senders, 0, |sender, shift| {
         Link::pack(sender, (shift(4) + 0.3) * random_size(shift))
     }));
     let coarse = scene.later_count() as u32;

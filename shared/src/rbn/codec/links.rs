@@ -7,7 +7,7 @@
 use super::bits::{BitReader, BitWriter, class, push_rest, take_value};
 use super::{Damaged, Reader, Writer};
 use crate::interpolation::{Entry, MAX_POINTS};
-use crate::link::{LaterLink, Link, MAX_SENDERS, Sent, VectorLink};
+use crate::link::{LaterLink, Link, MAX_SENDERS, Sent};
 
 /// An entry of a row: an index, and something beside it.
 pub trait Beside: Copy {
@@ -42,26 +42,6 @@ impl Beside for Link {
             return Err(Damaged);
         }
         Ok(Self((bytes[0] as u32) << 26 | bits.take(6)? << 20 | index))
-    }
-}
-
-impl Beside for VectorLink {
-    /// The link's, and two components of the direction.
-    const BYTES: usize = 3;
-
-    fn index(self) -> u32 {
-        self.sender() as u32
-    }
-
-    fn split(self, bytes: &mut [Vec<u8>], bits: &mut BitWriter) {
-        self.link.split(bytes, bits);
-        bytes[1].push(self.direction as u8);
-        bytes[2].push((self.direction >> 8) as u8);
-    }
-
-    fn join(index: u32, bytes: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged> {
-        let direction = bytes[1] as u32 | (bytes[2] as u32) << 8;
-        Ok(Self { link: Link::join(index, bytes, bits)?, direction })
     }
 }
 
@@ -224,7 +204,6 @@ mod tests {
         let amount = |seed: u32| (random(seed) % 1000) as f32 * 1e-5 - 3e-3;
         assert!(round_trip(rows(|index, seed| Link::pack(index, amount(seed)))) < 3.1);
         let direction = |seed: u32| Vec3::new(amount(seed), amount(seed + 1), amount(seed + 2));
-        round_trip(rows(|index, seed| VectorLink::pack(index, direction(seed))));
         round_trip(rows(|index, seed| LaterLink::pack(index, direction(seed).abs())));
         round_trip(rows(|index, seed| Entry(random(seed) % 1024 << 22 | index)));
         // Equal everywhere: next to nothing once packed, and yet not over what a reader allows.
