@@ -32,6 +32,64 @@ pub struct Stats {
     pub bytes: Bytes,
 }
 
+impl Stats {
+    /// All numbers as JSON, whole ones: milliseconds as microseconds. The two names are left out.
+    pub fn json(&self) -> String {
+        use std::fmt::Write;
+        let mut json = String::from("{\"functions\":[");
+        for (i, count) in self.functions.iter().enumerate() {
+            let _ = write!(json, "{}{count}", if i > 0 { "," } else { "" });
+        }
+        json.push(']');
+        let mut group = |name: &str, members: &[(&str, Option<u64>)]| {
+            let _ = write!(json, ",\"{name}\":{{");
+            let mut comma = "";
+            for (name, value) in members.iter().filter_map(|(name, value)| Some((name, (*value)?))) {
+                let _ = write!(json, "{comma}\"{name}\":{value}");
+                comma = ",";
+            }
+            json.push('}');
+        };
+        let (m, b) = (&self.milliseconds, &self.bytes);
+        let micros = |ms: Option<f64>| ms.map(|ms| (ms * 1e3) as u64);
+        group(
+            "microseconds",
+            &[
+                ("shadows", micros(m.shadows)),
+                ("relight", micros(m.relight)),
+                ("gBuffer", micros(m.g_buffer)),
+                ("find", micros(m.find)),
+                ("gather", micros(m.gather)),
+                ("composite", micros(m.composite)),
+            ],
+        );
+        group(
+            "bytes",
+            &[
+                ("scene", Some(b.scene)),
+                ("textures", Some(b.textures)),
+                ("relight", Some(b.relight)),
+                ("shadows", Some(b.shadows)),
+                ("picture", Some(b.picture)),
+            ],
+        );
+        group(
+            "counts",
+            &[
+                ("frames", Some(self.frames)),
+                ("relights", Some(self.relights)),
+                ("shadowLayers", Some(self.shadow_layers)),
+                ("shadowSize", Some(self.shadow_size as u64)),
+                ("triangles", Some(self.triangles as u64)),
+                ("links", Some(self.links as u64)),
+                ("lights", Some(self.lights as u64)),
+            ],
+        );
+        json.push('}');
+        json
+    }
+}
+
 /// How the bounced light of a picture was looked up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -74,4 +132,24 @@ pub struct Bytes {
     pub shadows: u64,
     /// Targets of the picture's size.
     pub picture: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_holds_every_number_and_leaves_out_what_is_not_known() {
+        let stats = Stats {
+            functions: vec![3, 40],
+            links: 7,
+            milliseconds: Milliseconds { find: Some(1.5), ..Milliseconds::default() },
+            bytes: Bytes { picture: 5, ..Bytes::default() },
+            ..Stats::default()
+        };
+        let json: serde_json::Value = serde_json::from_str(&stats.json()).unwrap();
+        assert_eq!(json["functions"], serde_json::json!([3, 40]));
+        assert_eq!(json["microseconds"], serde_json::json!({ "find": 1500 }));
+        assert_eq!((&json["bytes"]["picture"], &json["counts"]["links"]), (&5.into(), &7.into()));
+    }
 }

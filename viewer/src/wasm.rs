@@ -10,7 +10,8 @@ use crate::renderer::Renderer;
 use crate::scene::LoadedScene;
 use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::stats::Counts;
-use rebounce_shared::{camera::Camera, light::Light, rbn, shot::Shot};
+use crate::wire;
+use rebounce_shared::rbn::{self, meta};
 use std::cell::{Cell, RefCell};
 use std::future::Future;
 use std::rc::Rc;
@@ -101,14 +102,36 @@ impl Viewer {
             self.callbacks.changed();
         }
     }
-
-    fn to_json(value: &impl serde::Serialize) -> Result<String, JsValue> {
-        serde_json::to_string(value).map_err(|e| coded("internal", &e.to_string()))
-    }
 }
 
-fn from_json<T: serde::de::DeserializeOwned>(what: &'static str, json: &str) -> Result<T, ViewerError> {
-    serde_json::from_str(json).map_err(|e| ViewerError::BadJson { what, problem: e.to_string() })
+/// An object of the page.
+fn object<const N: usize>(members: [(&str, JsValue); N]) -> JsValue {
+    let object = js_sys::Object::new();
+    for (name, value) in members {
+        let _ = js_sys::Reflect::set(&object, &name.into(), &value);
+    }
+    object.into()
+}
+
+fn animation(animation: &meta::Animation) -> JsValue {
+    let tracks: js_sys::Array = animation
+        .tracks
+        .iter()
+        .map(|track| {
+            object([
+                ("light", track.light.into()),
+                ("property", track.property.name().into()),
+                ("interpolation", track.interpolation.name().into()),
+                ("times", js_sys::Float32Array::from(&track.times[..]).into()),
+                ("values", js_sys::Float32Array::from(&track.values[..]).into()),
+            ])
+        })
+        .collect();
+    object([
+        ("name", animation.name.as_str().into()),
+        ("duration", animation.duration.into()),
+        ("tracks", tracks.into()),
+    ])
 }
 
 #[wasm_bindgen]
@@ -274,57 +297,47 @@ impl Viewer {
         *self.callbacks.lost.borrow_mut() = callback;
     }
 
-    /// The present camera and lights as SHOT.json.
-    #[wasm_bindgen(js_name = shotJson)]
-    pub fn shot_json(&self) -> Result<String, JsValue> {
-        let state = self.state.borrow();
-        Self::to_json(&Shot {
-            scene: None,
-            size: [state.config.width, state.config.height],
-            camera: state.renderer.camera().clone(),
-            lights: state.renderer.lights().to_vec(),
+    /// The present camera, as [`crate::wire`] lists it.
+    pub fn camera(&self) -> Vec<f64> {
+        wire::camera_numbers(self.state.borrow().renderer.camera())
+    }
+
+    /// The present lights.
+    pub fn lights(&self) -> Vec<f64> {
+        wire::light_numbers(self.state.borrow().renderer.lights())
+    }
+
+    /// Sets the camera.
+    #[wasm_bindgen(js_name = setCamera)]
+    pub fn set_camera(&self, camera: &[f64]) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_camera(wire::camera_of(camera)?)?;
+            state.controls.reset();
+            Ok(())
         })
     }
 
-    /// Takes camera and lights from SHOT.json. Throws `bad-json` with what is wrong.
-    #[wasm_bindgen(js_name = setShotJson)]
-    pub fn set_shot_json(&self, json: &str) -> Result<(), JsValue> {
+    /// Sets the lights.
+    #[wasm_bindgen(js_name = setLights)]
+    pub fn set_lights(&self, lights: &[f64]) -> Result<(), JsValue> {
+        self.change(|state| state.renderer.set_lights(wire::lights_of(lights)?))
+    }
+
+    /// Sets both, or neither, and measures the exposure again.
+    #[wasm_bindgen(js_name = setShot)]
+    pub fn set_shot(&self, camera: &[f64], lights: &[f64]) -> Result<(), JsValue> {
         self.change(|state| {
-            let shot: Shot = from_json("SHOT.json", json)?;
-            state.renderer.set_camera(shot.camera)?;
-            state.renderer.set_lights(shot.lights)?;
+            let before = state.renderer.lights().to_vec();
+            state.renderer.set_lights(wire::lights_of(lights)?)?;
+            let set = wire::camera_of(camera).and_then(|camera| state.renderer.set_camera(camera));
+            if set.is_err() {
+                state.renderer.set_lights(before)?;
+            }
+            set?;
             state.renderer.rekey();
             state.controls.reset();
             Ok(())
         })
-    }
-
-    /// The present camera.
-    #[wasm_bindgen(js_name = cameraJson)]
-    pub fn camera_json(&self) -> Result<String, JsValue> {
-        Self::to_json(self.state.borrow().renderer.camera())
-    }
-
-    /// Sets the camera.
-    #[wasm_bindgen(js_name = setCameraJson)]
-    pub fn set_camera_json(&self, json: &str) -> Result<(), JsValue> {
-        self.change(|state| {
-            state.renderer.set_camera(from_json::<Camera>("camera", json)?)?;
-            state.controls.reset();
-            Ok(())
-        })
-    }
-
-    /// The present lights.
-    #[wasm_bindgen(js_name = lightsJson)]
-    pub fn lights_json(&self) -> Result<String, JsValue> {
-        Self::to_json(&self.state.borrow().renderer.lights())
-    }
-
-    /// Sets the lights.
-    #[wasm_bindgen(js_name = setLightsJson)]
-    pub fn set_lights_json(&self, json: &str) -> Result<(), JsValue> {
-        self.change(|state| state.renderer.set_lights(from_json::<Vec<Light>>("lights", json)?))
     }
 
     /// Exposure in stops on top of the automatic one.
@@ -461,26 +474,40 @@ impl Viewer {
         used
     }
 
-    /// Counts, bytes on the GPU, the adapter and, where the device can time them, milliseconds per pass.
-    #[wasm_bindgen(js_name = statsJson)]
-    pub fn stats_json(&self) -> Result<String, JsValue> {
-        Self::to_json(&self.state.borrow_mut().renderer.stats())
+    /// The graphics adapter's name.
+    pub fn adapter(&self) -> String {
+        self.state.borrow().renderer.gpu().adapter.clone()
     }
 
-    /// The scene's own animations of lights: a list of `{ name, duration, tracks }`.
-    #[wasm_bindgen(js_name = animationsJson)]
-    pub fn animations_json(&self) -> Result<String, JsValue> {
+    /// The scene's name.
+    #[wasm_bindgen(js_name = sceneName)]
+    pub fn scene_name(&self) -> String {
+        self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.scene_name.clone())
+    }
+
+    /// Counts, bytes on the GPU and, where the device can time them, microseconds per pass: JSON, whole numbers.
+    pub fn stats(&self) -> String {
+        self.state.borrow_mut().renderer.stats().json()
+    }
+
+    /// The scene's own animations of lights: a list of `{ name, duration, tracks }`, times and values in typed arrays.
+    #[wasm_bindgen(unchecked_return_type = "Animation[]")]
+    pub fn animations(&self) -> js_sys::Array {
         let state = self.state.borrow();
-        Self::to_json(&state.renderer.scene().map_or(&[][..], |scene| &scene.meta.animations))
+        let animations = state.renderer.scene().map_or(&[][..], |scene| &scene.meta.animations);
+        animations.iter().map(animation).collect()
     }
 
-    /// How the bounced light of the last picture was looked up: `{ pixels, rows, lookedAt, evaluated }`.
-    #[wasm_bindgen(js_name = countsJson, unchecked_return_type = "Promise<string>")]
-    pub fn counts_json(&self) -> js_sys::Promise {
+    /// How the bounced light of the last picture was looked up: pixels, those that looked functions up, functions looked
+    /// at, kernels evaluated.
+    #[wasm_bindgen(unchecked_return_type = "Promise<Float64Array>")]
+    pub fn counts(&self) -> js_sys::Promise {
         let begun = self.state.borrow().renderer.read_counts();
         promise(async move {
             let (pixels, begun) = begun?;
-            Ok(Self::to_json(&Counts::new(pixels, &begun.wait().await?)).unwrap_or_default())
+            let counts = Counts::new(pixels, &begun.wait().await?);
+            let counts = [counts.pixels, counts.rows, counts.looked_at, counts.evaluated].map(|n| n as f64);
+            Ok(js_sys::Float64Array::from(&counts[..]))
         })
     }
 

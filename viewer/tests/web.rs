@@ -3,10 +3,12 @@
 
 use js_sys::{Float32Array, Promise, Reflect, Uint8Array};
 use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
 use rebounce_shared::rbn::bulk::{Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
 use rebounce_shared::rbn::{LinkMatrix, RbnError, Scene};
 use rebounce_viewer::wasm::Viewer;
+use rebounce_viewer::wire;
 use wasm_bindgen::convert::TryFromJsValue;
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::JsFuture;
@@ -38,7 +40,7 @@ fn triangle() -> Scene {
         vertices: vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)],
         indices: vec![0, 1, 2],
         points: vec![Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts: 0, tint: 0 }],
-        vectors: LinkMatrix::from_rows(&[Vec::new()]),
+        links: LinkMatrix::from_rows(&[Vec::new()]),
         push_offsets: vec![0, 0],
         pull_offsets: vec![0],
         ..Scene::default()
@@ -99,9 +101,9 @@ async fn files_that_are_none_are_refused_with_a_code() {
 #[wasm_bindgen_test]
 async fn wrong_arguments_throw_errors_with_codes() {
     let viewer = viewer().await;
-    assert_eq!(code(&viewer.set_shot_json("{").unwrap_err()), "bad-json");
-    assert_eq!(code(&viewer.set_camera_json(r#"{"position": [0, 0]}"#).unwrap_err()), "bad-json");
-    assert_eq!(code(&viewer.set_lights_json(r#"[{"type": "moon"}]"#).unwrap_err()), "bad-json");
+    assert_eq!(code(&viewer.set_shot(&[], &[]).unwrap_err()), "bad-json");
+    assert_eq!(code(&viewer.set_camera(&[0.0; 3]).unwrap_err()), "bad-json");
+    assert_eq!(code(&viewer.set_lights(&[7.0; 13]).unwrap_err()), "bad-json");
     let read: Promise = viewer.read_indirect(8, 8);
     assert_eq!(code(&JsFuture::from(read).await.unwrap_err()), "no-scene");
     viewer.dispose();
@@ -118,9 +120,8 @@ async fn without_lights_there_is_no_light_and_the_first_one_shines() {
     let covered = image.chunks(4).filter(|pixel| pixel[3] > 0.0).count();
     assert!(covered > 0 && covered < 256, "{covered} of 256 pixels are covered");
     // The first light of a scene that had none.
-    viewer
-        .set_lights_json(r#"[{"type": "point", "position": [1000000.3, 0.3, 2], "intensity": 10}]"#)
-        .unwrap();
+    let light = Light::Point { position: [1_000_000.3, 0.3, 2.0], intensity: 10.0, color: [1.0; 3] };
+    viewer.set_lights(&wire::light_numbers(&[light])).unwrap();
     let picture = JsFuture::from(viewer.read_pixels(16, 16)).await.unwrap();
     let picture = picture.unchecked_into::<Uint8Array>().to_vec();
     assert!(picture.chunks(4).any(|pixel| pixel[0] > 0), "the light shines on nothing");

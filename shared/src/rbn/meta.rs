@@ -145,7 +145,7 @@ pub struct DetailTexture {
 }
 
 /// Keyframes of lights.
-#[derive(Clone, Debug, Default, PartialEq, Encode, Decode, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
 pub struct Animation {
     /// Its glTF name, or empty.
     pub name: String,
@@ -156,7 +156,7 @@ pub struct Animation {
 }
 
 /// One property of one light over time.
-#[derive(Clone, Debug, PartialEq, Encode, Decode, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Encode, Decode)]
 pub struct Track {
     /// Index of the light.
     pub light: u32,
@@ -171,8 +171,7 @@ pub struct Track {
 }
 
 /// What of a light may change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Encode, Decode, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Encode, Decode)]
 pub enum Property {
     /// World space.
     Position,
@@ -185,6 +184,16 @@ pub enum Property {
 }
 
 impl Property {
+    /// Its name in the page.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Direction => "direction",
+            Self::Intensity => "intensity",
+            Self::Color => "color",
+        }
+    }
+
     /// Numbers of one value.
     pub fn width(self) -> usize {
         if self == Self::Intensity { 1 } else { 3 }
@@ -192,14 +201,23 @@ impl Property {
 }
 
 /// What is between two keys.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Encode, Decode, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Encode, Decode)]
 pub enum Interpolation {
     /// A straight line.
     #[default]
     Linear,
     /// The key before.
     Step,
+}
+
+impl Interpolation {
+    /// Its name in the page.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Step => "step",
+        }
+    }
 }
 
 /// How a texture coordinate outside [0, 1] is meant.

@@ -67,7 +67,7 @@ impl Renderer {
     /// [`ViewerError::BadArgument`] unless it lies between -32 and 32.
     pub fn set_exposure(&mut self, stops: f32) -> Result<(), ViewerError> {
         if !(-32.0..=32.0).contains(&stops) {
-            return Err(ViewerError::BadArgument(format!("exposure {stops}: it must be between -32 and 32")));
+            return Err(ViewerError::BadArgument("exposure: it must be between -32 and 32 stops".into()));
         }
         self.dirty.shade |= self.exposure != stops;
         self.exposure = stops;

@@ -1,0 +1,139 @@
+//! Cameras, lights, animations and figures as they go between the wasm module and the page: lists of numbers. Objects
+//! and JSON are the page's: a JSON parser here would weigh as much as a tenth of the bundle.
+//!
+//! ```text
+//! camera  10 numbers  position, target, up: three each; yfov_deg
+//! light   13 numbers  kind (0 point, 1 spot, 2 directional); position, direction: three each; outer_cone_deg;
+//!                     inner_cone_deg, NaN where absent; intensity; color: three
+//! ```
+//!
+//! Numbers that a kind does not have are zero, and not read.
+
+use crate::error::ViewerError;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::{Light, LightKind};
+
+/// Numbers of a camera.
+pub const CAMERA: usize = 10;
+/// Numbers of a light.
+pub const LIGHT: usize = 13;
+
+fn wrong(what: &'static str) -> ViewerError {
+    ViewerError::BadJson { what, problem: "the list of numbers has another length or kind".into() }
+}
+
+fn three(numbers: &[f64]) -> [f64; 3] {
+    [numbers[0], numbers[1], numbers[2]]
+}
+
+/// A camera's numbers.
+pub fn camera_numbers(camera: &Camera) -> Vec<f64> {
+    let mut out = [camera.position, camera.target, camera.up].concat();
+    out.push(camera.yfov_deg);
+    out
+}
+
+/// A camera from its numbers.
+///
+/// # Errors
+/// [`ViewerError::BadJson`] where there are more or fewer.
+pub fn camera_of(numbers: &[f64]) -> Result<Camera, ViewerError> {
+    if numbers.len() != CAMERA {
+        return Err(wrong("camera"));
+    }
+    Ok(Camera {
+        position: three(numbers),
+        target: three(&numbers[3..]),
+        up: three(&numbers[6..]),
+        yfov_deg: numbers[9],
+    })
+}
+
+/// The lights' numbers, one light after the other.
+pub fn light_numbers(lights: &[Light]) -> Vec<f64> {
+    let mut out = Vec::with_capacity(LIGHT * lights.len());
+    for light in lights {
+        let none = [0.0; 3];
+        let (kind, position, direction, cone, intensity, color) = match light {
+            Light::Point { position, intensity, color } => {
+                (LightKind::Point, *position, none, [0.0; 2], *intensity, *color)
+            }
+            Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color } => {
+                let cone = [*outer_cone_deg, inner_cone_deg.unwrap_or(f64::NAN)];
+                (LightKind::Spot, *position, *direction, cone, *intensity, *color)
+            }
+            Light::Directional { direction, intensity, color } => {
+                (LightKind::Directional, none, *direction, [0.0; 2], *intensity, *color)
+            }
+        };
+        out.push(kind as u32 as f64);
+        out.extend(position);
+        out.extend(direction);
+        out.extend(cone);
+        out.push(intensity);
+        out.extend(color);
+    }
+    out
+}
+
+/// The lights from their numbers.
+///
+/// # Errors
+/// [`ViewerError::BadJson`] for a list that is no whole number of lights, or of a kind that there is not.
+pub fn lights_of(numbers: &[f64]) -> Result<Vec<Light>, ViewerError> {
+    if numbers.len() % LIGHT != 0 {
+        return Err(wrong("lights"));
+    }
+    let light = |n: &[f64]| {
+        let (position, direction, intensity, color) = (three(&n[1..]), three(&n[4..]), n[9], three(&n[10..]));
+        Ok(match n[0] as u32 {
+            0 => Light::Point { position, intensity, color },
+            1 => Light::Spot {
+                position,
+                direction,
+                outer_cone_deg: n[7],
+                inner_cone_deg: Some(n[8]).filter(|angle| !angle.is_nan()),
+                intensity,
+                color,
+            },
+            2 => Light::Directional { direction, intensity, color },
+            _ => return Err(wrong("lights")),
+        })
+    };
+    numbers.chunks(LIGHT).map(light).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_goes_out_comes_back() {
+        let camera =
+            Camera { position: [1.0, 2.0, 3.0], target: [4.0, 5.0, 6.0], up: [7.0, 8.0, 9.0], yfov_deg: 10.0 };
+        assert_eq!(camera_of(&camera_numbers(&camera)).ok(), Some(camera));
+        let (position, direction, color) = ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [0.1, 0.2, 0.3]);
+        let spot = |inner_cone_deg| Light::Spot {
+            position,
+            direction,
+            outer_cone_deg: 40.0,
+            inner_cone_deg,
+            intensity: 7.0,
+            color,
+        };
+        let lights = vec![
+            Light::Point { position, intensity: 2.0, color },
+            spot(None),
+            spot(Some(20.0)),
+            Light::Directional { direction, intensity: 3.0, color },
+        ];
+        assert_eq!(lights_of(&light_numbers(&lights)).ok(), Some(lights));
+    }
+
+    #[test]
+    fn other_lists_are_refused() {
+        assert!(camera_of(&[0.0; 9]).is_err() && camera_of(&[0.0; 11]).is_err());
+        assert!(lights_of(&[0.0; 12]).is_err() && lights_of(&[3.0; 13]).is_err());
+        assert_eq!(lights_of(&[]).ok(), Some(Vec::new()));
+    }
+}

@@ -1,0 +1,103 @@
+/** Cameras, lights and figures as the wasm module takes and gives them: lists of numbers (viewer/src/wire.rs). */
+
+import { Failure } from "./failure.js";
+import type { Viewer } from "./module.js";
+import type { Camera, Light, Triple } from "./shot.js";
+import type { Stats } from "./stats.js";
+
+const KINDS = ["point", "spot", "directional"] as const;
+/** Numbers of a light. */
+const LIGHT = 13;
+
+function wrong(what: string, problem: string): Failure {
+  return new Failure("bad-json", `${what}: ${problem}`);
+}
+
+function numbers(what: string, value: unknown, count: number, absent?: readonly number[]): readonly number[] {
+  if (value === undefined && absent) return absent;
+  if (Array.isArray(value) && value.length === count && value.every((x) => typeof x === "number")) return value;
+  throw wrong(what, `must be a list of ${count} numbers`);
+}
+
+function number(what: string, value: unknown, absent?: number): number {
+  if (value === undefined && absent !== undefined) return absent;
+  if (typeof value === "number") return value;
+  throw wrong(what, "must be a number");
+}
+
+function members(what: string, value: unknown): Record<string, unknown> {
+  if (typeof value === "object" && value !== null) return value as Record<string, unknown>;
+  throw wrong(what, "must be an object");
+}
+
+/** A camera's numbers. Throws `bad-json` for what is none. */
+export function cameraNumbers(camera: Camera): Float64Array {
+  const { position, target, up, yfov_deg } = members("camera", camera);
+  return new Float64Array([
+    ...numbers("camera.position", position, 3),
+    ...numbers("camera.target", target, 3),
+    ...numbers("camera.up", up, 3, [0, 1, 0]),
+    number("camera.yfov_deg", yfov_deg, 60),
+  ]);
+}
+
+/** A camera from its numbers. */
+export function cameraOf(numbers: Float64Array): Camera {
+  const three = (at: number) => [...numbers.subarray(at, at + 3)] as Triple;
+  return { position: three(0), target: three(3), up: three(6), yfov_deg: numbers[9] ?? 60 };
+}
+
+/** The lights' numbers. Throws `bad-json` for what are none. */
+export function lightNumbers(lights: readonly Light[]): Float64Array {
+  if (!Array.isArray(lights)) throw wrong("lights", "must be a list");
+  const out: number[] = [];
+  for (const [i, light] of lights.entries()) {
+    const at = `lights[${i}]`;
+    const { type, position, direction, outer_cone_deg, inner_cone_deg, intensity, color } = members(at, light);
+    const kind = KINDS.indexOf(type as Light["type"]);
+    if (kind < 0) throw wrong(`${at}.type`, `must be one of ${KINDS.join(", ")}`);
+    const none = [0, 0, 0];
+    const spot = type === "spot";
+    out.push(
+      kind,
+      ...(type === "directional" ? none : numbers(`${at}.position`, position, 3)),
+      ...(type === "point" ? none : numbers(`${at}.direction`, direction, 3)),
+      spot ? number(`${at}.outer_cone_deg`, outer_cone_deg) : 0,
+      spot ? number(`${at}.inner_cone_deg`, inner_cone_deg ?? undefined, NaN) : 0,
+      number(`${at}.intensity`, intensity),
+      ...numbers(`${at}.color`, color, 3, [1, 1, 1]),
+    );
+  }
+  return new Float64Array(out);
+}
+
+/** The lights from their numbers. */
+export function lightsOf(numbers: Float64Array): Light[] {
+  const lights: Light[] = [];
+  for (let i = 0; i < numbers.length; i += LIGHT) {
+    const n = [...numbers.subarray(i, i + LIGHT)] as [number, ...number[]];
+    const three = (at: number) => n.slice(at, at + 3) as Triple;
+    const [outer_cone_deg, inner_cone_deg, intensity] = n.slice(7) as Triple;
+    const rest = { intensity, color: three(10) };
+    const type = KINDS[n[0]];
+    if (type === "point") lights.push({ type, position: three(1), ...rest });
+    else if (type === "directional") lights.push({ type, direction: three(4), ...rest });
+    else if (type === "spot") {
+      const inner = Number.isNaN(inner_cone_deg) ? {} : { inner_cone_deg };
+      lights.push({ type, position: three(1), direction: three(4), outer_cone_deg, ...inner, ...rest });
+    }
+  }
+  return lights;
+}
+
+/** The viewer's figures. */
+export function statsOf(viewer: Viewer): Stats {
+  const { functions, microseconds, bytes, counts } = JSON.parse(viewer.stats()) as {
+    functions: number[];
+    microseconds: Record<string, number>;
+    bytes: Record<string, number>;
+    counts: Record<"frames" | "relights" | "triangles" | "links" | "lights", number>;
+  };
+  const milliseconds = Object.fromEntries(Object.entries(microseconds).map(([pass, time]) => [pass, time / 1e3]));
+  return { adapter: viewer.adapter(), scene: viewer.sceneName(), milliseconds, functions, bytes, ...counts };
+}
