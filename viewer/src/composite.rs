@@ -33,8 +33,8 @@ pub struct Shading {
     pub scale: u32,
     /// [`DETAILED`], [`AGX`], [`MANUAL`].
     pub flags: u32,
-    /// Unused.
-    pub pad: u32,
+    /// Pixels of the screen across one of the picture.
+    pub enlarge: u32,
 }
 
 /// The G-buffer holds what textures of detail say.

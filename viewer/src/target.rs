@@ -13,6 +13,8 @@ use wgpu::BufferUsages;
 pub struct Target {
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// Pixels of the screen across one of the picture: 2 in a sketch.
+    pub enlarge: u32,
     /// The camera's uniform.
     pub frame: wgpu::Buffer,
     /// Its bind group for the G-buffer.
@@ -36,6 +38,7 @@ impl Target {
         composite_pass: &CompositePass,
         scene: &LoadedScene,
         size: [u32; 2],
+        enlarge: u32,
     ) -> Self {
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = empty_buffer(gpu, "frame", usage, size_of::<Frame>() as u64);
@@ -44,6 +47,7 @@ impl Target {
         let picture = composite_pass.target(gpu, &frame, &gbuffer, &display, &scene.materials.looks, size);
         Self {
             size,
+            enlarge,
             frame_group: gbuffer_pass.frame_group(gpu, &frame),
             bytes: gbuffer.bytes + display.bytes + picture.bytes,
             frame,

@@ -5,7 +5,7 @@
 use crate::controls::{Controls, PointerButton, Stage};
 use crate::error::ViewerError;
 use crate::gpu::{Gpu, Requested};
-use crate::pace::Pace;
+use crate::pace::{Pace, Work};
 use crate::renderer::Renderer;
 use crate::scene::LoadedScene;
 use crate::settings::{Mode, Overlay, ToneMapping};
@@ -183,8 +183,12 @@ impl Viewer {
                     let _ = callback.call1(&JsValue::NULL, &text.into());
                 }
             });
+            let pace = Pace::default();
+            if gpu.software {
+                pace.expect_slow();
+            }
             let state = State {
-                pace: Pace::default(),
+                pace,
                 renderer: Renderer::new(gpu)?,
                 controls: Controls::default(),
                 surface: Some(surface),
@@ -261,7 +265,14 @@ impl Viewer {
         if !state.renderer.needs_frame() {
             return Ok(moving);
         }
-        let averages = state.renderer.refining();
+        state.renderer.set_sketching(state.pace.is_slow_to_move());
+        let work = if state.renderer.refining() {
+            Work::Average
+        } else if state.renderer.draws_view() {
+            Work::View
+        } else {
+            Work::Other
+        };
         let Some(surface) = &state.surface else { return Ok(false) };
         if !state.configured {
             surface.configure(&state.renderer.gpu().device, &state.config);
@@ -278,7 +289,7 @@ impl Viewer {
         let drawn = state.renderer.draw(&view, state.config.format, state.config.width, state.config.height);
         let queue = &state.renderer.gpu().queue;
         queue.present(texture);
-        let (done, start) = (state.pace.begin(averages), js_sys::Date::now());
+        let (done, start) = (state.pace.begin(work), js_sys::Date::now());
         queue.on_submitted_work_done(move || done(js_sys::Date::now() - start));
         drawn.map_err(|e| js_error(&e))?;
         state.renderer.gpu().check().map_err(|e| js_error(&e))?;

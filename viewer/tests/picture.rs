@@ -297,3 +297,34 @@ fn pictures_are_lit_and_modes_add_up() {
     assert!(all > direct && all > indirect && direct > 1.0 && indirect > 1.0, "{all} {direct} {indirect}");
     gpu.check().unwrap();
 }
+
+#[test]
+fn a_sketch_is_drawn_while_the_view_changes_and_the_whole_picture_after_it() {
+    let Some(gpu) = common::gpu() else { return };
+    let scene = common::room(&[3, 6]);
+    let draw = |sketching: bool| {
+        let mut renderer = renderer(&gpu, &scene);
+        renderer.set_still_pictures(1);
+        renderer.set_sketching(sketching);
+        // Measured on the sketch, it would be slightly another.
+        renderer.set_auto_exposure(false);
+        let target = target(&gpu);
+        let view = target.create_view(&Default::default());
+        let mut pictures = Vec::new();
+        while renderer.needs_frame() {
+            renderer.draw(&view, target.format(), WIDTH, HEIGHT).unwrap();
+            let read = rebounce_viewer::readback::Readback::texture(&gpu, &target, 4);
+            pictures.push(pollster::block_on(read.wait()).unwrap());
+        }
+        pictures
+    };
+    let (sketched, whole) = (draw(true), draw(false));
+    assert_eq!((sketched.len(), whole.len()), (2, 1));
+    assert!(sketched[1] == whole[0], "the second picture is not the whole one");
+    // The sketch is the same picture, only coarser.
+    let difference: f64 =
+        sketched[0].iter().zip(&whole[0]).map(|(a, b)| (*a as f64 - *b as f64).abs()).sum::<f64>();
+    let difference = difference / whole[0].len() as f64;
+    assert!(difference > 0.0 && difference < 8.0, "{difference}");
+    gpu.check().unwrap();
+}

@@ -113,7 +113,7 @@ impl Renderer {
         picture: u32,
         timed: bool,
     ) {
-        let shading = self.shading(1.0 / (picture + 1) as f32);
+        let shading = Shading { enlarge: target.enlarge, ..self.shading(1.0 / (picture + 1) as f32) };
         self.composite.set_shading(&self.gpu, &target.picture, &shading);
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|t| t.stamps(Pass::Composite)).map(|s| s.render(true, true));
@@ -133,7 +133,7 @@ impl Renderer {
             flags: flag(detailed, composite::DETAILED)
                 | flag(self.tone_mapping == ToneMapping::Agx, composite::AGX)
                 | flag(!self.auto_exposure, composite::MANUAL),
-            pad: 0,
+            enlarge: 1,
         }
     }
 
@@ -144,8 +144,11 @@ impl Renderer {
         target: &Target,
         view: &wgpu::TextureView,
         format: TextureFormat,
+        size: [u32; 2],
     ) {
-        if self.overlay == Overlay::None && !self.gizmos {
+        // A sketch's depth has another size than the screen.
+        let dots = self.overlay != Overlay::None && target.enlarge == 1;
+        if !dots && !self.gizmos {
             return;
         }
         let stage = self.stage();
@@ -153,7 +156,7 @@ impl Renderer {
             Some(pass) => pass,
             None => OverlayPass::new(&self.gpu, format),
         };
-        if self.overlay != Overlay::None {
+        if dots {
             let levels: Vec<_> = scene.levels.iter().cloned().enumerate().collect();
             let first = if self.overlay == Overlay::Points { levels.len().saturating_sub(1) } else { 0 };
             let depth = &target.gbuffer.depth;
@@ -161,8 +164,8 @@ impl Renderer {
             pass.draw_points(&self.gpu, encoder, view, depth, &target.frame, points, &levels[first..]);
         }
         if self.gizmos {
-            let shapes = gizmo::shapes(&stage, target.size, self.active);
-            pass.draw_gizmos(&self.gpu, encoder, view, target.size, &shapes);
+            let shapes = gizmo::shapes(&stage, size, self.active);
+            pass.draw_gizmos(&self.gpu, encoder, view, size, &shapes);
         }
         self.overlay_pass = Some(pass);
     }

@@ -34,6 +34,8 @@ use wgpu::TextureFormat;
 
 /// Pictures averaged while nothing moves: smooth edges and translucent surfaces.
 const STILL_PICTURES: u32 = 16;
+/// Pixels of the screen across one of a sketch.
+const SKETCH: u32 = 2;
 
 /// What must be drawn again.
 #[derive(Clone, Copy, Debug, Default)]
@@ -80,6 +82,8 @@ pub struct Renderer {
     /// Pictures averaged so far, and how many are wanted.
     pictures: u32,
     still_pictures: u32,
+    /// Draws sketches while the view changes.
+    sketching: bool,
     frames: u64,
     relights: u64,
 }
@@ -126,6 +130,7 @@ impl Renderer {
             dirty: Dirty::ALL,
             pictures: 0,
             still_pictures: STILL_PICTURES,
+            sketching: false,
             frames: 0,
             relights: 0,
         })
@@ -177,12 +182,30 @@ impl Renderer {
 
     /// True when [`Renderer::draw`] would draw something new.
     pub fn needs_frame(&self) -> bool {
-        self.dirty.any() || self.refining()
+        self.dirty.any() || self.sketched() || self.refining()
+    }
+
+    /// True where the last picture is a sketch, which the next one replaces.
+    fn sketched(&self) -> bool {
+        self.target.as_ref().is_some_and(|target| target.enlarge > 1)
+    }
+
+    /// True where the next picture is a whole one from a new view.
+    pub fn draws_view(&self) -> bool {
+        let moves = self.dirty.view || self.target.is_none();
+        if self.sketching { self.sketched() && !moves } else { moves }
+    }
+
+    /// Draws with half the width and height whenever the view has changed, and in full when it stands still: for slow
+    /// devices.
+    pub fn set_sketching(&mut self, on: bool) {
+        self.sketching = on;
     }
 
     /// True while nothing moves but the average is not complete.
     pub fn refining(&self) -> bool {
-        self.scene.is_some() && !self.dirty.any() && self.pictures < self.still_pictures
+        let complete = self.pictures >= self.still_pictures;
+        self.scene.is_some() && !self.dirty.any() && !self.sketched() && !complete
     }
 
     /// Leaves the average as it is until something changes: for slow devices.
@@ -258,11 +281,15 @@ impl Renderer {
             return Ok(());
         };
         self.check_size(width, height)?;
-        let target = match self.target.take().filter(|t| t.size == [width, height]) {
+        let full = [width, height];
+        let sized = |enlarge: u32| full.map(|side| side.div_ceil(enlarge));
+        let before = self.target.take().filter(|t| t.size == sized(t.enlarge));
+        let enlarge = if self.sketching && (self.dirty.view || before.is_none()) { SKETCH } else { 1 };
+        let target = match before.filter(|t| t.enlarge == enlarge) {
             Some(target) => target,
             None => {
                 self.dirty.view = true;
-                self.new_target(&scene, [width, height])
+                self.new_target(&scene, sized(enlarge), enlarge)
             }
         };
         if let Some(timing) = &mut self.timing {
@@ -271,7 +298,7 @@ impl Renderer {
         self.update_lights(&mut encoder, &scene);
         self.update_picture(&mut encoder, &scene, &target);
         self.composite.present(&self.gpu, &mut encoder, &target.picture, view, format);
-        self.draw_overlay(&mut encoder, &scene, &target, view, format);
+        self.draw_overlay(&mut encoder, &scene, &target, view, format, full);
         if let Some(timing) = &mut self.timing {
             timing.resolve(&mut encoder);
         }
@@ -302,7 +329,7 @@ impl Renderer {
         Ok(())
     }
 
-    fn new_target(&self, scene: &LoadedScene, size: [u32; 2]) -> Target {
-        Target::new(&self.gpu, &self.gbuffer, &self.display, &self.composite, scene, size)
+    fn new_target(&self, scene: &LoadedScene, size: [u32; 2], enlarge: u32) -> Target {
+        Target::new(&self.gpu, &self.gbuffer, &self.display, &self.composite, scene, size, enlarge)
     }
 }

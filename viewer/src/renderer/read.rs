@@ -34,7 +34,7 @@ impl Renderer {
         let limit = self.gpu.device.limits().max_texture_dimension_2d;
         let fits = 2 * width.max(height) <= limit && 4 * width as u64 * height as u64 <= MOST_PIXELS;
         let scale = if fits { 2 } else { 1 };
-        let target = self.new_target(&scene, [width * scale, height * scale]);
+        let target = self.new_target(&scene, [width * scale, height * scale], 1);
         let average = |label| texture_target(&self.gpu, label, TextureFormat::Rgba32Float, width, height);
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -73,7 +73,7 @@ impl Renderer {
     pub fn read_pixels(&mut self, width: u32, height: u32) -> Result<Readback, ViewerError> {
         let scene = self.scene.clone().ok_or(ViewerError::NoScene)?;
         self.check_size(width, height)?;
-        let target = self.new_target(&scene, [width, height]);
+        let target = self.new_target(&scene, [width, height], 1);
         let format = TextureFormat::Rgba8Unorm;
         let out = texture_target(&self.gpu, "pixels", format, width, height);
         let view = out.create_view(&Default::default());

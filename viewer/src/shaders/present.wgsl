@@ -1,9 +1,13 @@
-// Encodes sRGB and dithers to 8 bits. A picture that is not yet averaged has its edges smoothed.
+// Encodes sRGB and dithers to 8 bits. A picture that is not yet averaged has its edges smoothed; a sketch is enlarged.
 
 struct Shading {
     lights: vec4f,
     // Share of the picture in the average so far.
     blend: f32,
+    scale: u32,
+    flags: u32,
+    // Pixels of the screen across one of the picture.
+    enlarge: u32,
 }
 
 @group(0) @binding(0) var picture: texture_2d<f32>;
@@ -31,7 +35,7 @@ fn bilinear_at(place: vec2f) -> vec3f {
 // The mean along an edge through the pixel, or the pixel (Lottes, FXAA, in its shortest form).
 fn smoothed(place: vec2f) -> vec3f {
     let pixel = vec2i(place);
-    let own = textureLoad(picture, pixel, 0).rgb;
+    let own = bilinear_at(place);
     let middle = brightness(own);
     let corners = vec4f(at(pixel, -1, -1), at(pixel, 1, -1), at(pixel, -1, 1), at(pixel, 1, 1));
     let low = min(middle, min(min(corners.x, corners.y), min(corners.z, corners.w)));
@@ -61,7 +65,7 @@ fn noise(pixel: vec2f) -> f32 {
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     var color: vec3f;
     if shading.blend > 0.4 {
-        color = saturate(smoothed(position.xy));
+        color = saturate(smoothed(position.xy / f32(shading.enlarge)));
     } else {
         color = saturate(textureLoad(picture, vec2u(position.xy), 0).rgb);
     }

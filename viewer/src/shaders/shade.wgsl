@@ -20,7 +20,8 @@ struct Shading {
     // Pixels across one output pixel, where the picture is made larger and averaged.
     scale: u32,
     flags: u32,
-    pad: u32,
+    // Pixels of the screen across one of the picture.
+    enlarge: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
