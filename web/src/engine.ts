@@ -9,23 +9,13 @@ import { Failure, failureOf, isFatal, sentence } from "./failure.js";
 import type { Viewer } from "./module.js";
 import { OnScreen } from "./onscreen.js";
 import { PanelSlot } from "./panel-slot.js";
+import { applyAttributes, handOver, type Pending } from "./pending.js";
 import { Player } from "./player.js";
 import type { RebounceViewer } from "./rebounce-viewer.js";
 import { closeViewer, openViewer, type SessionHost } from "./session.js";
-import type { Camera, Light, Shot } from "./shot.js";
 import { Size } from "./size.js";
 import { restoreState } from "./state.js";
 import { Tree } from "./tree.js";
-
-/** What was set before there was a scene. */
-export interface Pending {
-  shot?: Shot;
-  camera?: Camera;
-  lights?: Light[];
-  animations?: LightAnimation[];
-  /** `play()` was called: how many times. */
-  repetitions?: number;
-}
 
 /** One element's engine. */
 export class Engine {
@@ -146,14 +136,12 @@ export class Engine {
 
   #show(url: string, size: number): void {
     this.#loaded = true;
-    const { shot, camera, lights, animations, repetitions } = this.pending;
+    const { pending } = this;
     this.pending = {};
     this.followLink();
     this.use((viewer) => {
-      if (shot) viewer.setShotJson(JSON.stringify(shot));
-      if (camera) viewer.setCameraJson(JSON.stringify(camera));
-      if (lights) viewer.setLightsJson(JSON.stringify(lights));
-      this.player.set(animations ?? checkedAnimations(JSON.parse(viewer.animationsJson?.() ?? "[]")));
+      handOver(viewer, pending);
+      this.player.set(pending.animations ?? this.#ownAnimations(viewer));
     });
     this.applySettings();
     this.tree.setProgress();
@@ -165,8 +153,18 @@ export class Engine {
     if (!this.#loaded) return; // The first frame failed, and said so.
     tell(this.#element, "progress", { loaded: size, total: size, ratio: 1 });
     tell(this.#element, "load", { url });
-    if (repetitions !== undefined) this.player.play(repetitions);
+    if (pending.repetitions !== undefined) this.player.play(pending.repetitions);
     else this.autoplay();
+  }
+
+  /** The file's; what cannot be used is told of. */
+  #ownAnimations(viewer: Viewer): LightAnimation[] {
+    try {
+      return checkedAnimations(JSON.parse(viewer.animationsJson?.() ?? "[]"));
+    } catch (error) {
+      this.#warn(failureOf(error));
+      return [];
+    }
   }
 
   /** Begins to play where the element asks for it and the user does not mind. */
@@ -185,8 +183,12 @@ export class Engine {
       linked: () => this.followLink(),
       withViewer: (use) => this.#loaded && this.#try(() => this.use(use)),
     };
-    this.#viewer = await openViewer(this.tree.canvas, host, signal);
-    return this.#viewer;
+    const viewer = await openViewer(this.tree.canvas, host, signal);
+    if (signal.aborted) {
+      closeViewer(viewer);
+      throw new DOMException("the element was removed", "AbortError");
+    }
+    return (this.#viewer = viewer);
   }
 
   /** Lets go of the viewer, and puts a fresh canvas in place of the one it drew on. */
@@ -250,15 +252,10 @@ export class Engine {
     });
   }
 
-  /** Hands the attributes on; what this build of the viewer has not is left alone. */
+  /** An attribute has changed. */
   applySettings(): void {
     if (!this.ready) return;
-    const { exposure, autoExposure, toneMapping, mode, overlay } = this.#element;
-    this.#try(() => this.use((viewer) => {
-      const wanted: Partial<Viewer> = { exposure, autoExposure, toneMapping, mode, overlay };
-      for (const name in wanted) if (!(name in viewer)) delete wanted[name as keyof Viewer];
-      Object.assign(viewer, wanted);
-    }));
+    this.#try(() => this.use((viewer) => applyAttributes(viewer, this.#element)));
     this.#panel.update();
   }
 
@@ -305,9 +302,9 @@ export class Engine {
 
   // ---- calls of the viewer
 
-  /** Throws `no-scene` where there is no viewer. */
+  /** Throws `no-scene` where there is none. */
   use<T>(work: (viewer: Viewer) => T): T {
-    if (!this.#viewer) throw new Failure("no-scene", "No scene is loaded; wait for the load event.");
+    if (!this.#loaded || !this.#viewer) throw new Failure("no-scene", "No scene is loaded; wait for the load event.");
     return work(this.#viewer);
   }
 
@@ -322,7 +319,6 @@ export class Engine {
 
   /** For work whose caller waits; rejects with a `Failure`. */
   async read<T>(work: (viewer: Viewer) => T | Promise<T>): Promise<T> {
-    if (!this.ready) throw new Failure("no-scene", "No scene is loaded; wait for the load event.");
     try {
       return await this.use(work);
     } catch (error) {

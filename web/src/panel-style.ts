@@ -6,7 +6,7 @@ const CSS = `
 .panel {
   position: absolute; top: 0.75rem; right: 0.75rem; width: 17rem; max-width: calc(100% - 1.5rem);
   max-height: calc(100% - 1.5rem); overflow: auto; box-sizing: border-box;
-  background: rgb(21 23 26 / 0.9); backdrop-filter: blur(10px);
+  background: #15171a;
   border: 1px solid rgb(255 255 255 / 0.12); border-radius: 10px;
 }
 .panel summary { padding: 0.5rem 0.8rem; cursor: pointer; font-weight: 600; user-select: none; }

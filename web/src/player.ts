@@ -105,9 +105,10 @@ export class Player {
     const passed = this.#lastMs === undefined ? 0 : Math.min(Math.max((nowMs - this.#lastMs) / 1000, 0), LONGEST);
     this.#lastMs = nowMs;
     this.#time += passed;
-    while (this.#time >= animation.duration && this.#left > 1 && animation.duration > 0) {
-      this.#time -= animation.duration;
-      this.#left -= 1;
+    if (animation.duration > 0) {
+      const over = Math.min(Math.floor(this.#time / animation.duration), this.#left - 1);
+      this.#time -= over * animation.duration;
+      this.#left -= over;
     }
     const ends = this.#time >= animation.duration;
     if (ends) this.#time = animation.duration;

@@ -16,13 +16,9 @@ export interface SessionHost {
   withViewer: WithViewer;
 }
 
-/** Makes a viewer and listens until the signal aborts. Rejects with a `Failure`, or an AbortError. */
+/** Makes a viewer and listens until the signal aborts. Rejects with a `Failure`. */
 export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, signal: AbortSignal): Promise<Viewer> {
   const viewer: Viewer = await createViewer(canvas);
-  if (signal.aborted) {
-    viewer.dispose();
-    throw new DOMException("the element was removed", "AbortError");
-  }
   viewer.onchange = () => host.changed();
   viewer.ondevicelost = (message: string) => signal.aborted || host.failed(new Failure("device-lost", message));
   listen(canvas, host.withViewer, signal);

@@ -18,7 +18,7 @@ export function stateLink(element: RebounceViewer): string {
 
 /** Takes over the state of a link; whether it holds one. Throws where it is damaged. */
 export function restoreState(element: RebounceViewer, link: string): boolean {
-  const state = readState(new URL(link, element.baseURI).hash, prefix(element));
+  const state = readState(link.includes("#") ? link.slice(link.indexOf("#")) : "", prefix(element));
   if (!state) return false;
   if (state.camera) element.camera = state.camera;
   if (state.lights) element.lights = state.lights;

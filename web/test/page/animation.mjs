@@ -128,6 +128,25 @@ export async function animation(harness, context) {
     same(found.position, [0, 3, -1], "where the hand left the light");
   });
 
+  await harness.test("animation::a_moment_or_nothing_at_all_can_be_played", async () => {
+    const found = await page.evaluate(async () => {
+      const track = { light: 0, property: "intensity", times: [0], values: [4] };
+      const play = async (duration, repetitions) => {
+        viewer.animations = [{ name: "short", duration, tracks: [track] }];
+        viewer.play({ repetitions });
+        for (let i = 0; i < 6; i += 1) await new Promise(requestAnimationFrame);
+        const { paused } = viewer;
+        viewer.pause();
+        return paused;
+      };
+      const outcomes = [await play(0), await play(1e-12), await play(1e-12, 3)];
+      viewer.animations = [];
+      viewer.play();
+      return [...outcomes, viewer.paused, viewer.duration];
+    });
+    same(found, [true, false, true, true, 0], "paused after no time, ever again, three times, without one; the duration");
+  });
+
   await harness.test("animation::dragging_a_handle_pauses_it", async () => {
     const paused = await page.evaluate(async () => {
       // The light stays in the middle of the picture, where its handle is.
@@ -194,6 +213,31 @@ export async function animation(harness, context) {
     equal(count, 2, "animations");
     near(intensity, 33, 1e-9, "the light");
     check(await page.evaluate(() => viewer.paused), "it goes on after its end");
+    await page.close();
+  });
+
+  await harness.test("animation::a_day_can_be_played", async () => {
+    const { page } = await loaded(context);
+    const found = await page.evaluate(async () => {
+      const { dayCycle, sun } = await import("./daylight.js");
+      const place = { latitude: 50, day: 172, scale: 1e-3 };
+      viewer.lights = [];
+      viewer.addLight(sun({ ...place, hour: 0 }));
+      viewer.animations = [dayCycle({ ...place, duration: 24 })];
+      const at = (hour) => {
+        viewer.currentTime = hour;
+        const [{ direction, intensity }] = viewer.lights;
+        return { direction, intensity, duration: viewer.duration };
+      };
+      viewer.play();
+      await until(() => viewer.currentTime > 0);
+      viewer.pause();
+      return [at(0), at(12)];
+    });
+    const [night, noon] = found;
+    equal(night.intensity, 0, "the sun at midnight");
+    check(noon.intensity > 50 && noon.direction[1] < -0.8, `the sun at noon: ${JSON.stringify(noon)}`);
+    equal(noon.duration, 24, "the duration");
     await page.close();
   });
 }

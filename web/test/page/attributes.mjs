@@ -194,7 +194,7 @@ export async function attributes(harness, context) {
     "attributes::a_refusal_carries_a_code_and_leaves_the_scene",
     async () => {
       const { page } = await loaded(context);
-      const codes = await page.evaluate(() => {
+      const codes = await page.evaluate(async () => {
         const code = (work) => {
           try {
             work();
@@ -214,11 +214,14 @@ export async function attributes(harness, context) {
             code(() => viewer.restoreState("#camera=1")),
           ],
           loaded: viewer.loaded,
+          later: await viewer.toBlob("image/png").then(() => "none", (error) => error.code),
+          gone: (viewer.dispose(), [code(() => viewer.addLight({})), await viewer.counts().catch((error) => error.code)]),
         };
       });
       same(codes.codes.slice(0, 5), Array(5).fill("bad-json"), "codes");
       same(codes.codes.slice(5), ["bad-argument", "bad-json"], "codes");
-      equal(codes.loaded, true, "loaded");
+      same([codes.loaded, codes.later], [true, "none"], "loaded, and drawn");
+      same(codes.gone, ["no-scene", "no-scene"], "codes once there is no scene");
       await page.close();
     },
     "property camera, property lights, property shot",

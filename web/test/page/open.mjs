@@ -49,16 +49,24 @@ export async function open(context, options = {}) {
     };
   });
   if (html) {
-    await page.route(context.address + query.replace(/#.*/, ""), async (route) => {
-      const response = await route.fetch();
-      const body = (await response.text()).replace(/<rebounce-viewer[^]*<\/rebounce-viewer>/, html);
-      await route.fulfill({ response, body });
-    });
+    context.served ??= await served(context.address);
+    const { headers, text } = context.served;
+    const body = text.replace(/<rebounce-viewer[^]*<\/rebounce-viewer>/, html);
+    await page.route(context.address + query.replace(/#.*/, ""), (route) => route.fulfill({ headers, body }));
   }
   if (prepare) await page.addInitScript(prepare, argument);
   for (const [pattern, route] of Object.entries(routes)) await page.route(pattern, route);
   await page.goto(context.address + query);
   return { page, faults };
+}
+
+/** The page as it is served, with the headers that matter. */
+async function served(address) {
+  const response = await fetch(address);
+  const names = ["content-type", "content-security-policy"];
+  const headers = Object.fromEntries(names.map((name) => [name, response.headers.get(name) ?? ""]));
+  check(headers["content-security-policy"] !== "", "the page is served without a content security policy");
+  return { headers, text: await response.text() };
 }
 
 /** The next load or error event after the first `seen` ones. */
