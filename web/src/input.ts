@@ -1,6 +1,6 @@
 /** Pointer, wheel and keyboard events of a canvas, handed to the viewer in canvas pixels. */
 
-import type { Viewer } from "./rebounce_viewer.js";
+import type { Viewer } from "./module.js";
 
 /** Calls its argument with the viewer, if there is one to take input. */
 export type WithViewer = (use: (viewer: Viewer) => void) => void;

@@ -1,7 +1,16 @@
 /** The wasm module, loaded once for all elements of a page. */
 
-import init, { Viewer } from "./rebounce_viewer.js";
+import init, { Viewer as Program } from "./rebounce_viewer.js";
 import { Failure } from "./failure.js";
+
+/** The viewer, with what not every build of it has. */
+export type Viewer = Program &
+  Partial<{
+    toneMapping: string;
+    autoExposure: boolean;
+    animationsJson(): string;
+    countsJson(): Promise<string>;
+  }>;
 
 let loading: Promise<unknown> | undefined;
 
@@ -24,7 +33,6 @@ export async function createViewer(canvas: HTMLCanvasElement): Promise<Viewer> {
       cause: error,
     });
   }
-  return Viewer.create(canvas);
+  return Program.create(canvas);
 }
 
-export type { Viewer };

@@ -1,156 +1,89 @@
-/** The small panel: exposure, which light, overlays, times and counts. */
+/** The panel: lights, picture, animation, state and figures of one element. Loaded when `controls` asks for it. */
 
-/** What the panel shows and sets. */
-export interface PanelHost {
-  exposure: number;
-  mode: string;
-  overlay: string;
-  stats(): Stats | undefined;
+import { make } from "./element.js";
+import { Figures } from "./panel-figures.js";
+import { LightList } from "./panel-lights.js";
+import { playRow } from "./panel-play.js";
+import { stateRow } from "./panel-state.js";
+import { panelStyle } from "./panel-style.js";
+import type { RebounceViewer } from "./rebounce-viewer.js";
+
+/** A part of the panel, and how it follows the viewer. */
+export interface Section {
+  readonly element: HTMLElement;
+  update(now: boolean): void;
 }
 
-/** Figures of the viewer. */
-export interface Stats {
-  /** The graphics adapter's name. */
-  adapter: string;
-  /** The scene's name. */
-  scene: string;
-  /** Milliseconds of each pass when it last ran; absent where the device cannot time. */
-  milliseconds: Record<string, number | null>;
-  /** Pictures drawn so far. */
-  frames: number;
-  /** Times that light was computed anew. */
-  relights: number;
-  /** Triangles of the scene. */
-  triangles: number;
-  /** Basis functions per level, coarsest first. */
-  functions: number[];
-  /** Transport links. */
-  links: number;
-  /** Lights. */
-  lights: number;
-  /** Bytes on the GPU, by what they are for. */
-  bytes: Record<string, number>;
-  [figure: string]: unknown;
-}
-
-const MODES = { all: "Both", direct: "Direct", indirect: "Indirect" };
-const OVERLAYS = { none: "None", points: "Points", levels: "Levels" };
-
-function make<K extends keyof HTMLElementTagNameMap>(
-  tag: K,
-  attributes: Record<string, string> = {},
-  ...children: (Node | string)[]
-): HTMLElementTagNameMap[K] {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-  element.append(...children);
-  return element;
-}
+/** Choices by the name of their property. */
+const CHOICES = {
+  mode: ["Light", { all: "Both", direct: "Direct", indirect: "Indirect" }],
+  toneMapping: ["Tone mapping", { neutral: "Neutral", agx: "AgX" }],
+  overlay: ["Show basis", { none: "None", points: "Points", levels: "Levels" }],
+} as const;
 
 /** The panel's elements and how they follow the viewer. */
 export class Panel {
   readonly element: HTMLDetailsElement;
-  #host: PanelHost;
-  #exposure: HTMLInputElement;
-  #exposureText: HTMLOutputElement;
-  #choices = new Map<string, HTMLInputElement[]>();
-  #times: HTMLTableElement;
-  #counts: HTMLTableElement;
-  #adapter: HTMLParagraphElement;
-  #shownAt = 0;
-  #later = 0;
+  #sections: Section[];
 
-  constructor(host: PanelHost) {
-    this.#host = host;
-    this.#exposure = make("input", { type: "range", id: "exposure", min: "-6", max: "6", step: "0.1" });
-    this.#exposureText = make("output", { for: "exposure" });
-    this.#exposure.addEventListener("input", () => (host.exposure = this.#exposure.valueAsNumber));
-    this.#times = make("table");
-    this.#counts = make("table");
-    this.#adapter = make("p", { class: "adapter" });
-    const form = make(
-      "form",
-      {},
-      make(
-        "div",
-        {},
-        make("div", { class: "row" }, make("label", { for: "exposure" }, "Exposure"), this.#exposureText),
-        this.#exposure,
-      ),
-      this.#choice("Light", "mode", MODES, (value) => (host.mode = value)),
-      this.#choice("Show basis", "overlay", OVERLAYS, (value) => (host.overlay = value)),
-      this.#times,
-      this.#counts,
-      this.#adapter,
-    );
+  constructor(host: RebounceViewer, root: ShadowRoot) {
+    root.adoptedStyleSheets.push(panelStyle());
+    // What has happened, for those who do not see it; errors for all.
+    const status = make("p", { class: "status", role: "status" });
+    const say = (text: string) => (status.textContent = text);
+    this.#sections = [
+      fold("Lights", new LightList(host, say), true),
+      playRow(host),
+      fold("Picture", picture(host), true),
+      stateRow(host, say),
+      fold("Figures", new Figures(host)),
+    ];
+    const form = make("form", {}, ...this.#sections.map(({ element }) => element), status);
     form.addEventListener("submit", (event) => event.preventDefault());
     this.element = make("details", { class: "panel", part: "panel" }, make("summary", {}, "Settings"), form);
     this.element.addEventListener("toggle", () => this.update(true));
   }
 
-  #choice(title: string, name: string, options: Record<string, string>, set: (value: string) => void): Node {
-    const inputs: HTMLInputElement[] = [];
-    const labels = Object.entries(options).map(([value, text]) => {
-      const input = make("input", { type: "radio", name, value });
-      input.addEventListener("change", () => set(value));
-      inputs.push(input);
-      return make("label", {}, input, text);
-    });
-    this.#choices.set(name, inputs);
-    return make("fieldset", {}, make("legend", {}, title), make("div", { class: "choices" }, ...labels));
-  }
-
-  /** Follows the viewer; the figures at most four times a second unless `now`. */
+  /** Follows the viewer; figures at once with `now`. */
   update(now = false): void {
-    const { exposure, mode, overlay } = this.#host;
-    this.#exposure.value = String(exposure);
-    this.#exposureText.textContent = `${exposure > 0 ? "+" : ""}${exposure.toFixed(1)} EV`;
-    for (const [name, value] of [
-      ["mode", mode],
-      ["overlay", overlay],
-    ] as const) {
-      for (const input of this.#choices.get(name) ?? []) input.checked = input.value === value;
-    }
-    clearTimeout(this.#later);
-    if (!this.element.open) return;
-    // The GPU tells its times after the frame, and the last frame of a motion is to be seen, too.
-    if (!now) this.#later = setTimeout(() => this.update(true), 300);
-    if (!now && performance.now() - this.#shownAt < 250) return;
-    this.#shownAt = performance.now();
-    const stats = this.#host.stats();
-    if (!stats) return;
-    const passes = Object.entries(stats.milliseconds).filter((pass): pass is [string, number] => pass[1] !== null);
-    const together = passes.reduce((sum, [, ms]) => sum + ms, 0);
-    const times = [...passes, ["together", together] as const].map(([name, ms]) => [words(name), `${ms.toFixed(2)} ms`] as const);
-    fill(this.#times, "Time per pass", passes.length > 0 ? times : []);
-    const count = (value: number) => value.toLocaleString();
-    fill(this.#counts, "In this scene", [
-      ["triangles", count(stats.triangles)],
-      ["functions", count(stats.functions.reduce((a, b) => a + b, 0))],
-      ...stats.functions.map((functions, level) => [`\u2003level ${level}`, count(functions)] as const),
-      ["links", count(stats.links)],
-      ["lights", count(stats.lights)],
-      ["frames drawn", count(stats.frames)],
-      ["light computed", count(stats.relights)],
-      ...Object.entries(stats.bytes).map(([name, size]) => [`GPU, ${words(name)}`, bytes(size)] as const),
-    ]);
-    this.#adapter.textContent = stats.adapter;
+    if (this.element.open) for (const section of this.#sections) section.update(now);
   }
 }
 
-/** camelCase as words. */
-function words(name: string): string {
-  return name.replace(/[A-Z]/g, (letter) => ` ${letter.toLowerCase()}`);
+/** A section under a heading that opens and closes it; closed, it follows nothing. */
+function fold(title: string, section: Section, open = false): Section {
+  const element = make("details", { class: "section" }, make("summary", {}, title), section.element);
+  element.open = open;
+  element.addEventListener("toggle", () => element.open && section.update(true));
+  return { element, update: (now) => element.open && section.update(now) };
 }
 
-function bytes(count: number): string {
-  return count < 1e6 ? `${(count / 1e3).toFixed(0)} kB` : `${(count / 1e6).toFixed(1)} MB`;
-}
-
-function fill(table: HTMLTableElement, title: string, lines: readonly (readonly [string, string])[]): void {
-  table.hidden = lines.length === 0;
-  table.replaceChildren(
-    make("caption", {}, title),
-    ...lines.map(([name, value]) => make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, value))),
-  );
+/** Exposure, tone mapping, which light, what lies over the picture. */
+function picture(host: RebounceViewer): Section {
+  const exposure = make("input", { type: "range", id: "exposure", min: "-6", max: "6", step: "0.1" });
+  const text = make("span");
+  const auto = make("input", { type: "checkbox" });
+  exposure.addEventListener("input", () => (host.exposure = exposure.valueAsNumber));
+  auto.addEventListener("change", () => (host.autoExposure = auto.checked));
+  const inputs: [HTMLInputElement, keyof typeof CHOICES][] = [];
+  const choices = (Object.keys(CHOICES) as (keyof typeof CHOICES)[]).map((name) => {
+    const [title, options] = CHOICES[name];
+    const labels = Object.entries(options).map(([value, words]) => {
+      const input = make("input", { type: "radio", name, value });
+      input.addEventListener("change", () => Object.assign(host, { [name]: value }));
+      inputs.push([input, name]);
+      return make("label", {}, input, words);
+    });
+    return make("fieldset", {}, make("legend", {}, title), make("div", { class: "choices" }, ...labels));
+  });
+  const row = make("div", { class: "row" }, make("label", { for: "exposure" }, "Exposure"), text);
+  const automatic = make("label", { class: "check" }, auto, "Automatic exposure");
+  const update = () => {
+    exposure.value = String(host.exposure);
+    text.textContent = `${host.exposure > 0 ? "+" : ""}${host.exposure.toFixed(1)} EV`;
+    exposure.setAttribute("aria-valuetext", text.textContent);
+    auto.checked = host.autoExposure;
+    for (const [input, name] of inputs) input.checked = input.value === host[name];
+  };
+  return { element: make("div", { class: "stack" }, make("div", {}, row, exposure), automatic, ...choices), update };
 }

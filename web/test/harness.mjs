@@ -4,12 +4,15 @@
 export class Harness {
   passed = 0;
   failed = 0;
+  /** What the tests that passed have looked at, such as "attribute src". */
+  covered = new Set();
 
-  /** Runs one test and says how it went. Never throws. */
-  async test(name, work) {
+  /** Runs one test and says how it went. Never throws. `covers`: what of the element it looks at, one a line. */
+  async test(name, work, covers = "") {
     try {
       await work();
       this.passed += 1;
+      for (const what of covers.split(/[,\n]/)) this.covered.add(what.trim());
       console.log(`test ${name} ... ok`);
     } catch (error) {
       this.failed += 1;
@@ -31,7 +34,18 @@ export function check(claim, message) {
 
 /** Throws unless the two are the same value. */
 export function equal(found, expected, what) {
-  check(Object.is(found, expected), `${what}: found ${JSON.stringify(found)}, expected ${JSON.stringify(expected)}`);
+  const text = (value) => String(JSON.stringify(value)).slice(0, 1000);
+  check(Object.is(found, expected), `${what}: found ${text(found)}, expected ${text(expected)}`);
+}
+
+/** Throws unless the two are the same within `tolerance`. */
+export function near(found, expected, tolerance, what) {
+  check(Math.abs(found - expected) <= tolerance, `${what}: found ${found}, expected ${expected} to ${tolerance}`);
+}
+
+/** Throws unless the two are written the same as JSON. Small things only: both are printed. */
+export function same(found, expected, what) {
+  equal(JSON.stringify(found), JSON.stringify(expected), what);
 }
 
 function indent(text) {

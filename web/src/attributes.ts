@@ -1,0 +1,166 @@
+/** The element's attributes as properties. */
+
+import { ElementBase } from "./element.js";
+
+/** Which light is shown. */
+export type Mode = "all" | "direct" | "indirect";
+/** What is drawn over the picture. */
+export type Overlay = "none" | "points" | "levels";
+/** How radiance becomes colours of the screen. */
+export type ToneMapping = "neutral" | "agx";
+
+const MODES: readonly Mode[] = ["all", "direct", "indirect"];
+const OVERLAYS: readonly Overlay[] = ["none", "points", "levels"];
+const TONE_MAPPINGS: readonly ToneMapping[] = ["neutral", "agx"];
+
+/** An element that has them; what they do is its heir's. */
+export class AttributeElement extends ElementBase {
+  static readonly observedAttributes: readonly string[] = [
+    "src",
+    "alt",
+    "poster",
+    "width",
+    "height",
+    "exposure",
+    "auto-exposure",
+    "tone-mapping",
+    "mode",
+    "overlay",
+    "controls",
+    "loading",
+    "autoplay",
+    "animation-name",
+    "state-in-link",
+  ];
+
+  /** The .rbn file's address, relative to the page. */
+  get src(): string {
+    const src = this.getAttribute("src");
+    return src ? new URL(src, this.baseURI).href : "";
+  }
+  set src(value: string) {
+    this.setAttribute("src", value);
+  }
+
+  /** What the picture shows, for those who do not see it. */
+  get alt(): string {
+    return this.getAttribute("alt") ?? "";
+  }
+  set alt(value: string) {
+    this.setAttribute("alt", value);
+  }
+
+  /** A picture that is shown until the scene is there. */
+  get poster(): string {
+    return this.getAttribute("poster") ?? "";
+  }
+  set poster(value: string) {
+    this.setAttribute("poster", value);
+  }
+
+  /** Width, CSS pixels; 0 where none is set. */
+  get width(): number {
+    return pixels(this.getAttribute("width"));
+  }
+  set width(value: number) {
+    this.setAttribute("width", String(value));
+  }
+
+  /** Height, CSS pixels; 0 where none is set. */
+  get height(): number {
+    return pixels(this.getAttribute("height"));
+  }
+  set height(value: number) {
+    this.setAttribute("height", String(value));
+  }
+
+  /** Stops on top of the automatic exposure, or relative to radiance 1 where that is off. */
+  get exposure(): number {
+    const stops = Number(this.getAttribute("exposure") ?? 0);
+    return Number.isFinite(stops) ? Math.min(Math.max(stops, -20), 20) : 0;
+  }
+  set exposure(stops: number) {
+    this.setAttribute("exposure", String(stops));
+  }
+
+  /** Whether the exposure follows the scene. */
+  get autoExposure(): boolean {
+    return this.getAttribute("auto-exposure") !== "off";
+  }
+  set autoExposure(on: boolean) {
+    this.setAttribute("auto-exposure", on ? "on" : "off");
+  }
+
+  /** How radiance becomes colours of the screen. */
+  get toneMapping(): ToneMapping {
+    return among(TONE_MAPPINGS, this.getAttribute("tone-mapping"));
+  }
+  set toneMapping(name: ToneMapping) {
+    this.setAttribute("tone-mapping", name);
+  }
+
+  /** Which light is shown. */
+  get mode(): Mode {
+    return among(MODES, this.getAttribute("mode"));
+  }
+  set mode(mode: Mode) {
+    this.setAttribute("mode", mode);
+  }
+
+  /** What is drawn over the picture. */
+  get overlay(): Overlay {
+    return among(OVERLAYS, this.getAttribute("overlay"));
+  }
+  set overlay(overlay: Overlay) {
+    this.setAttribute("overlay", overlay);
+  }
+
+  /** Whether the file is loaded at once, or only when the element comes near the visible part of the page. */
+  get loading(): "eager" | "lazy" {
+    return this.getAttribute("loading") === "lazy" ? "lazy" : "eager";
+  }
+  set loading(when: "eager" | "lazy") {
+    this.setAttribute("loading", when);
+  }
+
+  /** Whether the panel is offered. */
+  get controls(): boolean {
+    return this.hasAttribute("controls");
+  }
+  set controls(on: boolean) {
+    this.toggleAttribute("controls", on);
+  }
+
+  /** Whether an animation begins by itself; it does not for those who want less motion. */
+  get autoplay(): boolean {
+    return this.hasAttribute("autoplay");
+  }
+  set autoplay(on: boolean) {
+    this.toggleAttribute("autoplay", on);
+  }
+
+  /** Which animation is played; empty for the first. */
+  get animationName(): string {
+    return this.getAttribute("animation-name") ?? "";
+  }
+  set animationName(name: string) {
+    this.setAttribute("animation-name", name);
+  }
+
+  /** Whether the state in the page's address, as `stateLink()` makes it, is taken over. */
+  get stateInLink(): boolean {
+    return this.hasAttribute("state-in-link");
+  }
+  set stateInLink(on: boolean) {
+    this.toggleAttribute("state-in-link", on);
+  }
+}
+
+function among<T extends string>(values: readonly T[], value: string | null): T {
+  return values.find((one) => one === value) ?? (values[0] as T);
+}
+
+/** As HTML reads a width: the number that the text begins with. */
+function pixels(text: string | null): number {
+  return Math.max(Number.parseInt(text ?? "", 10) || 0, 0);
+}

@@ -1,0 +1,80 @@
+/** New lights, and small steps of lights as seen by the camera. Pure functions. */
+
+import type { Camera, Light, Triple } from "./shot.js";
+
+const sum = (a: Triple, b: Triple, scale = 1) => a.map((x, i) => x + scale * (b[i] as number)) as Triple;
+const distance = (a: Triple, b: Triple) => Math.hypot(...sum(a, b, -1));
+const unit = (v: Triple, instead: Triple) => {
+  const length = Math.hypot(...v);
+  return length > 1e-9 ? (v.map((x) => x / length) as Triple) : instead;
+};
+
+/** The way the camera looks over the ground, and what is right of it. */
+function ground(camera: Camera): { ahead: Triple; right: Triple } {
+  const [x, y, z] = sum(camera.target, camera.position, -1);
+  const up = camera.up ?? [0, 1, 0];
+  // Straight down or up, what is up in the picture lies ahead.
+  const flat: Triple = Math.hypot(x, z) > 1e-3 * Math.abs(y) ? [x, 0, z] : [up[0], 0, up[2]];
+  const ahead = unit(flat, [0, 0, -1]);
+  return { ahead, right: [-ahead[2], 0, ahead[0]] };
+}
+
+/** A new light a little before what the camera looks at, as bright there as others at their distance. */
+export function newLight(type: Light["type"], camera: Camera): Light {
+  const color: Triple = [1, 1, 1];
+  if (type === "directional") return { type, direction: [-0.4, -1, -0.3], intensity: 2, color };
+  const away = distance(camera.position, camera.target);
+  const position = sum(camera.position, sum(camera.target, camera.position, -1), 0.7);
+  // The illuminance of 4 lux at a third of the way.
+  const intensity = Number((4 * (away / 3) ** 2).toPrecision(2));
+  if (type === "point") return { type, position, intensity, color };
+  return { type, position, direction: [0, -1, 0], outer_cone_deg: 40, inner_cone_deg: 30, intensity, color };
+}
+
+const STEPS: Record<string, Triple> = {
+  ArrowLeft: [-1, 0, 0],
+  ArrowRight: [1, 0, 0],
+  ArrowUp: [0, 0, 1],
+  ArrowDown: [0, 0, -1],
+  PageUp: [0, 1, 0],
+  PageDown: [0, -1, 0],
+};
+
+/**
+ * A light after a key: arrows move it right, left, away and nearer over the ground as the camera sees it,
+ * PageUp and PageDown up and down; a fiftieth of its distance, with `far` five. What shines from a
+ * directional light comes from further right, left, ahead or behind. Nothing for other keys.
+ */
+export function stepped(light: Light, camera: Camera, key: string, far: boolean): Light | undefined {
+  const step = STEPS[key];
+  if (!step) return undefined;
+  const { ahead, right } = ground(camera);
+  const along = sum(sum(right.map((x) => x * step[0]) as Triple, ahead, step[2]), [0, step[1], 0]);
+  const share = far ? 0.1 : 0.02;
+  if (light.type === "directional") {
+    const from = unit(light.direction, [0, -1, 0]);
+    return { ...light, direction: unit(sum(from, along, -2 * share), from) };
+  }
+  const size = Math.max(distance(light.position, camera.position), 1e-3);
+  return { ...light, position: sum(light.position, along, size * share) };
+}
+
+/** Linear RGB as an sRGB colour of the page, `#rrggbb`; brighter than white is scaled down. */
+export function hexColor(color: Triple = [1, 1, 1]): string {
+  const most = Math.max(1, ...color);
+  const part = (x: number) => {
+    const linear = x / most;
+    const encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
+    return Math.round(encoded * 255).toString(16).padStart(2, "0");
+  };
+  return `#${color.map(part).join("")}`;
+}
+
+/** The other way. */
+export function linearColor(hex: string): Triple {
+  return [1, 3, 5].map((at) => {
+    const encoded = parseInt(hex.slice(at, at + 2), 16) / 255;
+    const linear = encoded <= 0.04045 ? encoded / 12.92 : ((encoded + 0.055) / 1.055) ** 2.4;
+    return Number(linear.toPrecision(4));
+  }) as Triple;
+}

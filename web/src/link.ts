@@ -1,0 +1,93 @@
+/**
+ * Camera, lights and settings as the hash of a link, to be read by people too:
+ * `#camera=0,1,4,0,1,0,0,1,0,60&light=point,1,2,0,20,1,1,1&exposure=1`.
+ */
+
+import { Failure } from "./failure.js";
+import type { Camera, Light, Triple } from "./shot.js";
+
+/** What a link says. */
+export interface LinkState {
+  camera?: Camera;
+  lights?: Light[];
+  /** Attributes of the element, by name; empty for their default. */
+  settings: Record<string, string>;
+}
+
+/** Attributes that go into a link. */
+export const LINK_SETTINGS = ["exposure", "auto-exposure", "tone-mapping", "mode"] as const;
+
+/** Members of each kind of light in order, with how many numbers each has. */
+const FORMS: Record<Light["type"], readonly (readonly [string, number])[]> = {
+  point: [["position", 3], ["intensity", 1], ["color", 3]],
+  spot: [["position", 3], ["direction", 3], ["outer_cone_deg", 1], ["inner_cone_deg", 1], ["intensity", 1], ["color", 3]],
+  directional: [["direction", 3], ["intensity", 1], ["color", 3]],
+};
+
+/** Five digits are enough for what is seen. */
+const short = (x: number) => String(Math.abs(x) < 1e-9 ? 0 : Number(x.toPrecision(5)));
+
+/** The hash, without `#`. `prefix` stands before each name, for pages of several elements. */
+export function stateHash({ camera, lights = [], settings }: LinkState, prefix = ""): string {
+  const parts: string[] = [];
+  if (camera) {
+    const { position, target, up = [0, 1, 0], yfov_deg = 60 } = camera;
+    parts.push(`camera=${[...position, ...target, ...up, yfov_deg].map(short)}`);
+  }
+  for (const light of lights) {
+    const member = (name: string) => (light as unknown as Record<string, number | number[]>)[name];
+    // A hard edge is a full cone as wide as the whole; a colour that is not there is white.
+    const instead = (name: string) => (name === "color" ? [1, 1, 1] : (member("outer_cone_deg") ?? 0));
+    const numbers = FORMS[light.type].flatMap(([name]) => member(name) ?? instead(name));
+    parts.push(`light=${[light.type, ...numbers.map(short)]}`);
+  }
+  if (camera && lights.length === 0) parts.push("light=none");
+  for (const [name, value] of Object.entries(settings)) {
+    if (value) parts.push(`${name}=${encodeURIComponent(value)}`);
+  }
+  return parts.map((part) => encodeURIComponent(prefix) + part).join("&");
+}
+
+/**
+ * Reads a hash, with or without `#`; nothing where it holds no camera and no light under this prefix.
+ * Throws a `Failure` with the code `bad-json` where it is damaged.
+ */
+export function readState(hash: string, prefix = ""): LinkState | undefined {
+  const state: LinkState = { settings: {} };
+  for (const [key, value] of new URLSearchParams(hash.replace(/^#/, ""))) {
+    if (!key.startsWith(prefix)) continue;
+    const name = key.slice(prefix.length);
+    if (name === "camera") {
+      const n = numbers(value.split(","), 10, name);
+      state.camera = { position: triple(n, 0), target: triple(n, 3), up: triple(n, 6), yfov_deg: n[9] as number };
+    } else if (name === "light") {
+      state.lights ??= [];
+      if (value !== "none") state.lights.push(light(value));
+    } else if ((LINK_SETTINGS as readonly string[]).includes(name)) state.settings[name] = value;
+  }
+  return state.camera || state.lights ? state : undefined;
+}
+
+function light(value: string): Light {
+  const [type = "", ...texts] = value.split(",");
+  const form = Object.hasOwn(FORMS, type) ? FORMS[type as Light["type"]] : undefined;
+  if (!form) throw new Failure("bad-json", `The link holds a light of the unknown kind “${type}”; copy it once more.`);
+  const n = numbers(texts, form.reduce((count, [, size]) => count + size, 0), "light");
+  const result: Record<string, unknown> = { type };
+  let at = 0;
+  for (const [name, size] of form) {
+    result[name] = size === 1 ? n[at] : triple(n, at);
+    at += size;
+  }
+  return result as unknown as Light;
+}
+
+const triple = (n: number[], at: number) => n.slice(at, at + 3) as Triple;
+
+function numbers(texts: string[], count: number, what: string): number[] {
+  const found = texts.map((text) => (text.trim() ? Number(text) : NaN));
+  if (found.length !== count || !found.every(Number.isFinite)) {
+    throw new Failure("bad-json", `The link's ${what} must be ${count} numbers; it is cut short or damaged, copy it once more.`);
+  }
+  return found;
+}

@@ -1,0 +1,128 @@
+// Whatever fails is told by a code and a sentence, and the element can be used afterwards.
+
+import { check, equal } from "../harness.mjs";
+import { expectFailure, open, outcome, shown } from "./open.mjs";
+
+/** A route that answers with these bytes. */
+const answer = (body) => (route) => route.fulfill({ status: 200, contentType: "application/octet-stream", body });
+
+export async function failures(harness, context) {
+  const { bytes } = context;
+  const damaged = Buffer.from(bytes);
+  damaged[damaged.length >> 1] ^= 0x10;
+  const cases = {
+    a_wrong_file: { code: "not-rbn", body: Buffer.from("glTF, or something else that is no baked scene") },
+    an_empty_file: { code: "not-rbn", body: Buffer.alloc(0) },
+    a_truncated_file: { code: "truncated", body: bytes.subarray(0, Math.floor(bytes.length * 0.6)) },
+    a_truncated_header: { code: "truncated", body: bytes.subarray(0, 20) },
+    a_damaged_file: { code: "corrupt", body: damaged },
+    a_missing_file: { code: "http" },
+    a_broken_connection: { code: "network", abort: true },
+  };
+  for (const [name, { code, body, abort }] of Object.entries(cases)) {
+    await harness.test(`page::failures::${name}`, async () => {
+      const route = abort ? (r) => r.abort() : answer(body);
+      const routes = body || abort ? { "**/bad.rbn": route } : {};
+      const { page, faults } = await open(context, { query: "?src=bad.rbn", routes });
+      await expectFailure(page, code);
+      // The browser itself reports answers that are no success.
+      const own = faults.filter((fault) => !fault.startsWith("Failed to load resource"));
+      equal(own.join("\n"), "", "faults");
+      // The same element shows a good file afterwards.
+      await page.evaluate(() => (document.querySelector("rebounce-viewer").src = "scene.rbn"));
+      const event = await outcome(page, 1);
+      equal(event.type, "load", event.message ?? "the event after the failure");
+      equal((await shown(page)).alert, "", "the message after loading");
+      await page.close();
+    });
+  }
+
+  const broken = {
+    no_webgpu: { code: "no-webgpu", prepare: () => delete Navigator.prototype.gpu },
+    no_adapter: {
+      code: "no-adapter",
+      prepare: () => (GPU.prototype.requestAdapter = () => Promise.resolve(null)),
+    },
+    no_device: {
+      code: "no-device",
+      prepare: () => (GPUAdapter.prototype.requestDevice = () => Promise.reject(new Error("none <b>left</b>"))),
+    },
+  };
+  for (const [name, { code, prepare }] of Object.entries(broken)) {
+    await harness.test(`page::failures::${name}`, async () => {
+      const { page, faults } = await open(context, { prepare });
+      await expectFailure(page, code);
+      equal(faults.join("\n"), "", "faults");
+      await page.close();
+    });
+  }
+
+  await harness.test("page::failures::a_download_that_breaks_off", async () => {
+    const prepare = () => {
+      const original = window.fetch;
+      window.fetch = async (address, options) => {
+        if (!String(address).endsWith("scene.rbn")) return original(address, options);
+        const pull = (controller) => controller.error(new TypeError("network error"));
+        const start = (controller) => controller.enqueue(new Uint8Array(1000));
+        return new Response(new ReadableStream({ start, pull }), { headers: { "content-length": "5000" } });
+      };
+    };
+    const { page, faults } = await open(context, { prepare });
+    await expectFailure(page, "truncated");
+    equal(faults.join("\n"), "", "faults");
+    await page.close();
+  });
+
+  await harness.test("page::failures::a_name_is_text_and_never_markup", async () => {
+    const { page } = await open(context, { query: `?src=${encodeURIComponent("<img src=x onerror=alert(1)>.rbn")}` });
+    await expectFailure(page, "http");
+    await page.close();
+  });
+
+  await harness.test("page::failures::reading_before_loading_rejects_with_a_code", async () => {
+    const { page, faults } = await open(context, { query: "?src=missing.rbn" });
+    await outcome(page);
+    const code = await page.evaluate(() =>
+      document.querySelector("rebounce-viewer").readIndirect(8, 8).then(() => "none", (error) => error.code),
+    );
+    equal(code, "no-scene", "the code");
+    check(!faults.some((fault) => fault.includes("Uncaught")), faults.join("\n"));
+    await page.close();
+  });
+
+  await harness.test("page::failures::an_element_that_is_removed_says_nothing", async () => {
+    const { page, faults } = await open(context);
+    const events = await page.evaluate(async () => {
+      const viewer = document.querySelector("rebounce-viewer");
+      let told = 0;
+      viewer.addEventListener("error", () => (told += 1));
+      viewer.src = "scene.rbn?again";
+      viewer.remove();
+      await new Promise((later) => setTimeout(later, 1000));
+      globalThis.events.length = 0;
+      document.body.append(viewer);
+      return { told, outcome: await globalThis.outcome() };
+    });
+    equal(events.told, 0, "errors");
+    equal(events.outcome.type, "load", "the event when it is back");
+    equal(faults.join("\n"), "", "faults");
+    await page.close();
+  });
+
+  // Last: this browser's GPU process is not to be used afterwards.
+  await harness.test("page::failures::a_lost_device", async () => {
+    const prepare = () => {
+      const original = GPUAdapter.prototype.requestDevice;
+      GPUAdapter.prototype.requestDevice = async function (...args) {
+        globalThis.device = await original.apply(this, args);
+        return globalThis.device;
+      };
+    };
+    const { page, faults } = await open(context, { prepare });
+    equal((await outcome(page)).type, "load", "the event");
+    await page.evaluate(() => globalThis.device.destroy());
+    await expectFailure(page, "device-lost", 1);
+    equal(faults.join("\n"), "", "faults");
+    await page.close();
+  });
+}

@@ -1,0 +1,53 @@
+// The browser's light is the CPU's.
+
+import { agreement, difference } from "../agreement.mjs";
+import { check, equal } from "../harness.mjs";
+import { open, outcome } from "./open.mjs";
+
+/** Pictures are compared at this size; the browser's is averaged from FINER times as many pixels a
+ * side, since the CPU takes 64 samples a pixel. */
+const SIZE = [256, 144];
+const FINER = 4;
+/** The most that the browser's indirect light may differ from the CPU's, relative RMS. */
+const TOLERANCE = 0.03;
+
+const CAMERA = { position: [0.4, 2.9, 3.2], target: [-0.2, 2.3, -3], up: [0, 1, 0], yfov_deg: 65 };
+const SPOT = {
+  type: "spot",
+  position: [-1.2, 4.6, -2.2],
+  direction: [-0.8, -1, 0.1],
+  outer_cone_deg: 40,
+  inner_cone_deg: 30,
+  intensity: 150,
+  color: [1, 0.9, 0.8],
+};
+const SHOTS = {
+  "a spot on the red wall": { camera: CAMERA, lights: [SPOT] },
+  "the spot moved to the green wall": {
+    camera: CAMERA,
+    lights: [{ ...SPOT, position: [1.0, 3.6, -1.6], direction: [1, -0.5, -0.3] }],
+  },
+};
+
+export async function light(harness, context) {
+  const { page } = await open(context);
+  const files = [];
+  for (const [name, shot] of Object.entries(SHOTS)) {
+    await harness.test(`page::indirect_light_is_that_of_the_cpu: ${name}`, async () => {
+      equal((await outcome(page)).type, "load", "the event");
+      const { file, difference } = await agreement(page, context, name, shot, SIZE, FINER);
+      console.log(`    ${name}: ${JSON.stringify(difference)}`);
+      files.push(file);
+      const rms = difference.error;
+      check(rms <= TOLERANCE, `relative RMS difference ${rms}, at most ${TOLERANCE} is allowed`);
+    });
+  }
+  await harness.test("page::moving_the_light_changes_the_picture", async () => {
+    equal(files.length, 2, "pictures");
+    const { error: rms } = await difference(context, files[0], files[1]);
+    check(rms > 0.3, `the two shots differ by ${rms} only`);
+    const told = await page.evaluate(() => events.filter((event) => event.type === "light-change").length);
+    check(told > 0, "no light-change event");
+  });
+  await page.close();
+}

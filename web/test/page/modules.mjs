@@ -1,0 +1,252 @@
+// Modules without a browser: a server imports them; keyframes, daylight, links and steps of lights are arithmetic.
+
+import { execFile } from "node:child_process";
+import { readdir } from "node:fs/promises";
+import { promisify } from "node:util";
+import { check, equal, near, same } from "../harness.mjs";
+
+const DIST = new URL("../../dist/", import.meta.url);
+
+/** Runs the tests. */
+export async function modules(harness) {
+  await harness.test("modules::a_server_can_import_the_package", async () => {
+    const files = (await readdir(DIST)).filter((file) => file.endsWith(".js") && file !== "page.js");
+    check(files.length > 10, `${files.length} modules`);
+    // A process of its own for each: no module leaves anything behind, or needs what another left.
+    for (const file of files) {
+      const script = `const before = Object.getOwnPropertyNames(globalThis).join();
+        await import(${JSON.stringify(new URL(file, DIST).href)});
+        if (Object.getOwnPropertyNames(globalThis).join() !== before) throw new Error("a global was left behind");`;
+      await promisify(execFile)(process.execPath, ["--input-type=module", "--eval", script]);
+    }
+  });
+  await keyframes(harness, await import(new URL("animation.js", DIST)));
+  await days(harness, await import(new URL("daylight.js", DIST)), await import(new URL("animation.js", DIST)));
+  await links(harness, await import(new URL("link.js", DIST)));
+  await steps(harness, await import(new URL("lights.js", DIST)));
+}
+
+/** The code that something throws. */
+function code(work) {
+  try {
+    work();
+  } catch (error) {
+    return error.code;
+  }
+  return "nothing thrown";
+}
+
+async function keyframes(harness, { agrees, checkedAnimations, lightsAt, shifted, valueAt }) {
+  const track = { light: 0, property: "position", times: [1, 2, 4], values: [0, 0, 0, 2, 4, 6, 2, 4, 0] };
+  const animation = { name: "a", duration: 4, tracks: [track] };
+
+  await harness.test("modules::keys_are_met_and_between_them_values_lie_on_the_line", () => {
+    same(valueAt(track, 0), [0, 0, 0], "before the first key");
+    same(valueAt(track, 1), [0, 0, 0], "at the first");
+    same(valueAt(track, 1.5), [1, 2, 3], "halfway to the second");
+    same(valueAt(track, 2), [2, 4, 6], "at the second");
+    same(valueAt(track, 3), [2, 4, 3], "halfway to the third");
+    same(valueAt(track, 9), [2, 4, 0], "after the last");
+    const step = { ...track, interpolation: "step" };
+    same(valueAt(step, 1.999), [0, 0, 0], "a step, before the key");
+    same(valueAt(step, 2), [2, 4, 6], "a step, at the key");
+  });
+
+  await harness.test("modules::directions_turn_at_an_even_pace", () => {
+    const turn = (values) => ({ light: 0, property: "direction", times: [0, 1], values });
+    for (const share of [0.1, 0.25, 0.5, 0.9]) {
+      const [x, y, z] = valueAt(turn([3, 0, 0, 0, 0.5, 0]), share);
+      near(Math.atan2(y, x), (share * Math.PI) / 2, 1e-12, "the angle");
+      near(Math.hypot(x, y, z), 1, 1e-12, "the length");
+      // Opposite ones have no nearest way; any will do, at the same pace.
+      for (const axis of [[1, 0, 0], [0, 1, 0], [0, 0, 2], [1, 1, 1]]) {
+        const half = valueAt(turn([...axis, ...axis.map((v) => -v)]), share);
+        const cos = half.reduce((sum, v, i) => sum + (v * axis[i]) / Math.hypot(...axis), 0);
+        near(Math.acos(cos), share * Math.PI, 1e-9, `the angle from ${axis}`);
+      }
+    }
+    same(valueAt(turn([0, -1, 0, 0, -1, 0]), 0.5).map((v) => v + 0), [0, -1, 0], "one that stays");
+  });
+
+  await harness.test("modules::only_what_a_light_has_is_animated", () => {
+    const lights = [{ type: "point", position: [9, 9, 9], intensity: 5 }, { type: "directional", direction: [0, -1, 0], intensity: 1 }];
+    const other = { light: 1, property: "position", times: [0], values: [1, 1, 1] };
+    const none = { light: 7, property: "intensity", times: [0], values: [1] };
+    const result = lightsAt(lights, { ...animation, tracks: [track, other, none] }, 1.5);
+    same(result, [{ ...lights[0], position: [1, 2, 3] }, lights[1]], "the lights");
+    same(lights[0].position, [9, 9, 9], "the lights given");
+    check(agrees(animation, result, [{ ...result[0], intensity: 1 }]), "another intensity is not animated");
+    check(!agrees(animation, result, lights), "another position is");
+    check(!agrees(animation, result, []), "no light at all is");
+  });
+
+  await harness.test("modules::tracks_follow_their_lights", () => {
+    const two = [{ ...animation, tracks: [track, { ...track, light: 2 }] }];
+    const places = (animations) => animations[0].tracks.map(({ light }) => light);
+    same(places(shifted(two, 1, 1)), [0, 3], "one added between");
+    same(places(shifted(two, 0, -1)), [1], "the first removed");
+    same(places(shifted(two, 1, -1)), [0, 1], "one between removed");
+  });
+
+  await harness.test("modules::animations_that_are_none_are_refused", () => {
+    const wrong = (change) => code(() => checkedAnimations([{ ...animation, tracks: [{ ...track, ...change }] }]));
+    const cases = [
+      { light: -1 }, { light: 0.5 }, { property: "colour" }, { times: [] }, { times: [1, 2] }, { times: [2, 1, 3] },
+      { times: [1, 2, NaN] }, { values: [1, 2] }, { values: "none" }, { interpolation: "cubic" },
+      { property: "color", values: [0, 0, 0, 0, 0, -1, 0, 0, 0] },
+    ];
+    for (const change of cases) equal(wrong(change), "bad-json", JSON.stringify(change));
+    for (const value of [undefined, {}, [1], [{}], [{ ...animation, duration: -1 }], [{ ...animation, tracks: 3 }]]) {
+      equal(code(() => checkedAnimations(value)), "bad-json", JSON.stringify(value));
+    }
+    equal(wrong({ property: "constructor" }), "bad-json", "a name of every object");
+    const copy = checkedAnimations([{ ...animation, tracks: [{ ...track, times: new Float32Array([1, 2, 4]) }] }]);
+    same(copy[0].tracks[0].times, [1, 2, 4], "times of a typed array");
+  });
+}
+
+async function days(harness, { airMass, dayCycle, illuminance, sun }, { checkedAnimations, lightsAt }) {
+  // Where the light comes from: [east, up, south].
+  const from = (options) => sun(options).direction.map((x) => -x);
+  const height = (options) => (Math.asin(from(options)[1]) * 180) / Math.PI;
+
+  await harness.test("modules::the_sun_stands_where_it_does", () => {
+    const noon = from({ hour: 12, latitude: 50 });
+    near(noon[0], 0, 1e-9, "east of the noon sun");
+    check(noon[2] > 0.5 && noon[1] > 0.5, `at noon in the north it stands in the south: ${noon}`);
+    check(from({ hour: 12, latitude: -50 })[2] < -0.5, "at noon in the south it stands in the north");
+    check(from({ hour: 7, latitude: 50 })[0] > 0.5, "in the morning it stands in the east");
+    check(from({ hour: 17, latitude: 50 })[0] < -0.5, "in the evening it stands in the west");
+    // Noon heights: 90 degrees less the latitude, more or less the tilt of the axis at the solstices.
+    near(height({ hour: 12, day: 81, latitude: 50 }), 40, 0.1, "at the equinox");
+    near(height({ hour: 12, day: 172, latitude: 50 }), 63.44, 0.1, "in June");
+    near(height({ hour: 12, day: 355, latitude: 50 }), 16.56, 0.1, "in December");
+    for (const hour of [0, 3.3, 9, 18]) near(Math.hypot(...from({ hour, latitude: 33, north: 77 })), 1, 1e-12, "the length");
+  });
+
+  await harness.test("modules::north_can_lie_anywhere", () => {
+    const noon = from({ hour: 12, latitude: 50, north: 90 });
+    check(noon[0] < -0.5 && Math.abs(noon[2]) < 1e-9, `with north at +x south is at -x: ${noon}`);
+    const morning = from({ hour: 6, day: 81, latitude: 0, north: 90 });
+    check(morning[2] > 0.99, `and east at +z: ${morning}`);
+  });
+
+  await harness.test("modules::no_sun_at_night", () => {
+    const midnight = sun({ hour: 0, latitude: 50 });
+    equal(midnight.intensity, 0, "the intensity at midnight");
+    check(midnight.direction[1] > 0, "it shines up from below the horizon");
+    check(midnight.color.every(Number.isFinite), "a colour all the same");
+    check(sun({ hour: 0, latitude: 80, day: 172 }).intensity > 0, "the midnight sun");
+    equal(sun({ hour: 12, latitude: 80, day: 355 }).intensity, 0, "the polar night");
+  });
+
+  await harness.test("modules::days_are_as_long_as_the_latitude_has_it", () => {
+    for (const [latitude, day] of [[0, 172], [30, 355], [50, 172], [-40, 172], [60, 81], [65, 20]]) {
+      const tilt = ((23.44 * Math.PI) / 180) * Math.sin((2 * Math.PI * (284 + day)) / 365);
+      const expected = (24 / Math.PI) * Math.acos(-Math.tan((latitude * Math.PI) / 180) * Math.tan(tilt));
+      let found = 0;
+      for (let minute = 0; minute < 1440; minute += 1) {
+        found += sun({ hour: minute / 60, day, latitude }).direction[1] < 0 ? 1 / 60 : 0;
+      }
+      near(found, expected, 0.04, `hours of day ${day} at ${latitude} degrees`);
+    }
+  });
+
+  await harness.test("modules::sunlight_dims_and_reddens_with_the_air", () => {
+    near(airMass(90), 1, 1e-3, "the air straight up");
+    near(airMass(30), 2, 0.01, "at 30 degrees, twice");
+    near(airMass(0), 38, 0.5, "at the horizon");
+    const overhead = illuminance(sun({ hour: 12, day: 81, latitude: 0 }));
+    check(overhead > 95_000 && overhead < 115_000, `the sun overhead is ${overhead} lux`);
+    let [before, blue] = [Infinity, Infinity];
+    for (let hour = 12; hour <= 17.9; hour += 0.1) {
+      const light = sun({ hour, day: 81, latitude: 0 });
+      const lux = illuminance(light);
+      check(lux < before, `${lux} lux at ${hour} after ${before}`);
+      check(light.color[0] === 1 && light.color[2] < blue, `no redder at ${hour}: ${light.color}`);
+      [before, blue] = [lux, light.color[2]];
+    }
+    near(sun({ hour: 12, latitude: 50, scale: 0.01 }).intensity * 100, sun({ hour: 12, latitude: 50 }).intensity, 1e-6, "scale");
+  });
+
+  await harness.test("modules::a_day_is_an_animation_that_follows_the_sun", () => {
+    const place = { latitude: 50, day: 100, north: 20 };
+    const day = dayCycle({ ...place, light: 1, duration: 48 });
+    same(checkedAnimations([day])[0].tracks.map(({ property }) => property), ["direction", "intensity", "color"], "tracks");
+    const lights = [{ type: "point", position: [0, 0, 0], intensity: 1, color: [1, 1, 1] }, sun({ ...place, hour: 0 })];
+    for (const hour of [0, 6.1, 9.77, 12, 15.4, 20]) {
+      const [lamp, found] = lightsAt(lights, day, hour * 2);
+      const expected = sun({ ...place, hour });
+      same(lamp, lights[0], "the lamp");
+      const cos = found.direction.reduce((sum, x, i) => sum + x * expected.direction[i], 0);
+      near(cos, 1, 1e-5, `the direction at ${hour}`);
+      near(found.intensity, expected.intensity, 0.02 * 133_100, `the intensity at ${hour}`);
+    }
+    equal(dayCycle({ ...place, from: 6, to: 18, duration: 10 }).tracks[0].times.at(-1), 10, "the last key");
+  });
+}
+
+async function links(harness, { readState, stateHash }) {
+  const camera = { position: [0.1234567, 2, -3e-17], target: [0, 1, 4], up: [0, 1, 0], yfov_deg: 55 };
+  const lights = [
+    { type: "point", position: [1, 2, 3], intensity: 20, color: [1, 0.5, 0.25] },
+    { type: "spot", position: [1, 2, 3], direction: [0, -1, 0], outer_cone_deg: 40, intensity: 20, color: [1, 1, 1] },
+    { type: "directional", direction: [0.3, -1, 0.2], intensity: 2 },
+  ];
+  await harness.test("modules::a_link_says_the_state_in_plain_words", () => {
+    const hash = stateHash({ camera, lights, settings: { exposure: "1.5", mode: "" } });
+    equal(
+      hash,
+      "camera=0.12346,2,0,0,1,4,0,1,0,55&light=point,1,2,3,20,1,0.5,0.25" +
+        "&light=spot,1,2,3,0,-1,0,40,40,20,1,1,1&light=directional,0.3,-1,0.2,2,1,1,1&exposure=1.5",
+      "the hash",
+    );
+    const state = readState(`#other=1&${hash}`);
+    same(state.camera, { ...camera, position: [0.12346, 2, 0] }, "the camera");
+    same(state.lights.map(({ type }) => type), ["point", "spot", "directional"], "the lights");
+    same(state.lights[0], lights[0], "the first light");
+    same(state.settings, { exposure: "1.5" }, "settings");
+    same(readState(stateHash({ camera, lights: [], settings: {} })).lights, [], "no lights");
+    equal(readState(stateHash({ camera, lights, settings: {} }, "a."), "b."), undefined, "another element's state");
+    equal(readState(stateHash({ camera, lights, settings: {} }, "a."), "a.").lights.length, 3, "its own");
+    equal(readState("#section-3"), undefined, "some other hash");
+  });
+  await harness.test("modules::a_damaged_link_is_refused", () => {
+    for (const bad of ["camera=1,2", "camera=1,2,3,4,5,6,7,8,9,x", "light=lamp,1", "light=point,1,2,3,4,5,6", "light=", "light=constructor,1", "camera=,,,,,,,,,"]) {
+      equal(code(() => readState(bad)), "bad-json", bad);
+    }
+  });
+}
+
+async function steps(harness, { hexColor, linearColor, newLight, stepped }) {
+  // It looks along -x, a little down: right is -z.
+  const camera = { position: [10, 2, 0], target: [0, 0, 0], up: [0, 1, 0] };
+  const lamp = { type: "point", position: [5, 2, 0], intensity: 3 };
+  await harness.test("modules::keys_move_a_light_as_the_camera_sees_it", () => {
+    const way = (key, far) => stepped(lamp, camera, key, far).position.map((x, i) => Number((x - lamp.position[i]).toFixed(9)) + 0);
+    same(way("ArrowRight", false), [0, 0, -0.1], "right");
+    same(way("ArrowLeft", false), [0, 0, 0.1], "left");
+    same(way("ArrowUp", false), [-0.1, 0, 0], "away");
+    same(way("ArrowDown", false), [0.1, 0, 0], "nearer");
+    same(way("PageUp", false), [0, 0.1, 0], "up");
+    same(way("PageDown", true), [0, -0.5, 0], "down, far");
+    equal(stepped(lamp, camera, "Enter", false), undefined, "another key");
+    const down = { position: [0, 5, 0], target: [0, 0, 0], up: [0, 0, -1] };
+    check(stepped(lamp, down, "ArrowUp", false).position[2] < 0, "from straight above, what is up in the picture is ahead");
+    const turned = stepped({ type: "directional", direction: [0, -2, 0], intensity: 1 }, camera, "ArrowRight", false).direction;
+    check(turned[2] > 0 && turned[1] < 0, `it comes from further right: ${turned}`);
+    near(Math.hypot(...turned), 1, 1e-12, "its length");
+  });
+  await harness.test("modules::new_lights_lie_in_view", () => {
+    for (const type of ["point", "spot", "directional"]) {
+      const light = newLight(type, camera);
+      equal(light.type, type, "the kind");
+      check(light.intensity > 0, "no light");
+      if (light.position) same(light.position.map((x) => Math.round(x * 1e6) / 1e6), [3, 0.6, 0], "the place");
+    }
+  });
+  await harness.test("modules::colours_come_back", () => {
+    for (const hex of ["#000000", "#ffffff", "#0a80c8", "#ff0105"]) equal(hexColor(linearColor(hex)), hex, "the colour");
+    equal(hexColor([2, 1, 0]), hexColor([1, 0.5, 0]), "brighter than white");
+  });
+}
