@@ -5,7 +5,9 @@ use js_sys::{Float32Array, Promise, Reflect, Uint8Array};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::bulk::{Point, Vertex};
-use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
+use rebounce_shared::rbn::meta::{
+    Animation, Draw, Interpolation, Level, Material, Meta, Property, Track,
+};
 use rebounce_shared::rbn::{LinkMatrix, RbnError, Scene};
 use rebounce_viewer::wasm::Viewer;
 use rebounce_viewer::wire;
@@ -34,6 +36,18 @@ fn triangle() -> Scene {
                 target: [1e6, 0.0, 0.0],
                 up: [0.0, 1.0, 0.0],
                 yfov_deg: 50.0,
+            }],
+            lights: vec![Light::Point { position: [0.0; 3], intensity: 0.0, color: [1.0; 3] }],
+            animations: vec![Animation {
+                name: "glow".into(),
+                duration: 2.0,
+                tracks: vec![Track {
+                    light: 0,
+                    property: Property::Intensity,
+                    interpolation: Interpolation::Step,
+                    times: vec![0.0, 2.0],
+                    values: vec![0.25, 4.0],
+                }],
             }],
             ..Meta::default()
         },
@@ -125,5 +139,15 @@ async fn without_lights_there_is_no_light_and_the_first_one_shines() {
     let picture = JsFuture::from(viewer.read_pixels(16, 16)).await.unwrap();
     let picture = picture.unchecked_into::<Uint8Array>().to_vec();
     assert!(picture.chunks(4).any(|pixel| pixel[0] > 0), "the light shines on nothing");
+    viewer.dispose();
+}
+
+#[wasm_bindgen_test]
+async fn a_page_sees_the_animations_of_the_file() {
+    let viewer = viewer().await;
+    JsFuture::from(viewer.load(Uint8Array::from(&triangle().to_bytes().unwrap()[..]))).await.unwrap();
+    let json = js_sys::JSON::stringify(&viewer.animations()).unwrap().as_string().unwrap();
+    let expected = r#"[{"name":"glow","duration":2,"tracks":[{"light":0,"property":"intensity","interpolation":"step","times":{"0":0,"1":2},"values":{"0":0.25,"1":4}}]}]"#;
+    assert_eq!(json, expected);
     viewer.dispose();
 }

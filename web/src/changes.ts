@@ -2,7 +2,7 @@
 
 import { tell } from "./events.js";
 import type { Viewer } from "./module.js";
-import type { Camera, Light } from "./shot.js";
+import { cameraIn, lightsIn } from "./wire.js";
 
 /** What was told last. */
 export class Changes {
@@ -16,12 +16,12 @@ export class Changes {
 
   /** Looks, and sends `camera-change` and `light-change`. */
   look(viewer: Viewer, target: EventTarget): void {
-    const [camera, lights] = [viewer.cameraJson(), viewer.lightsJson()];
+    const [camera, lights] = [String(viewer.camera()), String(viewer.lights())];
     const moved = this.#camera !== "" && this.#camera !== camera;
     const lit = this.#lights !== "" && this.#lights !== lights;
     this.#camera = camera;
     this.#lights = lights;
-    if (moved) tell(target, "camera-change", { camera: JSON.parse(camera) as Camera });
-    if (lit) tell(target, "light-change", { lights: JSON.parse(lights) as Light[] });
+    if (moved) tell(target, "camera-change", { camera: cameraIn(viewer) });
+    if (lit) tell(target, "light-change", { lights: lightsIn(viewer) });
   }
 }

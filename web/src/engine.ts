@@ -16,6 +16,7 @@ import { closeViewer, openViewer, type SessionHost } from "./session.js";
 import { Size } from "./size.js";
 import { restoreState } from "./state.js";
 import { Tree } from "./tree.js";
+import { lightNumbers, lightsIn } from "./wire.js";
 
 /** One element's engine. */
 export class Engine {
@@ -45,8 +46,8 @@ export class Engine {
     this.#onScreen = new OnScreen(element, () => this.#appear());
     this.#size = new Size(element, (width, height) => this.#resize(width, height));
     this.player = new Player({
-      readLights: () => (this.ready ? this.use((viewer) => viewer.lightsJson()) : undefined),
-      writeLights: (json) => this.use((viewer) => viewer.setLightsJson(json)),
+      readLights: () => (this.ready ? this.use(lightsIn) : undefined),
+      writeLights: (lights) => this.use((viewer) => viewer.setLights(lightNumbers(lights))),
       animationName: () => element.animationName,
       tell: (type, detail) => tell(element, type, detail),
       wantFrame: () => this.wantFrame(),
@@ -160,7 +161,7 @@ export class Engine {
   /** The file's; what cannot be used is told of. */
   #ownAnimations(viewer: Viewer): LightAnimation[] {
     try {
-      return checkedAnimations(JSON.parse(viewer.animationsJson?.() ?? "[]"));
+      return checkedAnimations(viewer.animations());
     } catch (error) {
       this.#warn(failureOf(error));
       return [];

@@ -1,16 +1,7 @@
 /** The wasm module, loaded once for all elements of a page. */
 
-import init, { Viewer as Program } from "./rebounce_viewer.js";
+import init, { Viewer } from "./rebounce_viewer.js";
 import { Failure } from "./failure.js";
-
-/** The viewer, with what not every build of it has. */
-export type Viewer = Program &
-  Partial<{
-    toneMapping: string;
-    autoExposure: boolean;
-    animationsJson(): string;
-    countsJson(): Promise<string>;
-  }>;
 
 let loading: Promise<unknown> | undefined;
 
@@ -33,6 +24,8 @@ export async function createViewer(canvas: HTMLCanvasElement): Promise<Viewer> {
       cause: error,
     });
   }
-  return Program.create(canvas);
+  return Viewer.create(canvas);
 }
+
+export type { Viewer };
 

@@ -3,7 +3,6 @@
 import { make } from "./element.js";
 import type { Section } from "./panel.js";
 import type { RebounceViewer } from "./rebounce-viewer.js";
-import type { Counts } from "./stats.js";
 
 type Line = readonly [name: string, value: string];
 
@@ -32,7 +31,7 @@ export class Figures implements Section {
     this.#shownAt = performance.now();
     const stats = this.#host.stats();
     if (!stats) return;
-    const passes = Object.entries(stats.milliseconds).filter((pass): pass is [string, number] => pass[1] !== null);
+    const passes = Object.entries(stats.milliseconds);
     const together = passes.reduce((sum, [, ms]) => sum + ms, 0);
     const times = [...passes, ["together", together] as const].map(([name, ms]): Line => [words(name), `${ms.toFixed(2)} ms`]);
     fill(this.#times, "GPU time per pass", passes.length > 0 ? times : []);
@@ -56,24 +55,16 @@ export class Figures implements Section {
   async #count(): Promise<void> {
     // A scene that is gone meanwhile has no counts.
     const counts = await this.#host.counts().catch(() => undefined);
-    fill(this.#counted, "In this picture", lines(counts ?? {}));
+    fill(this.#counted, "In this picture", Object.entries(counts ?? {}).map(([name, value]): Line => [words(name), count(value)]));
   }
-}
-
-/** Groups of counts, one line a number. */
-function lines(counts: Counts, group = ""): Line[] {
-  return Object.entries(counts).flatMap(([name, value]): Line[] => {
-    const title = [group, words(name)].filter(Boolean).join(", ");
-    return typeof value === "object" && value !== null ? lines(value, title) : [[title, count(Number(value))]];
-  });
 }
 
 const sum = (numbers: number[]) => numbers.reduce((a, b) => a + b, 0);
 const count = (value: number) => value.toLocaleString(undefined, { maximumFractionDigits: 2 });
 const size = (bytes: number) => (bytes < 1e6 ? `${(bytes / 1e3).toFixed(0)} kB` : `${(bytes / 1e6).toFixed(1)} MB`);
 
-/** camelCase and snake_case as words. */
-const words = (name: string) => name.replaceAll("_", " ").replace(/[A-Z]/g, (letter) => ` ${letter.toLowerCase()}`);
+/** camelCase as words. */
+const words = (name: string) => name.replace(/[A-Z]/g, (letter) => ` ${letter.toLowerCase()}`);
 
 function fill(table: HTMLTableElement, title: string, rows: readonly Line[]): void {
   table.hidden = rows.length === 0;

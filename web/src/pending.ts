@@ -4,6 +4,7 @@ import type { LightAnimation } from "./animation.js";
 import type { AttributeElement } from "./attributes.js";
 import type { Viewer } from "./module.js";
 import type { Camera, Light, Shot } from "./shot.js";
+import { cameraNumbers, lightNumbers } from "./wire.js";
 
 /** What a script has set so far. */
 export interface Pending {
@@ -17,15 +18,13 @@ export interface Pending {
 
 /** Hands over camera and lights. Throws what the viewer refuses. */
 export function handOver(viewer: Viewer, { shot, camera, lights }: Pending): void {
-  if (shot) viewer.setShotJson(JSON.stringify(shot));
-  if (camera) viewer.setCameraJson(JSON.stringify(camera));
-  if (lights) viewer.setLightsJson(JSON.stringify(lights));
+  if (shot) viewer.setShot(cameraNumbers(shot.camera), lightNumbers(shot.lights));
+  if (camera) viewer.setCamera(cameraNumbers(camera));
+  if (lights) viewer.setLights(lightNumbers(lights));
 }
 
-/** Hands the attributes on; what this build of the viewer has not is left alone. */
+/** Hands the attributes on. */
 export function applyAttributes(viewer: Viewer, element: AttributeElement): void {
   const { exposure, autoExposure, toneMapping, mode, overlay } = element;
-  const wanted: Partial<Viewer> = { exposure, autoExposure, toneMapping, mode, overlay };
-  for (const name in wanted) if (!(name in viewer)) delete wanted[name as keyof Viewer];
-  Object.assign(viewer, wanted);
+  Object.assign(viewer, { exposure, autoExposure, toneMapping, mode, overlay });
 }

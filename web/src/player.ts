@@ -16,9 +16,9 @@ export interface PlayOptions {
 
 /** What the player needs of the element. */
 export interface PlayerHost {
-  /** Reads or writes the lights as JSON; nothing while no scene is loaded. */
-  readLights(): string | undefined;
-  writeLights(json: string): void;
+  /** Reads or writes the lights; nothing while no scene is loaded. */
+  readLights(): Light[] | undefined;
+  writeLights(lights: Light[]): void;
   /** The name of the wanted animation. */
   animationName(): string;
   tell(type: "play" | "pause" | "finished", detail: { name: string }): void;
@@ -35,7 +35,7 @@ export class Player {
   #left = Infinity;
   #lastMs: number | undefined;
   /** The lights as this player left them. */
-  #written: string | undefined;
+  #written: Light[] | undefined;
 
   constructor(host: PlayerHost) {
     this.#host = host;
@@ -118,17 +118,14 @@ export class Player {
 
   #touched(animation: LightAnimation): boolean {
     const now = this.#host.readLights();
-    if (this.#written === undefined || now === this.#written) return false;
-    return !agrees(animation, parsed(now), parsed(this.#written));
+    return this.#written !== undefined && !agrees(animation, now ?? [], this.#written);
   }
 
   #write(): void {
-    const json = this.#host.readLights();
+    const lights = this.#host.readLights();
     const animation = this.current;
-    if (json === undefined || !animation) return;
-    this.#host.writeLights(JSON.stringify(lightsAt(parsed(json), animation, this.#time)));
+    if (!lights || !animation) return;
+    this.#host.writeLights(lightsAt(lights, animation, this.#time));
     this.#written = this.#host.readLights();
   }
 }
-
-const parsed = (json: string | undefined) => JSON.parse(json ?? "[]") as Light[];

@@ -13,6 +13,7 @@ import type { PlayOptions } from "./player.js";
 import type { Camera, Light, Shot } from "./shot.js";
 import { restoreState, stateLink } from "./state.js";
 import type { Counts, Stats } from "./stats.js";
+import { cameraIn, cameraNumbers, countsIn, lightNumbers, lightsIn, statsIn } from "./wire.js";
 
 export type { AnimatedProperty, LightAnimation, LightTrack } from "./animation.js";
 export type { Mode, Overlay, ToneMapping } from "./attributes.js";
@@ -36,10 +37,10 @@ export class RebounceViewer extends AttributeElement {
   get camera(): Camera | undefined {
     const { ready, pending } = this.#engine;
     if (!ready) return pending.camera ?? pending.shot?.camera;
-    return JSON.parse(this.#engine.use((viewer) => viewer.cameraJson())) as Camera;
+    return this.#engine.use(cameraIn);
   }
   set camera(camera: Camera) {
-    if (this.loaded) this.#engine.use((viewer) => viewer.setCameraJson(JSON.stringify(camera)));
+    if (this.loaded) this.#engine.use((viewer) => viewer.setCamera(cameraNumbers(camera)));
     else this.#engine.pending.camera = camera;
   }
 
@@ -47,10 +48,10 @@ export class RebounceViewer extends AttributeElement {
   get lights(): Light[] {
     const { ready, pending } = this.#engine;
     if (!ready) return pending.lights ?? pending.shot?.lights ?? [];
-    return JSON.parse(this.#engine.use((viewer) => viewer.lightsJson())) as Light[];
+    return this.#engine.use(lightsIn);
   }
   set lights(lights: Light[]) {
-    if (this.loaded) this.#engine.use((viewer) => viewer.setLightsJson(JSON.stringify(lights)));
+    if (this.loaded) this.#engine.use((viewer) => viewer.setLights(lightNumbers(lights)));
     else this.#engine.pending.lights = lights;
   }
 
@@ -75,17 +76,18 @@ export class RebounceViewer extends AttributeElement {
   }
 
   #sceneLights(): Light[] {
-    return JSON.parse(this.#engine.use((viewer) => viewer.lightsJson())) as Light[];
+    return this.#engine.use(lightsIn);
   }
 
   /** Camera and lights together, as SHOT.json holds them. */
   get shot(): Shot | undefined {
     if (!this.loaded) return this.#engine.pending.shot;
-    return JSON.parse(this.#engine.use((viewer) => viewer.shotJson())) as Shot;
+    const { width, height } = this.#engine.tree.canvas;
+    return this.#engine.use((viewer) => ({ size: [width, height], camera: cameraIn(viewer), lights: lightsIn(viewer) }));
   }
   set shot(shot: Shot) {
     const { animations, repetitions } = this.#engine.pending;
-    if (this.loaded) this.#engine.use((viewer) => viewer.setShotJson(JSON.stringify(shot)));
+    if (this.loaded) this.#engine.use((viewer) => viewer.setShot(cameraNumbers(shot?.camera), lightNumbers(shot?.lights)));
     else this.#engine.pending = { shot, ...(animations && { animations }), ...(repetitions && { repetitions }) };
   }
 
@@ -152,13 +154,12 @@ export class RebounceViewer extends AttributeElement {
   /** Times, counts, bytes and the adapter; nothing while no scene is loaded. */
   stats(): Stats | undefined {
     if (!this.loaded) return undefined;
-    return JSON.parse(this.#engine.use((viewer) => viewer.statsJson())) as Stats;
+    return this.#engine.use(statsIn);
   }
 
-  /** What the GPU counted for the present picture; nothing where this build of the viewer does not count. */
-  async counts(): Promise<Counts | undefined> {
-    const json = await this.#engine.read((viewer) => viewer.countsJson?.());
-    return json === undefined ? undefined : (JSON.parse(json) as Counts);
+  /** What the GPU counted for the present picture. Rejects where no scene is loaded. */
+  async counts(): Promise<Counts> {
+    return await this.#engine.read(countsIn);
   }
 
   /**

@@ -7,7 +7,7 @@ export interface Stats {
   /** The scene's name. */
   scene: string;
   /** Milliseconds of each pass when it last ran; absent where the device cannot time. */
-  milliseconds: Record<string, number | null>;
+  milliseconds: Record<string, number>;
   /** Pictures drawn so far. */
   frames: number;
   /** Times that light was computed anew. */
@@ -25,5 +25,14 @@ export interface Stats {
   [figure: string]: unknown;
 }
 
-/** What the GPU counted for the present picture: numbers by name, in groups. */
-export type Counts = { [name: string]: number | Counts };
+/** What the GPU counted for the present picture. */
+export interface Counts {
+  /** Pixels of the picture. */
+  pixels: number;
+  /** Pixels that looked functions up; the others are interpolated. */
+  pixelsLookedUp: number;
+  /** Functions of which a pixel tested whether they reach it, on average over all pixels. */
+  functionsLookedAtPerPixel: number;
+  /** Kernels evaluated for a pixel, on average over all pixels. */
+  kernelEvaluationsPerPixel: number;
+}

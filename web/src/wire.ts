@@ -3,7 +3,7 @@
 import { Failure } from "./failure.js";
 import type { Viewer } from "./module.js";
 import type { Camera, Light, Triple } from "./shot.js";
-import type { Stats } from "./stats.js";
+import type { Counts, Stats } from "./stats.js";
 
 const KINDS = ["point", "spot", "directional"] as const;
 /** Numbers of a light. */
@@ -42,7 +42,7 @@ export function cameraNumbers(camera: Camera): Float64Array {
 }
 
 /** A camera from its numbers. */
-export function cameraOf(numbers: Float64Array): Camera {
+function cameraOf(numbers: Float64Array): Camera {
   const three = (at: number) => [...numbers.subarray(at, at + 3)] as Triple;
   return { position: three(0), target: three(3), up: three(6), yfov_deg: numbers[9] ?? 60 };
 }
@@ -72,7 +72,7 @@ export function lightNumbers(lights: readonly Light[]): Float64Array {
 }
 
 /** The lights from their numbers. */
-export function lightsOf(numbers: Float64Array): Light[] {
+function lightsOf(numbers: Float64Array): Light[] {
   const lights: Light[] = [];
   for (let i = 0; i < numbers.length; i += LIGHT) {
     const n = [...numbers.subarray(i, i + LIGHT)] as [number, ...number[]];
@@ -90,8 +90,24 @@ export function lightsOf(numbers: Float64Array): Light[] {
   return lights;
 }
 
+/** The present camera and lights. */
+export const cameraIn = (viewer: Viewer): Camera => cameraOf(viewer.camera());
+export const lightsIn = (viewer: Viewer): Light[] => lightsOf(viewer.lights());
+
+/** What the GPU counted for the present picture. */
+export async function countsIn(viewer: Viewer): Promise<Counts> {
+  const [pixels = 0, rows = 0, lookedAt = 0, evaluated = 0] = await viewer.counts();
+  const perPixel = (count: number) => count / Math.max(pixels, 1);
+  return {
+    pixels,
+    pixelsLookedUp: rows,
+    functionsLookedAtPerPixel: perPixel(lookedAt),
+    kernelEvaluationsPerPixel: perPixel(evaluated),
+  };
+}
+
 /** The viewer's figures. */
-export function statsOf(viewer: Viewer): Stats {
+export function statsIn(viewer: Viewer): Stats {
   const { functions, microseconds, bytes, counts } = JSON.parse(viewer.stats()) as {
     functions: number[];
     microseconds: Record<string, number>;

@@ -204,7 +204,7 @@ export async function animation(harness, context) {
     const { page } = await open(context, { html: "<rebounce-viewer></rebounce-viewer>" });
     await page.evaluate(async (list) => {
       const { Viewer } = await import("./rebounce_viewer.js");
-      Viewer.prototype.animationsJson = () => JSON.stringify(list);
+      Viewer.prototype.animations = () => list;
       viewer.play({ name: "short", repetitions: 1 });
       viewer.src = "scene.rbn";
       await until(() => events.some(({ type }) => type === "finished"));
