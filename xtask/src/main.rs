@@ -1,10 +1,11 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `test`, `fidelity`, `bench-web`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `test`, `fidelity`, `bench-web`, `install`.
 
 mod bench_web;
 mod bindgen;
 mod demo;
 mod fidelity;
 mod install;
+mod package;
 mod process;
 mod test;
 mod toolchain;
@@ -20,6 +21,7 @@ cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
 cargo xtask test [native|wasm|page]
                      runs every test, those in the browser included; or one part
 cargo xtask web      builds the viewer and its page into web/dist
+cargo xtask package  packs the npm package into target/package
 cargo xtask fidelity [--presets draft,standard,fine] [--scenes DIR]
                      measures bakes against path-traced pictures and writes docs/fidelity.md; DIR holds
                      scenes of yours in the same way: shots/NAME.shot.json, references/NAME.indirect.{a,b}.exr
@@ -46,6 +48,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),
+        Some("package") => package::run(),
         Some("help" | "--help" | "-h") => {
             println!("{USAGE}");
             Ok(())
