@@ -41,36 +41,56 @@ const sources = await Promise.all(
 const manifest = create({ modules: sources, plugins: [], context: { dev: false } });
 
 
-const isElement = (node) => ts.isClassDeclaration(node) && node.name?.text === CLASS;
-const [source, ...others] = sources.filter((file) => file.statements.some(isElement));
-if (!source || others.length > 0) throw new Error(`src/ has to hold one class ${CLASS}`);
+const classes = new Map(
+  sources.flatMap((source) =>
+    source.statements.filter((node) => ts.isClassDeclaration(node) && node.name).map((node) => [node.name.text, { node, source }]),
+  ),
+);
+/** The element's class and those of src/ that it extends. */
+const line = [];
+for (let name = CLASS; classes.has(name); ) {
+  const { node, source } = classes.get(name);
+  const declared = manifest.modules.find(({ path }) => path === source.fileName).declarations;
+  line.push({ node, source, declaration: declared.find((declaration) => declaration.name === name) });
+  name = node.heritageClauses?.[0]?.types[0]?.expression.getText(source);
+}
+const [own] = line;
+if (!own) throw new Error(`src/ has no class ${CLASS}`);
+
+const SHOWN = [ts.SyntaxKind.AsyncKeyword, ts.SyntaxKind.ReadonlyKeyword, ts.SyntaxKind.OverrideKeyword];
 const isHidden = ({ modifiers, jsDoc = [] }) =>
-  (modifiers ?? []).some(({ kind }) => kind !== ts.SyntaxKind.AsyncKeyword && kind !== ts.SyntaxKind.ReadonlyKeyword) ||
+  (modifiers ?? []).some(({ kind }) => !SHOWN.includes(kind)) ||
   jsDoc.some(({ tags = [] }) => tags.some(({ tagName }) => tagName.text === "internal"));
-const open = source.statements.find(isElement).members.filter((member) => member.name && !isHidden(member));
-const names = new Set(open.map((member) => member.name.getText(source)).filter((name) => !name.startsWith("#")));
+/** The entries of a list of every class of the line, each name once, the heir's before those it inherits. */
+const gathered = (list) => {
+  const entries = line.flatMap(({ declaration }) => declaration[list] ?? []);
+  return [...new Map([...entries].reverse().map(({ inheritedFrom, ...entry }) => [entry.name, entry])).values()].reverse();
+};
 
 // The rest is nobody's interface.
-manifest.modules = manifest.modules.filter(({ path }) => path === source.fileName);
+manifest.modules = manifest.modules.filter(({ path }) => path === own.source.fileName);
 const [module] = manifest.modules;
+const element = own.declaration;
+module.declarations = [element];
 // Types are no exports of a script.
 module.exports = module.exports.filter(({ declaration }) => declaration.name === CLASS);
-const { declarations } = module;
-const element = declarations.find(({ name }) => name === CLASS);
-element.description ||= doc(source.statements.find(isElement));
-element.tagName = TAG;
-element.customElement = true;
-element.members = element.members.filter(({ name }) => names.has(name));
+Object.assign(element, { tagName: TAG, customElement: true, superclass: { name: "HTMLElement" } });
+element.description ||= doc(own.node);
+const names = new Set(
+  line.flatMap(({ node, source }) =>
+    node.members.filter((member) => member.name && !isHidden(member)).map((member) => member.name.getText(source)),
+  ),
+);
+element.members = gathered("members").filter(({ name }) => names.has(name) && !name.startsWith("#"));
 const fields = new Map(element.members.map((member) => [member.name, member]));
-for (const attribute of element.attributes ?? []) {
-  const field = fields.get(attribute.fieldName ?? attribute.name);
-  if (!field) continue;
-  attribute.fieldName = field.name;
-  attribute.description ??= field.description;
-  attribute.type ??= field.type;
-}
+const camelCase = (name) => name.replaceAll(/-(\w)/g, (_, letter) => letter.toUpperCase());
+element.attributes = gathered("attributes").map(({ name, ...rest }) => {
+  const field = fields.get(camelCase(name));
+  if (!field) return { name, ...rest };
+  return { name, description: field.description, type: field.type, ...rest, fieldName: field.name };
+});
 element.events = sources.flatMap(eventsOf);
 for (const list of ["members", "attributes", "events"]) {
-  if (!element[list]?.length) throw new Error(`the manifest has no ${list}`);
+  if (element[list].length === 0) throw new Error(`the manifest has no ${list}`);
 }
 await writeFile(out, `${JSON.stringify(manifest, null, 2)}\n`);

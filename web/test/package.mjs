@@ -69,8 +69,12 @@ async function contents(harness, context) {
     const page = await context.browser.newPage();
     await page.goto(server.address);
     const real = await page.evaluate(async () => {
-      const { prototype, observedAttributes } = await customElements.whenDefined("rebounce-viewer");
-      return { members: Object.getOwnPropertyNames(prototype), attributes: observedAttributes };
+      const element = await customElements.whenDefined("rebounce-viewer");
+      const members = [];
+      for (let { prototype } = element; prototype !== HTMLElement.prototype; prototype = Object.getPrototypeOf(prototype)) {
+        members.push(...Object.getOwnPropertyNames(prototype));
+      }
+      return { members, attributes: element.observedAttributes };
     });
     await page.close();
     server.end();
