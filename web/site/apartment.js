@@ -68,7 +68,7 @@ function light() {
   viewer.lights = [isDay ? daylight : MOON, ...lit];
   // The automatic exposure would make night as bright as noon.
   const isLit = lamps.some((box) => box.checked);
-  viewer.exposure = isDay ? Math.max(0.3 - 1.2 * Math.max(0.3 - height, 0), -0.3) : isLit ? -0.4 : -2.5;
+  viewer.exposure = isDay ? 0.9 - 3 * Math.max(0.3 - height, 0) : isLit ? -0.3 : -2.5;
 }
 
 let last;

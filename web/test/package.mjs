@@ -1,6 +1,6 @@
 // The npm package as others have it: its tarball, installed into small apps that are built and opened.
 
-import { execFile } from "node:child_process";
+import { execFile, spawn } from "node:child_process";
 import { cp, mkdir, readFile, rm, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { promisify } from "node:util";
@@ -19,18 +19,18 @@ export async function runPackageTests(harness, { work, rebounce, tarball }) {
   try {
     await contents(harness, context);
     await harness.test("package::a_plain_page_shows_the_scene", async () => {
-      await shows(context, await install(context, "plain"), "scene.rbn");
+      await served(context, await install(context, "plain"));
     });
     await harness.test("package::a_vite_app_in_strict_typescript_shows_the_scene", async () => {
       const folder = await build(context, "vite");
-      await shows(context, folder, "scene.rbn", async (page) => {
-        await page.waitForFunction(() => document.title.endsWith("/scene.rbn"));
-        equal(await page.evaluate(() => document.querySelector("rebounce-viewer").lights.length), 2, "lights");
-      });
+      await served(context, folder, hasAddedALamp);
+    });
+    await harness.test("package::vites_development_server_shows_the_scene", async () => {
+      await developed(context, path.join(work, "apps/vite"), hasAddedALamp);
     });
     await harness.test("package::a_react_app_in_tsx_shows_the_scene", async () => {
       const folder = await build(context, "react");
-      await shows(context, folder, "scene.rbn", async (page) => {
+      await served(context, folder, async (page) => {
         await page.waitForFunction(() => document.querySelector("output").textContent !== "nothing yet");
         const told = await page.evaluate(() => document.querySelector("output").textContent);
         check(/\/scene\.rbn: 1 light$/.test(told), `the app says: ${told}`);
@@ -114,10 +114,48 @@ async function build(context, name) {
   return path.join(folder, "dist");
 }
 
-/** Serves a folder with the scene in it, opens it, and looks at the picture. */
-async function shows({ browser, scene }, folder, name, more = () => undefined) {
-  await cp(scene, path.join(folder, name));
-  const server = await serveFolder(folder);
+/** What the Vite app does once the scene is there. */
+async function hasAddedALamp(page) {
+  await page.waitForFunction(() => document.title.endsWith("/scene.rbn"));
+  equal(await page.evaluate(() => document.querySelector("rebounce-viewer").lights.length), 2, "lights");
+}
+
+/** Serves a folder with the scene in it under a strict policy, and looks at the page. */
+async function served({ browser, scene }, folder, more) {
+  await cp(scene, path.join(folder, "scene.rbn"));
+  const { address, end } = await serveFolder(folder);
+  try {
+    await shows(browser, address, more);
+  } finally {
+    end();
+  }
+}
+
+/** Starts Vite's development server on an app with the scene in it, and looks at the page. */
+async function developed({ browser, scene }, folder, more) {
+  await mkdir(path.join(folder, "public"), { recursive: true });
+  await cp(scene, path.join(folder, "public/scene.rbn"));
+  const args = ["node_modules/vite/bin/vite.js", "--host", "127.0.0.1"];
+  const vite = spawn(process.execPath, args, { cwd: folder, env: { ...process.env, NO_COLOR: "1" } });
+  try {
+    const address = new Promise((resolve, reject) => {
+      let text = "";
+      vite.stdout.on("data", (data) => {
+        text += data;
+        const found = /http:\/\/127\.0\.0\.1:\d+\//.exec(text);
+        if (found) resolve(found[0]);
+      });
+      vite.on("error", reject);
+      vite.on("exit", (code) => reject(new Error(`vite ended (${code}): ${text}`)));
+    });
+    await shows(browser, await within(60, "vite", address), more);
+  } finally {
+    vite.kill();
+  }
+}
+
+/** Opens a page, waits for its scene, and looks at the picture. */
+async function shows(browser, address, more = () => undefined) {
   const page = await browser.newPage({ viewport: { width: 320, height: 240 } });
   page.setDefaultTimeout(180_000);
   const faults = [];
@@ -132,7 +170,7 @@ async function shows({ browser, scene }, folder, name, more = () => undefined) {
         }
       });
     });
-    await page.goto(server.address);
+    await page.goto(address);
     const event = await within(180, "the scene", page.evaluate(() => globalThis.outcome));
     equal(event.type, "load", event.message ?? "the event");
     const read = page.evaluate(async () => Array.from(await document.querySelector("rebounce-viewer").readPixels(128, 72)));
@@ -144,7 +182,6 @@ async function shows({ browser, scene }, folder, name, more = () => undefined) {
     throw faults.length > 0 ? new Error(`${error.message}\n${faults.join("\n")}`) : error;
   } finally {
     await page.close();
-    server.end();
   }
 }
 

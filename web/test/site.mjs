@@ -37,7 +37,11 @@ async function open({ browser, address }, name, { prepare, ...options } = {}) {
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
   page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
-  page.on("requestfailed", (request) => faults.push(`${request.url()}: ${request.failure()?.errorText}`));
+  page.on("requestfailed", (request) => {
+    // An element that can show nothing breaks its download off.
+    const { errorText } = request.failure();
+    if (errorText !== "net::ERR_ABORTED") faults.push(`${request.url()}: ${errorText}`);
+  });
   page.on("request", (request) => {
     const { protocol, origin } = new URL(request.url());
     const own = ["data:", "blob:"].includes(protocol) || `${origin}/` === address;

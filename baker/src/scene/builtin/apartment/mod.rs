@@ -41,11 +41,12 @@ enum Is {
     Brass,
     Grass,
     Hedge,
+    YoungHedge,
     Stone,
 }
 
 /// Names and linear RGB albedos, in the order of [`Is`].
-const MATERIALS: [(&str, [f32; 3]); 22] = [
+const MATERIALS: [(&str, [f32; 3]); 23] = [
     ("floor", [0.42, 0.27, 0.15]),
     ("wall", [0.74, 0.71, 0.66]),
     ("accent wall", [0.16, 0.3, 0.34]),
@@ -65,8 +66,9 @@ const MATERIALS: [(&str, [f32; 3]); 22] = [
     ("clay", [0.5, 0.22, 0.12]),
     ("print", [0.62, 0.46, 0.14]),
     ("brass", [0.55, 0.4, 0.16]),
-    ("grass", [0.17, 0.23, 0.08]),
-    ("hedge", [0.09, 0.16, 0.06]),
+    ("grass", [0.22, 0.26, 0.12]),
+    ("hedge", [0.15, 0.19, 0.1]),
+    ("young hedge", [0.19, 0.23, 0.13]),
     ("stone", [0.48, 0.45, 0.4]),
 ];
 
@@ -206,11 +208,11 @@ fn garden(mesh: &mut WorldMesh) {
         for k in 0..count as usize {
             let uneven = 0.1 * ((k * 5) % 4) as f64;
             let thick = if near < far { [near + uneven, far] } else { [far, near - uneven] };
-            let is = if k % 2 == 0 { Is::Hedge } else { Is::Leaf };
+            let is = if k % 2 == 0 { Is::Hedge } else { Is::YoungHedge };
             slab(mesh, axis, [at(k), at(k + 1)], [high.y, top - 0.5 * uneven], thick, is);
         }
     };
-    hedge(0, [low.x, high.x], high.z - 0.9, high.z, 3.4);
+    hedge(0, [low.x, high.x], high.z - 0.9, high.z, 3.7);
     hedge(2, [low.z, high.z - 0.9], low.x + 0.9, low.x, 2.9);
     hedge(2, [low.z, high.z - 0.9], high.x - 0.9, high.x, 2.9);
 }
