@@ -32,7 +32,7 @@ pub struct Quality {
 impl Quality {
     /// To look at: some minutes on two cores.
     fn usual() -> Self {
-        Self { preset: "draft".into(), bake: Vec::new(), size: [768, 432], samples: 40 }
+        Self { preset: "draft".into(), bake: Vec::new(), size: [768, 432], samples: 32 }
     }
 
     /// To test with: seconds.
