@@ -4,8 +4,8 @@ import { sun } from "./sun.js";
 
 /** Where the apartment stands, and how much of the sun's lux count beside its lamps. */
 const PLACE = { latitude: 46, day: 100, scale: 4e-4 };
-/** Height of the sun below which the lamps come on, as the sine. */
-const DUSK = 0.09;
+/** Height of the sun below which the hedge hides it and the lamps come on, as the sine. */
+const DUSK = 0.3;
 /** Moonlight, which keeps the night from being black. */
 const MOON = { type: "directional", direction: [0.35, -0.75, -0.55], intensity: 0.12, color: [0.6, 0.72, 1] };
 /** Hours of the day that pass in a second. */
@@ -67,8 +67,9 @@ function light() {
   const lit = present.map((lamp, i) => ({ ...lamp, intensity: lamps[i]?.checked ? full[i] : 0 }));
   viewer.lights = [isDay ? daylight : MOON, ...lit];
   // The automatic exposure would make night as bright as noon.
-  const isLit = lamps.some((box) => box.checked);
-  viewer.exposure = isDay ? 0.9 - 3 * Math.max(0.3 - height, 0) : isLit ? -0.3 : -2.5;
+  const share = isDay ? Math.min(height / DUSK, 1) : 0;
+  const least = lamps.some((box) => box.checked) ? 0.5 : -2.5;
+  viewer.exposure = least + (0.9 - least) * share;
 }
 
 let last;

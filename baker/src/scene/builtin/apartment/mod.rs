@@ -199,7 +199,7 @@ fn window(mesh: &mut WorldMesh, axis: usize, at: f64, &[from, to, sill, head]: &
 /// What is seen through the windows: grass, a terrace, and a hedge around, cut in uneven blocks.
 fn garden(mesh: &mut WorldMesh) {
     const WIDTH: f64 = 0.9;
-    let (low, high) = (dvec3(-6.6, -0.6, -1.5), dvec3(15.6, -0.32, 14.4));
+    let (low, high) = (dvec3(-6.6, -0.6, -4.5), dvec3(15.6, -0.32, 14.4));
     block(mesh, low, high, Is::Grass as u32);
     block(mesh, dvec3(0.2, high.y, ROOM.z + OUTER), dvec3(5.6, -0.1, 9.4), Is::Stone as u32);
     let mut hedge = |axis, [from, to]: [f64; 2], near: f64, far: f64, top: f64| {
@@ -213,6 +213,7 @@ fn garden(mesh: &mut WorldMesh) {
         }
     };
     hedge(0, [low.x, high.x], high.z - 0.9, high.z, 3.7);
-    hedge(2, [low.z, high.z - 0.9], low.x + 0.9, low.x, 2.9);
-    hedge(2, [low.z, high.z - 0.9], high.x - 0.9, high.x, 2.9);
+    hedge(0, [low.x, high.x], low.z + 0.9, low.z, 2.9);
+    hedge(2, [low.z + 0.9, high.z - 0.9], low.x + 0.9, low.x, 2.9);
+    hedge(2, [low.z + 0.9, high.z - 0.9], high.x - 0.9, high.x, 2.9);
 }
