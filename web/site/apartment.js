@@ -1,6 +1,6 @@
 // The apartment's page: the hour of the day sets the sun, and the lamps come on at dusk.
 
-import { sun } from "./sun.js";
+import { sun } from "./rebounce-viewer/daylight.js";
 
 /** Where the apartment stands, and how much of the sun's lux count beside its lamps. */
 const PLACE = { latitude: 46, day: 100, scale: 4e-4 };

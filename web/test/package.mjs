@@ -58,6 +58,29 @@ async function contents(harness, context) {
     equal(others.join(" "), "", "files that do not belong there");
   });
 
+  await harness.test("package::every_export_is_there", async () => {
+    const { exports, sideEffects } = JSON.parse(await readFile(path.join(folder, "package.json"), "utf8"));
+    const targets = Object.values(exports).flatMap((target) => (typeof target === "string" ? [target] : Object.values(target)));
+    const named = [...targets, ...sideEffects].map((target) => target.replace(/^\.\//, ""));
+    const missing = named.filter((target) => !target.includes("*") && !files.includes(target));
+    equal(missing.join(" "), "", "files that package.json names and the package lacks");
+  });
+
+  await harness.test("package::on_a_server_the_import_defines_nothing", async () => {
+    const script = `
+      const before = Object.getOwnPropertyNames(globalThis);
+      const { RebounceViewer } = await import("rebounce-viewer");
+      const { sun } = await import("rebounce-viewer/daylight");
+      const more = Object.getOwnPropertyNames(globalThis).filter((name) => !before.includes(name));
+      console.log(JSON.stringify({ more, element: typeof RebounceViewer, up: -sun({ hour: 12, latitude: 0 }).direction[1] }));`;
+    const { stdout, stderr } = await exec(process.execPath, ["--input-type=module", "-e", script], { cwd: app });
+    const { more, element, up } = JSON.parse(stdout);
+    equal(more.join(), "", "new names of the global object");
+    equal(element, "function", "the class");
+    check(up > 0.99, `at noon on the equator in spring the sun's height is ${up}`);
+    equal(stderr, "", "what is said");
+  });
+
   await harness.test("package::the_manifest_lists_what_the_element_has", async () => {
     const { modules } = JSON.parse(await readFile(path.join(folder, "custom-elements.json"), "utf8"));
     equal(modules.length, 1, "modules");
