@@ -1,11 +1,16 @@
-// node test/run.mjs [--wasm DIR/NAME]... [--page WORK REBOUNCE COMPARE]: tests that need a browser.
+// node test/run.mjs [--wasm DIR/NAME]... [--page WORK REBOUNCE COMPARE] [--package WORK REBOUNCE TARBALL]
+// [--site FOLDER]: tests that need a browser.
 // --wasm: a test program, where wasm-bindgen wrote NAME.js and NAME_bg.wasm.
 // --page: the tests of the page, with a folder to work in and two programs.
+// --package: those of the npm package, with a folder to work in, the program rebounce, and the tarball.
+// --site: those of the site that lies in a folder.
 // The last line printed is "N passed, N failed"; fails if any test does.
 
 import path from "node:path";
 import { Harness } from "./harness.mjs";
+import { runPackageTests } from "./package.mjs";
 import { runPageTests } from "./page.mjs";
+import { runSiteTests } from "./site.mjs";
 import { runWasmTests } from "./wasm.mjs";
 
 const harness = new Harness();
@@ -28,6 +33,21 @@ while (args.length > 0) {
       await runPageTests(harness, { work, rebounce, compare });
     } catch (error) {
       await harness.test("page", () => Promise.reject(error));
+    }
+  } else if (kind === "--package") {
+    const [work, rebounce, tarball] = args.splice(0, 3);
+    console.log("\ntests of the npm package");
+    try {
+      await runPackageTests(harness, { work, rebounce, tarball });
+    } catch (error) {
+      await harness.test("package", () => Promise.reject(error));
+    }
+  } else if (kind === "--site") {
+    console.log("\ntests of the site");
+    try {
+      await runSiteTests(harness, args.shift());
+    } catch (error) {
+      await harness.test("site", () => Promise.reject(error));
     }
   } else {
     throw new Error(`unknown argument ${kind}`);

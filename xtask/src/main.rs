@@ -1,11 +1,13 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `test`, `fidelity`, `bench-web`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `install`.
 
 mod bench_web;
 mod bindgen;
 mod demo;
 mod fidelity;
 mod install;
+mod package;
 mod process;
+mod site;
 mod test;
 mod toolchain;
 mod web;
@@ -17,9 +19,13 @@ const USAGE: &str = "\
 cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
                      bakes a scene (builtin:cornell-box), builds the viewer, serves it on 127.0.0.1;
                      with --screenshot: takes a picture in headless Chromium instead, and ends
-cargo xtask test [native|wasm|page]
+cargo xtask test [native|wasm|page|package|site]
                      runs every test, those in the browser included; or one part
 cargo xtask web      builds the viewer and its page into web/dist
+cargo xtask site [--preset NAME] [--samples N] [--quick] [--serve] [--port N]
+                     builds the site of web/site into target/site, and serves it on 127.0.0.1;
+                     N samples a pixel for its path-traced pictures; --quick: coarse scenes, small pictures
+cargo xtask package  packs the npm package into target/package
 cargo xtask fidelity [--presets draft,standard,fine] [--scenes DIR]
                      measures bakes against path-traced pictures and writes docs/fidelity.md; DIR holds
                      scenes of yours in the same way: shots/NAME.shot.json, references/NAME.indirect.{a,b}.exr
@@ -46,6 +52,8 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),
+        Some("package") => package::run(),
+        Some("site") => site::run(&args[1..]),
         Some("help" | "--help" | "-h") => {
             println!("{USAGE}");
             Ok(())

@@ -1,25 +1,29 @@
 //! `cargo xtask test`: every test. Nothing is compiled twice that need not be.
 
 use crate::toolchain::{self, Toolchain};
-use crate::{bindgen, install, process, web};
+use crate::{bindgen, install, package, process, site, web};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::Stdio;
 
-/// Runs every test, or one part: `native`, `wasm` or `page`. All parts run, whatever becomes of the
-/// first.
+/// The parts: tests of the crates, of the viewer as wasm, of the page of `rebounce view`, of the npm
+/// package, and of the site.
+const PARTS: [&str; 5] = ["native", "wasm", "page", "package", "site"];
+
+/// Runs every test, or one part. All parts run, whatever becomes of the first.
 ///
 /// # Errors
 /// If something needed is missing, does not compile, or a test fails.
 pub fn run(args: &[String]) -> Result<()> {
     let part = args.first().map(String::as_str);
-    if !matches!(part, None | Some("native" | "wasm" | "page")) || args.len() > 1 {
-        bail!("there are three parts: native, wasm, page; without a name all of them are run");
+    if part.is_some_and(|part| !PARTS.contains(&part)) || args.len() > 1 {
+        bail!("there are these parts: {}; without a name all of them are run", PARTS.join(", "));
     }
     let wanted = |name| part.is_none() || part == Some(name);
+    let in_page = ["page", "package", "site"].map(wanted).contains(&true);
     install::ensure(&install::BROWSER)?;
     // First the page: the binary that the tests build holds it.
-    if wanted("page") {
+    if in_page {
         web::build()?;
     } else {
         install::ensure(&install::NODE)?;
@@ -27,14 +31,17 @@ pub fn run(args: &[String]) -> Result<()> {
     }
     let native = match part {
         None | Some("native") => native(&[]),
-        Some("page") => native(&["--no-run"]),
-        Some(_) => Ok(()),
+        Some("wasm") => Ok(()),
+        Some(_) => native(&["--no-run"]),
     };
     if let Err(error) = &native {
         println!("{error:#}");
     }
+    if part == Some("native") {
+        return native;
+    }
     let programs = if wanted("wasm") { wasm_tests(toolchain::find()?)? } else { Vec::new() };
-    if wanted("wasm") || wanted("page") { native.and(browser(&programs, wanted("page"))) } else { native }
+    native.and(browser(&programs, wanted))
 }
 
 /// `cargo test` of the whole workspace, in the development profile (which is optimised). It builds
@@ -48,10 +55,11 @@ fn native(options: &[&str]) -> Result<()> {
     process::run(&mut command)
 }
 
-/// Runs wasm tests, and those of the page if wanted, in headless Chromium.
-fn browser(wasm: &[PathBuf], page: bool) -> Result<()> {
+/// Runs wasm tests, and those of the wanted parts, in headless Chromium.
+fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool) -> Result<()> {
     let work = process::target().join("browser-tests");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
+    let bin = |name: &str| process::target().join("debug").join(name);
     let mut node = web::node();
     node.arg("test/run.mjs");
     for file in wasm {
@@ -60,9 +68,16 @@ fn browser(wasm: &[PathBuf], page: bool) -> Result<()> {
         bindgen::tests(file, &name, &dir)?;
         node.arg("--wasm").arg(dir.join(name));
     }
-    if page {
-        let bin = |name: &str| process::target().join("debug").join(name);
+    if wanted("page") {
         node.arg("--page").arg(&work).arg(bin("rebounce")).arg(bin("compare"));
+    }
+    if wanted("package") {
+        node.arg("--package").arg(&work).arg(bin("rebounce")).arg(package::pack()?);
+    }
+    if wanted("site") {
+        let folder = work.join("site");
+        site::build(&bin("rebounce"), &site::Quality::quick(), &folder)?;
+        node.arg("--site").arg(folder);
     }
     process::run(&mut node)
 }

@@ -56,7 +56,10 @@ pub fn lean(cargo: &mut Command) -> &mut Command {
 /// # Errors
 /// If npm fails.
 pub fn npm() -> Result<()> {
-    packages("web", "the TypeScript compiler, the minifier, Playwright's driver")
+    packages(
+        "web",
+        "the TypeScript compiler, the minifier, the manifest's analyzer, Playwright's driver, axe",
+    )
 }
 
 /// Installs what the package-lock.json of a folder of the repository names, where that is not yet done.

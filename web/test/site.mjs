@@ -1,0 +1,216 @@
+// The site as `cargo xtask site` builds it: every page opened, in both colour schemes.
+
+import { readFile, readdir } from "node:fs/promises";
+import { createRequire } from "node:module";
+import path from "node:path";
+import { launch, spread, within } from "./browser.mjs";
+import { check, equal } from "./harness.mjs";
+import { serveFolder } from "./serve.mjs";
+
+const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
+const RULES = ["wcag2a", "wcag2aa", "wcag21aa", "best-practice"];
+
+/** Runs the tests of the site in a folder. */
+export async function runSiteTests(harness, folder) {
+  const pages = (await readdir(folder)).filter((name) => name.endsWith(".html"));
+  const server = await serveFolder(folder);
+  const browser = await launch();
+  const context = { browser, folder, address: server.address, axe: await readFile(AXE, "utf8") };
+  try {
+    await harness.test("site::all_links_resolve", () => links(context, pages));
+    for (const name of pages) {
+      await harness.test(`site::${name.replace(".html", "")}_is_sound_and_accessible`, () => sound(context, name));
+    }
+    await harness.test("site::the_sun_and_the_lamps_follow_the_hour", () => apartment(context));
+    await harness.test("site::the_comparison_moves_by_keyboard", () => comparison(context));
+    await harness.test("site::without_webgpu_the_pages_say_so_and_stay_sound", () => withoutWebgpu(context));
+  } finally {
+    await browser.close();
+    server.end();
+  }
+}
+
+/** Opens a page of the site; what goes wrong in it is gathered. */
+async function open({ browser, address }, name, { prepare, ...options } = {}) {
+  const page = await browser.newPage({ viewport: { width: 480, height: 640 }, ...options });
+  page.setDefaultTimeout(180_000);
+  const faults = [];
+  page.on("pageerror", (error) => faults.push(String(error)));
+  page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
+  page.on("requestfailed", (request) => {
+    // An element that can show nothing breaks its download off.
+    const { errorText } = request.failure();
+    if (errorText !== "net::ERR_ABORTED") faults.push(`${request.url()}: ${errorText}`);
+  });
+  page.on("request", (request) => {
+    const { protocol, origin } = new URL(request.url());
+    const own = ["data:", "blob:"].includes(protocol) || `${origin}/` === address;
+    if (!own) faults.push(`a request to ${request.url()}`);
+  });
+  await page.addInitScript(() => {
+    globalThis.violations = [];
+    document.addEventListener("securitypolicyviolation", (event) =>
+      violations.push(`${event.violatedDirective}: ${event.blockedURI} ${event.sample}`),
+    );
+  });
+  if (prepare) await page.addInitScript(prepare);
+  await page.goto(address + name);
+  return { page, faults };
+}
+
+/** Waits until every viewer of the page has loaded; throws what one of them says instead. */
+async function loaded(page) {
+  const wait = page.evaluate(async () => {
+    const viewers = [...document.querySelectorAll("rebounce-viewer")];
+    for (const viewer of viewers) viewer.loading = "eager";
+    const message = (viewer) => viewer.shadowRoot.querySelector("[role=alert]").textContent;
+    for (;;) {
+      const failed = viewers.map(message).find(Boolean);
+      if (failed || viewers.every((viewer) => viewer.loaded)) return failed ?? "";
+      await new Promise((later) => setTimeout(later, 50));
+    }
+  });
+  equal(await within(180, "the scene", wait), "", "the viewer's message");
+}
+
+/** What axe finds, one line each. */
+async function violations(page, axe) {
+  // An injected script element would break the page's policy; this does not.
+  if (!(await page.evaluate(() => "axe" in globalThis))) await page.evaluate(axe);
+  return page.evaluate(async (values) => {
+    const { violations } = await axe.run(document, { runOnly: { type: "tag", values } });
+    return violations.flatMap(({ id, help, nodes }) => nodes.map(({ target }) => `${id}: ${help}: ${target.flat().join(" ")}`));
+  }, RULES);
+}
+
+async function sound(context, name) {
+  const { page, faults } = await open(context, name, { colorScheme: "light" });
+  await loaded(page);
+  const viewers = await page.locator("rebounce-viewer").count();
+  for (let i = 0; i < viewers; i += 1) {
+    const pixels = await page.evaluate(
+      async (i) => Array.from(await document.querySelectorAll("rebounce-viewer")[i].readPixels(64, 36)),
+      i,
+    );
+    const { mean, deviation } = spread(pixels);
+    check(deviation > 4, `viewer ${i}: brightness ${mean.toFixed(1)} +- ${deviation.toFixed(1)} of 255`);
+  }
+  // The panel of the element, open.
+  await page.evaluate(() => {
+    for (const { shadowRoot } of document.querySelectorAll("rebounce-viewer")) {
+      for (const details of shadowRoot.querySelectorAll("details")) details.open = true;
+    }
+  });
+  const found = [];
+  for (const colorScheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme });
+    for (const line of await violations(page, context.axe)) found.push(`${colorScheme}: ${line}`);
+  }
+  equal(found.join("\n"), "", "what axe finds");
+  // Narrow as a phone, nothing sticks out.
+  await page.setViewportSize({ width: 320, height: 640 });
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  check(wide <= 320, `the page is ${wide} pixels wide on a screen of 320`);
+  equal((await page.evaluate(() => globalThis.violations)).join("\n"), "", "violations of the policy");
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
+}
+
+/** Every address that a page names, but for other sites', is a file of the folder or an id of a page. */
+async function links(context, pages) {
+  const missing = [];
+  for (const name of pages) {
+    const { page } = await open(context, name, { javaScriptEnabled: false });
+    const named = await page.evaluate(() =>
+      [...document.querySelectorAll("[href], [src], [poster]")].flatMap((element) =>
+        ["href", "src", "poster"].map((attribute) => element.getAttribute(attribute)).filter(Boolean),
+      ),
+    );
+    await page.close();
+    check(named.length > 5, `${name} names ${named.length} addresses`);
+    for (const address of named) {
+      const url = new URL(address, context.address + name);
+      if (`${url.origin}/` !== context.address) {
+        equal(url.origin, "https://github.com", "another site");
+        continue;
+      }
+      const file = path.join(context.folder, decodeURIComponent(url.pathname));
+      const text = await readFile(file, "utf8").catch(() => undefined);
+      const id = url.hash.slice(1);
+      if (text === undefined || (id && !text.includes(`id="${id}"`))) missing.push(`${name}: ${address}`);
+    }
+  }
+  equal(missing.join("\n"), "", "addresses that lead nowhere");
+}
+
+async function apartment(context) {
+  const { page, faults } = await open(context, "apartment.html");
+  await loaded(page);
+  const at = async (hour) => {
+    await page.locator("#hour").fill(String(hour));
+    return page.evaluate(async () => {
+      const viewer = document.querySelector("rebounce-viewer");
+      const pixels = await viewer.readPixels(64, 36);
+      return { lights: viewer.lights, clock: document.getElementById("clock").value, pixels: Array.from(pixels) };
+    });
+  };
+  const noon = await at(12);
+  equal(noon.clock, "12:00", "the clock");
+  const [sun, ...lamps] = noon.lights;
+  check(sun.intensity > 10 && sun.direction[1] < -0.5, `the sun at noon: ${JSON.stringify(sun)}`);
+  equal(lamps.length, 5, "lamps");
+  check(lamps.every(({ intensity }) => intensity === 0), "a lamp is on at noon");
+  const morning = (await at(8)).lights[0];
+  check(morning.direction[0] < -0.3, `in the morning the light comes from ${JSON.stringify(morning.direction)}`);
+  const night = await at(22);
+  equal(night.clock, "22:00", "the clock");
+  check(night.lights[0].intensity < 1, "the sun shines at night");
+  check(night.lights.slice(1).every(({ intensity }) => intensity > 1), "a lamp is off at night");
+  const moved = noon.pixels.filter((value, i) => Math.abs(value - night.pixels[i]) > 20).length;
+  check(moved > noon.pixels.length / 10, `noon and night differ in ${moved} of ${noon.pixels.length} values`);
+  // A lamp is switched by hand, and stays so.
+  await page.locator("#lamps input").first().uncheck();
+  const dark = await at(23);
+  equal(dark.lights[1].intensity, 0, "intensity of the lamp switched off");
+  check(dark.lights[2].intensity > 1, "another lamp went off with it");
+  await page.locator("#hour").focus();
+  await page.keyboard.press("ArrowLeft");
+  equal(await page.locator("#hour").getAttribute("aria-valuetext"), "22:45", "the hour after a key");
+  await page.getByRole("button", { name: "Study" }).click();
+  const camera = await page.evaluate(() => document.querySelector("rebounce-viewer").camera);
+  check(Math.abs(camera.position[0] - 6.4) < 0.01, `the camera is at ${camera.position}`);
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
+}
+
+async function comparison(context) {
+  const { page, faults } = await open(context, "compare.html");
+  const slider = page.locator("#at");
+  await slider.waitFor({ state: "attached" });
+  const line = () => page.evaluate(() => getComputedStyle(document.querySelector(".pair")).getPropertyValue("--at"));
+  equal(await line(), "50%", "the line at first");
+  await slider.focus();
+  await page.keyboard.press("ArrowRight");
+  equal(await line(), "51%", "the line after a key");
+  await page.keyboard.press("Home");
+  equal(await line(), "0%", "the line at the start");
+  const clip = await page.evaluate(() => getComputedStyle(document.getElementById("right")).clipPath);
+  check(/0%\)$/.test(clip), `the right picture is cut to ${clip}`);
+  check(/0 percent/.test(await slider.getAttribute("aria-valuetext")), "the value is not told");
+  await page.getByRole("radio", { name: "Direct light only" }).first().check();
+  equal(await page.locator("#left-tag").textContent(), "Direct light only", "the left picture");
+  check((await page.locator("#left").getAttribute("src")).endsWith("compare-direct.png"), "the left file");
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
+}
+
+async function withoutWebgpu(context) {
+  const prepare = () => delete Navigator.prototype.gpu;
+  for (const name of ["index.html", "apartment.html"]) {
+    const { page, faults } = await open(context, name, { prepare });
+    await page.waitForFunction(() => document.querySelector("rebounce-viewer").shadowRoot.querySelector("[role=alert]").textContent);
+    equal((await violations(page, context.axe)).join("\n"), "", "what axe finds");
+    equal(faults.join("\n"), "", "faults");
+    await page.close();
+  }
+}

@@ -1,0 +1,80 @@
+//! `cargo xtask package`: the npm package as `npm publish` would send it, in target/package.
+
+use crate::{process, web};
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Files of the repository that go into the package as they are.
+const COPIED: [&str; 5] =
+    ["web/package.json", "web/README.md", "web/react.d.ts", "LICENSE-MIT", "LICENSE-APACHE"];
+
+/// Builds web/dist and packs it.
+///
+/// # Errors
+/// If a tool is missing or fails.
+pub fn run() -> Result<()> {
+    web::build()?;
+    println!("packed {}", pack()?.display());
+    Ok(())
+}
+
+/// Packs web/dist, which is there, with what else belongs to the package; where the tarball lies.
+///
+/// # Errors
+/// If a file is missing, or npm fails.
+pub fn pack() -> Result<PathBuf> {
+    let out = process::target().join("package");
+    if out.exists() {
+        fs::remove_dir_all(&out).with_context(|| out.display().to_string())?;
+    }
+    let stage = out.join("rebounce-viewer");
+    let dist = stage.join("dist");
+    fs::create_dir_all(&dist).with_context(|| dist.display().to_string())?;
+    for file in COPIED {
+        copy(&process::root().join(file), &stage)?;
+    }
+    for entry in fs::read_dir(process::root().join("web/dist")).context("web/dist")? {
+        let file = entry?.path();
+        if belongs(&file) {
+            copy(&file, &dist)?;
+        }
+    }
+    process::run(web::node().arg("manifest.mjs").arg(stage.join("custom-elements.json")))?;
+    let npm = ["pack", "--ignore-scripts", "--loglevel=error", "--pack-destination"];
+    process::run(Command::new("npm").args(npm).arg(&out).current_dir(&stage))?;
+    fs::read_dir(&out)?
+        .flatten()
+        .map(|entry| entry.path())
+        .find(|path| path.extension().is_some_and(|extension| extension == "tgz"))
+        .context("npm pack has left no .tgz file")
+}
+
+/// Whether a file of web/dist is part of the package; the page of `rebounce view` is not.
+fn belongs(file: &Path) -> bool {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let is_code = [".js", ".d.ts", ".wasm"].iter().any(|end| name.ends_with(end));
+    is_code && !name.starts_with("page.")
+}
+
+fn copy(file: &Path, folder: &Path) -> Result<()> {
+    let to = folder.join(file.file_name().unwrap_or_default());
+    fs::copy(file, to).with_context(|| file.display().to_string())?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_of_rebounce_view_stays_out() {
+        for name in ["rebounce-viewer.js", "shot.d.ts", "rebounce_viewer_bg.wasm"] {
+            assert!(belongs(Path::new(name)), "{name}");
+        }
+        for name in ["page.js", "page.d.ts", "page.css", "index.html"] {
+            assert!(!belongs(Path::new(name)), "{name}");
+        }
+    }
+}
