@@ -52,7 +52,7 @@ pub struct OperatorSettings {
 
 /// ε of a level over that of the next finer one. Measured on two scenes (links, error): 0.5 gives 6.7 M, 0.057 and
 /// 7.7 M, 0.070; 0.65 gives 4.2 M, 0.059 and 4.8 M, 0.074; 0.8 gives 3.3 M, 0.069 and 3.7 M, 0.083.
-const COARSER: f32 = 0.65;
+const COARSER: f32 = 0.5;
 
 impl OperatorSettings {
     /// ε on a level, irradiance per unit irradiance: smaller on coarser levels, whose dropped links are errors over

@@ -21,7 +21,7 @@ struct Detail {
 }
 
 fn detail_has(map: u32) -> bool {
-    return (material.details >> map & 1u) != 0u;
+    return ((material.details >> map) & 1u) != 0u;
 }
 
 fn detail_uv(map: u32, uv: vec2f) -> vec2f {
@@ -73,6 +73,6 @@ fn detail(normal: vec3f, place: vec3f, uv: vec2f) -> Detail {
 fn detail_pack(d: Detail) -> vec2u {
     let shine = vec2u(round(saturate(vec2f(d.metallic, d.roughness)) * 255.0));
     let glow = vec3u(round(sqrt(saturate(d.emission)) * vec3f(31.0, 63.0, 31.0)));
-    let look = shine.x | shine.y << 8u | glow.x << 16u | glow.y << 21u | glow.z << 27u;
+    let look = shine.x | (shine.y << 8u) | (glow.x << 16u) | (glow.y << 21u) | (glow.z << 27u);
     return vec2u(pack_normal(d.normal), look);
 }

@@ -26,8 +26,8 @@ fn surface_unpack(texel: vec4u, material: Look, detailed: bool) -> Surface {
     if detailed {
         out.bent = unpack_normal(texel.z);
         out.look.metallic = f32(texel.w & 255u) / 255.0;
-        out.look.roughness = f32(texel.w >> 8u & 255u) / 255.0;
-        let glow = vec3f(vec3u(texel.w >> 16u & 31u, texel.w >> 21u & 63u, texel.w >> 27u)) / vec3f(31.0, 63.0, 31.0);
+        out.look.roughness = f32((texel.w >> 8u) & 255u) / 255.0;
+        let glow = vec3f(vec3u((texel.w >> 16u) & 31u, (texel.w >> 21u) & 63u, texel.w >> 27u)) / vec3f(31.0, 63.0, 31.0);
         out.look.emission *= glow * glow;
     }
     return out;

@@ -5,12 +5,12 @@ const STEEPEST = 2.0;
 
 fn tilt_pack(tilt: vec3f) -> f32 {
     let steps = vec3u(round(clamp(tilt / STEEPEST, vec3f(-1.0), vec3f(1.0)) * 127.0) + 128.0);
-    return f32(steps.x | steps.y << 8u | steps.z << 16u);
+    return f32(steps.x | (steps.y << 8u) | (steps.z << 16u));
 }
 
 fn tilt_unpack(whole: f32) -> vec3f {
     let bits = u32(whole);
-    let steps = vec3f(vec3u(bits & 255u, bits >> 8u & 255u, bits >> 16u & 255u));
+    let steps = vec3f(vec3u(bits & 255u, (bits >> 8u) & 255u, (bits >> 16u) & 255u));
     return (steps - 128.0) * (STEEPEST / 127.0);
 }
 
