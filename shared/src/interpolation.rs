@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! bits  0..21  index of the point, over all levels
-//! bits 22..31  weight, unorm relative to the row: the row's weights are divided by their sum
+//! bits 22..28  weight, unorm relative to the row: the row's weights are divided by their sum
 //! ```
 
 use bytemuck::{Pod, Zeroable};
@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 /// Largest number of points a file can hold.
 pub const MAX_POINTS: usize = 1 << 22;
 /// Largest weight.
-pub const MAX_WEIGHT: u32 = 1023;
+pub const MAX_WEIGHT: u32 = 127;
 
 /// One entry; the module's head gives the bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -24,7 +24,7 @@ impl Entry {
         (self.0 & (MAX_POINTS as u32 - 1)) as usize
     }
 
-    /// Weight, 0 to 1023, relative to the other weights of its row.
+    /// Weight, 0 to 127, relative to the other weights of its row.
     #[inline]
     pub fn weight(self) -> f32 {
         (self.0 >> 22) as f32

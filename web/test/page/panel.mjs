@@ -168,7 +168,8 @@ export async function panel(harness, context) {
 
   await harness.test("panel::figures_are_those_of_stats", async () => {
     await page.getByText("Figures").click();
-    const cell = (name) => page.getByRole("row", { name }).getByRole("cell").first();
+    const scene = page.getByRole("table", { name: "In this scene" });
+    const cell = (name) => scene.getByRole("row", { name }).getByRole("cell").first();
     const number = async (name) => Number((await cell(name).textContent()).replace(/\D/g, ""));
     const stats = await page.evaluate(() => viewer.stats());
     equal(await number("links applied"), stats.links, "links");
