@@ -3,9 +3,9 @@
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::interpolation::pack_row;
+use rebounce_shared::light::Light;
 use rebounce_shared::link::{LaterLink, Link};
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
-use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{
     Animation, DetailTexture, Draw, Interpolation, Level, Material, Meta, Property, Track,
 };

@@ -33,9 +33,9 @@ pub mod textures;
 pub mod timing;
 pub mod upload;
 pub mod view;
-#[cfg(any(target_arch = "wasm32", test))]
-pub mod wire;
 #[cfg(target_arch = "wasm32")]
 pub mod wasm;
+#[cfg(any(target_arch = "wasm32", test))]
+pub mod wire;
 
 pub use error::ViewerError;

@@ -109,8 +109,12 @@ mod tests {
 
     #[test]
     fn what_goes_out_comes_back() {
-        let camera =
-            Camera { position: [1.0, 2.0, 3.0], target: [4.0, 5.0, 6.0], up: [7.0, 8.0, 9.0], yfov_deg: 10.0 };
+        let camera = Camera {
+            position: [1.0, 2.0, 3.0],
+            target: [4.0, 5.0, 6.0],
+            up: [7.0, 8.0, 9.0],
+            yfov_deg: 10.0,
+        };
         assert_eq!(camera_of(&camera_numbers(&camera)).ok(), Some(camera));
         let (position, direction, color) = ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [0.1, 0.2, 0.3]);
         let spot = |inner_cone_deg| Light::Spot {

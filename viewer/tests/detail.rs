@@ -98,9 +98,9 @@ fn place(renderer: &Renderer) -> Vec3 {
 
 /// Bends of the wall's normal: as in a normal map, and in the room. Red is along u, here x; green against v, here y.
 fn bends() -> impl Iterator<Item = (Vec3, Vec3)> {
-    [[0.3, 0.0], [-0.3, 0.0], [0.0, 0.4], [0.1, -0.5]].into_iter().map(|[x, y]| {
-        (Vec3::new(x, y, 1.0), Vec3::new(x, -y, 1.0).normalize())
-    })
+    [[0.3, 0.0], [-0.3, 0.0], [0.0, 0.4], [0.1, -0.5]]
+        .into_iter()
+        .map(|[x, y]| (Vec3::new(x, y, 1.0), Vec3::new(x, -y, 1.0).normalize()))
 }
 
 #[test]
@@ -115,9 +115,16 @@ fn bounced_light_follows_bent_normals_to_where_it_comes_from() {
             distance(a).total_cmp(&distance(b))
         };
         let sender = (0..scene.meta.levels[0].count).min_by(nearest).unwrap();
-        let rows: Vec<_> = (0..scene.points.len())
-            .map(|i| if i < scene.meta.levels[0].count as usize { vec![Link::pack(sender, 0.5)] } else { vec![] })
-            .collect();
+        let rows: Vec<_> =
+            (0..scene.points.len())
+                .map(|i| {
+                    if i < scene.meta.levels[0].count as usize {
+                        vec![Link::pack(sender, 0.5)]
+                    } else {
+                        vec![]
+                    }
+                })
+                .collect();
         scene.links = LinkMatrix::from_rows(&rows);
         scene.later = LinkMatrix::from_rows(&[]);
         scene.meta.later_levels = 0;
@@ -190,7 +197,10 @@ fn a_polished_wall_shines_where_it_mirrors_the_lamp_and_a_rough_one_all_over() {
     assert!(with(0.3, 0.0, mirrored) > with(1.0, 0.0, mirrored) + 10, "a varnish");
     assert!(with(0.3, 1.0, mirrored) > with(0.3, 0.0, mirrored) + 10, "metal more than varnish");
     let (polished, rough) = (with(0.1, 1.0, aside), with(1.0, 1.0, aside));
-    assert!(polished < 5 && rough > 15, "a polished metal is dark beside, a rough one is not: {polished}, {rough}");
+    assert!(
+        polished < 5 && rough > 15,
+        "a polished metal is dark beside, a rough one is not: {polished}, {rough}"
+    );
     gpu.check().unwrap();
 }
 

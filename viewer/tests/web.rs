@@ -5,9 +5,7 @@ use js_sys::{Float32Array, Promise, Reflect, Uint8Array};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::bulk::{Point, Vertex};
-use rebounce_shared::rbn::meta::{
-    Animation, Draw, Interpolation, Level, Material, Meta, Property, Track,
-};
+use rebounce_shared::rbn::meta::{Animation, Draw, Interpolation, Level, Material, Meta, Property, Track};
 use rebounce_shared::rbn::{LinkMatrix, RbnError, Scene};
 use rebounce_viewer::wasm::Viewer;
 use rebounce_viewer::wire;

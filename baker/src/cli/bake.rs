@@ -14,7 +14,8 @@ use std::time::{Duration, Instant};
 /// Arguments of `rebounce bake`.
 #[derive(Args, Debug)]
 pub struct BakeArgs {
-    /// A .gltf or .glb file, or builtin:cornell-box, builtin:library, builtin:two-rooms-door, builtin:two-rooms
+    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:two-rooms-door,
+    /// builtin:two-rooms
     scene: String,
     /// Where to write; SCENE.rbn when absent
     #[arg(short, long, value_name = "FILE.rbn")]

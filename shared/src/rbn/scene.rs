@@ -42,9 +42,8 @@ pub struct Scene {
 }
 
 /// Names of the sections, in file order.
-pub const SECTIONS: [[u8; 4]; 10] = [
-    *b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSH", *b"PULL", *b"LINK", *b"LATL", *b"TEXD",
-];
+pub const SECTIONS: [[u8; 4]; 10] =
+    [*b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSH", *b"PULL", *b"LINK", *b"LATL", *b"TEXD"];
 
 impl Scene {
     /// The points of level `l`.

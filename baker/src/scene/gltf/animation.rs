@@ -43,7 +43,9 @@ impl<const W: usize> Curve<W> {
         let ordered = times.windows(2).all(|t| t[0] < t[1]) && times.first().is_some_and(|t| *t >= 0.0);
         let each = if kind == Kind::Spline { 3 } else { 1 };
         if !finite || !ordered || values.len() != each * times.len() {
-            return Err(source.malformed(format!("{what} has keys that are out of order, not finite or missing")));
+            return Err(
+                source.malformed(format!("{what} has keys that are out of order, not finite or missing"))
+            );
         }
         Ok(Self { kind, times, values })
     }
@@ -136,7 +138,8 @@ pub(super) fn animations(
                 of_light(source, &pointer.pointer, sampler, &what, &lights, &mut tracks)?;
                 continue;
             }
-            let Some(place) = channel.target.node.and_then(|n| nodes.iter().position(|p| p.index == n)) else {
+            let Some(place) = channel.target.node.and_then(|n| nodes.iter().position(|p| p.index == n))
+            else {
                 continue;
             };
             let motion = &mut motions[place];
@@ -262,9 +265,8 @@ fn keys<const W: usize>(
 /// Without keys that are at one time once it is an f32.
 fn distinct(mut track: Track) -> Track {
     let width = track.property.width();
-    let keep: Vec<usize> = (0..track.times.len())
-        .filter(|&k| k == 0 || track.times[k] > track.times[k - 1])
-        .collect();
+    let keep: Vec<usize> =
+        (0..track.times.len()).filter(|&k| k == 0 || track.times[k] > track.times[k - 1]).collect();
     track.values = keep.iter().flat_map(|&k| track.values[k * width..(k + 1) * width].to_vec()).collect();
     track.times = keep.into_iter().map(|k| track.times[k]).collect();
     track

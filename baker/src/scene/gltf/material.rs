@@ -3,8 +3,8 @@
 use super::schema;
 use super::source::Source;
 use crate::scene::{Scene, SceneError, Texture};
-use rayon::prelude::*;
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 use rebounce_shared::rbn::meta::{self, Alpha, DetailTexture, Material, Wrap};
 
 /// How a material reads its texture coordinates.

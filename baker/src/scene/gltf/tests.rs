@@ -240,12 +240,17 @@ fn animated(floats: &[f32], accessors: &str, animations: &str) -> String {
         bytes.len(),
         base64(&bytes)
     );
-    let light = r#"{"translation":[0,1,0],"extensions":{"KHR_lights_punctual":{"light":0}}},{"children":[1]}"#;
+    let light =
+        r#"{"translation":[0,1,0],"extensions":{"KHR_lights_punctual":{"light":0}}},{"children":[1]}"#;
     whole
         .replacen(r#""nodes":[0]"#, r#""nodes":[0,2]"#, 1)
         .replacen(r#"[{"mesh":0}]"#, &format!(r#"[{{"mesh":0}},{light}]"#), 1)
         .replacen(r#""buffers":["#, &buffer, 1)
-        .replacen(r#""bufferViews":[{"buffer":0"#, &format!(r#""bufferViews":[{{"buffer":0,"byteLength":{}}},{{"buffer":1"#, bytes.len()), 1)
+        .replacen(
+            r#""bufferViews":[{"buffer":0"#,
+            &format!(r#""bufferViews":[{{"buffer":0,"byteLength":{}}},{{"buffer":1"#, bytes.len()),
+            1,
+        )
         .replacen(r#"{"buffer":0,"byteOffset":48"#, r#"{"buffer":1,"byteOffset":48"#, 1)
         .replacen(r#""accessors":[{"bufferView":0"#, r#""accessors":[{"bufferView":1"#, 1)
         .replacen(r#"{"bufferView":1,"componentType":5121"#, r#"{"bufferView":2,"componentType":5121"#, 1)
@@ -268,16 +273,17 @@ fn a_light_follows_its_parent_s_keyframes() {
     let animation = |channels: &str, samplers: &str| {
         format!(r#"{{"name":"way","channels":[{channels}],"samplers":[{samplers}]}}"#)
     };
-    let moved = animation(
-        r#"{"sampler":0,"target":{"node":2,"path":"translation"}}"#,
-        r#"{"input":2,"output":3}"#,
-    );
+    let moved =
+        animation(r#"{"sampler":0,"target":{"node":2,"path":"translation"}}"#, r#"{"input":2,"output":3}"#);
     let scene = parse(&animated(&numbers, &accessors, &moved)).unwrap();
     let [way] = scene.animations.as_slice() else { panic!("{:?}", scene.animations) };
     assert_eq!((way.name.as_str(), way.duration, way.tracks.len()), ("way", 2.0, 1));
     let track = &way.tracks[0];
     assert_eq!((track.property, track.interpolation), (Property::Position, Interpolation::Linear));
-    assert_eq!((track.times.as_slice(), track.values.as_slice()), (&[0.0, 2.0][..], &[1., 1., 0., 3., 1., 4.][..]));
+    assert_eq!(
+        (track.times.as_slice(), track.values.as_slice()),
+        (&[0.0, 2.0][..], &[1., 1., 0., 3., 1., 4.][..])
+    );
 
     // Turned, the light swings on an arc from above to the front, and its direction turns from −z to +y.
     let turned =
@@ -286,7 +292,9 @@ fn a_light_follows_its_parent_s_keyframes() {
     let [position, direction] = scene.animations[0].tracks.as_slice() else { panic!() };
     assert_eq!((position.property, direction.property), (Property::Position, Property::Direction));
     assert!(position.times.len() >= 60);
-    for (position, direction) in position.values.as_chunks::<3>().0.iter().zip(direction.values.as_chunks::<3>().0) {
+    for (position, direction) in
+        position.values.as_chunks::<3>().0.iter().zip(direction.values.as_chunks::<3>().0)
+    {
         let [position, direction] = [*position, *direction].map(Vec3::from);
         assert!((position.length() - 1.0).abs() < 1e-5 && (direction.length() - 1.0).abs() < 1e-5);
         assert!(position.dot(direction).abs() < 1e-5);
