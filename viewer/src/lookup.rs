@@ -48,7 +48,8 @@ pub fn build(scene: &Scene) -> Result<Vec<u32>, ViewerError> {
 fn append(words: &mut Vec<u32>, grid: &Grid, points: &[Point], first: u32, buckets: usize) {
     let offsets = words.len();
     words.resize(offsets + buckets + 1, 0);
-    grid.buckets(points, first, buckets, |bucket, _| words[offsets + bucket + 1] += 1);
+    let placed = grid.buckets(points, first, buckets);
+    placed.iter().for_each(|(bucket, _)| words[offsets + *bucket as usize + 1] += 1);
     words[offsets] = (offsets + buckets + 1) as u32;
     for b in 0..buckets {
         words[offsets + b + 1] += words[offsets + b];
@@ -56,10 +57,11 @@ fn append(words: &mut Vec<u32>, grid: &Grid, points: &[Point], first: u32, bucke
     let mut next = words[offsets..offsets + buckets].to_vec();
     let end = words[offsets + buckets] as usize;
     words.resize(end, 0);
-    grid.buckets(points, first, buckets, |bucket, i| {
-        words[next[bucket] as usize] = i;
-        next[bucket] += 1;
-    });
+    for (bucket, i) in placed {
+        let next = &mut next[bucket as usize];
+        words[*next as usize] = i;
+        *next += 1;
+    }
 }
 
 /// The grid of a level.
@@ -73,21 +75,25 @@ impl Grid {
         Self { cells_per_unit: if largest > 0.0 { 1.0 / (CELL * largest) } else { 1.0 } }
     }
 
-    /// Every bucket, of so many, with the functions of its cells: ascending, counted from `first`, each once.
-    fn buckets(&self, points: &[Point], first: u32, buckets: usize, mut visit: impl FnMut(usize, u32)) {
+    /// Buckets, of so many, and the functions in them, counted from `first`: functions ascending, each once a bucket.
+    fn buckets(&self, points: &[Point], first: u32, buckets: usize) -> Vec<(u32, u32)> {
+        let mut placed = Vec::new();
         // The last function put into each bucket: two cells of one function may share a bucket.
         let mut last = vec![u32::MAX; buckets];
         for (point, i) in points.iter().zip(first..) {
             self.cells(point, |cell| {
                 let bucket = hash(cell) as usize & (buckets - 1);
                 if std::mem::replace(&mut last[bucket], i) != i {
-                    visit(bucket, i);
+                    placed.push((bucket as u32, i));
                 }
             });
         }
+        placed
     }
 
-    /// The cells that a point's support may reach into: an ellipsoid, flat along the normal.
+    /// The cells that a point's support may reach into: an ellipsoid, flat along the normal. Not inlined: a browser runs
+    /// wasm at full speed only from some call of a function on.
+    #[inline(never)]
     fn cells(&self, point: &Point, mut visit: impl FnMut(IVec3)) {
         let (centre, normal) = (point.position(), point.normal());
         let radius = MARGIN * point.radius;

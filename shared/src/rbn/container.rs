@@ -21,7 +21,14 @@ use super::RbnError;
 /// CRC-32 (IEEE). One table of 1 kB: larger ones are faster, and longer to load in a page.
 fn checksum(bytes: &[u8]) -> u32 {
     const CRC: crc::Crc<u32, crc::Table<1>> = crc::Crc::<u32, crc::Table<1>>::new(&crc::CRC_32_ISO_HDLC);
-    CRC.checksum(bytes)
+    // In parts, as a browser runs a wasm function at full speed only from some call of it on.
+    #[inline(never)]
+    fn update(digest: &mut crc::Digest<'_, u32, crc::Table<1>>, bytes: &[u8]) {
+        digest.update(bytes);
+    }
+    let mut digest = CRC.digest();
+    bytes.chunks(4096).for_each(|part| update(&mut digest, part));
+    digest.finalize()
 }
 
 /// The first eight bytes.

@@ -140,25 +140,37 @@ pub fn decode<E: Beside>(section: &[u8]) -> Result<(Vec<u32>, Vec<E>), Damaged> 
     let mut bits = BitReader::new(&bits);
     let (mut offsets, mut entries) = (Vec::with_capacity(rows + 1), Vec::with_capacity(count));
     offsets.push(0);
-    let mut beside = [0; 4];
     for length in lengths {
         let length = take_value(&mut bits, length)? as usize;
         if length > count - entries.len() {
             return Err(Damaged);
         }
-        let mut index = 0u32;
-        for _ in 0..length {
-            let k = entries.len();
-            index = index.checked_add(take_value(&mut bits, steps[k])?).ok_or(Damaged)?;
-            for (byte, stream) in beside.iter_mut().zip(&streams) {
-                *byte = stream[k];
-            }
-            entries.push(E::join(index, &beside[..E::BYTES], &mut bits)?);
-        }
+        decode_row(length, &steps, &streams, &mut bits, &mut entries)?;
         offsets.push(entries.len() as u32);
     }
     bits.finish()?;
     if entries.len() == count { Ok((offsets, entries)) } else { Err(Damaged) }
+}
+
+/// One row; a function of its own, as a browser runs wasm at full speed only from some call of a function on.
+#[inline(never)]
+fn decode_row<E: Beside>(
+    length: usize,
+    steps: &[u8],
+    streams: &[Vec<u8>],
+    bits: &mut BitReader<'_>,
+    entries: &mut Vec<E>,
+) -> Result<(), Damaged> {
+    let (mut index, mut beside) = (0u32, [0; 4]);
+    for _ in 0..length {
+        let k = entries.len();
+        index = index.checked_add(take_value(bits, steps[k])?).ok_or(Damaged)?;
+        for (byte, stream) in beside.iter_mut().zip(streams) {
+            *byte = stream[k];
+        }
+        entries.push(E::join(index, &beside[..E::BYTES], bits)?);
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 use super::{Damaged, Reader, Writer};
 use bytemuck::Pod;
+use std::ops::Range;
 
 /// Packs records, which are made of 32-bit words.
 pub fn encode<T: Pod>(records: &[T]) -> Vec<u8> {
@@ -42,14 +43,32 @@ pub fn decode<T: Pod>(section: &[u8]) -> Result<Vec<T>, Damaged> {
     for column in 0..width {
         let planes = [reader.bytes(count)?, reader.bytes(count)?, reader.bytes(count)?, reader.bytes(count)?];
         let mut last = 0u32;
-        for i in 0..count {
-            let difference = u32::from_le_bytes([planes[0][i], planes[1][i], planes[2][i], planes[3][i]]);
-            last = last.wrapping_add(unzigzag(difference));
-            words[i * width + column] = last;
+        for first in (0..count).step_by(CHUNK) {
+            last = decode_part(words, [width, column], &planes, first..count.min(first + CHUNK), last);
         }
     }
     reader.finish()?;
     Ok(out)
+}
+
+/// In parts, as a browser runs a wasm function at full speed only from some call of it on.
+const CHUNK: usize = 1024;
+
+/// One word of some records; the last one's.
+#[inline(never)]
+fn decode_part(
+    words: &mut [u32],
+    [width, column]: [usize; 2],
+    planes: &[Vec<u8>; 4],
+    records: Range<usize>,
+    mut last: u32,
+) -> u32 {
+    for i in records {
+        let difference = u32::from_le_bytes([planes[0][i], planes[1][i], planes[2][i], planes[3][i]]);
+        last = last.wrapping_add(unzigzag(difference));
+        words[i * width + column] = last;
+    }
+    last
 }
 
 /// Small differences of either sign as small numbers.

@@ -119,17 +119,34 @@ pub fn decode(stream: &[u8], len: usize) -> Result<Vec<u8>, Damaged> {
         }
     }
     let mut words = rest.iter();
-    let mut out = Vec::with_capacity(len);
-    for i in 0..len {
+    let mut out = vec![0; len];
+    for part in out.chunks_mut(CHUNK) {
+        decode_part(&table, &mut states, &mut words, part)?;
+    }
+    if words.next().is_some() || states != [LOW; 2] { Err(Damaged) } else { Ok(out) }
+}
+
+/// Even, as two states take turns. In parts, as a browser runs a wasm function at full speed only from some call of it
+/// on, not from the middle of its first.
+const CHUNK: usize = 4096;
+
+#[inline(never)]
+fn decode_part(
+    table: &[u32],
+    states: &mut [u32; 2],
+    words: &mut std::slice::Iter<'_, u8>,
+    out: &mut [u8],
+) -> Result<(), Damaged> {
+    for (i, byte) in out.iter_mut().enumerate() {
         let x = &mut states[i % 2];
         let slot = table[(*x & (SCALE - 1)) as usize];
         *x = ((slot >> 8 & (SCALE - 1)) + 1) * (*x >> SCALE_BITS) + (slot >> 20);
         while *x < LOW {
             *x = *x << 8 | *words.next().ok_or(Damaged)? as u32;
         }
-        out.push(slot as u8);
+        *byte = slot as u8;
     }
-    if words.next().is_some() || states != [LOW; 2] { Err(Damaged) } else { Ok(out) }
+    Ok(())
 }
 
 #[cfg(test)]
