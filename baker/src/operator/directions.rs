@@ -1,9 +1,8 @@
 //! The directions of one hemispherical gather.
 //!
-//! The vector irradiance of Eq. 16 weighs all directions alike, irradiance weighs them by their
-//! cosine. Directions are drawn from a mixture, `p(ω) = (2βz + 1 − β) / 2π` with z the cosine, so
-//! that the part along the normal, which the picture shows, has little noise and the part across
-//! it no infinite weights. They come from the Fibonacci lattice – of R2, jittered strata and this
+//! Irradiance weighs directions by their cosine. They are drawn from a mixture,
+//! `p(ω) = (2βz + 1 − β) / 2π` with z the cosine, so that grazing directions, where senders are small and near, are
+//! not left to few rays. They come from the Fibonacci lattice – of R2, jittered strata and this
 //! one it had the least error at every count from 256 to 4096 – sorted so that neighbours in the
 //! list are neighbours on the hemisphere, and shifted per receiver.
 

@@ -2,6 +2,8 @@
 //!
 //! Every failure is a JavaScript `Error` whose `code` is one of [`ViewerError::code`]'s.
 
+mod page;
+
 use crate::controls::{Controls, PointerButton, Stage};
 use crate::error::ViewerError;
 use crate::gpu::{Gpu, Requested};
@@ -11,29 +13,13 @@ use crate::scene::LoadedScene;
 use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::stats::Counts;
 use crate::wire;
-use rebounce_shared::rbn::{self, meta};
+use page::{animation, coded, js_error, promise};
+use rebounce_shared::rbn;
 use std::cell::{Cell, RefCell};
-use std::future::Future;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
-use wasm_bindgen_futures::{future_to_promise, spawn_local};
+use wasm_bindgen_futures::spawn_local;
 use web_sys::HtmlCanvasElement;
-
-fn js_error(error: &ViewerError) -> JsValue {
-    coded(error.code(), &error.to_string())
-}
-
-fn coded(code: &str, message: &str) -> JsValue {
-    let error = js_sys::Error::new(message);
-    let _ = js_sys::Reflect::set(&error, &"code".into(), &code.into());
-    error.into()
-}
-
-fn promise<T: Into<JsValue>>(
-    work: impl Future<Output = Result<T, ViewerError>> + 'static,
-) -> js_sys::Promise {
-    future_to_promise(async move { work.await.map(Into::into).map_err(|e| js_error(&e)) })
-}
 
 /// Runs once when the module is loaded: a bug in Rust code becomes an `Error` with the code
 /// `internal` and the panic's words instead of a bare trap.
@@ -102,36 +88,6 @@ impl Viewer {
             self.callbacks.changed();
         }
     }
-}
-
-/// An object of the page.
-fn object<const N: usize>(members: [(&str, JsValue); N]) -> JsValue {
-    let object = js_sys::Object::new();
-    for (name, value) in members {
-        let _ = js_sys::Reflect::set(&object, &name.into(), &value);
-    }
-    object.into()
-}
-
-fn animation(animation: &meta::Animation) -> JsValue {
-    let tracks: js_sys::Array = animation
-        .tracks
-        .iter()
-        .map(|track| {
-            object([
-                ("light", track.light.into()),
-                ("property", track.property.name().into()),
-                ("interpolation", track.interpolation.name().into()),
-                ("times", js_sys::Float32Array::from(&track.times[..]).into()),
-                ("values", js_sys::Float32Array::from(&track.values[..]).into()),
-            ])
-        })
-        .collect();
-    object([
-        ("name", animation.name.as_str().into()),
-        ("duration", animation.duration.into()),
-        ("tracks", tracks.into()),
-    ])
 }
 
 #[wasm_bindgen]

@@ -1,0 +1,57 @@
+//! What goes to the page: errors with a code, promises, objects.
+
+use crate::error::ViewerError;
+use rebounce_shared::rbn::meta;
+use std::future::Future;
+use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::future_to_promise;
+
+/// An error as the page catches it.
+pub fn js_error(error: &ViewerError) -> JsValue {
+    coded(error.code(), &error.to_string())
+}
+
+/// A JavaScript `Error` with a code.
+pub fn coded(code: &str, message: &str) -> JsValue {
+    let error = js_sys::Error::new(message);
+    let _ = js_sys::Reflect::set(&error, &"code".into(), &code.into());
+    error.into()
+}
+
+/// A promise of what this work gives.
+pub fn promise<T: Into<JsValue>>(
+    work: impl Future<Output = Result<T, ViewerError>> + 'static,
+) -> js_sys::Promise {
+    future_to_promise(async move { work.await.map(Into::into).map_err(|e| js_error(&e)) })
+}
+
+/// An object of the page.
+fn object<const N: usize>(members: [(&str, JsValue); N]) -> JsValue {
+    let object = js_sys::Object::new();
+    for (name, value) in members {
+        let _ = js_sys::Reflect::set(&object, &name.into(), &value);
+    }
+    object.into()
+}
+
+/// `{ name, duration, tracks }`.
+pub fn animation(animation: &meta::Animation) -> JsValue {
+    let tracks: js_sys::Array = animation
+        .tracks
+        .iter()
+        .map(|track| {
+            object([
+                ("light", track.light.into()),
+                ("property", track.property.name().into()),
+                ("interpolation", track.interpolation.name().into()),
+                ("times", js_sys::Float32Array::from(&track.times[..]).into()),
+                ("values", js_sys::Float32Array::from(&track.values[..]).into()),
+            ])
+        })
+        .collect();
+    object([
+        ("name", animation.name.as_str().into()),
+        ("duration", animation.duration.into()),
+        ("tracks", tracks.into()),
+    ])
+}
