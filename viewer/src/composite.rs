@@ -1,8 +1,8 @@
 //! From G-buffer, lights and bounced light to the picture: shading, automatic exposure, tone mapping.
 
 use crate::bindings::{
-    Draw, Slot, attachment, blended, compute, empty_buffer, group, layout, opaque, target, texture_bytes,
-    view,
+    Draw, Slot, attachment, bilinear, blended, compute, empty_buffer, group, layout, opaque, target,
+    texture_bytes, view,
 };
 use crate::display::DisplayTarget;
 use crate::gbuffer::GBuffer;
@@ -91,11 +91,7 @@ impl CompositePass {
         let before_layout = layout(gpu, "before", ShaderStages::FRAGMENT, &[Slot::TextureLoad]);
         let slots = [Slot::Texture, Slot::Sampler, Slot::Uniform];
         let present_layout = layout(gpu, "present", ShaderStages::FRAGMENT, &slots);
-        let bilinear = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
+        let bilinear = bilinear(gpu);
         let average = wgpu::BlendComponent {
             src_factor: BlendFactor::SrcAlpha,
             dst_factor: BlendFactor::OneMinusSrcAlpha,

@@ -111,7 +111,7 @@ impl DisplayPass {
             capacity: capacity as u32,
             row_length: row_length as u32,
             reach,
-            tilts: scene.materials.bumpy as u32,
+            tilts: scene.meta.is_bumpy() as u32,
         };
         let layout = buffer(gpu, "slots layout", BufferUsages::UNIFORM, bytemuck::bytes_of(&layout));
         let storage = BufferUsages::STORAGE;

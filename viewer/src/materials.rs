@@ -90,8 +90,6 @@ pub struct Materials {
     pub looks: wgpu::Buffer,
     /// Whether any of them has textures besides the base colour's.
     pub detailed: bool,
-    /// Whether any of them bends normals.
-    pub bumpy: bool,
     /// Bytes of the textures on the GPU.
     pub bytes: u64,
 }
@@ -151,8 +149,7 @@ impl Materials {
             }
             group(gpu, "material", layout, &resources)
         });
-        let bumpy = materials.iter().any(|m| m.normal_texture.is_some());
-        Ok(Self { groups: groups.collect(), looks, detailed, bumpy, bytes })
+        Ok(Self { groups: groups.collect(), looks, detailed, bytes })
     }
 }
 

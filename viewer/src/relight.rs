@@ -114,7 +114,7 @@ fn plan(scene: &Scene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
     }
     transport(&mut plan, scene.meta.levels.len() as u32);
     plan.retain(|dispatch| dispatch.step.count > 0);
-    let bumpy = scene.meta.materials.iter().any(|m| m.normal_texture.is_some());
+    let bumpy = scene.meta.is_bumpy();
     for dispatch in &mut plan {
         dispatch.step.tilts = bumpy as u32;
     }

@@ -3,7 +3,7 @@
 //! In the browser `createImageBitmap` decodes, with no premultiplication and no colour conversion;
 //! natively the `image` crate.
 
-use crate::bindings::{Draw, Slot, attachment, group, layout, opaque, texture_bytes, view};
+use crate::bindings::{Draw, Slot, attachment, bilinear, group, layout, opaque, texture_bytes, view};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::shaders;
@@ -39,11 +39,7 @@ impl Mips {
             }
             .pipeline(gpu)
         });
-        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
+        let sampler = bilinear(gpu);
         Self { layout, pipelines, sampler }
     }
 

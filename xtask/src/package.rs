@@ -31,7 +31,6 @@ pub fn pack() -> Result<PathBuf> {
     }
     let stage = out.join("rebounce-viewer");
     let dist = stage.join("dist");
-    fs::create_dir_all(&dist).with_context(|| dist.display().to_string())?;
     for file in COPIED {
         copy(&process::root().join(file), &stage)?;
     }
@@ -58,10 +57,9 @@ fn belongs(file: &Path) -> bool {
     is_code && !name.starts_with("page.")
 }
 
+/// Copies a file into a folder.
 fn copy(file: &Path, folder: &Path) -> Result<()> {
-    let to = folder.join(file.file_name().unwrap_or_default());
-    fs::copy(file, to).with_context(|| file.display().to_string())?;
-    Ok(())
+    process::copy(file, &folder.join(file.file_name().unwrap_or_default()))
 }
 
 #[cfg(test)]

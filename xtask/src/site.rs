@@ -1,7 +1,8 @@
 //! `cargo xtask site`: the site of web/site with its scenes and pictures, in target/site. Scenes and
 //! pictures are made anew only when the program that makes them is newer than they are.
 
-use crate::{process, web};
+use crate::process::{self, copy};
+use crate::web;
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeMap;
 use std::fs;
@@ -259,15 +260,6 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
         entries.flatten().map(|entry| entry.path()).filter(|p| p.is_file()).collect();
     files.sort();
     Ok(files)
-}
-
-/// Copies a file; makes the folders that it goes into.
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    if let Some(folder) = to.parent() {
-        fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
-    fs::copy(from, to).with_context(|| from.display().to_string())?;
-    Ok(())
 }
 
 #[cfg(test)]

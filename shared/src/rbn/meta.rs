@@ -46,6 +46,13 @@ pub struct Meta {
     pub bake: BakeInfo,
 }
 
+impl Meta {
+    /// Whether any material bends normals.
+    pub fn is_bumpy(&self) -> bool {
+        self.materials.iter().any(|m| m.normal_texture.is_some())
+    }
+}
+
 /// One level of points.
 #[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
 pub struct Level {

@@ -177,16 +177,15 @@ fn way(
     let mut times: Vec<f64> = curves().flat_map(|(_, times)| times.iter().copied()).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return Vec::new() };
+    if times.is_empty() {
+        return Vec::new();
+    }
     let step = curves().all(|(kind, _)| kind == Kind::Step);
     let straight = curves().all(|(kind, _)| kind == Kind::Linear)
         && chain.iter().all(|&p| motions[p].rotation.is_none() && motions[p].scale.is_none())
         && chain.iter().filter(|&&p| motions[p].translation.is_some()).count() == 1;
     if !step && !straight {
-        let more = (((last - first) * KEYS_A_SECOND).ceil() as usize).min(MOST_KEYS);
-        times.extend((0..more).map(|k| first + (last - first) * k as f64 / more as f64));
-        times.sort_by(f64::total_cmp);
-        times.dedup();
+        fill(&mut times);
     }
     let worlds: Vec<DMat4> = times
         .iter()
@@ -250,16 +249,22 @@ fn keys<const W: usize>(
 ) -> (Property, Interpolation, Vec<f32>, Vec<f32>) {
     let mut times = curve.times.clone();
     if curve.kind == Kind::Spline {
-        let (first, last) = (times[0], times[times.len() - 1]);
-        let more = (((last - first) * KEYS_A_SECOND).ceil() as usize).min(MOST_KEYS);
-        times.extend((0..more).map(|k| first + (last - first) * k as f64 / more as f64));
-        times.sort_by(f64::total_cmp);
+        fill(&mut times);
     }
     // A spline may swing below zero, a light cannot.
     let value = |&t: &f64| curve.at(t, straight).map(|x| (x as f32).max(0.0));
     let interpolation = if curve.kind == Kind::Step { Interpolation::Step } else { Interpolation::Linear };
     let values = times.iter().flat_map(value).collect();
     (property, interpolation, times.iter().map(|&t| t as f32).collect(), values)
+}
+
+/// Adds keys between the first and the last of these times, which ascend.
+fn fill(times: &mut Vec<f64>) {
+    let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return };
+    let more = (((last - first) * KEYS_A_SECOND).ceil() as usize).min(MOST_KEYS);
+    times.extend((0..more).map(|k| first + (last - first) * k as f64 / more as f64));
+    times.sort_by(f64::total_cmp);
+    times.dedup();
 }
 
 /// Without keys that are at one time once it is an f32.
