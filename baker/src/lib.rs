@@ -8,10 +8,11 @@ pub mod operator;
 pub mod path_trace;
 pub mod picture;
 pub mod points;
-pub mod random;
 pub mod render;
 pub mod scene;
 pub mod shot;
 pub mod surface;
 pub mod triangles;
 pub mod write;
+
+pub use rebounce_shared::random;

@@ -53,7 +53,7 @@ fn a_bake_survives_the_file_and_repeats_to_the_byte() {
 }
 
 #[test]
-fn a_quantised_link_is_off_by_under_two_percent_and_their_sum_by_none() {
+fn a_quantised_link_is_off_by_under_three_percent_and_their_sum_by_none() {
     use rebounce_shared::link::Link;
     let mut stream = rebounce::random::Stream::new(4, 4);
     let (mut error, mut power, mut bias, mut sum) = (0.0, 0.0, 0.0, 0.0);
@@ -65,6 +65,6 @@ fn a_quantised_link_is_off_by_under_two_percent_and_their_sum_by_none() {
         bias += off as f64;
         sum += amount as f64;
     }
-    assert!((error / power).sqrt() < 0.02, "{}", (error / power).sqrt());
+    assert!((error / power).sqrt() < 0.03, "{}", (error / power).sqrt());
     assert!((bias / sum).abs() < 1e-3, "{}", bias / sum);
 }

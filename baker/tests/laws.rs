@@ -4,7 +4,7 @@ mod box_room;
 
 use box_room::BoxRoom;
 use glam::Vec3;
-use rebounce::basis::{Evaluator, Relations, Support};
+use rebounce::basis::{Evaluator, Relations, Support, relate};
 use rebounce::operator::{Operator, OperatorSettings, bounces::add_later_bounces, refine::refine};
 use rebounce::points::{PlaceSettings, Points, SurfacePoint, place};
 use rebounce_shared::interpolation::mean;
@@ -36,7 +36,7 @@ fn small_operator() -> OperatorSettings {
 fn bake(albedo: f32) -> (Points, Relations, Operator) {
     let room = room(albedo);
     let points = place(&room, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
-    let relations = Relations::new(&points, 4);
+    let relations = relate(&points, 4).unwrap();
     let mut operator = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
     add_later_bounces(&mut operator, &small_operator(), &|_, _| {});
     (points, relations, operator)
@@ -157,7 +157,7 @@ fn the_same_seed_gives_the_same_operator_at_any_thread_count() {
 fn later_bounces_stop_where_they_are_told_to() {
     let room = room(0.5);
     let points = place(&room, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
-    let relations = Relations::new(&points, 4);
+    let relations = relate(&points, 4).unwrap();
     let one = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
     let mut expected = 0.0;
     for bounces in 1..4 {

@@ -3,8 +3,10 @@
 //! Everything here is free of I/O and of GPU code, and compiles to native and to wasm alike:
 //!
 //! * [`kernel`] – the weight function of the meshless basis (Lehtinen et al. 2008, Eq. 8 to 10);
+//! * [`basis`] – which functions cover a place, and who is whose parent and child;
 //! * [`footprint`] – where direct light is sampled around a point;
 //! * [`octahedral`], [`colour`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
+//! * [`random`] – random numbers that depend on nothing but their arguments;
 //! * [`rbn`] – the .rbn file: header, sections, checksums, metadata;
 //! * [`relight`] – one frame of relighting on the CPU, the truth that the GPU is held against;
 //! * [`shot`], [`light`], [`camera`] – a picture to take: SHOT.json, lights and cameras.
@@ -12,6 +14,7 @@
 //! "Paper" below is Lehtinen et al., *A Meshless Hierarchical Representation for Light
 //! Transport*, ACM Transactions on Graphics 27(3), 2008.
 
+pub mod basis;
 pub mod camera;
 pub mod colour;
 pub mod footprint;
@@ -20,6 +23,7 @@ pub mod kernel;
 pub mod light;
 pub mod link;
 pub mod octahedral;
+pub mod random;
 pub mod rbn;
 pub mod relight;
 pub mod shot;

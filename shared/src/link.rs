@@ -7,8 +7,8 @@
 //!
 //! ```text
 //! Link: 4 bytes        bits  0..19  the sender's index
-//!                      bits 20..23  mantissa m
-//!                      bits 24..28  exponent e: amount = (1 + m / 16) · 2^(e - 30), and 0 for e = m = 0
+//!                      bits 20..22  mantissa m
+//!                      bits 23..27  exponent e: amount = (1 + m / 8) · 2^(e - 30), and 0 for e = m = 0
 //!                      bit  31      sign
 //! LaterLink: 8 bytes   the sender's index, and a colour (rgb9e5)
 //! ```
@@ -20,7 +20,7 @@ use glam::Vec3;
 
 /// Most senders that links can name.
 pub const MAX_SENDERS: usize = 1 << 20;
-const MANTISSA_BITS: u32 = 4;
+const MANTISSA_BITS: u32 = 3;
 const EXPONENT_BIAS: i32 = 30;
 
 /// Whatever names a sender.
@@ -45,11 +45,11 @@ pub struct LaterLink {
 }
 
 impl Link {
-    /// Packs a signed amount: 4 bits of mantissa, at most 3.8. Amounts under 2⁻³⁰ become zero. The baker gives what
+    /// Packs a signed amount: 3 bits of mantissa, at most 3.7. Amounts under 2⁻³⁰ become zero. The baker gives what
     /// rounding takes to the next link of the row.
     pub fn pack(sender: u32, amount: f32) -> Self {
         debug_assert!((sender as usize) < MAX_SENDERS);
-        let size = amount.abs().min(3.8);
+        let size = amount.abs().min(3.7);
         // Rounds to the last bit kept; a carry goes into the exponent.
         let rounded = (size.to_bits() + (1 << (22 - MANTISSA_BITS))) >> (23 - MANTISSA_BITS);
         let least = ((127 - EXPONENT_BIAS) as u32) << MANTISSA_BITS;
@@ -84,9 +84,9 @@ impl Sent for Link {
 }
 
 impl LaterLink {
-    /// Packs a colour that is not negative: six bits of its largest channel.
+    /// Packs a colour that is not negative: five bits of its largest channel.
     pub fn pack(sender: u32, colour: Vec3) -> Self {
-        Self { sender, colour: crate::colour::pack_rounded(colour, 8) }
+        Self { sender, colour: crate::colour::pack_rounded(colour, 16) }
     }
 
     /// Irradiance per unit irradiance, by channel.
@@ -108,12 +108,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn amounts_keep_five_digits_and_their_signs() {
+    fn amounts_keep_four_digits_and_their_signs() {
         for k in 0..2000 {
             let amount = 2f32.powf(-29.0 + 30.8 * k as f32 / 2000.0) * if k % 2 == 0 { 1.0 } else { -1.0 };
             let link = Link::pack(k * 524, amount);
             assert!(
-                (link.amount() - amount).abs() <= amount.abs() / 31.0,
+                (link.amount() - amount).abs() <= amount.abs() / 15.0,
                 "{amount} became {}",
                 link.amount()
             );
@@ -122,6 +122,6 @@ mod tests {
         }
         assert_eq!(Link::pack(MAX_SENDERS as u32 - 1, 0.0).amount(), 0.0);
         assert_eq!(Link::pack(3, -1e-12).amount(), 0.0);
-        assert!(Link::pack(3, -50.0).amount() < -3.7);
+        assert!(Link::pack(3, -50.0).amount() < -3.6);
     }
 }

@@ -31,6 +31,18 @@ pub fn pack_snorm16(v: Vec3) -> u32 {
     quantise(p.x) | quantise(p.y) << 16
 }
 
+/// Directions of the file have coordinates in multiples of this; 32767 is one.
+pub const NORMAL_STEP: i16 = 31;
+
+/// As [`pack_snorm16`], rounded to multiples of [`NORMAL_STEP`]: 11 bits a coordinate. Directions along the axes stay
+/// exact. Error at most 0.1 degrees.
+pub fn pack_rounded(v: Vec3) -> u32 {
+    let p = encode(v);
+    let most = (32767 / NORMAL_STEP) as f32;
+    let quantise = |x: f32| ((x.clamp(-1.0, 1.0) * most).round() as i16 * NORMAL_STEP) as u16 as u32;
+    quantise(p.x) | quantise(p.y) << 16
+}
+
 /// The inverse of [`pack_snorm16`].
 #[inline]
 pub fn unpack_snorm16(bits: u32) -> Vec3 {

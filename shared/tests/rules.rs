@@ -2,7 +2,6 @@
 
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::interpolation::pack_row;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::{LaterLink, Link};
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
@@ -42,16 +41,11 @@ fn scene() -> Scene {
         indices: vec![0, 1, 2],
         points: vec![point(Point::pack_cuts(0, 1, 0)), point(0)],
         cuts: vec![Cut::new(Vec3::X, 0.5)],
-        push_offsets: vec![0, 0],
-        pull_offsets: vec![0],
         links: LinkMatrix::from_rows(&[vec![Link::pack(0, 0.75)], vec![Link::pack(0, -0.5)]]),
         later: LinkMatrix::from_rows(&[vec![LaterLink::pack(0, Vec3::ONE)]]),
         ..Scene::default()
     };
-    pack_row(&[(0, 1.0)], &mut scene.push_entries);
-    scene.push_offsets.push(1);
-    pack_row(&[(1, 1.0)], &mut scene.pull_entries);
-    scene.pull_offsets.push(1);
+    scene.relate().unwrap();
     scene
 }
 
@@ -66,7 +60,7 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 #[test]
 fn every_broken_rule_is_refused_by_its_section() {
     type Break = fn(&mut Scene);
-    let breaks: [(&str, Break); 26] = [
+    let breaks: [(&str, Break); 24] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
         ("META", |s| s.meta.levels[1].first = 7),
@@ -80,8 +74,6 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("PNTS", |s| s.points[0].cuts = Point::pack_cuts(0, 2, 255)),
         ("PNTS", |s| s.points[1].cuts = Point::pack_cuts(1 << 20, 1, 0)),
         ("CUTS", |s| s.cuts[0].towards[2] = f32::NAN),
-        ("PUSH", |s| s.push_entries = s.pull_entries.clone()),
-        ("PULL", |s| s.pull_entries = s.push_entries.clone()),
         ("LINK", |s| s.links.offsets.insert(0, 0)),
         ("LINK", |s| s.links.offsets[1] = 3),
         ("LINK", |s| s.links.links[1] = Link::pack(1, 1.0)),

@@ -54,13 +54,13 @@ pub struct Upload {
     pub cuts: wgpu::Buffer,
     /// Which functions may cover a place ([`crate::lookup`]).
     pub lookup: wgpu::Buffer,
-    /// Offsets of section `PUSH`.
+    /// Offsets of the push rows.
     pub push_offsets: wgpu::Buffer,
-    /// Entries of section `PUSH`.
+    /// Entries of the push rows.
     pub push_entries: wgpu::Buffer,
-    /// Offsets of section `PULL`.
+    /// Offsets of the pull rows.
     pub pull_offsets: wgpu::Buffer,
-    /// Entries of section `PULL`.
+    /// Entries of the pull rows.
     pub pull_entries: wgpu::Buffer,
     /// Section `LINK`.
     pub links: LinkBuffers,
@@ -106,10 +106,20 @@ impl Upload {
             points: section("PNTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.points))?,
             cuts: section("CUTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.cuts))?,
             lookup: section("lookup", storage, MAX_BINDING, cast(&crate::lookup::build(scene)?))?,
-            push_offsets: section("PUSH", storage, MAX_BINDING, cast(&scene.push_offsets))?,
-            push_entries: section("PUSH", storage, MAX_BINDING, bytemuck::cast_slice(&scene.push_entries))?,
-            pull_offsets: section("PULL", storage, MAX_BINDING, cast(&scene.pull_offsets))?,
-            pull_entries: section("PULL", storage, MAX_BINDING, bytemuck::cast_slice(&scene.pull_entries))?,
+            push_offsets: section("PNTS", storage, MAX_BINDING, cast(&scene.relations.push_offsets))?,
+            push_entries: section(
+                "PNTS",
+                storage,
+                MAX_BINDING,
+                bytemuck::cast_slice(&scene.relations.push_entries),
+            )?,
+            pull_offsets: section("PNTS", storage, MAX_BINDING, cast(&scene.relations.pull_offsets))?,
+            pull_entries: section(
+                "PNTS",
+                storage,
+                MAX_BINDING,
+                bytemuck::cast_slice(&scene.relations.pull_entries),
+            )?,
             links,
             later,
             shadow_runs: merged(&runs),

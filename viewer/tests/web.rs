@@ -19,7 +19,7 @@ wasm_bindgen_test_configure!(run_in_browser);
 /// One triangle and one basis function: the smallest scene with anything in it.
 fn triangle() -> Scene {
     let corner = |x, y| Vertex { position: [x, y, 0.0], ..Vertex::default() };
-    Scene {
+    let mut scene = Scene {
         meta: Meta {
             scene_name: "triangle – Ünïcode".into(),
             origin: [1e6, -0.5, 0.25],
@@ -53,10 +53,10 @@ fn triangle() -> Scene {
         indices: vec![0, 1, 2],
         points: vec![Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts: 0, tint: 0 }],
         links: LinkMatrix::from_rows(&[Vec::new()]),
-        push_offsets: vec![0, 0],
-        pull_offsets: vec![0],
         ..Scene::default()
-    }
+    };
+    scene.relate().unwrap();
+    scene
 }
 
 async fn viewer() -> Viewer {

@@ -4,12 +4,13 @@ use super::BakeSettings;
 use crate::basis::Relations;
 use crate::operator::Operator;
 use crate::points::Points;
+use crate::points::round::{power_of_two_under, to_steps};
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::Camera;
-use rebounce_shared::octahedral::pack_snorm16;
-use rebounce_shared::rbn::bulk::{Point, Vertex};
-use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Level, Meta};
+use rebounce_shared::octahedral::pack_rounded;
+use rebounce_shared::rbn::bulk::Vertex;
+use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Meta};
 use rebounce_shared::rbn::{self, LinkMatrix};
 use std::collections::HashMap;
 
@@ -31,22 +32,14 @@ pub(super) fn assemble(
     if cameras.is_empty() {
         cameras.push(camera_at(scene.origin, viewpoint, low, high));
     }
+    let (mut records, cuts, levels) = points.records();
     let meta = Meta {
         generator: format!("rebounce {}", env!("CARGO_PKG_VERSION")),
         scene_name: scene.name.clone(),
         origin: scene.origin,
         bounds_min: low.to_array(),
         bounds_max: high.to_array(),
-        levels: points
-            .levels
-            .iter()
-            .map(|level| Level {
-                first: level.first as u32,
-                count: level.count as u32,
-                disk_radius: level.disk_radius,
-                support_radius: level.support_radius,
-            })
-            .collect(),
+        levels,
         sender_levels: settings.operator.sender_levels as u32,
         later_levels: if operator.later.is_empty() { 0 } else { settings.operator.later_levels as u32 },
         direct_levels: settings.direct_levels as u32,
@@ -65,32 +58,17 @@ pub(super) fn assemble(
             potential_links: senders as u64 * points.points.len() as u64,
         },
     };
-    let mut packed = Vec::with_capacity(points.points.len());
-    let mut cuts = Vec::new();
-    for level in &points.levels {
-        for i in level.range() {
-            let (p, own) = (&points.points[i], points.cuts_of(i));
-            packed.push(Point {
-                position: p.position.to_array(),
-                radius: level.support_radius,
-                normal: pack_snorm16(p.normal),
-                cuts: Point::pack_cuts(cuts.len(), own.len(), points.samples_of(i)),
-                tint: operator.tints[i],
-            });
-            cuts.extend_from_slice(own);
-        }
+    for (point, tint) in records.iter_mut().zip(&operator.tints) {
+        point.tint = *tint;
     }
     rbn::Scene {
         meta,
         vertices,
         indices,
         texture_bytes,
-        points: packed,
+        points: records,
         cuts,
-        push_offsets: relations.push_offsets,
-        push_entries: relations.push_entries,
-        pull_offsets: relations.pull_offsets,
-        pull_entries: relations.pull_entries,
+        relations,
         links: LinkMatrix::from_rows(&operator.links),
         later: LinkMatrix::from_rows(&operator.later),
     }
@@ -110,11 +88,19 @@ fn pack_textures(scene: &Scene) -> (Vec<meta::Texture>, Vec<u8>) {
     (textures.collect(), bytes)
 }
 
+/// Steps of a vertex's position over the scene's size: 0.06 mm in a hall of 35 m.
+const POSITION_STEPS: f32 = (1u32 << 19) as f32;
+/// Steps of texture coordinates: an eighth of a texel of 4096.
+const UV_STEP: f32 = 1.0 / (1u32 << 15) as f32;
+
+/// The vertices, rounded to what can be seen.
 fn vertices(scene: &Scene) -> Vec<Vertex> {
+    let (low, high) = scene.bounds();
+    let step = power_of_two_under((high - low).max_element() / POSITION_STEPS);
     let corner = |((position, normal), uv): ((&Vec3, &Vec3), &glam::Vec2)| Vertex {
-        position: position.to_array(),
-        normal: pack_snorm16(*normal),
-        uv: uv.to_array(),
+        position: to_steps(*position, step).to_array(),
+        normal: pack_rounded(*normal),
+        uv: to_steps(uv.extend(0.0), UV_STEP).truncate().to_array(),
     };
     scene.positions.iter().zip(&scene.normals).zip(&scene.uvs).map(corner).collect()
 }

@@ -7,7 +7,7 @@ mod report;
 pub use preset::{BakeSettings, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport};
 
-use crate::basis::Relations;
+use crate::basis::relate;
 use crate::operator::{bounces::add_later_bounces, refine::refine, reflected::reflected_share};
 use crate::points::{PlaceError, candidates::Candidates, cut, footprint, place, viewpoint};
 use crate::scene::Scene;
@@ -126,7 +126,7 @@ pub fn bake(
     report.sender_levels = settings.operator.sender_levels as u64;
     lap(&mut report, Stage::Points);
     tell(Stage::Basis, 0, 0, 0);
-    let relations = Relations::new(&points, settings.direct_levels);
+    let relations = relate(&points, settings.direct_levels)?;
     lap(&mut report, Stage::Basis);
     settings.operator.reflected = reflected_share(&surfaces, &points, settings.operator.seed);
     let mut operator = refine(&surfaces, &points, &relations, &settings.operator, &|level, done, total| {

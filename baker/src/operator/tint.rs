@@ -8,13 +8,15 @@ use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::colour::{pack_rgb9e5, unpack_rgb9e5};
+use rebounce_shared::colour::{pack_rounded, unpack_rgb9e5};
 use rebounce_shared::kernel::weight;
 
 /// Rays to a point's surroundings: on the finest level, and at most.
 const RAYS: [usize; 2] = [16, 256];
 /// How far above the surface they start, over the support radius.
 const ABOVE: f32 = 0.1;
+/// Mantissas are multiples of this: a channel is within a 256th of the largest one.
+const TINT_UNIT: u32 = 2;
 
 /// The tints of all points, rgb9e5 as the file holds them; the channels' mean is 1. Black surfaces are grey.
 pub fn tints<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, seed: u64) -> Vec<u32> {
@@ -25,7 +27,7 @@ pub fn tints<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, seed: u64) -> 
         tints.par_extend(level.range().into_par_iter().map(|i| {
             let albedo = mean_albedo(surfaces, points, i, level.support_radius, rays, seed);
             let mean = albedo.element_sum() / 3.0;
-            pack_rgb9e5(if mean > 0.0 { albedo / mean } else { Vec3::ONE })
+            pack_rounded(if mean > 0.0 { albedo / mean } else { Vec3::ONE }, TINT_UNIT)
         }));
     }
     tints
@@ -84,7 +86,7 @@ mod tests {
             let ray = Ray { origin: middle, direction, max_distance: f32::INFINITY };
             let hit = surfaces.cast(&ray, 0).unwrap();
             let level = PointLevel { first: 0, count: 1, disk_radius: 0.02, support_radius: 0.04 };
-            let point = SurfacePoint::from(hit);
+            let point = SurfacePoint::at(&hit, 1e-6);
             let points = Points { levels: vec![level], points: vec![point], ..Points::default() };
             (unpack(&tints(&surfaces, &points, 1))[0], hit.albedo)
         };

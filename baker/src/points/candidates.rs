@@ -64,7 +64,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
                 break;
             }
             if bounce >= self.dropped_bounces {
-                found.push(hit.into());
+                found.push(SurfacePoint::at(&hit, self.surfaces.epsilon()));
             }
             let direction = stream.cosine_hemisphere(hit.normal);
             // A direction that the shading normal allows may still point into the surface.

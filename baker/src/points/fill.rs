@@ -89,5 +89,5 @@ fn cast<S: Surfaces + ?Sized>(
     stream: &mut Stream,
 ) -> Option<SurfacePoint> {
     let hit = surfaces.cast(&Ray { origin, direction, max_distance }, stream.bits() as u32);
-    hit.filter(|hit| hit.faces(direction)).map(SurfacePoint::from)
+    hit.filter(|hit| hit.faces(direction)).map(|hit| SurfacePoint::at(&hit, surfaces.epsilon()))
 }

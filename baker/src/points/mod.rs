@@ -3,7 +3,7 @@
 //! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
 //! viewpoint when none is given, [`dart`] throws the candidates as darts into one level's
 //! Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
-//! [`cut`] ends supports at walls, [`footprint`] finds where direct light is sampled.
+//! [`round`] rounds them to what the file keeps, [`cut`] ends supports at walls, [`footprint`] finds where direct light is sampled.
 
 pub mod candidates;
 mod cut;
@@ -12,6 +12,7 @@ mod fill;
 mod footprint;
 mod morton;
 pub mod place;
+pub mod round;
 pub mod viewpoint;
 
 use crate::surface::Hit;
@@ -19,7 +20,9 @@ pub use cut::cut;
 pub use footprint::footprint;
 use glam::Vec3;
 pub use place::{PlaceError, PlaceSettings, place};
-use rebounce_shared::rbn::bulk::Cut;
+use rebounce_shared::octahedral::pack_snorm16;
+use rebounce_shared::rbn::bulk::{Cut, Point};
+use rebounce_shared::rbn::meta::Level;
 
 /// A point on a surface, local space, with its unit normals on the side that light reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,9 +35,11 @@ pub struct SurfacePoint {
     pub geometric_normal: Vec3,
 }
 
-impl From<Hit> for SurfacePoint {
-    fn from(hit: Hit) -> Self {
-        Self { position: hit.position, normal: hit.normal, geometric_normal: hit.geometric_normal }
+impl SurfacePoint {
+    /// The point at a hit, rounded to what the file keeps; `epsilon` is [`Surfaces::epsilon`](crate::surface::Surfaces).
+    pub fn at(hit: &Hit, epsilon: f32) -> Self {
+        let (position, normal) = round::rounded(hit, epsilon);
+        Self { position, normal, geometric_normal: hit.geometric_normal }
     }
 }
 
@@ -85,6 +90,32 @@ impl Points {
     /// The radius of each point's support, scene units.
     fn support_radii(&self) -> Vec<f32> {
         self.levels.iter().flat_map(|level| level.range().map(|_| level.support_radius)).collect()
+    }
+
+    /// The points as the file has them, tints left out; their cuts; the levels.
+    pub fn records(&self) -> (Vec<Point>, Vec<Cut>, Vec<Level>) {
+        let mut records = Vec::with_capacity(self.points.len());
+        let mut cuts = Vec::new();
+        for level in &self.levels {
+            for i in level.range() {
+                let (p, own) = (&self.points[i], self.cuts_of(i));
+                records.push(Point {
+                    position: p.position.to_array(),
+                    radius: level.support_radius,
+                    normal: pack_snorm16(p.normal),
+                    cuts: Point::pack_cuts(cuts.len(), own.len(), self.samples_of(i)),
+                    tint: 0,
+                });
+                cuts.extend_from_slice(own);
+            }
+        }
+        let level = |level: &PointLevel| Level {
+            first: level.first as u32,
+            count: level.count as u32,
+            disk_radius: level.disk_radius,
+            support_radius: level.support_radius,
+        };
+        (records, cuts, self.levels.iter().map(level).collect())
     }
 
     /// Number of points on this many coarsest levels.

@@ -7,8 +7,6 @@
 //! | `TEXD` | bytes | textures as they came, one after another (PNG, JPEG) |
 //! | `PNTS` | [`Point`] | basis function, level after level |
 //! | `CUTS` | [`Cut`] | plane that ends a basis function's support |
-//! | `PUSH` | `u32`, [`Entry`](crate::interpolation::Entry) | push rows: a point's value from its parents' |
-//! | `PULL` | `u32`, [`Entry`](crate::interpolation::Entry) | pull rows: a point's direct light from its children's |
 //! | `LINK` | `u32`, [`Link`](crate::link::Link) | rows of links to all points |
 //! | `LATL` | `u32`, [`LaterLink`](crate::link::LaterLink) | rows of links for later bounces between coarse points |
 
@@ -59,9 +57,11 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The plane at this `distance` (positive, scene units) from the point in a unit direction.
+    /// The plane at this `distance` (positive, scene units) from the point in a unit direction. Its numbers are
+    /// rounded to ten bits after the leading one, which moves it by at most a thousandth of the distance.
     pub fn new(towards: Vec3, distance: f32) -> Self {
-        Self { towards: (towards / distance).to_array() }
+        let round = |x: f32| f32::from_bits((x.to_bits() + (1 << 12)) & !((1 << 13) - 1));
+        Self { towards: (towards / distance).to_array().map(round) }
     }
 
     /// True behind the plane; `offset` is from the point, scene units.

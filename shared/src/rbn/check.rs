@@ -76,25 +76,6 @@ impl Scene {
         if !self.cuts.iter().all(|cut| finite(&cut.towards)) {
             return Err(bad("CUTS", "a number is not finite"));
         }
-        check_rows("PUSH", &self.push_offsets, &self.push_entries, self.points.len(), self.points.len())?;
-        // Parents come before their children, so that the push can go level by level.
-        let level_first: Vec<usize> = m.levels.iter().map(|l| l.first as usize).collect();
-        let level_of = |p: usize| level_first.partition_point(|&first| first <= p).saturating_sub(1);
-        for l in 0..m.levels.len() {
-            for i in self.level(l) {
-                if self.push().row(i).iter().any(|e| e.point() >= level_first[l]) {
-                    return Err(bad("PUSH", "a parent is not coarser than its child"));
-                }
-            }
-        }
-        let pull_rows = if m.direct_levels == 0 { 0 } else { level_first[m.direct_levels as usize - 1] };
-        check_rows("PULL", &self.pull_offsets, &self.pull_entries, pull_rows, self.direct_count())?;
-        for i in 0..pull_rows {
-            let level = level_of(i);
-            if self.pull().row(i).iter().any(|e| level_of(e.point()) <= level) {
-                return Err(bad("PULL", "a child is not finer than its parent"));
-            }
-        }
         let senders = self.sender_count();
         if senders > MAX_SENDERS {
             return Err(RbnError::TooLarge(format!(

@@ -34,7 +34,7 @@ fn checksum(bytes: &[u8]) -> u32 {
 /// The first eight bytes.
 pub const MAGIC: [u8; 8] = *b"REBOUNCE";
 /// The format version that this code writes and reads.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 /// Sections start at multiples of this many bytes: the strictest buffer-offset alignment of WebGPU.
 pub const ALIGNMENT: usize = 256;
 const HEADER: usize = 32;

@@ -1,13 +1,13 @@
 //! A whole .rbn file in memory.
 
 use super::bulk::{Cut, Point, Vertex};
-use super::codec::{Damaged, links, planes};
+use super::codec::{Damaged, columns, links};
 use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
 use super::{RbnError, container};
-use crate::interpolation::{Entry, Rows};
+use crate::basis::Relations;
+use crate::interpolation::Rows;
 use crate::link::{LaterLink, Link};
-use bytemuck::Pod;
 use std::ops::Range;
 
 /// A baked scene: what a .rbn file holds.
@@ -25,16 +25,8 @@ pub struct Scene {
     pub points: Vec<Point>,
     /// Planes that end the points' supports.
     pub cuts: Vec<Cut>,
-    /// Push rows, one per point and one past the end: where each begins in `push_entries`.
-    /// A row interpolates the values of a point's parents at the point; level 0's are empty.
-    pub push_offsets: Vec<u32>,
-    /// Entries of the push rows.
-    pub push_entries: Vec<Entry>,
-    /// Pull rows, one per point of the levels `0..direct_levels - 1` and one past the end.
-    /// A row averages the children of a point.
-    pub pull_offsets: Vec<u32>,
-    /// Entries of the pull rows.
-    pub pull_entries: Vec<Entry>,
+    /// Parents and children. They are not in the file but follow from the points: [`Self::relate`].
+    pub relations: Relations,
     /// T: from what the senders send to irradiance along the points' normals; a row per point of all levels.
     pub links: LinkMatrix<Link>,
     /// H: from irradiance at the points of the coarse levels to that of all further bounces there.
@@ -42,8 +34,8 @@ pub struct Scene {
 }
 
 /// Names of the sections, in file order.
-pub const SECTIONS: [[u8; 4]; 10] =
-    [*b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"PUSH", *b"PULL", *b"LINK", *b"LATL", *b"TEXD"];
+pub const SECTIONS: [[u8; 4]; 8] =
+    [*b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"LINK", *b"LATL", *b"TEXD"];
 
 impl Scene {
     /// The points of level `l`.
@@ -88,12 +80,22 @@ impl Scene {
 
     /// The push matrix.
     pub fn push(&self) -> Rows<'_> {
-        Rows { offsets: &self.push_offsets, entries: &self.push_entries }
+        self.relations.push()
     }
 
     /// The pull matrix.
     pub fn pull(&self) -> Rows<'_> {
-        Rows { offsets: &self.pull_offsets, entries: &self.pull_entries }
+        self.relations.pull()
+    }
+
+    /// Finds the points' relations anew. The points must keep the rules of the format.
+    ///
+    /// # Errors
+    /// [`RbnError`] where far too many functions lie in one place.
+    pub fn relate(&mut self) -> Result<(), RbnError> {
+        let direct_levels = self.meta.direct_levels as usize;
+        self.relations = Relations::new(&self.points, &self.cuts, &self.meta.levels, direct_levels)?;
+        Ok(())
     }
 
     /// The compressed bytes of texture `i`.
@@ -108,14 +110,12 @@ impl Scene {
     /// [`RbnError`] when the scene breaks a rule of the format.
     pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
         self.check()?;
-        let packed: [Vec<u8>; 9] = [
+        let packed: [Vec<u8>; 7] = [
             meta::encode(&self.meta)?,
-            planes::encode(&self.vertices),
-            planes::encode(&self.indices),
-            planes::encode(&self.points),
-            planes::encode(&self.cuts),
-            links::encode(&self.push_offsets, &self.push_entries),
-            links::encode(&self.pull_offsets, &self.pull_entries),
+            columns::encode(&self.vertices),
+            columns::encode(&self.indices),
+            columns::encode(&self.points),
+            columns::encode(&self.cuts),
             links::encode(&self.links.offsets, &self.links.links),
             links::encode(&self.later.offsets, &self.later.links),
         ];
@@ -138,35 +138,29 @@ impl Scene {
                 .map(|s| &file[s.offset..s.offset + s.len])
                 .ok_or_else(|| RbnError::invalid(&String::from_utf8_lossy(&name), "it is missing"))
         };
-        let (push_offsets, push_entries) = rows("PUSH", bytes(*b"PUSH")?)?;
-        let (pull_offsets, pull_entries) = rows("PULL", bytes(*b"PULL")?)?;
-        let scene = Self {
+        let mut scene = Self {
             meta: meta::decode(bytes(*b"META")?)?,
             vertices: records("VERT", bytes(*b"VERT")?)?,
             indices: records("INDX", bytes(*b"INDX")?)?,
             points: records("PNTS", bytes(*b"PNTS")?)?,
             cuts: records("CUTS", bytes(*b"CUTS")?)?,
-            push_offsets,
-            push_entries,
-            pull_offsets,
-            pull_entries,
+            relations: Relations::default(),
             links: matrix("LINK", bytes(*b"LINK")?)?,
             later: matrix("LATL", bytes(*b"LATL")?)?,
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         scene.check()?;
+        scene.relate()?;
         Ok(scene)
     }
 }
 
-fn records<T: Pod>(section: &str, bytes: &[u8]) -> Result<Vec<T>, RbnError> {
-    planes::decode(bytes).map_err(|Damaged| RbnError::invalid(section, "its records cannot be unpacked"))
-}
-
-fn rows<E: links::Beside>(section: &str, bytes: &[u8]) -> Result<(Vec<u32>, Vec<E>), RbnError> {
-    links::decode(bytes).map_err(|Damaged| RbnError::invalid(section, "its rows cannot be unpacked"))
+fn records<T: columns::Columns>(section: &str, bytes: &[u8]) -> Result<Vec<T>, RbnError> {
+    columns::decode(bytes).map_err(|Damaged| RbnError::invalid(section, "its records cannot be unpacked"))
 }
 
 fn matrix<L: links::Beside>(section: &str, bytes: &[u8]) -> Result<LinkMatrix<L>, RbnError> {
-    rows(section, bytes).map(|(offsets, links)| LinkMatrix { offsets, links })
+    let (offsets, links) =
+        links::decode(bytes).map_err(|Damaged| RbnError::invalid(section, "its rows cannot be unpacked"))?;
+    Ok(LinkMatrix { offsets, links })
 }

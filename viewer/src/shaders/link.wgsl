@@ -6,9 +6,9 @@ fn link_sender(link: u32) -> u32 {
 }
 
 fn link_amount(link: u32) -> f32 {
-    // (1 + m / 16) · 2^(e - 30), by its bits; exponent and mantissa of zero are zero.
-    let code = (link >> 20u) & 0x1ffu;
-    let size = bitcast<f32>((code << 19u) + (97u << 23u));
+    // (1 + m / 8) · 2^(e - 30), by its bits; exponent and mantissa of zero are zero.
+    let code = (link >> 20u) & 0xffu;
+    let size = bitcast<f32>((code << 20u) + (97u << 23u));
     return select(select(size, -size, (link >> 31u) != 0u), 0.0, code == 0u);
 }
 

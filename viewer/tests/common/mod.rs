@@ -4,8 +4,6 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::interpolation::pack_row;
-use rebounce_shared::kernel;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::{LaterLink, Link};
 use rebounce_shared::octahedral::pack_snorm16;
@@ -104,7 +102,7 @@ pub fn room(sides: &[u32]) -> Scene {
     });
     meta.lights.push(lamp([0.3, 0.4, 0.2]));
     scene.meta = meta;
-    relate(&mut scene);
+    assert!(scene.relate().is_ok(), "points keep their distance");
     link(&mut scene);
     scene
 }
@@ -112,38 +110,6 @@ pub fn room(sides: &[u32]) -> Scene {
 /// A lamp in the room.
 pub fn lamp(position: [f64; 3]) -> Light {
     Light::Point { position, intensity: 3.0, color: [1.0, 0.7, 0.4] }
-}
-
-fn between(a: &Point, b: &Point) -> f32 {
-    kernel::weight(a.position() - b.position(), a.normal(), b.normal(), b.radius)
-}
-
-/// Push rows from each point's parents, pull rows from its children.
-fn relate(scene: &mut Scene) {
-    scene.push_offsets.push(0);
-    for l in 0..scene.meta.levels.len() {
-        for i in scene.level(l) {
-            let parents = if l == 0 { 0..0 } else { scene.level(l - 1) };
-            let row: Vec<_> = parents
-                .map(|k| (k as u32, between(&scene.points[i], &scene.points[k])))
-                .filter(|e| e.1 > 0.0)
-                .collect();
-            pack_row(&row, &mut scene.push_entries);
-            scene.push_offsets.push(scene.push_entries.len() as u32);
-        }
-    }
-    scene.pull_offsets.push(0);
-    for l in 0..scene.meta.direct_levels as usize - 1 {
-        for i in scene.level(l) {
-            let row: Vec<_> = scene
-                .level(l + 1)
-                .map(|k| (k as u32, between(&scene.points[k], &scene.points[i])))
-                .filter(|e| e.1 > 0.0)
-                .collect();
-            pack_row(&row, &mut scene.pull_entries);
-            scene.pull_offsets.push(scene.pull_entries.len() as u32);
-        }
-    }
 }
 
 fn link(scene: &mut Scene) {

@@ -1,12 +1,12 @@
-//! Rows of ascending indices with something beside each: transport links and interpolation rows.
+//! Rows of ascending indices with something beside each: transport links.
 //!
 //! Of each row: how many; of each entry: the step from the index before it in the row. Numbers are written by
-//! class ([`super::bits`]). What stands beside the indices is split into bytes that are entropy coded and bits
-//! that are not, as suits each kind ([`Beside`]).
+//! class ([`super::bits`]). A step's class is coded in the light of the class before it, as senders that are seen
+//! together lie together. What stands beside the indices is split into bytes that are entropy coded, signs, which
+//! come in runs, and bits that say little ([`Beside`]).
 
 use super::bits::{BitReader, BitWriter, class, push_rest, take_value};
 use super::{Damaged, Reader, Writer};
-use crate::interpolation::{Entry, MAX_POINTS};
 use crate::link::{LaterLink, Link, MAX_SENDERS, Sent};
 
 /// An entry of a row: an index, and something beside it.
@@ -15,100 +15,106 @@ pub trait Beside: Copy {
     const BYTES: usize;
     /// The index; ascends within a row.
     fn index(self) -> u32;
+    /// True below zero.
+    fn is_negative(self) -> bool;
     /// Writes the rest: `bytes[k]` into stream k, and bits.
     fn split(self, bytes: &mut [Vec<u8>], bits: &mut BitWriter);
     /// Puts it together again; `bytes` has the next byte of each stream.
     ///
     /// # Errors
     /// [`Damaged`].
-    fn join(index: u32, bytes: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged>;
+    fn join(index: u32, is_negative: bool, bytes: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged>;
 }
 
 impl Beside for Link {
-    /// Sign and exponent; the mantissa's bits say little.
+    /// Exponent and mantissa.
     const BYTES: usize = 1;
 
     fn index(self) -> u32 {
         self.sender() as u32
     }
 
-    fn split(self, bytes: &mut [Vec<u8>], bits: &mut BitWriter) {
-        bytes[0].push((self.0 >> 24) as u8);
-        bits.push(self.0 >> 20, 4);
+    fn is_negative(self) -> bool {
+        self.0 >> 31 != 0
     }
 
-    fn join(index: u32, bytes: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged> {
-        if index as usize >= MAX_SENDERS || bytes[0] & 0x60 != 0 {
+    fn split(self, bytes: &mut [Vec<u8>], _: &mut BitWriter) {
+        bytes[0].push((self.0 >> 20) as u8);
+    }
+
+    fn join(index: u32, is_negative: bool, bytes: &[u8], _: &mut BitReader<'_>) -> Result<Self, Damaged> {
+        if index as usize >= MAX_SENDERS {
             return Err(Damaged);
         }
-        Ok(Self((bytes[0] as u32) << 24 | bits.take(4)? << 20 | index))
+        Ok(Self((is_negative as u32) << 31 | (bytes[0] as u32) << 20 | index))
     }
 }
 
-/// The low three bits of the mantissas of a later link's colour, which the baker leaves zero.
-const LOW_BITS: u32 = 0b111 << 18 | 0b111 << 9 | 0b111;
+/// Low bits of the mantissas of a later link's colour, which the baker leaves zero.
+const LOW: u32 = 4;
+const LOW_BITS: u32 = 0b1111 << 18 | 0b1111 << 9 | 0b1111;
 
 impl Beside for LaterLink {
-    /// The colour.
+    /// The mantissas' high bits: green, red and blue less green; the exponent, plus 32 where low bits follow.
     const BYTES: usize = 4;
 
     fn index(self) -> u32 {
         self.sender
     }
 
-    fn split(self, bytes: &mut [Vec<u8>], bits: &mut BitWriter) {
-        // The mantissas' high bits, and the exponent; their low bits, where there are any.
-        let low = self.colour & LOW_BITS;
-        for c in 0..3 {
-            bytes[c].push((self.colour >> (9 * c + 3)) as u8 & 63);
-            if low != 0 {
-                bits.push(self.colour >> (9 * c), 3);
-            }
-        }
-        bytes[3].push((self.colour >> 27) as u8 | if low != 0 { 32 } else { 0 });
+    fn is_negative(self) -> bool {
+        false
     }
 
-    fn join(index: u32, bytes: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged> {
+    fn split(self, bytes: &mut [Vec<u8>], bits: &mut BitWriter) {
+        let high = |c: u32| (self.colour >> (9 * c + LOW)) as u8 & 31;
+        bytes[0].push(high(1));
+        bytes[1].push(high(0).wrapping_sub(high(1)) & 31);
+        bytes[2].push(high(2).wrapping_sub(high(1)) & 31);
+        let low = self.colour & LOW_BITS;
+        bytes[3].push((self.colour >> 27) as u8 | if low != 0 { 32 } else { 0 });
+        if low != 0 {
+            (0..3).for_each(|c| bits.push(self.colour >> (9 * c), LOW));
+        }
+    }
+
+    fn join(index: u32, is_negative: bool, bytes: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged> {
+        if is_negative {
+            return Err(Damaged);
+        }
+        let green = bytes[0];
+        let high = [green.wrapping_add(bytes[1]), green, green.wrapping_add(bytes[2])];
         let mut colour = (bytes[3] as u32) << 27;
-        for c in 0..3 {
-            let low = if bytes[3] & 32 != 0 { bits.take(3)? } else { 0 };
-            colour |= ((bytes[c] as u32 & 63) << 3 | low) << (9 * c);
+        for (c, high) in high.into_iter().enumerate() {
+            let low = if bytes[3] & 32 != 0 { bits.take(LOW)? } else { 0 };
+            colour |= ((high as u32 & 31) << LOW | low) << (9 * c);
         }
         Ok(Self { sender: index, colour })
     }
 }
 
-impl Beside for Entry {
-    /// None: weights are spread evenly.
-    const BYTES: usize = 0;
-
-    fn index(self) -> u32 {
-        self.point() as u32
-    }
-
-    fn split(self, _: &mut [Vec<u8>], bits: &mut BitWriter) {
-        bits.push(self.0 >> 22, 7);
-    }
-
-    fn join(index: u32, _: &[u8], bits: &mut BitReader<'_>) -> Result<Self, Damaged> {
-        if index as usize >= MAX_POINTS { Err(Damaged) } else { Ok(Self(bits.take(7)? << 22 | index)) }
-    }
-}
+/// Classes that a step can have: it is the context of the next one's.
+const CLASSES: usize = 33;
 
 /// Packs rows: `entries[offsets[i]..offsets[i + 1]]`; indices ascend within each.
 pub fn encode<E: Beside>(offsets: &[u32], entries: &[E]) -> Vec<u8> {
     let mut bits = BitWriter::default();
-    let (mut lengths, mut steps) = (Vec::new(), Vec::with_capacity(entries.len()));
+    let mut lengths = Vec::new();
+    let mut steps = vec![Vec::new(); CLASSES];
+    let mut signs = vec![0u8; entries.len().div_ceil(8)];
     let mut bytes = vec![Vec::with_capacity(entries.len()); E::BYTES];
     for row in offsets.windows(2) {
         lengths.push(class(row[1] - row[0]));
         push_rest(&mut bits, row[1] - row[0]);
-        let mut last = 0;
-        for entry in &entries[row[0] as usize..row[1] as usize] {
+        let (mut last, mut context) = (0, 0);
+        for k in row[0] as usize..row[1] as usize {
+            let entry = entries[k];
             let step = entry.index() - last;
             last = entry.index();
-            steps.push(class(step));
+            steps[context].push(class(step));
+            context = class(step) as usize;
             push_rest(&mut bits, step);
+            signs[k / 8] |= (entry.is_negative() as u8) << (k % 8);
             entry.split(&mut bytes, &mut bits);
         }
     }
@@ -116,11 +122,19 @@ pub fn encode<E: Beside>(offsets: &[u32], entries: &[E]) -> Vec<u8> {
     writer.number(lengths.len());
     writer.number(entries.len());
     writer.bytes(&lengths);
-    writer.bytes(&steps);
+    steps.iter().for_each(|stream| writer.bytes(stream));
+    writer.bytes(&signs);
     bytes.iter().for_each(|stream| writer.bytes(stream));
     let bits = bits.finish();
     writer.bytes(&bits);
-    writer.finish(4 * offsets.len() + size_of::<E>() * entries.len() + bits.len())
+    writer.finish(4 * offsets.len() + size_of_val(entries) + bits.len())
+}
+
+/// What the entries of a section are made of.
+struct Streams {
+    steps: Vec<std::vec::IntoIter<u8>>,
+    signs: Vec<u8>,
+    bytes: Vec<Vec<u8>>,
 }
 
 /// The offsets and entries of a section.
@@ -133,10 +147,18 @@ pub fn decode<E: Beside>(section: &[u8]) -> Result<(Vec<u32>, Vec<E>), Damaged> 
     reader.allow(rows.checked_mul(4).and_then(|bytes| bytes.checked_add(4)).ok_or(Damaged)?)?;
     reader.allow(count.checked_mul(size_of::<E>()).ok_or(Damaged)?)?;
     let lengths = reader.bytes(rows)?;
-    let steps = reader.bytes(count)?;
-    let streams = (0..E::BYTES).map(|_| reader.bytes(count)).collect::<Result<Vec<_>, _>>()?;
+    let mut steps = Vec::with_capacity(CLASSES);
+    let mut left = count;
+    for _ in 0..CLASSES {
+        let stream = reader.bytes_up_to(left)?;
+        left -= stream.len();
+        steps.push(stream.into_iter());
+    }
+    let signs = reader.bytes(count.div_ceil(8))?;
+    let bytes = (0..E::BYTES).map(|_| reader.bytes(count)).collect::<Result<Vec<_>, _>>()?;
     let bits = reader.any_bytes()?;
     reader.finish()?;
+    let mut streams = Streams { steps, signs, bytes };
     let mut bits = BitReader::new(&bits);
     let (mut offsets, mut entries) = (Vec::with_capacity(rows + 1), Vec::with_capacity(count));
     offsets.push(0);
@@ -145,30 +167,34 @@ pub fn decode<E: Beside>(section: &[u8]) -> Result<(Vec<u32>, Vec<E>), Damaged> 
         if length > count - entries.len() {
             return Err(Damaged);
         }
-        decode_row(length, &steps, &streams, &mut bits, &mut entries)?;
+        decode_row(length, &mut streams, &mut bits, &mut entries)?;
         offsets.push(entries.len() as u32);
     }
     bits.finish()?;
-    if entries.len() == count { Ok((offsets, entries)) } else { Err(Damaged) }
+    // The last byte of the signs has no more of them than entries.
+    let spare = streams.signs.last().is_some_and(|last| count % 8 != 0 && last >> (count % 8) != 0);
+    if entries.len() == count && left == 0 && !spare { Ok((offsets, entries)) } else { Err(Damaged) }
 }
 
 /// One row; a function of its own, as a browser runs wasm at full speed only from some call of a function on.
 #[inline(never)]
 fn decode_row<E: Beside>(
     length: usize,
-    steps: &[u8],
-    streams: &[Vec<u8>],
+    streams: &mut Streams,
     bits: &mut BitReader<'_>,
     entries: &mut Vec<E>,
 ) -> Result<(), Damaged> {
-    let (mut index, mut beside) = (0u32, [0; 4]);
+    let (mut index, mut context, mut beside) = (0u32, 0, [0; 4]);
     for _ in 0..length {
         let k = entries.len();
-        index = index.checked_add(take_value(bits, steps[k])?).ok_or(Damaged)?;
-        for (byte, stream) in beside.iter_mut().zip(streams) {
+        let class = streams.steps[context].next().ok_or(Damaged)?;
+        index = index.checked_add(take_value(bits, class)?).ok_or(Damaged)?;
+        context = class as usize;
+        for (byte, stream) in beside.iter_mut().zip(&streams.bytes) {
             *byte = stream[k];
         }
-        entries.push(E::join(index, &beside[..E::BYTES], bits)?);
+        let is_negative = streams.signs[k / 8] >> (k % 8) & 1 != 0;
+        entries.push(E::join(index, is_negative, &beside[..E::BYTES], bits)?);
     }
     Ok(())
 }
@@ -217,9 +243,7 @@ mod tests {
         assert!(round_trip(rows(|index, seed| Link::pack(index, amount(seed)))) < 3.1);
         let direction = |seed: u32| Vec3::new(amount(seed), amount(seed + 1), amount(seed + 2));
         round_trip(rows(|index, seed| LaterLink::pack(index, direction(seed).abs())));
-        round_trip(rows(|index, seed| Entry(random(seed) % 128 << 22 | index)));
         // Equal everywhere: next to nothing once packed, and yet not over what a reader allows.
-        round_trip(((0..=20_000).collect(), vec![Entry(127 << 22); 20_000]));
         round_trip(((0..=20_000).collect(), vec![Link::pack(0, 1.0); 20_000]));
         round_trip::<Link>((vec![0], Vec::new()));
         round_trip::<Link>((vec![0; 400], Vec::new()));

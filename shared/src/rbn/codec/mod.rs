@@ -2,19 +2,22 @@
 //!
 //! * [`rans`] – entropy coding of bytes;
 //! * [`bits`] – numbers as classes and bits;
-//! * [`links`] – rows of ascending indices with something beside each: links, interpolation rows;
-//! * [`planes`] – any other records, byte by byte of the record.
+//! * [`links`] – rows of ascending indices with something beside each: links;
+//! * [`columns`] – any other records, field by field.
 //!
 //! A packed section never holds more than [`MOST_TIMES`] times its own size: a reader knows what it must allocate
 //! from the bytes that are there.
 
 mod bits;
+pub mod columns;
 pub mod links;
-pub mod planes;
 mod rans;
 
 /// A section's contents over its packed size, at most.
 pub const MOST_TIMES: usize = 64;
+
+/// Bytes of a stream that share a table.
+const BLOCK: usize = 1 << 15;
 
 /// A section's contents at most, bytes.
 const MOST: usize = 1 << 30;
@@ -35,14 +38,22 @@ impl Writer {
         self.out.extend_from_slice(&(value as u32).to_le_bytes());
     }
 
-    /// Appends bytes, entropy coded where that makes them fewer.
+    /// Appends bytes, entropy coded where that makes them fewer, in blocks: what is common changes along a section,
+    /// with the levels that its rows are of.
     pub fn bytes(&mut self, bytes: &[u8]) {
-        let mut packed = Vec::new();
-        rans::encode(bytes, &mut packed);
-        let (is_packed, content) = if packed.len() < bytes.len() { (1, &packed[..]) } else { (0, bytes) };
         self.number(bytes.len());
-        self.number(content.len() << 1 | is_packed);
-        self.out.extend_from_slice(content);
+        for block in bytes.chunks(BLOCK) {
+            let mut packed = Vec::new();
+            rans::encode(block, &mut packed);
+            let (is_packed, content) = if packed.len() < block.len() { (1, &packed[..]) } else { (0, block) };
+            self.number(content.len() << 1 | is_packed);
+            self.out.extend_from_slice(content);
+        }
+    }
+
+    /// Appends what the shorter of two has written, the second of equal ones.
+    pub fn append_shorter(&mut self, one: Writer, other: Writer) {
+        self.out.extend_from_slice(if one.out.len() < other.out.len() { &one.out } else { &other.out });
     }
 
     /// The section, for contents of so many bytes.
@@ -98,16 +109,37 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// [`Damaged`].
     pub fn bytes(&mut self, len: usize) -> Result<Vec<u8>, Damaged> {
-        let (found, content) = (self.number()?, self.number()?);
-        let stream = self.take(content >> 1)?;
-        if found != len {
+        if self.number()? != len {
             return Err(Damaged);
         }
-        match content & 1 {
-            1 => rans::decode(stream, len),
-            _ if stream.len() == len => Ok(stream.to_vec()),
-            _ => Err(Damaged),
+        let mut out = vec![0; len];
+        for block in out.chunks_mut(BLOCK) {
+            let content = self.number()?;
+            let stream = self.take(content >> 1)?;
+            if content & 1 != 0 {
+                rans::decode(stream, block)?;
+            } else if stream.len() == block.len() {
+                block.copy_from_slice(stream);
+            } else {
+                return Err(Damaged);
+            }
         }
+        Ok(out)
+    }
+
+    /// The next bytes, at most so many.
+    ///
+    /// # Errors
+    /// [`Damaged`] if there are more.
+    pub fn bytes_up_to(&mut self, most: usize) -> Result<Vec<u8>, Damaged> {
+        let len = self.next_len()?;
+        if len <= most { self.bytes(len) } else { Err(Damaged) }
+    }
+
+    /// How many bytes come next.
+    fn next_len(&self) -> Result<usize, Damaged> {
+        let len = self.rest.get(..4).ok_or(Damaged)?;
+        Ok(u32::from_le_bytes([len[0], len[1], len[2], len[3]]) as usize)
     }
 
     /// The next bytes, however many; they count as made.
@@ -115,8 +147,7 @@ impl<'a> Reader<'a> {
     /// # Errors
     /// [`Damaged`].
     pub fn any_bytes(&mut self) -> Result<Vec<u8>, Damaged> {
-        let len = self.rest.get(..4).ok_or(Damaged)?;
-        let len = u32::from_le_bytes([len[0], len[1], len[2], len[3]]) as usize;
+        let len = self.next_len()?;
         self.allow(len)?;
         self.bytes(len)
     }

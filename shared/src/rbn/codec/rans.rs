@@ -80,11 +80,11 @@ pub fn encode(bytes: &[u8], out: &mut Vec<u8>) {
     out.extend(shifted.into_iter().rev());
 }
 
-/// The `len` bytes of a stream, which must use all of `stream`.
+/// Fills `out` with the bytes of a stream, which must use all of `stream`.
 ///
 /// # Errors
 /// [`Damaged`].
-pub fn decode(stream: &[u8], len: usize) -> Result<Vec<u8>, Damaged> {
+pub fn decode(stream: &[u8], out: &mut [u8]) -> Result<(), Damaged> {
     let mut rest = stream;
     let mut take = |n: usize| -> Result<&[u8], Damaged> {
         let (head, tail) = rest.split_at_checked(n).ok_or(Damaged)?;
@@ -93,7 +93,7 @@ pub fn decode(stream: &[u8], len: usize) -> Result<Vec<u8>, Damaged> {
     };
     let mask = take(32)?;
     // A slot's value, its frequency less one, and the slot's place within it.
-    let mut table = vec![0u32; SCALE as usize];
+    let mut table = [0u32; SCALE as usize];
     let mut start = 0u32;
     for value in (0..256u32).filter(|v| mask[*v as usize / 8] >> (v % 8) & 1 != 0) {
         let f = take(2)?;
@@ -104,8 +104,8 @@ pub fn decode(stream: &[u8], len: usize) -> Result<Vec<u8>, Damaged> {
         }
         start += f;
     }
-    if len == 0 {
-        return Ok(Vec::new());
+    if out.is_empty() {
+        return Ok(());
     }
     if start != SCALE {
         return Err(Damaged);
@@ -119,11 +119,15 @@ pub fn decode(stream: &[u8], len: usize) -> Result<Vec<u8>, Damaged> {
         }
     }
     let mut words = rest.iter();
-    let mut out = vec![0; len];
+    // One value everywhere does not change the states.
+    if table[0] >> 8 == SCALE - 1 {
+        out.fill(table[0] as u8);
+        return if rest.is_empty() && states == [LOW; 2] { Ok(()) } else { Err(Damaged) };
+    }
     for part in out.chunks_mut(CHUNK) {
         decode_part(&table, &mut states, &mut words, part)?;
     }
-    if words.next().is_some() || states != [LOW; 2] { Err(Damaged) } else { Ok(out) }
+    if words.next().is_some() || states != [LOW; 2] { Err(Damaged) } else { Ok(()) }
 }
 
 /// Even, as two states take turns. In parts, as a browser runs a wasm function at full speed only from some call of it
@@ -153,6 +157,11 @@ fn decode_part(
 mod tests {
     use super::*;
 
+    fn decoded(stream: &[u8], len: usize) -> Result<Vec<u8>, Damaged> {
+        let mut out = vec![0; len];
+        decode(stream, &mut out).map(|()| out)
+    }
+
     fn noise(n: u32, spread: f32) -> Vec<u8> {
         let random = |i: u32| {
             let x = (i ^ 0x85eb_ca6b).wrapping_mul(0x9e37_79b9);
@@ -168,7 +177,7 @@ mod tests {
         for bytes in cases {
             let mut stream = Vec::new();
             encode(&bytes, &mut stream);
-            assert_eq!(decode(&stream, bytes.len()).unwrap(), bytes);
+            assert_eq!(decoded(&stream, bytes.len()).unwrap(), bytes);
             let mut counts = [0f64; 256];
             bytes.iter().for_each(|b| counts[*b as usize] += 1.0);
             let n = bytes.len() as f64;
@@ -182,13 +191,13 @@ mod tests {
         let bytes = noise(3000, 3.0);
         let mut stream = Vec::new();
         encode(&bytes, &mut stream);
-        assert!(decode(&stream[..stream.len() - 1], bytes.len()).is_err());
-        assert!(decode(&stream, bytes.len() + 1).is_err());
-        assert!(decode(&[], 1).is_err());
+        assert!(decoded(&stream[..stream.len() - 1], bytes.len()).is_err());
+        assert!(decoded(&stream, bytes.len() + 1).is_err());
+        assert!(decoded(&[], 1).is_err());
         for i in 0..stream.len() {
             let mut damaged = stream.clone();
             damaged[i] ^= 1 << (i % 8);
-            if let Ok(other) = decode(&damaged, bytes.len()) {
+            if let Ok(other) = decoded(&damaged, bytes.len()) {
                 assert_ne!(other, bytes, "byte {i} does not matter");
             }
         }

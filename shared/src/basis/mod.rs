@@ -1,7 +1,8 @@
 //! The basis: weight functions around points, normalised per level (paper, sections 2.1 and 2.2).
 //!
 //! * [`Evaluator`] finds and weighs the functions that cover a place, fast;
-//! * [`Relations`] holds who is whose parent and child, as the file stores them.
+//! * [`Relations`] holds who is whose parent and child. The file does not store them: they follow from the points, and
+//!   baker and reader work them out by the same arithmetic.
 //!
 //! Levels are nested here, unlike the paper's: a point's value is its coefficient plus what its
 //! *parents' values* interpolate to, and a picture is made from the finest level's values alone.
@@ -14,4 +15,3 @@ mod relations;
 
 pub use evaluator::{Evaluator, Leveled, Support};
 pub use relations::Relations;
-pub(crate) use relations::{evaluator, sender_evaluator};

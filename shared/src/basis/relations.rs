@@ -1,0 +1,117 @@
+//! Parents and children (paper, section 2.1).
+
+use super::{Evaluator, Leveled, Support};
+use crate::interpolation::{Entry, Rows, pack_row};
+use crate::rbn::RbnError;
+use crate::rbn::bulk::{Cut, Point};
+use crate::rbn::meta::Level;
+
+/// Who is whose parent and child.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Relations {
+    /// Push rows, one per point: where each begins; and one past the end.
+    pub push_offsets: Vec<u32>,
+    /// A point's parents with their weights at the point. Parents are of the next coarser level, or of
+    /// the finest coarser one that covers the point; none at level 0 and where no coarser function
+    /// reaches ("orphans").
+    pub push_entries: Vec<Entry>,
+    /// Pull rows, one per point of all sampled levels but the finest: where each begins; and one past the end.
+    pub pull_offsets: Vec<u32>,
+    /// A point's children with their weights.
+    pub pull_entries: Vec<Entry>,
+}
+
+/// Functions that one cell of a level's grid may list. Points keep their distance, so that a few dozen touch a cell;
+/// a file whose points lie on top of each other would take for ever.
+const MOST_IN_A_CELL: usize = 2048;
+
+impl Relations {
+    /// Finds the relations of points; those of `direct_levels` levels but the last get children.
+    ///
+    /// The same points give the same relations, bit by bit, on every machine.
+    ///
+    /// # Errors
+    /// [`RbnError::Invalid`] where far too many functions lie in one place.
+    pub fn new(
+        points: &[Point],
+        cuts: &[Cut],
+        levels: &[Level],
+        direct_levels: usize,
+    ) -> Result<Self, RbnError> {
+        let mut relations = Self { push_offsets: vec![0], ..Self::default() };
+        let mut coarser = Leveled::new(Vec::new());
+        let mut row = Vec::new();
+        for (l, level) in levels.iter().enumerate() {
+            let first = level.first as usize;
+            let own = &points[first..first + level.count as usize];
+            for p in own {
+                coarser.interpolate(p.position(), p.normal(), &mut row);
+                pack_row(&row, &mut relations.push_entries);
+                relations.push_offsets.push(relations.push_entries.len() as u32);
+            }
+            if l + 1 < levels.len() {
+                let support = |p: &'_ Point| Support {
+                    position: p.position(),
+                    normal: p.normal(),
+                    radius: p.radius,
+                    cuts: &cuts[p.cuts()],
+                };
+                let evaluator = Evaluator::new(own.iter().map(support), level.first);
+                if evaluator.most_in_a_cell() > MOST_IN_A_CELL {
+                    return Err(RbnError::invalid(
+                        "PNTS",
+                        format!("over {MOST_IN_A_CELL} functions in one place"),
+                    ));
+                }
+                coarser.push(evaluator);
+            }
+        }
+        let count_on =
+            |l: usize| levels[..l.min(levels.len())].last().map_or(0, |last| last.first + last.count);
+        relations.add_children(
+            count_on(direct_levels.saturating_sub(1)) as usize,
+            count_on(direct_levels) as usize,
+        );
+        Ok(relations)
+    }
+
+    /// The push matrix.
+    pub fn push(&self) -> Rows<'_> {
+        Rows { offsets: &self.push_offsets, entries: &self.push_entries }
+    }
+
+    /// The pull matrix.
+    pub fn pull(&self) -> Rows<'_> {
+        Rows { offsets: &self.pull_offsets, entries: &self.pull_entries }
+    }
+
+    /// The pull rows are the push rows transposed, and sharpened: a child counts by the fourth power
+    /// of its share, so that a point averages the direct light around it and not beyond its
+    /// neighbours. Averaging with the plain shares and interpolating again would blur it twice.
+    fn add_children(&mut self, parents: usize, children: usize) {
+        let mut next = vec![0u32; parents + 1];
+        for entry in (0..children).flat_map(|j| self.push().row(j)) {
+            next[entry.point() + 1] += 1;
+        }
+        for k in 0..parents {
+            next[k + 1] += next[k];
+        }
+        let starts = next.clone();
+        let mut shares = vec![(0u32, 0f32); starts[parents] as usize];
+        for j in 0..children {
+            let row = self.push().row(j);
+            let total: f32 = row.iter().map(|e| e.weight()).sum();
+            for entry in row {
+                let share = entry.weight() / total;
+                let place = &mut next[entry.point()];
+                shares[*place as usize] = (j as u32, share * share * (share * share));
+                *place += 1;
+            }
+        }
+        self.pull_offsets.push(0);
+        for range in starts.windows(2) {
+            pack_row(&shares[range[0] as usize..range[1] as usize], &mut self.pull_entries);
+            self.pull_offsets.push(self.pull_entries.len() as u32);
+        }
+    }
+}

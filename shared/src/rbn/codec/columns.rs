@@ -1,0 +1,377 @@
+//! Records of one size, field by field: neighbours in a section lie near each other, so each field is a column of
+//! numbers that seldom change much.
+//!
+//! A column is packed as it is or as differences, whichever is shorter, in as many planes of bytes as it needs.
+//! Numbers that were rounded to multiples of a power of two (positions, texture coordinates) are whole numbers of it.
+
+use super::{Damaged, Reader, Writer};
+use crate::octahedral::NORMAL_STEP;
+use crate::rbn::bulk::{Cut, Point, Vertex};
+use bytemuck::Pod;
+
+/// What a 32-bit word of a record is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A whole number.
+    Number,
+    /// A float.
+    Float,
+    /// A direction, two 16-bit numbers.
+    Normal,
+    /// A colour, rgb9e5.
+    Colour,
+    /// Number of cuts, samples, first cut: [`Point::cuts`].
+    Cuts,
+}
+
+/// A record made of 32-bit words.
+pub trait Columns: Pod {
+    /// What its words are.
+    const KINDS: &'static [Kind];
+}
+
+impl Columns for u32 {
+    const KINDS: &'static [Kind] = &[Kind::Number];
+}
+
+impl Columns for Vertex {
+    const KINDS: &'static [Kind] =
+        &[Kind::Float, Kind::Float, Kind::Float, Kind::Normal, Kind::Float, Kind::Float];
+}
+
+impl Columns for Point {
+    const KINDS: &'static [Kind] =
+        &[Kind::Float, Kind::Float, Kind::Float, Kind::Float, Kind::Normal, Kind::Cuts, Kind::Colour];
+}
+
+impl Columns for Cut {
+    const KINDS: &'static [Kind] = &[Kind::Float, Kind::Float, Kind::Float];
+}
+
+/// Added to a float column's exponent, so that its header is above any number of bits.
+const EXPONENT_BIAS: i32 = 256;
+
+/// Packs records.
+pub fn encode<T: Columns>(records: &[T]) -> Vec<u8> {
+    let mut writer = Writer::default();
+    writer.number(records.len());
+    let width = T::KINDS.len();
+    let words: &[u32] = bytemuck::cast_slice(records);
+    for (w, kind) in T::KINDS.iter().enumerate() {
+        let column: Vec<u32> = words.iter().skip(w).step_by(width).copied().collect();
+        encode_column(*kind, &column, &mut writer);
+    }
+    writer.finish(size_of_val(records))
+}
+
+/// The records of a section.
+///
+/// # Errors
+/// [`Damaged`].
+pub fn decode<T: Columns>(section: &[u8]) -> Result<Vec<T>, Damaged> {
+    let size = size_of::<T>();
+    let mut reader = Reader::new(section);
+    let count = reader.number()?;
+    reader.allow(count.checked_mul(size).ok_or(Damaged)?)?;
+    let mut out = vec![T::zeroed(); count];
+    let words: &mut [u32] = bytemuck::cast_slice_mut(&mut out);
+    let width = T::KINDS.len();
+    for (w, kind) in T::KINDS.iter().enumerate() {
+        let column = decode_column(*kind, &mut reader, count)?;
+        for (word, value) in words.iter_mut().skip(w).step_by(width).zip(column) {
+            *word = value;
+        }
+    }
+    reader.finish()?;
+    Ok(out)
+}
+
+fn encode_column(kind: Kind, column: &[u32], writer: &mut Writer) {
+    let mut field = |value: &mut dyn FnMut(u32) -> u32| {
+        let values: Vec<u32> = column.iter().map(|word| value(*word)).collect();
+        encode_numbers(&values, writer);
+    };
+    match kind {
+        Kind::Number => field(&mut |word| word),
+        Kind::Float => match common_step(column) {
+            Some(exponent) => {
+                writer.number((exponent + EXPONENT_BIAS) as usize);
+                let numbers: Vec<u32> = column.iter().map(|word| in_steps(*word, exponent)).collect();
+                encode_numbers(&numbers, writer);
+            }
+            None => {
+                let low = column.iter().fold(0, |all, word| all | word).trailing_zeros().min(31);
+                writer.number(low as usize);
+                let numbers: Vec<u32> = column.iter().map(|word| word >> low).collect();
+                encode_numbers(&numbers, writer);
+            }
+        },
+        Kind::Normal => {
+            let halves = |word: u32| [word as i16, (word >> 16) as i16];
+            let rounded = column.iter().all(|word| halves(*word).iter().all(|x| x % NORMAL_STEP == 0));
+            let step = if rounded { NORMAL_STEP } else { 1 };
+            writer.number(step as usize);
+            for half in 0..2 {
+                let numbers: Vec<u32> =
+                    column.iter().map(|word| (halves(*word)[half] / step) as i32 as u32).collect();
+                encode_numbers(&numbers, writer);
+            }
+        }
+        Kind::Colour => {
+            let all = column.iter().fold(0, |all, word| all | word);
+            let low = (all | all >> 9 | all >> 18 | 1 << 8).trailing_zeros();
+            writer.number(low as usize);
+            for shift in [0, 9, 18] {
+                let numbers: Vec<u32> = column.iter().map(|word| (word >> shift & 511) >> low).collect();
+                encode_numbers(&numbers, writer);
+            }
+            let exponents: Vec<u32> = column.iter().map(|word| word >> 27).collect();
+            encode_numbers(&exponents, writer);
+        }
+        Kind::Cuts => {
+            field(&mut |word| word & 7);
+            field(&mut |word| word >> 3 & 255);
+            // A point's cuts follow those of the point before it.
+            let mut next = 0;
+            field(&mut |word| {
+                let skipped = (word >> 11).wrapping_sub(next);
+                next = (word >> 11) + (word & 7);
+                skipped
+            });
+        }
+    }
+}
+
+fn decode_column(kind: Kind, reader: &mut Reader<'_>, count: usize) -> Result<Vec<u32>, Damaged> {
+    match kind {
+        Kind::Number => decode_numbers(reader, count),
+        Kind::Float => {
+            let header = reader.number()?;
+            let mut column = decode_numbers(reader, count)?;
+            if header < 32 {
+                column.iter_mut().for_each(|word| *word <<= header);
+            } else {
+                // 2^exponent, of a normal float.
+                let exponent = header.checked_sub((EXPONENT_BIAS - 126) as usize).ok_or(Damaged)?;
+                if exponent > 252 {
+                    return Err(Damaged);
+                }
+                let step = f32::from_bits((exponent as u32 + 1) << 23);
+                column.iter_mut().for_each(|word| *word = (*word as i32 as f32 * step).to_bits());
+            }
+            Ok(column)
+        }
+        Kind::Normal => {
+            let step = reader.number()? as u32;
+            if step != 1 && step != NORMAL_STEP as u32 {
+                return Err(Damaged);
+            }
+            let mut column = decode_numbers(reader, count)?;
+            let high = decode_numbers(reader, count)?;
+            for (word, high) in column.iter_mut().zip(high) {
+                *word = (word.wrapping_mul(step) & 0xffff) | high.wrapping_mul(step) << 16;
+            }
+            Ok(column)
+        }
+        Kind::Colour => {
+            let low = reader.number()?;
+            if low > 8 {
+                return Err(Damaged);
+            }
+            let mut column = vec![0; count];
+            for shift in [0, 9, 18] {
+                for (word, value) in column.iter_mut().zip(decode_numbers(reader, count)?) {
+                    *word |= (value << low & 511) << shift;
+                }
+            }
+            for (word, value) in column.iter_mut().zip(decode_numbers(reader, count)?) {
+                *word |= value << 27;
+            }
+            Ok(column)
+        }
+        Kind::Cuts => {
+            let mut column = decode_numbers(reader, count)?;
+            let samples = decode_numbers(reader, count)?;
+            let skipped = decode_numbers(reader, count)?;
+            let mut next = 0u32;
+            for ((word, samples), skipped) in column.iter_mut().zip(samples).zip(skipped) {
+                let (first, own) = (skipped.wrapping_add(next) & ((1 << 21) - 1), *word & 7);
+                next = first + own;
+                *word = own | (samples & 255) << 3 | first << 11;
+            }
+            Ok(column)
+        }
+    }
+}
+
+/// The exponent of the largest power of two that all of these floats are multiples of, if they are 31-bit numbers of it.
+fn common_step(column: &[u32]) -> Option<i32> {
+    let (mut lowest, mut highest) = (i32::MAX, i32::MIN);
+    for &word in column {
+        let exponent = (word >> 23 & 255) as i32 - 127;
+        if word == 0 {
+            continue;
+        }
+        // Negative zero, denormals, infinities and NaNs stay bits.
+        if exponent == -127 || exponent == 128 {
+            return None;
+        }
+        let zeros = ((word & 0x7f_ffff) | 0x80_0000).trailing_zeros() as i32;
+        lowest = lowest.min(exponent - 23 + zeros);
+        highest = highest.max(exponent);
+    }
+    let lowest = if lowest == i32::MAX { 0 } else { lowest.max(-126) };
+    (highest.max(lowest) - lowest < 30 && lowest <= 126).then_some(lowest)
+}
+
+/// A float as a whole number of 2^exponent.
+fn in_steps(word: u32, exponent: i32) -> u32 {
+    (f32::from_bits(word) as f64 * (-exponent as f64).exp2()) as i32 as u32
+}
+
+/// Numbers as they are or as differences: twice the number of planes of bytes, plus one for differences; the planes,
+/// low bytes first.
+fn encode_numbers(values: &[u32], writer: &mut Writer) {
+    let plain = planes(values, 0);
+    let mut last = 0u32;
+    let differences: Vec<u32> = values
+        .iter()
+        .map(|value| {
+            let difference = value.wrapping_sub(last);
+            last = *value;
+            zigzag(difference)
+        })
+        .collect();
+    let differences = planes(&differences, 1);
+    writer.append_shorter(differences, plain);
+}
+
+fn planes(values: &[u32], flag: usize) -> Writer {
+    let bits = 32 - values.iter().fold(0, |all, value| all | value).leading_zeros();
+    let count = bits.div_ceil(8);
+    let mut writer = Writer::default();
+    writer.number((count as usize) << 1 | flag);
+    for byte in 0..count {
+        let plane: Vec<u8> = values.iter().map(|value| (value >> (8 * byte)) as u8).collect();
+        writer.bytes(&plane);
+    }
+    writer
+}
+
+fn decode_numbers(reader: &mut Reader<'_>, count: usize) -> Result<Vec<u32>, Damaged> {
+    let header = reader.number()?;
+    let mut values = vec![0u32; count];
+    if header >> 1 > 4 {
+        return Err(Damaged);
+    }
+    for byte in 0..header >> 1 {
+        let plane = reader.bytes(count)?;
+        for (values, plane) in values.chunks_mut(CHUNK).zip(plane.chunks(CHUNK)) {
+            add_plane(values, plane, 8 * byte as u32);
+        }
+    }
+    if header & 1 != 0 {
+        let mut last = 0;
+        for part in values.chunks_mut(CHUNK) {
+            last = add_up(part, last);
+        }
+    }
+    Ok(values)
+}
+
+/// In parts, as a browser runs a wasm function at full speed only from some call of it on.
+const CHUNK: usize = 1024;
+
+#[inline(never)]
+fn add_plane(values: &mut [u32], plane: &[u8], shift: u32) {
+    for (value, byte) in values.iter_mut().zip(plane) {
+        *value |= (*byte as u32) << shift;
+    }
+}
+
+/// Differences to numbers; the last one's.
+#[inline(never)]
+fn add_up(part: &mut [u32], mut last: u32) -> u32 {
+    for value in part {
+        last = last.wrapping_add(unzigzag(*value));
+        *value = last;
+    }
+    last
+}
+
+/// Small differences of either sign as small numbers.
+fn zigzag(difference: u32) -> u32 {
+    difference << 1 ^ ((difference as i32 >> 31) as u32)
+}
+
+fn unzigzag(value: u32) -> u32 {
+    value >> 1 ^ (value & 1).wrapping_neg()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    fn vertices(rounded: bool) -> Vec<Vertex> {
+        let mut s = Stream::new(3, rounded as u64);
+        let mut number = move |scale: f32| {
+            let x = scale * (s.unit() - 0.5);
+            if rounded { (x * 1024.0).round() / 1024.0 + 0.0 } else { x }
+        };
+        (0..3000u32)
+            .map(|i| Vertex {
+                position: [number(30.0), number(0.01) + i as f32, if i % 9 == 0 { 0.0 } else { number(3.0) }],
+                normal: (i % 1000) * 31 | (i.wrapping_mul(31) % 1057 * 31) << 16,
+                uv: [number(1e4), -number(2.0)],
+            })
+            .collect()
+    }
+
+    #[test]
+    fn records_come_back_bit_by_bit() {
+        let rounded = encode(&vertices(true));
+        let others = encode(&vertices(false));
+        assert_eq!(decode::<Vertex>(&rounded).unwrap(), vertices(true));
+        assert_eq!(decode::<Vertex>(&others).unwrap(), vertices(false));
+        assert!(rounded.len() < others.len() * 3 / 4, "{} {}", rounded.len(), others.len());
+        // Whatever bits there are.
+        let mut s = Stream::new(5, 0);
+        for special in [0, 1, 0x8000_0000, 0x7f80_0000, 0x7fc0_0000, 0xff7f_ffff, 0x0080_0000, 0x4b80_0001] {
+            let mut word = || if s.unit() < 0.5 { special } else { s.bits() as u32 & 0x7fff_ffff };
+            let cuts: Vec<Cut> =
+                (0..100).map(|_| Cut { towards: [word(), word(), special].map(f32::from_bits) }).collect();
+            let back = decode::<Cut>(&encode(&cuts)).unwrap();
+            assert_eq!(bytemuck::cast_slice::<_, u32>(&back), bytemuck::cast_slice::<_, u32>(&cuts));
+            let points: Vec<Point> = (0..100)
+                .map(|_| Point { normal: word(), cuts: word(), tint: word(), ..Point::default() })
+                .collect();
+            assert_eq!(decode::<Point>(&encode(&points)).unwrap(), points);
+        }
+        assert_eq!(decode::<u32>(&encode::<u32>(&[])).unwrap(), Vec::<u32>::new());
+    }
+
+    #[test]
+    fn damaged_sections_are_refused_or_give_other_records() {
+        let vertices = vertices(true);
+        let packed = encode(&vertices);
+        for i in (0..packed.len()).step_by(5) {
+            let mut damaged = packed.clone();
+            damaged[i] ^= 1 << (i % 8);
+            if let Ok(other) = decode::<Vertex>(&damaged) {
+                assert!(other != vertices || damaged[i] == packed[i], "byte {i}");
+            }
+            assert!(decode::<Vertex>(&packed[..i]).is_err());
+        }
+    }
+
+    #[test]
+    fn a_section_that_promises_too_much_is_refused_before_it_is_made() {
+        let packed = encode(&vec![5u32; 1_000_000]);
+        assert_eq!(decode::<u32>(&packed).unwrap().len(), 1_000_000);
+        assert!(decode::<u32>(&packed[..packed.len() - 1]).is_err());
+        let mut lying = encode(&[1u32, 2, 3]);
+        lying[..4].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert_eq!(decode::<u32>(&lying), Err(Damaged));
+    }
+}
