@@ -14,7 +14,6 @@ pub mod display;
 pub mod error;
 pub mod gbuffer;
 pub mod gpu;
-pub mod lookup;
 pub mod materials;
 pub mod oneshot;
 pub mod overlay;

@@ -52,7 +52,7 @@ pub struct Upload {
     pub points: wgpu::Buffer,
     /// Section `CUTS`.
     pub cuts: wgpu::Buffer,
-    /// Which functions may cover a place ([`crate::lookup`]).
+    /// Which functions may cover a place ([`rebounce_shared::basis::Lookup`]).
     pub lookup: wgpu::Buffer,
     /// Offsets of the push rows.
     pub push_offsets: wgpu::Buffer,
@@ -105,7 +105,7 @@ impl Upload {
             indices: section("INDX", BufferUsages::INDEX, MAX_BUFFER, cast(&scene.indices))?,
             points: section("PNTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.points))?,
             cuts: section("CUTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.cuts))?,
-            lookup: section("lookup", storage, MAX_BINDING, cast(&crate::lookup::build(scene)?))?,
+            lookup: section("PNTS", storage, MAX_BINDING, cast(&scene.relations.lookup.words))?,
             push_offsets: section("PNTS", storage, MAX_BINDING, cast(&scene.relations.push_offsets))?,
             push_entries: section(
                 "PNTS",

@@ -1,8 +1,7 @@
-//! The basis: weight functions around points, normalised per level (paper, sections 2.1 and 2.2).
+//! What follows from the points alone: the file does not hold it, baker and reader work it out by the same arithmetic.
 //!
-//! * [`Evaluator`] finds and weighs the functions that cover a place, fast;
-//! * [`Relations`] holds who is whose parent and child. The file does not store them: they follow from the points, and
-//!   baker and reader work them out by the same arithmetic.
+//! * [`Lookup`] says which functions may cover a place;
+//! * [`Relations`] says who is whose parent and child.
 //!
 //! Levels are nested here, unlike the paper's: a point's value is its coefficient plus what its
 //! *parents' values* interpolate to, and a picture is made from the finest level's values alone.
@@ -10,8 +9,8 @@
 //! flattening of section 4.1 exact and free, needs one level's functions at a ray's hit instead
 //! of three, and turns Eq. 17's sum over all coarser levels into one over the parents' values.
 
-mod evaluator;
+mod lookup;
 mod relations;
 
-pub use evaluator::{Evaluator, Leveled, Support};
+pub use lookup::{LEVEL_WORDS, Lookup};
 pub use relations::Relations;

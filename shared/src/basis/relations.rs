@@ -1,12 +1,13 @@
 //! Parents and children (paper, section 2.1).
 
-use super::{Evaluator, Leveled, Support};
+use super::Lookup;
 use crate::interpolation::{Entry, Rows, pack_row};
+use crate::kernel::weight;
 use crate::rbn::RbnError;
 use crate::rbn::bulk::{Cut, Point};
 use crate::rbn::meta::Level;
 
-/// Who is whose parent and child.
+/// Who is whose parent and child, and what may cover a place.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Relations {
     /// Push rows, one per point: where each begins; and one past the end.
@@ -19,11 +20,13 @@ pub struct Relations {
     pub pull_offsets: Vec<u32>,
     /// A point's children with their weights.
     pub pull_entries: Vec<Entry>,
+    /// Which functions may cover a place.
+    pub lookup: Lookup,
 }
 
-/// Functions that one cell of a level's grid may list. Points keep their distance, so that a few dozen touch a cell;
-/// a file whose points lie on top of each other would take for ever.
-const MOST_IN_A_CELL: usize = 2048;
+/// Functions that one bucket of a level may hold. Points keep their distance, so that a few dozen do; a file whose
+/// points lie on top of each other would take for ever.
+const MOST_IN_A_BUCKET: usize = 2048;
 
 impl Relations {
     /// Finds the relations of points; those of `direct_levels` levels but the last get children.
@@ -38,32 +41,17 @@ impl Relations {
         levels: &[Level],
         direct_levels: usize,
     ) -> Result<Self, RbnError> {
-        let mut relations = Self { push_offsets: vec![0], ..Self::default() };
-        let mut coarser = Leveled::new(Vec::new());
+        let lookup = Lookup::new(points, levels);
+        if (0..levels.len()).any(|l| lookup.fullest(l) > MOST_IN_A_BUCKET) {
+            return Err(RbnError::invalid("PNTS", format!("over {MOST_IN_A_BUCKET} functions in one place")));
+        }
+        let mut relations = Self { push_offsets: vec![0], lookup, ..Self::default() };
         let mut row = Vec::new();
         for (l, level) in levels.iter().enumerate() {
-            let first = level.first as usize;
-            let own = &points[first..first + level.count as usize];
-            for p in own {
-                coarser.interpolate(p.position(), p.normal(), &mut row);
+            for p in &points[level.first as usize..(level.first + level.count) as usize] {
+                parents(points, cuts, &relations.lookup, l, p, &mut row);
                 pack_row(&row, &mut relations.push_entries);
                 relations.push_offsets.push(relations.push_entries.len() as u32);
-            }
-            if l + 1 < levels.len() {
-                let support = |p: &'_ Point| Support {
-                    position: p.position(),
-                    normal: p.normal(),
-                    radius: p.radius,
-                    cuts: &cuts[p.cuts()],
-                };
-                let evaluator = Evaluator::new(own.iter().map(support), level.first);
-                if evaluator.most_in_a_cell() > MOST_IN_A_CELL {
-                    return Err(RbnError::invalid(
-                        "PNTS",
-                        format!("over {MOST_IN_A_CELL} functions in one place"),
-                    ));
-                }
-                coarser.push(evaluator);
             }
         }
         let count_on =
@@ -114,4 +102,41 @@ impl Relations {
             self.pull_offsets.push(self.pull_entries.len() as u32);
         }
     }
+}
+
+/// A weight so small that its share is noise does not count as covered.
+const LEAST_WEIGHT: f32 = 1e-6;
+
+/// Fills `row` with the functions of the finest level under `level` that covers this point, and their weights.
+/// Leaves it empty where none does.
+#[inline(never)]
+fn parents(
+    points: &[Point],
+    cuts: &[Cut],
+    lookup: &Lookup,
+    level: usize,
+    p: &Point,
+    row: &mut Vec<(u32, f32)>,
+) {
+    let (position, normal) = (p.position(), p.normal());
+    for l in (0..level).rev() {
+        row.clear();
+        let mut total = 0.0;
+        for &j in lookup.functions(l, position) {
+            let q = &points[j as usize];
+            let offset = position - q.position();
+            // Most are too far away for their normals to matter.
+            if offset.length_squared() < q.radius * q.radius {
+                let w = weight(offset, normal, q.normal(), q.radius);
+                if w > 0.0 && !cuts[q.cuts()].iter().any(|cut| cut.ends(offset)) {
+                    row.push((j, w));
+                    total += w;
+                }
+            }
+        }
+        if total > LEAST_WEIGHT {
+            return;
+        }
+    }
+    row.clear();
 }

@@ -78,8 +78,8 @@ pub fn decode<T: Columns>(section: &[u8]) -> Result<Vec<T>, Damaged> {
     let width = T::KINDS.len();
     for (w, kind) in T::KINDS.iter().enumerate() {
         let column = decode_column(*kind, &mut reader, count)?;
-        for (word, value) in words.iter_mut().skip(w).step_by(width).zip(column) {
-            *word = value;
+        for (records, column) in words.chunks_mut(CHUNK * width).zip(column.chunks(CHUNK)) {
+            put(records, [w, width], column);
         }
     }
     reader.finish()?;
@@ -281,6 +281,13 @@ fn decode_numbers(reader: &mut Reader<'_>, count: usize) -> Result<Vec<u32>, Dam
 
 /// In parts, as a browser runs a wasm function at full speed only from some call of it on.
 const CHUNK: usize = 1024;
+
+#[inline(never)]
+fn put(records: &mut [u32], [w, width]: [usize; 2], column: &[u32]) {
+    for (record, value) in records.chunks_exact_mut(width).zip(column) {
+        record[w] = *value;
+    }
+}
 
 #[inline(never)]
 fn add_plane(values: &mut [u32], plane: &[u8], shift: u32) {

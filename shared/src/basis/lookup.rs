@@ -1,13 +1,12 @@
-//! Which functions may cover a place: a hash grid per level, made once when a scene is loaded.
+//! Which functions may cover a place: a hash grid per level, in one array of words that the GPU reads as it is.
 //!
-//! A pixel reads one bucket of its level and tests the functions in it; lookup.wgsl reads what is made here.
+//! A pixel reads one bucket of its level and tests the functions in it; the viewer's lookup.wgsl reads what is made
+//! here.
 
-use crate::error::ViewerError;
-use crate::upload::MAX_BINDING;
+use crate::kernel::SQUASH;
+use crate::rbn::bulk::Point;
+use crate::rbn::meta::Level;
 use glam::{IVec3, Vec3};
-use rebounce_shared::kernel::SQUASH;
-use rebounce_shared::rbn::Scene;
-use rebounce_shared::rbn::bulk::Point;
 
 /// Words of a level at the begin: one over the cell size (f32), first bucket, number of buckets less one.
 pub const LEVEL_WORDS: usize = 3;
@@ -16,32 +15,49 @@ const CELL: f32 = 0.6;
 /// Supports count as this much larger, so that a cell's rim may round to either side.
 const MARGIN: f32 = 1.001;
 
-/// The tables of all levels in one array: the number of levels, [`LEVEL_WORDS`] words a level (coarsest first),
-/// the buckets' offsets, the functions' indices over all levels. Bucket `b` of a level holds
-/// `words[words[first + b]..words[first + b + 1]]`; cells that share a bucket share its functions.
-///
-/// # Errors
-/// [`ViewerError::TooLarge`] past one storage binding.
-pub fn build(scene: &Scene) -> Result<Vec<u32>, ViewerError> {
-    let levels = scene.meta.levels.len();
-    let mut words = vec![0; 1 + LEVEL_WORDS * levels];
-    words[0] = levels as u32;
-    for l in 0..levels {
-        let range = scene.level(l);
-        let points = &scene.points[range.clone()];
-        let grid = Grid::new(points);
-        let buckets = (4 * points.len()).next_power_of_two();
-        let head = 1 + LEVEL_WORDS * l;
-        words[head] = grid.cells_per_unit.to_bits();
-        words[head + 1] = words.len() as u32;
-        words[head + 2] = buckets as u32 - 1;
-        append(&mut words, &grid, points, range.start as u32, buckets);
-        let bytes = 4 * words.len() as u64;
-        if bytes > MAX_BINDING {
-            return Err(ViewerError::TooLarge { section: "PNTS", bytes, limit: MAX_BINDING });
+/// The tables of all levels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lookup {
+    /// The number of levels, [`LEVEL_WORDS`] words a level (coarsest first), the buckets' offsets, the functions'
+    /// indices over all levels. Bucket `b` of a level holds `words[words[first + b]..words[first + b + 1]]`, ascending;
+    /// cells that share a bucket share its functions.
+    pub words: Vec<u32>,
+}
+
+impl Lookup {
+    /// The tables of the levels of `points`.
+    pub fn new(points: &[Point], levels: &[Level]) -> Self {
+        let mut words = vec![0; 1 + LEVEL_WORDS * levels.len()];
+        words[0] = levels.len() as u32;
+        for (l, level) in levels.iter().enumerate() {
+            let points = &points[level.first as usize..(level.first + level.count) as usize];
+            let grid = Grid::new(points);
+            let buckets = (4 * points.len()).next_power_of_two();
+            let head = 1 + LEVEL_WORDS * l;
+            words[head] = grid.cells_per_unit.to_bits();
+            words[head + 1] = words.len() as u32;
+            words[head + 2] = buckets as u32 - 1;
+            append(&mut words, &grid, points, level.first, buckets);
         }
+        Self { words }
     }
-    Ok(words)
+
+    /// The functions of a level that may cover a place, ascending.
+    #[inline]
+    pub fn functions(&self, level: usize, position: Vec3) -> &[u32] {
+        let head = 1 + LEVEL_WORDS * level;
+        let cell = (position * f32::from_bits(self.words[head])).floor().as_ivec3();
+        let bucket = (self.words[head + 1] + (hash(cell) & self.words[head + 2])) as usize;
+        &self.words[self.words[bucket] as usize..self.words[bucket + 1] as usize]
+    }
+
+    /// Functions in the fullest bucket of a level.
+    pub fn fullest(&self, level: usize) -> usize {
+        let head = 1 + LEVEL_WORDS * level;
+        let first = self.words[head + 1] as usize;
+        let offsets = &self.words[first..first + self.words[head + 2] as usize + 2];
+        offsets.windows(2).map(|w| (w[1] - w[0]) as usize).max().unwrap_or(0)
+    }
 }
 
 /// Appends a level's offsets and lists: counts first, then places.
@@ -77,24 +93,19 @@ impl Grid {
 
     /// Buckets, of so many, and the functions in them, counted from `first`: functions ascending, each once a bucket.
     fn buckets(&self, points: &[Point], first: u32, buckets: usize) -> Vec<(u32, u32)> {
-        let mut placed = Vec::new();
+        let mut placed = Vec::with_capacity(8 * points.len());
         // The last function put into each bucket: two cells of one function may share a bucket.
         let mut last = vec![u32::MAX; buckets];
         for (point, i) in points.iter().zip(first..) {
-            self.cells(point, |cell| {
-                let bucket = hash(cell) as usize & (buckets - 1);
-                if std::mem::replace(&mut last[bucket], i) != i {
-                    placed.push((bucket as u32, i));
-                }
-            });
+            self.place(point, i, &mut last, &mut placed);
         }
         placed
     }
 
-    /// The cells that a point's support may reach into: an ellipsoid, flat along the normal. Not inlined: a browser runs
-    /// wasm at full speed only from some call of a function on.
+    /// Puts a function into the cells that its support may reach into: an ellipsoid, flat along the normal. Not inlined:
+    /// a browser runs wasm at full speed only from some call of a function on.
     #[inline(never)]
-    fn cells(&self, point: &Point, mut visit: impl FnMut(IVec3)) {
+    fn place(&self, point: &Point, i: u32, last: &mut [u32], placed: &mut Vec<(u32, u32)>) {
         let (centre, normal) = (point.position(), point.normal());
         let radius = MARGIN * point.radius;
         let thickness = radius / (1.0 + SQUASH);
@@ -102,17 +113,28 @@ impl Grid {
         let half =
             (radius * radius * (Vec3::ONE - n2) + thickness * thickness * n2).max(Vec3::ZERO).map(f32::sqrt);
         let first = ((centre - half) * self.cells_per_unit).floor().as_ivec3();
-        let last = ((centre + half) * self.cells_per_unit).floor().as_ivec3();
-        let side = 0.5 / self.cells_per_unit;
-        for z in first.z..=last.z {
-            for y in first.y..=last.y {
-                for x in first.x..=last.x {
-                    let cell = IVec3::new(x, y, z);
-                    let offset = (cell.as_vec3() + 0.5) / self.cells_per_unit - centre;
-                    let nearest = (offset.abs() - side).max(Vec3::ZERO);
-                    let above = offset.dot(normal).abs() - side * normal.abs().element_sum();
-                    if nearest.length_squared() <= radius * radius && above <= thickness {
-                        visit(cell);
+        let last_cell = ((centre + half) * self.cells_per_unit).floor().as_ivec3();
+        let size = 1.0 / self.cells_per_unit;
+        let side = 0.5 * size;
+        let thickest = thickness + side * normal.abs().element_sum();
+        // From the support's centre to a cell's, along one axis; and how far the cell's nearest side is, squared.
+        let along = |cell: i32, centre: f32| {
+            let offset = (cell as f32 + 0.5) * size - centre;
+            let nearest = (offset.abs() - side).max(0.0);
+            (offset, nearest * nearest)
+        };
+        for z in first.z..=last_cell.z {
+            let (offset_z, near_z) = along(z, centre.z);
+            for y in first.y..=last_cell.y {
+                let (offset_y, near_y) = along(y, centre.y);
+                let (above, near) = (offset_z * normal.z + offset_y * normal.y, near_z + near_y);
+                for x in first.x..=last_cell.x {
+                    let (offset_x, near_x) = along(x, centre.x);
+                    if near + near_x <= radius * radius && (above + offset_x * normal.x).abs() <= thickest {
+                        let bucket = hash(IVec3::new(x, y, z)) as usize & (last.len() - 1);
+                        if std::mem::replace(&mut last[bucket], i) != i {
+                            placed.push((bucket as u32, i));
+                        }
                     }
                 }
             }
@@ -121,6 +143,7 @@ impl Grid {
 }
 
 /// As `cell_hash` in lookup.wgsl.
+#[inline]
 fn hash(cell: IVec3) -> u32 {
     let [x, y, z] = cell.to_array().map(|c| c as u32);
     let h = x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f);
@@ -130,9 +153,9 @@ fn hash(cell: IVec3) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rebounce_shared::kernel::weight;
-    use rebounce_shared::octahedral::pack_snorm16;
-    use rebounce_shared::rbn::meta::Level;
+    use crate::kernel::weight;
+    use crate::octahedral::pack_snorm16;
+    use crate::rbn::Scene;
 
     fn random(seed: u32) -> f32 {
         let x = (seed ^ 0x85eb_ca6b).wrapping_mul(0x9e37_79b9);
@@ -165,15 +188,13 @@ mod tests {
     #[test]
     fn a_bucket_holds_every_function_that_covers_a_place_once() {
         let scene = scene();
-        let words = build(&scene).unwrap();
+        let lookup = Lookup::new(&scene.points, &scene.meta.levels);
         let (mut found, mut tested) = (0, 0);
         for i in 0..4000 {
             let (x, normal) = (place(i + 20_000), place(i + 40_000).normalize());
             for l in 0..2 {
-                let head = 1 + LEVEL_WORDS * l;
-                let cell = (x * f32::from_bits(words[head])).floor().as_ivec3();
-                let bucket = (words[head + 1] + (hash(cell) & words[head + 2])) as usize;
-                let list = &words[words[bucket] as usize..words[bucket + 1] as usize];
+                let list = lookup.functions(l, x);
+                assert!(list.len() <= lookup.fullest(l));
                 assert!(list.windows(2).all(|w| w[0] < w[1]), "each function once");
                 assert!(list.iter().all(|&j| scene.level(l).contains(&(j as usize))));
                 let covers = |j: &usize| {
@@ -193,10 +214,8 @@ mod tests {
 
     #[test]
     fn a_scene_without_functions_has_empty_tables() {
-        let mut scene = Scene::default();
-        assert_eq!(build(&scene).unwrap(), [0]);
-        scene.meta.levels.push(Level::default());
-        let words = build(&scene).unwrap();
-        assert_eq!(words[words[2] as usize], words[words[2] as usize + 1]);
+        assert_eq!(Lookup::new(&[], &[]).words, [0]);
+        let lookup = Lookup::new(&[], &[Level::default()]);
+        assert!(lookup.functions(0, Vec3::ONE).is_empty() && lookup.fullest(0) == 0);
     }
 }

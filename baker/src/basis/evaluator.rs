@@ -3,9 +3,9 @@
 //! A hash grid per level: each cell lists the functions whose support's box touches it, so a
 //! query reads one list. `cargo bench -p rebounce --bench basis` compares it with an R-tree (paper, 2.1).
 
-use crate::kernel::{SQUASH, weight};
-use crate::rbn::bulk::Cut;
 use glam::{IVec3, Vec3};
+use rebounce_shared::kernel::{SQUASH, weight};
+use rebounce_shared::rbn::bulk::Cut;
 
 /// A basis function.
 #[derive(Clone, Copy, Debug)]
@@ -97,11 +97,6 @@ impl Evaluator {
         Self { cuts: all_cuts, cell_size, low, table, lists }
     }
 
-    /// Functions in the fullest cell.
-    pub fn most_in_a_cell(&self) -> usize {
-        self.table.iter().map(|(_, start, end)| (end - start) as usize).max().unwrap_or(0)
-    }
-
     /// Calls `visit(index, weight)` for each function whose weight (Eq. 8) is positive at this
     /// place and that no cut ends there, and returns the weights' sum: 0 where nothing covers it.
     #[inline]
@@ -154,11 +149,6 @@ impl Leveled {
     /// From levels, coarsest first.
     pub fn new(levels: Vec<Evaluator>) -> Self {
         Self { levels }
-    }
-
-    /// Adds a level, finer than the others.
-    pub fn push(&mut self, level: Evaluator) {
-        self.levels.push(level);
     }
 
     /// Fills `out` with (index, normalised weight) of the functions of the finest level that

@@ -1,7 +1,13 @@
-//! The basis over the baker's points; `rebounce_shared::basis` has the functions and their relations.
+//! The basis: weight functions around points, normalised per level (paper, sections 2.1 and 2.2).
+//!
+//! [`Evaluator`] finds and weighs the functions that cover a place, fast; who is whose parent and child,
+//! `rebounce_shared::basis` says.
+
+mod evaluator;
 
 use crate::points::{PointLevel, Points};
-pub use rebounce_shared::basis::{Evaluator, Leveled, Relations, Support};
+pub use evaluator::{Evaluator, Leveled, Support};
+pub use rebounce_shared::basis::Relations;
 use rebounce_shared::rbn::RbnError;
 
 /// Finds the relations of points; those of `direct_levels` levels but the last get children.
