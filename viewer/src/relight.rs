@@ -3,6 +3,7 @@
 use crate::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout, part};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
+use crate::scope::Scope;
 use crate::shaders;
 use crate::upload::{LinkBuffers, MAX_BINDING, Upload};
 use bytemuck::{Pod, Zeroable};
@@ -133,6 +134,8 @@ pub struct RelightPipelines {
     short: wgpu::ComputePipeline,
     bounce: wgpu::BindGroupLayout,
     lift: Pass,
+    lanes: u32,
+    shared: [wgpu::ComputePipeline; 2],
 }
 
 impl RelightPipelines {
@@ -151,26 +154,35 @@ impl RelightPipelines {
         };
         let direct = slots("direct", 1, 1);
         let transport = slots("transport", 6, 1);
+        let bounce = slots("bounce", 3, 2);
         let alone = [("LANES", 1.0)];
+        let lanes = if gpu.software { SOFTWARE_LANES } else { LANES };
         Self {
+            shared: shared(gpu, &transport, &bounce, lanes),
+            lanes,
             short: compute(gpu, "transport", shaders::TRANSPORT, &[&transport], &alone),
             transport,
             direct: (direct.clone(), compute(gpu, "direct", shaders::DIRECT, &[&direct, lights], &[])),
             pull: pass("pull", shaders::PULL, 2, 1),
             send: pass("send", shaders::SEND, 2, 1),
-            bounce: slots("bounce", 3, 2),
+            bounce,
             lift: pass("lift", shaders::LIFT, 2, 2),
         }
     }
+}
 
-    /// The kernels whose threads share rows, so many a row: transport and bounces.
-    fn shared(&self, gpu: &Gpu, lanes: u32) -> [wgpu::ComputePipeline; 2] {
-        let constants = [("LANES", lanes as f64)];
-        [
-            compute(gpu, "transport", shaders::TRANSPORT, &[&self.transport], &constants),
-            compute(gpu, "bounce", shaders::BOUNCE, &[&self.bounce], &constants),
-        ]
-    }
+/// The kernels whose threads share rows, so many a row: transport and bounces.
+fn shared(
+    gpu: &Gpu,
+    transport: &wgpu::BindGroupLayout,
+    bounce: &wgpu::BindGroupLayout,
+    lanes: u32,
+) -> [wgpu::ComputePipeline; 2] {
+    let constants = [("LANES", lanes as f64)];
+    [
+        compute(gpu, "transport", shaders::TRANSPORT, &[transport], &constants),
+        compute(gpu, "bounce", shaders::BOUNCE, &[bounce], &constants),
+    ]
 }
 
 /// A scene's part: buffers and the list of dispatches.
@@ -188,8 +200,7 @@ pub struct Relight {
     lift: wgpu::BindGroup,
     shared: [wgpu::ComputePipeline; 2],
     plan: Vec<Dispatch>,
-    /// Bytes of the buffers made here.
-    pub bytes: u64,
+    own: Scope,
 }
 
 impl Relight {
@@ -207,16 +218,16 @@ impl Relight {
         if bytes > MAX_BINDING {
             return Err(ViewerError::TooLarge { section: "PNTS", bytes, limit: MAX_BINDING });
         }
+        let own = Scope::new(gpu);
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let colours = |label, count: usize| empty_buffer(gpu, label, storage, 16 * count as u64);
+        let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
         let irradiance = colours("irradiance", scene.direct_count());
         let display = colours("display", scene.points.len());
         let bounced = colours("bounced", scene.sender_count());
         let sent = colours("sent", scene.sender_count());
-        let lanes = if gpu.software { SOFTWARE_LANES } else { LANES };
-        let plan = plan(scene, upload, lanes);
+        let plan = plan(scene, upload, pipelines.lanes);
         let steps = empty_buffer(
-            gpu,
+            &own,
             "steps",
             BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             STRIDE * plan.len().max(1) as u64,
@@ -230,7 +241,6 @@ impl Relight {
             group(gpu, label, layout, &resources)
         };
         let (points, offsets, entries) = (&upload.points, &upload.push_offsets, &upload.push_entries);
-        let all = [&irradiance, &display, &bounced, &sent, &steps];
         Ok(Self {
             direct: make("direct", &pipelines.direct.0, &[points, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
@@ -247,18 +257,23 @@ impl Relight {
                 })
                 .collect(),
             lift: make("lift", &pipelines.lift.0, &[offsets, entries, &bounced, &irradiance]),
-            shared: pipelines.shared(gpu, lanes),
-            bytes: all.iter().map(|buffer| buffer.size()).sum(),
+            shared: pipelines.shared.clone(),
             irradiance,
             display,
             steps,
             plan,
+            own,
         })
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes()
     }
 
     /// Shares each row among so many threads, a power of two up to 64; for measurements.
     pub fn set_lanes(&mut self, gpu: &Gpu, pipelines: &RelightPipelines, lanes: u32) {
-        self.shared = pipelines.shared(gpu, lanes);
+        self.shared = shared(gpu, &pipelines.transport, &pipelines.bounce, lanes);
         for (i, dispatch) in self.plan.iter_mut().enumerate() {
             if let Kernel::Transport(_) | Kernel::Bounce = dispatch.kernel {
                 *dispatch = Dispatch::lanes(dispatch.kernel, dispatch.step, lanes);

@@ -16,7 +16,11 @@ import { closeViewer, openViewer, type SessionHost } from "./session.js";
 import { Size } from "./size.js";
 import { restoreState } from "./state.js";
 import { Tree } from "./tree.js";
-import { lightNumbers, lightsIn } from "./wire.js";
+import { cameraIn, lightNumbers, lightsIn } from "./wire.js";
+
+/** Of so many devices lost within this time, milliseconds, the last one is given up. */
+const MANY_LOSSES = 4;
+const LATELY_MS = 60_000;
 
 /** One element's engine. */
 export class Engine {
@@ -34,6 +38,10 @@ export class Engine {
   #loaded = false;
   /** The file is not loaded before the element comes into view. */
   #waits = false;
+  /** The device was lost, and what was shown is to come back as it was. */
+  #returning = false;
+  /** When devices were lost, lately. */
+  #losses: number[] = [];
   #frame = 0;
   #onScreen: OnScreen;
   #size: Size;
@@ -79,11 +87,31 @@ export class Engine {
   /** Frees the GPU's memory. */
   dispose(): void {
     this.#waits = false;
-    this.stopLoading();
+    this.#stopLoading();
+    this.#forgetReturn();
     this.#end();
   }
 
-  stopLoading(): void {
+  /** `src` has changed. */
+  changeSource(): void {
+    this.#stopLoading();
+    this.#forgetReturn();
+    if (this.#element.isConnected) this.loadInTime();
+  }
+
+  /** Loads the file once more. */
+  reload(): void {
+    this.#forgetReturn();
+    void this.load();
+  }
+
+  /** What was kept of a lost scene does not come back. */
+  #forgetReturn(): void {
+    if (this.#returning) this.pending = {};
+    this.#returning = false;
+  }
+
+  #stopLoading(): void {
     this.#loading?.abort();
     this.#loading = undefined;
     this.tree.setProgress();
@@ -109,7 +137,7 @@ export class Engine {
 
   /** Gets a viewer and the file, one beside the other, and shows the scene. Never rejects. */
   async load(): Promise<void> {
-    this.stopLoading();
+    this.#stopLoading();
     this.#waits = false;
     this.tree.setMessage();
     if (!this.#element.getAttribute("src")) return;
@@ -128,7 +156,7 @@ export class Engine {
       loading.signal.throwIfAborted();
       this.#show(url, file.length);
     } catch (error) {
-      if (this.#loading === loading) this.#fail(failureOf(error));
+      if (this.#loading === loading) this.#failOrReturn(failureOf(error));
     } finally {
       loading.abort();
       if (this.#loading === loading) this.#loading = undefined;
@@ -138,11 +166,15 @@ export class Engine {
   #show(url: string, size: number): void {
     this.#loaded = true;
     const { pending } = this;
+    const returns = this.#returning;
     this.pending = {};
-    this.followLink();
+    this.#returning = false;
+    if (!returns) this.followLink();
     this.use((viewer) => {
       handOver(viewer, pending);
-      this.player.set(pending.animations ?? this.#ownAnimations(viewer));
+      const animations = pending.animations ?? this.#ownAnimations(viewer);
+      // Those that come back with the scene go on.
+      if (animations !== this.player.animations) this.player.set(animations);
     });
     this.applySettings();
     this.tree.setProgress();
@@ -152,10 +184,12 @@ export class Engine {
     this.#size.measure();
     this.#draw(performance.now());
     if (!this.#loaded) return; // The first frame failed, and said so.
-    tell(this.#element, "progress", { loaded: size, total: size, ratio: 1 });
-    tell(this.#element, "load", { url });
+    if (!returns) {
+      tell(this.#element, "progress", { loaded: size, total: size, ratio: 1 });
+      tell(this.#element, "load", { url });
+    }
     if (pending.repetitions !== undefined) this.player.play(pending.repetitions);
-    else this.autoplay();
+    else if (!returns) this.autoplay();
   }
 
   /** The file's; what cannot be used is told of. */
@@ -180,7 +214,7 @@ export class Engine {
     const { signal } = (this.#session = new AbortController());
     const host: SessionHost = {
       changed: () => this.wantFrame(),
-      failed: (failure) => this.#fail(failure),
+      failed: (failure) => this.#failOrReturn(failure),
       linked: () => this.followLink(),
       withViewer: (use) => this.#loaded && this.#try(() => this.use(use)),
     };
@@ -196,7 +230,7 @@ export class Engine {
   #end(): void {
     cancelAnimationFrame(this.#frame);
     this.#frame = 0;
-    this.player.pause();
+    if (!this.#returning) this.player.pause();
     this.#loaded = false;
     this.#session?.abort();
     const viewer = this.#viewer;
@@ -209,9 +243,33 @@ export class Engine {
     this.tree.renewCanvas(this.#label());
   }
 
+  /** A lost device is no failure as long as another one takes its place. */
+  #failOrReturn(failure: Failure): void {
+    const now = performance.now();
+    if (failure.code === "device-lost") this.#losses = [...this.#losses.filter((at) => now - at < LATELY_MS), now];
+    if (failure.code === "device-lost" && this.#losses.length < MANY_LOSSES) this.#return();
+    else this.#fail(failure);
+  }
+
+  /** Loads the file onto a new device and shows what was shown. */
+  #return(): void {
+    // While another file is on its way, that one is wanted.
+    if (this.ready && !this.#loading) {
+      const viewer = this.#viewer as Viewer;
+      const { animations } = this.player;
+      this.pending = { camera: cameraIn(viewer), lights: lightsIn(viewer), animations, measured: viewer.measured };
+      this.#returning = true;
+    }
+    this.#stopLoading();
+    this.#end();
+    this.#waits = this.#onScreen.hidden;
+    if (!this.#waits) void this.load();
+  }
+
   /** A failure that leaves no picture: it is shown and told. */
   #fail(failure: Failure): void {
-    this.stopLoading();
+    this.#stopLoading();
+    this.#returning = false;
     if (isFatal(failure.code)) this.#end();
     this.player.pause();
     this.#loaded = false;
@@ -298,7 +356,7 @@ export class Engine {
   #setProgress(loaded: number, total: number): void {
     const ratio = total ? Math.min(loaded / total, 1) : 0;
     this.tree.setProgress(ratio);
-    tell(this.#element, "progress", { loaded, total, ratio });
+    if (!this.#returning) tell(this.#element, "progress", { loaded, total, ratio });
   }
 
   // ---- calls of the viewer
