@@ -30,6 +30,7 @@ pub mod shaders;
 pub mod shadow;
 pub mod shadow_fit;
 pub mod stats;
+pub mod still;
 pub mod target;
 pub mod textures;
 pub mod timing;

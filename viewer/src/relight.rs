@@ -5,6 +5,8 @@ use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
+use crate::shadow_fit::MAX_LAYERS;
+use crate::still::Choice;
 use crate::upload::{LinkBuffers, MAX_BINDING, Upload};
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::rbn::Scene;
@@ -152,7 +154,7 @@ impl RelightPipelines {
             let pipeline = compute(gpu, entry, source, &[&layout], &[]);
             (layout, pipeline)
         };
-        let direct = slots("direct", 1, 1);
+        let direct = slots("direct", 2, 2);
         let transport = slots("transport", 6, 1);
         let bounce = slots("bounce", 3, 2);
         let alone = [("LANES", 1.0)];
@@ -192,6 +194,8 @@ pub struct Relight {
     /// Irradiance along each point's normal: RGB, and its tilt (tilt.wgsl).
     pub display: wgpu::Buffer,
     steps: wgpu::Buffer,
+    /// `Choice` of direct.wgsl.
+    choice: wgpu::Buffer,
     direct: wgpu::BindGroup,
     pull: wgpu::BindGroup,
     send: wgpu::BindGroup,
@@ -223,6 +227,9 @@ impl Relight {
         let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
         let irradiance = colours("irradiance", scene.direct_count());
         let display = colours("display", scene.points.len());
+        let still = colours("still", scene.direct_count());
+        // No light has less than one layer.
+        let choice = empty_buffer(&own, "choice", storage, 4 * (3 + MAX_LAYERS as u64));
         let bounced = colours("bounced", scene.sender_count());
         let sent = colours("sent", scene.sender_count());
         let plan = plan(scene, upload, pipelines.lanes);
@@ -242,7 +249,7 @@ impl Relight {
         };
         let (points, offsets, entries) = (&upload.points, &upload.push_offsets, &upload.push_entries);
         Ok(Self {
-            direct: make("direct", &pipelines.direct.0, &[points, &irradiance]),
+            direct: make("direct", &pipelines.direct.0, &[points, &choice, &still, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
             send: make("send", &pipelines.send.0, &[points, &irradiance, &sent]),
             transport: chunks(&upload.links)
@@ -261,6 +268,7 @@ impl Relight {
             irradiance,
             display,
             steps,
+            choice,
             plan,
             own,
         })
@@ -282,14 +290,11 @@ impl Relight {
         }
     }
 
-    /// Tells the first step how many lights there are.
-    pub fn set_light_count(&self, gpu: &Gpu, count: u32) {
-        for (i, dispatch) in self.plan.iter().enumerate() {
-            if dispatch.kernel == Kernel::Direct {
-                let step = Step { extra: count, ..dispatch.step };
-                gpu.queue.write_buffer(&self.steps, i as u64 * STRIDE, bytemuck::bytes_of(&step));
-            }
-        }
+    /// Tells the first step which lights to evaluate.
+    pub fn set_lights(&self, gpu: &Gpu, choice: &Choice) {
+        let mut words = vec![choice.keep as u32, choice.still.len() as u32, choice.count() as u32];
+        words.extend(choice.still.iter().chain(&choice.moving));
+        gpu.queue.write_buffer(&self.choice, 0, bytemuck::cast_slice(&words));
     }
 
     /// Sets all bounced light to zero: no light is on.

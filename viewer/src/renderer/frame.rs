@@ -32,7 +32,9 @@ impl Renderer {
             scene.relight.clear(encoder);
             return;
         }
-        scene.relight.set_light_count(&self.gpu, sources.len() as u32);
+        let choice = self.still.choose(self.shadows.lights());
+        scene.relight.set_lights(&self.gpu, &choice);
+        self.lights_evaluated += choice.count() as u64;
         let stamps = self.timing.as_mut().and_then(|t| t.stamps(Pass::Relight)).map(|s| s.compute());
         scene.relight.encode(encoder, &self.pipelines.relight, Some(self.shadows.group()), stamps);
         self.relights += 1;

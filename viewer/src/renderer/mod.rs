@@ -21,6 +21,7 @@ use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::shadow::Shadows;
 use crate::shadow_fit;
 use crate::stats::{Bytes, Stats};
+use crate::still::StillLights;
 use crate::target::{Target, Wanted};
 use crate::timing::{Milliseconds, Timing};
 use crate::upload::MAX_BINDING;
@@ -85,6 +86,8 @@ pub struct Renderer {
     sketching: bool,
     frames: u64,
     relights: u64,
+    lights_evaluated: u64,
+    still: StillLights,
 }
 
 impl Renderer {
@@ -133,6 +136,8 @@ impl Renderer {
             sketching: false,
             frames: 0,
             relights: 0,
+            lights_evaluated: 0,
+            still: StillLights::default(),
         }
     }
 
@@ -160,6 +165,7 @@ impl Renderer {
         self.scene = Some(Rc::new(scene));
         self.target = None;
         self.shadows.forget();
+        self.still = StillLights::default();
         self.dirty = Dirty::ALL;
         self.set_camera(camera)?;
         self.set_lights(lights)
@@ -243,6 +249,7 @@ impl Renderer {
             milliseconds,
             frames: self.frames,
             relights: self.relights,
+            lights_evaluated: self.lights_evaluated,
             shadow_layers: self.shadows.drawn,
             shadow_size: self.shadows.size(),
             triangles: scene.map_or(0, |s| s.triangles),
