@@ -4,7 +4,7 @@ use crate::error::ViewerError;
 use crate::oneshot::{self, Receiver};
 use std::future::Future;
 use std::ops::Deref;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A handle of a device. Several may share one; the device is destroyed with the last of them.
 #[derive(Clone)]
@@ -25,6 +25,8 @@ pub struct Opened {
     pub software: bool,
     /// Whether passes can be timed.
     pub timestamps: bool,
+    /// Of work that nobody watches.
+    errors: Errors,
 }
 
 impl Drop for Opened {
@@ -47,7 +49,11 @@ struct Errors(Arc<Mutex<Option<String>>>);
 
 impl Errors {
     fn note(&self, error: &wgpu::Error) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
+        self.first().get_or_insert_with(|| error.to_string());
+    }
+
+    fn first(&self) -> MutexGuard<'_, Option<String>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -92,6 +98,7 @@ impl Gpu {
             adapter: if info.name.is_empty() { name } else { info.name },
             software,
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+            errors: errors.clone(),
         };
         Ok(Requested { gpu: Self { opened: Arc::new(opened), errors }, lost })
     }
@@ -131,9 +138,11 @@ impl Gpu {
         done
     }
 
-    /// The first error that was reported since the last call, if any.
+    /// The first error that was reported since the last call, if any. Where something that all share was refused before,
+    /// a pipeline for instance, that is the cause, and told instead.
     pub fn take_error(&self) -> Option<String> {
-        self.errors.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+        let own = self.errors.first().take()?;
+        Some(self.opened.errors.first().clone().unwrap_or(own))
     }
 
     /// `Ok` unless an error has been reported since the last call.

@@ -148,7 +148,7 @@ impl Viewer {
             let state = State {
                 pace,
                 max_size: gpu.device.limits().max_texture_dimension_2d,
-                renderer: Renderer::with(gpu, shared.pipelines.clone()),
+                renderer: gpu.watch(|| Renderer::with(gpu.clone(), shared.pipelines.clone())),
                 controls: Controls::default(),
                 canvas,
                 surface,
