@@ -6,6 +6,7 @@ import { download } from "./download.js";
 import { calm } from "./element.js";
 import { tell } from "./events.js";
 import { Failure, failureOf, isFatal, sentence } from "./failure.js";
+import { Losses } from "./losses.js";
 import type { Viewer } from "./module.js";
 import { OnScreen } from "./onscreen.js";
 import { PanelSlot } from "./panel-slot.js";
@@ -17,10 +18,6 @@ import { Size } from "./size.js";
 import { restoreState } from "./state.js";
 import { Tree } from "./tree.js";
 import { cameraIn, lightNumbers, lightsIn } from "./wire.js";
-
-/** Of so many devices lost within this time, milliseconds, the last one is given up. */
-const MANY_LOSSES = 4;
-const LATELY_MS = 60_000;
 
 /** One element's engine. */
 export class Engine {
@@ -38,10 +35,11 @@ export class Engine {
   #loaded = false;
   /** The file is not loaded before the element comes into view. */
   #waits = false;
-  /** The device was lost, and what was shown is to come back as it was. */
+  /** The device was lost, and what was shown is to come back as it was, without a word. */
   #returning = false;
-  /** When devices were lost, lately. */
-  #losses: number[] = [];
+  /** What of it waits in `pending`. */
+  #kept: Pending | undefined;
+  #losses = new Losses();
   #frame = 0;
   #onScreen: OnScreen;
   #size: Size;
@@ -107,7 +105,8 @@ export class Engine {
 
   /** What was kept of a lost scene does not come back. */
   #forgetReturn(): void {
-    if (this.#returning) this.pending = {};
+    if (this.pending === this.#kept) this.pending = {};
+    this.#kept = undefined;
     this.#returning = false;
   }
 
@@ -168,6 +167,7 @@ export class Engine {
     const { pending } = this;
     const returns = this.#returning;
     this.pending = {};
+    this.#kept = undefined;
     this.#returning = false;
     if (!returns) this.followLink();
     this.use((viewer) => {
@@ -245,9 +245,7 @@ export class Engine {
 
   /** A lost device is no failure as long as another one takes its place. */
   #failOrReturn(failure: Failure): void {
-    const now = performance.now();
-    if (failure.code === "device-lost") this.#losses = [...this.#losses.filter((at) => now - at < LATELY_MS), now];
-    if (failure.code === "device-lost" && this.#losses.length < MANY_LOSSES) this.#return();
+    if (failure.code === "device-lost" && this.#losses.next()) this.#return();
     else this.#fail(failure);
   }
 
@@ -257,7 +255,7 @@ export class Engine {
     if (this.ready && !this.#loading) {
       const viewer = this.#viewer as Viewer;
       const { animations } = this.player;
-      this.pending = { camera: cameraIn(viewer), lights: lightsIn(viewer), animations, measured: viewer.measured };
+      this.pending = this.#kept = { camera: cameraIn(viewer), lights: lightsIn(viewer), animations, measured: viewer.measured };
       this.#returning = true;
     }
     this.#stopLoading();

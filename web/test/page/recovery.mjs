@@ -56,6 +56,29 @@ export async function recovery(harness, context) {
     await page.close();
   });
 
+  await harness.test("page::recovery::out_of_view_it_waits_until_it_is_seen", async () => {
+    const { page } = await counted(context, PLAIN);
+    await outcome(page);
+    const found = await within(180, "the scene", page.evaluate(async () => {
+      // Far below; the page's own rules would keep it in view.
+      document.documentElement.style.cssText = document.body.style.cssText = "display: block; height: auto; overflow: auto";
+      const far = document.createElement("div");
+      far.style.height = "4000px";
+      Object.assign(viewer.style, { display: "block", height: "180px" });
+      const { lights } = viewer;
+      viewer.before(far);
+      await pause(500);
+      gpu.devices[0].destroy();
+      await until(() => !viewer.loaded);
+      const waiting = { ...(await settled()), devices: gpu.devices.length, lights: viewer.lights };
+      scrollTo(0, 4000);
+      await until(() => viewer.loaded);
+      return { ...waiting, lights: JSON.stringify(waiting.lights) === JSON.stringify(lights), then: gpu.devices.length };
+    }));
+    same(found, { alive: 0, bytes: 0, devices: 1, lights: true, then: 2 }, "what there is while it waits");
+    await page.close();
+  });
+
   for (const [moment, wait] of [
     ["before_anything_is_on_it", "ondevice"],
     ["while_a_scene_is_loaded", "onbuffer"],
