@@ -145,6 +145,11 @@ impl Gpu {
         Some(self.opened.errors.first().clone().unwrap_or(own))
     }
 
+    /// Whether [`Gpu::take_error`] has something to give.
+    pub fn has_error(&self) -> bool {
+        self.errors.first().is_some()
+    }
+
     /// `Ok` unless an error has been reported since the last call.
     ///
     /// # Errors

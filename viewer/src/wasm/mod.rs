@@ -7,6 +7,7 @@ mod shared;
 
 use crate::controls::{Controls, PointerButton, Stage};
 use crate::error::ViewerError;
+use crate::oneshot;
 use crate::pace::{Pace, Work};
 use crate::renderer::Renderer;
 use crate::scene::LoadedScene;
@@ -211,6 +212,8 @@ impl Viewer {
         }
         let mut state = self.state.borrow_mut();
         let state = &mut *state;
+        let gpu = state.renderer.gpu().clone();
+        gpu.check().map_err(|e| js_error(&e))?;
         let mut stage = state.renderer.stage();
         let moving = state.controls.advance(now_ms, &mut stage);
         state.renderer.apply(stage);
@@ -231,7 +234,7 @@ impl Viewer {
         } else {
             Work::Other
         };
-        let (surface, gpu) = (&state.surface, state.renderer.gpu().clone());
+        let surface = &state.surface;
         if !state.configured {
             surface.configure(&gpu.device, &state.config);
             state.configured = true;
@@ -248,9 +251,18 @@ impl Viewer {
         let drawn = gpu.watch(|| state.renderer.draw(&view, format, width, height));
         gpu.queue.present(texture);
         let (done, start) = (state.pace.begin(work), js_sys::Date::now());
-        gpu.queue.on_submitted_work_done(move || done(js_sys::Date::now() - start));
+        let (sender, finished) = oneshot::channel();
+        gpu.queue.on_submitted_work_done(move || sender.send(()));
+        let (errors, callbacks) = (gpu.clone(), Rc::downgrade(&self.callbacks));
+        spawn_local(async move {
+            finished.await;
+            done(js_sys::Date::now() - start);
+            // What was refused is known by now, and the next frame says so, wanted for itself or not.
+            if let Some(callbacks) = callbacks.upgrade().filter(|_| errors.has_error()) {
+                callbacks.changed();
+            }
+        });
         drawn.map_err(|e| js_error(&e))?;
-        gpu.check().map_err(|e| js_error(&e))?;
         if let Some(measured) = state.renderer.take_measured() {
             let key = self.callbacks.key.clone();
             spawn_local(async move {

@@ -91,7 +91,7 @@ export async function sharing(harness, context) {
   await harness.test("page::sharing::what_one_element_does_wrong_is_not_the_others_failure", async () => {
     const { page } = await counted(context, PLAIN);
     await outcome(page);
-    const codes = await page.evaluate(async () => {
+    const codes = await within(180, "both to tell", page.evaluate(async () => {
       const [first] = elements();
       // The second one's buffers are refused, as where memory is short.
       const original = GPUDevice.prototype.createBuffer;
@@ -107,7 +107,7 @@ export async function sharing(harness, context) {
       first.exposure = 1;
       await pause(1000);
       return { found, own: own.length, loaded: first.loaded };
-    });
+    }));
     same(codes, { found: "internal", own: 0, loaded: true }, "what both have told");
     await page.close();
   });
