@@ -4,7 +4,7 @@ use rebounce_shared::rbn::Scene;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::materials::material_layout;
 use rebounce_viewer::relight::{Relight, RelightPipelines};
-use rebounce_viewer::shadow::Shadows;
+use rebounce_viewer::shadow::ShadowPipelines;
 use rebounce_viewer::upload::Upload;
 use std::error::Error;
 use std::time::Instant;
@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = std::env::args().nth(1).ok_or("which file?")?;
     let scene = Scene::from_bytes(&std::fs::read(file)?)?;
     let gpu = Gpu::headless()?;
-    let shadows = Shadows::new(&gpu, &material_layout(&gpu));
+    let shadows = ShadowPipelines::new(&gpu, &material_layout(&gpu));
     let pipelines = RelightPipelines::new(&gpu, &shadows.layout);
     let upload = Upload::new(&gpu, &scene)?;
     let mut relight = Relight::new(&gpu, &pipelines, &upload, &scene)?;

@@ -1,6 +1,7 @@
 //! Short forms for bind groups, buffers and pipelines.
 
 use crate::gpu::Gpu;
+use crate::scope::Scope;
 use crate::shaders::Source;
 use std::num::NonZeroU64;
 use wgpu::ShaderStages;
@@ -115,17 +116,17 @@ pub fn part(buffer: &wgpu::Buffer, bytes: u64) -> wgpu::BindingResource<'_> {
 }
 
 /// A buffer of these bytes, at least 16; the rest is zero.
-pub fn buffer(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> wgpu::Buffer {
-    let buffer = empty_buffer(gpu, label, usage | wgpu::BufferUsages::COPY_DST, bytes.len() as u64);
+pub fn buffer(scope: &Scope, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> wgpu::Buffer {
+    let buffer = empty_buffer(scope, label, usage | wgpu::BufferUsages::COPY_DST, bytes.len() as u64);
     if !bytes.is_empty() {
-        gpu.queue.write_buffer(&buffer, 0, bytes);
+        scope.queue.write_buffer(&buffer, 0, bytes);
     }
     buffer
 }
 
 /// A buffer of zeros, at least as large as one record of any kind.
-pub fn empty_buffer(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+pub fn empty_buffer(scope: &Scope, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
+    scope.buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: size.max(32).next_multiple_of(4),
         usage,
@@ -134,8 +135,14 @@ pub fn empty_buffer(gpu: &Gpu, label: &str, usage: wgpu::BufferUsages, size: u64
 }
 
 /// A 2D texture with one mip level.
-pub fn target(gpu: &Gpu, label: &str, format: wgpu::TextureFormat, width: u32, height: u32) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
+pub fn target(
+    scope: &Scope,
+    label: &str,
+    format: wgpu::TextureFormat,
+    width: u32,
+    height: u32,
+) -> wgpu::Texture {
+    scope.texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,

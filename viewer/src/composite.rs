@@ -1,15 +1,16 @@
 //! From G-buffer, lights and bounced light to the picture: shading, automatic exposure, tone mapping.
 
 use crate::bindings::{
-    Draw, Slot, attachment, bilinear, blended, compute, empty_buffer, group, layout, opaque, target,
-    texture_bytes, view,
+    Draw, Slot, attachment, bilinear, blended, buffer, compute, empty_buffer, group, layout, opaque, target,
+    view,
 };
 use crate::display::DisplayTarget;
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
+use crate::scope::Scope;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
-use std::collections::HashMap;
+use std::cell::RefCell;
 use wgpu::{BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat};
 
 /// Format of the averaged picture.
@@ -44,7 +45,7 @@ pub const AGX: u32 = 2;
 /// The exposure is not measured.
 pub const MANUAL: u32 = 4;
 
-/// The pipelines, and the automatic exposure.
+/// The pipelines.
 pub struct CompositePass {
     layout: wgpu::BindGroupLayout,
     key_layout: wgpu::BindGroupLayout,
@@ -54,9 +55,12 @@ pub struct CompositePass {
     before_layout: wgpu::BindGroupLayout,
     present_layout: wgpu::BindGroupLayout,
     bilinear: wgpu::Sampler,
-    present: HashMap<TextureFormat, wgpu::RenderPipeline>,
-    /// One float: what radiance is multiplied with.
-    key: wgpu::Buffer,
+    present: RefCell<Vec<(TextureFormat, wgpu::RenderPipeline)>>,
+}
+
+/// The automatic exposure, one float: what radiance is multiplied with.
+pub fn key(scope: &Scope) -> wgpu::Buffer {
+    buffer(scope, "key", BufferUsages::STORAGE | BufferUsages::COPY_SRC, bytemuck::bytes_of(&[1f32; 4]))
 }
 
 /// The averaged picture of one size, and the bind groups that make it.
@@ -66,8 +70,6 @@ pub struct Picture {
     shade: wgpu::BindGroup,
     measure: wgpu::BindGroup,
     present: wgpu::BindGroup,
-    /// Bytes of the texture.
-    pub bytes: u64,
 }
 
 impl CompositePass {
@@ -115,9 +117,6 @@ impl CompositePass {
             ..Default::default()
         }
         .pipeline(gpu);
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
-        let key = empty_buffer(gpu, "key", storage, 16);
-        gpu.queue.write_buffer(&key, 0, bytemuck::bytes_of(&1f32));
         Self {
             key_pipeline: compute(gpu, "measure", shaders::KEY, &[&key_layout, lights], &[]),
             layout: shade,
@@ -127,26 +126,26 @@ impl CompositePass {
             before_layout,
             present_layout,
             bilinear,
-            present: HashMap::new(),
-            key,
+            present: RefCell::default(),
         }
     }
 
-    /// A picture from this G-buffer and this bounced light.
+    /// A picture from this G-buffer and this bounced light, with the exposure [`key`].
+    #[expect(clippy::too_many_arguments, reason = "one call, one place")]
     pub fn target(
         &self,
-        gpu: &Gpu,
+        scope: &Scope,
         frame: &wgpu::Buffer,
         gbuffer: &GBuffer,
         display: &DisplayTarget,
         looks: &wgpu::Buffer,
+        key: &wgpu::Buffer,
         size: [u32; 2],
     ) -> Picture {
-        let texture = target(gpu, "picture", PICTURE, size[0], size[1]);
-        let bytes = texture_bytes(&texture);
+        let texture = target(scope, "picture", PICTURE, size[0], size[1]);
         let texture = texture.create_view(&Default::default());
         let shading = empty_buffer(
-            gpu,
+            scope,
             "shading",
             BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             size_of::<Shading>() as u64,
@@ -159,14 +158,14 @@ impl CompositePass {
             view(&gbuffer.depth),
             display.light.as_entire_binding(),
             looks.as_entire_binding(),
-            self.key.as_entire_binding(),
+            key.as_entire_binding(),
             display.slots.as_entire_binding(),
         ];
         Picture {
-            shade: group(gpu, "shade", &self.layout, &resources),
-            measure: group(gpu, "key", &self.key_layout, &resources),
+            shade: group(scope, "shade", &self.layout, &resources),
+            measure: group(scope, "key", &self.key_layout, &resources),
             present: group(
-                gpu,
+                scope,
                 "present",
                 &self.present_layout,
                 &[
@@ -177,7 +176,6 @@ impl CompositePass {
             ),
             texture,
             shading,
-            bytes,
         }
     }
 
@@ -223,26 +221,33 @@ impl CompositePass {
 
     /// Encodes the picture to a target of this format.
     pub fn present(
-        &mut self,
+        &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         picture: &Picture,
         target: &wgpu::TextureView,
         format: TextureFormat,
     ) {
-        let pipeline = self.present.entry(format).or_insert_with(|| {
-            Draw {
-                label: "present",
-                source: shaders::PRESENT,
-                vertex: "fullscreen",
-                targets: &[opaque(format)],
-                layouts: &[&self.present_layout],
-                ..Default::default()
-            }
-            .pipeline(gpu)
-        });
-        let pipeline = pipeline.clone();
+        let pipeline = self.present_pipeline(gpu, format);
         self.pass(encoder, &pipeline, target, &[&picture.present], None);
+    }
+
+    fn present_pipeline(&self, gpu: &Gpu, format: TextureFormat) -> wgpu::RenderPipeline {
+        let mut made = self.present.borrow_mut();
+        if let Some((_, pipeline)) = made.iter().find(|(of, _)| *of == format) {
+            return pipeline.clone();
+        }
+        let pipeline = Draw {
+            label: "present",
+            source: shaders::PRESENT,
+            vertex: "fullscreen",
+            targets: &[opaque(format)],
+            layouts: &[&self.present_layout],
+            ..Default::default()
+        }
+        .pipeline(gpu);
+        made.push((format, pipeline.clone()));
+        pipeline
     }
 
     fn pass(

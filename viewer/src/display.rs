@@ -8,6 +8,7 @@ use crate::bindings::{Slot, WORKGROUP, buffer, compute, empty_buffer, grid, grou
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
 use crate::scene::LoadedScene;
+use crate::scope::Scope;
 use crate::shaders;
 use crate::timing::Stamps;
 use crate::upload::MAX_BINDING;
@@ -40,8 +41,6 @@ pub struct DisplayPass {
     blocks: wgpu::ComputePipeline,
     edges: wgpu::ComputePipeline,
     gather: wgpu::ComputePipeline,
-    /// Gives every pixel a row of its own and interpolates nothing, in targets made from now on.
-    pub every_pixel: bool,
 }
 
 /// The rows of one picture size, and the light gathered through them.
@@ -56,8 +55,6 @@ pub struct DisplayTarget {
     pub slots: wgpu::Buffer,
     /// Bounced irradiance by slot: RGB, and its tilt (tilt.wgsl).
     pub light: wgpu::Buffer,
-    /// Bytes of the buffers.
-    pub bytes: u64,
 }
 
 impl DisplayPass {
@@ -85,26 +82,24 @@ impl DisplayPass {
             gather: compute(gpu, "gather", shaders::GATHER, &[&gather_layout], &[]),
             find_layout,
             gather_layout,
-            every_pixel: false,
         }
     }
 
-    /// Rows for a picture of this size, for the pixels of `gbuffer` as `frame` sees them.
+    /// Rows for a picture of this size, for the pixels of `gbuffer` as `frame` sees them; for `every_pixel` one of
+    /// its own, so that nothing is interpolated.
     pub fn target(
         &self,
-        gpu: &Gpu,
+        scope: &Scope,
         frame: &wgpu::Buffer,
         gbuffer: &GBuffer,
         scene: &LoadedScene,
         size: [u32; 2],
+        every_pixel: bool,
     ) -> DisplayTarget {
         let blocks = size[0].div_ceil(2) as u64 * size[1].div_ceil(2) as u64;
         let pixels = size[0] as u64 * size[1] as u64;
-        let (singles, reach) = if self.every_pixel {
-            (pixels, 0.0)
-        } else {
-            (pixels / SINGLE_SHARE, REACH * scene.finest_radius)
-        };
+        let (singles, reach) =
+            if every_pixel { (pixels, 0.0) } else { (pixels / SINGLE_SHARE, REACH * scene.finest_radius) };
         let capacity = (blocks + singles).min((MAX_BINDING / 16).max(blocks));
         let row_length = (MAX_BINDING / (ENTRY * capacity)).clamp(1, ROW_LENGTH as u64);
         let layout = Slots {
@@ -113,15 +108,15 @@ impl DisplayPass {
             reach,
             tilts: scene.meta.is_bumpy() as u32,
         };
-        let layout = buffer(gpu, "slots layout", BufferUsages::UNIFORM, bytemuck::bytes_of(&layout));
+        let layout = buffer(scope, "slots layout", BufferUsages::UNIFORM, bytemuck::bytes_of(&layout));
         let storage = BufferUsages::STORAGE;
-        let rows = empty_buffer(gpu, "rows", storage, ENTRY * row_length * capacity);
-        let slots = empty_buffer(gpu, "slots", storage, 4 * pixels);
-        let light = empty_buffer(gpu, "light", storage, 16 * capacity);
+        let rows = empty_buffer(scope, "rows", storage, ENTRY * row_length * capacity);
+        let slots = empty_buffer(scope, "slots", storage, 4 * pixels);
+        let light = empty_buffer(scope, "light", storage, 16 * capacity);
         let counts =
-            empty_buffer(gpu, "counts", storage | BufferUsages::COPY_DST | BufferUsages::COPY_SRC, 16);
+            empty_buffer(scope, "counts", storage | BufferUsages::COPY_DST | BufferUsages::COPY_SRC, 16);
         let find = group(
-            gpu,
+            scope,
             "find",
             &self.find_layout,
             &[
@@ -138,7 +133,7 @@ impl DisplayPass {
             ],
         );
         let gather = group(
-            gpu,
+            scope,
             "gather",
             &self.gather_layout,
             &[
@@ -150,8 +145,7 @@ impl DisplayPass {
                 light.as_entire_binding(),
             ],
         );
-        let bytes = rows.size() + slots.size() + light.size();
-        DisplayTarget { size, capacity: capacity as u32, find, gather, counts, slots, light, bytes }
+        DisplayTarget { size, capacity: capacity as u32, find, gather, counts, slots, light }
     }
 
     /// Finds the functions of every row: after the G-buffer has changed.

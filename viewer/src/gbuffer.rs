@@ -1,9 +1,8 @@
 //! The G-buffer: albedo, normals, material and depth of what the camera sees.
 
-use crate::bindings::{
-    Draw, Slot, attachment, depth_attachment, group, layout, opaque, target, texture_bytes,
-};
+use crate::bindings::{Draw, Slot, attachment, depth_attachment, group, layout, opaque, target};
 use crate::gpu::Gpu;
+use crate::scope::Scope;
 use crate::shaders;
 use crate::shadow::VERTEX;
 use crate::upload::{Run, Upload};
@@ -21,20 +20,17 @@ pub struct GBuffer {
     pub surface: wgpu::TextureView,
     /// Reversed depth; 0 where nothing is.
     pub depth: wgpu::TextureView,
-    /// Bytes of all three.
-    pub bytes: u64,
     detailed: bool,
 }
 
 impl GBuffer {
     /// Of this size, pixels; for a scene with textures of detail or without.
-    pub fn new(gpu: &Gpu, width: u32, height: u32, detailed: bool) -> Self {
-        let albedo = target(gpu, "albedo", ALBEDO, width, height);
-        let surface = target(gpu, "surface", SURFACES[detailed as usize], width, height);
-        let depth = target(gpu, "depth", TextureFormat::Depth32Float, width, height);
-        let bytes = texture_bytes(&albedo) + texture_bytes(&surface) + texture_bytes(&depth);
+    pub fn new(scope: &Scope, width: u32, height: u32, detailed: bool) -> Self {
+        let albedo = target(scope, "albedo", ALBEDO, width, height);
+        let surface = target(scope, "surface", SURFACES[detailed as usize], width, height);
+        let depth = target(scope, "depth", TextureFormat::Depth32Float, width, height);
         let view = |t: &wgpu::Texture| t.create_view(&Default::default());
-        Self { albedo: view(&albedo), surface: view(&surface), depth: view(&depth), bytes, detailed }
+        Self { albedo: view(&albedo), surface: view(&surface), depth: view(&depth), detailed }
     }
 }
 

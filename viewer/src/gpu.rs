@@ -2,11 +2,19 @@
 
 use crate::error::ViewerError;
 use crate::oneshot::{self, Receiver};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::future::Future;
+use std::ops::Deref;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A device, its queue, and what it offers beyond the least that WebGPU guarantees.
+/// A handle of a device. Several may share one; the device is destroyed with the last of them.
 #[derive(Clone)]
 pub struct Gpu {
+    opened: Arc<Opened>,
+    errors: Errors,
+}
+
+/// A device, its queue, and what it offers beyond the least that WebGPU guarantees.
+pub struct Opened {
     /// The device.
     pub device: wgpu::Device,
     /// Its queue.
@@ -17,7 +25,36 @@ pub struct Gpu {
     pub software: bool,
     /// Whether passes can be timed.
     pub timestamps: bool,
-    errors: Arc<Mutex<Option<String>>>,
+    /// Of work that nobody watches.
+    errors: Errors,
+}
+
+impl Drop for Opened {
+    fn drop(&mut self) {
+        self.device.destroy();
+    }
+}
+
+impl Deref for Gpu {
+    type Target = Opened;
+
+    fn deref(&self) -> &Opened {
+        &self.opened
+    }
+}
+
+/// The first error since somebody asked; it is the cause, and what follows are its consequences.
+#[derive(Clone, Default)]
+struct Errors(Arc<Mutex<Option<String>>>);
+
+impl Errors {
+    fn note(&self, error: &wgpu::Error) {
+        self.first().get_or_insert_with(|| error.to_string());
+    }
+
+    fn first(&self) -> MutexGuard<'_, Option<String>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// What [`Gpu::request`] gives.
@@ -48,25 +85,22 @@ impl Gpu {
             .map_err(|e| ViewerError::NoDevice(e.to_string()))?;
         let (sender, lost) = oneshot::channel();
         device.set_device_lost_callback(move |_reason, message| sender.send(message));
-        let errors = Arc::new(Mutex::new(None));
+        let errors = Errors::default();
         let sink = errors.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            // The first error is the cause; what follows are its consequences.
-            sink.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
-        }));
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| sink.note(&error)));
         let info = adapter.get_info();
         let software = info.device_type == wgpu::DeviceType::Cpu || is_fallback(&device);
         let features = device.features();
         let name = adapter_name(&device);
-        let gpu = Gpu {
+        let opened = Opened {
             device,
             queue,
             adapter: if info.name.is_empty() { name } else { info.name },
             software,
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
-            errors,
+            errors: errors.clone(),
         };
-        Ok(Requested { gpu, lost })
+        Ok(Requested { gpu: Self { opened: Arc::new(opened), errors }, lost })
     }
 
     /// A native device without a window, software adapters included.
@@ -81,18 +115,60 @@ impl Gpu {
         Ok(pollster::block_on(Self::request(&adapter))?.gpu)
     }
 
-    /// The first error that the device reported since the last call, if any.
-    pub fn take_error(&self) -> Option<String> {
-        self.errors.lock().unwrap_or_else(PoisonError::into_inner).take()
+    /// A handle of the same device for another user of it, with errors of its own: see [`Gpu::watch`].
+    pub fn share(&self) -> Self {
+        Self { opened: self.opened.clone(), errors: Errors::default() }
     }
 
-    /// `Ok` unless the device has reported an error since the last call.
+    /// Does some work; what the device refuses of it is an error of this handle (and its clones), not of those that
+    /// share the device.
+    pub fn watch<T>(&self, work: impl FnOnce() -> T) -> T {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        let mut watches =
+            Vec::from([Internal, OutOfMemory, Validation].map(|f| self.device.push_error_scope(f)));
+        let done = work();
+        while let Some(watch) = watches.pop() {
+            let (errors, error) = (self.errors.clone(), watch.pop());
+            meanwhile(async move {
+                if let Some(error) = error.await {
+                    errors.note(&error);
+                }
+            });
+        }
+        done
+    }
+
+    /// The first error that was reported since the last call, if any. Where something that all share was refused before,
+    /// a pipeline for instance, that is the cause, and told instead.
+    pub fn take_error(&self) -> Option<String> {
+        let own = self.errors.first().take()?;
+        Some(self.opened.errors.first().clone().unwrap_or(own))
+    }
+
+    /// Whether [`Gpu::take_error`] has something to give.
+    pub fn has_error(&self) -> bool {
+        self.errors.first().is_some()
+    }
+
+    /// `Ok` unless an error has been reported since the last call.
     ///
     /// # Errors
     /// [`ViewerError::Internal`] with the device's words.
     pub fn check(&self) -> Result<(), ViewerError> {
         self.take_error().map_or(Ok(()), |message| Err(ViewerError::Internal(message)))
     }
+}
+
+/// Runs to its end by itself.
+#[cfg(target_arch = "wasm32")]
+fn meanwhile(work: impl Future<Output = ()> + 'static) {
+    wasm_bindgen_futures::spawn_local(work);
+}
+
+/// Runs to its end by itself; natively what is asked of a device is known at once.
+#[cfg(not(target_arch = "wasm32"))]
+fn meanwhile(work: impl Future<Output = ()>) {
+    pollster::block_on(work);
 }
 
 /// `GPUDevice.adapterInfo` of this name.

@@ -3,7 +3,9 @@
 use crate::bindings::{Slot, buffer, group, layout, view};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use crate::textures::{self, Mips};
+use crate::pipelines::Pipelines;
+use crate::scope::Scope;
+use crate::textures;
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::{Alpha, Material, Texture, Wrap};
@@ -90,8 +92,7 @@ pub struct Materials {
     pub looks: wgpu::Buffer,
     /// Whether any of them has textures besides the base colour's.
     pub detailed: bool,
-    /// Bytes of the textures on the GPU.
-    pub bytes: u64,
+    own: Scope,
 }
 
 impl Materials {
@@ -99,10 +100,19 @@ impl Materials {
     ///
     /// # Errors
     /// [`ViewerError::Texture`] for one that cannot be decoded.
-    pub async fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, scene: &Scene) -> Result<Self, ViewerError> {
-        let mips = Mips::new(gpu);
-        let (textures, bytes) = textures::load(gpu, &mips, scene).await?;
-        let white = textures::white(gpu);
+    pub async fn new(gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<Self, ViewerError> {
+        let own = Scope::new(gpu);
+        let textures = textures::load(&own, &pipelines.mips, scene).await?;
+        Ok(gpu.watch(|| Self::with(own, &pipelines.material, scene, &textures)))
+    }
+
+    fn with(
+        own: Scope,
+        layout: &wgpu::BindGroupLayout,
+        scene: &Scene,
+        textures: &[wgpu::TextureView],
+    ) -> Self {
+        let white = textures::white(&own);
         let materials = &scene.meta.materials;
         let detailed = materials.iter().any(|m| m.details().iter().any(Option::is_some));
         let mut records = vec![0u8; STRIDE as usize * scene.meta.materials.len()];
@@ -111,7 +121,7 @@ impl Materials {
             let at = i * STRIDE as usize;
             records[at..at + size_of::<Record>()].copy_from_slice(bytemuck::bytes_of(&record));
         }
-        let uniforms = buffer(gpu, "materials", BufferUsages::UNIFORM, &records);
+        let uniforms = buffer(&own, "materials", BufferUsages::UNIFORM, &records);
         let look = |m: &Material| Look {
             emission: m.emission,
             specular: m.specular,
@@ -120,13 +130,13 @@ impl Materials {
             pad: [0.0; 2],
         };
         let looks: Vec<Look> = materials.iter().take(0x10000).map(look).collect();
-        let looks = buffer(gpu, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&looks));
+        let looks = buffer(&own, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&looks));
         let plain = Texture { linear_filter: true, ..Default::default() };
         let texture = |index: Option<u32>| match index {
             Some(t) => (&scene.meta.textures[t as usize], &textures[t as usize]),
             None => (&plain, &white),
         };
-        let groups = materials.iter().enumerate().map(|(i, material)| {
+        let bind = |(i, material): (usize, &Material)| {
             let (info, base) = texture(material.base_color_texture);
             let uniform = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: &uniforms,
@@ -134,22 +144,28 @@ impl Materials {
                 size: NonZeroU64::new(size_of::<Record>() as u64),
             });
             let samplers = [
-                sampler(gpu, info, info.linear_filter, ANISOTROPY),
-                sampler(gpu, info, false, 1),
-                sampler(gpu, info, info.linear_filter, 1),
+                sampler(&own, info, info.linear_filter, ANISOTROPY),
+                sampler(&own, info, false, 1),
+                sampler(&own, info, info.linear_filter, 1),
             ];
             let details = material.details().map(|detail| {
                 let (info, texture) = texture(detail.map(|d| d.texture));
-                (texture, sampler(gpu, info, info.linear_filter, ANISOTROPY))
+                (texture, sampler(&own, info, info.linear_filter, ANISOTROPY))
             });
             let mut resources = vec![uniform, view(base)];
             resources.extend(samplers.iter().map(wgpu::BindingResource::Sampler));
             for (texture, sampler) in &details {
                 resources.extend([view(texture), wgpu::BindingResource::Sampler(sampler)]);
             }
-            group(gpu, "material", layout, &resources)
-        });
-        Ok(Self { groups: groups.collect(), looks, detailed, bytes })
+            group(&own, "material", layout, &resources)
+        };
+        let groups = materials.iter().enumerate().map(bind).collect();
+        Self { groups, looks, detailed, own }
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes()
     }
 }
 

@@ -5,6 +5,7 @@ use crate::bindings::{
 };
 use crate::controls::gizmo::Shape;
 use crate::gpu::Gpu;
+use crate::scope::Scope;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
@@ -95,11 +96,12 @@ impl OverlayPass {
         self.format
     }
 
-    /// Draws the points of some levels (by index, with their ranges), coarser levels larger.
+    /// Draws the points of some levels (by index, with their ranges), coarser levels larger. `scope` owns what this
+    /// takes; so in the others.
     #[expect(clippy::too_many_arguments, reason = "one call, one place")]
     pub fn draw_points(
         &self,
-        gpu: &Gpu,
+        scope: &Scope,
         encoder: &mut wgpu::CommandEncoder,
         target: &wgpu::TextureView,
         depth: &wgpu::TextureView,
@@ -114,10 +116,10 @@ impl OverlayPass {
                 let [r, g, b] = COLORS[level % COLORS.len()];
                 let size = 1.5 + 0.7 * (levels.len() - 1 - i) as f32;
                 let dots = Dots { color: [r, g, b, 0.9], size, pad: [0.0; 3] };
-                let dots = buffer(gpu, "dots", BufferUsages::UNIFORM, bytemuck::bytes_of(&dots));
+                let dots = buffer(scope, "dots", BufferUsages::UNIFORM, bytemuck::bytes_of(&dots));
                 let resources =
                     [frame.as_entire_binding(), points.as_entire_binding(), dots.as_entire_binding()];
-                group(gpu, "dots", &self.dots_layout, &resources)
+                group(scope, "dots", &self.dots_layout, &resources)
             })
             .collect();
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -136,7 +138,7 @@ impl OverlayPass {
     /// Draws the lights' handles.
     pub fn draw_gizmos(
         &self,
-        gpu: &Gpu,
+        scope: &Scope,
         encoder: &mut wgpu::CommandEncoder,
         target: &wgpu::TextureView,
         size: [u32; 2],
@@ -146,10 +148,10 @@ impl OverlayPass {
             return;
         }
         let vertices: Vec<Vertex> = shapes.iter().flat_map(quad).collect();
-        let vertices_buffer = buffer(gpu, "gizmo", BufferUsages::VERTEX, bytemuck::cast_slice(&vertices));
-        let view = empty_buffer(gpu, "gizmo view", BufferUsages::UNIFORM | BufferUsages::COPY_DST, 16);
-        gpu.queue.write_buffer(&view, 0, bytemuck::bytes_of(&[size[0] as f32, size[1] as f32, 0.0, 0.0]));
-        let bind = group(gpu, "gizmo", &self.gizmo_layout, &[view.as_entire_binding()]);
+        let vertices_buffer = buffer(scope, "gizmo", BufferUsages::VERTEX, bytemuck::cast_slice(&vertices));
+        let view = empty_buffer(scope, "gizmo view", BufferUsages::UNIFORM | BufferUsages::COPY_DST, 16);
+        scope.queue.write_buffer(&view, 0, bytemuck::bytes_of(&[size[0] as f32, size[1] as f32, 0.0, 0.0]));
+        let bind = group(scope, "gizmo", &self.gizmo_layout, &[view.as_entire_binding()]);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("gizmo"),
             color_attachments: &[attachment(target, false)],

@@ -3,10 +3,11 @@
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::oneshot::{self, Receiver};
+use crate::scope::Scope;
 
 /// A copy that is under way.
 pub struct Readback {
-    gpu: Gpu,
+    own: Scope,
     buffer: wgpu::Buffer,
     done: Receiver<Result<(), wgpu::BufferAsyncError>>,
     row_bytes: usize,
@@ -19,7 +20,8 @@ impl Readback {
         let size = texture.size();
         let row_bytes = size.width * bytes_per_pixel;
         let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = staging(gpu, padded as u64 * size.height as u64);
+        let own = Scope::new(gpu);
+        let buffer = staging(&own, padded as u64 * size.height as u64);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_buffer(
             texture.as_image_copy(),
@@ -34,23 +36,24 @@ impl Readback {
             size,
         );
         gpu.queue.submit([encoder.finish()]);
-        Self::begin(gpu, buffer, row_bytes as usize, padded as usize)
+        Self::begin(own, buffer, row_bytes as usize, padded as usize)
     }
 
     /// Begins to copy a whole buffer.
     pub fn buffer(gpu: &Gpu, source: &wgpu::Buffer) -> Self {
-        let buffer = staging(gpu, source.size());
+        let own = Scope::new(gpu);
+        let buffer = staging(&own, source.size());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(source, 0, &buffer, 0, source.size());
         gpu.queue.submit([encoder.finish()]);
         let bytes = source.size() as usize;
-        Self::begin(gpu, buffer, bytes, bytes)
+        Self::begin(own, buffer, bytes, bytes)
     }
 
-    fn begin(gpu: &Gpu, buffer: wgpu::Buffer, row_bytes: usize, padded_row_bytes: usize) -> Self {
+    fn begin(own: Scope, buffer: wgpu::Buffer, row_bytes: usize, padded_row_bytes: usize) -> Self {
         let (sender, done) = oneshot::channel();
         buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| sender.send(result));
-        Self { gpu: gpu.clone(), buffer, done, row_bytes, padded_row_bytes }
+        Self { own, buffer, done, row_bytes, padded_row_bytes }
     }
 
     /// The bytes, rows tightly packed.
@@ -59,7 +62,7 @@ impl Readback {
     /// [`ViewerError::DeviceLost`] when the device went away meanwhile; [`ViewerError::Internal`].
     pub async fn wait(self) -> Result<Vec<u8>, ViewerError> {
         #[cfg(not(target_arch = "wasm32"))]
-        self.gpu
+        self.own
             .device
             .poll(wgpu::PollType::wait_indefinitely())
             .map_err(|e| ViewerError::DeviceLost(e.to_string()))?;
@@ -74,13 +77,13 @@ impl Readback {
             bytes
         };
         self.buffer.unmap();
-        self.gpu.check()?;
+        self.own.check()?;
         Ok(bytes)
     }
 }
 
-fn staging(gpu: &Gpu, size: u64) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+fn staging(own: &Scope, size: u64) -> wgpu::Buffer {
+    own.buffer(&wgpu::BufferDescriptor {
         label: Some("readback"),
         size,
         usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,

@@ -3,7 +3,10 @@
 use crate::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout, part};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
+use crate::scope::Scope;
 use crate::shaders;
+use crate::shadow_fit::MAX_LAYERS;
+use crate::still::Choice;
 use crate::upload::{LinkBuffers, MAX_BINDING, Upload};
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::rbn::Scene;
@@ -133,6 +136,8 @@ pub struct RelightPipelines {
     short: wgpu::ComputePipeline,
     bounce: wgpu::BindGroupLayout,
     lift: Pass,
+    lanes: u32,
+    shared: [wgpu::ComputePipeline; 2],
 }
 
 impl RelightPipelines {
@@ -149,28 +154,37 @@ impl RelightPipelines {
             let pipeline = compute(gpu, entry, source, &[&layout], &[]);
             (layout, pipeline)
         };
-        let direct = slots("direct", 1, 1);
+        let direct = slots("direct", 2, 2);
         let transport = slots("transport", 6, 1);
+        let bounce = slots("bounce", 3, 2);
         let alone = [("LANES", 1.0)];
+        let lanes = if gpu.software { SOFTWARE_LANES } else { LANES };
         Self {
+            shared: shared(gpu, &transport, &bounce, lanes),
+            lanes,
             short: compute(gpu, "transport", shaders::TRANSPORT, &[&transport], &alone),
             transport,
             direct: (direct.clone(), compute(gpu, "direct", shaders::DIRECT, &[&direct, lights], &[])),
             pull: pass("pull", shaders::PULL, 2, 1),
             send: pass("send", shaders::SEND, 2, 1),
-            bounce: slots("bounce", 3, 2),
+            bounce,
             lift: pass("lift", shaders::LIFT, 2, 2),
         }
     }
+}
 
-    /// The kernels whose threads share rows, so many a row: transport and bounces.
-    fn shared(&self, gpu: &Gpu, lanes: u32) -> [wgpu::ComputePipeline; 2] {
-        let constants = [("LANES", lanes as f64)];
-        [
-            compute(gpu, "transport", shaders::TRANSPORT, &[&self.transport], &constants),
-            compute(gpu, "bounce", shaders::BOUNCE, &[&self.bounce], &constants),
-        ]
-    }
+/// The kernels whose threads share rows, so many a row: transport and bounces.
+fn shared(
+    gpu: &Gpu,
+    transport: &wgpu::BindGroupLayout,
+    bounce: &wgpu::BindGroupLayout,
+    lanes: u32,
+) -> [wgpu::ComputePipeline; 2] {
+    let constants = [("LANES", lanes as f64)];
+    [
+        compute(gpu, "transport", shaders::TRANSPORT, &[transport], &constants),
+        compute(gpu, "bounce", shaders::BOUNCE, &[bounce], &constants),
+    ]
 }
 
 /// A scene's part: buffers and the list of dispatches.
@@ -180,6 +194,8 @@ pub struct Relight {
     /// Irradiance along each point's normal: RGB, and its tilt (tilt.wgsl).
     pub display: wgpu::Buffer,
     steps: wgpu::Buffer,
+    /// `Choice` of direct.wgsl.
+    choice: wgpu::Buffer,
     direct: wgpu::BindGroup,
     pull: wgpu::BindGroup,
     send: wgpu::BindGroup,
@@ -188,8 +204,7 @@ pub struct Relight {
     lift: wgpu::BindGroup,
     shared: [wgpu::ComputePipeline; 2],
     plan: Vec<Dispatch>,
-    /// Bytes of the buffers made here.
-    pub bytes: u64,
+    own: Scope,
 }
 
 impl Relight {
@@ -207,16 +222,19 @@ impl Relight {
         if bytes > MAX_BINDING {
             return Err(ViewerError::TooLarge { section: "PNTS", bytes, limit: MAX_BINDING });
         }
+        let own = Scope::new(gpu);
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let colours = |label, count: usize| empty_buffer(gpu, label, storage, 16 * count as u64);
+        let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
         let irradiance = colours("irradiance", scene.direct_count());
         let display = colours("display", scene.points.len());
+        let still = colours("still", scene.direct_count());
+        // No light has less than one layer.
+        let choice = empty_buffer(&own, "choice", storage, 4 * (3 + MAX_LAYERS as u64));
         let bounced = colours("bounced", scene.sender_count());
         let sent = colours("sent", scene.sender_count());
-        let lanes = if gpu.software { SOFTWARE_LANES } else { LANES };
-        let plan = plan(scene, upload, lanes);
+        let plan = plan(scene, upload, pipelines.lanes);
         let steps = empty_buffer(
-            gpu,
+            &own,
             "steps",
             BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             STRIDE * plan.len().max(1) as u64,
@@ -230,9 +248,8 @@ impl Relight {
             group(gpu, label, layout, &resources)
         };
         let (points, offsets, entries) = (&upload.points, &upload.push_offsets, &upload.push_entries);
-        let all = [&irradiance, &display, &bounced, &sent, &steps];
         Ok(Self {
-            direct: make("direct", &pipelines.direct.0, &[points, &irradiance]),
+            direct: make("direct", &pipelines.direct.0, &[points, &choice, &still, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
             send: make("send", &pipelines.send.0, &[points, &irradiance, &sent]),
             transport: chunks(&upload.links)
@@ -247,18 +264,24 @@ impl Relight {
                 })
                 .collect(),
             lift: make("lift", &pipelines.lift.0, &[offsets, entries, &bounced, &irradiance]),
-            shared: pipelines.shared(gpu, lanes),
-            bytes: all.iter().map(|buffer| buffer.size()).sum(),
+            shared: pipelines.shared.clone(),
             irradiance,
             display,
             steps,
+            choice,
             plan,
+            own,
         })
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes()
     }
 
     /// Shares each row among so many threads, a power of two up to 64; for measurements.
     pub fn set_lanes(&mut self, gpu: &Gpu, pipelines: &RelightPipelines, lanes: u32) {
-        self.shared = pipelines.shared(gpu, lanes);
+        self.shared = shared(gpu, &pipelines.transport, &pipelines.bounce, lanes);
         for (i, dispatch) in self.plan.iter_mut().enumerate() {
             if let Kernel::Transport(_) | Kernel::Bounce = dispatch.kernel {
                 *dispatch = Dispatch::lanes(dispatch.kernel, dispatch.step, lanes);
@@ -267,14 +290,11 @@ impl Relight {
         }
     }
 
-    /// Tells the first step how many lights there are.
-    pub fn set_light_count(&self, gpu: &Gpu, count: u32) {
-        for (i, dispatch) in self.plan.iter().enumerate() {
-            if dispatch.kernel == Kernel::Direct {
-                let step = Step { extra: count, ..dispatch.step };
-                gpu.queue.write_buffer(&self.steps, i as u64 * STRIDE, bytemuck::bytes_of(&step));
-            }
-        }
+    /// Tells the first step which lights to evaluate.
+    pub fn set_lights(&self, gpu: &Gpu, choice: &Choice) {
+        let mut words = vec![choice.keep as u32, choice.still.len() as u32, choice.count() as u32];
+        words.extend(choice.still.iter().chain(&choice.moving));
+        gpu.queue.write_buffer(&self.choice, 0, bytemuck::cast_slice(&words));
     }
 
     /// Sets all bounced light to zero: no light is on.

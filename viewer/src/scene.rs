@@ -2,8 +2,9 @@
 
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use crate::materials::{Materials, material_layout};
-use crate::relight::{Relight, RelightPipelines};
+use crate::materials::Materials;
+use crate::pipelines::Pipelines;
+use crate::relight::Relight;
 use crate::upload::Upload;
 use glam::Vec3;
 use rebounce_shared::rbn::Scene;
@@ -40,10 +41,13 @@ impl LoadedScene {
     /// # Errors
     /// [`ViewerError::TooLarge`], [`ViewerError::Texture`], or [`ViewerError::Internal`] where the device
     /// refuses something.
-    pub async fn upload(gpu: &Gpu, pipelines: &RelightPipelines, scene: Scene) -> Result<Self, ViewerError> {
-        let upload = Upload::new(gpu, &scene)?;
-        let relight = Relight::new(gpu, pipelines, &upload, &scene)?;
-        let materials = Materials::new(gpu, &material_layout(gpu), &scene).await?;
+    pub async fn upload(gpu: &Gpu, pipelines: &Pipelines, scene: Scene) -> Result<Self, ViewerError> {
+        let (upload, relight) = gpu.watch(|| {
+            let upload = Upload::new(gpu, &scene)?;
+            let relight = Relight::new(gpu, &pipelines.relight, &upload, &scene)?;
+            Ok::<_, ViewerError>((upload, relight))
+        })?;
+        let materials = Materials::new(gpu, pipelines, &scene).await?;
         gpu.check()?;
         let bounds = [Vec3::from(scene.meta.bounds_min), Vec3::from(scene.meta.bounds_max)];
         let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);

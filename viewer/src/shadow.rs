@@ -1,11 +1,12 @@
 //! Shadow maps: a depth texture array, one layer a view. Only what changed is drawn again.
 
-use crate::bindings::{Draw, Slot, buffer, depth_attachment, empty_buffer, group, layout, part, view};
+use crate::bindings::{Draw, Slot, depth_attachment, empty_buffer, group, layout, part, view};
 use crate::gpu::Gpu;
+use crate::scope::Scope;
 use crate::shaders;
 use crate::shadow_fit::{self, Fit, LightRecord};
 use crate::upload::{Run, Upload};
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 use rebounce_shared::light::LightSource;
 use wgpu::{BufferUsages, CompareFunction, ShaderStages};
 
@@ -24,29 +25,19 @@ pub const VERTEX: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     ],
 };
 
-/// The shadow maps of all lights, and the bind group with which shaders see lights and maps.
-pub struct Shadows {
+/// What draws shadow maps and what reads them; depends on no scene.
+#[derive(Clone)]
+pub struct ShadowPipelines {
     opaque: wgpu::RenderPipeline,
     cut: wgpu::RenderPipeline,
     matrix_layout: wgpu::BindGroupLayout,
     /// Layout of [`Shadows::group`].
     pub layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
-    maps: wgpu::Texture,
-    views: Vec<wgpu::TextureView>,
-    uniforms: wgpu::Buffer,
-    uniform_group: wgpu::BindGroup,
-    /// Lights and shadow maps: group 1 of visibility.wgsl.
-    pub group: wgpu::BindGroup,
-    fit: Fit,
-    /// Widest map, texels: [`shadow_fit::LARGEST`] unless a test asks for another.
-    pub largest: u32,
-    /// Layers drawn so far.
-    pub drawn: u64,
 }
 
-impl Shadows {
-    /// Without lights.
+impl ShadowPipelines {
+    /// Makes them.
     pub fn new(gpu: &Gpu, material_layout: &wgpu::BindGroupLayout) -> Self {
         let matrix_layout = layout(gpu, "shadow", ShaderStages::VERTEX, &[Slot::UniformPart(MATRIX)]);
         let stages = ShaderStages::COMPUTE | ShaderStages::FRAGMENT;
@@ -71,24 +62,44 @@ impl Shadows {
             compare: Some(CompareFunction::GreaterEqual),
             ..Default::default()
         });
-        let maps = texture(gpu, 1, 1);
-        let (uniforms, uniform_group) = uniforms(gpu, &matrix_layout, &[]);
-        let group = lights_group(gpu, &layout, &sampler, &maps, &Fit::default());
+        Self { opaque, cut, matrix_layout, layout, sampler }
+    }
+}
+
+/// The shadow maps of all lights, and the bind group with which shaders see lights and maps.
+pub struct Shadows {
+    pipelines: ShadowPipelines,
+    maps: Maps,
+    records: Records,
+    fit: Fit,
+    /// Widest map, texels: [`shadow_fit::LARGEST`] unless a test asks for another.
+    pub largest: u32,
+    /// Layers drawn so far.
+    pub drawn: u64,
+}
+
+impl Shadows {
+    /// Without lights.
+    pub fn new(gpu: &Gpu, pipelines: &ShadowPipelines) -> Self {
+        let maps = Maps::new(gpu, 1, 1);
         Self {
-            opaque,
-            cut,
-            matrix_layout,
-            layout,
-            sampler,
-            views: Vec::new(),
+            pipelines: pipelines.clone(),
+            records: Records::new(gpu, pipelines, &maps, 1),
             maps,
-            uniforms,
-            uniform_group,
-            group,
             fit: Fit::default(),
             largest: shadow_fit::LARGEST,
             drawn: 0,
         }
+    }
+
+    /// Lights and shadow maps: group 1 of visibility.wgsl.
+    pub fn group(&self) -> &wgpu::BindGroup {
+        &self.records.group
+    }
+
+    /// The lights as shaders see them.
+    pub fn lights(&self) -> &[LightRecord] {
+        &self.fit.lights
     }
 
     /// Takes new lights; returns the layers that must be drawn.
@@ -102,29 +113,19 @@ impl Shadows {
         let layers: u32 = lights.iter().map(shadow_fit::layers).sum();
         let size = shadow_fit::size(layers).min(self.largest);
         let fit = shadow_fit::fit(lights, bounds, near, size);
-        // At first there are maps without views: the scene before the first light.
-        let held = self.views.len() as u32;
-        let replaced = self.maps.width() != size || held < layers.max(1);
+        let held = self.maps.layers.len() as u32;
+        let replaced = self.maps.texture.width() != size || held < layers.max(1);
         if replaced {
-            self.maps = texture(gpu, size, layers.max(1));
-            self.views = (0..layers.max(1))
-                .map(|base_array_layer| {
-                    self.maps.create_view(&wgpu::TextureViewDescriptor {
-                        dimension: Some(wgpu::TextureViewDimension::D2),
-                        base_array_layer,
-                        array_layer_count: Some(1),
-                        ..Default::default()
-                    })
-                })
-                .collect();
+            self.maps = Maps::new(gpu, size, layers.max(1));
         }
-        let changed: Vec<u32> = (0..layers)
-            .filter(|&l| replaced || self.fit.matrices.get(l as usize) != Some(&fit.matrices[l as usize]))
-            .collect();
-        if replaced || !changed.is_empty() || self.fit.matrices.len() != fit.matrices.len() {
-            (self.uniforms, self.uniform_group) = uniforms(gpu, &self.matrix_layout, &fit.matrices);
+        if replaced || self.records.capacity < layers {
+            let capacity = layers.max(1).next_power_of_two();
+            self.records = Records::new(gpu, &self.pipelines, &self.maps, capacity);
         }
-        self.group = lights_group(gpu, &self.layout, &self.sampler, &self.maps, &fit);
+        self.records.write(gpu, &fit);
+        let is_new =
+            |l: &u32| replaced || self.fit.matrices.get(*l as usize) != fit.matrices.get(*l as usize);
+        let changed = (0..layers).filter(is_new).collect();
         self.fit = fit;
         changed
     }
@@ -146,7 +147,7 @@ impl Shadows {
         self.drawn += 1;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow"),
-            depth_stencil_attachment: depth_attachment(&self.views[layer as usize], true),
+            depth_stencil_attachment: depth_attachment(&self.maps.layers[layer as usize], true),
             timestamp_writes: timestamps,
             ..Default::default()
         });
@@ -155,11 +156,11 @@ impl Shadows {
         }
         pass.set_vertex_buffer(0, upload.vertices.slice(..));
         pass.set_index_buffer(upload.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.set_bind_group(0, &self.uniform_group, &[layer * STRIDE as u32]);
+        pass.set_bind_group(0, &self.records.uniform_group, &[layer * STRIDE as u32]);
         let mut last: Option<&Run> = None;
         for run in &upload.shadow_runs {
             if last.is_none_or(|l| l.cut != run.cut) {
-                pass.set_pipeline(if run.cut { &self.cut } else { &self.opaque });
+                pass.set_pipeline(if run.cut { &self.pipelines.cut } else { &self.pipelines.opaque });
             }
             if last.is_none_or(|l| l.material != run.material) {
                 pass.set_bind_group(1, &materials[run.material as usize], &[]);
@@ -171,65 +172,98 @@ impl Shadows {
 
     /// Bytes of the maps.
     pub fn bytes(&self) -> u64 {
-        crate::bindings::texture_bytes(&self.maps)
+        self.maps.own.bytes()
     }
 
     /// Width of a map, texels.
     pub fn size(&self) -> u32 {
-        self.maps.width()
+        self.maps.texture.width()
     }
 }
 
-fn texture(gpu: &Gpu, size: u32, layers: u32) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("shadow maps"),
-        size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Depth32Float,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    })
+/// A depth texture and a view of each layer.
+struct Maps {
+    own: Scope,
+    texture: wgpu::Texture,
+    layers: Vec<wgpu::TextureView>,
 }
 
-fn uniforms(gpu: &Gpu, layout: &wgpu::BindGroupLayout, matrices: &[Mat4]) -> (wgpu::Buffer, wgpu::BindGroup) {
-    let uniforms = empty_buffer(
-        gpu,
-        "shadow matrices",
-        BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-        STRIDE * matrices.len().max(1) as u64,
-    );
-    for (i, matrix) in matrices.iter().enumerate() {
-        gpu.queue.write_buffer(&uniforms, i as u64 * STRIDE, bytemuck::bytes_of(matrix));
+impl Maps {
+    fn new(gpu: &Gpu, size: u32, layers: u32) -> Self {
+        let own = Scope::new(gpu);
+        let texture = own.texture(&wgpu::TextureDescriptor {
+            label: Some("shadow maps"),
+            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Depth32Float,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let layer = |base_array_layer| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2),
+                base_array_layer,
+                array_layer_count: Some(1),
+                ..Default::default()
+            })
+        };
+        Self { layers: (0..layers).map(layer).collect(), texture, own }
     }
-    let group = group(gpu, "shadow", layout, &[part(&uniforms, MATRIX)]);
-    (uniforms, group)
 }
 
-fn lights_group(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    sampler: &wgpu::Sampler,
-    maps: &wgpu::Texture,
-    fit: &Fit,
-) -> wgpu::BindGroup {
-    // Never empty: a binding must hold at least one record.
-    let mut lights = fit.lights.clone();
-    lights.resize(lights.len().max(1), <LightRecord as bytemuck::Zeroable>::zeroed());
-    let mut matrices = fit.matrices.clone();
-    matrices.resize(matrices.len().max(1), Mat4::IDENTITY);
-    let lights = buffer(gpu, "lights", BufferUsages::STORAGE, bytemuck::cast_slice(&lights));
-    let matrices = buffer(gpu, "light matrices", BufferUsages::STORAGE, bytemuck::cast_slice(&matrices));
-    let maps = maps.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..Default::default()
-    });
-    let resources = [
-        lights.as_entire_binding(),
-        matrices.as_entire_binding(),
-        view(&maps),
-        wgpu::BindingResource::Sampler(sampler),
-    ];
-    group(gpu, "lights", layout, &resources)
+/// The lights' numbers, for so many layers of shadow maps; there are no more lights than layers.
+struct Records {
+    _own: Scope,
+    capacity: u32,
+    uniforms: wgpu::Buffer,
+    uniform_group: wgpu::BindGroup,
+    lights: wgpu::Buffer,
+    matrices: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl Records {
+    fn new(gpu: &Gpu, pipelines: &ShadowPipelines, maps: &Maps, capacity: u32) -> Self {
+        let own = Scope::new(gpu);
+        let make = |label, usage, record: u64| {
+            empty_buffer(&own, label, usage | BufferUsages::COPY_DST, record * capacity as u64)
+        };
+        let uniforms = make("shadow matrices", BufferUsages::UNIFORM, STRIDE);
+        let lights = make("lights", BufferUsages::STORAGE, size_of::<LightRecord>() as u64);
+        let matrices = make("light matrices", BufferUsages::STORAGE, MATRIX);
+        let all = maps.texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let resources = [
+            lights.as_entire_binding(),
+            matrices.as_entire_binding(),
+            view(&all),
+            wgpu::BindingResource::Sampler(&pipelines.sampler),
+        ];
+        Self {
+            capacity,
+            uniform_group: group(gpu, "shadow", &pipelines.matrix_layout, &[part(&uniforms, MATRIX)]),
+            group: group(gpu, "lights", &pipelines.layout, &resources),
+            uniforms,
+            lights,
+            matrices,
+            _own: own,
+        }
+    }
+
+    fn write(&self, gpu: &Gpu, fit: &Fit) {
+        if fit.lights.is_empty() {
+            return;
+        }
+        let mut spread = vec![0u8; STRIDE as usize * fit.matrices.len()];
+        for (part, matrix) in spread.chunks_mut(STRIDE as usize).zip(&fit.matrices) {
+            part[..MATRIX as usize].copy_from_slice(bytemuck::bytes_of(matrix));
+        }
+        gpu.queue.write_buffer(&self.uniforms, 0, &spread);
+        gpu.queue.write_buffer(&self.lights, 0, bytemuck::cast_slice(&fit.lights));
+        gpu.queue.write_buffer(&self.matrices, 0, bytemuck::cast_slice(&fit.matrices));
+    }
 }

@@ -31,6 +31,13 @@ pub struct LightRecord {
     depth_scale: f32,
 }
 
+impl LightRecord {
+    /// Whether it is on.
+    pub fn shines(&self) -> bool {
+        self.intensity != [0.0; 3]
+    }
+}
+
 /// The lights' records and one `clip_from_local` per layer of the shadow maps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fit {

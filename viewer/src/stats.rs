@@ -16,6 +16,8 @@ pub struct Stats {
     pub frames: u64,
     /// Times that light was computed anew.
     pub relights: u64,
+    /// Lights whose direct light at the points was computed, in all of these times: those that changed.
+    pub lights_evaluated: u64,
     /// Shadow-map layers drawn so far.
     pub shadow_layers: u64,
     /// Width of a shadow map, texels.
@@ -78,6 +80,7 @@ impl Stats {
             &[
                 ("frames", Some(self.frames)),
                 ("relights", Some(self.relights)),
+                ("lightsEvaluated", Some(self.lights_evaluated)),
                 ("shadowLayers", Some(self.shadow_layers)),
                 ("shadowSize", Some(self.shadow_size as u64)),
                 ("triangles", Some(self.triangles as u64)),

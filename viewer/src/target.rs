@@ -1,11 +1,13 @@
 //! Everything that belongs to a picture of one size.
 
 use crate::bindings::empty_buffer;
-use crate::composite::{CompositePass, Picture};
-use crate::display::{DisplayPass, DisplayTarget};
-use crate::gbuffer::{GBuffer, GBufferPass};
+use crate::composite::Picture;
+use crate::display::DisplayTarget;
+use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
+use crate::pipelines::Pipelines;
 use crate::scene::LoadedScene;
+use crate::scope::Scope;
 use crate::view::Frame;
 use wgpu::BufferUsages;
 
@@ -25,35 +27,48 @@ pub struct Target {
     pub display: DisplayTarget,
     /// The picture.
     pub picture: Picture,
-    /// Bytes of all textures.
-    pub bytes: u64,
+    own: Scope,
+}
+
+/// What a [`Target`] is for.
+pub struct Wanted<'a> {
+    /// The scene.
+    pub scene: &'a LoadedScene,
+    /// The automatic exposure.
+    pub key: &'a wgpu::Buffer,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Pixels of the screen across one of the picture.
+    pub enlarge: u32,
+    /// Bounced light is looked up in every pixel.
+    pub every_pixel: bool,
 }
 
 impl Target {
     /// Makes all of it.
-    pub fn new(
-        gpu: &Gpu,
-        gbuffer_pass: &GBufferPass,
-        display_pass: &DisplayPass,
-        composite_pass: &CompositePass,
-        scene: &LoadedScene,
-        size: [u32; 2],
-        enlarge: u32,
-    ) -> Self {
+    pub fn new(gpu: &Gpu, pipelines: &Pipelines, wanted: &Wanted<'_>) -> Self {
+        let &Wanted { scene, key, size, enlarge, every_pixel } = wanted;
+        let own = Scope::new(gpu);
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let frame = empty_buffer(gpu, "frame", usage, size_of::<Frame>() as u64);
-        let gbuffer = GBuffer::new(gpu, size[0], size[1], scene.materials.detailed);
-        let display = display_pass.target(gpu, &frame, &gbuffer, scene, size);
-        let picture = composite_pass.target(gpu, &frame, &gbuffer, &display, &scene.materials.looks, size);
+        let frame = empty_buffer(&own, "frame", usage, size_of::<Frame>() as u64);
+        let gbuffer = GBuffer::new(&own, size[0], size[1], scene.materials.detailed);
+        let display = pipelines.display.target(&own, &frame, &gbuffer, scene, size, every_pixel);
+        let looks = &scene.materials.looks;
+        let picture = pipelines.composite.target(&own, &frame, &gbuffer, &display, looks, key, size);
         Self {
             size,
             enlarge,
-            frame_group: gbuffer_pass.frame_group(gpu, &frame),
-            bytes: gbuffer.bytes + display.bytes + picture.bytes,
+            frame_group: pipelines.gbuffer.frame_group(gpu, &frame),
             frame,
             gbuffer,
             display,
             picture,
+            own,
         }
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes()
     }
 }

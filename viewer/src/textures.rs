@@ -3,9 +3,10 @@
 //! In the browser `createImageBitmap` decodes, with no premultiplication and no colour conversion;
 //! natively the `image` crate.
 
-use crate::bindings::{Draw, Slot, attachment, bilinear, group, layout, opaque, texture_bytes, view};
+use crate::bindings::{Draw, Slot, attachment, bilinear, group, layout, opaque, view};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
+use crate::scope::Scope;
 use crate::shaders;
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::Texture;
@@ -74,33 +75,28 @@ impl Mips {
     }
 }
 
-/// All textures of the scene, by index, and their bytes on the GPU. Pictures that the file holds once are there once.
+/// All textures of the scene, by index. Pictures that the file holds once are there once.
 ///
 /// # Errors
 /// [`ViewerError::Texture`] for the first that cannot be decoded.
-pub async fn load(
-    gpu: &Gpu,
-    mips: &Mips,
-    scene: &Scene,
-) -> Result<(Vec<wgpu::TextureView>, u64), ViewerError> {
-    let limit = gpu.device.limits().max_texture_dimension_2d;
+pub async fn load(scope: &Scope, mips: &Mips, scene: &Scene) -> Result<Vec<wgpu::TextureView>, ViewerError> {
+    let limit = scope.device.limits().max_texture_dimension_2d;
     let (firsts, shared) = distinct(&scene.meta.textures);
-    let (mut views, mut bytes) = (Vec::with_capacity(firsts.len()), 0);
+    let mut views = Vec::with_capacity(firsts.len());
     for batch in firsts.chunks(BATCH) {
         let decoding: Vec<_> = batch.iter().map(|&i| decode::begin(scene, i, limit)).collect();
         for (&i, decoding) in batch.iter().zip(decoding) {
             let data = scene.meta.textures[i].data;
-            let texture = decode::finish(gpu, decoding, data).await.map_err(|problem| {
+            let texture = decode::finish(scope, decoding, data).await.map_err(|problem| {
                 let name = &scene.meta.textures[i].name;
                 let name = if name.is_empty() { i.to_string() } else { name.clone() };
                 ViewerError::Texture { name, problem }
             })?;
-            mips.fill(gpu, &texture);
-            bytes += texture_bytes(&texture);
+            scope.watch(|| mips.fill(scope, &texture));
             views.push(texture.create_view(&Default::default()));
         }
     }
-    Ok((shared.into_iter().map(|k| views[k].clone()).collect(), bytes))
+    Ok(shared.into_iter().map(|k| views[k].clone()).collect())
 }
 
 /// The first texture of every picture, and for each texture the place of its picture among these.
@@ -119,14 +115,14 @@ fn distinct(textures: &[Texture]) -> (Vec<usize>, Vec<usize>) {
 }
 
 /// A white texture of one pixel.
-pub fn white(gpu: &Gpu) -> wgpu::TextureView {
-    let texture = create(gpu, 1, 1, false);
-    write(gpu, &texture, &[255; 4]);
+pub fn white(scope: &Scope) -> wgpu::TextureView {
+    let texture = create(scope, 1, 1, false);
+    write(scope, &texture, &[255; 4]);
     texture.create_view(&Default::default())
 }
 
-fn create(gpu: &Gpu, width: u32, height: u32, data: bool) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
+fn create(scope: &Scope, width: u32, height: u32, data: bool) -> wgpu::Texture {
+    let descriptor = wgpu::TextureDescriptor {
         label: Some("texture"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: width.max(height).ilog2() + 1,
@@ -137,7 +133,8 @@ fn create(gpu: &Gpu, width: u32, height: u32, data: bool) -> wgpu::Texture {
             | wgpu::TextureUsages::COPY_DST
             | wgpu::TextureUsages::RENDER_ATTACHMENT,
         view_formats: &[],
-    })
+    };
+    scope.watch(|| scope.texture(&descriptor))
 }
 
 fn write(gpu: &Gpu, texture: &wgpu::Texture, rgba: &[u8]) {
@@ -152,7 +149,7 @@ fn write(gpu: &Gpu, texture: &wgpu::Texture, rgba: &[u8]) {
 
 #[cfg(not(target_arch = "wasm32"))]
 mod decode {
-    use super::{Gpu, Scene, create, write};
+    use super::{Scene, Scope, create, write};
 
     pub fn begin(scene: &Scene, i: usize, limit: u32) -> Result<image::RgbaImage, String> {
         let picture = image::load_from_memory(scene.texture(i)).map_err(|e| e.to_string())?;
@@ -165,20 +162,20 @@ mod decode {
     }
 
     pub async fn finish(
-        gpu: &Gpu,
+        scope: &Scope,
         picture: Result<image::RgbaImage, String>,
         data: bool,
     ) -> Result<wgpu::Texture, String> {
         let picture = picture?;
-        let texture = create(gpu, picture.width(), picture.height(), data);
-        write(gpu, &texture, picture.as_raw());
+        let texture = create(scope, picture.width(), picture.height(), data);
+        write(scope, &texture, picture.as_raw());
         Ok(texture)
     }
 }
 
 #[cfg(target_arch = "wasm32")]
 mod decode {
-    use super::{Gpu, Scene, create};
+    use super::{Scene, Scope, create};
     use js_sys::{Function, Object, Promise, Reflect};
     use wasm_bindgen::{JsCast, JsValue};
     use wasm_bindgen_futures::JsFuture;
@@ -211,14 +208,14 @@ mod decode {
     }
 
     pub async fn finish(
-        gpu: &Gpu,
+        scope: &Scope,
         promise: Result<Promise, String>,
         data: bool,
     ) -> Result<wgpu::Texture, String> {
         let bitmap = JsFuture::from(promise?).await.map_err(words)?;
         let bitmap: ImageBitmap = bitmap.dyn_into().map_err(words)?;
-        let texture = create(gpu, bitmap.width(), bitmap.height(), data);
-        gpu.queue.copy_external_image_to_texture(
+        let texture = create(scope, bitmap.width(), bitmap.height(), data);
+        scope.queue.copy_external_image_to_texture(
             &wgpu::CopyExternalImageSourceInfo {
                 source: wgpu::ExternalImageSource::ImageBitmap(bitmap.clone()),
                 origin: wgpu::Origin2d::ZERO,

@@ -2,6 +2,7 @@
 
 use crate::gpu::Gpu;
 use crate::oneshot::{self, Receiver};
+use crate::scope::Scope;
 use wgpu::BufferUsages;
 
 /// The passes that are timed.
@@ -71,6 +72,7 @@ impl<'a> Stamps<'a> {
 
 /// Queries of one frame at a time; frames that come while a result is under way are not timed.
 pub struct Timing {
+    _own: Scope,
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: wgpu::Buffer,
@@ -86,8 +88,9 @@ impl Timing {
         if !gpu.timestamps {
             return None;
         }
+        let own = Scope::new(gpu);
         let buffer = |usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            own.buffer(&wgpu::BufferDescriptor {
                 label: Some("timestamps"),
                 size: BYTES,
                 usage,
@@ -95,7 +98,7 @@ impl Timing {
             })
         };
         Some(Self {
-            set: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+            set: own.queries(&wgpu::QuerySetDescriptor {
                 label: Some("timestamps"),
                 ty: wgpu::QueryType::Timestamp,
                 count: 2 * PASSES as u32,
@@ -106,6 +109,7 @@ impl Timing {
             used: [false; PASSES],
             last: Milliseconds::default(),
             period_ns: gpu.queue.get_timestamp_period() as f64,
+            _own: own,
         })
     }
 

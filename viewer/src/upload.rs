@@ -3,6 +3,7 @@
 use crate::bindings::buffer;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
+use crate::scope::Scope;
 use rebounce_shared::link::Sent;
 use rebounce_shared::rbn::{LinkMatrix, Scene, meta::Alpha};
 use std::ops::Range;
@@ -44,6 +45,7 @@ pub struct Run {
 
 /// The scene's sections on the GPU.
 pub struct Upload {
+    own: Scope,
     /// Section `VERT`.
     pub vertices: wgpu::Buffer,
     /// Section `INDX`.
@@ -70,8 +72,6 @@ pub struct Upload {
     pub runs: Vec<Run>,
     /// Draw calls where the material does not matter: neighbouring opaque runs are one.
     pub shadow_runs: Vec<Run>,
-    /// Bytes uploaded.
-    pub bytes: u64,
 }
 
 impl Upload {
@@ -80,14 +80,13 @@ impl Upload {
     /// # Errors
     /// [`ViewerError::TooLarge`] when a section is larger than a buffer of WebGPU's default limits.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, ViewerError> {
-        let mut bytes = 0;
+        let own = Scope::new(gpu);
         let mut section = |name: &'static str, usage: BufferUsages, limit: u64, content: &[u8]| {
             let length = content.len() as u64;
             if length > limit {
                 return Err(ViewerError::TooLarge { section: name, bytes: length, limit });
             }
-            bytes += length;
-            Ok(buffer(gpu, name, usage, content))
+            Ok(buffer(&own, name, usage, content))
         };
         let storage = BufferUsages::STORAGE;
         let cast = bytemuck::cast_slice::<u32, u8>;
@@ -124,8 +123,13 @@ impl Upload {
             later,
             shadow_runs: merged(&runs),
             runs,
-            bytes,
+            own,
         })
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes()
     }
 }
 

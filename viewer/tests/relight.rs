@@ -10,7 +10,7 @@ use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::readback::Readback;
 use rebounce_viewer::relight::{Relight, RelightPipelines};
-use rebounce_viewer::shadow::Shadows;
+use rebounce_viewer::shadow::ShadowPipelines;
 use rebounce_viewer::upload::Upload;
 
 fn floats(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<f32> {
@@ -21,7 +21,7 @@ fn floats(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<f32> {
 /// Runs all steps but the first on the GPU, from this direct irradiance: what the senders hold, and the light at all points.
 fn run(gpu: &Gpu, scene: &Scene, direct: &[Vec3], lanes: u32) -> [Vec<f32>; 2] {
     let materials = rebounce_viewer::materials::material_layout(gpu);
-    let shadows = Shadows::new(gpu, &materials);
+    let shadows = ShadowPipelines::new(gpu, &materials);
     let pipelines = RelightPipelines::new(gpu, &shadows.layout);
     let upload = Upload::new(gpu, scene).unwrap();
     let mut relight = Relight::new(gpu, &pipelines, &upload, scene).unwrap();

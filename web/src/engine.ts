@@ -6,6 +6,7 @@ import { download } from "./download.js";
 import { calm } from "./element.js";
 import { tell } from "./events.js";
 import { Failure, failureOf, isFatal, sentence } from "./failure.js";
+import { Losses } from "./losses.js";
 import type { Viewer } from "./module.js";
 import { OnScreen } from "./onscreen.js";
 import { PanelSlot } from "./panel-slot.js";
@@ -16,7 +17,7 @@ import { closeViewer, openViewer, type SessionHost } from "./session.js";
 import { Size } from "./size.js";
 import { restoreState } from "./state.js";
 import { Tree } from "./tree.js";
-import { lightNumbers, lightsIn } from "./wire.js";
+import { cameraIn, lightNumbers, lightsIn } from "./wire.js";
 
 /** One element's engine. */
 export class Engine {
@@ -34,6 +35,11 @@ export class Engine {
   #loaded = false;
   /** The file is not loaded before the element comes into view. */
   #waits = false;
+  /** The device was lost, and what was shown is to come back as it was, without a word. */
+  #returning = false;
+  /** What of it waits in `pending`. */
+  #kept: Pending | undefined;
+  #losses = new Losses();
   #frame = 0;
   #onScreen: OnScreen;
   #size: Size;
@@ -79,11 +85,32 @@ export class Engine {
   /** Frees the GPU's memory. */
   dispose(): void {
     this.#waits = false;
-    this.stopLoading();
+    this.#stopLoading();
+    this.#forgetReturn();
     this.#end();
   }
 
-  stopLoading(): void {
+  /** `src` has changed. */
+  changeSource(): void {
+    this.#stopLoading();
+    this.#forgetReturn();
+    if (this.#element.isConnected) this.loadInTime();
+  }
+
+  /** Loads the file once more. */
+  reload(): void {
+    this.#forgetReturn();
+    void this.load();
+  }
+
+  /** What was kept of a lost scene does not come back. */
+  #forgetReturn(): void {
+    if (this.pending === this.#kept) this.pending = {};
+    this.#kept = undefined;
+    this.#returning = false;
+  }
+
+  #stopLoading(): void {
     this.#loading?.abort();
     this.#loading = undefined;
     this.tree.setProgress();
@@ -109,7 +136,7 @@ export class Engine {
 
   /** Gets a viewer and the file, one beside the other, and shows the scene. Never rejects. */
   async load(): Promise<void> {
-    this.stopLoading();
+    this.#stopLoading();
     this.#waits = false;
     this.tree.setMessage();
     if (!this.#element.getAttribute("src")) return;
@@ -128,7 +155,7 @@ export class Engine {
       loading.signal.throwIfAborted();
       this.#show(url, file.length);
     } catch (error) {
-      if (this.#loading === loading) this.#fail(failureOf(error));
+      if (this.#loading === loading) this.#failOrReturn(failureOf(error));
     } finally {
       loading.abort();
       if (this.#loading === loading) this.#loading = undefined;
@@ -138,11 +165,16 @@ export class Engine {
   #show(url: string, size: number): void {
     this.#loaded = true;
     const { pending } = this;
+    const returns = this.#returning;
     this.pending = {};
-    this.followLink();
+    this.#kept = undefined;
+    this.#returning = false;
+    if (!returns) this.followLink();
     this.use((viewer) => {
       handOver(viewer, pending);
-      this.player.set(pending.animations ?? this.#ownAnimations(viewer));
+      const animations = pending.animations ?? this.#ownAnimations(viewer);
+      // Those that come back with the scene go on.
+      if (animations !== this.player.animations) this.player.set(animations);
     });
     this.applySettings();
     this.tree.setProgress();
@@ -152,10 +184,12 @@ export class Engine {
     this.#size.measure();
     this.#draw(performance.now());
     if (!this.#loaded) return; // The first frame failed, and said so.
-    tell(this.#element, "progress", { loaded: size, total: size, ratio: 1 });
-    tell(this.#element, "load", { url });
+    if (!returns) {
+      tell(this.#element, "progress", { loaded: size, total: size, ratio: 1 });
+      tell(this.#element, "load", { url });
+    }
     if (pending.repetitions !== undefined) this.player.play(pending.repetitions);
-    else this.autoplay();
+    else if (!returns) this.autoplay();
   }
 
   /** The file's; what cannot be used is told of. */
@@ -180,7 +214,7 @@ export class Engine {
     const { signal } = (this.#session = new AbortController());
     const host: SessionHost = {
       changed: () => this.wantFrame(),
-      failed: (failure) => this.#fail(failure),
+      failed: (failure) => this.#failOrReturn(failure),
       linked: () => this.followLink(),
       withViewer: (use) => this.#loaded && this.#try(() => this.use(use)),
     };
@@ -196,7 +230,7 @@ export class Engine {
   #end(): void {
     cancelAnimationFrame(this.#frame);
     this.#frame = 0;
-    this.player.pause();
+    if (!this.#returning) this.player.pause();
     this.#loaded = false;
     this.#session?.abort();
     const viewer = this.#viewer;
@@ -209,9 +243,31 @@ export class Engine {
     this.tree.renewCanvas(this.#label());
   }
 
+  /** A lost device is no failure as long as another one takes its place. */
+  #failOrReturn(failure: Failure): void {
+    if (failure.code === "device-lost" && this.#losses.next()) this.#return();
+    else this.#fail(failure);
+  }
+
+  /** Loads the file onto a new device and shows what was shown. */
+  #return(): void {
+    // While another file is on its way, that one is wanted.
+    if (this.ready && !this.#loading) {
+      const viewer = this.#viewer as Viewer;
+      const { animations } = this.player;
+      this.pending = this.#kept = { camera: cameraIn(viewer), lights: lightsIn(viewer), animations, measured: viewer.measured };
+      this.#returning = true;
+    }
+    this.#stopLoading();
+    this.#end();
+    this.#waits = this.#onScreen.hidden;
+    if (!this.#waits) void this.load();
+  }
+
   /** A failure that leaves no picture: it is shown and told. */
   #fail(failure: Failure): void {
-    this.stopLoading();
+    this.#stopLoading();
+    this.#returning = false;
     if (isFatal(failure.code)) this.#end();
     this.player.pause();
     this.#loaded = false;
@@ -298,7 +354,7 @@ export class Engine {
   #setProgress(loaded: number, total: number): void {
     const ratio = total ? Math.min(loaded / total, 1) : 0;
     this.tree.setProgress(ratio);
-    tell(this.#element, "progress", { loaded, total, ratio });
+    if (!this.#returning) tell(this.#element, "progress", { loaded, total, ratio });
   }
 
   // ---- calls of the viewer

@@ -1,4 +1,4 @@
-/** What is set before there is a scene, and the attributes: handed to the viewer once it has one. */
+/** What is set before there is a scene or kept of a lost one, and the attributes: handed to the viewer once it has one. */
 
 import type { LightAnimation } from "./animation.js";
 import type { AttributeElement } from "./attributes.js";
@@ -6,7 +6,7 @@ import type { Viewer } from "./module.js";
 import type { Camera, Light, Shot } from "./shot.js";
 import { cameraNumbers, lightNumbers } from "./wire.js";
 
-/** What a script has set so far. */
+/** What a script has set so far, or what was there before the device was lost. */
 export interface Pending {
   shot?: Shot;
   camera?: Camera;
@@ -14,13 +14,16 @@ export interface Pending {
   animations?: LightAnimation[];
   /** `play()` was called: how many times. */
   repetitions?: number;
+  /** The measured exposure. */
+  measured?: number;
 }
 
-/** Hands over camera and lights. Throws what the viewer refuses. */
-export function handOver(viewer: Viewer, { shot, camera, lights }: Pending): void {
+/** Hands over camera, lights and exposure. Throws what the viewer refuses. */
+export function handOver(viewer: Viewer, { shot, camera, lights, measured }: Pending): void {
   if (shot) viewer.setShot(cameraNumbers(shot.camera), lightNumbers(shot.lights));
   if (camera) viewer.setCamera(cameraNumbers(camera));
   if (lights) viewer.setLights(lightNumbers(lights));
+  if (measured) viewer.measured = measured;
 }
 
 /** Hands the attributes on. */

@@ -189,7 +189,7 @@ export class RebounceViewer extends AttributeElement {
 
   /** Loads the file of `src` once more, after a failure for instance. */
   reload(): void {
-    void this.#engine.load();
+    this.#engine.reload();
   }
 
   /** Frees the GPU's memory. The element stays empty until `src` is set or `reload()` is called. */
@@ -216,8 +216,7 @@ export class RebounceViewer extends AttributeElement {
     const engine = this.#engine;
     switch (name) {
       case "src":
-        engine.stopLoading();
-        if (this.isConnected) engine.loadInTime();
+        engine.changeSource();
         break;
       case "loading":
         if (this.isConnected) engine.reconsider();

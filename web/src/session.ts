@@ -40,7 +40,6 @@ export function closeViewer(viewer: Viewer): void {
     viewer.onchange = undefined;
     viewer.ondevicelost = undefined;
     viewer.dispose();
-    viewer.free();
   } catch {
     // After a fault in the wasm there is nothing left to free.
   }

@@ -12,6 +12,8 @@ export interface Stats {
   frames: number;
   /** Times that light was computed anew. */
   relights: number;
+  /** Lights whose direct light at the points was computed, in all of these times: those that changed. */
+  lightsEvaluated: number;
   /** Triangles of the scene. */
   triangles: number;
   /** Basis functions per level, coarsest first. */

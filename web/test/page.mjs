@@ -14,11 +14,13 @@ import { modules } from "./page/modules.mjs";
 import { onScreen } from "./page/onscreen.mjs";
 import { panel } from "./page/panel.mjs";
 import { readme } from "./page/readme.mjs";
+import { recovery } from "./page/recovery.mjs";
+import { sharing } from "./page/sharing.mjs";
 import { slots } from "./page/slots.mjs";
 import { state } from "./page/state.mjs";
 
-/** In this order: after the failures this browser's GPU process is not to be used any more. */
-const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, state, light, failures };
+/** In this order: a browser may lose patience with pages that lose their devices. */
+const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, state, light, failures, sharing, recovery };
 
 /** Runs the tests of the page. `paths`: the programs rebounce and compare, and a folder to work in. */
 export async function runPageTests(harness, paths) {

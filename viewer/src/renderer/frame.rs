@@ -3,8 +3,9 @@
 use super::Renderer;
 use crate::composite::{self, Shading};
 use crate::controls::gizmo;
-use crate::overlay::OverlayPass;
+use crate::readback::Readback;
 use crate::scene::LoadedScene;
+use crate::scope::Scope;
 use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::target::Target;
 use crate::timing::Pass;
@@ -31,9 +32,11 @@ impl Renderer {
             scene.relight.clear(encoder);
             return;
         }
-        scene.relight.set_light_count(&self.gpu, sources.len() as u32);
+        let choice = self.still.choose(self.shadows.lights());
+        scene.relight.set_lights(&self.gpu, &choice);
+        self.lights_evaluated += choice.count() as u64;
         let stamps = self.timing.as_mut().and_then(|t| t.stamps(Pass::Relight)).map(|s| s.compute());
-        scene.relight.encode(encoder, &self.relight, Some(&self.shadows.group), stamps);
+        scene.relight.encode(encoder, &self.pipelines.relight, Some(self.shadows.group()), stamps);
         self.relights += 1;
     }
 
@@ -66,12 +69,13 @@ impl Renderer {
 
     /// Measures the automatic exposure on what is drawn. Submits what `encoder` holds: the picture's
     /// own settings must come later.
-    pub(super) fn measure_key(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
+    pub(super) fn measure_key(&mut self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
         let shading = Shading { direct: 1.0, indirect: 1.0, ..self.shading(1.0) };
-        self.composite.set_shading(&self.gpu, &target.picture, &shading);
-        self.composite.measure(encoder, &target.picture, &self.shadows.group);
+        self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
+        self.pipelines.composite.measure(encoder, &target.picture, self.shadows.group());
         let fresh = self.gpu.device.create_command_encoder(&Default::default());
         self.gpu.queue.submit([std::mem::replace(encoder, fresh).finish()]);
+        self.measured = Some(Readback::buffer(&self.gpu, &self.key.0));
     }
 
     /// G-buffer and bounced light of one picture of a series.
@@ -88,7 +92,7 @@ impl Renderer {
         self.gpu.queue.write_buffer(&target.frame, 0, bytemuck::bytes_of(&frame));
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|t| t.stamps(Pass::GBuffer)).map(|s| s.render(true, true));
-        self.gbuffer.draw(
+        self.pipelines.gbuffer.draw(
             encoder,
             &target.gbuffer,
             &target.frame_group,
@@ -97,13 +101,13 @@ impl Renderer {
             stamps,
         );
         let timing = self.timing.as_mut().filter(|_| timed);
-        self.display.find(encoder, &target.display, timing.and_then(|t| t.stamps(Pass::Find)));
+        self.pipelines.display.find(encoder, &target.display, timing.and_then(|t| t.stamps(Pass::Find)));
         self.gather(encoder, target, timed);
     }
 
     fn gather(&mut self, encoder: &mut wgpu::CommandEncoder, target: &Target, timed: bool) {
         let timing = self.timing.as_mut().filter(|_| timed);
-        self.display.gather(encoder, &target.display, timing.and_then(|t| t.stamps(Pass::Gather)));
+        self.pipelines.display.gather(encoder, &target.display, timing.and_then(|t| t.stamps(Pass::Gather)));
     }
 
     pub(super) fn shade(
@@ -114,10 +118,10 @@ impl Renderer {
         timed: bool,
     ) {
         let shading = Shading { enlarge: target.enlarge, ..self.shading(1.0 / (picture + 1) as f32) };
-        self.composite.set_shading(&self.gpu, &target.picture, &shading);
+        self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|t| t.stamps(Pass::Composite)).map(|s| s.render(true, true));
-        self.composite.shade(encoder, &target.picture, &self.shadows.group, stamps);
+        self.pipelines.composite.shade(encoder, &target.picture, self.shadows.group(), stamps);
     }
 
     pub(super) fn shading(&self, blend: f32) -> Shading {
@@ -152,21 +156,19 @@ impl Renderer {
             return;
         }
         let stage = self.stage();
-        let pass = match self.overlay_pass.take().filter(|pass| pass.format() == format) {
-            Some(pass) => pass,
-            None => OverlayPass::new(&self.gpu, format),
-        };
+        let pass = self.pipelines.overlay(&self.gpu, format);
+        let own = Scope::new(&self.gpu);
         if dots {
             let levels: Vec<_> = scene.levels.iter().cloned().enumerate().collect();
             let first = if self.overlay == Overlay::Points { levels.len().saturating_sub(1) } else { 0 };
             let depth = &target.gbuffer.depth;
             let points = &scene.upload.points;
-            pass.draw_points(&self.gpu, encoder, view, depth, &target.frame, points, &levels[first..]);
+            pass.draw_points(&own, encoder, view, depth, &target.frame, points, &levels[first..]);
         }
         if self.gizmos {
             let shapes = gizmo::shapes(&stage, size, self.active);
-            pass.draw_gizmos(&self.gpu, encoder, view, size, &shapes);
+            pass.draw_gizmos(&own, encoder, view, size, &shapes);
         }
-        self.overlay_pass = Some(pass);
+        self.over = Some(own);
     }
 }

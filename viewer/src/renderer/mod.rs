@@ -9,27 +9,25 @@ mod frame;
 mod read;
 mod state;
 
-use crate::composite::CompositePass;
+use crate::composite;
 use crate::controls::gizmo::Handle;
-use crate::display::DisplayPass;
 use crate::error::ViewerError;
-use crate::gbuffer::GBufferPass;
 use crate::gpu::Gpu;
-use crate::materials::material_layout;
-use crate::overlay::OverlayPass;
-use crate::relight::RelightPipelines;
+use crate::pipelines::Pipelines;
+use crate::readback::Readback;
 use crate::scene::LoadedScene;
+use crate::scope::Scope;
 use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::shadow::Shadows;
 use crate::shadow_fit;
 use crate::stats::{Bytes, Stats};
-use crate::target::Target;
+use crate::still::StillLights;
+use crate::target::{Target, Wanted};
 use crate::timing::{Milliseconds, Timing};
 use crate::upload::MAX_BINDING;
 use rebounce_shared::{camera::Camera, light::Light};
 use state::check_lights;
 use std::rc::Rc;
-use std::sync::Arc;
 use wgpu::TextureFormat;
 
 /// Pictures averaged while nothing moves: smooth edges and translucent surfaces.
@@ -60,12 +58,13 @@ impl Dirty {
 /// Draws a baked scene under changing lights.
 pub struct Renderer {
     gpu: Gpu,
+    pipelines: Rc<Pipelines>,
     shadows: Shadows,
-    relight: Arc<RelightPipelines>,
-    gbuffer: GBufferPass,
-    display: DisplayPass,
-    composite: CompositePass,
-    overlay_pass: Option<OverlayPass>,
+    /// The automatic exposure, and who owns it.
+    key: (wgpu::Buffer, Scope),
+    measured: Option<Readback>,
+    /// Owns what the last overlay was drawn with.
+    over: Option<Scope>,
     timing: Option<Timing>,
     scene: Option<Rc<LoadedScene>>,
     target: Option<Target>,
@@ -77,6 +76,7 @@ pub struct Renderer {
     mode: Mode,
     overlay: Overlay,
     gizmos: bool,
+    every_pixel: bool,
     active: Option<Handle>,
     dirty: Dirty,
     /// Pictures averaged so far, and how many are wanted.
@@ -86,30 +86,32 @@ pub struct Renderer {
     sketching: bool,
     frames: u64,
     relights: u64,
+    lights_evaluated: u64,
+    still: StillLights,
 }
 
 impl Renderer {
-    /// A renderer without a scene.
+    /// A renderer without a scene, with pipelines of its own.
     ///
     /// # Errors
     /// [`ViewerError::Internal`] where the device refuses a pipeline at once.
     pub fn new(gpu: Gpu) -> Result<Self, ViewerError> {
-        let material_layout = material_layout(&gpu);
-        let shadows = Shadows::new(&gpu, &material_layout);
-        let relight = Arc::new(RelightPipelines::new(&gpu, &shadows.layout));
-        let gbuffer = GBufferPass::new(&gpu, &material_layout);
-        let display = DisplayPass::new(&gpu);
-        let composite = CompositePass::new(&gpu, &shadows.layout);
+        let pipelines = Rc::new(Pipelines::new(&gpu)?);
+        Ok(Self::with(gpu, pipelines))
+    }
+
+    /// A renderer without a scene that shares pipelines, which must be of the same device.
+    pub fn with(gpu: Gpu, pipelines: Rc<Pipelines>) -> Self {
+        let shadows = Shadows::new(&gpu, &pipelines.shadow);
+        let own = Scope::new(&gpu);
         let timing = Timing::new(&gpu);
-        gpu.check()?;
-        Ok(Self {
+        Self {
             gpu,
+            pipelines,
             shadows,
-            relight,
-            gbuffer,
-            display,
-            composite,
-            overlay_pass: None,
+            key: (composite::key(&own), own),
+            measured: None,
+            over: None,
             timing,
             scene: None,
             target: None,
@@ -126,6 +128,7 @@ impl Renderer {
             mode: Mode::All,
             overlay: Overlay::None,
             gizmos: true,
+            every_pixel: false,
             active: None,
             dirty: Dirty::ALL,
             pictures: 0,
@@ -133,7 +136,9 @@ impl Renderer {
             sketching: false,
             frames: 0,
             relights: 0,
-        })
+            lights_evaluated: 0,
+            still: StillLights::default(),
+        }
     }
 
     /// The device.
@@ -142,8 +147,8 @@ impl Renderer {
     }
 
     /// What [`LoadedScene::upload`] needs.
-    pub fn pipelines(&self) -> Arc<RelightPipelines> {
-        self.relight.clone()
+    pub fn pipelines(&self) -> Rc<Pipelines> {
+        self.pipelines.clone()
     }
 
     /// Shows another scene, from its first camera and with its own lights.
@@ -160,6 +165,7 @@ impl Renderer {
         self.scene = Some(Rc::new(scene));
         self.target = None;
         self.shadows.forget();
+        self.still = StillLights::default();
         self.dirty = Dirty::ALL;
         self.set_camera(camera)?;
         self.set_lights(lights)
@@ -221,7 +227,7 @@ impl Renderer {
     /// Looks up the bounced light in every pixel instead of interpolating it where a surface goes on; for
     /// measurements.
     pub fn set_every_pixel(&mut self, on: bool) {
-        self.display.every_pixel = on;
+        self.every_pixel = on;
         self.target = None;
         self.dirty.view = true;
     }
@@ -243,6 +249,7 @@ impl Renderer {
             milliseconds,
             frames: self.frames,
             relights: self.relights,
+            lights_evaluated: self.lights_evaluated,
             shadow_layers: self.shadows.drawn,
             shadow_size: self.shadows.size(),
             triangles: scene.map_or(0, |s| s.triangles),
@@ -250,11 +257,11 @@ impl Renderer {
             links: scene.map_or(0, |s| s.link_count),
             lights: self.lights.len(),
             bytes: Bytes {
-                scene: scene.map_or(0, |s| s.upload.bytes),
-                textures: scene.map_or(0, |s| s.materials.bytes),
-                relight: scene.map_or(0, |s| s.relight.bytes),
+                scene: scene.map_or(0, |s| s.upload.bytes()),
+                textures: scene.map_or(0, |s| s.materials.bytes()),
+                relight: scene.map_or(0, |s| s.relight.bytes()),
                 shadows: self.shadows.bytes(),
-                picture: self.target.as_ref().map_or(0, |t| t.bytes),
+                picture: self.target.as_ref().map_or(0, |t| t.bytes()),
             },
         }
     }
@@ -297,7 +304,7 @@ impl Renderer {
         }
         self.update_lights(&mut encoder, &scene);
         self.update_picture(&mut encoder, &scene, &target);
-        self.composite.present(&self.gpu, &mut encoder, &target.picture, view, format);
+        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture, view, format);
         self.draw_overlay(&mut encoder, &scene, &target, view, format, full);
         if let Some(timing) = &mut self.timing {
             timing.resolve(&mut encoder);
@@ -330,6 +337,7 @@ impl Renderer {
     }
 
     fn new_target(&self, scene: &LoadedScene, size: [u32; 2], enlarge: u32) -> Target {
-        Target::new(&self.gpu, &self.gbuffer, &self.display, &self.composite, scene, size, enlarge)
+        let wanted = Wanted { scene, key: &self.key.0, size, enlarge, every_pixel: self.every_pixel };
+        Target::new(&self.gpu, &self.pipelines, &wanted)
     }
 }

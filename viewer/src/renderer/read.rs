@@ -5,6 +5,7 @@ use crate::bindings::target as texture_target;
 use crate::composite::{self, Shading};
 use crate::error::ViewerError;
 use crate::readback::Readback;
+use crate::scope::Scope;
 use crate::upload::MAX_BUFFER;
 use crate::view::Sample;
 use wgpu::TextureFormat;
@@ -35,7 +36,8 @@ impl Renderer {
         let fits = 2 * width.max(height) <= limit && 4 * width as u64 * height as u64 <= MOST_PIXELS;
         let scale = if fits { 2 } else { 1 };
         let target = self.new_target(&scene, [width * scale, height * scale], 1);
-        let average = |label| texture_target(&self.gpu, label, TextureFormat::Rgba32Float, width, height);
+        let own = Scope::new(&self.gpu);
+        let average = |label| texture_target(&own, label, TextureFormat::Rgba32Float, width, height);
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.update_lights(&mut encoder, &scene);
@@ -47,9 +49,15 @@ impl Renderer {
             let shading = self.shading(1.0 / (picture + 1) as f32);
             let flags = shading.flags & !composite::DETAILED;
             let shading = Shading { direct: 0.0, indirect: 1.0, scale, flags, ..shading };
-            self.composite.set_shading(&self.gpu, &target.picture, &shading);
-            let group = &self.shadows.group;
-            self.composite.indirect(&self.gpu, &mut encoder, &target.picture, group, [&before, &out]);
+            self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
+            let group = self.shadows.group();
+            self.pipelines.composite.indirect(
+                &self.gpu,
+                &mut encoder,
+                &target.picture,
+                group,
+                [&before, &out],
+            );
             self.gpu.queue.submit([encoder.finish()]);
             encoder = self.gpu.device.create_command_encoder(&Default::default());
         }
@@ -75,7 +83,8 @@ impl Renderer {
         self.check_size(width, height)?;
         let target = self.new_target(&scene, [width, height], 1);
         let format = TextureFormat::Rgba8Unorm;
-        let out = texture_target(&self.gpu, "pixels", format, width, height);
+        let own = Scope::new(&self.gpu);
+        let out = texture_target(&own, "pixels", format, width, height);
         let view = out.create_view(&Default::default());
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.update_lights(&mut encoder, &scene);
@@ -89,7 +98,7 @@ impl Renderer {
             self.gpu.queue.submit([encoder.finish()]);
             encoder = self.gpu.device.create_command_encoder(&Default::default());
         }
-        self.composite.present(&self.gpu, &mut encoder, &target.picture, &view, format);
+        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture, &view, format);
         self.gpu.queue.submit([encoder.finish()]);
         Ok(Readback::texture(&self.gpu, &out, 4))
     }

@@ -4,6 +4,7 @@ use super::Renderer;
 use crate::controls::Stage;
 use crate::controls::gizmo::Handle;
 use crate::error::ViewerError;
+use crate::readback::Readback;
 use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::shadow_fit;
 use rebounce_shared::{camera::Camera, light::Light};
@@ -83,6 +84,21 @@ impl Renderer {
     pub fn set_auto_exposure(&mut self, on: bool) {
         self.dirty.shade |= self.auto_exposure != on;
         self.auto_exposure = on;
+    }
+
+    /// Takes over what the measured exposure multiplies radiance with, instead of measuring it on the next frame;
+    /// what is not above 0 changes nothing.
+    pub fn set_key(&mut self, key: f32) {
+        if key > 0.0 {
+            self.gpu.queue.write_buffer(&self.key.0, 0, bytemuck::bytes_of(&key));
+            self.dirty.key = false;
+            self.dirty.shade = true;
+        }
+    }
+
+    /// The exposure measured last, on its way to the CPU: a float. Once for every measurement.
+    pub fn take_measured(&mut self) -> Option<Readback> {
+        self.measured.take()
     }
 
     /// How radiance becomes display values.

@@ -1,21 +1,28 @@
 // Direct irradiance at the points of the levels at which it is sampled: the mean over a point's
-// footprint, without the samples that do not belong to its surface.
+// footprint, without the samples that do not belong to its surface. What lights give that stand still is kept.
+
+struct Choice {
+    // 1: `still` goes on from what it is; 0: from zero.
+    keep: u32,
+    // Of the lights listed, so many first ones are added to `still`.
+    kept: u32,
+    count: u32,
+    lights: array<u32>,
+}
 
 @group(0) @binding(1) var<storage, read> points: array<Point>;
-@group(0) @binding(2) var<storage, read_write> irradiance: array<vec4f>;
+@group(0) @binding(2) var<storage, read> choice: Choice;
+@group(0) @binding(3) var<storage, read_write> still: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> irradiance: array<vec4f>;
 
-@compute @workgroup_size(64)
-fn direct(@builtin(global_invocation_id) id: vec3u) {
-    let i = id.x + id.y * step_.threads;
-    if i >= step_.count {
-        return;
-    }
-    let p = points[i];
+// From the lights of a part of the list, over all samples.
+fn direct_sum(first: u32, end: u32, p: Point) -> vec3f {
     let normal = unpack_normal(p.normal);
     let position = point_position(p);
-    var sum = vec3f(0.0);
     let samples = (p.cuts >> 3u) & 0xffu;
-    for (var l = 0u; l < step_.extra; l++) {
+    var sum = vec3f(0.0);
+    for (var k = first; k < end; k++) {
+        let l = choice.lights[k];
         // The footprint's samples lie within 0.27 radii.
         if !may_reach(lights[l], position, normal, 0.27 * p.radius) {
             continue;
@@ -31,5 +38,23 @@ fn direct(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     }
-    irradiance[i] = vec4f(sum / f32(max(countOneBits(samples), 1u)), 0.0);
+    return sum / f32(max(countOneBits(samples), 1u));
+}
+
+@compute @workgroup_size(64)
+fn direct(@builtin(global_invocation_id) id: vec3u) {
+    let i = id.x + id.y * step_.threads;
+    if i >= step_.count {
+        return;
+    }
+    let p = points[i];
+    var sum = vec3f(0.0);
+    if choice.keep != 0u {
+        sum = still[i].xyz;
+    }
+    if choice.keep == 0u || choice.kept > 0u {
+        sum += direct_sum(0u, choice.kept, p);
+        still[i] = vec4f(sum, 0.0);
+    }
+    irradiance[i] = vec4f(sum + direct_sum(choice.kept, choice.count, p), 0.0);
 }

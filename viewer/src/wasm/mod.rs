@@ -3,10 +3,11 @@
 //! Every failure is a JavaScript `Error` whose `code` is one of [`ViewerError::code`]'s.
 
 mod page;
+mod shared;
 
 use crate::controls::{Controls, PointerButton, Stage};
 use crate::error::ViewerError;
-use crate::gpu::{Gpu, Requested};
+use crate::oneshot;
 use crate::pace::{Pace, Work};
 use crate::renderer::Renderer;
 use crate::scene::LoadedScene;
@@ -15,6 +16,7 @@ use crate::stats::Counts;
 use crate::wire;
 use page::{animation, coded, js_error, promise};
 use rebounce_shared::rbn;
+use shared::Shared;
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -42,17 +44,31 @@ struct Callbacks {
     change: RefCell<Option<js_sys::Function>>,
     lost: RefCell<Option<js_sys::Function>>,
     is_lost: Cell<bool>,
-    disposed: Cell<bool>,
+    /// The automatic exposure as it was read back; 0 before.
+    key: Rc<Cell<f32>>,
 }
 
 struct State {
     pace: Pace,
     renderer: Renderer,
     controls: Controls,
-    surface: Option<wgpu::Surface<'static>>,
+    canvas: HtmlCanvasElement,
+    surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
     configured: bool,
     max_size: u32,
+    _shared: Rc<Shared>,
+}
+
+impl Drop for State {
+    /// Takes the pictures from the canvas, which may live on.
+    fn drop(&mut self) {
+        let Ok(Some(context)) = self.canvas.get_context("webgpu") else { return };
+        let unconfigure = js_sys::Reflect::get(&context, &"unconfigure".into());
+        if let Ok(Ok(unconfigure)) = unconfigure.map(|it| it.dyn_into::<js_sys::Function>()) {
+            let _ = unconfigure.call0(&context);
+        }
+    }
 }
 
 impl Callbacks {
@@ -60,6 +76,13 @@ impl Callbacks {
         let callback = self.change.borrow().clone();
         if let Some(callback) = callback {
             let _ = callback.call0(&JsValue::NULL);
+        }
+    }
+
+    fn lose(&self, message: &str) {
+        let callback = self.lost.borrow().clone();
+        if let Some(callback) = callback {
+            let _ = callback.call1(&JsValue::NULL, &message.into());
         }
     }
 }
@@ -70,6 +93,13 @@ impl Viewer {
         let result = work(&mut self.state.borrow_mut());
         self.callbacks.changed();
         result.map_err(|e| js_error(&e))
+    }
+
+    /// Has the renderer read something.
+    fn read<T>(&self, work: impl FnOnce(&mut Renderer) -> T) -> T {
+        let renderer = &mut self.state.borrow_mut().renderer;
+        let gpu = renderer.gpu().clone();
+        gpu.watch(|| work(renderer))
     }
 
     /// Runs input on the controls and tells the page if that changed anything.
@@ -96,61 +126,36 @@ impl Viewer {
     #[wasm_bindgen(unchecked_return_type = "Promise<Viewer>")]
     pub fn create(canvas: HtmlCanvasElement) -> js_sys::Promise {
         promise(async move {
-            let present = js_sys::Reflect::get(&js_sys::global(), &"navigator".into())
-                .and_then(|navigator| js_sys::Reflect::get(&navigator, &"gpu".into()))
-                .is_ok_and(|gpu| gpu.is_truthy());
-            if !present {
-                return Err(ViewerError::NoWebGpu);
-            }
-            let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-                backends: wgpu::Backends::BROWSER_WEBGPU,
-                ..wgpu::InstanceDescriptor::new_without_display_handle()
-            });
-            let adapter = instance
-                .request_adapter(&wgpu::RequestAdapterOptions {
-                    power_preference: wgpu::PowerPreference::HighPerformance,
-                    ..Default::default()
-                })
-                .await
-                .map_err(|_| ViewerError::NoAdapter("requestAdapter() gave none".into()))?;
-            let Requested { gpu, lost } = Gpu::request(&adapter).await?;
+            let shared = Shared::get().await?;
             let (width, height) = (canvas.width().max(1), canvas.height().max(1));
-            let surface = instance
-                .create_surface(wgpu::SurfaceTarget::Canvas(canvas))
+            let surface = shared
+                .instance
+                .create_surface(wgpu::SurfaceTarget::Canvas(canvas.clone()))
                 .map_err(|e| ViewerError::NoDevice(e.to_string()))?;
             let mut config = surface
-                .get_default_config(&adapter, width, height)
+                .get_default_config(&shared.adapter, width, height)
                 .ok_or_else(|| ViewerError::NoDevice("the canvas has no usable format".into()))?;
             config.alpha_mode = wgpu::CompositeAlphaMode::Opaque;
             // The shader encodes sRGB itself, so the plain 8-bit format is the one wanted.
             config.format = config.format.remove_srgb_suffix();
-            let max_size = gpu.device.limits().max_texture_dimension_2d;
             let callbacks = Rc::new(Callbacks::default());
-            let on_lost = callbacks.clone();
-            spawn_local(async move {
-                let message = lost.await;
-                on_lost.is_lost.set(true);
-                if on_lost.disposed.get() {
-                    return;
-                }
-                let callback = on_lost.lost.borrow().clone();
-                if let Some(callback) = callback {
-                    let text = ViewerError::DeviceLost(message).to_string();
-                    let _ = callback.call1(&JsValue::NULL, &text.into());
-                }
-            });
+            shared.watch(&callbacks);
+            // Errors of its own, on the shared device.
+            let gpu = shared.gpu.share();
             let pace = Pace::default();
             if gpu.software {
                 pace.expect_slow();
             }
             let state = State {
                 pace,
-                renderer: Renderer::new(gpu)?,
+                max_size: gpu.device.limits().max_texture_dimension_2d,
+                renderer: gpu.watch(|| Renderer::with(gpu.clone(), shared.pipelines.clone())),
                 controls: Controls::default(),
-                surface: Some(surface),
+                canvas,
+                surface,
                 config,
                 configured: false,
-                max_size,
+                _shared: shared,
             };
             Ok(Viewer { state: Rc::new(RefCell::new(state)), callbacks })
         })
@@ -161,18 +166,16 @@ impl Viewer {
     /// `older-version`, `too-large`, `texture` or `device-lost`.
     #[wasm_bindgen(unchecked_return_type = "Promise<void>")]
     pub fn load(&self, bytes: js_sys::Uint8Array) -> js_sys::Promise {
-        let (state, callbacks) = (self.state.clone(), self.callbacks.clone());
+        // Weak: a viewer that is disposed meanwhile is gone, and what has been loaded goes with its device.
+        let (held, callbacks) = (Rc::downgrade(&self.state), self.callbacks.clone());
+        let gpu = self.state.borrow().renderer.gpu().clone();
+        let pipelines = self.state.borrow().renderer.pipelines();
         promise(async move {
             let scene = rbn::Scene::from_bytes(&bytes.to_vec())?;
             drop(bytes);
-            let (gpu, pipelines) = {
-                let state = state.borrow();
-                (state.renderer.gpu().clone(), state.renderer.pipelines())
-            };
             let loaded = LoadedScene::upload(&gpu, &pipelines, scene).await?;
-            if callbacks.is_lost.get() {
-                return Err(ViewerError::DeviceLost("while loading".into()));
-            }
+            let state = held.upgrade().filter(|_| !callbacks.is_lost.get());
+            let Some(state) = state else { return Err(ViewerError::DeviceLost("while loading".into())) };
             {
                 let mut state = state.borrow_mut();
                 let state = &mut *state;
@@ -209,6 +212,8 @@ impl Viewer {
         }
         let mut state = self.state.borrow_mut();
         let state = &mut *state;
+        let gpu = state.renderer.gpu().clone();
+        gpu.check().map_err(|e| js_error(&e))?;
         let mut stage = state.renderer.stage();
         let moving = state.controls.advance(now_ms, &mut stage);
         state.renderer.apply(stage);
@@ -229,9 +234,9 @@ impl Viewer {
         } else {
             Work::Other
         };
-        let Some(surface) = &state.surface else { return Ok(false) };
+        let surface = &state.surface;
         if !state.configured {
-            surface.configure(&state.renderer.gpu().device, &state.config);
+            surface.configure(&gpu.device, &state.config);
             state.configured = true;
         }
         let texture = match surface.get_current_texture() {
@@ -242,13 +247,30 @@ impl Viewer {
             }
         };
         let view = texture.texture.create_view(&Default::default());
-        let drawn = state.renderer.draw(&view, state.config.format, state.config.width, state.config.height);
-        let queue = &state.renderer.gpu().queue;
-        queue.present(texture);
+        let (format, width, height) = (state.config.format, state.config.width, state.config.height);
+        let drawn = gpu.watch(|| state.renderer.draw(&view, format, width, height));
+        gpu.queue.present(texture);
         let (done, start) = (state.pace.begin(work), js_sys::Date::now());
-        queue.on_submitted_work_done(move || done(js_sys::Date::now() - start));
+        let (sender, finished) = oneshot::channel();
+        gpu.queue.on_submitted_work_done(move || sender.send(()));
+        let (errors, callbacks) = (gpu.clone(), Rc::downgrade(&self.callbacks));
+        spawn_local(async move {
+            finished.await;
+            done(js_sys::Date::now() - start);
+            // What was refused is known by now, and the next frame says so, wanted for itself or not.
+            if let Some(callbacks) = callbacks.upgrade().filter(|_| errors.has_error()) {
+                callbacks.changed();
+            }
+        });
         drawn.map_err(|e| js_error(&e))?;
-        state.renderer.gpu().check().map_err(|e| js_error(&e))?;
+        if let Some(measured) = state.renderer.take_measured() {
+            let key = self.callbacks.key.clone();
+            spawn_local(async move {
+                if let Ok(bytes) = measured.wait().await {
+                    key.set(bytemuck::pod_read_unaligned(&bytes[..4]));
+                }
+            });
+        }
         Ok(moving || state.renderer.needs_frame())
     }
 
@@ -317,6 +339,22 @@ impl Viewer {
     #[wasm_bindgen(setter)]
     pub fn set_exposure(&self, stops: f64) -> Result<(), JsValue> {
         self.change(|state| state.renderer.set_exposure(stops as f32))
+    }
+
+    /// What the measured exposure multiplies radiance with; 0 while it is not known.
+    #[wasm_bindgen(getter)]
+    pub fn measured(&self) -> f32 {
+        self.callbacks.key.get()
+    }
+
+    /// Takes a measured exposure over instead of measuring one, as after the loss of a device; 0 changes nothing.
+    #[wasm_bindgen(setter)]
+    pub fn set_measured(&self, key: f32) -> Result<(), JsValue> {
+        self.callbacks.key.set(key);
+        self.change(|state| {
+            state.renderer.set_key(key);
+            Ok(())
+        })
     }
 
     /// Whether the exposure is measured; else radiance 1 is white at 0 stops.
@@ -482,7 +520,7 @@ impl Viewer {
     /// floats, rows from the top; alpha is the share of the pixel that a surface covers.
     #[wasm_bindgen(js_name = readIndirect, unchecked_return_type = "Promise<Float32Array>")]
     pub fn read_indirect(&self, width: u32, height: u32) -> js_sys::Promise {
-        let begun = self.state.borrow_mut().renderer.read_indirect(width, height);
+        let begun = self.read(|renderer| renderer.read_indirect(width, height));
         promise(async move {
             let bytes = begun?.wait().await?;
             let floats: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
@@ -493,19 +531,13 @@ impl Viewer {
     /// The tone-mapped picture without handles: RGBA bytes, rows from the top.
     #[wasm_bindgen(js_name = readPixels, unchecked_return_type = "Promise<Uint8Array>")]
     pub fn read_pixels(&self, width: u32, height: u32) -> js_sys::Promise {
-        let begun = self.state.borrow_mut().renderer.read_pixels(width, height);
+        let begun = self.read(|renderer| renderer.read_pixels(width, height));
         promise(async move {
             let bytes = begun?.wait().await?;
             Ok(js_sys::Uint8Array::from(bytes.as_slice()))
         })
     }
 
-    /// Frees the GPU's memory. The viewer is of no use afterwards.
-    pub fn dispose(&self) {
-        self.callbacks.disposed.set(true);
-        self.callbacks.is_lost.set(true);
-        let mut state = self.state.borrow_mut();
-        state.surface = None;
-        state.renderer.gpu().device.destroy();
-    }
+    /// Frees the viewer and the GPU's memory that it took; with the page's last viewer goes the device.
+    pub fn dispose(self) {}
 }

@@ -10,18 +10,10 @@ use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
 use rebounce_shared::rbn::{LinkMatrix, Scene};
-use rebounce_viewer::gpu::Gpu;
 
-/// The device, or `None` (said aloud) where there is no adapter.
-pub fn gpu() -> Option<Gpu> {
-    match Gpu::headless() {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            println!("skipped: no adapter ({error})");
-            None
-        }
-    }
-}
+#[path = "../device/mod.rs"]
+mod device;
+pub use device::gpu;
 
 /// A number in [0, 1) from a seed.
 pub fn random(seed: u32) -> f32 {

@@ -108,21 +108,4 @@ export async function failures(harness, context) {
     equal(faults.join("\n"), "", "faults");
     await page.close();
   });
-
-  // Last: this browser's GPU process is not to be used afterwards.
-  await harness.test("page::failures::a_lost_device", async () => {
-    const prepare = () => {
-      const original = GPUAdapter.prototype.requestDevice;
-      GPUAdapter.prototype.requestDevice = async function (...args) {
-        globalThis.device = await original.apply(this, args);
-        return globalThis.device;
-      };
-    };
-    const { page, faults } = await open(context, { prepare });
-    equal((await outcome(page)).type, "load", "the event");
-    await page.evaluate(() => globalThis.device.destroy());
-    await expectFailure(page, "device-lost", 1);
-    equal(faults.join("\n"), "", "faults");
-    await page.close();
-  });
 }

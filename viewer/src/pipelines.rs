@@ -1,0 +1,68 @@
+//! Everything that belongs to a device and to no viewer: made once, shared by all that draw with it.
+
+use crate::composite::CompositePass;
+use crate::display::DisplayPass;
+use crate::error::ViewerError;
+use crate::gbuffer::GBufferPass;
+use crate::gpu::Gpu;
+use crate::materials::material_layout;
+use crate::overlay::OverlayPass;
+use crate::relight::RelightPipelines;
+use crate::shadow::ShadowPipelines;
+use crate::textures::Mips;
+use std::cell::RefCell;
+use std::rc::Rc;
+use wgpu::TextureFormat;
+
+/// The pipelines of all passes.
+pub struct Pipelines {
+    /// The layout of a material's bind group.
+    pub material: wgpu::BindGroupLayout,
+    /// Shadow maps.
+    pub shadow: ShadowPipelines,
+    /// Relighting.
+    pub relight: RelightPipelines,
+    /// G-buffer.
+    pub gbuffer: GBufferPass,
+    /// From points to pixels.
+    pub display: DisplayPass,
+    /// Shading, exposure, tone mapping.
+    pub composite: CompositePass,
+    /// Mip levels.
+    pub mips: Mips,
+    overlay: RefCell<Vec<Rc<OverlayPass>>>,
+}
+
+impl Pipelines {
+    /// Makes them.
+    ///
+    /// # Errors
+    /// [`ViewerError::Internal`] where the device refuses one at once.
+    pub fn new(gpu: &Gpu) -> Result<Self, ViewerError> {
+        let material = material_layout(gpu);
+        let shadow = ShadowPipelines::new(gpu, &material);
+        let pipelines = Self {
+            relight: RelightPipelines::new(gpu, &shadow.layout),
+            gbuffer: GBufferPass::new(gpu, &material),
+            display: DisplayPass::new(gpu),
+            composite: CompositePass::new(gpu, &shadow.layout),
+            mips: Mips::new(gpu),
+            overlay: RefCell::default(),
+            material,
+            shadow,
+        };
+        gpu.check()?;
+        Ok(pipelines)
+    }
+
+    /// What is drawn over a picture of this format; made when first asked for.
+    pub fn overlay(&self, gpu: &Gpu, format: TextureFormat) -> Rc<OverlayPass> {
+        let mut made = self.overlay.borrow_mut();
+        if let Some(pass) = made.iter().find(|pass| pass.format() == format) {
+            return pass.clone();
+        }
+        let pass = Rc::new(OverlayPass::new(gpu, format));
+        made.push(pass.clone());
+        pass
+    }
+}

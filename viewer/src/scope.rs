@@ -1,0 +1,80 @@
+//! Who owns what lies on the GPU.
+//!
+//! In a browser a buffer or texture that nothing refers to keeps its memory until the garbage collector comes by, and
+//! the device, which viewers share, outlives each of them. So everything is made through a scope, and ends with it.
+
+use crate::bindings::texture_bytes;
+use crate::gpu::Gpu;
+use std::cell::RefCell;
+use std::ops::Deref;
+
+/// Owns buffers, textures and queries of one device: dropped, it destroys them. Work that is submitted by then is done
+/// all the same; work that is not must not use them.
+pub struct Scope {
+    gpu: Gpu,
+    held: RefCell<Vec<Held>>,
+}
+
+enum Held {
+    Buffer(wgpu::Buffer),
+    Texture(wgpu::Texture),
+    Queries(wgpu::QuerySet),
+}
+
+impl Scope {
+    /// Owns nothing yet.
+    pub fn new(gpu: &Gpu) -> Self {
+        Self { gpu: gpu.clone(), held: RefCell::default() }
+    }
+
+    /// Makes a buffer.
+    pub fn buffer(&self, descriptor: &wgpu::BufferDescriptor<'_>) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(descriptor);
+        self.held.borrow_mut().push(Held::Buffer(buffer.clone()));
+        buffer
+    }
+
+    /// Makes a texture.
+    pub fn texture(&self, descriptor: &wgpu::TextureDescriptor<'_>) -> wgpu::Texture {
+        let texture = self.device.create_texture(descriptor);
+        self.held.borrow_mut().push(Held::Texture(texture.clone()));
+        texture
+    }
+
+    /// Makes a set of queries.
+    pub fn queries(&self, descriptor: &wgpu::QuerySetDescriptor<'_>) -> wgpu::QuerySet {
+        let queries = self.device.create_query_set(descriptor);
+        self.held.borrow_mut().push(Held::Queries(queries.clone()));
+        queries
+    }
+
+    /// Bytes of its buffers and textures.
+    pub fn bytes(&self) -> u64 {
+        let size = |held: &Held| match held {
+            Held::Buffer(buffer) => buffer.size(),
+            Held::Texture(texture) => texture_bytes(texture),
+            Held::Queries(_) => 0,
+        };
+        self.held.borrow().iter().map(size).sum()
+    }
+}
+
+impl Deref for Scope {
+    type Target = Gpu;
+
+    fn deref(&self) -> &Gpu {
+        &self.gpu
+    }
+}
+
+impl Drop for Scope {
+    fn drop(&mut self) {
+        for held in self.held.get_mut() {
+            match held {
+                Held::Buffer(buffer) => buffer.destroy(),
+                Held::Texture(texture) => texture.destroy(),
+                Held::Queries(queries) => queries.destroy(),
+            }
+        }
+    }
+}

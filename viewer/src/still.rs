@@ -1,0 +1,158 @@
+//! Lights that stand still. Light adds up: what they give to the points is summed once and kept, and from then on only
+//! the others are evaluated.
+
+use crate::shadow_fit::LightRecord;
+
+/// A light that has changed is kept again when it has been the same for so many evaluations.
+const CALM: u32 = 8;
+
+/// Which lights are in the sum that is kept.
+#[derive(Debug, Default)]
+pub struct StillLights(Vec<Light>);
+
+#[derive(Clone, Copy, Debug)]
+struct Light {
+    record: LightRecord,
+    kept: bool,
+    /// Evaluations for which it has been the same.
+    calm: u32,
+}
+
+/// What one evaluation does.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Choice {
+    /// The sum goes on from what it is; else from zero.
+    pub keep: bool,
+    /// Lights that are added to the sum.
+    pub still: Vec<u32>,
+    /// Lights that are evaluated beside it.
+    pub moving: Vec<u32>,
+}
+
+impl Choice {
+    /// Lights that are evaluated.
+    pub fn count(&self) -> usize {
+        self.still.len() + self.moving.len()
+    }
+}
+
+impl StillLights {
+    /// The next evaluation, which must happen: these lights, in the scene and with the shadow maps of the last one. At
+    /// first the sum is zero.
+    pub fn choose(&mut self, lights: &[LightRecord]) -> Choice {
+        let before = std::mem::take(&mut self.0);
+        // What is in the sum and has changed, or is gone, cannot be taken out of it exactly.
+        let changed = |(i, light): (usize, &Light)| light.kept && lights.get(i) != Some(&light.record);
+        let keep = !before.iter().enumerate().any(changed);
+        let mut choice = Choice { keep, ..Choice::default() };
+        for (i, record) in lights.iter().enumerate() {
+            let mut light = match before.get(i) {
+                Some(light) if light.record == *record => {
+                    Light { calm: light.calm.saturating_add(1), ..*light }
+                }
+                Some(_) => Light { record: *record, kept: false, calm: 0 },
+                None => Light { record: *record, kept: false, calm: CALM },
+            };
+            light.kept &= keep;
+            if !light.kept {
+                light.kept = light.calm >= CALM;
+                let list = if light.kept { &mut choice.still } else { &mut choice.moving };
+                if record.shines() {
+                    list.push(i as u32);
+                }
+            }
+            self.0.push(light);
+        }
+        choice
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shadow_fit::fit;
+    use glam::Vec3;
+    use rebounce_shared::light::Light as Source;
+
+    fn records(intensities: &[f64]) -> Vec<LightRecord> {
+        let source = |(i, intensity): (usize, &f64)| {
+            let light =
+                Source::Point { position: [i as f64, 0.0, 0.0], intensity: *intensity, color: [1.0; 3] };
+            light.source([0.0; 3])
+        };
+        let sources: Vec<_> = intensities.iter().enumerate().map(source).collect();
+        fit(&sources, [Vec3::ZERO, Vec3::ONE], 0.01, 256).lights
+    }
+
+    /// Does what the shader does, with an intensity for the light of all points.
+    fn evaluate(sum: &mut f64, choice: &Choice, intensities: &[f64]) -> f64 {
+        let total = |list: &[u32]| list.iter().map(|i| intensities[*i as usize]).sum::<f64>();
+        *sum = if choice.keep { *sum } else { 0.0 } + total(&choice.still);
+        *sum + total(&choice.moving)
+    }
+
+    #[test]
+    fn whatever_the_lights_do_their_sum_is_that_of_all() {
+        let (mut still, mut sum) = (StillLights::default(), 0.0);
+        let mut intensities = vec![1.0; 5];
+        let mut seed = 1u32;
+        let mut random = |below: u32| {
+            seed = seed.wrapping_mul(0x2c92_77b5).wrapping_add(0xac56_4b05);
+            (seed >> 16) % below
+        };
+        let mut evaluated = 0;
+        for step in 0..4000 {
+            // Long times with one light in hand; now and then another does something.
+            let one = (step / 40) % intensities.len();
+            intensities[one] = random(9) as f64;
+            match random(30) {
+                0 => intensities.push(random(9) as f64),
+                1 if intensities.len() > 2 => drop(intensities.remove(random(2) as usize)),
+                2 => intensities[0] = random(9) as f64,
+                _ => {}
+            }
+            let choice = still.choose(&records(&intensities));
+            evaluated += choice.count();
+            assert_eq!(
+                evaluate(&mut sum, &choice, &intensities),
+                intensities.iter().sum::<f64>(),
+                "step {step}"
+            );
+        }
+        assert!(evaluated > 4000, "{evaluated}");
+    }
+
+    #[test]
+    fn one_that_moves_is_evaluated_alone_and_belongs_to_the_others_when_it_rests() {
+        let mut still = StillLights::default();
+        let mut intensities = vec![1.0; 16];
+        let all: Vec<u32> = (0..16).collect();
+        let first = still.choose(&records(&intensities));
+        assert_eq!(first, Choice { keep: true, still: all.clone(), moving: vec![] });
+        intensities[3] = 2.0;
+        let begins = still.choose(&records(&intensities));
+        assert_eq!((begins.keep, begins.count(), &begins.moving[..]), (false, 16, &[3][..]));
+        for step in 0..20 {
+            intensities[3] = 3.0 + step as f64;
+            let choice = still.choose(&records(&intensities));
+            assert_eq!(choice, Choice { keep: true, still: vec![], moving: vec![3] });
+        }
+        // Another one: all once more, then two, and the first is at rest after a while.
+        for step in 0..CALM {
+            intensities[7] = 3.0 + step as f64;
+            let expected = if step == 0 { 16 } else { 2 };
+            assert_eq!(still.choose(&records(&intensities)).count(), expected, "step {step}");
+        }
+        intensities[7] = 1.5;
+        assert_eq!(
+            still.choose(&records(&intensities)),
+            Choice { keep: true, still: vec![], moving: vec![7] }
+        );
+    }
+
+    #[test]
+    fn a_light_that_is_off_costs_nothing() {
+        let mut still = StillLights::default();
+        assert_eq!(still.choose(&records(&[0.0, 1.0, 0.0])).count(), 1);
+    }
+}
