@@ -27,14 +27,14 @@ pub enum SceneError {
         /// What is wrong and where.
         problem: String,
     },
-    /// The file needs an extension that this program does not know.
-    #[error("{file} requires the glTF extension {extension}, which is not supported: {advice}")]
+    /// The file needs extensions that this program does not know.
+    #[error("{file} requires glTF extensions that are not supported; {advice}")]
     Extension {
         /// The file.
         file: String,
-        /// The extension's name.
-        extension: String,
-        /// What to do instead.
+        /// The extensions' names.
+        extensions: Vec<String>,
+        /// What to do instead, each by its name.
         advice: String,
     },
     /// A texture cannot be used.
@@ -53,8 +53,11 @@ pub enum SceneError {
         /// The file.
         file: String,
     },
-    /// More than 32-bit indices can count.
-    #[error("{file} has too many vertices ({count}); the limit is 4 billion: simplify the scene")]
+    /// More than any machine could bake.
+    #[error(
+        "{file} has too many vertices ({count}, counting each instance); the limit is {}: simplify the scene",
+        super::MOST_VERTICES
+    )]
     TooLarge {
         /// The file.
         file: String,
