@@ -1,11 +1,9 @@
 //! Pictures of Basis Universal (ETC1S and UASTC in KTX2), which no browser decodes by itself: they become PNG.
 
+use super::texture::check_size;
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 use image::ImageEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-
-/// Texels that a picture may have: WebGPU's largest texture.
-const MOST_TEXELS: u64 = 8192 * 8192;
 
 /// Whether these are the first bytes of a KTX2 file.
 pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
@@ -21,9 +19,7 @@ pub(super) fn to_png(bytes: &[u8]) -> Result<Vec<u8>, String> {
     };
     let word = |at: usize| bytes.get(at..at + 4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]]) as u64);
     let (width, height) = word(20).zip(word(24)).ok_or_else(|| damaged("it is cut short"))?;
-    if width * height == 0 || width * height > MOST_TEXELS {
-        return Err(format!("it has {width} x {height} texels; the limit is 8192 x 8192: make it smaller"));
-    }
+    check_size(width, height, bytes.len())?;
     let picture = Transcoder::new(bytes).map_err(|e| damaged(&format!("{e:?}")))?;
     let rgba = picture
         .transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE)

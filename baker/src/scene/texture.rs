@@ -66,19 +66,42 @@ fn undecodable(error: &image::ImageError) -> String {
     format!("it cannot be decoded ({error}): save it again as PNG or JPEG")
 }
 
+/// Texels that WebGPU's largest texture has.
+const MOST_TEXELS: u64 = 1 << 28;
+/// Pictures of so many texels need no proof; larger ones must have bytes to show for it.
+const MANY_TEXELS: u64 = 1 << 24;
+/// Texels that a byte of a large picture can stand for, at most.
+const TEXELS_A_BYTE: u64 = 4096;
+
+/// Refuses a picture that says it is larger than its bytes can be, before anything is allocated for it.
+pub(super) fn check_size(width: u64, height: u64, len: usize) -> Result<(), String> {
+    let texels = width.saturating_mul(height);
+    if texels == 0 {
+        return Err("it has no texels: replace it".into());
+    }
+    if texels > MOST_TEXELS {
+        return Err(format!("it has {width} x {height} texels; the limit is {MOST_TEXELS}: make it smaller"));
+    }
+    if texels > MANY_TEXELS.max(TEXELS_A_BYTE * len as u64) {
+        return Err(format!(
+            "its {len} bytes cannot be {width} x {height} texels; it is damaged: save it again"
+        ));
+    }
+    Ok(())
+}
+
 impl Texels {
     /// Decodes a PNG, JPEG or WebP picture.
     ///
     /// # Errors
     /// A sentence that says what is wrong.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+        let (width, height) = dimensions(bytes)?;
+        check_size(width as u64, height as u64, bytes.len())?;
         let picture = image::load_from_memory_with_format(bytes, format(bytes)?)
             .map_err(|e| undecodable(&e))?
             .into_rgba8();
         let (width, height) = picture.dimensions();
-        if width == 0 || height == 0 {
-            return Err("it has no texels: replace it".into());
-        }
         let rgba = picture.into_raw().as_chunks::<4>().0.to_vec();
         Ok(Self { width, height, rgba })
     }

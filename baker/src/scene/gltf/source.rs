@@ -46,13 +46,15 @@ impl Source {
         let mut source = Self { file, dir, root, buffers: Vec::new(), unpacked };
         for i in 0..source.root.buffers.len() {
             let buffer = &source.root.buffers[i];
+            let meshopt = &buffer.extensions;
+            if meshopt.meshopt.fallback || meshopt.meshopt_before_khronos.fallback {
+                // It stands for what is compressed elsewhere.
+                source.buffers.push(Vec::new());
+                continue;
+            }
             let bytes = match (&buffer.uri, chunk) {
                 (Some(uri), _) => source.uri(uri)?,
                 (None, Some(chunk)) if i == 0 => chunk.to_vec(),
-                (None, _) if buffer.extensions.meshopt.fallback => {
-                    source.buffers.push(Vec::new());
-                    continue;
-                }
                 _ => return Err(source.malformed(format!("buffer {i} has no data"))),
             };
             if bytes.len() < buffer.byte_length {
@@ -108,7 +110,8 @@ impl Source {
         let view = self.root.buffer_views.get(index);
         let view = view.ok_or_else(|| self.malformed(format!("there is no buffer view {index}")))?;
         let outside = || bad("lies outside its buffer");
-        let Some(packed) = &view.extensions.meshopt else {
+        let meshopt = &view.extensions;
+        let Some(packed) = meshopt.meshopt.as_ref().or(meshopt.meshopt_before_khronos.as_ref()) else {
             let bytes = self.slice(view.buffer, view.byte_offset, view.byte_length).ok_or_else(outside)?;
             return Ok((bytes, view.byte_stride));
         };

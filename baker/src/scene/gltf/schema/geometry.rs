@@ -84,8 +84,10 @@ pub(in super::super) struct BufferView {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(in super::super) struct BufferViewExtensions {
-    #[serde(rename = "KHR_meshopt_compression", alias = "EXT_meshopt_compression")]
+    #[serde(rename = "KHR_meshopt_compression")]
     pub meshopt: Option<Meshopt>,
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub meshopt_before_khronos: Option<Meshopt>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -111,8 +113,10 @@ pub(in super::super) struct Buffer {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(in super::super) struct BufferExtensions {
-    #[serde(rename = "KHR_meshopt_compression", alias = "EXT_meshopt_compression")]
+    #[serde(rename = "KHR_meshopt_compression")]
     pub meshopt: MeshoptBuffer,
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub meshopt_before_khronos: MeshoptBuffer,
 }
 
 /// A buffer that stands for decompressed bytes may have no data.
