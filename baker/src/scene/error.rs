@@ -11,6 +11,16 @@ pub enum SceneError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// A file that the scene refers to could not be read.
+    #[error("{file} refers to {path}, which cannot be read: {source}; keep them together or export one .glb")]
+    Beside {
+        /// The scene's file.
+        file: String,
+        /// The file referred to.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// The file is not glTF 2.0.
     #[error("{file} is not a glTF 2.0 file: {problem}; export the scene as .glb or .gltf (glTF 2.0)")]
     NotGltf {

@@ -28,10 +28,6 @@ impl<'a> Decoded<'a> {
         MeshDecoder::new()
             .decode(&mut buffer, &mut mesh)
             .map_err(|error| bad(format!("cannot be decompressed ({error})")))?;
-        let points = mesh.num_points();
-        if mesh.faces().iter().flatten().any(|i| i.0 as usize >= points) {
-            return Err(bad("has an index out of range".into()));
-        }
         Ok(Self { mesh, attributes: &packed.attributes })
     }
 
@@ -40,7 +36,12 @@ impl<'a> Decoded<'a> {
         self.mesh.faces().iter().flatten().map(|i| i.0).collect()
     }
 
-    /// An attribute as `N` numbers each; `None` if it is not among those that are compressed, or is of another size.
+    /// Whether an attribute is among those that are compressed.
+    pub fn holds(&self, name: &str) -> bool {
+        self.attributes.contains_key(name)
+    }
+
+    /// A compressed attribute as `N` numbers each; `None` if there is none or it is of another size.
     pub fn read<const N: usize>(&self, name: &str, normalized: bool) -> Option<Vec<[f64; N]>> {
         let attribute = self.mesh.attribute_by_unique_id(*self.attributes.get(name)?)?;
         if attribute.num_components() as usize != N {

@@ -4,7 +4,7 @@ use crate::scene::SceneError;
 
 /// Extensions that a file may require: those that are supported, and those that change only how
 /// a surface shines, which a Lambertian surface ignores.
-const FINE: [&str; 19] = [
+const FINE: [&str; 21] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -17,11 +17,13 @@ const FINE: [&str; 19] = [
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_node_visibility",
     "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
@@ -45,9 +47,6 @@ fn advice(extension: &str) -> &'static str {
     match extension {
         "EXT_texture_avif" => "convert its textures with `npx @gltf-transform/cli png in.glb out.glb`",
         "MSFT_texture_dds" => "export the scene again with PNG or JPEG textures",
-        "KHR_materials_pbrSpecularGlossiness" => {
-            "convert its materials with `npx @gltf-transform/cli metalrough in.glb out.glb`"
-        }
         _ => "export the scene again without it",
     }
 }

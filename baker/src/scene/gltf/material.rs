@@ -61,7 +61,18 @@ impl<'a> Materials<'a> {
         index: usize,
         m: &schema::Material,
     ) -> Result<(Material, Option<UvSource>), SceneError> {
-        let pbr = &m.pbr_metallic_roughness;
+        let converted;
+        let pbr = match &m.extensions.glossiness {
+            Some(old) if m.pbr_metallic_roughness.has_no_colour() => {
+                converted = old.as_metallic_roughness();
+                if old.specular_glossiness_texture.is_some() {
+                    let what = format!("the specular-glossiness texture of material {:?}", m.name);
+                    self.left_out.push(format!("{what}: its diffuse colour and its factors are taken"));
+                }
+                &converted
+            }
+            _ => &m.pbr_metallic_roughness,
+        };
         let base_color = pbr.base_color_factor.unwrap_or([1.0; 4]);
         let strength = m.extensions.emissive.as_ref().and_then(|e| e.emissive_strength).unwrap_or(1.0);
         let emission = m.emissive_factor.map(|e| e * strength);

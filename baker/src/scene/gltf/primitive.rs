@@ -41,24 +41,27 @@ impl<'a> Numbers<'a> {
             return Ok(None);
         };
         let normalized = self.accessor(name).is_some_and(|a| a.normalized);
-        if let Some(read) = self.draco.as_ref().and_then(|d| d.read(name, normalized)) {
-            return Ok(Some(read));
+        if let Some(draco) = self.draco.as_ref().filter(|d| d.holds(name)) {
+            let problem = format!("{name} of {} is not {kind} in what Draco compressed", self.what);
+            return draco.read(name, normalized).map(Some).ok_or_else(|| self.source.malformed(problem));
         }
         self.source.read(index, kind, &format!("{name} of {}", self.what)).map(Some)
     }
 
     /// The corners of its triangles, of which `count` vertices may be used, counter-clockwise as glTF has them.
     pub fn triangles(&self, count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
-        let indices = match (&self.draco, self.primitive.indices) {
-            (Some(draco), _) => return Ok(triangles(4, &draco.indices())),
-            (None, Some(a)) => self.source.read_indices(a, &format!("indices of {}", self.what))?,
-            (None, None) => (0..count as u32).collect(),
+        let mode = self.primitive.mode.unwrap_or(4);
+        let (mode, indices) = match (&self.draco, self.primitive.indices) {
+            // Draco makes a list of strips.
+            (Some(draco), _) => (4, draco.indices()),
+            (None, Some(a)) => (mode, self.source.read_indices(a, &format!("indices of {}", self.what))?),
+            (None, None) => (mode, (0..count as u32).collect()),
         };
         if let Some(i) = indices.iter().find(|&&i| i as usize >= count) {
             let problem = format!("{} has the index {i}, but {count} vertices", self.what);
             return Err(self.source.malformed(problem));
         }
-        Ok(triangles(self.primitive.mode.unwrap_or(4), &indices))
+        Ok(triangles(mode, &indices))
     }
 }
 

@@ -107,6 +107,20 @@ pub(super) struct NodeExtensions {
     pub light: Option<NodeLight>,
     #[serde(rename = "EXT_mesh_gpu_instancing")]
     pub instances: Option<Instances>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub visibility: Visibility,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct Visibility {
+    pub visible: bool,
+}
+
+impl Default for Visibility {
+    fn default() -> Self {
+        Self { visible: true }
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]

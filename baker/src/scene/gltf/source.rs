@@ -93,7 +93,8 @@ impl Source {
         let decoded = percent_decoded(uri);
         let name = String::from_utf8_lossy(&decoded);
         // Some exporters forget to encode; a name that holds % as it stands is the second guess.
-        read(&name).or_else(|e| read(uri).map_err(|_| e)).map_err(|source| SceneError::Read {
+        read(&name).or_else(|e| read(uri).map_err(|_| e)).map_err(|source| SceneError::Beside {
+            file: self.file.clone(),
             path: self.dir.join(name.as_ref()).display().to_string(),
             source,
         })

@@ -1,3 +1,5 @@
+mod meshes;
+
 use super::*;
 use crate::surface::{Ray, Surfaces};
 use crate::triangles::TriangleSurfaces;

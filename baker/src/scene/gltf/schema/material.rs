@@ -25,6 +25,31 @@ pub(in super::super) struct MaterialExtensions {
     pub specular: Option<Specular>,
     #[serde(rename = "KHR_materials_unlit")]
     pub unlit: Option<Unlit>,
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    pub glossiness: Option<SpecularGlossiness>,
+}
+
+/// What came before metallic-roughness.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(in super::super) struct SpecularGlossiness {
+    pub diffuse_factor: Option<[f32; 4]>,
+    pub diffuse_texture: Option<TextureInfo>,
+    pub glossiness_factor: Option<f32>,
+    pub specular_glossiness_texture: Option<TextureInfo>,
+}
+
+impl SpecularGlossiness {
+    /// The diffuse colour as that of what is not metal.
+    pub fn as_metallic_roughness(&self) -> Pbr {
+        Pbr {
+            base_color_factor: self.diffuse_factor,
+            base_color_texture: self.diffuse_texture.clone(),
+            metallic_factor: Some(0.0),
+            roughness_factor: Some(1.0 - self.glossiness_factor.unwrap_or(1.0)),
+            metallic_roughness_texture: None,
+        }
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -52,7 +77,14 @@ pub(in super::super) struct Pbr {
     pub metallic_roughness_texture: Option<TextureInfo>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+impl Pbr {
+    /// Whether an older description of the same surface is all that says its colour.
+    pub fn has_no_colour(&self) -> bool {
+        self.base_color_factor.is_none() && self.base_color_texture.is_none()
+    }
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(in super::super) struct TextureInfo {
     pub index: usize,
@@ -62,14 +94,14 @@ pub(in super::super) struct TextureInfo {
     pub extensions: TextureInfoExtensions,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(in super::super) struct TextureInfoExtensions {
     #[serde(rename = "KHR_texture_transform")]
     pub transform: Option<TextureTransform>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(in super::super) struct TextureTransform {
     pub offset: [f32; 2],
