@@ -37,7 +37,7 @@ const ODD: [&str; 16] = [
 
 /// A GLB file's JSON and the bytes after it.
 fn parts(glb: &[u8]) -> (Vec<u8>, Vec<u8>) {
-    let len = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let len = u32::from_le_bytes([glb[12], glb[13], glb[14], glb[15]]) as usize;
     (glb[20..20 + len].to_vec(), glb[20 + len..].to_vec())
 }
 

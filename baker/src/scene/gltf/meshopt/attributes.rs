@@ -16,7 +16,7 @@ pub(super) fn decode(packed: &[u8], count: usize, stride: usize) -> Option<Vec<u
     let channels = &tail[stride..];
 
     let mut stream = Reader { bytes: body };
-    let most = (8192 / stride & !(GROUP - 1)).min(256);
+    let most = ((8192 / stride) & !(GROUP - 1)).min(256);
     let mut out = Vec::new();
     let mut left = count;
     while left > 0 {
