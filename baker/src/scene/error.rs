@@ -11,6 +11,16 @@ pub enum SceneError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// A file that the scene refers to could not be read.
+    #[error("{file} refers to {path}, which cannot be read: {source}; keep them together or export one .glb")]
+    Beside {
+        /// The scene's file.
+        file: String,
+        /// The file referred to.
+        path: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// The file is not glTF 2.0.
     #[error("{file} is not a glTF 2.0 file: {problem}; export the scene as .glb or .gltf (glTF 2.0)")]
     NotGltf {
@@ -27,14 +37,14 @@ pub enum SceneError {
         /// What is wrong and where.
         problem: String,
     },
-    /// The file needs an extension that this program does not know.
-    #[error("{file} requires the glTF extension {extension}, which is not supported: {advice}")]
+    /// The file needs extensions that this program does not know.
+    #[error("{file} requires glTF extensions that are not supported; {advice}")]
     Extension {
         /// The file.
         file: String,
-        /// The extension's name.
-        extension: String,
-        /// What to do instead.
+        /// The extensions' names.
+        extensions: Vec<String>,
+        /// What to do instead, each by its name.
         advice: String,
     },
     /// A texture cannot be used.
@@ -53,8 +63,11 @@ pub enum SceneError {
         /// The file.
         file: String,
     },
-    /// More than 32-bit indices can count.
-    #[error("{file} has too many vertices ({count}); the limit is 4 billion: simplify the scene")]
+    /// More than any machine could bake.
+    #[error(
+        "{file} has too many vertices ({count}, counting each instance); the limit is {}: simplify the scene",
+        super::MOST_VERTICES
+    )]
     TooLarge {
         /// The file.
         file: String,

@@ -2,9 +2,12 @@
 //!
 //! * [`load`] – from a .gltf or .glb file, or `builtin:NAME`;
 //! * [`builtin`] – the generated scenes;
-//! * [`texture`] – pictures and how they are sampled;
+//! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal;
+//! * `colours` – colours of vertices.
 
+mod basis;
 pub mod builtin;
+mod colours;
 mod error;
 mod gltf;
 pub mod texture;
@@ -12,11 +15,14 @@ pub mod texture;
 pub use error::SceneError;
 pub use texture::Texture;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{Animation, Material};
 use std::path::Path;
+
+/// Vertices of a scene, at most: more would not fit into any machine's memory with what a bake makes of them.
+pub(crate) const MOST_VERTICES: usize = 1 << 28;
 
 /// A scene in memory.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +41,9 @@ pub struct Scene {
     pub triangles: Vec<[u32; 3]>,
     /// Index of the material, one per triangle.
     pub triangle_material: Vec<u32>,
+    /// Linear RGB albedo at each triangle's corners, in place of the material's base colour and multiplied with its
+    /// texture's; empty where no vertex has a colour of its own.
+    pub corner_colors: Vec<[Vec3; 3]>,
     /// Materials that the triangles use.
     pub materials: Vec<Material>,
     /// Textures that the materials use.
@@ -83,21 +92,26 @@ struct WorldMesh {
     positions: Vec<DVec3>,
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
+    /// Linear RGB and alpha; those beyond its end are white.
+    colors: Vec<Vec4>,
     triangles: Vec<[u32; 3]>,
     triangle_material: Vec<u32>,
 }
 
 impl WorldMesh {
+    /// Whether a triangle is more than a line or a point.
+    fn has_area([a, b, c]: [DVec3; 3]) -> bool {
+        let (ab, ac, bc) = (b - a, c - a, c - b);
+        let longest = ab.length_squared().max(ac.length_squared()).max(bc.length_squared());
+        ab.cross(ac).length() > 1e-9 * longest
+    }
+
     /// Moves the origin into the middle, where f32 is most exact, and leaves out triangles
     /// without area and vertices that no triangle uses.
     fn finish(self, scene: &mut Scene) {
         let mut used = vec![u32::MAX; self.positions.len()];
-        let area = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|i| self.positions[i as usize]);
-            let (ab, ac, bc) = (b - a, c - a, c - b);
-            let longest = ab.length_squared().max(ac.length_squared()).max(bc.length_squared());
-            ab.cross(ac).length() > 1e-9 * longest
-        };
+        let area = |t: &[u32; 3]| Self::has_area(t.map(|i| self.positions[i as usize]));
+        let mut colors = Vec::new();
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for t in self.triangles.iter().filter(|t| area(t)) {
             for &i in t {
@@ -119,6 +133,9 @@ impl WorldMesh {
                     scene.positions.push((self.positions[i as usize] - origin).as_vec3());
                     scene.normals.push(self.normals[i as usize]);
                     scene.uvs.push(self.uvs[i as usize]);
+                    if !self.colors.is_empty() {
+                        colors.push(self.colors.get(i as usize).copied().unwrap_or(Vec4::ONE));
+                    }
                 }
                 *slot
             });
@@ -126,6 +143,7 @@ impl WorldMesh {
             scene.triangle_material.push(material);
         }
         scene.repair_normals();
+        colours::apply(scene, &colors);
     }
 }
 

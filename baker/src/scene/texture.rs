@@ -1,6 +1,6 @@
 //! Textures: the picture that came with the scene and its decoded texels.
 
-use super::SceneError;
+use super::{SceneError, basis};
 use glam::{Vec2, Vec3};
 use rebounce_shared::rbn::meta::{self, Wrap};
 use std::sync::{Arc, LazyLock};
@@ -29,7 +29,7 @@ pub struct Texels {
 pub struct Texture {
     /// Name, picture type, size and wrapping; `offset` and `len` are not set before writing a file.
     pub meta: meta::Texture,
-    /// The picture as it came, PNG or JPEG.
+    /// The picture as it came, PNG, JPEG or WebP; one of Basis Universal as PNG.
     pub bytes: Arc<[u8]>,
     /// The picture decoded; only base colours are.
     pub texels: Option<Arc<Texels>>,
@@ -40,14 +40,14 @@ pub fn sniff(bytes: &[u8]) -> Result<&'static str, &'static str> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Ok("image/png"),
         [0xff, 0xd8, 0xff, ..] => Ok("image/jpeg"),
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Err("WebP"),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Ok("image/webp"),
         [0xab, b'K', b'T', b'X', ..] => Err("KTX"),
         [b'D', b'D', b'S', b' ', ..] => Err("DDS"),
         _ => Err("unknown"),
     }
 }
 
-/// Width and height of a PNG or JPEG picture, from its header.
+/// Width and height of a picture, from its header.
 fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
     let reader = image::ImageReader::with_format(std::io::Cursor::new(bytes), format(bytes)?);
     reader.into_dimensions().map_err(|e| undecodable(&e))
@@ -56,8 +56,9 @@ fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
 fn format(bytes: &[u8]) -> Result<image::ImageFormat, String> {
     match sniff(bytes) {
         Ok("image/png") => Ok(image::ImageFormat::Png),
+        Ok("image/webp") => Ok(image::ImageFormat::WebP),
         Ok(_) => Ok(image::ImageFormat::Jpeg),
-        Err(kind) => Err(format!("its format is {kind}: convert it to PNG or JPEG")),
+        Err(kind) => Err(format!("its format is {kind}: convert it to PNG, JPEG, WebP or KTX2")),
     }
 }
 
@@ -65,19 +66,42 @@ fn undecodable(error: &image::ImageError) -> String {
     format!("it cannot be decoded ({error}): save it again as PNG or JPEG")
 }
 
+/// Texels that WebGPU's largest texture has.
+const MOST_TEXELS: u64 = 1 << 28;
+/// Pictures of so many texels need no proof; larger ones must have bytes to show for it.
+const MANY_TEXELS: u64 = 1 << 24;
+/// Texels that a byte of a large picture can stand for, at most.
+const TEXELS_A_BYTE: u64 = 4096;
+
+/// Refuses a picture that says it is larger than its bytes can be, before anything is allocated for it.
+pub(super) fn check_size(width: u64, height: u64, len: usize) -> Result<(), String> {
+    let texels = width.saturating_mul(height);
+    if texels == 0 {
+        return Err("it has no texels: replace it".into());
+    }
+    if texels > MOST_TEXELS {
+        return Err(format!("it has {width} x {height} texels; the limit is {MOST_TEXELS}: make it smaller"));
+    }
+    if texels > MANY_TEXELS.max(TEXELS_A_BYTE * len as u64) {
+        return Err(format!(
+            "its {len} bytes cannot be {width} x {height} texels; it is damaged: save it again"
+        ));
+    }
+    Ok(())
+}
+
 impl Texels {
-    /// Decodes a PNG or JPEG picture.
+    /// Decodes a PNG, JPEG or WebP picture.
     ///
     /// # Errors
     /// A sentence that says what is wrong.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+        let (width, height) = dimensions(bytes)?;
+        check_size(width as u64, height as u64, bytes.len())?;
         let picture = image::load_from_memory_with_format(bytes, format(bytes)?)
             .map_err(|e| undecodable(&e))?
             .into_rgba8();
         let (width, height) = picture.dimensions();
-        if width == 0 || height == 0 {
-            return Err("it has no texels: replace it".into());
-        }
         let rgba = picture.into_raw().as_chunks::<4>().0.to_vec();
         Ok(Self { width, height, rgba })
     }
@@ -174,6 +198,7 @@ impl Texture {
             texture: meta.name.clone(),
             problem,
         };
+        let bytes = if basis::is_ktx2(&bytes) { basis::to_png(&bytes).map_err(bad)? } else { bytes };
         let texels = if decoded { Some(Arc::new(Texels::decode(&bytes).map_err(bad)?)) } else { None };
         let size = match &texels {
             Some(texels) => (texels.width, texels.height),
@@ -226,8 +251,8 @@ mod tests {
 
     #[test]
     fn a_picture_that_is_none_is_refused_in_words() {
-        let error = Texels::decode(b"RIFF0000WEBPVP8 ").unwrap_err();
-        assert!(error.contains("WebP") && error.contains("convert"), "{error}");
+        let error = Texels::decode(b"DDS 0000").unwrap_err();
+        assert!(error.contains("DDS") && error.contains("convert"), "{error}");
         assert!(Texels::decode(b"\x89PNG\r\n\x1a\nnothing").is_err());
     }
 }

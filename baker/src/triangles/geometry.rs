@@ -44,6 +44,8 @@ pub struct Surface {
 pub struct Geometry {
     /// All triangles.
     pub triangles: Vec<Triangle>,
+    /// Linear RGB factors of the albedo at the triangles' corners, in place of the materials'; empty for none.
+    pub colors: Vec<[Vec3; 3]>,
     /// All materials.
     pub surfaces: Vec<Surface>,
 }
@@ -75,12 +77,12 @@ impl Surface {
         }
     }
 
-    /// Linear RGB reflectance at a texture coordinate.
+    /// Linear RGB reflectance at a texture coordinate; `color` is the factor, [`Self::color`] or the vertices'.
     #[inline]
-    pub fn albedo(&self, uv: Vec2) -> Vec3 {
+    pub fn albedo(&self, color: Vec3, uv: Vec2) -> Vec3 {
         match &self.texture {
-            Some(texture) => self.color * texture.color(uv),
-            None => self.color,
+            Some(texture) => color * texture.color(uv),
+            None => color,
         }
     }
 
@@ -112,6 +114,7 @@ impl From<&Scene> for Geometry {
                 .zip(&scene.triangle_material)
                 .map(|(&t, &m)| corner(t, m))
                 .collect(),
+            colors: scene.corner_colors.clone(),
             surfaces: scene.materials.iter().map(|m| Surface::new(m, texture(m))).collect(),
         }
     }
@@ -163,6 +166,7 @@ impl TryFrom<&rbn::Scene> for Geometry {
         }
         Ok(Self {
             triangles,
+            colors: Vec::new(),
             surfaces: scene.meta.materials.iter().map(|m| Surface::new(m, texture(m))).collect(),
         })
     }

@@ -44,6 +44,8 @@ pub struct TriangleSurfaces {
     /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
     numbers: Vec<u32>,
     triangles: Vec<Triangle>,
+    /// The vertices' colours, in the same order, or none.
+    colors: Vec<[Vec3; 3]>,
     surfaces: Vec<Surface>,
     low: Vec3,
     high: Vec3,
@@ -88,6 +90,11 @@ impl TriangleSurfaces {
             numbers: (triangles.iter().zip(&bvh.primitive_indices))
                 .map(|(t, i)| i | if transparent(t) { TRANSPARENT } else { 0 })
                 .collect(),
+            colors: if geometry.colors.is_empty() {
+                Vec::new()
+            } else {
+                bvh.primitive_indices.iter().map(|&i| geometry.colors[i as usize]).collect()
+            },
             triangles,
             bvh,
             surfaces: geometry.surfaces,
@@ -187,7 +194,11 @@ impl TriangleSurfaces {
         }
         let (albedo, emission) = if faces {
             let uv = t.uvs[0] * u + t.uvs[1] * m.v + t.uvs[2] * m.w;
-            (surface.albedo(uv), surface.emission)
+            let color = match self.colors.get(place) {
+                Some(c) => c[0] * u + c[1] * m.v + c[2] * m.w,
+                None => surface.color,
+            };
+            (surface.albedo(color, uv), surface.emission)
         } else {
             (Vec3::ZERO, Vec3::ZERO)
         };

@@ -18,7 +18,7 @@ fn white() -> Material {
 
 fn surfaces(triangles: Vec<Triangle>, materials: &[Material]) -> TriangleSurfaces {
     let surfaces = materials.iter().map(|m| Surface::new(m, None)).collect();
-    TriangleSurfaces::new(Geometry { triangles, surfaces })
+    TriangleSurfaces::new(Geometry { triangles, colors: Vec::new(), surfaces })
 }
 
 /// A closed, finely divided, axis-aligned box with a floor that bulges out, and loose triangles of all sizes in it.
@@ -160,7 +160,7 @@ fn two_squares(front: Material, texture: Option<Sampler>) -> TriangleSurfaces {
     };
     let triangles = [square(0.0, 0), square(-1.0, 1)].concat();
     let surfaces = vec![Surface::new(&front, texture), Surface::new(&white(), None)];
-    TriangleSurfaces::new(Geometry { triangles, surfaces })
+    TriangleSurfaces::new(Geometry { triangles, colors: Vec::new(), surfaces })
 }
 
 fn down(x: f32, y: f32) -> Ray {

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `VERT` | [`Vertex`] | vertex of the render geometry |
 //! | `INDX` | `u32` | corner of a triangle; triangles are grouped by [`Draw`](super::meta::Draw) |
-//! | `TEXD` | bytes | textures as they came, one after another (PNG, JPEG) |
+//! | `TEXD` | bytes | textures as they came, one after another (PNG, JPEG, WebP) |
 //! | `PNTS` | [`Point`] | basis function, level after level |
 //! | `CUTS` | [`Cut`] | plane that ends a basis function's support |
 //! | `LINK` | `u32`, [`Link`](crate::link::Link) | rows of links to all points |

@@ -244,7 +244,7 @@ pub enum Wrap {
 pub struct Texture {
     /// Its glTF name, or empty.
     pub name: String,
-    /// `image/png` or `image/jpeg`.
+    /// `image/png`, `image/jpeg` or `image/webp`.
     pub mime: String,
     /// Offset in section `TEXD`, bytes.
     pub offset: u64,

@@ -3,8 +3,9 @@
 use super::source::Source;
 use crate::scene::SceneError;
 
-/// Largest accessor without data behind it (all zeros); more is a broken file, not a scene.
-const MAX_ZEROS: usize = 1 << 27;
+/// An accessor without data behind it is all zeros; one of more elements than this and than the file has bytes is a
+/// lie.
+const MANY_ZEROS: usize = 1 << 16;
 
 /// Size in bytes of a component type.
 fn component_size(component_type: u32) -> Option<usize> {
@@ -18,17 +19,28 @@ fn component_size(component_type: u32) -> Option<usize> {
 
 /// One component as an f64; normalised integers become 0..1 or −1..1.
 fn component(bytes: &[u8], component_type: u32, normalized: bool) -> f64 {
-    let two = |b: &[u8]| [b[0], b[1]];
-    let four = |b: &[u8]| [b[0], b[1], b[2], b[3]];
-    let (value, max) = match component_type {
-        5120 => (bytes[0] as i8 as f64, 127.0),
-        5121 => (bytes[0] as f64, 255.0),
-        5122 => (i16::from_le_bytes(two(bytes)) as f64, 32767.0),
-        5123 => (u16::from_le_bytes(two(bytes)) as f64, 65535.0),
-        5125 => (u32::from_le_bytes(four(bytes)) as f64, 4_294_967_295.0),
-        _ => return f32::from_le_bytes(four(bytes)) as f64,
+    let value = match component_type {
+        5120 => bytes[0] as i8 as f64,
+        5121 => bytes[0] as f64,
+        5122 => i16::from_le_bytes([bytes[0], bytes[1]]) as f64,
+        5123 => u16::from_le_bytes([bytes[0], bytes[1]]) as f64,
+        5125 => u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as f64,
+        _ => return f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as f64,
     };
-    if normalized { (value / max).max(-1.0) } else { value }
+    if normalized { value_of_normalized(value, component_type) } else { value }
+}
+
+/// What a normalised integer stands for: 0..1 or −1..1.
+pub(super) fn value_of_normalized(value: f64, component_type: u32) -> f64 {
+    let max = match component_type {
+        5120 => 127.0,
+        5121 => 255.0,
+        5122 => 32767.0,
+        5123 => 65535.0,
+        5125 => 4_294_967_295.0,
+        _ => return value,
+    };
+    (value / max).max(-1.0)
 }
 
 impl Source {
@@ -54,22 +66,22 @@ impl Source {
         };
         let mut out = match accessor.buffer_view {
             Some(view) => {
-                let (view, bytes) = self.view(view)?;
-                let stride = view.byte_stride.unwrap_or(size * N);
+                let (bytes, stride) = self.view(view)?;
+                let stride = stride.unwrap_or(size * N);
                 self.strided(bytes, accessor.byte_offset, stride, size * N, accessor.count)
                     .ok_or_else(|| bad("lies outside its buffer view"))?
                     .map(element)
                     .collect()
             }
-            None if accessor.count <= MAX_ZEROS => vec![[0.0; N]; accessor.count],
+            None if accessor.count <= self.size().max(MANY_ZEROS) => vec![[0.0; N]; accessor.count],
             None => return Err(bad("has no data")),
         };
         if let Some(sparse) = &accessor.sparse {
             let outside = || bad("has sparse values outside their buffer view");
             let index_size = component_size(sparse.indices.component_type)
                 .ok_or_else(|| bad("has sparse indices of an unknown type"))?;
-            let (_, index_bytes) = self.view(sparse.indices.buffer_view)?;
-            let (_, value_bytes) = self.view(sparse.values.buffer_view)?;
+            let (index_bytes, _) = self.view(sparse.indices.buffer_view)?;
+            let (value_bytes, _) = self.view(sparse.values.buffer_view)?;
             let indices = self
                 .strided(index_bytes, sparse.indices.byte_offset, index_size, index_size, sparse.count)
                 .ok_or_else(outside)?;

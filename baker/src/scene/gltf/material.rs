@@ -1,11 +1,12 @@
 //! Materials and their textures. Only what the triangles use is kept and decoded.
 
+use super::picture::{image_index, picture, sampled};
 use super::schema;
 use super::source::Source;
-use crate::scene::{Scene, SceneError, Texture};
+use crate::scene::{Scene, SceneError};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
-use rebounce_shared::rbn::meta::{self, Alpha, DetailTexture, Material, Wrap};
+use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
 
 /// How a material reads its texture coordinates.
 #[derive(Clone, Copy)]
@@ -60,7 +61,18 @@ impl<'a> Materials<'a> {
         index: usize,
         m: &schema::Material,
     ) -> Result<(Material, Option<UvSource>), SceneError> {
-        let pbr = &m.pbr_metallic_roughness;
+        let converted;
+        let pbr = match &m.extensions.glossiness {
+            Some(old) if m.pbr_metallic_roughness.has_no_colour() => {
+                converted = old.as_metallic_roughness();
+                if old.specular_glossiness_texture.is_some() {
+                    let what = format!("the specular-glossiness texture of material {:?}", m.name);
+                    self.left_out.push(format!("{what}: its diffuse colour and its factors are taken"));
+                }
+                &converted
+            }
+            _ => &m.pbr_metallic_roughness,
+        };
         let base_color = pbr.base_color_factor.unwrap_or([1.0; 4]);
         let strength = m.extensions.emissive.as_ref().and_then(|e| e.emissive_strength).unwrap_or(1.0);
         let emission = m.emissive_factor.map(|e| e * strength);
@@ -225,51 +237,4 @@ fn uv_source(info: &schema::TextureInfo) -> UvSource {
             DVec3::new(x, y, 1.0),
         ),
     }
-}
-
-/// The image of a texture.
-fn image_index(source: &Source, texture: usize) -> Result<usize, SceneError> {
-    let known = source.root.textures.get(texture);
-    let known = known.ok_or_else(|| source.malformed(format!("there is no texture {texture}")))?;
-    let problem = "it has no PNG or JPEG picture (perhaps WebP or KTX only): export the scene with PNG or JPEG textures";
-    known.source.ok_or_else(|| SceneError::Texture {
-        file: source.file.clone(),
-        texture: texture.to_string(),
-        problem: problem.to_owned(),
-    })
-}
-
-/// An image, decoded or only looked at.
-fn picture(source: &Source, index: usize, decoded: bool) -> Result<Texture, SceneError> {
-    let image = source.root.images.get(index);
-    let image = image.ok_or_else(|| source.malformed(format!("there is no image {index}")))?;
-    let bytes = match (&image.uri, image.buffer_view) {
-        (Some(uri), _) => source.uri(uri)?,
-        (None, Some(view)) => source.view(view)?.1.to_vec(),
-        (None, None) => return Err(source.malformed(format!("image {index} has no data"))),
-    };
-    let file_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")).unwrap_or("");
-    let name = [&image.name, file_name].into_iter().find(|n| !n.is_empty());
-    let name = name.map_or_else(|| index.to_string(), str::to_owned);
-    Texture::new(&source.file, meta::Texture { name, ..meta::Texture::default() }, bytes, decoded)
-}
-
-/// A texture: its picture with its sampler. The index has been checked.
-fn sampled(source: &Source, index: usize, data: bool, picture: &Texture) -> Texture {
-    let texture = &source.root.textures[index];
-    let sampler = texture.sampler.and_then(|s| source.root.samplers.get(s));
-    let wrap = |code: Option<u32>| match code {
-        Some(33071) => Wrap::ClampToEdge,
-        Some(33648) => Wrap::MirroredRepeat,
-        _ => Wrap::Repeat,
-    };
-    let mut out = picture.clone();
-    if !texture.name.is_empty() {
-        out.meta.name = texture.name.clone();
-    }
-    out.meta.wrap_u = wrap(sampler.and_then(|s| s.wrap_s));
-    out.meta.wrap_v = wrap(sampler.and_then(|s| s.wrap_t));
-    out.meta.data = data;
-    out.meta.linear_filter = sampler.and_then(|s| s.mag_filter) != Some(9728);
-    out
 }

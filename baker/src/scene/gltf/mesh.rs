@@ -1,138 +1,133 @@
-//! Primitives to world-space triangles.
+//! Meshes as the file has them, in their own space.
 
 use super::material::Materials;
-use super::node::Placed;
+use super::primitive::Numbers;
 use super::schema::Primitive;
 use super::source::Source;
-use crate::scene::{SceneError, WorldMesh};
-use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
+use crate::scene::SceneError;
+use glam::{DVec2, DVec3, Vec2, Vec4};
 
-/// Appends the triangles of mesh `index`, placed by `node`. Points and lines are left out; a
-/// skinned or morphed mesh is taken as it rests.
-pub(super) fn append(
+/// A primitive's triangles in its mesh's space.
+pub(super) struct Part {
+    /// What errors call it.
+    pub what: String,
+    pub positions: Vec<DVec3>,
+    /// One per vertex; without them the triangles are flat. Zero where the file's is no number.
+    pub normals: Option<Vec<DVec3>>,
+    /// Of the material's first texture, one per vertex.
+    pub uvs: Vec<Vec2>,
+    /// Linear RGB and alpha from 0 to 1, one per vertex, where they are not all white.
+    pub colors: Option<Vec<Vec4>>,
+    pub triangles: Vec<[u32; 3]>,
+    pub material: u32,
+}
+
+/// What errors call a mesh.
+pub(super) fn name(source: &Source, index: usize) -> String {
+    let name = source.root.meshes.get(index).map_or("", |mesh| mesh.name.as_str());
+    format!("mesh {index} ({name:?})")
+}
+
+/// The parts of mesh `index`. Points and lines are left out, and so noted; a skinned or morphed mesh is taken as it
+/// rests.
+pub(super) fn read(
     source: &Source,
     index: usize,
-    node: &Placed,
     materials: &mut Materials,
-    out: &mut WorldMesh,
-) -> Result<(), SceneError> {
+    left_out: &mut Vec<String>,
+) -> Result<Vec<Part>, SceneError> {
     let mesh = source.root.meshes.get(index);
     let mesh = mesh.ok_or_else(|| source.malformed(format!("there is no mesh {index}")))?;
+    let mut parts = Vec::new();
+    let mut thin = 0;
     for (p, primitive) in mesh.primitives.iter().enumerate() {
-        if matches!(primitive.mode.unwrap_or(4), 4..=6) {
-            let what = format!("mesh {index} ({:?}), primitive {p}", mesh.name);
-            append_primitive(source, primitive, &what, node, materials, out)?;
+        let what = format!("{}, primitive {p}", name(source, index));
+        match primitive.mode.unwrap_or(4) {
+            4..=6 => parts.extend(part(source, primitive, what, materials, left_out)?),
+            0..=3 => thin += 1,
+            mode => return Err(source.malformed(format!("{what} has the unknown mode {mode}"))),
         }
     }
-    Ok(())
+    if thin > 0 {
+        left_out.push(format!("{thin} primitives of {}: they are points or lines", name(source, index)));
+    }
+    Ok(parts)
 }
 
-fn append_primitive(
+fn part(
     source: &Source,
     primitive: &Primitive,
-    what: &str,
-    node: &Placed,
+    what: String,
     materials: &mut Materials,
-    out: &mut WorldMesh,
-) -> Result<(), SceneError> {
-    let bad = |problem: &str| source.malformed(format!("{what} {problem}"));
-    let attribute = |name: &str| primitive.attributes.get(name).copied();
-    let Some(position) = attribute("POSITION") else {
-        return Ok(());
+    left_out: &mut Vec<String>,
+) -> Result<Option<Part>, SceneError> {
+    let numbers = Numbers::new(source, primitive, &what)?;
+    let Some(positions) = numbers.read::<3>("POSITION", "VEC3")? else {
+        left_out.push(format!("{what}: it has no positions"));
+        return Ok(None);
     };
-    let positions = source.read::<3>(position, "VEC3", &format!("POSITION of {what}"))?;
     if !positions.iter().flatten().all(|x| x.is_finite()) {
-        return Err(bad("has a position that is not a finite number"));
+        return Err(source.malformed(format!("{what} has a position that is not a finite number")));
     }
     let count = positions.len();
-    let normals = match attribute("NORMAL") {
-        Some(a) => Some(source.read::<3>(a, "VEC3", &format!("NORMAL of {what}"))?),
+    let mut unusable = 0;
+    let normals = numbers.read::<3>("NORMAL", "VEC3")?;
+    let normals: Option<Vec<DVec3>> = normals.map(|normals| {
+        let finite = |n: [f64; 3]| Some(DVec3::from(n)).filter(|n| n.is_finite());
+        normals.into_iter().map(|n| finite(n).unwrap_or_else(|| counted(&mut unusable))).collect()
+    });
+    let (material, uv_source) = materials.index(primitive.material)?;
+    let uvs = match uv_source {
+        Some(u) => numbers.read::<2>(&format!("TEXCOORD_{}", u.set), "VEC2")?.map(|uvs| (u, uvs)),
         None => None,
     };
-    let (material, uv_source) = materials.index(primitive.material)?;
-    let uv_attribute = uv_source.and_then(|u| Some((u, attribute(&format!("TEXCOORD_{}", u.set))?)));
-    let uvs: Vec<Vec2> = match uv_attribute {
-        Some((u, a)) => source
-            .read::<2>(a, "VEC2", &format!("TEXCOORD_{} of {what}", u.set))?
-            .into_iter()
-            .map(|[s, t]| {
-                let uv = u.matrix.transform_point2(DVec2::new(s, t)).as_vec2();
-                if uv.is_finite() { uv } else { Vec2::ZERO }
-            })
-            .collect(),
+    let uvs: Vec<Vec2> = match uvs {
+        Some((u, uvs)) => {
+            let moved = uvs.into_iter().map(|[s, t]| u.matrix.transform_point2(DVec2::new(s, t)).as_vec2());
+            moved.map(|uv| if uv.is_finite() { uv } else { counted(&mut unusable) }).collect()
+        }
         None => vec![Vec2::ZERO; count],
     };
-    if uvs.len() != count || normals.as_ref().is_some_and(|n| n.len() != count) {
-        return Err(bad("has attributes of different lengths"));
+    let colors = colors(&numbers, &mut unusable)?;
+    let same = |len: usize| len == count;
+    if !same(uvs.len())
+        || !normals.as_ref().is_none_or(|n| same(n.len()))
+        || !colors.as_ref().is_none_or(|c| same(c.len()))
+    {
+        return Err(source.malformed(format!("{what} has attributes of different lengths")));
     }
-    let indices = match primitive.indices {
-        Some(a) => source.read_indices(a, &format!("indices of {what}"))?,
-        None => (0..count as u32).collect(),
-    };
-    if let Some(i) = indices.iter().find(|&&i| i as usize >= count) {
-        return Err(bad(&format!("has the index {i}, but {count} vertices")));
+    if unusable > 0 {
+        left_out.push(format!(
+            "{unusable} normals, texture coordinates or colours of {what}: they are not finite numbers"
+        ));
     }
-    let mut triangles = assemble(primitive.mode.unwrap_or(4), &indices);
-
-    let linear = DMat3::from_mat4(node.world);
-    let cofactor = DMat3::from_cols(
-        linear.y_axis.cross(linear.z_axis),
-        linear.z_axis.cross(linear.x_axis),
-        linear.x_axis.cross(linear.y_axis),
-    );
-    let mirrored = linear.determinant() < 0.0;
-    if mirrored {
-        triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    }
-    let world: Vec<DVec3> = positions.iter().map(|&p| node.world.transform_point3(DVec3::from(p))).collect();
-    if !world.iter().all(|p| p.is_finite()) {
-        return Err(bad("is placed beyond the range of numbers"));
-    }
-    if out.positions.len() + triangles.len().saturating_mul(3) > u32::MAX as usize {
-        let count = out.positions.len() + triangles.len() * 3;
-        return Err(SceneError::TooLarge { file: source.file.clone(), count });
-    }
-    let first = out.positions.len() as u32;
-    match normals {
-        Some(normals) => {
-            // The inverse transpose is the cofactor matrix over the determinant; only its sign counts.
-            let sign = if mirrored { -1.0 } else { 1.0 };
-            let unit = |&n: &[f64; 3]| {
-                (cofactor * DVec3::from(n) * sign).try_normalize().unwrap_or(DVec3::ZERO).as_vec3()
-            };
-            out.normals.extend(normals.iter().map(unit));
-            out.positions.extend(world);
-            out.uvs.extend(uvs);
-            out.triangles.extend(triangles.iter().map(|t| t.map(|i| i + first)));
-        }
-        None => {
-            // glTF: without normals, flat ones; vertices are not shared.
-            for t in &triangles {
-                let [a, b, c] = t.map(|i| world[i as usize]);
-                let flat = (b - a).cross(c - a).try_normalize().map_or(Vec3::ZERO, |n| n.as_vec3());
-                let at = out.positions.len() as u32;
-                out.triangles.push([at, at + 1, at + 2]);
-                for &i in t {
-                    out.positions.push(world[i as usize]);
-                    out.normals.push(flat);
-                    out.uvs.push(uvs[i as usize]);
-                }
-            }
-        }
-    }
-    out.triangle_material.resize(out.triangles.len(), material);
-    Ok(())
+    let triangles = numbers.triangles(count)?;
+    let positions = positions.into_iter().map(DVec3::from).collect();
+    Ok(Some(Part { what, positions, normals, uvs, colors, triangles, material }))
 }
 
-/// Triangles of a triangle list (4), strip (5) or fan (6), counter-clockwise as glTF has them.
-fn assemble(mode: u32, indices: &[u32]) -> Vec<[u32; 3]> {
-    match mode {
-        5 => indices
-            .windows(3)
-            .enumerate()
-            .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
-            .collect(),
-        6 => indices.windows(2).skip(1).map(|w| [w[0], w[1], indices[0]]).collect(),
-        _ => indices.as_chunks::<3>().0.to_vec(),
-    }
+/// Stands for what is not a number, and counts it.
+fn counted<T: Default>(count: &mut usize) -> T {
+    *count += 1;
+    T::default()
+}
+
+/// The vertices' colours, where they are not all white.
+fn colors(numbers: &Numbers, unusable: &mut usize) -> Result<Option<Vec<Vec4>>, SceneError> {
+    let read = if numbers.is("COLOR_0", "VEC3") {
+        let opaque = |rgb: Vec<[f64; 3]>| rgb.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
+        numbers.read::<3>("COLOR_0", "VEC3")?.map(opaque)
+    } else {
+        numbers.read::<4>("COLOR_0", "VEC4")?
+    };
+    let Some(read) = read else {
+        return Ok(None);
+    };
+    let bounded = |c: [f64; 4]| {
+        let color = Vec4::from_array(c.map(|x| x as f32));
+        // A colour over 1 would make energy out of nothing.
+        if color.is_finite() { color.clamp(Vec4::ZERO, Vec4::ONE) } else { counted::<Vec4>(unusable) + 1.0 }
+    };
+    let colors: Vec<Vec4> = read.into_iter().map(bounded).collect();
+    Ok(colors.iter().any(|c| *c != Vec4::ONE).then_some(colors))
 }

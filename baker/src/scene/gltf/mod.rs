@@ -1,21 +1,38 @@
 //! glTF 2.0 to [`Scene`].
 //!
-//! * `schema` – the JSON; `source` – the bytes; `accessor` – the numbers;
-//! * `extensions` – what is refused; `material` – materials and textures;
-//! * `mesh` – primitives to triangles; `node` – transforms, lights and cameras; `animation` – how lights move.
+//! * `schema` – the JSON; `container`, `source` – the bytes; `accessor` – the numbers;
+//! * `meshopt`, `draco` – compressed numbers; `extensions` – what is refused;
+//! * `material` – materials and textures; `picture` – which image of a texture is taken;
+//! * `primitive`, `mesh` – triangles in their own space; `instances`, `place` – in the world;
+//! * `node` – transforms, lights and cameras; `animation` – how lights move.
 
 mod accessor;
 mod animation;
+mod container;
+mod draco;
 mod extensions;
+mod instances;
 mod material;
 mod mesh;
+mod meshopt;
 mod node;
+mod picture;
+mod place;
+mod primitive;
 mod schema;
 mod source;
 
 use super::{Scene, SceneError, WorldMesh};
+use mesh::Part;
+use place::Seen;
 use source::Source;
+use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Sizes of a scene, in its units, that 32-bit numbers are good for.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
+/// Triangles so many times as long as the middle one are noted: positions are rounded to a share of the whole.
+const HUGE: f64 = 1e5;
 
 /// Loads a .gltf or .glb file.
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
@@ -29,30 +46,96 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
     let nodes = node::flatten(source)?;
     let mut materials = material::Materials::new(source);
     let mut mesh = WorldMesh::default();
-    for node in &nodes {
-        if let Some(index) = source.root.nodes[node.index].mesh {
-            mesh::append(source, index, node, &mut materials, &mut mesh)?;
-        }
-    }
+    let mut left_out = Vec::new();
+    let seen = place_all(source, &nodes, &mut materials, &mut mesh, &mut left_out)?;
     if mesh.triangles.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
-    if mesh.positions.len() > u32::MAX as usize {
-        return Err(SceneError::TooLarge { file: source.file.clone(), count: mesh.positions.len() });
-    }
     materials.finish(&mut scene)?;
+    scene.left_out.extend(left_out);
     mesh.finish(&mut scene);
     if scene.triangles.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
+    note_odd_triangles(source, &mut scene, &seen);
     let (low, high) = scene.bounds();
-    let size = (high - low).length() as f64;
+    let size = (high - low).as_dvec3().length();
+    if !SIZES.contains(&size) {
+        let problem = format!("its triangles are {size:e} units across, beyond the range of numbers");
+        return Err(source.malformed(problem));
+    }
     for node in &nodes {
         scene.lights.extend(node::light(source, node)?);
         scene.cameras.extend(node::camera(source, node, scene.origin, size)?);
     }
     scene.animations = animation::animations(source, &nodes, &mut scene.left_out)?;
     Ok(scene)
+}
+
+/// Places all meshes, in the order of the nodes. A mesh is read once and kept as long as nodes will need it.
+fn place_all(
+    source: &Source,
+    nodes: &[node::Placed],
+    materials: &mut material::Materials,
+    out: &mut WorldMesh,
+    left_out: &mut Vec<String>,
+) -> Result<BTreeMap<usize, Seen>, SceneError> {
+    let mesh_of = |node: &node::Placed| source.root.nodes[node.index].mesh;
+    let mut uses: BTreeMap<usize, usize> = BTreeMap::new();
+    for index in nodes.iter().filter_map(mesh_of) {
+        *uses.entry(index).or_default() += 1;
+    }
+    let mut known: BTreeMap<usize, Vec<Part>> = BTreeMap::new();
+    let mut seen: BTreeMap<usize, Seen> = BTreeMap::new();
+    for node in nodes {
+        let Some(index) = mesh_of(node) else { continue };
+        let parts = match known.remove(&index) {
+            Some(parts) => parts,
+            None => mesh::read(source, index, materials, left_out)?,
+        };
+        let seen = seen.entry(index).or_default();
+        for matrix in instances::of(source, node)? {
+            for part in &parts {
+                place::append(source, part, &matrix, out, seen)?;
+            }
+        }
+        let left = uses.entry(index).or_default();
+        *left = left.saturating_sub(1);
+        if *left > 0 {
+            known.insert(index, parts);
+        }
+    }
+    Ok(seen)
+}
+
+/// Notes triangles that are left out because they have no area, and those that make all others inexact.
+fn note_odd_triangles(source: &Source, scene: &mut Scene, seen: &BTreeMap<usize, Seen>) {
+    let listed = |odd: Vec<(usize, String)>| {
+        let named: Vec<String> =
+            odd.iter().take(3).map(|(i, count)| format!("{}{count}", mesh::name(source, *i))).collect();
+        let more = if odd.len() > 3 { format!(" and {} more meshes", odd.len() - 3) } else { String::new() };
+        format!("{}{more}", named.join(", "))
+    };
+    let flat = seen.iter().filter(|(_, s)| s.degenerate > 0);
+    let flat: Vec<_> = flat.map(|(i, s)| (*i, format!(": {}", s.degenerate))).collect();
+    if !flat.is_empty() {
+        let count = scene.degenerate_triangles;
+        scene.left_out.push(format!("{count} triangles without area, of {}", listed(flat)));
+    }
+    let mut sides: Vec<f32> = (scene.triangles.iter())
+        .map(|t| scene.positions[t[0] as usize].distance(scene.positions[t[1] as usize]))
+        .collect();
+    let middle = sides.len() / 2;
+    let median = *sides.select_nth_unstable_by(middle, f32::total_cmp).1 as f64;
+    let huge = seen.iter().filter(|(_, s)| s.longest > HUGE * median);
+    let huge: Vec<_> = huge.map(|(i, s)| (*i, format!(" ({:.0} units)", s.longest))).collect();
+    if !huge.is_empty() {
+        scene.left_out.push(format!(
+            "some exactness: triangles of {} are over {HUGE} times as long as the scene's middle one \
+             ({median:.2e} units), so that small ones are rounded",
+            listed(huge)
+        ));
+    }
 }
 
 #[cfg(test)]

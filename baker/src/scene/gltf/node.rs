@@ -15,7 +15,7 @@ pub(super) struct Placed {
     pub world: DMat4,
 }
 
-/// All nodes of the file's scene, parents before children.
+/// All visible nodes of the file's scene, parents before children.
 pub(super) fn flatten(source: &Source) -> Result<Vec<Placed>, SceneError> {
     let root = &source.root;
     let roots: Vec<usize> = match root.scenes.get(root.scene.unwrap_or(0)) {
@@ -37,7 +37,11 @@ pub(super) fn flatten(source: &Source) -> Result<Vec<Placed>, SceneError> {
         let node =
             root.nodes.get(index).ok_or_else(|| source.malformed(format!("there is no node {index}")))?;
         if std::mem::replace(&mut seen[index], true) {
-            return Err(source.malformed(format!("node {index} has two parents or is its own ancestor")));
+            let problem = format!("node {index} ({:?}) has two parents or is its own ancestor", node.name);
+            return Err(source.malformed(problem));
+        }
+        if !node.extensions.visibility.visible {
+            continue;
         }
         let world = parent.map_or(DMat4::IDENTITY, |p: usize| out[p].world) * local_matrix(node);
         if !world.is_finite() {

@@ -1,9 +1,11 @@
-//! The bytes of a glTF file: the GLB container, buffers, data URIs and files beside it.
+//! The bytes of a glTF file: buffers, their views, data URIs and files beside it.
 
-use super::schema::{BufferView, Root};
+use super::container::{base64_decoded, percent_decoded, split_glb};
+use super::meshopt;
+use super::schema::Root;
 use crate::scene::SceneError;
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// A parsed glTF file with the bytes of its buffers.
 pub(super) struct Source {
@@ -11,7 +13,10 @@ pub(super) struct Source {
     pub file: String,
     dir: PathBuf,
     pub root: Root,
+    /// A buffer that only stands for decompressed bytes has none.
     buffers: Vec<Vec<u8>>,
+    /// By buffer view; the compressed ones, as soon as something reads them.
+    unpacked: Vec<OnceLock<Vec<u8>>>,
 }
 
 impl Source {
@@ -37,9 +42,16 @@ impl Source {
             return Err(not_gltf(format!("its asset version is {:?}", root.asset.version)));
         }
         super::extensions::check(&file, &root.extensions_required)?;
-        let mut source = Self { file, dir, root, buffers: Vec::new() };
+        let unpacked = root.buffer_views.iter().map(|_| OnceLock::new()).collect();
+        let mut source = Self { file, dir, root, buffers: Vec::new(), unpacked };
         for i in 0..source.root.buffers.len() {
             let buffer = &source.root.buffers[i];
+            let meshopt = &buffer.extensions;
+            if meshopt.meshopt.fallback || meshopt.meshopt_before_khronos.fallback {
+                // It stands for what is compressed elsewhere.
+                source.buffers.push(Vec::new());
+                continue;
+            }
             let bytes = match (&buffer.uri, chunk) {
                 (Some(uri), _) => source.uri(uri)?,
                 (None, Some(chunk)) if i == 0 => chunk.to_vec(),
@@ -81,125 +93,42 @@ impl Source {
         let decoded = percent_decoded(uri);
         let name = String::from_utf8_lossy(&decoded);
         // Some exporters forget to encode; a name that holds % as it stands is the second guess.
-        read(&name).or_else(|e| read(uri).map_err(|_| e)).map_err(|source| SceneError::Read {
+        read(&name).or_else(|e| read(uri).map_err(|_| e)).map_err(|source| SceneError::Beside {
+            file: self.file.clone(),
             path: self.dir.join(name.as_ref()).display().to_string(),
             source,
         })
     }
 
-    /// A buffer view and its bytes.
-    pub fn view(&self, index: usize) -> Result<(&BufferView, &[u8]), SceneError> {
-        let view = self
-            .root
-            .buffer_views
-            .get(index)
-            .ok_or_else(|| self.malformed(format!("there is no buffer view {index}")))?;
-        let bytes = self
-            .buffers
-            .get(view.buffer)
-            .and_then(|b| b.get(view.byte_offset..view.byte_offset.checked_add(view.byte_length)?))
-            .ok_or_else(|| self.malformed(format!("buffer view {index} lies outside its buffer")))?;
-        Ok((view, bytes))
+    /// Bytes of all buffers together: what a count can be measured by that has no bytes of its own.
+    pub fn size(&self) -> usize {
+        self.buffers.iter().map(Vec::len).sum()
     }
-}
 
-/// JSON and binary chunk of a GLB file.
-fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
-    let word = |at: usize| -> Option<u32> {
-        Some(u32::from_le_bytes(bytes.get(at..at.checked_add(4)?)?.try_into().ok()?))
-    };
-    match word(4) {
-        Some(2) => {}
-        Some(version) => return Err(format!("it is GLB version {version}")),
-        None => return Err("it ends within its header".into()),
-    }
-    let mut at = 12usize;
-    let (mut json, mut chunk) = (None, None);
-    while let (Some(len), Some(kind)) = (word(at), word(at.saturating_add(4))) {
-        let body = at
-            .checked_add(8)
-            .and_then(|start| bytes.get(start..start.checked_add(len as usize)?))
-            .ok_or("a chunk ends after the file does; the file is cut short")?;
-        match kind {
-            0x4e4f_534a if json.is_none() => json = Some(body),
-            0x004e_4942 if chunk.is_none() => chunk = Some(body),
-            _ => {}
-        }
-        at += 8 + len as usize;
-    }
-    Ok((json.ok_or("it has no JSON chunk")?, chunk))
-}
-
-/// Replaces %XX by the byte; anything else stays.
-fn percent_decoded(text: &str) -> Cow<'_, [u8]> {
-    if !text.contains('%') {
-        return Cow::Borrowed(text.as_bytes());
-    }
-    let bytes = text.as_bytes();
-    let digit = |b: Option<&u8>| b.and_then(|&b| (b as char).to_digit(16));
-    let mut out = Vec::with_capacity(bytes.len());
-    let mut i = 0;
-    while i < bytes.len() {
-        match (bytes[i], digit(bytes.get(i + 1)), digit(bytes.get(i + 2))) {
-            (b'%', Some(high), Some(low)) => {
-                out.push((high * 16 + low) as u8);
-                i += 3;
-            }
-            (byte, ..) => {
-                out.push(byte);
-                i += 1;
-            }
-        }
-    }
-    Cow::Owned(out)
-}
-
-/// Base64 (RFC 4648, both alphabets, padding optional, white space ignored).
-fn base64_decoded(text: &[u8]) -> Option<Vec<u8>> {
-    let mut out = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut count) = (0u32, 0);
-    for &byte in text {
-        let value = match byte {
-            b'A'..=b'Z' => byte - b'A',
-            b'a'..=b'z' => byte - b'a' + 26,
-            b'0'..=b'9' => byte - b'0' + 52,
-            b'+' | b'-' => 62,
-            b'/' | b'_' => 63,
-            b'=' | b' ' | b'\n' | b'\r' | b'\t' => continue,
-            _ => return None,
+    /// The bytes of a buffer view, decompressed, and how far apart its elements are if it says so.
+    pub fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), SceneError> {
+        let bad = |problem: &str| self.malformed(format!("buffer view {index} {problem}"));
+        let view = self.root.buffer_views.get(index);
+        let view = view.ok_or_else(|| self.malformed(format!("there is no buffer view {index}")))?;
+        let outside = || bad("lies outside its buffer");
+        let meshopt = &view.extensions;
+        let Some(packed) = meshopt.meshopt.as_ref().or(meshopt.meshopt_before_khronos.as_ref()) else {
+            let bytes = self.slice(view.buffer, view.byte_offset, view.byte_length).ok_or_else(outside)?;
+            return Ok((bytes, view.byte_stride));
         };
-        bits = bits << 6 | value as u32;
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            out.push((bits >> count) as u8);
+        let cell = &self.unpacked[index];
+        if cell.get().is_none() {
+            let bytes =
+                self.slice(packed.buffer, packed.byte_offset, packed.byte_length).ok_or_else(outside)?;
+            let bytes = meshopt::decode(packed, bytes)
+                .map_err(|problem| bad(&format!("(compressed by meshopt) {problem}")))?;
+            cell.get_or_init(|| bytes);
         }
-    }
-    Some(out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn base64_and_percent_follow_their_rfcs() {
-        assert_eq!(base64_decoded(b"Zm9vYmE="), Some(b"fooba".to_vec()));
-        assert_eq!(base64_decoded(b"Zm9v YmFy"), Some(b"foobar".to_vec()));
-        assert_eq!(base64_decoded(b"Zm*v"), None);
-        assert_eq!(percent_decoded("a%20b%2").as_ref(), b"a b%2");
+        let stride = if packed.mode == "ATTRIBUTES" { Some(packed.byte_stride) } else { None };
+        Ok((cell.get().map_or(&[], Vec::as_slice), stride))
     }
 
-    #[test]
-    fn a_cut_glb_is_an_error_at_every_length() {
-        let mut glb = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
-        let json = b"{\"asset\":{\"version\":\"2.0\"}}  ";
-        glb.extend((json.len() as u32).to_le_bytes());
-        glb.extend(b"JSON");
-        glb.extend(json);
-        assert!(split_glb(&glb).is_ok());
-        for len in 4..glb.len() {
-            assert!(split_glb(&glb[..len]).is_err(), "cut to {len}");
-        }
+    fn slice(&self, buffer: usize, offset: usize, len: usize) -> Option<&[u8]> {
+        self.buffers.get(buffer)?.get(offset..offset.checked_add(len)?)
     }
 }

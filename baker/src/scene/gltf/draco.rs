@@ -1,0 +1,62 @@
+//! KHR_draco_mesh_compression: a primitive's numbers in one compressed piece.
+
+use super::accessor::value_of_normalized;
+use super::schema;
+use super::source::Source;
+use crate::scene::SceneError;
+use draco_core::{DataType, DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
+
+/// Bytes that one primitive may become: more than any exporter writes.
+const MOST_BYTES: u64 = 2 << 30;
+
+/// A decompressed primitive.
+pub(super) struct Decoded<'a> {
+    mesh: Mesh,
+    /// Draco's own numbers of the attributes.
+    attributes: &'a std::collections::BTreeMap<String, u32>,
+}
+
+impl<'a> Decoded<'a> {
+    /// Decompresses a primitive; `what` names it in errors.
+    pub fn new(source: &Source, packed: &'a schema::Draco, what: &str) -> Result<Self, SceneError> {
+        let bad = |problem: String| source.malformed(format!("{what} (compressed by Draco) {problem}"));
+        let (bytes, _) = source.view(packed.buffer_view)?;
+        let most = MOST_BYTES / 12;
+        let limits = DecodeLimits::default().with_max_points(most).with_max_faces(most);
+        let mut buffer = DecoderBuffer::new(bytes).with_limits(limits.with_max_decoded_bytes(MOST_BYTES));
+        let mut mesh = Mesh::new();
+        MeshDecoder::new()
+            .decode(&mut buffer, &mut mesh)
+            .map_err(|error| bad(format!("cannot be decompressed ({error})")))?;
+        Ok(Self { mesh, attributes: &packed.attributes })
+    }
+
+    /// Vertices of the triangles, one after another.
+    pub fn indices(&self) -> Vec<u32> {
+        self.mesh.faces().iter().flatten().map(|i| i.0).collect()
+    }
+
+    /// Whether an attribute is among those that are compressed.
+    pub fn holds(&self, name: &str) -> bool {
+        self.attributes.contains_key(name)
+    }
+
+    /// A compressed attribute as `N` numbers each; `None` if there is none or it is of another size.
+    pub fn read<const N: usize>(&self, name: &str, normalized: bool) -> Option<Vec<[f64; N]>> {
+        let attribute = self.mesh.attribute_by_unique_id(*self.attributes.get(name)?)?;
+        if attribute.num_components() as usize != N {
+            return None;
+        }
+        let kind = match attribute.data_type() {
+            DataType::Int8 => 5120,
+            DataType::Uint8 => 5121,
+            DataType::Int16 => 5122,
+            DataType::Uint16 => 5123,
+            DataType::Uint32 => 5125,
+            _ => 5126,
+        };
+        let value = |x: f32| if normalized { value_of_normalized(x as f64, kind) } else { x as f64 };
+        let numbers = attribute.read_f32s(self.mesh.num_points(), N);
+        Some(numbers.as_chunks::<N>().0.iter().map(|element| element.map(value)).collect())
+    }
+}

@@ -1,0 +1,50 @@
+//! Where a node's mesh stands: once, or at every place of EXT_mesh_gpu_instancing.
+
+use super::node::{Placed, Pose};
+use super::schema::Node;
+use super::source::Source;
+use crate::scene::SceneError;
+use glam::DMat4;
+
+/// The world-space transforms of a node's mesh.
+pub(super) fn of(source: &Source, node: &Placed) -> Result<Vec<DMat4>, SceneError> {
+    let what = &source.root.nodes[node.index];
+    let Some(instances) = &what.extensions.instances else {
+        return Ok(vec![node.world]);
+    };
+    let name = format!("the instances of node {} ({:?})", node.index, what.name);
+    let attribute = |key: &str| instances.attributes.get(key).copied();
+    let vectors = |key: &str| match attribute(key) {
+        Some(a) => source.read::<3>(a, "VEC3", &format!("{key} of {name}")).map(Some),
+        None => Ok(None),
+    };
+    let (translations, scales) = (vectors("TRANSLATION")?, vectors("SCALE")?);
+    let rotations = match attribute("ROTATION") {
+        Some(a) => Some(source.read::<4>(a, "VEC4", &format!("ROTATION of {name}"))?),
+        None => None,
+    };
+    let counts = [
+        translations.as_ref().map(Vec::len),
+        rotations.as_ref().map(Vec::len),
+        scales.as_ref().map(Vec::len),
+    ];
+    // Without any of the three nothing says how many there are; the mesh stands where its node is.
+    let Some(count) = counts.into_iter().flatten().next() else {
+        return Ok(vec![node.world]);
+    };
+    if counts.into_iter().flatten().any(|c| c != count) {
+        return Err(source.malformed(format!("{name} have attributes of different lengths")));
+    }
+    let rest = Pose::of(&Node::default());
+    let matrices = (0..count).map(|i| {
+        let pose = Pose {
+            translation: translations.as_ref().map_or(rest.translation, |t| t[i]),
+            rotation: rotations.as_ref().map_or(rest.rotation, |r| r[i]),
+            scale: scales.as_ref().map_or(rest.scale, |s| s[i]),
+        };
+        let world = node.world * pose.matrix();
+        let problem = || source.malformed(format!("{name} have a transform that is not finite"));
+        if world.is_finite() { Ok(world) } else { Err(problem()) }
+    });
+    matrices.collect()
+}

@@ -1,0 +1,89 @@
+//! A mesh's parts to world-space triangles.
+
+use super::mesh::Part;
+use super::source::Source;
+use crate::scene::{MOST_VERTICES, SceneError, WorldMesh};
+use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
+
+/// Scene units from the origin beyond which products of lengths leave the range of 32-bit numbers.
+const FAR: f64 = 1e12;
+
+/// What was seen while placing a mesh.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Seen {
+    /// Triangles without area.
+    pub degenerate: usize,
+    /// Longest side of a triangle, scene units.
+    pub longest: f64,
+}
+
+/// Appends a part, placed by `matrix`.
+pub(super) fn append(
+    source: &Source,
+    part: &Part,
+    matrix: &DMat4,
+    out: &mut WorldMesh,
+    seen: &mut Seen,
+) -> Result<(), SceneError> {
+    let bad = |problem: &str| source.malformed(format!("{} {problem}", part.what));
+    let flat = part.normals.is_none();
+    let added = if flat { part.triangles.len().saturating_mul(3) } else { part.positions.len() };
+    let count = out.positions.len().saturating_add(added);
+    if count > MOST_VERTICES {
+        return Err(SceneError::TooLarge { file: source.file.clone(), count });
+    }
+    let linear = DMat3::from_mat4(*matrix);
+    let mirrored = linear.determinant() < 0.0;
+    let world: Vec<DVec3> = part.positions.iter().map(|&p| matrix.transform_point3(p)).collect();
+    if !world.iter().all(|p| p.abs().max_element() <= FAR) {
+        return Err(bad("is placed beyond the range of numbers, 10^12 units from the origin"));
+    }
+    let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+    for t in &part.triangles {
+        let corners = t.map(|i| world[i as usize]);
+        let [a, b, c] = corners;
+        seen.longest = seen.longest.max(a.distance(b)).max(b.distance(c)).max(c.distance(a));
+        seen.degenerate += !WorldMesh::has_area(corners) as usize;
+    }
+    let first = out.positions.len();
+    if let Some(colors) = &part.colors {
+        out.colors.resize(first, Vec4::ONE);
+        if flat {
+            out.colors.extend(part.triangles.iter().flat_map(|t| turned(t).map(|i| colors[i as usize])));
+        } else {
+            out.colors.extend(colors);
+        }
+    }
+    match &part.normals {
+        Some(normals) => {
+            let cofactor = DMat3::from_cols(
+                linear.y_axis.cross(linear.z_axis),
+                linear.z_axis.cross(linear.x_axis),
+                linear.x_axis.cross(linear.y_axis),
+            );
+            // The inverse transpose is the cofactor matrix over the determinant; only its sign counts.
+            let sign = if mirrored { -1.0 } else { 1.0 };
+            let unit = |&n: &DVec3| (cofactor * n * sign).try_normalize().unwrap_or(DVec3::ZERO).as_vec3();
+            out.normals.extend(normals.iter().map(unit));
+            out.positions.extend(world);
+            out.uvs.extend(&part.uvs);
+            out.triangles.extend(part.triangles.iter().map(|t| turned(t).map(|i| i + first as u32)));
+        }
+        None => {
+            // glTF: without normals, flat ones; vertices are not shared.
+            for t in part.triangles.iter().map(turned) {
+                let [a, b, c] = t.map(|i| world[i as usize]);
+                let normal = (b - a).cross(c - a).try_normalize().map_or(Vec3::ZERO, |n| n.as_vec3());
+                let at = out.positions.len() as u32;
+                out.triangles.push([at, at + 1, at + 2]);
+                for i in t {
+                    out.positions.push(world[i as usize]);
+                    out.normals.push(normal);
+                    out.uvs.push(part.uvs[i as usize]);
+                }
+            }
+        }
+    }
+    out.triangle_material.resize(out.triangles.len(), part.material);
+    Ok(())
+}
