@@ -14,4 +14,5 @@ pub mod scene;
 pub mod shot;
 pub mod surface;
 pub mod triangles;
+pub mod watch;
 pub mod write;

@@ -18,9 +18,9 @@ pub(super) fn assemble(
     scene: &Scene,
     settings: &BakeSettings,
     viewpoint: Vec3,
-    points: Points,
-    relations: Relations,
-    operator: Operator,
+    points: &Points,
+    relations: &Relations,
+    operator: &Operator,
 ) -> rbn::Scene {
     let (draws, mut indices) = draws(scene);
     let vertices = weld(&vertices(scene), &mut indices);
@@ -87,10 +87,10 @@ pub(super) fn assemble(
         texture_bytes,
         points: packed,
         cuts,
-        push_offsets: relations.push_offsets,
-        push_entries: relations.push_entries,
-        pull_offsets: relations.pull_offsets,
-        pull_entries: relations.pull_entries,
+        push_offsets: relations.push_offsets.clone(),
+        push_entries: relations.push_entries.clone(),
+        pull_offsets: relations.pull_offsets.clone(),
+        pull_entries: relations.pull_entries.clone(),
         links: LinkMatrix::from_rows(&operator.links),
         later: LinkMatrix::from_rows(&operator.later),
     }

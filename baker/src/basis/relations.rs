@@ -2,6 +2,7 @@
 
 use super::{Evaluator, Leveled, Support};
 use crate::points::{PointLevel, Points};
+use crate::watch::{Stopped, Watch};
 use rayon::prelude::*;
 use rebounce_shared::interpolation::{Entry, Rows, pack_row};
 
@@ -21,8 +22,12 @@ pub struct Relations {
 }
 
 impl Relations {
-    /// Finds the relations of points; those of `direct_levels` levels but the last get children.
-    pub fn new(points: &Points, direct_levels: usize) -> Self {
+    /// Finds the relations of points; those of `direct_levels` levels but the last get children. A unit of `watch` is
+    /// a point.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn new(points: &Points, direct_levels: usize, watch: &dyn Watch) -> Result<Self, Stopped> {
         let mut relations = Self { push_offsets: vec![0], ..Self::default() };
         let mut coarser: Vec<Evaluator> = Vec::new();
         for (l, level) in points.levels.iter().enumerate() {
@@ -31,11 +36,12 @@ impl Relations {
             let rows: Vec<Vec<(u32, f32)>> = points.points[level.range()]
                 .par_iter()
                 .map(|p| {
+                    watch.step(1)?;
                     let mut row = Vec::new();
                     leveled.interpolate(p.position, p.normal, &mut row);
-                    row
+                    Ok(row)
                 })
-                .collect();
+                .collect::<Result<_, Stopped>>()?;
             for row in rows {
                 pack_row(&row, &mut relations.push_entries);
                 relations.push_offsets.push(relations.push_entries.len() as u32);
@@ -44,7 +50,7 @@ impl Relations {
             coarser.push(evaluator);
         }
         relations.add_children(points, direct_levels);
-        relations
+        Ok(relations)
     }
 
     /// The push matrix.

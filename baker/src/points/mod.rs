@@ -18,7 +18,7 @@ use crate::surface::Hit;
 pub use cut::cut;
 pub use footprint::footprint;
 use glam::Vec3;
-pub use place::{PlaceError, PlaceSettings, place};
+pub use place::{PlaceError, PlaceSettings, PlacedMark, Placer, expected_counts, place};
 use rebounce_shared::rbn::bulk::Cut;
 
 /// A point on a surface, local space, with its unit normals on the side that light reaches.
