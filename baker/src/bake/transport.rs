@@ -38,6 +38,8 @@ pub(super) fn sketch_settings(settings: &BakeSettings) -> Option<BakeSettings> {
     (sketch.place.functions, sketch.place.levels) = (functions, levels);
     sketch.operator.rays = vec![rays];
     (sketch.operator.sender_levels, sketch.direct_levels) = (levels, levels);
+    // Later bounces cost the square of the points that they travel between.
+    sketch.operator.later_levels = 1;
     let is_small = settings.place.functions < 5 * functions || settings.place.levels <= levels;
     (!is_small).then(|| sketch.normalised())
 }
