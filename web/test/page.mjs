@@ -16,9 +16,10 @@ import { panel } from "./page/panel.mjs";
 import { readme } from "./page/readme.mjs";
 import { slots } from "./page/slots.mjs";
 import { state } from "./page/state.mjs";
+import { watch } from "./page/watch.mjs";
 
 /** In this order: after the failures this browser's GPU process is not to be used any more. */
-const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, state, light, failures };
+const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, state, watch, light, failures };
 
 /** Runs the tests of the page. `paths`: the programs rebounce and compare, and a folder to work in. */
 export async function runPageTests(harness, paths) {

@@ -2,6 +2,7 @@
 
 use super::progress::Display;
 use super::stop::Stop;
+use super::view::PREVIEW;
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use rebounce::bake::{
@@ -169,7 +170,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
     let last_words =
         move || eprintln!("rebounce: stopped; {kept} has what was done, and --resume goes on from it");
     let stop = Stop::install(last_words.clone()).context("setting up signals")?;
-    let previews = args.preview.then(|| output.with_extension("preview.rbn"));
+    let previews = args.preview.then(|| output.with_extension(PREVIEW));
     let watcher = Watcher { display: Display::new(args.json_progress), stop: stop.clone(), previews };
     let began = Instant::now();
     let (baked, mut report) = match bake_with_checkpoint(&scene, &settings, &watcher, &checkpoint) {
