@@ -1,6 +1,8 @@
-//! Puts the built viewer (web/dist) into the binary, for `rebounce view`.
+//! Puts the built viewer (web/dist) into the binary, for `rebounce view`, and names the sources that it is made of:
+//! what one build kept of a bake, another does not go on with.
 
 use std::fmt::Write as _;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
@@ -16,6 +18,7 @@ fn main() -> io::Result<()> {
         (_, true) => println!("cargo::rerun-if-changed=../web"),
         _ => {}
     }
+    println!("cargo::rustc-env=REBOUNCE_SOURCES={}", sources(&manifest)?);
     let mut list = String::from("&[\n");
     for name in served(&dist)? {
         let copy = out.join("web").join(&name);
@@ -43,4 +46,32 @@ fn served(dist: &Path) -> io::Result<Vec<String>> {
     }
     names.sort();
     Ok(names)
+}
+
+/// A name for the contents of what bakes: the crate's sources, those that it shares, and the versions of all crates.
+fn sources(manifest: &Path) -> io::Result<String> {
+    let mut files = Vec::new();
+    for root in ["src", "../shared/src", "../Cargo.lock"].map(|name| manifest.join(name)) {
+        if root.exists() {
+            println!("cargo::rerun-if-changed={}", root.display());
+            collect(&root, &mut files)?;
+        }
+    }
+    files.sort();
+    let mut hasher = DefaultHasher::new();
+    for file in files {
+        fs::read(file)?.hash(&mut hasher);
+    }
+    Ok(format!("{:016x}", hasher.finish()))
+}
+
+fn collect(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    if path.is_dir() {
+        for entry in fs::read_dir(path)? {
+            collect(&entry?.path(), files)?;
+        }
+    } else {
+        files.push(path.to_path_buf());
+    }
+    Ok(())
 }

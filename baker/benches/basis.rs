@@ -36,7 +36,7 @@ fn main() {
     let room =
         BoxRoom { low: Vec3::new(-2.0, -1.0, -1.5), high: Vec3::new(2.0, 1.0, 1.5), albedo: Vec3::ONE };
     let settings = PlaceSettings { levels: 6, functions: 40_000, ..PlaceSettings::default() };
-    let Ok(points) = place(&room, &[Vec3::ZERO], &settings, |_, _| {}) else { return };
+    let Ok(points) = place(&room, &[Vec3::ZERO], &settings, &()) else { return };
     let finest = &points.points[points.levels[5].range()];
     println!("level functions   found/query   grid ns   R-tree ns   R-tree over grid");
     for (l, level) in points.levels.iter().enumerate() {

@@ -13,6 +13,7 @@ pub mod scene;
 pub mod shot;
 pub mod surface;
 pub mod triangles;
+pub mod watch;
 pub mod write;
 
 pub use rebounce_shared::random;

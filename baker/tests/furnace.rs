@@ -12,7 +12,7 @@ fn baked() -> Scene {
     settings.place.functions = 4000;
     settings.operator.rays = vec![512, 512, 512, 256];
     let scene = scene::load("builtin:furnace").unwrap();
-    bake(&scene, &settings, &|_| {}).unwrap().0
+    bake(&scene, &settings, &()).unwrap().0
 }
 
 #[test]

@@ -35,17 +35,17 @@ fn small_operator() -> OperatorSettings {
 
 fn bake(albedo: f32) -> (Points, Relations, Operator) {
     let room = room(albedo);
-    let points = place(&room, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
+    let points = place(&room, &[Vec3::ZERO], &small_place(), &()).unwrap();
     let relations = relate(&points, 4).unwrap();
-    let mut operator = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
-    add_later_bounces(&mut operator, &small_operator(), &|_, _| {});
+    let mut operator = refine(&room, &points, &relations, &small_operator(), &()).unwrap();
+    add_later_bounces(&mut operator, &small_operator(), &(), &()).unwrap();
     (points, relations, operator)
 }
 
 #[test]
 fn points_keep_their_poisson_distance_and_cover_the_room() {
     let room = room(0.5);
-    let points = place(&room, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
+    let points = place(&room, &[Vec3::ZERO], &small_place(), &()).unwrap();
     assert_eq!(points.levels.len(), 4);
     for (l, level) in points.levels.iter().enumerate() {
         let list = &points.points[level.range()];
@@ -79,11 +79,11 @@ fn points_keep_their_poisson_distance_and_cover_the_room() {
 
 #[test]
 fn placement_does_not_depend_on_units_or_place() {
-    let metres = place(&room(0.5), &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
+    let metres = place(&room(0.5), &[Vec3::ZERO], &small_place(), &()).unwrap();
     let scale = 1000.0;
     let room = room(0.5);
     let millimetres = BoxRoom { low: room.low * scale, high: room.high * scale, albedo: room.albedo };
-    let millimetres = place(&millimetres, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
+    let millimetres = place(&millimetres, &[Vec3::ZERO], &small_place(), &()).unwrap();
     for (a, b) in metres.levels.iter().zip(&millimetres.levels) {
         let ratio = b.count as f32 / a.count as f32;
         assert!((0.9..1.1).contains(&ratio), "{} {}", a.count, b.count);
@@ -156,15 +156,15 @@ fn the_same_seed_gives_the_same_operator_at_any_thread_count() {
 #[test]
 fn later_bounces_stop_where_they_are_told_to() {
     let room = room(0.5);
-    let points = place(&room, &[Vec3::ZERO], &small_place(), |_, _| {}).unwrap();
+    let points = place(&room, &[Vec3::ZERO], &small_place(), &()).unwrap();
     let relations = relate(&points, 4).unwrap();
-    let one = refine(&room, &points, &relations, &small_operator(), &|_, _, _| {});
+    let one = refine(&room, &points, &relations, &small_operator(), &()).unwrap();
     let mut expected = 0.0;
     for bounces in 1..4 {
         expected += 0.5f32.powi(bounces);
         let mut operator = one.clone();
         let settings = OperatorSettings { bounces: Some(bounces as u32), ..small_operator() };
-        add_later_bounces(&mut operator, &settings, &|_, _| {});
+        add_later_bounces(&mut operator, &settings, &(), &()).unwrap();
         assert_eq!(operator.bounces, bounces as u32);
         let found = from_ones(&points, &relations, &operator);
         let got = found.iter().sum::<f32>() / found.len() as f32;

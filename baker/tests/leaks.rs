@@ -15,7 +15,7 @@ fn rooms(name: &str, functions: usize) -> (f32, f32, f32) {
     let mut settings = BakeSettings::new(Preset::Draft);
     settings.place.functions = functions;
     settings.operator.rays = vec![512, 256, 256, 128, 128];
-    let (file, _) = bake(&scene, &settings, &|_| {}).unwrap();
+    let (file, _) = bake(&scene, &settings, &()).unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let relit = Relit::new(&file, &surfaces, &scene.lights);
     let seen_from = |world: DVec3| {

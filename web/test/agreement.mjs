@@ -9,9 +9,9 @@ import { within } from "./browser.mjs";
 /** Runs a program to its end; what it printed. */
 export const exec = (program, args) => promisify(execFile)(program, args, { maxBuffer: 1 << 26 });
 
-/** Starts `rebounce view` on a free port and waits for the address that it prints. */
-export async function serve(rebounce, file) {
-  const process = spawn(rebounce, ["view", file, "--port", "0", "--no-open"], { stdio: ["ignore", "pipe", "inherit"] });
+/** Starts `rebounce view` on a free port, with `more` arguments, and waits for the address that it prints. */
+export async function serve(rebounce, file, more = []) {
+  const process = spawn(rebounce, ["view", file, "--port", "0", "--no-open", ...more], { stdio: ["ignore", "pipe", "inherit"] });
   const address = new Promise((resolve, reject) => {
     let text = "";
     process.stdout.on("data", (data) => {

@@ -18,9 +18,10 @@ import { recovery } from "./page/recovery.mjs";
 import { sharing } from "./page/sharing.mjs";
 import { slots } from "./page/slots.mjs";
 import { state } from "./page/state.mjs";
+import { watch } from "./page/watch.mjs";
 
 /** In this order: a browser may lose patience with pages that lose their devices. */
-const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, state, light, failures, sharing, recovery };
+const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, state, watch, light, failures, sharing, recovery };
 
 /** Runs the tests of the page. `paths`: the programs rebounce and compare, and a folder to work in. */
 export async function runPageTests(harness, paths) {

@@ -1,11 +1,13 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `kill-bake`, `plot-estimate`, `install`.
 
 mod bench_web;
 mod bindgen;
 mod demo;
 mod fidelity;
 mod install;
+mod kill_bake;
 mod package;
+mod plot_estimate;
 mod process;
 mod site;
 mod test;
@@ -31,6 +33,11 @@ cargo xtask fidelity [--presets draft,standard,fine] [--scenes DIR]
                      scenes of yours in the same way: shots/NAME.shot.json, references/NAME.indirect.{a,b}.exr
 cargo xtask bench-web [--scenes DIR] [--shot NAME]
                      times frames in headless Chromium beside three.js, same scene and light; DIR as above
+cargo xtask kill-bake [--times N] [--scene SCENE] [-- OPTIONS OF THE BAKE]
+                     kills bakes at many times, lets them go on, compares the files; a hundred times when absent
+cargo xtask plot-estimate [SCENE or LOG.jsonl ...]
+                     bakes, and draws into docs/estimate.svg how right the time left was; a log of
+                     `rebounce bake --json-progress` is read instead
 cargo xtask install  installs what the others need, and says what";
 
 fn main() -> ExitCode {
@@ -50,6 +57,8 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("test") => test::run(&args[1..]),
         Some("fidelity") => fidelity::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),
+        Some("kill-bake") => kill_bake::run(&args[1..]),
+        Some("plot-estimate") => plot_estimate::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),
         Some("package") => package::run(),

@@ -19,9 +19,9 @@ pub(super) fn assemble(
     scene: &Scene,
     settings: &BakeSettings,
     viewpoint: Vec3,
-    points: Points,
-    relations: Relations,
-    operator: Operator,
+    points: &Points,
+    relations: &Relations,
+    operator: &Operator,
 ) -> rbn::Scene {
     let (draws, mut indices) = draws(scene);
     let vertices = weld(&vertices(scene), &mut indices);
@@ -68,7 +68,7 @@ pub(super) fn assemble(
         texture_bytes,
         points: records,
         cuts,
-        relations,
+        relations: relations.clone(),
         links: LinkMatrix::from_rows(&operator.links),
         later: LinkMatrix::from_rows(&operator.later),
     }

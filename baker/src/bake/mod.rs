@@ -1,22 +1,36 @@
 //! The whole bake: from a scene to a file's contents.
 
+//!
+//! * [`observer`] – what a bake tells, and what it can be told;
+//! * `transport` – the stages in order; `assemble` – the file's contents;
+//! * [`checkpoint`] – what is kept, so that a bake can go on;
+//! * `tracker`, `estimate` – how far it is, and how long the rest takes;
+//! * `preset`, `report` – settings, and figures.
+
 mod assemble;
+pub mod checkpoint;
+mod estimate;
+pub mod observer;
 mod preset;
 mod report;
+mod tracker;
+mod transport;
 
+pub use checkpoint::{Checkpoint, CheckpointError, Identity};
+pub use observer::{Observer, Preview, Progress, Stage};
 pub use preset::{BakeSettings, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport};
 
-use crate::basis::relate;
-use crate::operator::{bounces::add_later_bounces, refine::refine, reflected::reflected_share};
-use crate::points::{PlaceError, candidates::Candidates, cut, footprint, place, viewpoint};
+use crate::points::{PlaceError, candidates::Candidates, viewpoint};
 use crate::scene::Scene;
 use crate::triangles::TriangleSurfaces;
+use crate::watch::{Stopped, Watch};
+use estimate::Estimate;
 use glam::{DVec3, Vec3};
-use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 use rebounce_shared::rbn::{self, RbnError};
-use std::time::Instant;
+use tracker::Tracker;
+use transport::{Transport, sketch_settings};
 
 /// Why a bake failed.
 #[derive(Debug, thiserror::Error)]
@@ -31,7 +45,13 @@ pub enum BakeError {
     NoViewpoint,
     /// Points could not be placed.
     #[error(transparent)]
-    Place(#[from] PlaceError),
+    Place(PlaceError),
+    /// The observer asked for it.
+    #[error("the bake was stopped before it was done")]
+    Stopped,
+    /// The checkpoint cannot be used.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// More planes at walls than a file can hold.
     #[error("supports are cut off by over {MAX_ALL_CUTS} walls: bake with fewer --functions or --levels")]
     TooManyCuts,
@@ -40,46 +60,17 @@ pub enum BakeError {
     Format(#[from] RbnError),
 }
 
-/// How far a bake is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// What is being done.
-    pub stage: Stage,
-    /// Units done of this stage.
-    pub done: u64,
-    /// Units of this stage; 0 where that is not known.
-    pub total: u64,
-    /// Level of points that it is about, where it is about one.
-    pub level: usize,
+impl From<Stopped> for BakeError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
 }
 
-/// A bake's stages, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Building the ray-casting structure, finding a viewpoint.
-    Prepare,
-    /// Placing points.
-    Points,
-    /// Finding parents and children.
-    Basis,
-    /// Computing the one-bounce links.
-    Links,
-    /// Adding later bounces.
-    Bounces,
-    /// Putting the file together.
-    Assemble,
-}
-
-impl Stage {
-    /// What a person reads.
-    pub fn label(self) -> &'static str {
-        match self {
-            Stage::Prepare => "preparing",
-            Stage::Points => "placing points",
-            Stage::Basis => "relating points",
-            Stage::Links => "tracing links",
-            Stage::Bounces => "adding bounces",
-            Stage::Assemble => "assembling",
+impl From<PlaceError> for BakeError {
+    fn from(error: PlaceError) -> Self {
+        match error {
+            PlaceError::Stopped(_) => Self::Stopped,
+            error => Self::Place(error),
         }
     }
 }
@@ -87,64 +78,61 @@ impl Stage {
 /// Bakes a scene. The same scene and settings give the same result at any thread count.
 ///
 /// # Errors
-/// [`BakeError`].
+/// [`BakeError`]; [`BakeError::Stopped`] if the observer asked for it.
 pub fn bake(
     scene: &Scene,
     settings: &BakeSettings,
-    progress: &(dyn Fn(Progress) + Sync),
+    observer: &dyn Observer,
 ) -> Result<(rbn::Scene, BakeReport), BakeError> {
-    let mut settings = settings.clone().normalised();
-    let tell = |stage, done: usize, total: usize, level| {
-        progress(Progress { stage, done: done as u64, total: total as u64, level });
-    };
-    let mut report = BakeReport::new(scene, &settings);
-    let mut clock = Instant::now();
-    let mut lap = |report: &mut BakeReport, stage: Stage| {
-        report.seconds.push((stage.label().to_owned(), clock.elapsed().as_secs_f64()));
-        clock = Instant::now();
-    };
+    run(scene, settings, observer, None)
+}
+
+/// Bakes a scene, keeps what is done in a checkpoint, and goes on from what the checkpoint has. The result is the one
+/// that [`bake`] gives, to the byte.
+///
+/// # Errors
+/// [`BakeError`]; then what was done is in the checkpoint, on the disk.
+pub fn bake_with_checkpoint(
+    scene: &Scene,
+    settings: &BakeSettings,
+    observer: &dyn Observer,
+    checkpoint: &Checkpoint,
+) -> Result<(rbn::Scene, BakeReport), BakeError> {
+    let baked = run(scene, settings, observer, Some(checkpoint));
+    // If this is what ended the bake, it is what went wrong.
+    checkpoint.flush()?;
+    baked
+}
+
+fn run(
+    scene: &Scene,
+    settings: &BakeSettings,
+    observer: &dyn Observer,
+    checkpoint: Option<&Checkpoint>,
+) -> Result<(rbn::Scene, BakeReport), BakeError> {
+    let settings = settings.clone().normalised();
     if scene.triangles.is_empty() {
         return Err(BakeError::Empty);
     }
-    tell(Stage::Prepare, 0, 0, 0);
+    let mut report = BakeReport::new(scene, &settings);
+    let sketch = sketch_settings(&settings).filter(|_| {
+        observer.wants_previews() && checkpoint.is_none_or(|checkpoint| checkpoint.records_found() == 0)
+    });
+    let threads = rayon::current_num_threads();
+    let estimate = Estimate::new(&settings, scene.triangles.len(), sketch.is_some(), threads);
+    let tracker = Tracker::new(observer, checkpoint, estimate);
+    let task = tracker.task(Stage::Prepare, None);
     let surfaces = TriangleSurfaces::from_scene(scene);
+    task.step(0)?;
     let viewpoints = choose_viewpoints(scene, &surfaces, &settings)?;
-    let viewpoint = viewpoints[0];
-    report.viewpoint = (DVec3::from(scene.origin) + viewpoint.as_dvec3()).to_array();
-    lap(&mut report, Stage::Prepare);
-    let mut points =
-        place(&surfaces, &viewpoints, &settings.place, |level, count| tell(Stage::Points, count, 0, level))?;
-    cut(&surfaces, &mut points);
-    footprint(&surfaces, &mut points);
-    // Links can name so many senders: beyond, the finest levels receive and do not send.
-    while points.count_on(settings.operator.sender_levels) > MAX_SENDERS
-        && settings.operator.sender_levels > 1
-    {
-        settings.operator.sender_levels -= 1;
+    task.step(0)?;
+    drop(task);
+    report.viewpoint = (DVec3::from(scene.origin) + viewpoints[0].as_dvec3()).to_array();
+    let bake = Transport { scene, surfaces: &surfaces, viewpoints: &viewpoints, observer };
+    if let Some(settings) = sketch {
+        bake.sketch(settings, &tracker.task(Stage::Sketch, None))?;
     }
-    settings = settings.normalised();
-    report.sender_levels = settings.operator.sender_levels as u64;
-    lap(&mut report, Stage::Points);
-    tell(Stage::Basis, 0, 0, 0);
-    let relations = relate(&points, settings.direct_levels)?;
-    lap(&mut report, Stage::Basis);
-    settings.operator.reflected = reflected_share(&surfaces, &points, settings.operator.seed);
-    let mut operator = refine(&surfaces, &points, &relations, &settings.operator, &|level, done, total| {
-        tell(Stage::Links, done, total, level);
-    });
-    lap(&mut report, Stage::Links);
-    add_later_bounces(&mut operator, &settings.operator, &|done, total| {
-        tell(Stage::Bounces, done, total, 0);
-    });
-    lap(&mut report, Stage::Bounces);
-    tell(Stage::Assemble, 0, 0, 0);
-    report.describe(&points, &operator, &settings);
-    if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
-        return Err(BakeError::TooManyCuts);
-    }
-    let file = assemble::assemble(scene, &settings, viewpoint, points, relations, operator);
-    lap(&mut report, Stage::Assemble);
-    Ok((file, report))
+    bake.run(settings, &tracker, checkpoint, report)
 }
 
 /// The viewpoint given, or the scene's cameras that see something, or those that are found; never

@@ -1,18 +1,32 @@
 //! `rebounce bake`: a scene in, a .rbn file out.
 
+use super::progress::Display;
+use super::stop::Stop;
+use super::view::PREVIEW;
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use rebounce::bake::{BakeSettings, Preset, Progress, Stage, bake};
+use rebounce::bake::{
+    BakeError, BakeSettings, Checkpoint, Identity, Observer, Preset, Preview, Progress, bake_with_checkpoint,
+};
 use rebounce::{scene, write::write_whole};
 use rebounce_shared::rbn::container;
-use std::io::IsTerminal;
-use std::path::PathBuf;
-use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+const AFTER_HELP: &str = "\
+A bake keeps what it has done in FILE.rbn.partial beside its output. When it was stopped or killed, the same command with \
+--resume goes on from there; the result is the same file, to the byte. It is removed when the bake is done. FILE.rbn itself \
+is replaced only then, and at once.
+
+Exit codes: 0 done; 1 failed; 2 wrong arguments; 130 stopped by Ctrl-C, 143 by SIGTERM, --resume goes on.
+
+--json-progress prints objects with stage, level (or null), done and total (units of this stage and level), rays_per_second \
+(or null), seconds (since the bake began), seconds_left, fraction (0 to 1); the last one has the stage \"done\".";
 
 /// Arguments of `rebounce bake`.
 #[derive(Args, Debug)]
+#[command(after_help = AFTER_HELP)]
 pub struct BakeArgs {
     /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:two-rooms-door,
     /// builtin:two-rooms
@@ -68,6 +82,15 @@ pub struct BakeArgs {
     /// Threads; all cores when absent
     #[arg(long)]
     threads: Option<usize>,
+    /// Goes on with a bake that was stopped or killed: the same scene, settings and output
+    #[arg(long)]
+    resume: bool,
+    /// Writes FILE.preview.rbn, coarse at first and finer as levels are done, for `rebounce view --watch`
+    #[arg(long)]
+    preview: bool,
+    /// Prints progress as JSON, one object a line, on standard output, and no summary
+    #[arg(long)]
+    json_progress: bool,
     /// Writes the figures of the closing summary as JSON
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
@@ -127,88 +150,111 @@ impl BakeArgs {
     }
 }
 
+/// What follows a file's name while it is not done.
+const PARTIAL: &str = ".partial";
+
 /// Runs the command.
-pub fn run(args: &BakeArgs) -> Result<()> {
+pub fn run(args: &BakeArgs) -> Result<ExitCode> {
     if let Some(threads) = args.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")?;
     }
     let output = args.output();
+    // Until here, and while this loads, signals end the process at once.
     let scene = scene::load(&args.scene)?;
     for problem in &scene.left_out {
         eprintln!("warning: left out: {problem}");
     }
-    let display = ProgressDisplay::new();
-    let (baked, mut report) = bake(&scene, &args.settings(), &|progress| display.show(progress))
-        .with_context(|| args.scene.clone())?;
-    display.finish();
+    let settings = args.settings();
+    let checkpoint = open_checkpoint(args, &output, &Identity::new(&scene, &settings))?;
+    let kept = checkpoint.path().display().to_string();
+    let last_words =
+        move || eprintln!("rebounce: stopped; {kept} has what was done, and --resume goes on from it");
+    let stop = Stop::install(last_words.clone()).context("setting up signals")?;
+    let previews = args.preview.then(|| output.with_extension(PREVIEW));
+    let watcher = Watcher { display: Display::new(args.json_progress), stop: stop.clone(), previews };
+    let began = Instant::now();
+    let (baked, mut report) = match bake_with_checkpoint(&scene, &settings, &watcher, &checkpoint) {
+        Ok(baked) => baked,
+        Err(BakeError::Stopped) => {
+            last_words();
+            return Ok(ExitCode::from(stop.exit_code()));
+        }
+        Err(error @ BakeError::Checkpoint(_)) => return Err(error.into()),
+        Err(error) => {
+            // It would end the same way again.
+            checkpoint.remove();
+            return Err(error).context(args.scene.clone());
+        }
+    };
     let bytes = baked.to_bytes().with_context(|| args.scene.clone())?;
-    write_whole(&output, &bytes)?;
+    stop.hold();
+    write_whole(&output, &bytes).with_context(|| {
+        format!("the bake is done but not written; {} has it for --resume", checkpoint.path().display())
+    })?;
+    checkpoint.remove();
+    if let Some(preview) = &watcher.previews {
+        // It may never have been written.
+        let _ = std::fs::remove_file(preview);
+    }
     report.add_file(&container::read(&bytes)?, bytes.len() as u64);
-    println!("{report}");
     if let Some(path) = &args.report {
         write_whole(path, &serde_json::to_vec_pretty(&report)?)?;
     }
-    println!("wrote         {}", output.display());
-    Ok(())
+    watcher.display.finish(began.elapsed().as_secs_f64());
+    if !watcher.display.is_json() {
+        println!("{report}");
+        println!("wrote         {}", output.display());
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
-/// A bar with stage and time left on a terminal, plain lines when piped.
-struct ProgressDisplay {
-    bar: ProgressBar,
-    is_terminal: bool,
-    state: Mutex<State>,
+/// The checkpoint beside the output, to go on with or to begin.
+fn open_checkpoint(args: &BakeArgs, output: &Path, identity: &Identity) -> Result<Checkpoint> {
+    let mut path = output.as_os_str().to_owned();
+    path.push(PARTIAL);
+    let path = PathBuf::from(path);
+    let is_there = path.metadata().is_ok_and(|metadata| metadata.len() > 0);
+    if !args.resume {
+        let checkpoint = Checkpoint::create(&path, identity)?;
+        if is_there {
+            eprintln!("note: {} of an earlier bake is replaced", path.display());
+        }
+        return Ok(checkpoint);
+    }
+    let checkpoint = Checkpoint::resume(&path, identity)?;
+    match checkpoint.records_found() {
+        0 => eprintln!("note: {} has nothing to go on from; the bake begins anew", path.display()),
+        _ => eprintln!("going on from {}", path.display()),
+    }
+    Ok(checkpoint)
 }
 
-struct State {
-    stage: Option<(Stage, usize)>,
-    since: Instant,
-    last_line: Instant,
+/// Shows progress, hands on signals, writes previews.
+struct Watcher {
+    display: Display,
+    stop: Stop,
+    previews: Option<PathBuf>,
 }
 
-impl ProgressDisplay {
-    fn new() -> Self {
-        let is_terminal = std::io::stderr().is_terminal();
-        let target = if is_terminal { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let bar = ProgressBar::with_draw_target(Some(0), target);
-        let now = Instant::now();
-        Self { bar, is_terminal, state: Mutex::new(State { stage: None, since: now, last_line: now }) }
+impl Observer for Watcher {
+    fn progress(&self, progress: &Progress) {
+        self.display.show(progress);
     }
 
-    fn show(&self, progress: Progress) {
-        let Ok(mut state) = self.state.lock() else { return };
-        let label = match progress.stage {
-            Stage::Points | Stage::Links => format!("{}, level {}", progress.stage.label(), progress.level),
-            stage => stage.label().to_owned(),
-        };
-        let now = Instant::now();
-        if state.stage != Some((progress.stage, progress.level)) {
-            state.stage = Some((progress.stage, progress.level));
-            (state.since, state.last_line) = (now, now);
-            self.bar.reset();
-            let known = "{msg:30} [{bar:30}] {pos}/{len}, {eta} left";
-            let template = if progress.total > 0 { known } else { "{msg:30} {pos} so far" };
-            if let Ok(style) = ProgressStyle::with_template(template) {
-                self.bar.set_style(style.progress_chars("=> "));
-            }
-            self.bar.set_message(label.clone());
-            if !self.is_terminal {
-                eprintln!("{label}");
-            }
-        }
-        self.bar.set_length(progress.total);
-        self.bar.set_position(progress.done);
-        if !self.is_terminal && now - state.last_line > Duration::from_secs(10) && progress.done > 0 {
-            state.last_line = now;
-            let left =
-                (now - state.since).as_secs_f64() * (progress.total as f64 / progress.done as f64 - 1.0);
-            match progress.total {
-                0 => eprintln!("{label}: {} so far", progress.done),
-                total => eprintln!("{label}: {} of {total}, {left:.0} s left", progress.done),
-            }
-        }
+    fn is_stopped(&self) -> bool {
+        self.stop.is_asked()
     }
 
-    fn finish(&self) {
-        self.bar.finish_and_clear();
+    fn wants_previews(&self) -> bool {
+        self.previews.is_some()
+    }
+
+    fn preview(&self, preview: Preview) {
+        let Some(path) = &self.previews else { return };
+        let written = preview.file.to_bytes().map_err(|error| error.to_string());
+        let written = written.and_then(|bytes| write_whole(path, &bytes).map_err(|error| error.to_string()));
+        if let Err(error) = written {
+            eprintln!("warning: no preview: {error}");
+        }
     }
 }

@@ -5,14 +5,17 @@ pub mod compare;
 mod http;
 pub mod info;
 mod picture;
+mod progress;
 pub mod reference;
 pub mod render;
+mod stop;
 pub mod view;
 
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 use rebounce_shared::rbn::Scene;
 use std::path::Path;
+use std::process::ExitCode;
 
 /// Bakes how light bounces through a glTF scene, so that it can be relit live in a browser.
 #[derive(Parser, Debug)]
@@ -38,16 +41,17 @@ enum Command {
     View(view::ViewArgs),
 }
 
-/// Runs the command asked for.
-pub fn run(arguments: &Arguments) -> Result<()> {
+/// Runs the command asked for; how the process shall end.
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     match &arguments.command {
-        Command::Bake(args) => bake::run(args),
+        Command::Bake(args) => return bake::run(args),
         Command::Info(args) => info::run(args),
         Command::Render(args) => render::run(args),
         Command::Reference(args) => reference::run(args),
         Command::Compare(args) => compare::run(args),
         Command::View(args) => view::run(args),
-    }
+    }?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The bytes of a baked file and what they mean.

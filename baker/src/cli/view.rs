@@ -9,6 +9,7 @@ use std::io::Read;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::UNIX_EPOCH;
 
 /// Arguments of `rebounce view`.
 #[derive(Args, Debug)]
@@ -19,6 +20,10 @@ pub struct ViewArgs {
     /// Port on 127.0.0.1; 7777, or any that is free, when absent
     #[arg(long)]
     port: Option<u16>,
+    /// Shows the newest of FILE.rbn and FILE.preview.rbn (`rebounce bake --preview`), and newer ones as they come;
+    /// neither need be there yet
+    #[arg(long)]
+    watch: bool,
     /// Only prints the address, opens no browser
     #[arg(long)]
     no_open: bool,
@@ -26,6 +31,9 @@ pub struct ViewArgs {
 
 /// The viewer's files by name; empty if the binary was built without them.
 static WEB: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/web_files.rs"));
+
+/// What previews end with, beside their file.
+pub const PREVIEW: &str = "preview.rbn";
 
 const DEFAULT_PORT: u16 = 7777;
 
@@ -51,15 +59,20 @@ pub fn run(args: &ViewArgs) -> Result<()> {
             "this rebounce was built without the viewer; build the viewer with `cargo xtask web`, then rebounce again"
         );
     }
-    check(&args.file)?;
+    let site = Site { file: args.file.clone(), is_watching: args.watch, port: 0 };
+    if let Some((file, _)) = site.newest().filter(|_| args.watch) {
+        check(&file)?;
+    } else if !args.watch {
+        check(&args.file)?;
+    }
     let listener = listen(args.port)?;
     let port = listener.local_addr()?.port();
-    let address = format!("http://127.0.0.1:{port}/");
+    let address = format!("http://127.0.0.1:{port}/{}", if args.watch { "?watch" } else { "" });
     println!("{} at {address} (Ctrl-C ends)", args.file.display());
     if !args.no_open {
         open(&address);
     }
-    let site = Site { file: args.file.clone(), port };
+    let site = Site { port, ..site };
     http::serve(&listener, &HEADERS, move |request| site.answer(request)).context("serving the page")
 }
 
@@ -102,6 +115,8 @@ fn open(address: &str) {
 
 struct Site {
     file: PathBuf,
+    /// Shows whichever is the newest of the file and its previews.
+    is_watching: bool,
     port: u16,
 }
 
@@ -112,6 +127,19 @@ impl Site {
         host.is_some_and(|host| {
             host == format!("127.0.0.1:{}", self.port) || host == format!("localhost:{}", self.port)
         })
+    }
+
+    /// The newest of the file and its preview, and a name for its present contents; `None` while there is neither.
+    fn newest(&self) -> Option<(PathBuf, String)> {
+        let preview = self.is_watching.then(|| self.file.with_extension(PREVIEW));
+        let there = [Some(self.file.clone()), preview].into_iter().flatten().filter_map(|path| {
+            let metadata = path.metadata().ok()?;
+            let since = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+            Some((since, metadata.len(), path))
+        });
+        // Of two as new as each other the file itself.
+        let (since, length, path) = there.rev().max_by_key(|(since, ..)| *since)?;
+        Some((path, format!("{}-{length}", since.as_nanos())))
     }
 
     /// Serves exactly the embedded files and the scene; nothing of the request becomes a path.
@@ -128,8 +156,12 @@ impl Site {
             Some(name) => name,
             None => return text(400, "not a path"),
         };
+        if name == "scene.version" && self.is_watching {
+            return text(200, &self.newest().map(|(_, version)| version).unwrap_or_default());
+        }
         if name == "scene.rbn" {
-            return match File::open(&self.file) {
+            let path = self.newest().map_or(self.file.clone(), |(path, _)| path);
+            return match File::open(path) {
                 Ok(file) => {
                     Response { status: 200, mime: "application/octet-stream", body: Body::File(file) }
                 }
@@ -164,7 +196,7 @@ mod tests {
     fn site() -> (Site, tempfile::NamedTempFile) {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), MAGIC).unwrap();
-        (Site { file: file.path().to_owned(), port: 80 }, file)
+        (Site { file: file.path().to_owned(), is_watching: false, port: 80 }, file)
     }
 
     fn ask(site: &Site, method: &str, host: Option<&str>, target: &str) -> u16 {
@@ -207,6 +239,39 @@ mod tests {
             assert!(status == 404 || status == 400, "{url}: {status}");
         }
         assert_eq!(ask(&site, "POST", Some("127.0.0.1:80"), "/"), 405);
+    }
+
+    #[test]
+    fn the_newest_of_file_and_preview_is_shown() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, preview) = (folder.path().join("a.rbn"), folder.path().join("a.preview.rbn"));
+        let site = Site { file: file.clone(), is_watching: true, port: 80 };
+        let at = |path: &Path, contents: &[u8], second: u64| {
+            std::fs::write(path, contents).unwrap();
+            let when = UNIX_EPOCH + std::time::Duration::from_secs(second);
+            File::options().write(true).open(path).unwrap().set_modified(when).unwrap();
+        };
+        assert_eq!(site.newest(), None);
+        assert_eq!(get(&site, "127.0.0.1:80", "/scene.version"), 200);
+        at(&file, b"old", 100);
+        let (path, old) = site.newest().unwrap();
+        assert_eq!(path, file);
+        at(&preview, b"coarse", 200);
+        let (path, coarse) = site.newest().unwrap();
+        assert_eq!(path, preview);
+        at(&preview, b"finer", 201);
+        let finer = site.newest().unwrap().1;
+        at(&file, b"done", 201);
+        let (path, done) = site.newest().unwrap();
+        assert_eq!(path, file, "of two as new as each other the file itself");
+        let mut versions = vec![old, coarse, finer, done];
+        versions.dedup();
+        assert_eq!(versions.len(), 4);
+        // Without --watch the file alone counts, and nothing else is told.
+        let plain = Site { is_watching: false, ..site };
+        at(&preview, b"newer", 300);
+        assert_eq!(plain.newest().unwrap().0, file);
+        assert_eq!(get(&plain, "127.0.0.1:80", "/scene.version"), 404);
     }
 
     #[test]

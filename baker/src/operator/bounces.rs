@@ -10,12 +10,13 @@
 //! at a time: unit light at one coarse point is bounced among them until what is left is negligible or each bounce
 //! is a smaller copy of the one before. No product of sparse matrices grows on the way.
 
+use super::journal::{Columns, Journal};
 use super::tally::IrradianceRow;
 use super::{Operator, OperatorSettings};
+use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::link::LaterLink;
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
 /// Coarse points whose light travels together.
 const BATCH: usize = 8;
@@ -34,37 +35,56 @@ type Lane = [f32; BATCH];
 /// Irradiance at a point, red, green and blue.
 type Light = [Lane; 3];
 
-/// Fills the operator's [`later`](Operator::later) rows. `progress` is told the columns done and all.
-pub fn add_later_bounces(
-    operator: &mut Operator,
-    settings: &OperatorSettings,
-    progress: &(impl Fn(usize, usize) + Sync),
-) {
-    let count = operator.coarse.len();
-    if settings.bounces.is_some_and(|wanted| wanted <= 1) || count == 0 {
-        return;
-    }
-    let (coarse, tints) = (&operator.coarse, super::tint::unpack(&operator.tints[..count]));
-    let least = settings.epsilon_later();
-    // Only light that is sent on to anyone needs to be followed.
-    let mut sends = vec![false; count];
+/// How many columns later bounces have: the units that [`add_later_bounces`] counts in.
+pub fn column_count(operator: &Operator, settings: &OperatorSettings) -> usize {
+    let none = settings.bounces.is_some_and(|wanted| wanted <= 1);
+    if none { 0 } else { active(&operator.coarse).len() }
+}
+
+/// The coarse points whose light reaches another: only that needs to be followed.
+fn active(coarse: &[IrradianceRow]) -> Vec<u32> {
+    let mut sends = vec![false; coarse.len()];
     for (sender, _) in coarse.iter().flatten() {
         sends[*sender as usize] = true;
     }
-    let active: Vec<u32> = (0..count as u32).filter(|s| sends[*s as usize]).collect();
-    let deepest = AtomicU32::new(2);
-    let done = AtomicUsize::new(0);
+    (0..coarse.len() as u32).filter(|s| sends[*s as usize]).collect()
+}
+
+/// Fills the operator's [`later`](Operator::later) rows. A unit of `watch` is a column. What `journal` has is taken
+/// from there.
+///
+/// # Errors
+/// [`Stopped`]; the operator is as it was.
+pub fn add_later_bounces(
+    operator: &mut Operator,
+    settings: &OperatorSettings,
+    watch: &dyn Watch,
+    journal: &dyn Journal,
+) -> Result<(), Stopped> {
+    let count = operator.coarse.len();
+    if settings.bounces.is_some_and(|wanted| wanted <= 1) || count == 0 {
+        return Ok(());
+    }
+    let (coarse, tints) = (&operator.coarse, super::tint::unpack(&operator.tints[..count]));
+    let least = settings.epsilon_later();
+    let active = active(coarse);
     // Rows of C + C² + …, by chunks of ascending columns, so that small entries can be carried over.
-    let chunks: Vec<Vec<ColourRow>> = active
+    let chunks: Vec<Columns> = active
         .par_chunks(BATCH * 16)
-        .map(|chunk| {
+        .enumerate()
+        .map(|(part, chunk)| {
+            if let Some(columns) = journal.columns(part).filter(|columns| columns.rows.len() == count) {
+                watch.skip(chunk.len() as u64)?;
+                return Ok(columns);
+            }
+            let mut deepest = 2;
             let mut kept: Vec<ColourRow> = vec![Vec::new(); count];
             let mut carried = vec![Vec3::ZERO; count];
             // The last sender that each receiver sees, however little: what is left is given to it.
             let mut seen = vec![u32::MAX; count];
             for batch in chunk.chunks(BATCH) {
-                let (light, bounces) = series(coarse, &tints, batch, settings.bounces);
-                deepest.fetch_max(bounces, Ordering::Relaxed);
+                let (light, bounces) = series(coarse, &tints, batch, settings.bounces, watch)?;
+                deepest = deepest.max(bounces);
                 for (receiver, [red, green, blue]) in light.iter().enumerate() {
                     for (b, sender) in batch.iter().enumerate() {
                         let arriving = Vec3::new(red[b], green[b], blue[b]);
@@ -78,6 +98,7 @@ pub fn add_later_bounces(
                         }
                     }
                 }
+                watch.step(batch.len() as u64)?;
             }
             for ((kept, rest), last) in kept.iter_mut().zip(carried).zip(seen) {
                 match kept.last_mut() {
@@ -86,24 +107,31 @@ pub fn add_later_bounces(
                     _ => {}
                 }
             }
-            let all = active.len();
-            progress((done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len()).min(all), all);
-            kept
+            let columns = Columns { bounces: deepest, rows: kept };
+            journal.keep_columns(part, &columns);
+            Ok(columns)
         })
-        .collect();
-    operator.bounces = deepest.into_inner();
+        .collect::<Result<_, Stopped>>()?;
+    operator.bounces = chunks.iter().map(|columns| columns.bounces).fold(2, u32::max);
     operator.later = (0..count)
         .into_par_iter()
         .map(|receiver| {
-            let row = chunks.iter().flat_map(|rows| &rows[receiver]);
+            let row = chunks.iter().flat_map(|columns| &columns.rows[receiver]);
             row.map(|(sender, colour)| LaterLink::pack(*sender, *colour)).collect()
         })
         .collect();
+    Ok(())
 }
 
 /// Unit light at the coarse points of a batch: the irradiance of its bounces on every coarse point,
 /// the light itself not counted; and the bounces that it has when the links have taken it on.
-fn series(rows: &[IrradianceRow], tints: &[Vec3], batch: &[u32], wanted: Option<u32>) -> (Vec<Light>, u32) {
+fn series(
+    rows: &[IrradianceRow],
+    tints: &[Vec3],
+    batch: &[u32],
+    wanted: Option<u32>,
+    watch: &dyn Watch,
+) -> Result<(Vec<Light>, u32), Stopped> {
     let zero = [[0f32; BATCH]; 3];
     let mut light = vec![zero; rows.len()];
     for (b, sender) in batch.iter().enumerate() {
@@ -115,8 +143,9 @@ fn series(rows: &[IrradianceRow], tints: &[Vec3], batch: &[u32], wanted: Option<
     let mut bounce = 2;
     loop {
         if wanted.is_some_and(|wanted| bounce >= wanted) || bounce == MAX_BOUNCES {
-            return (sums, bounce);
+            return Ok((sums, bounce));
         }
+        watch.step(0)?;
         bounce += 1;
         let next: Vec<Light> = rows
             .iter()
@@ -150,7 +179,7 @@ fn series(rows: &[IrradianceRow], tints: &[Vec3], batch: &[u32], wanted: Option<
             }
         }
         if ends || energy <= 0.0 {
-            return (sums, bounce);
+            return Ok((sums, bounce));
         }
         (last_energy, last_kept, light) = (energy, kept, next);
     }

@@ -37,7 +37,7 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
 const VALUE_EPSILON: f32 = 0.5;
 
 /// What one gather leaves besides links.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GatherCost {
     /// Rays cast.
     pub rays: u64,
@@ -48,7 +48,7 @@ pub struct GatherCost {
 }
 
 /// What one gather finds.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gathered {
     /// The receiver's links, senders ascending: differences to what coarser receivers say.
     pub links: Vec<Link>,

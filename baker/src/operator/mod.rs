@@ -6,6 +6,7 @@
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`tally`] – what a gather sums up, by sender;
 //! * [`choose`] – which of it becomes a link;
+//! * [`journal`] – where what is done is kept, to go on from;
 //! * [`refine`] – the adaptive queue of Fig. 5: the one-bounce operator T;
 //! * [`bounces`] – later bounces by the Neumann series: S.
 
@@ -13,6 +14,7 @@ pub mod bounces;
 mod choose;
 pub mod directions;
 pub mod gather;
+pub mod journal;
 pub mod refine;
 pub mod reflected;
 pub mod tally;

@@ -6,6 +6,7 @@
 use crate::points::Points;
 use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
+use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::colour::{pack_rounded, unpack_rgb9e5};
@@ -18,19 +19,30 @@ const ABOVE: f32 = 0.1;
 /// Mantissas are multiples of this: a channel is within a 256th of the largest one.
 const TINT_UNIT: u32 = 2;
 
-/// The tints of all points, rgb9e5 as the file holds them; the channels' mean is 1. Black surfaces are grey.
-pub fn tints<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, seed: u64) -> Vec<u32> {
+/// The tints of all points, rgb9e5 as the file holds them; the channels' mean is 1. Black surfaces are grey. A unit of
+/// `watch` is a point.
+///
+/// # Errors
+/// [`Stopped`].
+pub fn tints<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    points: &Points,
+    seed: u64,
+    watch: &dyn Watch,
+) -> Result<Vec<u32>, Stopped> {
     let mut tints = Vec::with_capacity(points.points.len());
     for (l, level) in points.levels.iter().enumerate() {
         // A function of a coarser level covers four times the surface.
         let rays = (RAYS[0] << (2 * (points.levels.len() - 1 - l)).min(16)).min(RAYS[1]);
-        tints.par_extend(level.range().into_par_iter().map(|i| {
+        let found = level.range().into_par_iter().map(|i| {
+            watch.step(1)?;
             let albedo = mean_albedo(surfaces, points, i, level.support_radius, rays, seed);
             let mean = albedo.element_sum() / 3.0;
-            pack_rounded(if mean > 0.0 { albedo / mean } else { Vec3::ONE }, TINT_UNIT)
-        }));
+            Ok(pack_rounded(if mean > 0.0 { albedo / mean } else { Vec3::ONE }, TINT_UNIT))
+        });
+        tints.extend(found.collect::<Result<Vec<u32>, Stopped>>()?);
     }
-    tints
+    Ok(tints)
 }
 
 /// The same as colours.
@@ -88,7 +100,7 @@ mod tests {
             let level = PointLevel { first: 0, count: 1, disk_radius: 0.02, support_radius: 0.04 };
             let point = SurfacePoint::at(&hit, 1e-6);
             let points = Points { levels: vec![level], points: vec![point], ..Points::default() };
-            (unpack(&tints(&surfaces, &points, 1))[0], hit.albedo)
+            (unpack(&tints(&surfaces, &points, 1, &()).unwrap())[0], hit.albedo)
         };
         let mut coloured = 0;
         for direction in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y] {

@@ -41,6 +41,16 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         source
     }
 
+    /// The first particle that has not been traced.
+    pub fn next_particle(&self) -> u64 {
+        self.next_particle
+    }
+
+    /// Goes on with this particle.
+    pub fn go_on_at(&mut self, particle: u64) {
+        self.next_particle = particle;
+    }
+
     /// The next candidates, in a fixed order; empty where particles find nothing.
     pub fn batch(&mut self) -> Vec<SurfacePoint> {
         let first = self.next_particle;

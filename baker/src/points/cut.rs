@@ -9,6 +9,7 @@
 use super::{Points, SurfacePoint};
 use crate::random::mix;
 use crate::surface::{Ray, Surfaces};
+use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::kernel::SQUASH;
@@ -30,14 +31,25 @@ const LEAST_PLACES: usize = 4;
 /// Planes lie this far behind the surface, over the support radius.
 const MARGIN: f32 = 2e-3;
 
-/// Finds the cuts of all points' supports. The same points give the same cuts.
-pub fn cut<S: Surfaces + ?Sized>(surfaces: &S, points: &mut Points) {
-    points.cuts = points
-        .support_radii()
-        .into_par_iter()
-        .enumerate()
-        .map(|(i, radius)| cuts_of(surfaces, &points.points[i], radius, mix(i as u64) as u32))
-        .collect();
+/// Finds the cuts of the supports of the points up to `end` that have none yet. The same points give the same
+/// cuts. A unit of `watch` is a point.
+///
+/// # Errors
+/// [`Stopped`].
+pub fn cut<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    points: &mut Points,
+    end: usize,
+    watch: &dyn Watch,
+) -> Result<(), Stopped> {
+    let radii = points.support_radii();
+    let found = (points.cuts.len()..end).into_par_iter().map(|i| {
+        watch.step(1)?;
+        Ok(cuts_of(surfaces, &points.points[i], radii[i], mix(i as u64) as u32))
+    });
+    let found: Vec<_> = found.collect::<Result<_, Stopped>>()?;
+    points.cuts.extend(found);
+    Ok(())
 }
 
 /// A point's sight along its surface.

@@ -9,6 +9,7 @@ use super::SurfacePoint;
 use super::dart::DartBoard;
 use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
+use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -21,23 +22,28 @@ const LIFT: f32 = 0.3;
 
 /// Adds points to the `board` of this disk radius where a neighbour of one of its points is free and
 /// `fits`. The same board and seed give the same points.
+///
+/// # Errors
+/// [`Stopped`].
 pub fn fill<S: Surfaces + ?Sized>(
     surfaces: &S,
     board: &mut DartBoard,
     disk_radius: f32,
     seed: u64,
     fits: impl Fn(&SurfacePoint) -> bool + Sync,
-) {
+    watch: &dyn Watch,
+) -> Result<(), Stopped> {
     let found: Vec<Vec<SurfacePoint>> = board
         .points()
         .par_iter()
         .enumerate()
         .map(|(i, point)| {
+            watch.step(0)?;
             let mut stream = Stream::new(seed ^ 0x6669_6c6c, i as u64);
             let normal = point.geometric_normal;
             let above = point.position + normal * (LIFT * disk_radius);
             if surfaces.transmittance(point.position + normal * surfaces.epsilon(), above) < 0.5 {
-                return Vec::new();
+                return Ok(Vec::new());
             }
             let mut found: Vec<SurfacePoint> = (0..ACROSS)
                 .filter_map(|_| across(surfaces, board, point, above, disk_radius, &mut stream))
@@ -48,14 +54,15 @@ pub fn fill<S: Surfaces + ?Sized>(
                 cast(surfaces, above, direction, 2.0 * disk_radius, &mut stream)
             }));
             found.retain(|candidate| board.is_free(candidate) && fits(candidate));
-            found
+            Ok(found)
         })
-        .collect();
+        .collect::<Result<_, Stopped>>()?;
     for candidate in found.into_iter().flatten() {
         if board.is_free(&candidate) {
             board.insert(candidate);
         }
     }
+    Ok(())
 }
 
 /// A place from one to two disk radii away, if it looks free and the way there is.

@@ -3,6 +3,7 @@
 use super::{Points, SurfacePoint};
 use crate::random::mix;
 use crate::surface::{Ray, Surfaces};
+use crate::watch::{Stopped, Watch};
 use rayon::prelude::*;
 use rebounce_shared::footprint::{LIFT, SAMPLES, offset};
 use rebounce_shared::kernel::likeness;
@@ -10,11 +11,25 @@ use rebounce_shared::kernel::likeness;
 /// How far below a sample its surface may be, over the support radius.
 const DEPTH: f32 = 0.15;
 
-/// Finds, for all points, the samples of direct light that lie above the point's own surface, in its
-/// sight and within its cuts. The same points give the same samples.
-pub fn footprint<S: Surfaces + ?Sized>(surfaces: &S, points: &mut Points) {
-    let found = points.support_radii().into_par_iter().enumerate();
-    points.samples = found.map(|(i, radius)| samples_of(surfaces, points, i, radius)).collect();
+/// Finds, for the points up to `end` that have none yet, the samples of direct light that lie above the point's own
+/// surface, in its sight and within its cuts. The same points give the same samples. A unit of `watch` is a point.
+///
+/// # Errors
+/// [`Stopped`].
+pub fn footprint<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    points: &mut Points,
+    end: usize,
+    watch: &dyn Watch,
+) -> Result<(), Stopped> {
+    let radii = points.support_radii();
+    let found = (points.samples.len()..end).into_par_iter().map(|i| {
+        watch.step(1)?;
+        Ok(samples_of(surfaces, points, i, radii[i]))
+    });
+    let found: Vec<u8> = found.collect::<Result<_, Stopped>>()?;
+    points.samples.extend(found);
+    Ok(())
 }
 
 /// One bit a sample.
@@ -51,8 +66,8 @@ mod tests {
         let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y };
         let level = PointLevel { first: 0, count: 1, disk_radius: 0.2, support_radius: 0.4 };
         let mut points = Points { levels: vec![level], points: vec![point], ..Points::default() };
-        cut(&surfaces, &mut points);
-        footprint(&surfaces, &mut points);
+        cut(&surfaces, &mut points, 1, &()).unwrap();
+        footprint(&surfaces, &mut points, 1, &()).unwrap();
         points.samples[0].count_ones()
     }
 

@@ -3,7 +3,8 @@
 //! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
 //! viewpoint when none is given, [`dart`] throws the candidates as darts into one level's
 //! Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
-//! [`round`] rounds them to what the file keeps, [`cut`] ends supports at walls, [`footprint`] finds where direct light is sampled.
+//! [`round`] rounds them to what the file keeps, [`cut`] ends supports at walls, [`footprint`] finds
+//! where direct light is sampled.
 
 pub mod candidates;
 mod cut;
@@ -19,7 +20,7 @@ use crate::surface::Hit;
 pub use cut::cut;
 pub use footprint::footprint;
 use glam::Vec3;
-pub use place::{PlaceError, PlaceSettings, place};
+pub use place::{PlaceError, PlaceSettings, PlacedMark, Placer, expected_counts, place};
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::bulk::{Cut, Point};
 use rebounce_shared::rbn::meta::Level;

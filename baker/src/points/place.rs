@@ -6,6 +6,7 @@ use super::fill::fill;
 use super::{PointLevel, Points, SurfacePoint, morton};
 use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
+use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::interpolation::MAX_POINTS;
@@ -55,13 +56,15 @@ pub enum PlaceError {
     /// More points than a file can hold.
     #[error("over {MAX_POINTS} basis functions: bake with fewer --levels or a larger --coarse-radius")]
     TooMany,
+    /// Somebody asked for it.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }
 
 /// Rays for the harmonic mean distance.
 const HARMONIC_RAYS: u32 = 32;
 
-/// Places the points of all levels for what is seen from `viewpoints` (local space). `progress`
-/// is told the level and its number of points so far.
+/// Places the points of all levels for what is seen from `viewpoints` (local space). A unit of `watch` is a point.
 ///
 /// # Errors
 /// [`PlaceError`].
@@ -69,34 +72,102 @@ pub fn place<S: Surfaces + ?Sized>(
     surfaces: &S,
     viewpoints: &[Vec3],
     settings: &PlaceSettings,
-    mut progress: impl FnMut(usize, usize),
+    watch: &dyn Watch,
 ) -> Result<Points, PlaceError> {
-    let mut source = Candidates::new(surfaces, viewpoints, settings.seed);
-    let mut pool = Vec::new();
-    for _ in 0..64 {
-        pool.extend(source.batch());
-        if pool.len() > 40_000 {
-            break;
+    let mut placer = Placer::new(surfaces, viewpoints, settings)?;
+    for _ in 0..settings.levels {
+        placer.level(watch)?;
+    }
+    Ok(placer.points)
+}
+
+/// Where placing goes on after a level: with the level's points all that the next ones depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedMark {
+    /// Poisson-disk radius of level 0, scene units.
+    pub coarse_radius: f32,
+    /// The first particle that has not been traced.
+    pub next_particle: u64,
+}
+
+/// Places points level by level, coarsest first.
+pub struct Placer<'a, S: Surfaces + ?Sized> {
+    surfaces: &'a S,
+    settings: &'a PlaceSettings,
+    source: Candidates<'a, S>,
+    /// Candidates for the next level, traced already.
+    pool: Vec<SurfacePoint>,
+    coarse_radius: f32,
+    points: Points,
+}
+
+impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
+    /// Looks at the scene from the `viewpoints` (local space) and chooses the radii.
+    ///
+    /// # Errors
+    /// [`PlaceError::NothingSeen`].
+    pub fn new(
+        surfaces: &'a S,
+        viewpoints: &'a [Vec3],
+        settings: &'a PlaceSettings,
+    ) -> Result<Self, PlaceError> {
+        let mut source = Candidates::new(surfaces, viewpoints, settings.seed);
+        let mut pool = Vec::new();
+        for _ in 0..64 {
+            pool.extend(source.batch());
+            if pool.len() > 40_000 {
+                break;
+            }
         }
+        if pool.is_empty() {
+            let first = viewpoints.first().copied().unwrap_or_default();
+            return Err(PlaceError::NothingSeen(first.x, first.y, first.z));
+        }
+        let coarse_radius = settings.coarse_radius.unwrap_or_else(|| coarse_radius_for(&pool, settings));
+        Ok(Self { surfaces, settings, source, pool, coarse_radius, points: Points::default() })
     }
-    if pool.is_empty() {
-        let first = viewpoints.first().copied().unwrap_or_default();
-        return Err(PlaceError::NothingSeen(first.x, first.y, first.z));
+
+    /// The levels so far.
+    pub fn points(&self) -> &Points {
+        &self.points
     }
-    let coarse_radius = settings.coarse_radius.unwrap_or_else(|| coarse_radius_for(&pool, settings));
-    let mut result = Points::default();
-    for l in 0..settings.levels {
-        let disk_radius = coarse_radius / (1u64 << l) as f32;
+
+    /// The levels so far.
+    pub fn into_points(self) -> Points {
+        self.points
+    }
+
+    /// Where the next level goes on.
+    pub fn mark(&self) -> PlacedMark {
+        PlacedMark { coarse_radius: self.coarse_radius, next_particle: self.source.next_particle() }
+    }
+
+    /// Takes over the next level's points, placed before; `mark` is what [`Self::mark`] said then.
+    pub fn take_over(&mut self, points: Vec<SurfacePoint>, mark: PlacedMark) {
+        self.pool.clear();
+        self.coarse_radius = mark.coarse_radius;
+        self.source.go_on_at(mark.next_particle);
+        self.push(points);
+    }
+
+    /// Places the next level. A unit of `watch` is a point.
+    ///
+    /// # Errors
+    /// [`PlaceError`].
+    pub fn level(&mut self, watch: &dyn Watch) -> Result<(), PlaceError> {
+        let (surfaces, settings) = (self.surfaces, self.settings);
+        let l = self.points.levels.len();
+        let disk_radius = self.disk_radius(l);
         let finest = l + 1 == settings.levels;
-        let overlap = if finest { settings.fine_overlap } else { settings.coarse_overlap };
         let mut board = DartBoard::new(disk_radius);
         let fits = |candidate: &SurfacePoint| finest || !is_tight(surfaces, candidate, disk_radius);
         let mut failures = 0;
-        let mut batch = std::mem::take(&mut pool);
+        let mut batch = std::mem::take(&mut self.pool);
         'level: loop {
             // In parallel, sort out what cannot pass; then, in order, throw what is left.
             let hopeful: Vec<bool> =
                 batch.par_iter().map(|candidate| board.is_free(candidate) && fits(candidate)).collect();
+            let before = board.len();
             for (candidate, hopeful) in batch.iter().zip(hopeful) {
                 if hopeful && board.is_free(candidate) {
                     board.insert(*candidate);
@@ -108,36 +179,55 @@ pub fn place<S: Surfaces + ?Sized>(
                     }
                 }
             }
-            progress(l, board.len());
-            if result.points.len() + board.len() > MAX_POINTS {
-                return Err(PlaceError::TooMany);
-            }
+            watch.step((board.len() - before) as u64)?;
+            self.within_limit(board.len())?;
             if failures > 1_000_000 {
                 break;
             }
-            batch = source.batch();
+            batch = self.source.batch();
         }
-        fill(surfaces, &mut board, disk_radius, settings.seed, fits);
-        if result.points.len() + board.len() > MAX_POINTS {
-            return Err(PlaceError::TooMany);
-        }
+        fill(surfaces, &mut board, disk_radius, settings.seed, fits, watch)?;
+        self.within_limit(board.len())?;
         let mut points = board.into_points();
         let (low, high) = surfaces.bounds();
         points.sort_by_cached_key(|p| morton::code(p.position, low, high));
-        result.levels.push(PointLevel {
-            first: result.points.len(),
-            count: points.len(),
-            disk_radius,
-            support_radius: overlap * disk_radius,
-        });
-        result.points.extend(points);
+        self.push(points);
+        Ok(())
     }
-    Ok(result)
+
+    /// So many more points can be held.
+    fn within_limit(&self, more: usize) -> Result<(), PlaceError> {
+        if self.points.points.len() + more > MAX_POINTS { Err(PlaceError::TooMany) } else { Ok(()) }
+    }
+
+    fn disk_radius(&self, level: usize) -> f32 {
+        self.coarse_radius / (1u64 << level) as f32
+    }
+
+    fn push(&mut self, points: Vec<SurfacePoint>) {
+        let l = self.points.levels.len();
+        let finest = l + 1 == self.settings.levels;
+        let overlap = if finest { self.settings.fine_overlap } else { self.settings.coarse_overlap };
+        self.points.levels.push(PointLevel {
+            first: self.points.points.len(),
+            count: points.len(),
+            disk_radius: self.disk_radius(l),
+            support_radius: overlap * self.disk_radius(l),
+        });
+        self.points.points.extend(points);
+    }
 }
 
 /// Functions of a level over those of the level before: under 4, because rooms are full of small
 /// things that coarse functions cover less well. Measured on furnished rooms and halls: 3.5 to 4.
 const GROWTH: f32 = 3.6;
+/// About how many points each level will have.
+pub fn expected_counts(settings: &PlaceSettings) -> Vec<f64> {
+    let finest = settings.levels.saturating_sub(1);
+    let count = |level: usize| settings.functions as f64 / (GROWTH as f64).powi((finest - level) as i32);
+    (0..settings.levels).map(count).collect()
+}
+
 /// The level whose functions are counted to choose the radii: fine enough to know the surface's
 /// area, coarse enough for a pool of candidates to fill it.
 const COUNTED_LEVEL: usize = 2;

@@ -1,0 +1,158 @@
+//! What a bake's result depends on.
+
+use super::super::BakeSettings;
+use crate::operator::OperatorSettings;
+use crate::points::PlaceSettings;
+use crate::scene::Scene;
+use rebounce_shared::rbn::container;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fmt::Debug;
+
+/// Everything that a bake's result depends on, by name: the program, the scene's contents, the settings. Bakes of one
+/// identity have the same result, to the byte.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    parts: Vec<(String, String)>,
+}
+
+impl Identity {
+    /// The identity of baking this scene with these settings by this program.
+    pub fn new(scene: &Scene, settings: &BakeSettings) -> Self {
+        // Taken apart in full, so that nothing new is forgotten here.
+        let BakeSettings { preset, viewpoint, place, operator, direct_levels } =
+            settings.clone().normalised();
+        let PlaceSettings { levels, coarse_radius, functions, coarse_overlap, fine_overlap, failures, seed } =
+            place;
+        let OperatorSettings {
+            sender_levels,
+            epsilon,
+            reflected,
+            levels: epsilon_levels,
+            rays,
+            significance,
+            bounces,
+            later_levels,
+            seed: operator_seed,
+        } = operator;
+        let program = format!(
+            "{} ({}, format {})",
+            env!("CARGO_PKG_VERSION"),
+            env!("REBOUNCE_SOURCES"),
+            container::VERSION
+        );
+        let parts: [(&str, &dyn Debug); 18] = [
+            ("preset", &preset.name()),
+            ("viewpoint", &viewpoint),
+            ("levels", &levels),
+            ("coarse radius", &coarse_radius),
+            ("functions", &functions),
+            ("coarse overlap", &coarse_overlap),
+            ("fine overlap", &fine_overlap),
+            ("failures", &failures),
+            ("seed", &seed),
+            ("sender levels", &sender_levels),
+            ("epsilon", &epsilon),
+            ("reflected", &reflected),
+            ("epsilon levels", &epsilon_levels),
+            ("rays", &rays),
+            ("significance", &significance),
+            ("bounces", &bounces),
+            ("later levels", &later_levels),
+            ("direct levels", &direct_levels),
+        ];
+        let mut named = vec![
+            ("program".to_owned(), program),
+            ("scene".to_owned(), format!("{} ({})", scene.name, digest(scene))),
+        ];
+        named.extend(parts.map(|(name, value)| (name.to_owned(), format!("{value:?}"))));
+        named.push(("operator seed".to_owned(), operator_seed.to_string()));
+        Self { parts: named }
+    }
+
+    /// As a file holds it.
+    pub(super) fn to_json(&self) -> Vec<u8> {
+        serde_json::to_vec(self).unwrap_or_default()
+    }
+
+    /// How `self`, found in a file, differs from what is asked for: "functions 3000, not 2000"; `None` where they are
+    /// the same.
+    pub fn difference(&self, asked: &Self) -> Option<String> {
+        let value = |of: &Self, name: &str| {
+            of.parts.iter().find(|part| part.0 == name).map_or("unknown".to_owned(), |part| part.1.clone())
+        };
+        let names = asked.parts.iter().map(|part| &part.0);
+        let differ = names.filter(|name| value(self, name) != value(asked, name));
+        let said: Vec<String> =
+            differ.map(|name| format!("{name} {}, not {}", value(self, name), value(asked, name))).collect();
+        match said.is_empty() {
+            true => (self != asked).then(|| "its form is another".to_owned()),
+            false => Some(said.join("; ")),
+        }
+    }
+}
+
+/// The scene's contents as 16 hexadecimal digits.
+fn digest(scene: &Scene) -> String {
+    let Scene {
+        name,
+        origin,
+        positions,
+        normals,
+        uvs,
+        triangles,
+        triangle_material,
+        corner_colors,
+        materials,
+        textures,
+        lights,
+        cameras,
+        animations,
+        left_out: _,
+        degenerate_triangles: _,
+    } = scene;
+    let mut hash = Sha256::new();
+    let mut add = |bytes: &[u8]| {
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    };
+    add(bytemuck::cast_slice(positions));
+    add(bytemuck::cast_slice(normals));
+    add(bytemuck::cast_slice(uvs));
+    add(bytemuck::cast_slice(triangles));
+    add(bytemuck::cast_slice(triangle_material));
+    add(bytemuck::cast_slice(corner_colors));
+    // Debug prints numbers so that they read back the same.
+    add(format!("{name:?} {origin:?} {materials:?} {lights:?} {cameras:?} {animations:?}").as_bytes());
+    for texture in textures {
+        add(format!("{:?} {}", texture.meta, texture.texels.is_some()).as_bytes());
+        add(&texture.bytes);
+    }
+    hash.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::Preset;
+    use super::*;
+    use crate::scene;
+
+    #[test]
+    fn another_scene_or_setting_is_named() {
+        let scene = scene::load("builtin:cornell-box").unwrap();
+        let settings = BakeSettings::new(Preset::Draft);
+        let one = Identity::new(&scene, &settings);
+        assert_eq!(one.difference(&Identity::new(&scene, &settings)), None);
+        let mut other = settings.clone();
+        other.place.functions = 77;
+        let said = one.difference(&Identity::new(&scene, &other)).unwrap();
+        assert_eq!(said, "functions 25000, not 77");
+        let mut moved = scene.clone();
+        moved.positions[0].x += 1e-3;
+        let said = one.difference(&Identity::new(&moved, &settings)).unwrap();
+        assert!(said.starts_with("scene cornell-box (") && said.contains(", not cornell-box ("), "{said}");
+        let mut lit = scene.clone();
+        lit.lights.clear();
+        assert!(one.difference(&Identity::new(&lit, &settings)).unwrap().starts_with("scene "));
+    }
+}

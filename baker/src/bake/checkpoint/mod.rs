@@ -1,0 +1,248 @@
+//! A file beside the output in which a bake keeps what it has done, so that a bake that was stopped or killed can go on.
+//!
+//! * [`identity`] – what the result depends on;
+//! * [`record`] – the file's records.
+//!
+//! The file only grows. What a kill leaves of the last record does not match its checksum and is cut off before the
+//! bake goes on. A thread of its own writes, and forces what it wrote to the disk every few seconds.
+
+mod identity;
+mod record;
+mod writer;
+
+pub use identity::Identity;
+pub use writer::Storage;
+
+use crate::operator::gather::Gathered;
+use crate::operator::journal::{Columns, Journal};
+use crate::points::{PlacedMark, SurfacePoint};
+use rebounce_shared::rbn::bulk::Cut;
+use record::Record;
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use writer::Writer;
+
+/// Why a checkpoint cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// It cannot be read or written.
+    #[error("{path}: {source}; what was kept there before is whole, and --resume goes on from it")]
+    Io {
+        /// The checkpoint.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Another process is at it.
+    #[error("{0} is in use by another bake: wait for that one, or write elsewhere with --output")]
+    Busy(PathBuf),
+    /// Not a checkpoint.
+    #[error("{0} is no checkpoint of a bake: remove it, or bake without --resume, which replaces it")]
+    Foreign(PathBuf),
+    /// A checkpoint of another scene or other settings.
+    #[error(
+        "{path} is of another bake ({difference}): give the same scene and settings to go on with that one, or leave --resume out to begin anew"
+    )]
+    Other {
+        /// The checkpoint.
+        path: PathBuf,
+        /// In what it differs from what was asked for.
+        difference: String,
+    },
+}
+
+/// What an earlier run left.
+#[derive(Default)]
+struct Saved {
+    placed: Vec<Option<(PlacedMark, Vec<SurfacePoint>)>>,
+    shaped: Vec<(usize, Vec<Vec<Cut>>, Vec<u8>)>,
+    receivers: HashMap<usize, Vec<Gathered>>,
+    columns: HashMap<usize, Columns>,
+    records: usize,
+}
+
+/// A bake's checkpoint, open and locked. It is written until it is dropped.
+pub struct Checkpoint {
+    path: PathBuf,
+    salt: u32,
+    saved: Mutex<Saved>,
+    writer: Writer,
+}
+
+impl Checkpoint {
+    /// Begins a checkpoint; one that is there is replaced.
+    ///
+    /// # Errors
+    /// [`CheckpointError`].
+    pub fn create(path: &Path, identity: &Identity) -> Result<Self, CheckpointError> {
+        let file = open(path)?;
+        Self::begin(path, file, identity)
+    }
+
+    /// Goes on with a checkpoint; begins one where there is none yet.
+    ///
+    /// # Errors
+    /// [`CheckpointError`], among them a checkpoint of another bake, which is left as it is.
+    pub fn resume(path: &Path, identity: &Identity) -> Result<Self, CheckpointError> {
+        let io = |source| CheckpointError::Io { path: path.to_owned(), source };
+        let mut file = open(path)?;
+        let length = file.metadata().map_err(io)?.len();
+        let mut from = BufReader::with_capacity(1 << 20, &file);
+        let Some((first, mut end)) = record::read(&mut from, length, 0).map_err(io)? else {
+            // Killed before its first record was written, or something else altogether.
+            drop(from);
+            file.rewind().map_err(io)?;
+            let mut start = Vec::new();
+            (&file).take(length.min(1 << 20)).read_to_end(&mut start).map_err(io)?;
+            return match record::identity(&identity.to_json()).starts_with(&start) {
+                true => Self::begin(path, file, identity),
+                false => Err(CheckpointError::Foreign(path.to_owned())),
+            };
+        };
+        let found = match &first {
+            Record::Identity(json) => serde_json::from_slice::<Identity>(json).ok(),
+            _ => None,
+        };
+        let found = found.ok_or_else(|| CheckpointError::Foreign(path.to_owned()))?;
+        if let Some(difference) = found.difference(identity) {
+            return Err(CheckpointError::Other { path: path.to_owned(), difference });
+        }
+        let salt = record::checksum_in(&record::identity(&identity.to_json()));
+        let mut saved = Saved::default();
+        while let Some((record, bytes)) = record::read(&mut from, length - end, salt).map_err(io)? {
+            end += bytes;
+            saved.add(record);
+        }
+        drop(from);
+        file.set_len(end).map_err(io)?;
+        file.seek(SeekFrom::Start(end)).map_err(io)?;
+        let writer = Writer::new(Box::new(file), end);
+        Ok(Self { path: path.to_owned(), salt, saved: Mutex::new(saved), writer })
+    }
+
+    fn begin(path: &Path, file: File, identity: &Identity) -> Result<Self, CheckpointError> {
+        let io = |source| CheckpointError::Io { path: path.to_owned(), source };
+        file.set_len(0).map_err(io)?;
+        (&file).rewind().map_err(io)?;
+        Ok(Self::on(Box::new(file), path, identity))
+    }
+
+    /// A checkpoint written to some storage that is empty; `path` is what errors call it.
+    pub fn on(storage: Box<dyn Storage>, path: &Path, identity: &Identity) -> Self {
+        let first = record::identity(&identity.to_json());
+        let salt = record::checksum_in(&first);
+        let writer = Writer::new(storage, 0);
+        writer.append(first);
+        Self { path: path.to_owned(), salt, saved: Mutex::default(), writer }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Records that were found when it was opened, besides the first.
+    pub fn records_found(&self) -> usize {
+        self.saved.lock().map_or(0, |saved| saved.records)
+    }
+
+    /// Whether writing has failed; [`Self::close`] says why.
+    pub fn has_failed(&self) -> bool {
+        self.writer.has_failed()
+    }
+
+    /// Waits until all is on the disk.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Io`] if writing failed, now or before.
+    pub fn flush(&self) -> Result<(), CheckpointError> {
+        self.writer.flush().map_err(|source| CheckpointError::Io { path: self.path.clone(), source })
+    }
+
+    /// Ends writing and removes the file: the bake is done.
+    pub fn remove(self) {
+        drop(self.writer);
+        // One that is left over takes room and does no harm.
+        let _ = std::fs::remove_file(&self.path);
+    }
+
+    /// The next level of points, if it is known; levels are asked for in order.
+    pub(super) fn take_placed(&self, level: usize) -> Option<(PlacedMark, Vec<SurfacePoint>)> {
+        self.saved.lock().ok()?.placed.get_mut(level)?.take()
+    }
+
+    pub(super) fn keep_placed(&self, mark: &PlacedMark, points: &[SurfacePoint]) {
+        self.writer.append(record::placed(self.salt, mark, points));
+    }
+
+    /// Cuts and samples of the points from the first on, as far as they are known.
+    pub(super) fn take_shaped(&self) -> (Vec<Vec<Cut>>, Vec<u8>) {
+        let (mut cuts, mut samples) = (Vec::new(), Vec::new());
+        for (first, more, bits) in
+            self.saved.lock().map(|mut s| std::mem::take(&mut s.shaped)).unwrap_or_default()
+        {
+            if first == cuts.len() {
+                cuts.extend(more);
+                samples.extend(bits);
+            }
+        }
+        (cuts, samples)
+    }
+
+    pub(super) fn keep_shaped(&self, first: usize, cuts: &[Vec<Cut>], samples: &[u8]) {
+        self.writer.append(record::shaped(self.salt, first, cuts, samples));
+    }
+}
+
+impl Saved {
+    fn add(&mut self, record: Record) {
+        self.records += 1;
+        match record {
+            Record::Identity(_) => {}
+            Record::Placed(mark, points) => self.placed.push(Some((mark, points))),
+            Record::Shaped(first, cuts, samples) => self.shaped.push((first, cuts, samples)),
+            Record::Receivers(first, found) => {
+                self.receivers.insert(first, found);
+            }
+            Record::Columns(part, columns) => {
+                self.columns.insert(part, columns);
+            }
+        }
+    }
+}
+
+impl Journal for Checkpoint {
+    fn receivers(&self, first: usize, count: usize) -> Option<Vec<Gathered>> {
+        let found = self.saved.lock().ok()?.receivers.remove(&first)?;
+        (found.len() == count).then_some(found)
+    }
+
+    fn keep_receivers(&self, first: usize, found: &[Gathered]) {
+        self.writer.append(record::receivers(self.salt, first, found));
+    }
+
+    fn columns(&self, part: usize) -> Option<Columns> {
+        self.saved.lock().ok()?.columns.remove(&part)
+    }
+
+    fn keep_columns(&self, part: usize, columns: &Columns) {
+        self.writer.append(record::columns(self.salt, part, columns));
+    }
+}
+
+/// Opens a checkpoint for this process alone.
+fn open(path: &Path) -> Result<File, CheckpointError> {
+    let io = |source| CheckpointError::Io { path: path.to_owned(), source };
+    let file =
+        OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(io)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(CheckpointError::Busy(path.to_owned())),
+        // A file system without locks.
+        Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => Ok(file),
+        Err(TryLockError::Error(error)) => Err(io(error)),
+    }
+}

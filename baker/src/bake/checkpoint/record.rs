@@ -1,0 +1,288 @@
+//! The records of a checkpoint: what each holds, as bytes.
+//!
+//! ```text
+//! a record    0  u32  length of the contents, bytes
+//!             4  u32  kind
+//!             8  u32  XXH32, seeded with the salt, of the kind and the contents
+//!            12       contents
+//! ```
+//!
+//! All numbers are little-endian. The first record is the [`Identity`](super::Identity) as JSON, with salt 0; its
+//! checksum is the salt of all others, so that no record of another bake is taken for one of this.
+
+use crate::operator::gather::{GatherCost, Gathered};
+use crate::operator::journal::Columns;
+use crate::points::{PlacedMark, SurfacePoint};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use rebounce_shared::link::Link;
+use rebounce_shared::rbn::bulk::Cut;
+use std::io::{self, Read};
+use xxhash_rust::xxh32::Xxh32;
+
+/// Bytes before a record's contents.
+pub const HEAD: usize = 12;
+
+/// What one record holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Record {
+    /// The identity as JSON.
+    Identity(Vec<u8>),
+    /// The points of one level, levels in order, and where placing goes on.
+    Placed(PlacedMark, Vec<SurfacePoint>),
+    /// Cuts and samples of points from the first on.
+    Shaped(usize, Vec<Vec<Cut>>, Vec<u8>),
+    /// What was gathered for receivers from the first on.
+    Receivers(usize, Vec<Gathered>),
+    /// One part of the later bounces.
+    Columns(usize, Columns),
+}
+
+const IDENTITY: u32 = 0;
+const PLACED: u32 = 1;
+const SHAPED: u32 = 2;
+const RECEIVERS: u32 = 3;
+const COLUMNS: u32 = 4;
+
+fn checksum(salt: u32, kind: u32, contents: &[u8]) -> u32 {
+    let mut hash = Xxh32::new(salt);
+    hash.update(&kind.to_le_bytes());
+    hash.update(contents);
+    hash.digest()
+}
+
+/// The checksum in a whole record's bytes.
+pub fn checksum_in(record: &[u8]) -> u32 {
+    record.get(8..HEAD).and_then(|bytes| bytes.try_into().ok()).map_or(0, u32::from_le_bytes)
+}
+
+/// A record while it is written.
+struct Writer(Vec<u8>);
+
+impl Writer {
+    fn new() -> Self {
+        Self(vec![0; HEAD])
+    }
+
+    fn put<T: Pod>(&mut self, values: &[T]) -> &mut Self {
+        self.0.extend_from_slice(bytemuck::cast_slice(values));
+        self
+    }
+
+    fn finish(mut self, salt: u32, kind: u32) -> Vec<u8> {
+        let head = [(self.0.len() - HEAD) as u32, kind, checksum(salt, kind, &self.0[HEAD..])];
+        self.0[..HEAD].copy_from_slice(bytemuck::cast_slice(&head));
+        self.0
+    }
+}
+
+/// A record's contents while they are read; nothing where there is too little.
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn take<T: Pod + Zeroable>(&mut self, count: usize) -> Option<Vec<T>> {
+        let (bytes, rest) = self.0.split_at_checked(count.checked_mul(size_of::<T>())?)?;
+        self.0 = rest;
+        Some(bytemuck::pod_collect_to_vec(bytes))
+    }
+
+    fn one<T: Pod + Zeroable>(&mut self) -> Option<T> {
+        self.take(1)?.pop()
+    }
+
+    /// Rows of these lengths.
+    fn rows<T: Pod + Zeroable>(&mut self, lengths: &[u32]) -> Option<Vec<Vec<T>>> {
+        lengths.iter().map(|length| self.take(*length as usize)).collect()
+    }
+
+    /// As many as there are left.
+    fn rest<T>(&self) -> usize {
+        self.0.len() / size_of::<T>()
+    }
+}
+
+fn lengths<'a, T: 'a>(rows: impl Iterator<Item = &'a Vec<T>>) -> Vec<u32> {
+    rows.map(|row| row.len() as u32).collect()
+}
+
+/// The identity, and with it the salt of the records that follow.
+pub fn identity(json: &[u8]) -> Vec<u8> {
+    let mut out = Writer::new();
+    out.put(json);
+    out.finish(0, IDENTITY)
+}
+
+/// See [`Record::Placed`].
+pub fn placed(salt: u32, mark: &PlacedMark, points: &[SurfacePoint]) -> Vec<u8> {
+    let mut out = Writer::new();
+    out.put(&[mark.next_particle]).put(&[mark.coarse_radius]);
+    for point in points {
+        out.put(&[point.position, point.normal, point.geometric_normal]);
+    }
+    out.finish(salt, PLACED)
+}
+
+/// See [`Record::Shaped`].
+pub fn shaped(salt: u32, first: usize, cuts: &[Vec<Cut>], samples: &[u8]) -> Vec<u8> {
+    let mut out = Writer::new();
+    out.put(&[first as u64, cuts.len() as u64]).put(&lengths(cuts.iter()));
+    cuts.iter().for_each(|row| {
+        out.put(row);
+    });
+    out.put(samples);
+    out.finish(salt, SHAPED)
+}
+
+/// See [`Record::Receivers`].
+pub fn receivers(salt: u32, first: usize, found: &[Gathered]) -> Vec<u8> {
+    let mut out = Writer::new();
+    out.put(&[first as u64, found.len() as u64]);
+    out.put(&found.iter().map(|g| g.cost.rays).collect::<Vec<u64>>());
+    out.put(&found.iter().map(|g| [g.cost.seen, g.cost.lost]).collect::<Vec<_>>());
+    out.put(&lengths(found.iter().map(|g| &g.links))).put(&lengths(found.iter().map(|g| &g.value)));
+    out.put(&lengths(found.iter().map(|g| &g.coarse)));
+    for gathered in found {
+        out.put(&gathered.links).put(&gathered.value);
+        out.put(&gathered.coarse.iter().map(|entry| entry.0).collect::<Vec<u32>>());
+        out.put(&gathered.coarse.iter().map(|entry| entry.1).collect::<Vec<f32>>());
+    }
+    out.finish(salt, RECEIVERS)
+}
+
+/// See [`Record::Columns`].
+pub fn columns(salt: u32, part: usize, columns: &Columns) -> Vec<u8> {
+    let mut out = Writer::new();
+    out.put(&[part as u64, columns.rows.len() as u64]).put(&[columns.bounces]);
+    out.put(&lengths(columns.rows.iter()));
+    for row in &columns.rows {
+        out.put(&row.iter().map(|entry| entry.0).collect::<Vec<u32>>());
+        out.put(&row.iter().map(|entry| entry.1).collect::<Vec<Vec3>>());
+    }
+    out.finish(salt, COLUMNS)
+}
+
+/// Reads the next record and its length in bytes from a file of which `left` bytes are left; `None` where what is left
+/// is none: the file was cut short there, or damaged.
+///
+/// # Errors
+/// What the system says.
+pub fn read(file: &mut impl Read, left: u64, salt: u32) -> io::Result<Option<(Record, u64)>> {
+    if left < HEAD as u64 {
+        return Ok(None);
+    }
+    let mut head = [0u32; 3];
+    file.read_exact(bytemuck::bytes_of_mut(&mut head))?;
+    let [length, kind, expected] = head;
+    let whole = HEAD as u64 + length as u64;
+    if whole > left {
+        return Ok(None);
+    }
+    let mut contents = vec![0; length as usize];
+    file.read_exact(&mut contents)?;
+    if checksum(salt, kind, &contents) != expected {
+        return Ok(None);
+    }
+    Ok(decode(kind, contents).map(|record| (record, whole)))
+}
+
+fn decode(kind: u32, contents: Vec<u8>) -> Option<Record> {
+    let mut from = Reader(&contents);
+    let record = match kind {
+        IDENTITY => return Some(Record::Identity(contents)),
+        PLACED => {
+            let mark = PlacedMark { next_particle: from.one()?, coarse_radius: from.one()? };
+            let points = from.take::<[Vec3; 3]>(from.rest::<[Vec3; 3]>())?;
+            let point = |[position, normal, geometric_normal]: [Vec3; 3]| SurfacePoint {
+                position,
+                normal,
+                geometric_normal,
+            };
+            Record::Placed(mark, points.into_iter().map(point).collect())
+        }
+        SHAPED => {
+            let [first, count] = from.one::<[u64; 2]>()?.map(|n| n as usize);
+            let lengths = from.take::<u32>(count)?;
+            Record::Shaped(first, from.rows(&lengths)?, from.take(count)?)
+        }
+        RECEIVERS => {
+            let [first, count] = from.one::<[u64; 2]>()?.map(|n| n as usize);
+            let rays = from.take::<u64>(count)?;
+            let light = from.take::<[f64; 2]>(count)?;
+            let lengths = from.take::<u32>(count)?.into_iter().zip(from.take::<u32>(count)?);
+            let lengths: Vec<_> = lengths.zip(from.take::<u32>(count)?).collect();
+            let mut found = Vec::with_capacity(count);
+            for ((rays, [seen, lost]), ((links, value), coarse)) in rays.into_iter().zip(light).zip(lengths) {
+                let links: Vec<Link> = from.take(links as usize)?;
+                let value: Vec<Link> = from.take(value as usize)?;
+                let senders = from.take::<u32>(coarse as usize)?;
+                let coarse = senders.into_iter().zip(from.take::<f32>(coarse as usize)?).collect();
+                found.push(Gathered { links, value, coarse, cost: GatherCost { rays, seen, lost } });
+            }
+            Record::Receivers(first, found)
+        }
+        COLUMNS => {
+            let [part, count] = from.one::<[u64; 2]>()?.map(|n| n as usize);
+            let bounces = from.one()?;
+            let mut rows = Vec::new();
+            for length in from.take::<u32>(count)? {
+                let senders = from.take::<u32>(length as usize)?;
+                rows.push(senders.into_iter().zip(from.take::<Vec3>(length as usize)?).collect());
+            }
+            Record::Columns(part, Columns { bounces, rows })
+        }
+        _ => return None,
+    };
+    from.0.is_empty().then_some(record)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn some() -> Vec<(Record, Vec<u8>)> {
+        let mark = PlacedMark { coarse_radius: 0.3, next_particle: 1 << 40 };
+        let point =
+            SurfacePoint { position: Vec3::ONE, normal: Vec3::Y, geometric_normal: Vec3::new(0.0, 0.8, 0.6) };
+        let cuts = vec![vec![], vec![Cut { towards: [1.0, 2.0, 3.0] }]];
+        let found = vec![
+            Gathered::default(),
+            Gathered {
+                links: vec![Link::pack(3, 0.5)],
+                value: vec![Link::pack(3, 0.5), Link::pack(9, -0.1)],
+                coarse: vec![(2, 0.25)],
+                cost: GatherCost { rays: 512, seen: 0.7, lost: 1e-9 },
+            },
+        ];
+        let some = Columns { bounces: 9, rows: vec![vec![], vec![(1, Vec3::new(0.1, 0.2, 0.3))]] };
+        vec![
+            (Record::Placed(mark, vec![point; 3]), placed(7, &mark, &[point; 3])),
+            (Record::Shaped(5, cuts.clone(), vec![1, 255]), shaped(7, 5, &cuts, &[1, 255])),
+            (Record::Receivers(64, found.clone()), receivers(7, 64, &found)),
+            (Record::Columns(2, some.clone()), columns(7, 2, &some)),
+        ]
+    }
+
+    #[test]
+    fn records_come_back_as_they_were() {
+        for (record, bytes) in some() {
+            let back = read(&mut &bytes[..], bytes.len() as u64, 7).unwrap();
+            assert_eq!(back, Some((record, bytes.len() as u64)));
+            assert_eq!(read(&mut &bytes[..], bytes.len() as u64, 8).unwrap(), None, "another bake's");
+        }
+    }
+
+    #[test]
+    fn no_part_and_no_damaged_record_is_taken_for_one() {
+        for (_, bytes) in some() {
+            for end in 0..bytes.len() {
+                assert_eq!(read(&mut &bytes[..end], end as u64, 7).unwrap(), None);
+            }
+            for at in 0..bytes.len() {
+                let mut bytes = bytes.clone();
+                bytes[at] ^= 0x10;
+                // A length that grew past the end, or one that shrank, or other contents.
+                assert_eq!(read(&mut &bytes[..], bytes.len() as u64, 7).unwrap(), None, "byte {at}");
+            }
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! A bake's stages in order: points, basis, operator, file.
+
+use super::assemble::assemble;
+use super::tracker::Tracker;
+use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Preview, Stage};
+use crate::basis::{Relations, relate};
+use crate::operator::bounces::{add_later_bounces, column_count};
+use crate::operator::journal::Journal;
+use crate::operator::refine::{Refiner, Senders, refine};
+use crate::operator::{Operator, reflected::reflected_share, tint};
+use crate::points::{Placer, Points, cut, footprint, place};
+use crate::scene::Scene;
+use crate::triangles::TriangleSurfaces;
+use crate::watch::{Stopped, Watch};
+use glam::Vec3;
+use rebounce_shared::link::MAX_SENDERS;
+use rebounce_shared::rbn;
+use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
+
+/// Points whose cuts and samples are kept together.
+const SHAPED: usize = 1 << 15;
+/// Functions on the finest level of a sketch, its levels, and rays to each receiver.
+const SKETCH: (usize, usize, u32) = (3_000, 3, 512);
+
+/// What all stages read.
+pub(super) struct Transport<'a> {
+    pub scene: &'a Scene,
+    pub surfaces: &'a TriangleSurfaces,
+    pub viewpoints: &'a [Vec3],
+    pub observer: &'a dyn Observer,
+}
+
+/// The settings of a coarse bake to show first; `None` where the bake is small itself.
+pub(super) fn sketch_settings(settings: &BakeSettings) -> Option<BakeSettings> {
+    let (functions, levels, rays) = SKETCH;
+    let mut sketch = settings.clone();
+    sketch.place.coarse_radius = None;
+    (sketch.place.functions, sketch.place.levels) = (functions, levels);
+    sketch.operator.rays = vec![rays];
+    (sketch.operator.sender_levels, sketch.direct_levels) = (levels, levels);
+    // Later bounces cost the square of the points that they travel between.
+    sketch.operator.later_levels = 1;
+    let is_small = settings.place.functions < 5 * functions || settings.place.levels <= levels;
+    (!is_small).then(|| sketch.normalised())
+}
+
+/// Asks whether to go on and counts nothing.
+struct Uncounted<'a>(&'a dyn Watch);
+
+impl Watch for Uncounted<'_> {
+    fn step(&self, _units: u64) -> Result<(), Stopped> {
+        self.0.step(0)
+    }
+}
+
+impl Transport<'_> {
+    /// Bakes coarsely and hands the result to the observer.
+    pub(super) fn sketch(&self, mut settings: BakeSettings, watch: &dyn Watch) -> Result<(), BakeError> {
+        let watch = &Uncounted(watch);
+        let mut points = place(self.surfaces, self.viewpoints, &settings.place, watch)?;
+        let end = points.points.len();
+        cut(self.surfaces, &mut points, end, watch)?;
+        footprint(self.surfaces, &mut points, end, watch)?;
+        let relations = relate(&points, settings.direct_levels)?;
+        settings.operator.reflected = reflected_share(self.surfaces, &points, settings.operator.seed);
+        let mut operator = refine(self.surfaces, &points, &relations, &settings.operator, watch)?;
+        add_later_bounces(&mut operator, &settings.operator, watch, &())?;
+        let file = self.file(&settings, &points, &relations, &operator)?;
+        self.observer.preview(Preview { file, levels: 0 });
+        Ok(())
+    }
+
+    /// Bakes.
+    pub(super) fn run(
+        &self,
+        mut settings: BakeSettings,
+        tracker: &Tracker,
+        checkpoint: Option<&Checkpoint>,
+        mut report: BakeReport,
+    ) -> Result<(rbn::Scene, BakeReport), BakeError> {
+        let journal: &dyn Journal = checkpoint.map_or(&(), |checkpoint| checkpoint);
+        let points = self.points(&settings, tracker, checkpoint)?;
+        // Links can name so many senders: beyond, the finest levels receive and do not send.
+        while points.count_on(settings.operator.sender_levels) > MAX_SENDERS
+            && settings.operator.sender_levels > 1
+        {
+            settings.operator.sender_levels -= 1;
+        }
+        settings = settings.normalised();
+        report.sender_levels = settings.operator.sender_levels as u64;
+        let task = tracker.task(Stage::Basis, None);
+        let relations = relate(&points, settings.direct_levels)?;
+        task.step(points.points.len() as u64)?;
+        drop(task);
+        let task = tracker.task(Stage::Colours, None);
+        settings.operator.reflected = reflected_share(self.surfaces, &points, settings.operator.seed);
+        let tints = tint::tints(self.surfaces, &points, settings.operator.seed, &task)?;
+        drop(task);
+        let told = &settings.operator;
+        let senders = Senders::new(&points, told, &tints);
+        let mut refiner = Refiner::new(self.surfaces, &points, &relations, told, &senders, tints);
+        let levels = points.levels.len();
+        for level in 0..levels {
+            tracker.expect(|estimate| estimate.expect_rays(level, refiner.rays_ahead() as f64));
+            refiner.level(&tracker.task(Stage::Links, Some(level)), journal)?;
+            if level + 1 == told.later_levels.min(levels) {
+                let operator = refiner.operator_mut();
+                let entries: usize = operator.coarse.iter().map(Vec::len).sum();
+                let columns = column_count(operator, told);
+                tracker.expect(|estimate| estimate.expect_bounces(columns as f64, entries as f64));
+                add_later_bounces(operator, told, &tracker.task(Stage::Bounces, None), journal)?;
+            }
+            let has_bounces = level + 1 >= told.later_levels;
+            if has_bounces && level + 1 < levels && self.observer.wants_previews() {
+                let file = self.file(&settings, &points, &relations, refiner.operator())?;
+                self.observer.preview(Preview { file, levels: level + 1 });
+            }
+        }
+        let operator = refiner.finish();
+        let task = tracker.task(Stage::Assemble, None);
+        report.describe(&points, &operator, &settings);
+        let file = self.file(&settings, &points, &relations, &operator)?;
+        task.step(0)?;
+        drop(task);
+        report.seconds = tracker.seconds();
+        Ok((file, report))
+    }
+
+    /// All points with their cuts and samples.
+    fn points(
+        &self,
+        settings: &BakeSettings,
+        tracker: &Tracker,
+        checkpoint: Option<&Checkpoint>,
+    ) -> Result<Points, BakeError> {
+        let mut placer = Placer::new(self.surfaces, self.viewpoints, &settings.place)?;
+        for level in 0..settings.place.levels {
+            let task = tracker.task(Stage::Points, Some(level));
+            if let Some((mark, points)) = checkpoint.and_then(|checkpoint| checkpoint.take_placed(level)) {
+                task.skip(points.len() as u64)?;
+                placer.take_over(points, mark);
+            } else {
+                placer.level(&task)?;
+                let points = placer.points();
+                if let (Some(checkpoint), Some(level)) = (checkpoint, points.levels.last()) {
+                    checkpoint.keep_placed(&placer.mark(), &points.points[level.range()]);
+                }
+            }
+            drop(task);
+            tracker.expect(|estimate| estimate.expect_points(settings, &expected(placer.points(), settings)));
+        }
+        let mut points = placer.into_points();
+        let task = tracker.task(Stage::Walls, None);
+        if let Some(checkpoint) = checkpoint {
+            (points.cuts, points.samples) = checkpoint.take_shaped();
+            task.skip(2 * points.samples.len() as u64)?;
+        }
+        while points.samples.len() < points.points.len() {
+            let first = points.samples.len();
+            let end = points.points.len().min(first + SHAPED);
+            cut(self.surfaces, &mut points, end, &task)?;
+            footprint(self.surfaces, &mut points, end, &task)?;
+            if let Some(checkpoint) = checkpoint {
+                checkpoint.keep_shaped(first, &points.cuts[first..], &points.samples[first..]);
+            }
+        }
+        drop(task);
+        Ok(points)
+    }
+
+    /// The file's contents.
+    fn file(
+        &self,
+        settings: &BakeSettings,
+        points: &Points,
+        relations: &Relations,
+        operator: &Operator,
+    ) -> Result<rbn::Scene, BakeError> {
+        if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
+            return Err(BakeError::TooManyCuts);
+        }
+        Ok(assemble(self.scene, settings, self.viewpoints[0], points, relations, operator))
+    }
+}
+
+/// About how many points each level will have, with what is known: levels grow alike.
+fn expected(points: &Points, settings: &BakeSettings) -> Vec<f64> {
+    let mut counts = crate::points::expected_counts(&settings.place);
+    if let Some(last) = points.levels.len().checked_sub(1) {
+        let scale = points.levels[last].count as f64 / counts[last];
+        counts.iter_mut().for_each(|count| *count *= scale);
+        counts.iter_mut().zip(&points.levels).for_each(|(count, level)| *count = level.count as f64);
+    }
+    counts
+}

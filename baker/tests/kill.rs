@@ -1,0 +1,163 @@
+//! The command itself, killed, stopped and short of room: the file before is as it was, and `--resume` goes on.
+#![cfg(unix)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const SCENE: &str = "builtin:two-rooms-door";
+
+fn command(output: &Path, more: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rebounce"));
+    command.args([
+        "bake",
+        SCENE,
+        "--preset",
+        "draft",
+        "--functions",
+        "3000",
+        "--rays",
+        "512",
+        "--threads",
+        "2",
+    ]);
+    command.arg("-o").arg(output).args(more);
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The bytes of an uninterrupted bake, and how long it took.
+fn uninterrupted(folder: &Path) -> (Vec<u8>, Duration) {
+    let (path, began) = (folder.join("whole.rbn"), Instant::now());
+    let output = command(&path, &[]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(names(folder), ["whole.rbn"], "nothing is left beside it");
+    (std::fs::read(path).unwrap(), began.elapsed())
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// Waits until the checkpoint beside this output has this many bytes.
+fn wait_for(child: &mut Child, output: &Path, bytes: u64) {
+    let partial = PathBuf::from(format!("{}.partial", output.display()));
+    while partial.metadata().map_or(0, |m| m.len()) < bytes {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it kept {bytes} bytes");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    assert!(Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap().success());
+}
+
+#[test]
+fn killed_at_any_time_it_goes_on_to_the_same_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (expected, took) = uninterrupted(folder.path());
+    let path = folder.path().join("room.rbn");
+    std::fs::write(&path, "the old one").unwrap();
+    for share in [0.03, 0.3, 0.5, 0.7, 0.9] {
+        let mut child = command(&path, &["--resume"]).spawn().unwrap();
+        std::thread::sleep(took.mul_f64(share));
+        // It may be over already: it goes on each time.
+        let _ = child.kill();
+        child.wait().unwrap();
+        let now = std::fs::read(&path).unwrap();
+        assert!(now == b"the old one" || now == expected, "killed after {share} of the time");
+    }
+    let output = command(&path, &["--resume"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(std::fs::read(&path).unwrap() == expected);
+    assert!(!names(folder.path()).contains(&"room.rbn.partial".to_owned()));
+}
+
+#[test]
+fn signals_stop_it_within_a_second() {
+    let folder = tempfile::tempdir().unwrap();
+    let (expected, _) = uninterrupted(folder.path());
+    let path = folder.path().join("room.rbn");
+    // While points are placed, then while links are traced.
+    for (name, code, bytes) in [("INT", 130, 1_000), ("TERM", 143, 400_000)] {
+        let mut child = command(&path, &["--resume"]).spawn().unwrap();
+        wait_for(&mut child, &path, bytes);
+        let asked = Instant::now();
+        signal(&child, name);
+        let output = child.wait_with_output().unwrap();
+        assert!(asked.elapsed() < Duration::from_secs(1), "{name}: {:?}", asked.elapsed());
+        assert_eq!(output.status.code(), Some(code), "{}", said(&output));
+        assert!(said(&output).contains("room.rbn.partial has what was done"), "{}", said(&output));
+        assert!(!path.exists());
+    }
+    let output = command(&path, &["--resume"]).output().unwrap();
+    assert!(said(&output).contains("going on from"), "{}", said(&output));
+    assert!(std::fs::read(&path).unwrap() == expected);
+}
+
+#[test]
+fn without_room_the_old_file_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let (expected, _) = uninterrupted(folder.path());
+    let path = folder.path().join("room.rbn");
+    std::fs::write(&path, "the old one").unwrap();
+    // No file may grow beyond some 200 kB; the signal that would say so is ignored, so that writing fails as on
+    // a full disk.
+    let bake = command(&path, &[]);
+    let mut limited = Command::new("sh");
+    limited.args(["-c", "trap '' XFSZ; ulimit -f 300; exec \"$@\"", "sh"]);
+    limited.arg(bake.get_program()).args(bake.get_args());
+    let output = limited.output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(
+        said(&output).contains("room.rbn.partial") && said(&output).contains("--resume"),
+        "{}",
+        said(&output)
+    );
+    assert_eq!(std::fs::read(&path).unwrap(), b"the old one");
+    let output = command(&path, &["--resume"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(std::fs::read(&path).unwrap() == expected);
+}
+
+#[test]
+fn other_settings_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.rbn");
+    let mut child = command(&path, &[]).spawn().unwrap();
+    wait_for(&mut child, &path, 1_000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let output = command(&path, &["--resume", "--seed", "2"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said(&output).contains("seed 1, not 2"), "{}", said(&output));
+    assert_eq!(command(&path, &["--what"]).output().unwrap().status.code(), Some(2));
+}
+
+#[test]
+fn progress_is_json_on_demand() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.rbn");
+    let output = command(&path, &["--json-progress"]).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<serde_json::Value> =
+        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let stages: Vec<&str> = lines.iter().map(|line| line["stage"].as_str().unwrap()).collect();
+    for stage in ["preparing", "placing points", "tracing links", "adding bounces"] {
+        assert!(stages.contains(&stage), "{stage}");
+    }
+    assert_eq!(stages.last(), Some(&"done"));
+    let number = |line: &serde_json::Value, name: &str| line[name].as_f64().unwrap();
+    for pair in lines.windows(2) {
+        assert!(number(&pair[0], "seconds") <= number(&pair[1], "seconds"));
+        assert!((0.0..=1.0).contains(&number(&pair[0], "fraction")));
+    }
+    assert!(lines.iter().any(|line| line["rays_per_second"].as_f64().is_some_and(|rate| rate > 0.0)));
+}

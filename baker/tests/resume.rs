@@ -1,0 +1,248 @@
+//! A bake that was stopped and goes on gives the file that an uninterrupted one gives, to the byte.
+
+use rebounce::bake::checkpoint::Storage;
+use rebounce::bake::{
+    BakeError, BakeSettings, Checkpoint, CheckpointError, Identity, Observer, Preset, bake,
+    bake_with_checkpoint,
+};
+use rebounce::random::Stream;
+use rebounce::scene::{self, Scene};
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+/// Stops when it has been asked so many times whether to.
+struct StopAfter {
+    asked: AtomicUsize,
+    limit: usize,
+}
+
+impl StopAfter {
+    fn new(limit: usize) -> Self {
+        Self { asked: AtomicUsize::new(0), limit }
+    }
+}
+
+impl Observer for StopAfter {
+    fn is_stopped(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.limit
+    }
+}
+
+fn small() -> BakeSettings {
+    let mut settings = BakeSettings::new(Preset::Draft);
+    (settings.place.levels, settings.place.functions) = (4, 700);
+    settings.operator.rays = vec![128, 64];
+    settings.operator.later_levels = 2;
+    settings
+}
+
+fn whole(scene: &Scene, settings: &BakeSettings) -> Vec<u8> {
+    bake(scene, settings, &()).unwrap().0.to_bytes().unwrap()
+}
+
+fn resumed(
+    scene: &Scene,
+    settings: &BakeSettings,
+    path: &Path,
+    observer: &dyn Observer,
+) -> Result<Vec<u8>, BakeError> {
+    let checkpoint = Checkpoint::resume(path, &Identity::new(scene, settings))?;
+    Ok(bake_with_checkpoint(scene, settings, observer, &checkpoint)?.0.to_bytes()?)
+}
+
+fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+}
+
+/// Where the records of a checkpoint end.
+fn ends(bytes: &[u8]) -> Vec<usize> {
+    let mut ends = Vec::new();
+    let mut at = 0;
+    while at < bytes.len() {
+        at += 12 + u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+        ends.push(at);
+    }
+    assert_eq!(at, bytes.len(), "whole records");
+    ends
+}
+
+#[test]
+fn stopped_at_any_time_and_resumed_it_is_the_same_file() {
+    for name in ["builtin:cornell-box", "builtin:two-rooms-door"] {
+        let (scene, settings) = (scene::load(name).unwrap(), small());
+        let expected = whole(&scene, &settings);
+        for threads in [1, 2] {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("a.partial");
+            let (mut runs, mut records) = (0, 0);
+            // Stops again and again, each time a little later than what there is to skip.
+            let bytes = loop {
+                let observer = StopAfter::new(40 + 110 * runs);
+                let found = with_threads(threads, || resumed(&scene, &settings, &path, &observer));
+                match found {
+                    Ok(bytes) => break bytes,
+                    Err(BakeError::Stopped) => runs += 1,
+                    Err(error) => panic!("{error}"),
+                }
+                let now = ends(&std::fs::read(&path).unwrap()).len();
+                assert!(now >= records, "what is kept only grows");
+                records = now;
+            };
+            assert!(runs > 5, "{name}: stopped only {runs} times");
+            assert!(records > 10, "{name}: {records}");
+            assert!(bytes == expected, "{name}, {threads} threads, {runs} stops");
+        }
+    }
+}
+
+#[test]
+fn what_is_kept_is_not_done_again() {
+    struct Rays(Mutex<f64>);
+    impl Observer for Rays {
+        fn progress(&self, progress: &rebounce::bake::Progress) {
+            *self.0.lock().unwrap() += progress.rays_per_second.unwrap_or(0.0);
+        }
+    }
+    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.partial");
+    let (first, second) = (Rays(Mutex::default()), Rays(Mutex::default()));
+    let once = resumed(&scene, &settings, &path, &first).unwrap();
+    let length = path.metadata().unwrap().len();
+    assert!(resumed(&scene, &settings, &path, &second).unwrap() == once);
+    assert!(*first.0.lock().unwrap() > 0.0);
+    assert_eq!(*second.0.lock().unwrap(), 0.0, "no ray was cast for links again");
+    assert_eq!(path.metadata().unwrap().len(), length, "nothing was added");
+}
+
+#[test]
+fn torn_and_damaged_tails_are_cut_off() {
+    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let expected = whole(&scene, &settings);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.partial");
+    resumed(&scene, &settings, &path, &()).unwrap();
+    let full = std::fs::read(&path).unwrap();
+    let ends = ends(&full);
+    // Each boundary is a place to go on from: checked by what is found there; some by baking on.
+    let identity = Identity::new(&scene, &settings);
+    for (records, &end) in ends.iter().enumerate() {
+        for torn in [end, (end + 1).min(full.len()), (end + 13).min(full.len())] {
+            std::fs::write(&path, &full[..torn]).unwrap();
+            let found = Checkpoint::resume(&path, &identity).unwrap().records_found();
+            let whole = ends.iter().filter(|end| **end <= torn).count() - 1;
+            assert_eq!(found, whole, "cut at {torn}, record {records}");
+        }
+    }
+    let mut stream = Stream::new(5, 5);
+    for k in 0..16 {
+        let at = (stream.unit() * full.len() as f32) as usize;
+        let mut bytes = full.clone();
+        match k % 2 {
+            0 => bytes.truncate(at),
+            _ => bytes[at.max(ends[0])] ^= 1 << (k / 2),
+        }
+        std::fs::write(&path, &bytes).unwrap();
+        assert!(resumed(&scene, &settings, &path, &()).unwrap() == expected, "at {at} of {}", full.len());
+    }
+    // Killed within the first record, which has no checksum yet.
+    for at in [0, 5, 12, ends[0] - 1] {
+        std::fs::write(&path, &full[..at]).unwrap();
+        assert_eq!(Checkpoint::resume(&path, &identity).unwrap().records_found(), 0);
+    }
+}
+
+#[test]
+fn checkpoints_of_other_bakes_are_refused_and_left_as_they_are() {
+    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.partial");
+    let _ = resumed(&scene, &settings, &path, &StopAfter::new(300));
+    let before = std::fs::read(&path).unwrap();
+    let mut other = small();
+    other.operator.rays = vec![99];
+    let refused = Checkpoint::resume(&path, &Identity::new(&scene, &other)).err().unwrap().to_string();
+    assert!(refused.contains("rays [128, 64], not [99]") && refused.contains("a.partial"), "{refused}");
+    let library = scene::load("builtin:library").unwrap();
+    let refused = Checkpoint::resume(&path, &Identity::new(&library, &settings)).err().unwrap().to_string();
+    assert!(refused.contains("scene cornell-box") && refused.contains("not library"), "{refused}");
+    assert!(std::fs::read(&path).unwrap() == before);
+    std::fs::write(&path, "a letter").unwrap();
+    let refused = Checkpoint::resume(&path, &Identity::new(&scene, &settings)).err().unwrap();
+    assert!(matches!(refused, CheckpointError::Foreign(_)), "{refused}");
+    assert_eq!(std::fs::read(&path).unwrap(), b"a letter");
+    // Without going on it is replaced.
+    Checkpoint::create(&path, &Identity::new(&scene, &settings)).unwrap().flush().unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), before[..ends(&before)[0]]);
+}
+
+#[test]
+fn two_bakes_do_not_write_one_checkpoint() {
+    let scene = scene::load("builtin:cornell-box").unwrap();
+    let identity = Identity::new(&scene, &small());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.partial");
+    let first = Checkpoint::create(&path, &identity).unwrap();
+    for second in [Checkpoint::create(&path, &identity), Checkpoint::resume(&path, &identity)] {
+        assert!(matches!(second.err().unwrap(), CheckpointError::Busy(_)));
+    }
+    drop(first);
+    Checkpoint::resume(&path, &identity).unwrap();
+}
+
+/// A disk with room for so many bytes.
+struct SmallDisk {
+    bytes: Arc<Mutex<Vec<u8>>>,
+    room: usize,
+}
+
+impl Write for SmallDisk {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut held = self.bytes.lock().unwrap();
+        let fits = bytes.len().min(self.room - held.len());
+        if fits == 0 {
+            return Err(io::ErrorKind::StorageFull.into());
+        }
+        held.extend_from_slice(&bytes[..fits]);
+        Ok(fits)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Storage for SmallDisk {
+    fn sync(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn cut(&mut self, length: u64) -> io::Result<()> {
+        self.bytes.lock().unwrap().truncate(length as usize);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_full_disk_ends_the_bake_and_keeps_whole_records() {
+    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let expected = whole(&scene, &settings);
+    let identity = Identity::new(&scene, &settings);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.partial");
+    for room in [2_000, 60_000, 200_000] {
+        let bytes = Arc::new(Mutex::new(Vec::new()));
+        let disk = SmallDisk { bytes: bytes.clone(), room };
+        let checkpoint = Checkpoint::on(Box::new(disk), &path, &identity);
+        let error = bake_with_checkpoint(&scene, &settings, &(), &checkpoint).unwrap_err();
+        assert!(matches!(error, BakeError::Checkpoint(CheckpointError::Io { .. })), "{error}");
+        assert!(error.to_string().contains("a.partial") && error.to_string().contains("--resume"), "{error}");
+        drop(checkpoint);
+        let kept = bytes.lock().unwrap().clone();
+        assert!(!ends(&kept).is_empty() && kept.len() <= room);
+        std::fs::write(&path, kept).unwrap();
+        assert!(resumed(&scene, &settings, &path, &()).unwrap() == expected, "room for {room}");
+    }
+}
