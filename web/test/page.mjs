@@ -13,12 +13,13 @@ import { loading } from "./page/loading.mjs";
 import { modules } from "./page/modules.mjs";
 import { onScreen } from "./page/onscreen.mjs";
 import { panel } from "./page/panel.mjs";
+import { pictures } from "./page/pictures.mjs";
 import { readme } from "./page/readme.mjs";
 import { slots } from "./page/slots.mjs";
 import { state } from "./page/state.mjs";
 
 /** In this order: after the failures this browser's GPU process is not to be used any more. */
-const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, state, light, failures };
+const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, pictures, state, light, failures };
 
 /** Runs the tests of the page. `paths`: the programs rebounce and compare, and a folder to work in. */
 export async function runPageTests(harness, paths) {
