@@ -13,6 +13,7 @@ import { loading } from "./page/loading.mjs";
 import { modules } from "./page/modules.mjs";
 import { onScreen } from "./page/onscreen.mjs";
 import { panel } from "./page/panel.mjs";
+import { pictures } from "./page/pictures.mjs";
 import { readme } from "./page/readme.mjs";
 import { recovery } from "./page/recovery.mjs";
 import { sharing } from "./page/sharing.mjs";
@@ -21,7 +22,7 @@ import { state } from "./page/state.mjs";
 import { watch } from "./page/watch.mjs";
 
 /** In this order: a browser may lose patience with pages that lose their devices. */
-const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, state, watch, light, failures, sharing, recovery };
+const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, pictures, state, watch, light, failures, sharing, recovery };
 
 /** Runs the tests of the page. `paths`: the programs rebounce and compare, and a folder to work in. */
 export async function runPageTests(harness, paths) {
