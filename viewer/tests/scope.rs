@@ -2,13 +2,16 @@
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
-
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::scope::Scope;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use wgpu::BufferUsages;
+
+/// The device, or `None` (said aloud) where there is no adapter.
+fn gpu() -> Option<Gpu> {
+    Gpu::headless().inspect_err(|error| println!("skipped: no adapter ({error})")).ok()
+}
 
 fn buffer(scope: &Scope, size: u64) -> wgpu::Buffer {
     let usage = BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
@@ -24,7 +27,7 @@ fn copy(gpu: &Gpu, from: &wgpu::Buffer, to: &wgpu::Buffer) {
 
 #[test]
 fn what_a_scope_made_is_usable_until_it_is_dropped_and_destroyed_then() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = gpu() else { return };
     let (kept, dropped) = (Scope::new(&gpu), Scope::new(&gpu));
     let (a, b) = (buffer(&kept, 32), buffer(&dropped, 64));
     assert_eq!((kept.bytes(), dropped.bytes()), (32, 64));
@@ -41,7 +44,7 @@ fn what_a_scope_made_is_usable_until_it_is_dropped_and_destroyed_then() {
 
 #[test]
 fn a_failure_is_told_to_the_handle_that_watched() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = gpu() else { return };
     let (first, second) = (gpu.share(), gpu.share());
     let scope = Scope::new(&second);
     // Larger than any device allows.
@@ -54,7 +57,7 @@ fn a_failure_is_told_to_the_handle_that_watched() {
 
 #[test]
 fn a_device_lives_as_long_as_any_handle() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = gpu() else { return };
     let scope = Scope::new(&gpu.share());
     drop(gpu);
     let (a, b) = (buffer(&scope, 16), buffer(&scope, 16));

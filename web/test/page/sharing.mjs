@@ -197,7 +197,7 @@ export async function sharing(harness, context) {
         }
       }, count));
     // The first picture of all is a sketch where the device is slow.
-    await page.evaluate(() => until(() => viewer.stats().frames > 2));
+    await page.evaluate(() => until(() => viewer.stats().frames > 1));
     const start = await measure();
     await cycles(SETTLED);
     const settled = await measure();
