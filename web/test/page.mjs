@@ -21,8 +21,7 @@ import { slots } from "./page/slots.mjs";
 import { state } from "./page/state.mjs";
 import { watch } from "./page/watch.mjs";
 
-/** In this order: a browser may lose patience with pages that lose their devices. */
-const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, pictures, state, watch, light, failures, sharing, recovery };
+const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, pictures, state, watch, light, failures, sharing };
 
 /** Runs the tests of the page. `paths`: the programs rebounce and compare, and a folder to work in. */
 export async function runPageTests(harness, paths) {
@@ -30,10 +29,14 @@ export async function runPageTests(harness, paths) {
   const baked = path.join(paths.work, "cornell-box.rbn");
   await exec(paths.rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "-o", baked]);
   const server = await serve(paths.rebounce, baked);
-  const browser = await launch();
+  let browser = await launch();
   const context = { ...paths, baked, browser, address: server.address, bytes: await readFile(baked) };
   try {
     for (const part of Object.values(PARTS)) await part(harness, context);
+    await browser.close();
+    // In a browser of its own: some lose patience with pages whose devices go.
+    browser = context.browser = await launch();
+    await recovery(harness, context);
   } finally {
     await browser.close();
     server.process.kill();

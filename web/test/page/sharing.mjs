@@ -134,7 +134,8 @@ export async function sharing(harness, context) {
       return { both, one, none: await settled(), ended: await ended, drawn, devices: gpu.devices.length };
     }));
     check(found.both.bytes > 1e6, JSON.stringify(found.both));
-    check(2 * found.one.bytes <= found.both.bytes + 1, `${found.one.bytes} of ${found.both.bytes} bytes are left with one`);
+    // Half of it, but for a few bytes on their way to be read.
+    check(Math.abs(2 * found.one.bytes - found.both.bytes) < 1000, `${found.one.bytes} of ${found.both.bytes} bytes are left with one`);
     check(spread(found.drawn).deviation > 4, "the other one's picture is blank");
     same(found.none, NOTHING, "what is alive after all");
     equal(found.ended, "destroyed", "the device");
@@ -196,7 +197,7 @@ export async function sharing(harness, context) {
         }
       }, count));
     // The first picture of all is a sketch where the device is slow.
-    await page.evaluate(() => until(() => viewer.stats().frames > 2));
+    await page.evaluate(() => until(() => viewer.stats().frames > 1));
     const start = await measure();
     await cycles(SETTLED);
     const settled = await measure();
