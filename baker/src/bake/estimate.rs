@@ -52,10 +52,13 @@ struct Part {
 struct Pace {
     actual: f64,
     nominal: f64,
+    /// What was measured of the parts before.
+    known: Option<f64>,
 }
 
 impl Pace {
     fn over(self, expected: f64) -> f64 {
+        let expected = self.known.unwrap_or(expected);
         (self.actual + TRUST * expected) / (self.nominal + TRUST)
     }
 }
@@ -164,7 +167,10 @@ impl Estimate {
     /// A part begins: what was measured of its kind counts less from now on.
     pub(super) fn begin(&mut self, stage: Stage) {
         let pace = &mut self.paces[kind(stage)];
-        (pace.actual, pace.nominal) = (MEMORY * pace.actual, MEMORY * pace.nominal);
+        if pace.nominal > TRUST {
+            pace.known = Some(pace.actual / pace.nominal);
+            (pace.actual, pace.nominal) = (MEMORY * pace.actual, MEMORY * pace.nominal);
+        }
     }
 
     /// Of the part under way so many units are done, `skipped` of them taken from an earlier run, and `seconds` went by
