@@ -73,13 +73,14 @@ fn stopped_at_any_time_and_resumed_it_is_the_same_file() {
     for name in ["builtin:cornell-box", "builtin:two-rooms-door"] {
         let (scene, settings) = (scene::load(name).unwrap(), small());
         let expected = whole(&scene, &settings);
-        for threads in [1, 2] {
+        let threads: &[usize] = if name.contains("box") { &[1, 2] } else { &[2] };
+        for &threads in threads {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("a.partial");
             let (mut runs, mut records) = (0, 0);
             // Stops again and again, each time a little later than what there is to skip.
             let bytes = loop {
-                let observer = StopAfter::new(40 + 110 * runs);
+                let observer = StopAfter::new(40 + 29 * runs);
                 let found = with_threads(threads, || resumed(&scene, &settings, &path, &observer));
                 match found {
                     Ok(bytes) => break bytes,
