@@ -1,8 +1,8 @@
 //! From G-buffer, lights and bounced light to the picture: shading, automatic exposure, tone mapping.
 
 use crate::bindings::{
-    Draw, Slot, attachment, bilinear, blended, buffer, compute, empty_buffer, group, layout, opaque, target,
-    view,
+    Draw, Slot, WORKGROUP, attachment, bilinear, blended, buffer, compute, empty_buffer, group, layout,
+    opaque, target, view,
 };
 use crate::display::DisplayTarget;
 use crate::gbuffer::GBuffer;
@@ -10,7 +10,7 @@ use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use wgpu::{BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat};
 
 /// Format of the averaged picture.
@@ -48,15 +48,20 @@ pub const MANUAL: u32 = 4;
 /// The pipelines.
 pub struct CompositePass {
     layout: wgpu::BindGroupLayout,
-    key_layout: wgpu::BindGroupLayout,
     picture: wgpu::RenderPipeline,
-    key_pipeline: wgpu::ComputePipeline,
-    indirect: wgpu::RenderPipeline,
+    look: (wgpu::ComputePipeline, wgpu::BindGroupLayout),
+    key: (wgpu::ComputePipeline, wgpu::BindGroupLayout),
+    /// Made when it is first asked for, and what it is made with.
+    indirect: OnceCell<wgpu::RenderPipeline>,
+    lights: wgpu::BindGroupLayout,
     before_layout: wgpu::BindGroupLayout,
     present_layout: wgpu::BindGroupLayout,
     bilinear: wgpu::Sampler,
     present: RefCell<Vec<(TextureFormat, wgpu::RenderPipeline)>>,
 }
+
+/// Pixels that the automatic exposure looks at.
+const LOOKED: u32 = 64 * 64;
 
 /// The automatic exposure, one float: what radiance is multiplied with.
 pub fn key(scope: &Scope) -> wgpu::Buffer {
@@ -68,6 +73,7 @@ pub struct Picture {
     texture: wgpu::TextureView,
     shading: wgpu::Buffer,
     shade: wgpu::BindGroup,
+    look: wgpu::BindGroup,
     measure: wgpu::BindGroup,
     present: wgpu::BindGroup,
 }
@@ -89,7 +95,8 @@ impl CompositePass {
             ]
         };
         let shade = layout(gpu, "shade", ShaderStages::FRAGMENT, &slots(Slot::Read));
-        let key_layout = layout(gpu, "key", ShaderStages::COMPUTE, &slots(Slot::Write));
+        let look_layout = layout(gpu, "look", ShaderStages::COMPUTE, &slots(Slot::Write));
+        let key_layout = layout(gpu, "key", ShaderStages::COMPUTE, &[Slot::Read, Slot::Write]);
         let before_layout = layout(gpu, "before", ShaderStages::FRAGMENT, &[Slot::TextureLoad]);
         let slots = [Slot::Texture, Slot::Sampler, Slot::Uniform];
         let present_layout = layout(gpu, "present", ShaderStages::FRAGMENT, &slots);
@@ -108,21 +115,13 @@ impl CompositePass {
             ..Default::default()
         }
         .pipeline(gpu);
-        let indirect = Draw {
-            label: "indirect",
-            source: shaders::INDIRECT,
-            vertex: "fullscreen",
-            targets: &[opaque(TextureFormat::Rgba32Float)],
-            layouts: &[&shade, lights, &before_layout],
-            ..Default::default()
-        }
-        .pipeline(gpu);
         Self {
-            key_pipeline: compute(gpu, "measure", shaders::KEY, &[&key_layout, lights], &[]),
+            look: (compute(gpu, "look", shaders::LOOK, &[&look_layout, lights], &[]), look_layout),
+            key: (compute(gpu, "measure", shaders::KEY, &[&key_layout], &[]), key_layout),
             layout: shade,
-            key_layout,
             picture,
-            indirect,
+            indirect: OnceCell::new(),
+            lights: lights.clone(),
             before_layout,
             present_layout,
             bilinear,
@@ -150,7 +149,8 @@ impl CompositePass {
             BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             size_of::<Shading>() as u64,
         );
-        let resources = [
+        let looked = empty_buffer(scope, "looked", BufferUsages::STORAGE, 4 * LOOKED as u64);
+        let mut resources = [
             frame.as_entire_binding(),
             shading.as_entire_binding(),
             view(&gbuffer.albedo),
@@ -161,9 +161,13 @@ impl CompositePass {
             key.as_entire_binding(),
             display.slots.as_entire_binding(),
         ];
+        let shade = group(scope, "shade", &self.layout, &resources);
+        resources[7] = looked.as_entire_binding();
+        let measured = [looked.as_entire_binding(), key.as_entire_binding()];
         Picture {
-            shade: group(scope, "shade", &self.layout, &resources),
-            measure: group(scope, "key", &self.key_layout, &resources),
+            shade,
+            look: group(scope, "look", &self.look.1, &resources),
+            measure: group(scope, "key", &self.key.1, &measured),
             present: group(
                 scope,
                 "present",
@@ -187,9 +191,12 @@ impl CompositePass {
     /// Measures the automatic exposure.
     pub fn measure(&self, encoder: &mut wgpu::CommandEncoder, picture: &Picture, lights: &wgpu::BindGroup) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&self.key_pipeline);
-        pass.set_bind_group(0, &picture.measure, &[]);
+        pass.set_pipeline(&self.look.0);
+        pass.set_bind_group(0, &picture.look, &[]);
         pass.set_bind_group(1, lights, &[]);
+        pass.dispatch_workgroups(LOOKED / WORKGROUP, 1, 1);
+        pass.set_pipeline(&self.key.0);
+        pass.set_bind_group(0, &picture.measure, &[]);
         pass.dispatch_workgroups(1, 1, 1);
     }
 
@@ -216,7 +223,18 @@ impl CompositePass {
     ) {
         let [before, out] = [before, out].map(|texture| texture.create_view(&Default::default()));
         let before = group(gpu, "indirect before", &self.before_layout, &[view(&before)]);
-        self.pass(encoder, &self.indirect, &out, &[&picture.shade, lights, &before], None);
+        let pipeline = self.indirect.get_or_init(|| {
+            Draw {
+                label: "indirect",
+                source: shaders::INDIRECT,
+                vertex: "fullscreen",
+                targets: &[opaque(TextureFormat::Rgba32Float)],
+                layouts: &[&self.layout, &self.lights, &self.before_layout],
+                ..Default::default()
+            }
+            .pipeline(gpu)
+        });
+        self.pass(encoder, pipeline, &out, &[&picture.shade, lights, &before], None);
     }
 
     /// Encodes the picture to a target of this format.

@@ -6,6 +6,7 @@ use crate::scope::Scope;
 use crate::shaders;
 use crate::shadow::VERTEX;
 use crate::upload::{Run, Upload};
+use std::cell::OnceCell;
 use wgpu::{CompareFunction, ShaderStages, TextureFormat};
 
 const ALBEDO: TextureFormat = TextureFormat::Rgba8UnormSrgb;
@@ -37,27 +38,31 @@ impl GBuffer {
 /// The pass that fills a [`GBuffer`].
 pub struct GBufferPass {
     frame_layout: wgpu::BindGroupLayout,
-    /// For each of [`SURFACES`].
-    pipelines: [wgpu::RenderPipeline; 2],
+    material_layout: wgpu::BindGroupLayout,
+    /// For each of [`SURFACES`], made when a scene first needs it.
+    pipelines: [OnceCell<wgpu::RenderPipeline>; 2],
 }
 
 impl GBufferPass {
-    /// The pipelines.
+    /// Without pipelines yet.
     pub fn new(gpu: &Gpu, material_layout: &wgpu::BindGroupLayout) -> Self {
         let frame_layout = layout(gpu, "frame", ShaderStages::VERTEX_FRAGMENT, &[Slot::Uniform]);
-        let pipelines = SURFACES.map(|surface| {
+        Self { frame_layout, material_layout: material_layout.clone(), pipelines: Default::default() }
+    }
+
+    fn pipeline(&self, gpu: &Gpu, detailed: bool) -> &wgpu::RenderPipeline {
+        self.pipelines[detailed as usize].get_or_init(|| {
             Draw {
                 label: "g-buffer",
                 source: shaders::GBUFFER,
-                targets: &[opaque(ALBEDO), opaque(surface)],
-                layouts: &[&frame_layout, material_layout],
+                targets: &[opaque(ALBEDO), opaque(SURFACES[detailed as usize])],
+                layouts: &[&self.frame_layout, &self.material_layout],
                 buffers: &[Some(VERTEX)],
                 depth: Some((CompareFunction::Greater, true)),
                 ..Default::default()
             }
             .pipeline(gpu)
-        });
-        Self { frame_layout, pipelines }
+        })
     }
 
     /// The bind group for a picture's `Frame`.
@@ -66,8 +71,10 @@ impl GBufferPass {
     }
 
     /// Draws the scene.
+    #[expect(clippy::too_many_arguments, reason = "one call, one place")]
     pub fn draw(
         &self,
+        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         target: &GBuffer,
         frame: &wgpu::BindGroup,
@@ -85,7 +92,7 @@ impl GBufferPass {
         if upload.runs.is_empty() {
             return;
         }
-        pass.set_pipeline(&self.pipelines[target.detailed as usize]);
+        pass.set_pipeline(self.pipeline(gpu, target.detailed));
         pass.set_bind_group(0, frame, &[]);
         pass.set_vertex_buffer(0, upload.vertices.slice(..));
         pass.set_index_buffer(upload.indices.slice(..), wgpu::IndexFormat::Uint32);

@@ -159,10 +159,15 @@ impl RelightPipelines {
         let bounce = slots("bounce", 3, 2);
         let alone = [("LANES", 1.0)];
         let lanes = if gpu.software { SOFTWARE_LANES } else { LANES };
+        let shared = shared(gpu, &transport, &bounce, lanes);
+        let short = match lanes {
+            1 => shared[0].clone(),
+            _ => compute(gpu, "transport", shaders::TRANSPORT, &[&transport], &alone),
+        };
         Self {
-            shared: shared(gpu, &transport, &bounce, lanes),
+            shared,
             lanes,
-            short: compute(gpu, "transport", shaders::TRANSPORT, &[&transport], &alone),
+            short,
             transport,
             direct: (direct.clone(), compute(gpu, "direct", shaders::DIRECT, &[&direct, lights], &[])),
             pull: pass("pull", shaders::PULL, 2, 1),

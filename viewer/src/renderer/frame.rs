@@ -93,6 +93,7 @@ impl Renderer {
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|t| t.stamps(Pass::GBuffer)).map(|s| s.render(true, true));
         self.pipelines.gbuffer.draw(
+            &self.gpu,
             encoder,
             &target.gbuffer,
             &target.frame_group,

@@ -34,6 +34,8 @@ use wgpu::TextureFormat;
 const STILL_PICTURES: u32 = 16;
 /// Pixels of the screen across one of a sketch.
 const SKETCH: u32 = 2;
+/// The same of the first picture of a scene, which is there soonest.
+const FIRST_SKETCH: u32 = 4;
 
 /// What must be drawn again.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,6 +86,8 @@ pub struct Renderer {
     still_pictures: u32,
     /// Draws sketches while the view changes.
     sketching: bool,
+    /// Nothing of the scene has been shown.
+    first: bool,
     frames: u64,
     relights: u64,
     lights_evaluated: u64,
@@ -134,6 +138,7 @@ impl Renderer {
             pictures: 0,
             still_pictures: STILL_PICTURES,
             sketching: false,
+            first: true,
             frames: 0,
             relights: 0,
             lights_evaluated: 0,
@@ -164,6 +169,7 @@ impl Renderer {
         }
         self.scene = Some(Rc::new(scene));
         self.target = None;
+        self.first = true;
         self.shadows.forget();
         self.still = StillLights::default();
         self.dirty = Dirty::ALL;
@@ -291,7 +297,12 @@ impl Renderer {
         let full = [width, height];
         let sized = |enlarge: u32| full.map(|side| side.div_ceil(enlarge));
         let before = self.target.take().filter(|t| t.size == sized(t.enlarge));
-        let enlarge = if self.sketching && (self.dirty.view || before.is_none()) { SKETCH } else { 1 };
+        let sketches = self.sketching && (self.dirty.view || before.is_none());
+        let enlarge = match (sketches, std::mem::take(&mut self.first)) {
+            (true, true) => FIRST_SKETCH,
+            (true, false) => SKETCH,
+            (false, _) => 1,
+        };
         let target = match before.filter(|t| t.enlarge == enlarge) {
             Some(target) => target,
             None => {

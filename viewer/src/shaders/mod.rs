@@ -36,8 +36,10 @@ modules! {
     GATHER: "frame" "slots" "tilt" "gather";
     /// The tone-mapped picture.
     COMPOSITE: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "fullscreen" "composite";
+    /// Luminance of some pixels.
+    LOOK: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "look";
     /// Automatic exposure.
-    KEY: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "key";
+    KEY: "key";
     /// Bounced light alone.
     INDIRECT: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
