@@ -50,6 +50,8 @@ function placeLight(shift) {
 }
 
 let draw = () => renderer.render(scene, camera);
+/** Radiance of the bounced light alone, as `readIndirect` of the element gives it. */
+let indirect;
 if (gi) {
   const { vxgi } = await import("three/addons/lighting/vxgi/VXGINode.js");
   const first = pass(scene, camera);
@@ -57,12 +59,24 @@ if (gi) {
   const node = vxgi(first.getTextureNode("depth"), first.getTextureNode("normal"), scene, camera, 128);
   node.bounces = 1;
   node.useTemporalFiltering = false;
+  // The node gives irradiance: a Lambertian surface reflects its albedo over π of it.
   // The effect runs where one of its textures is used; its occlusion is what starts it.
   const bounced = first.getTextureNode("diffuse").rgb.mul(node.getGINode().rgb).div(Math.PI).mul(node.mul(0).add(1).x);
   const pipeline = new THREE.RenderPipeline(renderer);
   pipeline.outputColorTransform = false;
   pipeline.outputNode = renderOutput(vec4(first.getTextureNode().rgb.add(bounced), float(1)));
   draw = () => pipeline.render();
+  indirect = async (width, height) => {
+    const target = new THREE.RenderTarget(width, height, { type: THREE.FloatType });
+    const alone = new THREE.RenderPipeline(renderer);
+    alone.outputColorTransform = false;
+    alone.outputNode = vec4(bounced, float(1));
+    renderer.setRenderTarget(target);
+    alone.render();
+    renderer.setRenderTarget(null);
+    const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
+    return Array.from(pixels);
+  };
 }
 
 const queue = renderer.backend.device.queue;
@@ -75,4 +89,5 @@ window.bench = {
     await queue.onSubmittedWorkDone();
     return performance.now() - start;
   },
+  indirect,
 };
