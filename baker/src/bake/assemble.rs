@@ -74,6 +74,22 @@ pub(super) fn assemble(
     }
 }
 
+/// The scene's look alone: geometry, materials, textures.
+pub(super) fn without_light(scene: &Scene) -> rbn::Scene {
+    let (draws, mut indices) = draws(scene);
+    let vertices = weld(&vertices(scene), &mut indices);
+    let (textures, texture_bytes) = pack_textures(scene);
+    let (low, high) = scene.bounds();
+    let meta = Meta {
+        materials: scene.materials.clone(),
+        textures,
+        draws,
+        cameras: vec![camera_at(scene.origin, Vec3::ZERO, low, high)],
+        ..Meta::default()
+    };
+    rbn::Scene { meta, vertices, indices, texture_bytes, ..rbn::Scene::default() }
+}
+
 /// Textures one after another; equal pictures are written once.
 fn pack_textures(scene: &Scene) -> (Vec<meta::Texture>, Vec<u8>) {
     let mut places: HashMap<&[u8], u64> = HashMap::new();

@@ -3,11 +3,13 @@
 //!
 //! * [`observer`] – what a bake tells, and what it can be told;
 //! * `transport` – the stages in order; `assemble` – the file's contents;
+//! * [`budget`] – what a bake may weigh;
 //! * [`checkpoint`] – what is kept, so that a bake can go on;
 //! * `tracker`, `estimate` – how far it is, and how long the rest takes;
 //! * `preset`, `report` – settings, and figures.
 
 mod assemble;
+pub mod budget;
 pub mod checkpoint;
 mod estimate;
 pub mod observer;
@@ -19,7 +21,7 @@ mod transport;
 pub use checkpoint::{Checkpoint, CheckpointError, Identity};
 pub use observer::{Observer, Preview, Progress, Stage};
 pub use preset::{BakeSettings, Preset};
-pub use report::{BakeReport, LevelReport, SectionReport};
+pub use report::{BakeReport, LevelReport, SectionReport, peak_memory_bytes};
 
 use crate::points::{PlaceError, candidates::Candidates, viewpoint};
 use crate::scene::Scene;

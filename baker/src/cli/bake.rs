@@ -5,6 +5,7 @@ use super::stop::Stop;
 use super::view::PREVIEW;
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
+use rebounce::bake::budget::{self, Budget};
 use rebounce::bake::{
     BakeError, BakeSettings, Checkpoint, Identity, Observer, Preset, Preview, Progress, bake_with_checkpoint,
 };
@@ -37,6 +38,15 @@ pub struct BakeArgs {
     /// How good and how costly
     #[arg(long, value_enum, default_value = "standard")]
     preset: PresetName,
+    /// Takes the coarsest preset that is made for this error against a path tracer, as in 0.1
+    #[arg(long, value_name = "ERROR", conflicts_with = "preset")]
+    target_error: Option<f64>,
+    /// Most bytes of the file, as in 8M: fewer functions, then fewer links
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    max_bytes: Option<u64>,
+    /// Most bytes of memory, about, as in 2G: fewer functions
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    max_memory: Option<u64>,
     /// A point inside the scene, in its units; found when absent
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     viewpoint: Option<[f64; 3]>,
@@ -114,12 +124,26 @@ fn parse_point(text: &str) -> Result<[f64; 3], String> {
     numbers.try_into().map_err(|_| "three numbers are needed, as in 0,1.5,-2".to_owned())
 }
 
+/// A number with K, M or G behind it: thousands, millions, milliards.
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let (digits, unit) = match text.trim().to_ascii_uppercase().trim_end_matches('B') {
+        text if text.ends_with('K') => (text.trim_end_matches('K').to_owned(), 1e3),
+        text if text.ends_with('M') => (text.trim_end_matches('M').to_owned(), 1e6),
+        text if text.ends_with('G') => (text.trim_end_matches('G').to_owned(), 1e9),
+        text => (text.to_owned(), 1.0),
+    };
+    let number: f64 = digits.trim().parse().map_err(|_| "a number of bytes is needed, as in 8M or 2.5G")?;
+    let bytes = number * unit;
+    if bytes.is_finite() && bytes >= 1.0 { Ok(bytes as u64) } else { Err("more than that".to_owned()) }
+}
+
 impl BakeArgs {
-    fn settings(&self) -> BakeSettings {
-        let mut s = BakeSettings::new(match self.preset {
-            PresetName::Draft => Preset::Draft,
-            PresetName::Standard => Preset::Standard,
-            PresetName::Fine => Preset::Fine,
+    fn settings(&self) -> Result<BakeSettings> {
+        let mut s = BakeSettings::new(match (self.target_error, self.preset) {
+            (Some(error), _) => budget::preset_for(error)?,
+            (None, PresetName::Draft) => Preset::Draft,
+            (None, PresetName::Standard) => Preset::Standard,
+            (None, PresetName::Fine) => Preset::Fine,
         });
         fn set<T: Clone>(value: &mut T, given: &Option<T>) {
             if let Some(given) = given {
@@ -141,7 +165,7 @@ impl BakeArgs {
         set(&mut s.direct_levels, &self.direct_levels);
         s.place.seed = self.seed;
         s.operator.seed = self.seed;
-        s
+        Ok(s)
     }
 
     fn output(&self) -> PathBuf {
@@ -164,7 +188,12 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
     for problem in &scene.left_out {
         eprintln!("warning: left out: {problem}");
     }
-    let settings = args.settings();
+    let mut settings = args.settings()?;
+    let budget = Budget { bytes: args.max_bytes, memory: args.max_memory };
+    let fewer = budget::plan(&scene, &mut settings, &budget).with_context(|| args.scene.clone())?;
+    if let Some(functions) = fewer {
+        eprintln!("note: about {functions} functions on the finest level, to keep within the budget");
+    }
     let checkpoint = open_checkpoint(args, &output, &Identity::new(&scene, &settings))?;
     let kept = checkpoint.path().display().to_string();
     let last_words =
@@ -173,7 +202,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
     let previews = args.preview.then(|| output.with_extension(PREVIEW));
     let watcher = Watcher { display: Display::new(args.json_progress), stop: stop.clone(), previews };
     let began = Instant::now();
-    let (baked, mut report) = match bake_with_checkpoint(&scene, &settings, &watcher, &checkpoint) {
+    let (mut baked, mut report) = match bake_with_checkpoint(&scene, &settings, &watcher, &checkpoint) {
         Ok(baked) => baked,
         Err(BakeError::Stopped) => {
             last_words();
@@ -186,6 +215,10 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
             return Err(error).context(args.scene.clone());
         }
     };
+    let thinned = args.max_bytes.map(|bytes| budget::fit(&mut baked, bytes)).transpose();
+    if let Some(thinned) = thinned.with_context(|| args.scene.clone())?.flatten() {
+        eprintln!("note: {} of {} links are left, to keep within the budget", thinned.after, thinned.before);
+    }
     let bytes = baked.to_bytes().with_context(|| args.scene.clone())?;
     stop.hold();
     write_whole(&output, &bytes).with_context(|| {

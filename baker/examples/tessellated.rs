@@ -1,0 +1,72 @@
+//! Bakes a scene whose triangles are all split into n x n and prints what it took, as one line of JSON:
+//! `cargo run --release --example tessellated -- SCENE N [draft|standard|fine]`.
+//!
+//! The light is the same whatever n is, so a bake's time should be, too. `cargo xtask bench-scale` runs it.
+
+use anyhow::{Context, Result, bail};
+use rebounce::bake::{BakeSettings, Preset, bake, peak_memory_bytes};
+use rebounce::scene::{self, Scene};
+
+/// Splits every triangle into n x n alike ones. Neighbours keep their common edges.
+fn split(scene: &mut Scene, n: u32) {
+    let (mut positions, mut normals, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut triangles, mut materials, mut colors) = (Vec::new(), Vec::new(), Vec::new());
+    for (t, corners) in scene.triangles.iter().enumerate() {
+        let first = positions.len() as u32;
+        let corners = corners.map(|c| c as usize);
+        let shares = |i: u32, j: u32| [(n - i - j) as f32, i as f32, j as f32].map(|share| share / n as f32);
+        // Row i has n - i + 1 vertices.
+        let at = |i: u32, j: u32| first + i * (n + 1) - i * i.saturating_sub(1) / 2 + j;
+        for i in 0..=n {
+            for j in 0..=n - i {
+                let s = shares(i, j);
+                let mix = |list: &[glam::Vec3]| (0..3).map(|c| list[corners[c]] * s[c]).sum::<glam::Vec3>();
+                positions.push(mix(&scene.positions));
+                normals.push(mix(&scene.normals).normalize_or(scene.normals[corners[0]]));
+                uvs.push((0..3).map(|c| scene.uvs[corners[c]] * s[c]).sum::<glam::Vec2>());
+            }
+        }
+        for i in 0..n {
+            for j in 0..n - i {
+                triangles.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                if i + j + 1 < n {
+                    triangles.push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+                }
+            }
+        }
+        materials.resize(triangles.len(), scene.triangle_material[t]);
+        if let Some(color) = scene.corner_colors.get(t) {
+            colors.resize(triangles.len(), *color);
+        }
+    }
+    (scene.positions, scene.normals, scene.uvs) = (positions, normals, uvs);
+    (scene.triangles, scene.triangle_material, scene.corner_colors) = (triangles, materials, colors);
+}
+
+fn main() -> Result<()> {
+    let mut args = std::env::args().skip(1);
+    let name = args.next().context("which scene? tessellated SCENE N [PRESET]")?;
+    let n: u32 = args.next().context("split by how much?")?.parse()?;
+    let preset = match args.next().as_deref() {
+        None | Some("standard") => Preset::Standard,
+        Some("draft") => Preset::Draft,
+        Some("fine") => Preset::Fine,
+        Some(other) => bail!("there is no preset {other}"),
+    };
+    let mut scene = scene::load(&name)?;
+    if n > 1 {
+        split(&mut scene, n);
+    }
+    let (baked, report) = bake(&scene, &BakeSettings::new(preset), &())?;
+    let stages = report.seconds.iter().map(|(stage, seconds)| (stage.clone(), (*seconds).into()));
+    let line = serde_json::json!({
+        "triangles": scene.triangles.len(),
+        "seconds": report.seconds.iter().map(|stage| stage.1).sum::<f64>(),
+        "stages": stages.collect::<serde_json::Map<_, _>>(),
+        "peak_bytes": peak_memory_bytes(),
+        "functions": baked.points.len(),
+        "links": baked.link_count(),
+    });
+    println!("{line}");
+    Ok(())
+}

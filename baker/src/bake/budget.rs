@@ -1,0 +1,301 @@
+//! Bakes that must not weigh more than they are told to: fewer functions where that is known before, fewer links
+//! where it shows after.
+
+use super::{BakeSettings, Preset, assemble};
+use crate::scene::Scene;
+use glam::Vec3;
+use rebounce_shared::link::{LaterLink, Link, Sent};
+use rebounce_shared::rbn::codec::links;
+use rebounce_shared::rbn::{self, LinkMatrix, RbnError, container};
+
+/// Why a budget cannot be met.
+#[derive(Debug, thiserror::Error)]
+pub enum BudgetError {
+    /// Geometry and textures alone are too large.
+    #[error("{wanted} bytes are too few: {largest}; give at least --max-bytes {least}, or make that smaller")]
+    Bytes {
+        /// The limit.
+        wanted: u64,
+        /// What would do for the smallest bake.
+        least: u64,
+        /// What takes the most.
+        largest: String,
+    },
+    /// The scene alone is too large.
+    #[error(
+        "{wanted} bytes of memory are too few: {largest}; give at least --max-memory {least}, or simplify that"
+    )]
+    Memory {
+        /// The limit.
+        wanted: u64,
+        /// What would do for the smallest bake.
+        least: u64,
+        /// What takes the most.
+        largest: String,
+    },
+    /// No preset is made for so small an error.
+    #[error("no preset is made for an error under {best}: give at least --target-error {best}")]
+    Error {
+        /// The smallest error promised.
+        best: f64,
+    },
+    /// The file cannot be written at all.
+    #[error(transparent)]
+    Format(#[from] RbnError),
+}
+
+/// What a bake may cost; `None`: as much as it takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Budget {
+    /// Bytes of the file.
+    pub bytes: Option<u64>,
+    /// Bytes of memory, about.
+    pub memory: Option<u64>,
+}
+
+/// Bytes of a file for each function of the finest level, its share of coarser ones and its links included: from 55 (a
+/// kitchen) to 80 (Sponza), format 6.
+const BYTES_A_FUNCTION: f64 = 80.0;
+/// Fewer functions than this on the finest level show nothing.
+const LEAST_FUNCTIONS: usize = 2_000;
+/// Bytes of memory for anything at all, for each triangle and each function of the finest level; on the safe side of
+/// what was measured (docs/performance.md).
+const MEMORY: [f64; 3] = [60e6, 800.0, 2_600.0];
+
+/// The coarsest preset that is made for this error or less.
+///
+/// # Errors
+/// [`BudgetError::Error`] where none is.
+pub fn preset_for(error: f64) -> Result<Preset, BudgetError> {
+    let presets = [Preset::Draft, Preset::Standard, Preset::Fine];
+    let fitting = presets.into_iter().find(|preset| preset.promised_error() <= error);
+    fitting.ok_or(BudgetError::Error { best: Preset::Fine.promised_error() })
+}
+
+/// Lowers the number of functions to what the budget lets expect; says how many there are then, if fewer.
+///
+/// # Errors
+/// [`BudgetError`] where the scene alone is over the budget: names what takes the most.
+pub fn plan(
+    scene: &Scene,
+    settings: &mut BakeSettings,
+    budget: &Budget,
+) -> Result<Option<usize>, BudgetError> {
+    let mut functions = settings.place.functions;
+    if let Some(wanted) = budget.bytes {
+        let empty = assemble::without_light(scene).to_bytes()?;
+        let alone = empty.len() as f64;
+        let affordable = (wanted as f64 - alone) / BYTES_A_FUNCTION;
+        if affordable < LEAST_FUNCTIONS as f64 {
+            let least = (alone + BYTES_A_FUNCTION * LEAST_FUNCTIONS as f64).ceil() as u64;
+            return Err(BudgetError::Bytes { wanted, least, largest: largest_section(scene, &empty)? });
+        }
+        functions = functions.min(affordable as usize);
+    }
+    if let Some(wanted) = budget.memory {
+        let alone = MEMORY[0] + MEMORY[1] * scene.triangles.len() as f64;
+        let affordable = (wanted as f64 - alone) / MEMORY[2];
+        if affordable < LEAST_FUNCTIONS as f64 {
+            let least = (alone + MEMORY[2] * LEAST_FUNCTIONS as f64).ceil() as u64;
+            return Err(BudgetError::Memory { wanted, least, largest: largest_material(scene) });
+        }
+        functions = functions.min(affordable as usize);
+    }
+    let fewer = functions < settings.place.functions;
+    settings.place.functions = functions;
+    Ok(fewer.then_some(functions))
+}
+
+/// What takes the most of a file without light, in words.
+fn largest_section(scene: &Scene, file: &[u8]) -> Result<String, RbnError> {
+    let sections = container::read(file)?;
+    let bytes = |names: &[&[u8; 4]]| -> usize {
+        sections.iter().filter(|s| names.contains(&&s.name)).map(|s| s.len).sum()
+    };
+    let (textures, geometry) = (bytes(&[b"TEXD"]), bytes(&[b"VERT", b"INDX"]));
+    let texture = scene.textures.iter().max_by_key(|texture| texture.bytes.len());
+    Ok(match texture {
+        Some(texture) if textures > geometry => format!(
+            "textures take {textures}, the largest {:?} {} ({} x {})",
+            texture.meta.name,
+            texture.bytes.len(),
+            texture.meta.width,
+            texture.meta.height
+        ),
+        _ => format!("geometry takes {geometry}; {}", largest_material(scene)),
+    })
+}
+
+/// The material with the most triangles, in words.
+fn largest_material(scene: &Scene) -> String {
+    let mut counts = vec![0usize; scene.materials.len()];
+    scene.triangle_material.iter().for_each(|material| counts[*material as usize] += 1);
+    let (material, count) = counts.iter().enumerate().max_by_key(|(_, count)| **count).unwrap_or((0, &0));
+    let name = scene.materials.get(material).map_or("", |material| &material.name);
+    format!("{count} of {} triangles are of material {name:?}", scene.triangles.len())
+}
+
+/// How much a file was thinned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thinned {
+    /// Links before.
+    pub before: usize,
+    /// Links left.
+    pub after: usize,
+}
+
+/// Gives weak links to their neighbours until the file is within `bytes`; rows keep their sums. Tells how many are left,
+/// if some went.
+///
+/// # Errors
+/// [`BudgetError::Bytes`] where even the strongest link of each row is too many.
+pub fn fit(file: &mut rbn::Scene, bytes: u64) -> Result<Option<Thinned>, BudgetError> {
+    let whole = file.to_bytes()?.len() as u64;
+    if whole <= bytes {
+        return Ok(None);
+    }
+    let size = |links: &LinkMatrix<Link>, later: &LinkMatrix<LaterLink>| {
+        links::encode(&links.offsets, &links.links).len() + links::encode(&later.offsets, &later.links).len()
+    };
+    let rest = whole - (size(&file.links, &file.later) as u64).min(whole);
+    // Sections begin at multiples.
+    let wanted = bytes.saturating_sub(rest + 4 * container::ALIGNMENT as u64);
+    let thinned = |least: f32| {
+        let links = thin(&file.links, least, Link::amount, f32::abs, Link::pack);
+        let later = thin(&file.later, least, LaterLink::colour, Vec3::max_element, LaterLink::pack);
+        (links, later)
+    };
+    // Bisection on a logarithmic scale: from less than any link to more than any.
+    let (mut low, mut high) = (1e-8f32, 4.0f32);
+    let mut best = thinned(high);
+    if size(&best.0, &best.1) as u64 > wanted {
+        let least = whole - size(&file.links, &file.later) as u64 + size(&best.0, &best.1) as u64;
+        let largest = "points and one link for each of them take the rest".to_owned();
+        return Err(BudgetError::Bytes { wanted: bytes, least, largest });
+    }
+    for _ in 0..14 {
+        let middle = (low * high).sqrt();
+        let tried = thinned(middle);
+        if size(&tried.0, &tried.1) as u64 <= wanted {
+            (high, best) = (middle, tried);
+        } else {
+            low = middle;
+        }
+    }
+    let result = Thinned { before: file.link_count(), after: best.0.links.len() };
+    (file.links, file.later) = best;
+    Ok(Some(result))
+}
+
+/// The links whose value, with what weaker ones before them in the row carry over, is over `least`. What is left at a
+/// row's end goes to its last link, or is one link where there is no other.
+fn thin<L: Sent, V>(
+    matrix: &LinkMatrix<L>,
+    least: f32,
+    value: impl Fn(L) -> V,
+    size: impl Fn(V) -> f32,
+    pack: impl Fn(u32, V) -> L,
+) -> LinkMatrix<L>
+where
+    V: Copy + Default + std::ops::AddAssign + std::ops::SubAssign,
+{
+    let mut thinned = LinkMatrix::default();
+    for row in matrix.iter() {
+        let first = thinned.links.len();
+        let mut carried = V::default();
+        for &link in row {
+            carried += value(link);
+            if size(carried) > least {
+                let kept = pack(link.sender() as u32, carried);
+                thinned.links.push(kept);
+                carried -= value(kept);
+            }
+        }
+        let strongest = row.iter().max_by(|a, b| size(value(**a)).total_cmp(&size(value(**b))));
+        match (thinned.links[first..].last_mut(), strongest) {
+            (Some(last), _) => {
+                carried += value(*last);
+                *last = pack(last.sender() as u32, carried);
+            }
+            (None, Some(strongest)) => thinned.links.push(pack(strongest.sender() as u32, carried)),
+            (None, None) => {}
+        }
+        thinned.offsets.push(thinned.links.len() as u32);
+    }
+    thinned
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::bake;
+    use crate::scene;
+
+    fn small() -> BakeSettings {
+        let mut settings = BakeSettings::new(Preset::Draft);
+        (settings.place.levels, settings.place.functions) = (4, 2_500);
+        settings.operator.rays = vec![256, 128];
+        settings
+    }
+
+    #[test]
+    fn a_file_is_thinned_to_its_budget_and_rows_keep_their_sums() {
+        let scene = scene::load("builtin:two-rooms-door").unwrap();
+        let (whole, _) = bake(&scene, &small(), &()).unwrap();
+        let bytes = whole.to_bytes().unwrap().len() as u64;
+        let sums = |file: &rbn::Scene| -> Vec<f32> {
+            file.links.iter().map(|row| row.iter().map(|link| link.amount()).sum()).collect()
+        };
+        let mut same = whole.clone();
+        assert_eq!(fit(&mut same, bytes).unwrap(), None);
+        assert_eq!(same, whole);
+        let mut last = whole.link_count();
+        for share in [0.9, 0.75] {
+            let mut thinned = whole.clone();
+            let wanted = (bytes as f64 * share) as u64;
+            let told = fit(&mut thinned, wanted).unwrap().unwrap();
+            let found = thinned.to_bytes().unwrap().len() as u64;
+            assert!(found <= wanted && found as f64 > 0.95 * wanted as f64, "{found} of {wanted}");
+            assert_eq!((told.before, told.after), (whole.link_count(), thinned.link_count()));
+            assert!(told.after < last);
+            last = told.after;
+            // But for what packing the last link loses: half a step of its mantissa.
+            for (row, (sum, wanted)) in thinned.links.iter().zip(sums(&thinned).into_iter().zip(sums(&whole)))
+            {
+                let last = row.last().map_or(0.0, |link| link.amount().abs());
+                assert!((sum - wanted).abs() <= last / 15.0 + 1e-5, "{sum}, not {wanted}");
+            }
+        }
+        let error = fit(&mut whole.clone(), 1000).unwrap_err().to_string();
+        assert!(error.contains("--max-bytes"), "{error}");
+    }
+
+    #[test]
+    fn a_plan_lowers_the_functions_or_names_what_is_too_large() {
+        let scene = scene::load("builtin:library").unwrap();
+        let plan = |bytes, memory| {
+            let mut settings = BakeSettings::new(Preset::Standard);
+            plan(&scene, &mut settings, &Budget { bytes, memory })
+                .map(|fewer| (fewer, settings.place.functions))
+        };
+        let full = BakeSettings::new(Preset::Standard).place.functions;
+        assert_eq!(plan(None, None).unwrap(), (None, full));
+        assert_eq!(plan(Some(1 << 30), Some(1 << 33)).unwrap(), (None, full));
+        let (fewer, functions) = plan(Some(3_000_000), None).unwrap();
+        assert!(fewer == Some(functions) && functions < full);
+        let (_, by_memory) = plan(Some(3_000_000), Some(100_000_000)).unwrap();
+        assert!(by_memory < functions);
+        let error = plan(Some(10_000), None).unwrap_err().to_string();
+        assert!(error.contains("triangles are of material") && error.contains("--max-bytes"), "{error}");
+        let error = plan(None, Some(1_000)).unwrap_err().to_string();
+        assert!(error.contains("--max-memory"), "{error}");
+    }
+
+    #[test]
+    fn the_coarsest_preset_that_promises_an_error_is_taken() {
+        assert_eq!(preset_for(0.2).unwrap(), Preset::Draft);
+        assert_eq!(preset_for(0.1).unwrap(), Preset::Standard);
+        assert_eq!(preset_for(0.06).unwrap(), Preset::Fine);
+        assert!(preset_for(0.01).unwrap_err().to_string().contains("0.06"));
+    }
+}
