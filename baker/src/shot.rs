@@ -36,9 +36,16 @@ pub enum ShotError {
 pub fn read(path: &Path) -> Result<Shot, ShotError> {
     let text =
         std::fs::read_to_string(path).map_err(|source| ShotError::Read { path: path.to_owned(), source })?;
-    let invalid = |problem: String| ShotError::Invalid { path: path.to_owned(), problem };
-    let shot: Shot = serde_json::from_str(&text).map_err(|e| invalid(e.to_string()))?;
-    check(&shot).map_err(invalid)?;
+    parse(&text).map_err(|problem| ShotError::Invalid { path: path.to_owned(), problem })
+}
+
+/// Reads a shot from its text and checks its numbers.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn parse(text: &str) -> Result<Shot, String> {
+    let shot: Shot = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    check(&shot)?;
     Ok(shot)
 }
 

@@ -1,10 +1,11 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-scale`, `kill-bake`, `plot-estimate`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-scale`, `fuzz`, `kill-bake`, `plot-estimate`, `install`.
 
 mod bench_scale;
 mod bench_web;
 mod bindgen;
 mod demo;
 mod fidelity;
+mod fuzz;
 mod install;
 mod kill_bake;
 mod package;
@@ -36,6 +37,8 @@ cargo xtask bench-web [--scenes DIR] [--shot NAME]
                      times frames in headless Chromium beside three.js, same scene and light; DIR as above
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
+cargo xtask fuzz [TARGET ...] [--runs N]
+                     feeds damaged files to what reads them: file, section, links, gltf, shot
 cargo xtask kill-bake [--times N] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
 cargo xtask plot-estimate [SCENE or LOG.jsonl ...]
@@ -61,6 +64,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("fidelity") => fidelity::run(&args[1..]),
         Some("bench-scale") => bench_scale::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),
+        Some("fuzz") => fuzz::run(&args[1..]),
         Some("kill-bake") => kill_bake::run(&args[1..]),
         Some("plot-estimate") => plot_estimate::run(&args[1..]),
         Some("install") => install::all(),

@@ -71,6 +71,15 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
     }
 }
 
+/// Loads a scene from the bytes of a .gltf or .glb file. `name` is what errors call it, and what the scene is called;
+/// files that it refers to are looked for in the working directory.
+///
+/// # Errors
+/// [`SceneError`].
+pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
+    gltf::from_bytes(name, bytes)
+}
+
 impl Scene {
     /// Least and greatest corner, local space; both zero without vertices.
     pub fn bounds(&self) -> (Vec3, Vec3) {

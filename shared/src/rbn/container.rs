@@ -103,9 +103,7 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
     let u32_at = |at: usize| u32::from_le_bytes([file[at], file[at + 1], file[at + 2], file[at + 3]]);
     let u64_at = |at: usize| u32_at(at) as u64 | (u32_at(at + 4) as u64) << 32;
     let damaged = |section: &str| RbnError::Checksum { section: section.to_owned() };
-    if u32_at(28) != checksum(&file[..28]) {
-        return Err(damaged("header"));
-    }
+    // First: another version's checksums may be worked out in another way.
     let version = u32_at(8);
     match version.cmp(&VERSION) {
         std::cmp::Ordering::Greater => {
@@ -115,6 +113,9 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
             return Err(RbnError::OlderVersion { found: version, supported: VERSION });
         }
         std::cmp::Ordering::Equal => {}
+    }
+    if u32_at(28) != checksum(&file[..28]) {
+        return Err(damaged("header"));
     }
     let expected = u64_at(16);
     if (file.len() as u64) < expected {

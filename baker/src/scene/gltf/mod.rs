@@ -27,7 +27,7 @@ use mesh::Part;
 use place::Seen;
 use source::Source;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Sizes of a scene, in its units, that 32-bit numbers are good for.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
@@ -39,6 +39,12 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let source = Source::open(path)?;
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     convert(&source, name)
+}
+
+/// Loads a file's bytes.
+pub(super) fn from_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
+    let source = Source::parse(name.to_owned(), PathBuf::new(), bytes)?;
+    convert(&source, name.to_owned())
 }
 
 fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
