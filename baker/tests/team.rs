@@ -62,7 +62,7 @@ impl Team for Member {
 
 fn small() -> BakeSettings {
     let mut settings = BakeSettings::new(Preset::Draft);
-    (settings.place.levels, settings.place.functions) = (4, 1500);
+    (settings.place.levels, settings.place.functions) = (4, 900);
     settings.operator.rays = vec![128, 64];
     settings.operator.later_levels = 2;
     settings

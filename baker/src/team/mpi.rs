@@ -14,6 +14,8 @@ use std::time::Duration;
 const PAUSE: (Duration, Duration) = (Duration::from_micros(50), Duration::from_millis(2));
 /// Bytes that all members together send at once; MPI counts in 31 bits.
 const AT_ONCE: usize = 1 << 30;
+/// An empty part lies in here: the address of an empty `Vec` may be the one that MPI takes for MPI_IN_PLACE.
+static NOTHING: [u8; 1] = [0];
 /// What launchers tell the processes that they start.
 const LAUNCHED: [&str; 4] = ["OMPI_COMM_WORLD_SIZE", "PMI_RANK", "PMIX_RANK", "MPI_LOCALRANKID"];
 
@@ -123,7 +125,10 @@ impl Team for Mpi {
             for round in 0..longest.div_ceil(most) {
                 let counts: Vec<Count> =
                     (0..size).map(|member| slice(length(member, kind), round, most).len() as Count).collect();
-                let mine = &message[slice(message.len(), round, most)];
+                let mine = match slice(message.len(), round, most) {
+                    part if part.is_empty() => &NOTHING[..0],
+                    part => &message[part],
+                };
                 if kind == 0 && !is_first {
                     first.gather_varcount_into(mine);
                     continue;
