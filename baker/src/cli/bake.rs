@@ -14,6 +14,7 @@ use rebounce::{team::Team, write::write_whole};
 use rebounce_shared::rbn::container;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Arc, Once};
 use std::time::Instant;
 
 const AFTER_HELP: &str = "\
@@ -193,8 +194,12 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
         1 => "stopped",
         _ => "stopped, or ended because another process of this bake was lost",
     };
-    let last_words =
-        move || eprintln!("rebounce: {why}; {kept} has what was done, and --resume goes on from it");
+    let said = Arc::new(Once::new());
+    let last_words = move || {
+        said.call_once(|| {
+            eprintln!("rebounce: {why}; {kept} has what was done, and --resume goes on from it")
+        });
+    };
     let stop = Stop::install(last_words.clone()).context("setting up signals")?;
     let previews = args.preview.then(|| output.with_extension(PREVIEW));
     let watcher = Watcher { display: Display::new(args.json_progress), stop: stop.clone(), previews };
