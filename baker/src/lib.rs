@@ -12,6 +12,7 @@ pub mod render;
 pub mod scene;
 pub mod shot;
 pub mod surface;
+pub mod team;
 pub mod triangles;
 pub mod watch;
 pub mod write;

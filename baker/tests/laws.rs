@@ -38,7 +38,7 @@ fn bake(albedo: f32) -> (Points, Relations, Operator) {
     let points = place(&room, &[Vec3::ZERO], &small_place(), &()).unwrap();
     let relations = relate(&points, 4).unwrap();
     let mut operator = refine(&room, &points, &relations, &small_operator(), &()).unwrap();
-    add_later_bounces(&mut operator, &small_operator(), &(), &()).unwrap();
+    add_later_bounces(&mut operator, &small_operator(), &(), &(), &()).unwrap();
     (points, relations, operator)
 }
 
@@ -164,7 +164,7 @@ fn later_bounces_stop_where_they_are_told_to() {
         expected += 0.5f32.powi(bounces);
         let mut operator = one.clone();
         let settings = OperatorSettings { bounces: Some(bounces as u32), ..small_operator() };
-        add_later_bounces(&mut operator, &settings, &(), &()).unwrap();
+        add_later_bounces(&mut operator, &settings, &(), &(), &()).unwrap();
         assert_eq!(operator.bounces, bounces as u32);
         let found = from_ones(&points, &relations, &operator);
         let got = found.iter().sum::<f32>() / found.len() as f32;

@@ -51,6 +51,31 @@ pub const BROWSER: [Need; 3] = [
     Need { package: "libvulkan1", why: "the Vulkan loader", present: has_vulkan_loader },
 ];
 
+/// Open MPI, for bakes over several processes, and what building against it takes.
+pub const MPI: [Need; 3] = [
+    Need {
+        package: "openmpi-bin",
+        why: "starts the processes of one bake (mpirun)",
+        present: || process::find(&["mpirun"]).is_some(),
+    },
+    Need {
+        package: "libopenmpi-dev",
+        why: "the MPI that the feature mpi is built against",
+        present: || process::find(&["mpicc"]).is_some(),
+    },
+    Need { package: "libclang-dev", why: "reads MPI's C headers for the build", present: has_libclang },
+];
+
+fn has_libclang() -> bool {
+    let below = |dir: &str| std::fs::read_dir(dir).into_iter().flatten().flatten().map(|entry| entry.path());
+    let versions = below("/usr/lib").filter(|path| path.to_string_lossy().contains("llvm"));
+    let dirs = versions.map(|path| path.join("lib")).chain(["/usr/lib", "/usr/lib64"].map(Into::into));
+    std::env::var_os("LIBCLANG_PATH").is_some()
+        || dirs
+            .into_iter()
+            .any(|dir| ["libclang.so", "libclang.so.1"].iter().any(|name| dir.join(name).exists()))
+}
+
 /// The browser's program; the variable CHROMIUM names another.
 pub fn chromium() -> Option<std::path::PathBuf> {
     match std::env::var_os("CHROMIUM") {

@@ -10,14 +10,23 @@ use std::process::Stdio;
 /// package, and of the site.
 const PARTS: [&str; 5] = ["native", "wasm", "page", "package", "site"];
 
+/// Bakes under mpirun: a part that is run only when it is named, as it needs an MPI.
+const MPI: &str = "mpi";
+
 /// Runs every test, or one part. All parts run, whatever becomes of the first.
 ///
 /// # Errors
 /// If something needed is missing, does not compile, or a test fails.
 pub fn run(args: &[String]) -> Result<()> {
     let part = args.first().map(String::as_str);
+    if part == Some(MPI) && args.len() == 1 {
+        return over_mpi();
+    }
     if part.is_some_and(|part| !PARTS.contains(&part)) || args.len() > 1 {
-        bail!("there are these parts: {}; without a name all of them are run", PARTS.join(", "));
+        bail!(
+            "there are these parts: {}; without a name all of them are run. {MPI} is another one, run by name only",
+            PARTS.join(", ")
+        );
     }
     let wanted = |name| part.is_none() || part == Some(name);
     let in_page = ["page", "package", "site"].map(wanted).contains(&true);
@@ -53,6 +62,18 @@ fn native(options: &[&str]) -> Result<()> {
         command.env("VK_DRIVER_FILES", description);
     }
     process::run(&mut command)
+}
+
+/// Bakes over several processes, and the same in one.
+fn over_mpi() -> Result<()> {
+    install::ensure(&install::MPI)?;
+    let test = |what: &[&str]| {
+        let mut command = process::cargo();
+        process::run(command.args(["test", "--package", "rebounce", "--features", "mpi"]).args(what))
+    };
+    test(&["--lib", "team::"])?;
+    // One after another: each starts processes of its own.
+    test(&["--test", "mpi", "--", "--test-threads", "1"])
 }
 
 /// Runs wasm tests, and those of the wanted parts, in headless Chromium.

@@ -4,10 +4,12 @@
 //! * [`observer`] – what a bake tells, and what it can be told;
 //! * `transport` – the stages in order; `assemble` – the file's contents;
 //! * [`budget`] – what a bake may weigh;
+//! * `agree` – whether the members of a team work on the same;
 //! * [`checkpoint`] – what is kept, so that a bake can go on;
 //! * `tracker`, `estimate` – how far it is, and how long the rest takes;
 //! * `preset`, `report` – settings, and figures.
 
+mod agree;
 mod assemble;
 pub mod budget;
 pub mod checkpoint;
@@ -21,10 +23,11 @@ mod transport;
 pub use checkpoint::{Checkpoint, CheckpointError, Identity};
 pub use observer::{Observer, Preview, Progress, Stage};
 pub use preset::{BakeSettings, Preset};
-pub use report::{BakeReport, LevelReport, SectionReport, peak_memory_bytes};
+pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 
 use crate::points::{PlaceError, candidates::Candidates, viewpoint};
 use crate::scene::Scene;
+use crate::team::{Team, TeamError};
 use crate::triangles::TriangleSurfaces;
 use crate::watch::{Stopped, Watch};
 use estimate::Estimate;
@@ -54,6 +57,14 @@ pub enum BakeError {
     /// The checkpoint cannot be used.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// A process of the team has placed other points.
+    #[error(
+        "process {0} works on another scene, or has come to other points: start all processes from the same program with the same arguments, on processors of one kind"
+    )]
+    Apart(usize),
+    /// A process of the team sent what cannot be used.
+    #[error(transparent)]
+    Team(TeamError),
     /// More planes at walls than a file can hold.
     #[error("supports are cut off by over {MAX_ALL_CUTS} walls: bake with fewer --functions or --levels")]
     TooManyCuts,
@@ -65,6 +76,15 @@ pub enum BakeError {
 impl From<Stopped> for BakeError {
     fn from(_: Stopped) -> Self {
         Self::Stopped
+    }
+}
+
+impl From<TeamError> for BakeError {
+    fn from(error: TeamError) -> Self {
+        match error {
+            TeamError::Stopped(_) => Self::Stopped,
+            error => Self::Team(error),
+        }
     }
 }
 
@@ -86,7 +106,8 @@ pub fn bake(
     settings: &BakeSettings,
     observer: &dyn Observer,
 ) -> Result<(rbn::Scene, BakeReport), BakeError> {
-    run(scene, settings, observer, None)
+    // Who works alone is the first of its team.
+    run(scene, settings, observer, None, &())?.ok_or(BakeError::Stopped)
 }
 
 /// Bakes a scene, keeps what is done in a checkpoint, and goes on from what the checkpoint has. The result is the one
@@ -100,9 +121,27 @@ pub fn bake_with_checkpoint(
     observer: &dyn Observer,
     checkpoint: &Checkpoint,
 ) -> Result<(rbn::Scene, BakeReport), BakeError> {
-    let baked = run(scene, settings, observer, Some(checkpoint));
-    // If this is what ended the bake, it is what went wrong.
-    checkpoint.flush()?;
+    bake_in_team(scene, settings, observer, Some(checkpoint), &())?.ok_or(BakeError::Stopped)
+}
+
+/// Bakes a scene together with the other members of a team, all of which call this with the same scene and settings.
+/// The first member gets the result, the one that [`bake`] gives, to the byte; the others get nothing. Only the first
+/// member may have a checkpoint; it keeps what all have done.
+///
+/// # Errors
+/// [`BakeError`]; then the others wait until they are stopped or ended, and what was done is in the checkpoint.
+pub fn bake_in_team(
+    scene: &Scene,
+    settings: &BakeSettings,
+    observer: &dyn Observer,
+    checkpoint: Option<&Checkpoint>,
+    team: &dyn Team,
+) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+    let baked = run(scene, settings, observer, checkpoint, team);
+    if let Some(checkpoint) = checkpoint {
+        // If this is what ended the bake, it is what went wrong.
+        checkpoint.flush()?;
+    }
     baked
 }
 
@@ -111,7 +150,8 @@ fn run(
     settings: &BakeSettings,
     observer: &dyn Observer,
     checkpoint: Option<&Checkpoint>,
-) -> Result<(rbn::Scene, BakeReport), BakeError> {
+    team: &dyn Team,
+) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
     let settings = settings.clone().normalised();
     if scene.triangles.is_empty() {
         return Err(BakeError::Empty);
@@ -130,7 +170,7 @@ fn run(
     task.step(0)?;
     drop(task);
     report.viewpoint = (DVec3::from(scene.origin) + viewpoints[0].as_dvec3()).to_array();
-    let bake = Transport { scene, surfaces: &surfaces, viewpoints: &viewpoints, observer };
+    let bake = Transport { scene, surfaces: &surfaces, viewpoints: &viewpoints, observer, team };
     if let Some(settings) = sketch {
         bake.sketch(settings, &tracker.task(Stage::Sketch, None))?;
     }

@@ -1,9 +1,10 @@
 //! What a bake made and what it cost: the columns of the paper's Table 1 and the file's sections.
 
-use super::BakeSettings;
+use super::{BakeSettings, Stage};
 use crate::operator::Operator;
 use crate::points::Points;
 use crate::scene::Scene;
+use crate::team::share::Traffic;
 use rebounce_shared::rbn::container::Section;
 use serde::Serialize;
 use std::fmt;
@@ -47,6 +48,10 @@ pub struct BakeReport {
     pub lost_share: f64,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(String, f64)>,
+    /// Processes that baked together.
+    pub processes: u64,
+    /// What they sent each other; empty for one process.
+    pub traffic: Vec<TrafficReport>,
     /// Peak memory of the process, bytes; 0 where the system does not tell.
     pub peak_memory_bytes: u64,
     /// The file's sections.
@@ -66,6 +71,19 @@ pub struct LevelReport {
     pub links: u64,
     /// Poisson-disk radius, scene units.
     pub disk_radius: f32,
+}
+
+/// What the processes of a bake sent each other in one part of it.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct TrafficReport {
+    /// The stage.
+    pub stage: String,
+    /// The level of points that it was about, where it was about one.
+    pub level: Option<usize>,
+    /// Bytes that process 0 took in for the file.
+    pub to_first: u64,
+    /// Bytes that every process took in for what follows, its own included.
+    pub to_all: u64,
 }
 
 /// One section of the file in numbers.
@@ -118,6 +136,13 @@ impl BakeReport {
         self.lost_share = operator.lost_share;
     }
 
+    pub(super) fn add_traffic(&mut self, stage: Stage, level: Option<usize>, traffic: Traffic) {
+        let Traffic { to_first, to_all } = traffic;
+        if self.processes > 1 {
+            self.traffic.push(TrafficReport { stage: stage.label().to_owned(), level, to_first, to_all });
+        }
+    }
+
     /// Adds what is known once the file is written.
     pub fn add_file(&mut self, sections: &[Section], file_bytes: u64) {
         self.sections =
@@ -162,6 +187,16 @@ impl fmt::Display for BakeReport {
         writeln!(f, "bounces       {}; {:.3}% of the light lost", self.bounces, 100.0 * self.lost_share)?;
         let seconds: Vec<String> = self.seconds.iter().map(|(name, s)| format!("{name} {s:.1}")).collect();
         writeln!(f, "seconds       {:.1} ({})", self.total_seconds(), seconds.join(", "))?;
+        if self.processes > 1 {
+            let sum = |bytes: fn(&TrafficReport) -> u64| mb(self.traffic.iter().map(bytes).sum());
+            writeln!(
+                f,
+                "processes     {}; process 0 took in {}, each one {}",
+                self.processes,
+                sum(|part| part.to_first),
+                sum(|part| part.to_all)
+            )?;
+        }
         writeln!(f, "peak memory   {}", mb(self.peak_memory_bytes))?;
         let sections: Vec<String> =
             self.sections.iter().map(|s| format!("{} {}", s.name, mb(s.bytes))).collect();

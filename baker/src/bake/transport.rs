@@ -1,5 +1,6 @@
 //! A bake's stages in order: points, basis, operator, file.
 
+use super::agree::agree;
 use super::assemble::assemble;
 use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Preview, Stage};
@@ -10,6 +11,7 @@ use crate::operator::refine::{Refiner, Senders, refine};
 use crate::operator::{Operator, reflected::reflected_share, tint};
 use crate::points::{Placer, Points, cut, footprint, place};
 use crate::scene::Scene;
+use crate::team::Team;
 use crate::triangles::TriangleSurfaces;
 use crate::watch::{Stopped, Watch};
 use glam::Vec3;
@@ -28,6 +30,7 @@ pub(super) struct Transport<'a> {
     pub surfaces: &'a TriangleSurfaces,
     pub viewpoints: &'a [Vec3],
     pub observer: &'a dyn Observer,
+    pub team: &'a dyn Team,
 }
 
 /// The settings of a coarse bake to show first; `None` where the bake is small itself.
@@ -64,20 +67,22 @@ impl Transport<'_> {
         let relations = relate(&points, settings.direct_levels)?;
         settings.operator.reflected = reflected_share(self.surfaces, &points, settings.operator.seed);
         let mut operator = refine(self.surfaces, &points, &relations, &settings.operator, watch)?;
-        add_later_bounces(&mut operator, &settings.operator, watch, &())?;
+        add_later_bounces(&mut operator, &settings.operator, watch, &(), &())?;
         let file = self.file(&settings, &points, &relations, &operator)?;
         self.observer.preview(Preview { file, levels: 0 });
         Ok(())
     }
 
-    /// Bakes.
+    /// Bakes; the first member of the team has the result.
     pub(super) fn run(
         &self,
         mut settings: BakeSettings,
         tracker: &Tracker,
         checkpoint: Option<&Checkpoint>,
         mut report: BakeReport,
-    ) -> Result<(rbn::Scene, BakeReport), BakeError> {
+    ) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+        report.processes = self.team.size() as u64;
+        let asked = settings.clone();
         let journal: &dyn Journal = checkpoint.map_or(&(), |checkpoint| checkpoint);
         let points = self.points(&settings, tracker, checkpoint)?;
         // Links can name so many senders: beyond, the finest levels receive and do not send.
@@ -95,6 +100,7 @@ impl Transport<'_> {
         let task = tracker.task(Stage::Colours, None);
         settings.operator.reflected = reflected_share(self.surfaces, &points, settings.operator.seed);
         let tints = tint::tints(self.surfaces, &points, settings.operator.seed, &task)?;
+        agree(self.scene, &asked, &points, &tints, self.team, &task)?;
         drop(task);
         let told = &settings.operator;
         let senders = Senders::new(&points, told, &tints);
@@ -102,13 +108,16 @@ impl Transport<'_> {
         let levels = points.levels.len();
         for level in 0..levels {
             tracker.expect(|estimate| estimate.expect_rays(level, refiner.rays_ahead() as f64));
-            refiner.level(&tracker.task(Stage::Links, Some(level)), journal)?;
+            let traffic = refiner.level(&tracker.task(Stage::Links, Some(level)), journal, self.team)?;
+            report.add_traffic(Stage::Links, Some(level), traffic);
             if level + 1 == told.later_levels.min(levels) {
                 let operator = refiner.operator_mut();
                 let entries: usize = operator.coarse.iter().map(Vec::len).sum();
                 let columns = column_count(operator, told);
                 tracker.expect(|estimate| estimate.expect_bounces(columns as f64, entries as f64));
-                add_later_bounces(operator, told, &tracker.task(Stage::Bounces, None), journal)?;
+                let task = tracker.task(Stage::Bounces, None);
+                let traffic = add_later_bounces(operator, told, &task, journal, self.team)?;
+                report.add_traffic(Stage::Bounces, None, traffic);
             }
             let has_bounces = level + 1 >= told.later_levels;
             if has_bounces && level + 1 < levels && self.observer.wants_previews() {
@@ -117,13 +126,16 @@ impl Transport<'_> {
             }
         }
         let operator = refiner.finish();
+        if self.team.rank() != 0 {
+            return Ok(None);
+        }
         let task = tracker.task(Stage::Assemble, None);
         report.describe(&points, &operator, &settings);
         let file = self.file(&settings, &points, &relations, &operator)?;
         task.step(0)?;
         drop(task);
         report.seconds = tracker.seconds();
-        Ok((file, report))
+        Ok(Some((file, report)))
     }
 
     /// All points with their cuts and samples.

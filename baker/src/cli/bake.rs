@@ -2,23 +2,29 @@
 
 use super::progress::Display;
 use super::stop::Stop;
+use super::team::with_team;
 use super::view::PREVIEW;
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use rebounce::bake::budget::{self, Budget};
 use rebounce::bake::{
-    BakeError, BakeSettings, Checkpoint, Identity, Observer, Preset, Preview, Progress, bake_with_checkpoint,
+    BakeError, BakeSettings, Checkpoint, Identity, Observer, Preset, Preview, Progress, bake_in_team,
 };
-use rebounce::{scene, write::write_whole};
+use rebounce::scene::{self, Scene};
+use rebounce::{team::Team, write::write_whole};
 use rebounce_shared::rbn::container;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Arc, Once};
 use std::time::Instant;
 
 const AFTER_HELP: &str = "\
 A bake keeps what it has done in FILE.rbn.partial beside its output. When it was stopped or killed, the same command with \
 --resume goes on from there; the result is the same file, to the byte. It is removed when the bake is done. FILE.rbn itself \
 is replaced only then, and at once.
+
+Where it is built with the feature mpi, `mpirun -n 4 rebounce bake ...` shares the work among four processes; the result \
+is the same file, to the byte, and --resume goes on with any number of them.
 
 Exit codes: 0 done; 1 failed; 2 wrong arguments; 130 stopped by Ctrl-C, 143 by SIGTERM, --resume goes on.
 
@@ -182,33 +188,69 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
     if let Some(threads) = args.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")?;
     }
+    with_team(|team| {
+        // Until here, and while this loads, signals end the process at once.
+        let scene = scene::load(&args.scene)?;
+        if team.rank() == 0 { lead(args, &scene, team) } else { follow(args, &scene, team) }
+    })
+}
+
+/// The part of a process that is not the first of its team: it works, and leaves files and words to the first.
+fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
+    let stop = Stop::install(|| ()).context("setting up signals")?;
+    let (settings, _) = planned(args, scene)?;
+    match bake_in_team(scene, &settings, &Follower(stop.clone()), None, team) {
+        Ok(_) => Ok(0),
+        Err(BakeError::Stopped) => Ok(stop.exit_code()),
+        Err(error) => Err(error).context(args.scene.clone()),
+    }
+}
+
+/// The settings within the budget, and the number of functions where it is lowered.
+fn planned(args: &BakeArgs, scene: &Scene) -> Result<(BakeSettings, Option<usize>)> {
+    let mut settings = args.settings()?;
+    let budget = Budget { bytes: args.max_bytes, memory: args.max_memory };
+    let fewer = budget::plan(scene, &mut settings, &budget).with_context(|| args.scene.clone())?;
+    Ok((settings, fewer))
+}
+
+/// The first process's part, or all of it.
+fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let output = args.output();
-    // Until here, and while this loads, signals end the process at once.
-    let scene = scene::load(&args.scene)?;
     for problem in &scene.left_out {
         eprintln!("warning: left out: {problem}");
     }
-    let mut settings = args.settings()?;
-    let budget = Budget { bytes: args.max_bytes, memory: args.max_memory };
-    let fewer = budget::plan(&scene, &mut settings, &budget).with_context(|| args.scene.clone())?;
+    let (settings, fewer) = planned(args, scene)?;
     if let Some(functions) = fewer {
         eprintln!("note: about {functions} functions on the finest level, to keep within the budget");
     }
-    let checkpoint = open_checkpoint(args, &output, &Identity::new(&scene, &settings))?;
+    let checkpoint = open_checkpoint(args, &output, &Identity::new(scene, &settings))?;
     let kept = checkpoint.path().display().to_string();
-    let last_words =
-        move || eprintln!("rebounce: stopped; {kept} has what was done, and --resume goes on from it");
+    let why = match team.size() {
+        1 => "stopped",
+        _ => "stopped, or ended because another process of this bake was lost",
+    };
+    let said = Arc::new(Once::new());
+    let last_words = move || {
+        said.call_once(|| {
+            eprintln!("rebounce: {why}; {kept} has what was done, and --resume goes on from it")
+        });
+    };
     let stop = Stop::install(last_words.clone()).context("setting up signals")?;
     let previews = args.preview.then(|| output.with_extension(PREVIEW));
     let watcher = Watcher { display: Display::new(args.json_progress), stop: stop.clone(), previews };
     let began = Instant::now();
-    let (mut baked, mut report) = match bake_with_checkpoint(&scene, &settings, &watcher, &checkpoint) {
-        Ok(baked) => baked,
+    let (mut baked, mut report) = match bake_in_team(scene, &settings, &watcher, Some(&checkpoint), team) {
+        Ok(Some(baked)) => baked,
+        // Nobody but the first process has no result.
+        Ok(None) => return Ok(0),
         Err(BakeError::Stopped) => {
             last_words();
-            return Ok(ExitCode::from(stop.exit_code()));
+            return Ok(stop.exit_code());
         }
-        Err(error @ BakeError::Checkpoint(_)) => return Err(error.into()),
+        Err(error @ (BakeError::Checkpoint(_) | BakeError::Apart(_) | BakeError::Team(_))) => {
+            return Err(error.into());
+        }
         Err(error) => {
             // It would end the same way again.
             checkpoint.remove();
@@ -238,7 +280,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
         println!("{report}");
         println!("wrote         {}", output.display());
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(0)
 }
 
 /// The checkpoint beside the output, to go on with or to begin.
@@ -260,6 +302,15 @@ fn open_checkpoint(args: &BakeArgs, output: &Path, identity: &Identity) -> Resul
         _ => eprintln!("going on from {}", path.display()),
     }
     Ok(checkpoint)
+}
+
+/// Hands on signals.
+struct Follower(Stop);
+
+impl Observer for Follower {
+    fn is_stopped(&self) -> bool {
+        self.0.is_asked()
+    }
 }
 
 /// Shows progress, hands on signals, writes previews.

@@ -9,6 +9,7 @@ mod progress;
 pub mod reference;
 pub mod render;
 mod stop;
+mod team;
 pub mod view;
 
 use anyhow::{Context, Result};

@@ -10,9 +10,12 @@
 //! at a time: unit light at one coarse point is bounced among them until what is left is negligible or each bounce
 //! is a smaller copy of the one before. No product of sparse matrices grows on the way.
 
+use super::bytes::{Reader, put, put_columns};
 use super::journal::{Columns, Journal};
 use super::tally::IrradianceRow;
 use super::{Operator, OperatorSettings};
+use crate::team::share::{Outbox, Traffic, share};
+use crate::team::{Team, TeamError};
 use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -50,77 +53,136 @@ fn active(coarse: &[IrradianceRow]) -> Vec<u32> {
     (0..coarse.len() as u32).filter(|s| sends[*s as usize]).collect()
 }
 
-/// Fills the operator's [`later`](Operator::later) rows. A unit of `watch` is a column. What `journal` has is taken
-/// from there.
+/// Fills the operator's [`later`](Operator::later) rows together with the team; those of the first member, as no other
+/// reads them. A unit of `watch` is a column. What the first member's `journal` has is taken from there. How many bytes
+/// were sent.
 ///
 /// # Errors
-/// [`Stopped`]; the operator is as it was.
+/// [`TeamError`]; the operator is as it was.
 pub fn add_later_bounces(
     operator: &mut Operator,
     settings: &OperatorSettings,
     watch: &dyn Watch,
     journal: &dyn Journal,
-) -> Result<(), Stopped> {
+    team: &dyn Team,
+) -> Result<Traffic, TeamError> {
     let count = operator.coarse.len();
+    let mut traffic = Traffic::default();
     if settings.bounces.is_some_and(|wanted| wanted <= 1) || count == 0 {
-        return Ok(());
+        return Ok(traffic);
     }
-    let (coarse, tints) = (&operator.coarse, super::tint::unpack(&operator.tints[..count]));
-    let least = settings.epsilon_later();
-    let active = active(coarse);
-    // Rows of C + C² + …, by chunks of ascending columns, so that small entries can be carried over.
-    let chunks: Vec<Columns> = active
-        .par_chunks(BATCH * 16)
-        .enumerate()
-        .map(|(part, chunk)| {
-            if let Some(columns) = journal.columns(part).filter(|columns| columns.rows.len() == count) {
-                watch.skip(chunk.len() as u64)?;
-                return Ok(columns);
-            }
-            let mut deepest = 2;
-            let mut kept: Vec<ColourRow> = vec![Vec::new(); count];
-            let mut carried = vec![Vec3::ZERO; count];
-            // The last sender that each receiver sees, however little: what is left is given to it.
-            let mut seen = vec![u32::MAX; count];
-            for batch in chunk.chunks(BATCH) {
-                let (light, bounces) = series(coarse, &tints, batch, settings.bounces, watch)?;
-                deepest = deepest.max(bounces);
-                for (receiver, [red, green, blue]) in light.iter().enumerate() {
-                    for (b, sender) in batch.iter().enumerate() {
-                        let arriving = Vec3::new(red[b], green[b], blue[b]);
-                        if arriving == Vec3::ZERO {
-                            continue;
-                        }
-                        carried[receiver] += arriving;
-                        seen[receiver] = *sender;
-                        if carried[receiver].max_element() > least {
-                            kept[receiver].push((*sender, std::mem::take(&mut carried[receiver])));
-                        }
-                    }
-                }
-                watch.step(batch.len() as u64)?;
-            }
-            for ((kept, rest), last) in kept.iter_mut().zip(carried).zip(seen) {
-                match kept.last_mut() {
-                    Some((sender, sum)) if *sender == last => *sum += rest,
-                    _ if rest != Vec3::ZERO => kept.push((last, rest)),
-                    _ => {}
-                }
-            }
-            let columns = Columns { bounces: deepest, rows: kept };
+    let tints = super::tint::unpack(&operator.tints[..count]);
+    let series = Series { coarse: &operator.coarse, tints: &tints, settings };
+    let active = active(&operator.coarse);
+    // By parts of ascending columns, so that small entries can be carried over.
+    let parts: Vec<&[u32]> = active.chunks(BATCH * 16).collect();
+    let mut found: Vec<Option<Columns>> = vec![None; parts.len()];
+    for (part, senders) in parts.iter().enumerate() {
+        if let Some(columns) = journal.columns(part).filter(|columns| columns.rows.len() == count) {
+            watch.skip(senders.len() as u64)?;
+            found[part] = Some(columns);
+        }
+    }
+    let mut left: Vec<u64> = (0..parts.len() as u64).filter(|part| found[*part as usize].is_none()).collect();
+    if team.size() > 1 {
+        // What the first member has to do is what there is to do.
+        let mut told = Vec::new();
+        put(&mut told, &left);
+        let received = team.exchange(&[], if team.rank() == 0 { &told } else { &[] }, watch)?;
+        let told = received.to_all.first().ok_or(TeamError::Garbled(0))?;
+        let mut from = Reader(told);
+        left = from.take(from.rest::<u64>()).ok_or(TeamError::Garbled(0))?;
+        traffic.to_all += told.len() as u64;
+    }
+    let mine: Vec<usize> =
+        left.iter().skip(team.rank()).step_by(team.size()).map(|part| *part as usize).collect();
+    let work = |outbox: Option<&Outbox>| {
+        let sum = |&part: &usize| {
+            let senders = parts.get(part).copied().unwrap_or_default();
+            let columns = series.columns(senders, watch)?;
             journal.keep_columns(part, &columns);
-            Ok(columns)
-        })
-        .collect::<Result<_, Stopped>>()?;
-    operator.bounces = chunks.iter().map(|columns| columns.bounces).fold(2, u32::max);
+            if let Some(outbox) = outbox {
+                outbox.post(|to_first, _| put_columns(to_first, part, &columns));
+            }
+            Ok((part, columns))
+        };
+        mine.par_iter().map(sum).collect::<Result<Vec<_>, Stopped>>()
+    };
+    let arrive = |member: usize, for_first: &[u8], _: &[u8]| {
+        let mut from = Reader(for_first);
+        while !from.is_empty() {
+            let (part, columns) = from.columns().ok_or(TeamError::Garbled(member))?;
+            let senders = parts.get(part).filter(|_| columns.rows.len() == count);
+            let senders = senders.ok_or(TeamError::Garbled(member))?;
+            journal.keep_columns(part, &columns);
+            found[part] = Some(columns);
+            watch.step(senders.len() as u64)?;
+        }
+        Ok(())
+    };
+    let (own, sent) = share(team, watch, work, arrive)?;
+    traffic.add(sent);
+    if team.rank() != 0 {
+        return Ok(traffic);
+    }
+    for (part, columns) in own {
+        found[part] = Some(columns);
+    }
+    let parts = found.into_iter().collect::<Option<Vec<_>>>().ok_or(TeamError::Garbled(0))?;
+    operator.bounces = parts.iter().map(|columns| columns.bounces).fold(2, u32::max);
     operator.later = (0..count)
         .into_par_iter()
         .map(|receiver| {
-            let row = chunks.iter().flat_map(|columns| &columns.rows[receiver]);
+            let row = parts.iter().flat_map(|columns| &columns.rows[receiver]);
             row.map(|(sender, colour)| LaterLink::pack(*sender, *colour)).collect()
         })
         .collect();
-    Ok(())
+    Ok(traffic)
+}
+
+/// What the series of bounces is summed of.
+struct Series<'a> {
+    coarse: &'a [IrradianceRow],
+    tints: &'a [Vec3],
+    settings: &'a OperatorSettings,
+}
+
+impl Series<'_> {
+    /// Rows of C + C² + … for some senders, ascending.
+    fn columns(&self, senders: &[u32], watch: &dyn Watch) -> Result<Columns, Stopped> {
+        let (count, least) = (self.coarse.len(), self.settings.epsilon_later());
+        let mut deepest = 2;
+        let mut kept: Vec<ColourRow> = vec![Vec::new(); count];
+        let mut carried = vec![Vec3::ZERO; count];
+        // The last sender that each receiver sees, however little: what is left is given to it.
+        let mut seen = vec![u32::MAX; count];
+        for batch in senders.chunks(BATCH) {
+            let (light, bounces) = series(self.coarse, self.tints, batch, self.settings.bounces, watch)?;
+            deepest = deepest.max(bounces);
+            for (receiver, [red, green, blue]) in light.iter().enumerate() {
+                for (b, sender) in batch.iter().enumerate() {
+                    let arriving = Vec3::new(red[b], green[b], blue[b]);
+                    if arriving == Vec3::ZERO {
+                        continue;
+                    }
+                    carried[receiver] += arriving;
+                    seen[receiver] = *sender;
+                    if carried[receiver].max_element() > least {
+                        kept[receiver].push((*sender, std::mem::take(&mut carried[receiver])));
+                    }
+                }
+            }
+            watch.step(batch.len() as u64)?;
+        }
+        for ((kept, rest), last) in kept.iter_mut().zip(carried).zip(seen) {
+            match kept.last_mut() {
+                Some((sender, sum)) if *sender == last => *sum += rest,
+                _ if rest != Vec3::ZERO => kept.push((last, rest)),
+                _ => {}
+            }
+        }
+        Ok(Columns { bounces: deepest, rows: kept })
+    }
 }
 
 /// Unit light at the coarse points of a batch: the irradiance of its bounces on every coarse point,

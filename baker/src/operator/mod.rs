@@ -6,11 +6,13 @@
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`tally`] – what a gather sums up, by sender;
 //! * [`choose`] – which of it becomes a link;
+//! * [`bytes`] – what is done, as bytes;
 //! * [`journal`] – where what is done is kept, to go on from;
 //! * [`refine`] – the adaptive queue of Fig. 5: the one-bounce operator T;
 //! * [`bounces`] – later bounces by the Neumann series: S.
 
 pub mod bounces;
+pub mod bytes;
 mod choose;
 pub mod directions;
 pub mod gather;

@@ -3,13 +3,16 @@
 //! The queue of the paper goes level by level, so all receivers of one level can be gathered in
 //! parallel: each reads only the links of coarser levels.
 
+use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
-use super::gather::{GatherContext, Gathered, Scratch};
+use super::gather::{GatherContext, GatherCost, Gathered, Scratch};
 use super::journal::Journal;
 use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
 use crate::points::Points;
 use crate::surface::Surfaces;
+use crate::team::share::{Outbox, Traffic, share};
+use crate::team::{Team, TeamError};
 use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -22,19 +25,19 @@ pub const CHUNK: usize = 64;
 /// Computes T. A unit of `watch` is a ray.
 ///
 /// # Errors
-/// [`Stopped`].
+/// [`TeamError::Stopped`].
 pub fn refine<S: Surfaces + ?Sized>(
     surfaces: &S,
     points: &Points,
     relations: &Relations,
     settings: &OperatorSettings,
     watch: &dyn Watch,
-) -> Result<Operator, Stopped> {
+) -> Result<Operator, TeamError> {
     let tints = tint::tints(surfaces, points, settings.seed, &())?;
     let senders = Senders::new(points, settings, &tints);
     let mut refiner = Refiner::new(surfaces, points, relations, settings, &senders, tints);
     for _ in &points.levels {
-        refiner.level(watch, &())?;
+        refiner.level(watch, &(), &())?;
     }
     Ok(refiner.finish())
 }
@@ -124,57 +127,109 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         wanted as u64 * self.context.settings.rays_on(self.level) as u64
     }
 
-    /// Computes the next level. A unit of `watch` is a ray. What `journal` has is taken from there.
+    /// Computes the next level together with the team. A unit of `watch` is a ray. What the first member's `journal` has
+    /// is taken from there; the rest of the chunks go round the members, so that each gets its share of the costly ones.
+    /// All rows are for the first member; the others get what the next level and later bounces read. How many bytes that
+    /// took.
     ///
     /// # Errors
-    /// [`Stopped`]; the level is as if it had not been begun, but for what `journal` keeps.
-    pub fn level(&mut self, watch: &dyn Watch, journal: &dyn Journal) -> Result<(), Stopped> {
+    /// [`TeamError`]; the level is as if it had not been begun, but for what `journal` keeps.
+    pub fn level(
+        &mut self,
+        watch: &dyn Watch,
+        journal: &dyn Journal,
+        team: &dyn Team,
+    ) -> Result<Traffic, TeamError> {
         let (context, l) = (&self.context, self.level);
-        let Some(level) = context.points.levels.get(l) else { return Ok(()) };
+        let Some(level) = context.points.levels.get(l) else { return Ok(Traffic::default()) };
+        let range = level.range();
+        let mut found = Found::new(range.start, range.end);
+        let mut traffic = Traffic::default();
+        for chunk in 0..found.rows.len() {
+            let (first, count) = found.place(chunk);
+            if let Some(rows) = journal.receivers(first, count) {
+                watch.skip(rows.iter().map(|gathered| gathered.cost.rays).sum())?;
+                found.rows[chunk] = Some(rows);
+            }
+        }
+        if team.size() > 1 {
+            traffic.to_all += found.announce(team, watch)?;
+        }
+        let for_all = l + 1 < context.points.levels.len() || range.start < context.coarse_count;
+        let left = (0..found.rows.len()).filter(|chunk| found.rows[*chunk].is_none());
+        let mine: Vec<(usize, usize)> =
+            left.skip(team.rank()).step_by(team.size()).map(|chunk| found.place(chunk)).collect();
         let directions = Directions::new(context.settings.rays_on(l));
         let pool = Mutex::new(Vec::new());
-        let indices: Vec<usize> = level.range().collect();
-        let chunks: Vec<Vec<Gathered>> = indices
-            .par_chunks(CHUNK)
-            .map(|chunk| {
-                if let Some(found) = journal.receivers(chunk[0], chunk.len()) {
-                    watch.skip(found.iter().map(|gathered| gathered.cost.rays).sum())?;
-                    return Ok(found);
-                }
+        let this = &*self;
+        let work = |outbox: Option<&Outbox>| {
+            let gather_chunk = |&(first, count): &(usize, usize)| {
                 let recycled = pool.lock().ok().and_then(|mut free| free.pop());
                 let mut scratch =
-                    recycled.unwrap_or_else(|| Scratch::new(self.sender_count, context.coarse_count));
-                let mut gather = |&i: &usize| {
-                    let gathered = if self.is_wanted(i) {
-                        context.links(i, l, &directions, &self.values, &mut scratch)
+                    recycled.unwrap_or_else(|| Scratch::new(this.sender_count, context.coarse_count));
+                let mut gather = |i: usize| {
+                    let gathered = if this.is_wanted(i) {
+                        context.links(i, l, &directions, &this.values, &mut scratch)
                     } else {
-                        context.inherit(i, l, &self.values, &mut scratch)
+                        context.inherit(i, l, &this.values, &mut scratch)
                     };
                     watch.step(gathered.cost.rays)?;
                     Ok(gathered)
                 };
-                let found = chunk.iter().map(&mut gather).collect::<Result<Vec<_>, Stopped>>()?;
+                let rows = (first..first + count).map(&mut gather).collect::<Result<Vec<_>, Stopped>>()?;
                 if let Ok(mut free) = pool.lock() {
                     free.push(scratch);
                 }
-                journal.keep_receivers(chunk[0], &found);
-                Ok(found)
-            })
-            .collect::<Result<_, Stopped>>()?;
-        for (i, gathered) in indices.into_iter().zip(chunks.into_iter().flatten()) {
-            self.operator.receivers += (gathered.cost.rays > 0) as u64;
-            self.operator.rays += gathered.cost.rays;
-            self.seen += gathered.cost.seen;
-            self.lost += gathered.cost.lost;
-            if i < self.context.coarse_count {
-                self.operator.coarse.push(gathered.coarse);
+                journal.keep_receivers(first, &rows);
+                if let Some(outbox) = outbox {
+                    post(outbox, first, &rows, for_all);
+                }
+                Ok((first, rows))
+            };
+            mine.par_iter().map(gather_chunk).collect::<Result<Vec<_>, Stopped>>()
+        };
+        let arrive = |member: usize, for_first: &[u8], for_all: &[u8]| {
+            for (first, rows) in join(for_first, for_all).ok_or(TeamError::Garbled(member))? {
+                let rays = rows.iter().map(|gathered| gathered.cost.rays).sum();
+                // Only the first member has all of a row.
+                if team.rank() == 0 {
+                    journal.keep_receivers(first, &rows);
+                }
+                found.set(first, rows).ok_or(TeamError::Garbled(member))?;
+                watch.step(rays)?;
             }
-            self.operator.links[i] = gathered.links;
-            self.values[i] = gathered.value;
+            Ok(())
+        };
+        let (own, sent) = share(team, watch, work, arrive)?;
+        traffic.add(sent);
+        for (first, rows) in own {
+            found.set(first, rows).ok_or(TeamError::Garbled(team.rank()))?;
+        }
+        if !for_all && team.rank() != 0 {
+            // Nobody reads the rows that are not here.
+            found.rows.iter_mut().for_each(|rows| *rows = rows.take().or(Some(Vec::new())));
+        }
+        let rows = found.rows.into_iter().collect::<Option<Vec<_>>>().ok_or(TeamError::Garbled(0))?;
+        for (chunk, rows) in rows.into_iter().enumerate() {
+            for (k, gathered) in rows.into_iter().enumerate() {
+                self.take_in(range.start + chunk * CHUNK + k, gathered);
+            }
         }
         self.operator.lost_share = if self.seen > 0.0 { self.lost / self.seen } else { 0.0 };
         self.level += 1;
-        Ok(())
+        Ok(traffic)
+    }
+
+    fn take_in(&mut self, i: usize, gathered: Gathered) {
+        self.operator.receivers += (gathered.cost.rays > 0) as u64;
+        self.operator.rays += gathered.cost.rays;
+        self.seen += gathered.cost.seen;
+        self.lost += gathered.cost.lost;
+        if i < self.context.coarse_count {
+            self.operator.coarse.push(gathered.coarse);
+        }
+        self.operator.links[i] = gathered.links;
+        self.values[i] = gathered.value;
     }
 
     /// T so far.
@@ -191,4 +246,104 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
     pub fn finish(self) -> Operator {
         self.operator
     }
+}
+
+/// The chunks of one level, as far as they are known.
+struct Found {
+    start: usize,
+    end: usize,
+    rows: Vec<Option<Vec<Gathered>>>,
+}
+
+impl Found {
+    fn new(start: usize, end: usize) -> Self {
+        Self { start, end, rows: vec![None; (end - start).div_ceil(CHUNK)] }
+    }
+
+    /// The first receiver of a chunk, and how many there are.
+    fn place(&self, chunk: usize) -> (usize, usize) {
+        let first = self.start + chunk * CHUNK;
+        (first, CHUNK.min(self.end - first))
+    }
+
+    /// Takes the rows of a chunk; `None` where they do not fit.
+    fn set(&mut self, first: usize, rows: Vec<Gathered>) -> Option<()> {
+        let chunk = first.checked_sub(self.start)? / CHUNK;
+        let place = self.rows.get_mut(chunk)?;
+        let is_one = first == self.start + chunk * CHUNK && rows.len() == CHUNK.min(self.end - first);
+        is_one.then(|| *place = Some(rows))
+    }
+
+    /// The first member tells the others which chunks it has from an earlier run. How many bytes that took.
+    fn announce(&mut self, team: &dyn Team, watch: &dyn Watch) -> Result<u64, TeamError> {
+        let mut known = Vec::new();
+        if team.rank() == 0 {
+            for (chunk, rows) in self.rows.iter().enumerate() {
+                if let Some(rows) = rows {
+                    put_receivers(&mut known, self.place(chunk).0, &for_others(rows));
+                }
+            }
+        }
+        let received = team.exchange(&[], &known, watch)?;
+        let told = received.to_all.first().ok_or(TeamError::Garbled(0))?;
+        if team.rank() != 0 {
+            for (first, rows) in join(&[], told).ok_or(TeamError::Garbled(0))? {
+                self.set(first, rows).ok_or(TeamError::Garbled(0))?;
+            }
+        }
+        Ok(told.len() as u64)
+    }
+}
+
+/// What all members read of some rows: not their links, but whether there are any.
+fn for_others(rows: &[Gathered]) -> Vec<Gathered> {
+    let of_one = |row: &Gathered| Gathered {
+        links: row.links.first().copied().into_iter().collect(),
+        value: row.value.clone(),
+        coarse: row.coarse.clone(),
+        cost: GatherCost::default(),
+    };
+    rows.iter().map(of_one).collect()
+}
+
+/// Sends some rows: links and cost to the first member, the rest to all where that is wanted.
+fn post(outbox: &Outbox, first: usize, rows: &[Gathered], for_all: bool) {
+    let of_one =
+        |row: &Gathered| Gathered { links: row.links.clone(), cost: row.cost, ..Gathered::default() };
+    let for_first: Vec<Gathered> = rows.iter().map(of_one).collect();
+    outbox.post(|to_first, to_all| {
+        put_receivers(to_first, first, &for_first);
+        if for_all {
+            put_receivers(to_all, first, &for_others(rows));
+        }
+    });
+}
+
+/// Puts together what [`post`] sent; `None` where it is something else.
+fn join(for_first: &[u8], for_all: &[u8]) -> Option<Vec<(usize, Vec<Gathered>)>> {
+    let read = |bytes: &[u8]| {
+        let mut from = Reader(bytes);
+        let mut chunks = Vec::new();
+        while !from.is_empty() {
+            chunks.push(from.receivers()?);
+        }
+        Some(chunks)
+    };
+    let (mut whole, others) = (read(for_first)?, read(for_all)?);
+    if whole.is_empty() || others.is_empty() {
+        return Some(if whole.is_empty() { others } else { whole });
+    }
+    if whole.len() != others.len() {
+        return None;
+    }
+    // Both were posted in the same order.
+    for ((first, rows), (same, more)) in whole.iter_mut().zip(others) {
+        if *first != same || rows.len() != more.len() {
+            return None;
+        }
+        for (row, more) in rows.iter_mut().zip(more) {
+            (row.value, row.coarse) = (more.value, more.coarse);
+        }
+    }
+    Some(whole)
 }

@@ -71,7 +71,7 @@ impl Identity {
     }
 
     /// As a file holds it.
-    pub(super) fn to_json(&self) -> Vec<u8> {
+    pub(in crate::bake) fn to_json(&self) -> Vec<u8> {
         serde_json::to_vec(self).unwrap_or_default()
     }
 

@@ -10,12 +10,12 @@
 //! All numbers are little-endian. The first record is the [`Identity`](super::Identity) as JSON, with salt 0; its
 //! checksum is the salt of all others, so that no record of another bake is taken for one of this.
 
-use crate::operator::gather::{GatherCost, Gathered};
+use crate::operator::bytes::{Reader, lengths, put, put_columns, put_receivers};
+use crate::operator::gather::Gathered;
 use crate::operator::journal::Columns;
 use crate::points::{PlacedMark, SurfacePoint};
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use glam::Vec3;
-use rebounce_shared::link::Link;
 use rebounce_shared::rbn::bulk::Cut;
 use std::io::{self, Read};
 use xxhash_rust::xxh32::Xxh32;
@@ -65,7 +65,7 @@ impl Writer {
     }
 
     fn put<T: Pod>(&mut self, values: &[T]) -> &mut Self {
-        self.0.extend_from_slice(bytemuck::cast_slice(values));
+        put(&mut self.0, values);
         self
     }
 
@@ -74,35 +74,6 @@ impl Writer {
         self.0[..HEAD].copy_from_slice(bytemuck::cast_slice(&head));
         self.0
     }
-}
-
-/// A record's contents while they are read; nothing where there is too little.
-struct Reader<'a>(&'a [u8]);
-
-impl Reader<'_> {
-    fn take<T: Pod + Zeroable>(&mut self, count: usize) -> Option<Vec<T>> {
-        let (bytes, rest) = self.0.split_at_checked(count.checked_mul(size_of::<T>())?)?;
-        self.0 = rest;
-        Some(bytemuck::pod_collect_to_vec(bytes))
-    }
-
-    fn one<T: Pod + Zeroable>(&mut self) -> Option<T> {
-        self.take(1)?.pop()
-    }
-
-    /// Rows of these lengths.
-    fn rows<T: Pod + Zeroable>(&mut self, lengths: &[u32]) -> Option<Vec<Vec<T>>> {
-        lengths.iter().map(|length| self.take(*length as usize)).collect()
-    }
-
-    /// As many as there are left.
-    fn rest<T>(&self) -> usize {
-        self.0.len() / size_of::<T>()
-    }
-}
-
-fn lengths<'a, T: 'a>(rows: impl Iterator<Item = &'a Vec<T>>) -> Vec<u32> {
-    rows.map(|row| row.len() as u32).collect()
 }
 
 /// The identity, and with it the salt of the records that follow.
@@ -136,28 +107,14 @@ pub fn shaped(salt: u32, first: usize, cuts: &[Vec<Cut>], samples: &[u8]) -> Vec
 /// See [`Record::Receivers`].
 pub fn receivers(salt: u32, first: usize, found: &[Gathered]) -> Vec<u8> {
     let mut out = Writer::new();
-    out.put(&[first as u64, found.len() as u64]);
-    out.put(&found.iter().map(|g| g.cost.rays).collect::<Vec<u64>>());
-    out.put(&found.iter().map(|g| [g.cost.seen, g.cost.lost]).collect::<Vec<_>>());
-    out.put(&lengths(found.iter().map(|g| &g.links))).put(&lengths(found.iter().map(|g| &g.value)));
-    out.put(&lengths(found.iter().map(|g| &g.coarse)));
-    for gathered in found {
-        out.put(&gathered.links).put(&gathered.value);
-        out.put(&gathered.coarse.iter().map(|entry| entry.0).collect::<Vec<u32>>());
-        out.put(&gathered.coarse.iter().map(|entry| entry.1).collect::<Vec<f32>>());
-    }
+    put_receivers(&mut out.0, first, found);
     out.finish(salt, RECEIVERS)
 }
 
 /// See [`Record::Columns`].
 pub fn columns(salt: u32, part: usize, columns: &Columns) -> Vec<u8> {
     let mut out = Writer::new();
-    out.put(&[part as u64, columns.rows.len() as u64]).put(&[columns.bounces]);
-    out.put(&lengths(columns.rows.iter()));
-    for row in &columns.rows {
-        out.put(&row.iter().map(|entry| entry.0).collect::<Vec<u32>>());
-        out.put(&row.iter().map(|entry| entry.1).collect::<Vec<Vec3>>());
-    }
+    put_columns(&mut out.0, part, columns);
     out.finish(salt, COLUMNS)
 }
 
@@ -205,39 +162,23 @@ fn decode(kind: u32, contents: Vec<u8>) -> Option<Record> {
             Record::Shaped(first, from.rows(&lengths)?, from.take(count)?)
         }
         RECEIVERS => {
-            let [first, count] = from.one::<[u64; 2]>()?.map(|n| n as usize);
-            let rays = from.take::<u64>(count)?;
-            let light = from.take::<[f64; 2]>(count)?;
-            let lengths = from.take::<u32>(count)?.into_iter().zip(from.take::<u32>(count)?);
-            let lengths: Vec<_> = lengths.zip(from.take::<u32>(count)?).collect();
-            let mut found = Vec::with_capacity(count);
-            for ((rays, [seen, lost]), ((links, value), coarse)) in rays.into_iter().zip(light).zip(lengths) {
-                let links: Vec<Link> = from.take(links as usize)?;
-                let value: Vec<Link> = from.take(value as usize)?;
-                let senders = from.take::<u32>(coarse as usize)?;
-                let coarse = senders.into_iter().zip(from.take::<f32>(coarse as usize)?).collect();
-                found.push(Gathered { links, value, coarse, cost: GatherCost { rays, seen, lost } });
-            }
+            let (first, found) = from.receivers()?;
             Record::Receivers(first, found)
         }
         COLUMNS => {
-            let [part, count] = from.one::<[u64; 2]>()?.map(|n| n as usize);
-            let bounces = from.one()?;
-            let mut rows = Vec::new();
-            for length in from.take::<u32>(count)? {
-                let senders = from.take::<u32>(length as usize)?;
-                rows.push(senders.into_iter().zip(from.take::<Vec3>(length as usize)?).collect());
-            }
-            Record::Columns(part, Columns { bounces, rows })
+            let (part, columns) = from.columns()?;
+            Record::Columns(part, columns)
         }
         _ => return None,
     };
-    from.0.is_empty().then_some(record)
+    from.is_empty().then_some(record)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::operator::gather::GatherCost;
+    use rebounce_shared::link::Link;
 
     fn some() -> Vec<(Record, Vec<u8>)> {
         let mark = PlacedMark { coarse_radius: 0.3, next_particle: 1 << 40 };

@@ -1,0 +1,159 @@
+//! The command under `mpirun`: the same file as from one process, to the byte; a lost process leaves what was done.
+//! `cargo xtask test mpi` runs these.
+#![cfg(unix)]
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const BINARY: &str = env!("CARGO_BIN_EXE_rebounce");
+
+fn bake(command: &mut Command, output: &Path, threads: usize, more: &[&str]) -> Command {
+    let mut command = std::mem::replace(command, Command::new("true"));
+    command.args(["bake", "builtin:two-rooms-door", "--preset", "draft", "--functions", "3000"]);
+    command.args(["--threads", &threads.to_string(), "-o"]).arg(output).args(more);
+    if !more.contains(&"--rays") {
+        command.args(["--rays", "512"]);
+    }
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// The command on so many processes, however few processors there are.
+fn team(processes: usize, threads: usize, output: &Path, more: &[&str]) -> Command {
+    let mut command = Command::new("mpirun");
+    command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command.args(["--oversubscribe", "--bind-to", "none", "-n", &processes.to_string(), BINARY]);
+    bake(&mut command, output, threads, more)
+}
+
+fn alone(output: &Path, more: &[&str]) -> Vec<u8> {
+    let done = bake(&mut Command::new(BINARY), output, 2, more).output().unwrap();
+    assert!(done.status.success(), "{}", said(&done));
+    std::fs::read(output).unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn partial(output: &Path) -> PathBuf {
+    PathBuf::from(format!("{}.partial", output.display()))
+}
+
+/// Waits until the checkpoint beside this output has this many bytes.
+fn wait_for(child: &mut Child, output: &Path, bytes: u64) {
+    while partial(output).metadata().map_or(0, |m| m.len()) < bytes {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it kept {bytes} bytes");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// The processes that mpirun has started, by rank.
+fn members(mpirun: &Child) -> Vec<(usize, u32)> {
+    let listed =
+        Command::new("ps").args(["-o", "pid=", "--ppid", &mpirun.id().to_string()]).output().unwrap();
+    let pids = String::from_utf8(listed.stdout).unwrap();
+    let rank = |pid: u32| {
+        let environment = std::fs::read(format!("/proc/{pid}/environ")).ok()?;
+        let value = environment.split(|byte| *byte == 0);
+        let mut found = value.filter_map(|entry| entry.strip_prefix(b"OMPI_COMM_WORLD_RANK="));
+        Some((String::from_utf8_lossy(found.next()?).parse().ok()?, pid))
+    };
+    pids.split_whitespace().filter_map(|pid| rank(pid.parse().ok()?)).collect()
+}
+
+/// The launcher may end a moment before those that it has ended.
+fn all_end(members: &[(usize, u32)]) -> bool {
+    let began = Instant::now();
+    let is_there = |member: &(usize, u32)| Path::new(&format!("/proc/{}", member.1)).exists();
+    while members.iter().any(is_there) && began.elapsed() < Duration::from_secs(5) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    !members.iter().any(is_there)
+}
+
+fn signal(name: &str, pid: u32) {
+    assert!(Command::new("kill").args(["-s", name, &pid.to_string()]).status().unwrap().success());
+}
+
+#[test]
+fn any_number_of_processes_and_threads_makes_the_same_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let expected = alone(&folder.path().join("alone.rbn"), &[]);
+    for (processes, threads) in [(1, 1), (2, 1), (2, 2), (4, 1), (4, 2)] {
+        let path = folder.path().join("team.rbn");
+        let done = team(processes, threads, &path, &[]).output().unwrap();
+        assert!(done.status.success(), "{}", said(&done));
+        assert!(std::fs::read(&path).unwrap() == expected, "{processes} processes of {threads} threads");
+        assert!(!partial(&path).exists());
+        let summary = String::from_utf8(done.stdout).unwrap();
+        assert_eq!(summary.matches("wrote").count(), 1, "only one process speaks: {summary}");
+        assert_eq!(summary.contains(&format!("processes     {processes};")), processes > 1, "{summary}");
+    }
+}
+
+#[test]
+fn a_lost_process_ends_the_others_and_any_number_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let expected = alone(&folder.path().join("alone.rbn"), &[]);
+    // The second, the last, the first itself; while points are placed, and while links are traced.
+    for (lost, bytes, number) in [(1, 400_000, 2), (3, 1_000, 4), (0, 400_000, 1)] {
+        let path = folder.path().join(format!("lost-{lost}.rbn"));
+        let mut running = team(4, 1, &path, &[]).spawn().unwrap();
+        wait_for(&mut running, &path, bytes);
+        let members = members(&running);
+        assert_eq!(members.iter().map(|member| member.0).collect::<HashSet<_>>(), (0..4).collect());
+        signal("KILL", members.iter().find(|member| member.0 == lost).unwrap().1);
+        let asked = Instant::now();
+        let ended = running.wait_with_output().unwrap();
+        assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
+        assert!(!ended.status.success() && !path.exists());
+        let words = said(&ended);
+        assert!(words.contains("exited on signal 9"), "the launcher says who was lost: {words}");
+        if lost != 0 {
+            assert!(words.contains("another process of this bake was lost"), "{words}");
+            assert!(words.contains("partial has what was done, and --resume goes on"), "{words}");
+        }
+        assert!(all_end(&members), "a process goes on for ever");
+        let kept = partial(&path).metadata().unwrap().len();
+        assert!(kept >= bytes);
+        let done = team(number, 1, &path, &["--resume"]).output().unwrap();
+        assert!(done.status.success() && said(&done).contains("going on from"), "{}", said(&done));
+        assert!(std::fs::read(&path).unwrap() == expected, "{number} go on");
+    }
+}
+
+#[test]
+fn ctrl_c_ends_all_and_says_how_to_go_on() {
+    let folder = tempfile::tempdir().unwrap();
+    // So many rays that the launcher's signals, which may take a second, come before the end.
+    let rays = ["--rays", "3000", "--resume"];
+    let expected = alone(&folder.path().join("alone.rbn"), &rays[..2]);
+    let path = folder.path().join("room.rbn");
+    for bytes in [1_000, 400_000] {
+        let mut running = team(2, 1, &path, &rays).spawn().unwrap();
+        wait_for(&mut running, &path, bytes);
+        let members = members(&running);
+        signal("INT", running.id());
+        let asked = Instant::now();
+        let ended = running.wait_with_output().unwrap();
+        assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
+        assert!(!ended.status.success() && !path.exists());
+        assert!(said(&ended).contains("--resume goes on"), "{}", said(&ended));
+        assert!(members.len() == 2 && all_end(&members), "a process goes on for ever");
+    }
+    let done = team(2, 2, &path, &rays).output().unwrap();
+    assert!(done.status.success(), "{}", said(&done));
+    assert!(std::fs::read(&path).unwrap() == expected);
+}
+
+#[test]
+fn an_error_is_said_once_and_ends_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("none/room.rbn");
+    let ended = team(3, 1, &path, &[]).output().unwrap();
+    assert!(!ended.status.success());
+    assert_eq!(said(&ended).matches("No such file or directory").count(), 1, "{}", said(&ended));
+}
