@@ -1,5 +1,6 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `kill-bake`, `plot-estimate`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `kill-bake`, `plot-estimate`, `install`.
 
+mod bench_bake;
 mod bench_web;
 mod bindgen;
 mod demo;
@@ -33,6 +34,8 @@ cargo xtask fidelity [--presets draft,standard,fine] [--scenes DIR]
                      scenes of yours in the same way: shots/NAME.shot.json, references/NAME.indirect.{a,b}.exr
 cargo xtask bench-web [--scenes DIR] [--shot NAME]
                      times frames in headless Chromium beside three.js, same scene and light; DIR as above
+cargo xtask bench-bake [--scene FILE] [--preset NAME] [--rounds N]
+                     times bakes beside the rays that they cast, and with one thread; Sponza at standard, three times
 cargo xtask kill-bake [--times N] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
 cargo xtask plot-estimate [SCENE or LOG.jsonl ...]
@@ -57,6 +60,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("test") => test::run(&args[1..]),
         Some("fidelity") => fidelity::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),
+        Some("bench-bake") => bench_bake::run(&args[1..]),
         Some("kill-bake") => kill_bake::run(&args[1..]),
         Some("plot-estimate") => plot_estimate::run(&args[1..]),
         Some("install") => install::all(),

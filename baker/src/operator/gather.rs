@@ -4,11 +4,11 @@
 use super::OperatorSettings;
 use super::choose::choose;
 use super::directions::Directions;
+use super::hemisphere::{GatherRay, gather_rays};
 use super::tally::{IrradianceRow, Tally};
 use crate::basis::{Leveled, Relations};
 use crate::points::Points;
-use crate::random::mix;
-use crate::surface::{Hit, Ray, Surfaces};
+use crate::surface::{Hit, Surfaces};
 use glam::Vec3;
 use rebounce_shared::link::{Link, Sent};
 
@@ -65,6 +65,7 @@ pub struct Scratch {
     senders: Tally,
     coarse: Tally,
     prediction: Tally,
+    rays: Vec<GatherRay>,
     weights: Vec<(u32, f32)>,
 }
 
@@ -75,6 +76,7 @@ impl Scratch {
             senders: Tally::new(senders),
             coarse: Tally::new(coarse),
             prediction: Tally::new(senders),
+            rays: Vec::new(),
             weights: Vec::new(),
         }
     }
@@ -95,8 +97,8 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
         let is_coarse = receiver < self.coarse_count;
-        let Scratch { senders, coarse, prediction, weights } = scratch;
-        let cost = self.integrate(receiver, directions, weights, |hit, arriving, weights| {
+        let Scratch { senders, coarse, prediction, rays, weights } = scratch;
+        let cost = self.integrate(receiver, directions, rays, weights, |hit, arriving, weights| {
             self.share(weights, arriving, senders);
             if is_coarse {
                 self.coarse.interpolate(hit.position, hit.normal, weights);
@@ -166,35 +168,27 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         &self,
         receiver: usize,
         directions: &Directions,
+        rays: &mut Vec<GatherRay>,
         weights: &mut Vec<(u32, f32)>,
         mut add: impl FnMut(&Hit, Vec3, &mut Vec<(u32, f32)>),
     ) -> GatherCost {
-        let point = &self.points.points[receiver];
-        let epsilon = self.surfaces.epsilon();
-        let origin = point.position + point.geometric_normal * epsilon;
-        let name = mix(self.settings.seed) ^ (receiver as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let (point, epsilon) = (&self.points.points[receiver], self.surfaces.epsilon());
+        gather_rays(point, receiver, self.settings.seed, epsilon, directions, rays);
         let mut cost = GatherCost { rays: directions.len() as u64, ..GatherCost::default() };
-        // Dividing by this sum instead of the number of rays makes a closed white room exact.
-        let normalisation: f32 = directions.around(point.normal, name).map(|d| d.cosine * d.weight).sum();
-        for (i, d) in directions.around(point.normal, name).enumerate() {
-            let direction = Vec3::from(d.direction);
-            if direction.dot(point.geometric_normal) <= 0.0 {
+        for GatherRay { ray, seed, share } in rays {
+            let Some(hit) = self.surfaces.cast(ray, *seed) else { continue };
+            if hit.albedo == Vec3::ZERO || !hit.faces(ray.direction) {
                 continue;
             }
-            let ray = Ray { origin, direction, max_distance: f32::INFINITY };
-            let Some(hit) = self.surfaces.cast(&ray, mix(name ^ i as u64) as u32) else { continue };
-            if hit.albedo == Vec3::ZERO || !hit.faces(direction) {
-                continue;
-            }
-            let weight = d.weight / normalisation;
-            let seen = (hit.albedo.element_sum() / 3.0 * weight * d.cosine) as f64;
+            let arriving = hit.albedo * *share;
+            let seen = (arriving.element_sum() / 3.0) as f64;
             cost.seen += seen;
             self.senders.interpolate(hit.position, hit.normal, weights);
             if weights.is_empty() {
                 cost.lost += seen;
                 continue;
             }
-            add(&hit, hit.albedo * (weight * d.cosine), weights);
+            add(&hit, arriving, weights);
         }
         cost
     }

@@ -220,8 +220,17 @@ fn unit(seed: u32, number: u32) -> f32 {
     (bits >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
 }
 
-impl Surfaces for TriangleSurfaces {
-    fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+impl TriangleSurfaces {
+    /// Where a ray meets the nearest surface, and nothing about it: what of [`Surfaces::cast`] is the walk through the
+    /// hierarchy.
+    #[inline]
+    pub fn distance(&self, ray: &Ray, seed: u32) -> Option<f32> {
+        self.nearest(ray, seed).map(|(_, meeting)| meeting.distance)
+    }
+
+    /// The nearest triangle that stops the ray.
+    #[inline]
+    fn nearest(&self, ray: &Ray, seed: u32) -> Option<(usize, Meeting)> {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
         let mut best: Option<(usize, Meeting)> = None;
         self.walk(ray.origin, ray.direction, ray.max_distance, |place, limit| {
@@ -237,7 +246,14 @@ impl Surfaces for TriangleSurfaces {
             }
             ControlFlow::Continue(limit)
         });
-        best.map(|(place, meeting)| self.shade(place, meeting, ray.direction))
+        best
+    }
+}
+
+impl Surfaces for TriangleSurfaces {
+    fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+        let (place, meeting) = self.nearest(ray, seed)?;
+        Some(self.shade(place, meeting, ray.direction))
     }
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
