@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_viewpoints};
 use rebounce::operator::OperatorSettings;
 use rebounce::operator::directions::Directions;
-use rebounce::operator::hemisphere::gather_rays;
+use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::refine::CHUNK;
 use rebounce::points::{Points, place};
 use rebounce::scene::{self, Scene};
@@ -137,13 +137,13 @@ impl Rays {
 
     fn walk_for(&self, chunk: &[usize], directions: &Directions) -> Duration {
         let epsilon = self.surfaces.epsilon();
-        let mut rays = Vec::new();
+        let mut rays = GatherRays::default();
         let mut spent = Duration::ZERO;
         for &i in chunk {
             gather_rays(&self.points.points[i], i, self.operator.seed, epsilon, directions, &mut rays);
             let began = Instant::now();
-            for ray in &rays {
-                black_box(self.surfaces.distance(&ray.ray, ray.seed));
+            for (ray, seed) in &rays.rays {
+                black_box(self.surfaces.distance(ray, *seed));
             }
             spent += began.elapsed();
         }

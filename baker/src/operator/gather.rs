@@ -4,12 +4,12 @@
 use super::OperatorSettings;
 use super::choose::choose;
 use super::directions::Directions;
-use super::hemisphere::{GatherRay, gather_rays};
+use super::hemisphere::{GatherRays, gather_rays};
 use super::tally::{IrradianceRow, Tally};
-use crate::basis::{Leveled, Relations};
+use crate::basis::{Leveled, List, Relations};
 use crate::points::Points;
 use crate::surface::{Hit, Surfaces};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use rebounce_shared::link::{Link, Sent};
 
 /// What all gathers read.
@@ -26,8 +26,8 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
     pub coarse: &'a Leveled,
     /// Number of points on those levels.
     pub coarse_count: usize,
-    /// The colour that each point's surface gives to light; the channels' mean is 1.
-    pub tints: &'a [Vec3],
+    /// The [duals](super::tint::duals) of the points' tints.
+    pub duals: &'a [Vec3A],
     /// Settings.
     pub settings: &'a OperatorSettings,
 }
@@ -35,6 +35,9 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
 /// ε of a receiver's value as its children subtract it, over that of its links: a value's small parts are
 /// carried over like a link's, which keeps values short and changes nothing but the place that they come from.
 const VALUE_EPSILON: f32 = 0.5;
+
+/// Rays that are cast before their hits are looked at.
+const BATCH: usize = 64;
 
 /// What one gather leaves besides links.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,7 +68,18 @@ pub struct Scratch {
     senders: Tally,
     coarse: Tally,
     prediction: Tally,
-    rays: Vec<GatherRay>,
+    found: Found,
+}
+
+/// Rays of one gather, and what they find: [`BATCH`] at a time, so that what one step has to wait for, memory far
+/// away, it waits for once.
+#[derive(Default)]
+struct Found {
+    rays: GatherRays,
+    hits: Vec<Option<Hit>>,
+    /// Hits that reflect, the light that they bring, and where the functions that may cover them are listed.
+    reflecting: Vec<(Hit, Vec3A, List)>,
+    /// The functions that cover one hit.
     weights: Vec<(u32, f32)>,
 }
 
@@ -76,8 +90,7 @@ impl Scratch {
             senders: Tally::new(senders),
             coarse: Tally::new(coarse),
             prediction: Tally::new(senders),
-            rays: Vec::new(),
-            weights: Vec::new(),
+            found: Found::default(),
         }
     }
 }
@@ -97,8 +110,8 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
         let is_coarse = receiver < self.coarse_count;
-        let Scratch { senders, coarse, prediction, rays, weights } = scratch;
-        let cost = self.integrate(receiver, directions, rays, weights, |hit, arriving, weights| {
+        let Scratch { senders, coarse, prediction, found } = scratch;
+        let cost = self.integrate(receiver, directions, found, |hit, arriving, weights| {
             self.share(weights, arriving, senders);
             if is_coarse {
                 self.coarse.interpolate(hit.position, hit.normal, weights);
@@ -155,10 +168,9 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// Adds a ray's light to the senders that cover its hit, by their shares: as bright as it is counted in each
     /// one's tint, the best fit of the one to the other.
     #[inline]
-    fn share(&self, shares: &[(u32, f32)], arriving: Vec3, senders: &mut Tally) {
+    fn share(&self, shares: &[(u32, f32)], arriving: Vec3A, senders: &mut Tally) {
         for &(sender, share) in shares {
-            let tint = self.tints[sender as usize];
-            senders.add(sender as usize, share * (arriving.dot(tint) / tint.length_squared()));
+            senders.add(sender as usize, share * arriving.dot(self.duals[sender as usize]));
         }
     }
 
@@ -168,27 +180,35 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         &self,
         receiver: usize,
         directions: &Directions,
-        rays: &mut Vec<GatherRay>,
-        weights: &mut Vec<(u32, f32)>,
-        mut add: impl FnMut(&Hit, Vec3, &mut Vec<(u32, f32)>),
+        found: &mut Found,
+        mut add: impl FnMut(&Hit, Vec3A, &mut Vec<(u32, f32)>),
     ) -> GatherCost {
+        let Found { rays, hits, reflecting, weights } = found;
         let (point, epsilon) = (&self.points.points[receiver], self.surfaces.epsilon());
         gather_rays(point, receiver, self.settings.seed, epsilon, directions, rays);
         let mut cost = GatherCost { rays: directions.len() as u64, ..GatherCost::default() };
-        for GatherRay { ray, seed, share } in rays {
-            let Some(hit) = self.surfaces.cast(ray, *seed) else { continue };
-            if hit.albedo == Vec3::ZERO || !hit.faces(ray.direction) {
-                continue;
+        for (rays, shares) in rays.rays.chunks(BATCH).zip(rays.shares.chunks(BATCH)) {
+            self.surfaces.cast_all(rays, hits);
+            reflecting.clear();
+            for ((hit, (ray, _)), share) in hits.iter().zip(rays).zip(shares) {
+                if let Some(hit) = hit
+                    && hit.albedo != Vec3::ZERO
+                    && hit.faces(ray.direction)
+                {
+                    let arriving = Vec3A::from(hit.albedo * *share);
+                    reflecting.push((*hit, arriving, self.senders.look_up(hit.position)));
+                }
             }
-            let arriving = hit.albedo * *share;
-            let seen = (arriving.element_sum() / 3.0) as f64;
-            cost.seen += seen;
-            self.senders.interpolate(hit.position, hit.normal, weights);
-            if weights.is_empty() {
-                cost.lost += seen;
-                continue;
+            for (hit, arriving, list) in &*reflecting {
+                let seen = (arriving.element_sum() / 3.0) as f64;
+                cost.seen += seen;
+                self.senders.interpolate_in(*list, hit.position, hit.normal, weights);
+                if weights.is_empty() {
+                    cost.lost += seen;
+                } else {
+                    add(hit, *arriving, weights);
+                }
             }
-            add(&hit, arriving, weights);
         }
         cost
     }

@@ -33,6 +33,8 @@ const EPSILON: f32 = 3e-6;
 /// Boxes grow by this share of the diagonal, for the rounding of the box test.
 const PADDING: f32 = 5e-7;
 
+/// Hits that are shaded one after another, once their rays are cast.
+const SHADED: usize = 64;
 /// Marks a triangle's number.
 const TRANSPARENT: u32 = 1 << 31;
 
@@ -254,6 +256,21 @@ impl Surfaces for TriangleSurfaces {
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
         let (place, meeting) = self.nearest(ray, seed)?;
         Some(self.shade(place, meeting, ray.direction))
+    }
+
+    fn cast_all(&self, rays: &[(Ray, u32)], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        let mut met = [None; SHADED];
+        for rays in rays.chunks(SHADED) {
+            for ((ray, seed), met) in rays.iter().zip(&mut met) {
+                *met = self.nearest(ray, *seed);
+            }
+            // Texels are far apart in memory: waiting for one, the next ones are asked for.
+            hits.extend(rays.iter().zip(met).map(|((ray, _), met)| {
+                let (place, meeting) = met?;
+                Some(self.shade(place, meeting, ray.direction))
+            }));
+        }
     }
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
