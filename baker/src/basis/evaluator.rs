@@ -58,6 +58,9 @@ impl Function {
 /// Where an [`Evaluator`] lists the functions that may cover a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct List {
+    /// The first of them, so that they are there when they are wanted.
+    first: [u32; LANES],
+    /// Where the others are.
     start: u32,
     end: u32,
 }
@@ -176,7 +179,11 @@ impl Evaluator {
         // Rounded down without a call into the system's library.
         let cell = place.as_ivec3() - IVec3::from(place.cmplt(Vec3::ZERO));
         let bucket = self.bucket(cell);
-        List { start: self.starts[bucket], end: self.starts[bucket + 1] }
+        let (start, end) = (self.starts[bucket], self.starts[bucket + 1]);
+        if start == end {
+            return List { first: [self.functions.len() as u32 - 1; LANES], start, end };
+        }
+        List { first: self.lists[start as usize], start: start + 1, end }
     }
 
     /// Calls `visit(index, weight)` for each function whose weight (Eq. 8) is positive at this
@@ -190,7 +197,8 @@ impl Evaluator {
     #[inline]
     fn gather_in(&self, list: List, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
         let mut total = 0.0;
-        for lanes in &self.lists[list.start as usize..list.end as usize] {
+        let others = &self.lists[list.start as usize..list.end as usize];
+        for lanes in std::iter::once(&list.first).chain(others) {
             let mut hopeful = self.hopeful(lanes, position, normal);
             while hopeful != 0 {
                 let place = lanes[hopeful.trailing_zeros() as usize] as usize;
@@ -250,7 +258,8 @@ impl Leveled {
     /// Finds the functions of the finest level that may cover a place.
     #[inline]
     pub fn look_up(&self, position: Vec3) -> List {
-        self.levels.last().map_or(List { start: 0, end: 0 }, |finest| finest.look_up(position))
+        let none = List { first: [0; LANES], start: 0, end: 0 };
+        self.levels.last().map_or(none, |finest| finest.look_up(position))
     }
 
     /// As [`Self::interpolate`], at a place that has been [looked up](Self::look_up): of many places that are looked up

@@ -23,6 +23,7 @@ use obvhs::ray::RayHit;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Alpha;
+use std::hint::black_box;
 use std::ops::ControlFlow;
 use triangle::{Corners, Meeting, ShearedRay};
 
@@ -126,7 +127,7 @@ impl TriangleSurfaces {
 
     /// Visits the triangles that a ray may meet, near boxes first. `visit` gets a triangle's place
     /// and the ray's present limit, and returns a new limit or ends the walk.
-    #[inline]
+    #[inline(always)]
     fn walk(
         &self,
         origin: Vec3,
@@ -162,6 +163,14 @@ impl TriangleSurfaces {
             let mut stack = HeapStack::<u32>::new_with_capacity(self.bvh.max_depth + 1);
             self.bvh.ray_traverse_dynamic(&mut stack, ray, &mut hit, leaf);
         }
+    }
+
+    /// A texel of the colour at a hit; 0 where there is no texture.
+    #[inline]
+    fn texel(&self, place: usize, m: Meeting) -> u8 {
+        let t = &self.triangles[place];
+        let uv = t.uvs[0] * (1.0 - m.v - m.w) + t.uvs[1] * m.v + t.uvs[2] * m.w;
+        self.surfaces[t.material as usize].texture.as_ref().map_or(0, |texture| texture.nearest_texel(uv)[0])
     }
 
     /// Whether the hit counts for a ray with this seed, and the share of light that it stops.
@@ -231,7 +240,7 @@ impl TriangleSurfaces {
     }
 
     /// The nearest triangle that stops the ray.
-    #[inline]
+    #[inline(never)]
     fn nearest(&self, ray: &Ray, seed: u32) -> Option<(usize, Meeting)> {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
         let mut best: Option<(usize, Meeting)> = None;
@@ -265,7 +274,10 @@ impl Surfaces for TriangleSurfaces {
             for ((ray, seed), met) in rays.iter().zip(&mut met) {
                 *met = self.nearest(ray, *seed);
             }
-            // Texels are far apart in memory: waiting for one, the next ones are asked for.
+            // Texels are far apart in memory: all are asked for before the first one is waited for.
+            let asked =
+                met[..rays.len()].iter().flatten().map(|(place, meeting)| self.texel(*place, *meeting));
+            black_box(asked.fold(0, |all, texel| all ^ texel));
             hits.extend(rays.iter().zip(met).map(|((ray, _), met)| {
                 let (place, meeting) = met?;
                 Some(self.shade(place, meeting, ray.direction))
