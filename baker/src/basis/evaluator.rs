@@ -169,7 +169,7 @@ impl Evaluator {
             ^ (z >> 1).wrapping_mul(0xcb1a_b31f);
         let block = (mixed ^ (mixed >> 15)).wrapping_mul(0x9e37_79b9) >> 3;
         let within = (x & 1) | ((y & 1) << 1) | ((z & 1) << 2);
-        (block * BLOCK | within) as usize & (self.starts.len() - 2)
+        ((block * BLOCK) | within) as usize & (self.starts.len() - 2)
     }
 
     /// Finds the functions that may cover a place.

@@ -45,9 +45,9 @@ impl Directions {
         let order = |p: &Vec2| {
             let row = (p.x * tiles) as u32;
             let column = (p.y * tiles) as u32;
-            (row, if row % 2 == 0 { column } else { u32::MAX - column })
+            (row, if row.is_multiple_of(2) { column } else { u32::MAX - column })
         };
-        square.sort_by(|a, b| order(a).cmp(&order(b)));
+        square.sort_by_key(order);
         let mapped = |p: Vec2| {
             let (sin, cos) = (p.y * std::f32::consts::TAU).sin_cos();
             Vec3::new(p.x, cos, sin)
