@@ -55,6 +55,12 @@ pub trait Surfaces: Sync {
     /// 1 − alpha, decided by `seed` alone: the same ray and seed give the same hit.
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit>;
 
+    /// Casts rays, each with its seed, and replaces `hits` by what each of them finds.
+    fn cast_all(&self, rays: &[(Ray, u32)], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        hits.extend(rays.iter().map(|(ray, seed)| self.cast(ray, *seed)));
+    }
+
     /// The share of light that gets from `from` to `to`, 0 to 1: the product of 1 − alpha over
     /// all surfaces in between. `to` may be far outside the scene.
     fn transmittance(&self, from: Vec3, to: Vec3) -> f32;

@@ -1,5 +1,6 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-scale`, `fuzz`, `kill-bake`, `plot-estimate`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-scale`, `fuzz`, `kill-bake`, `plot-estimate`, `install`.
 
+mod bench_bake;
 mod bench_scale;
 mod bench_web;
 mod bindgen;
@@ -36,6 +37,8 @@ cargo xtask fidelity [--presets draft,standard,fine] [--scenes DIR]
                      scenes of yours in the same way: shots/NAME.shot.json, references/NAME.indirect.{a,b}.exr
 cargo xtask bench-web [--scenes DIR] [--shot NAME]
                      times frames in headless Chromium beside three.js, same scene and light; DIR as above
+cargo xtask bench-bake [--scene FILE] [--preset NAME] [--rounds N]
+                     times bakes beside the rays that they cast, and with one thread; Sponza at standard, three times
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
@@ -65,6 +68,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("fidelity") => fidelity::run(&args[1..]),
         Some("bench-scale") => bench_scale::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),
+        Some("bench-bake") => bench_bake::run(&args[1..]),
         Some("fuzz") => fuzz::run(&args[1..]),
         Some("kill-bake") => kill_bake::run(&args[1..]),
         Some("plot-estimate") => plot_estimate::run(&args[1..]),

@@ -177,9 +177,12 @@ fn run(
     bake.run(settings, &tracker, checkpoint, report)
 }
 
-/// The viewpoint given, or the scene's cameras that see something, or those that are found; never
-/// empty.
-fn choose_viewpoints(
+/// Where points are placed from, local space: the viewpoint given, or the scene's cameras that see something, or those
+/// that are found; never empty.
+///
+/// # Errors
+/// [`BakeError::NoViewpoint`].
+pub fn choose_viewpoints(
     scene: &Scene,
     surfaces: &TriangleSurfaces,
     settings: &BakeSettings,

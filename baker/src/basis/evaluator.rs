@@ -1,10 +1,11 @@
 //! Which functions cover a place, and with what weight.
 //!
-//! A hash grid per level: each cell lists the functions whose support's box touches it, so a
-//! query reads one list. `cargo bench -p rebounce --bench basis` compares it with an R-tree (paper, 2.1).
+//! A hash grid per level: each bucket lists the functions whose supports reach into its cells. Of its list a query
+//! sorts out four at a time what cannot cover the place, and weighs the rest. `cargo bench -p rebounce --bench basis`
+//! compares it with an R-tree (paper, 2.1).
 
-use glam::{IVec3, Vec3};
-use rebounce_shared::kernel::{SQUASH, weight};
+use glam::{IVec3, Mat4, Vec3, Vec4};
+use rebounce_shared::kernel::{LEAST_COSINE, SQUASH, weight};
 use rebounce_shared::rbn::bulk::Cut;
 
 /// A basis function.
@@ -20,124 +21,220 @@ pub struct Support<'a> {
     pub cuts: &'a [Cut],
 }
 
-/// A function as queries read it. 40 bytes.
+/// Width of a cell over the largest support radius.
+const CELL: f32 = 0.75;
+/// Supports count as this much larger where functions are sorted out, so that rounding loses none.
+const MARGIN: f32 = 1.001;
+/// Functions that are looked at together.
+const LANES: usize = 4;
+
+/// A function as queries read it: half a cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
 struct Function {
-    position: Vec3,
-    radius: f32,
-    normal: Vec3,
-    index: u32,
-    first_cut: u32,
-    cut_count: u32,
+    /// Position and radius.
+    place: Vec4,
+    /// Unit normal, and nothing.
+    facing: Vec4,
+}
+
+impl Function {
+    /// Covers nothing: every comparison with it fails.
+    const NONE: Self = Self { place: Vec4::NAN, facing: Vec4::NAN };
+
+    fn position(&self) -> Vec3 {
+        self.place.truncate()
+    }
+
+    fn normal(&self) -> Vec3 {
+        self.facing.truncate()
+    }
+
+    fn radius(&self) -> f32 {
+        self.place.w
+    }
+}
+
+/// Where an [`Evaluator`] lists the functions that may cover a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct List {
+    /// The first of them, so that they are there when they are wanted.
+    first: [u32; LANES],
+    /// Where the others are.
+    start: u32,
+    end: u32,
 }
 
 /// Evaluates one level's functions.
 pub struct Evaluator {
+    /// In the order that they came in; one that covers nothing at the end.
+    functions: Vec<Function>,
+    first_index: u32,
+    /// Where each function's cuts begin, and one past the end.
+    first_cuts: Vec<u32>,
     cuts: Vec<Cut>,
-    cell_size: f32,
+    cells_per_unit: f32,
     low: Vec3,
-    /// Open addressing: cell key and where its list begins and ends; `u64::MAX` is empty.
-    table: Vec<(u64, u32, u32)>,
-    /// The cells' functions, repeated for each cell: a query reads one run of memory.
-    lists: Vec<Function>,
+    /// Where each bucket's list begins; and one past the end.
+    starts: Vec<u32>,
+    /// The buckets' functions, ascending, filled up with the one that covers nothing.
+    lists: Vec<[u32; LANES]>,
 }
 
 impl Evaluator {
     /// Queries name functions by `first_index` + their place in this list.
-    pub fn new<'a>(functions: impl IntoIterator<Item = Support<'a>>, first_index: u32) -> Self {
-        let mut all_cuts = Vec::new();
-        let functions: Vec<Function> = functions
-            .into_iter()
-            .zip(first_index..)
-            .map(|(Support { position, normal, radius, cuts }, index)| {
-                let (first_cut, cut_count) = (all_cuts.len() as u32, cuts.len() as u32);
-                all_cuts.extend_from_slice(cuts);
-                Function { position, radius, normal, index, first_cut, cut_count }
-            })
-            .collect();
-        let low = functions.iter().fold(Vec3::INFINITY, |m, f| m.min(f.position - f.radius));
+    pub fn new<'a>(supports: impl IntoIterator<Item = Support<'a>>, first_index: u32) -> Self {
+        let (mut cuts, mut first_cuts) = (Vec::new(), vec![0]);
+        let mut functions: Vec<Function> = Vec::new();
+        for Support { position, normal, radius, cuts: own } in supports {
+            functions.push(Function { place: position.extend(radius), facing: normal.extend(0.0) });
+            cuts.extend_from_slice(own);
+            first_cuts.push(cuts.len() as u32);
+        }
+        let low = functions.iter().fold(Vec3::INFINITY, |m, f| m.min(f.position() - f.radius()));
         let low = if low.is_finite() { low } else { Vec3::ZERO };
-        let largest = functions.iter().fold(0f32, |m, f| m.max(f.radius));
-        let cell_size = if largest > 0.0 { 0.75 * largest } else { 1.0 };
-        let cells_of = |f: &Function| {
-            // The box of an ellipsoid with semi-axes r, r and r / (1 + F_squash) along the normal.
-            let flat = 1.0 / (1.0 + SQUASH);
-            let n2 = f.normal * f.normal;
-            let half = f.radius * (Vec3::ONE - n2 * (1.0 - flat * flat)).max(Vec3::ZERO).map(f32::sqrt);
-            let first = ((f.position - half - low) / cell_size).floor().as_ivec3();
-            let last = ((f.position + half - low) / cell_size).floor().as_ivec3();
-            (first, last)
+        let largest = functions.iter().fold(0f32, |m, f| m.max(f.radius()));
+        let cells_per_unit = if largest > 0.0 { 1.0 / (CELL * largest) } else { 1.0 };
+        let mut grid = Self {
+            functions,
+            first_index,
+            first_cuts,
+            cuts,
+            cells_per_unit,
+            low,
+            starts: Vec::new(),
+            lists: Vec::new(),
         };
-        let mut pairs: Vec<(u64, u32)> = Vec::new();
-        for (i, f) in functions.iter().enumerate() {
-            let (first, last) = cells_of(f);
-            for z in first.z..=last.z {
-                for y in first.y..=last.y {
-                    for x in first.x..=last.x {
-                        pairs.push((key(IVec3::new(x, y, z)), i as u32));
+        grid.fill();
+        grid.functions.push(Function::NONE);
+        grid
+    }
+
+    /// Makes the buckets' lists.
+    fn fill(&mut self) {
+        let buckets = (8 * self.functions.len()).next_power_of_two().max(BLOCK as usize);
+        self.starts = vec![0; buckets + 1];
+        let mut placed: Vec<(u32, u32)> = Vec::new();
+        for (i, function) in self.functions.iter().enumerate() {
+            self.cells(function, |cell| placed.push((self.bucket(cell) as u32, i as u32)));
+        }
+        placed.sort_unstable();
+        // Two cells of one function may share a bucket.
+        placed.dedup();
+        let nothing = self.functions.len() as u32;
+        let mut next = 0;
+        for list in placed.chunk_by(|a, b| a.0 == b.0) {
+            let bucket = list[0].0 as usize;
+            self.starts[next..=bucket].fill(self.lists.len() as u32);
+            next = bucket + 1;
+            self.lists.extend(list.chunks(LANES).map(|chunk| {
+                std::array::from_fn(|lane| chunk.get(lane).map_or(nothing, |(_, function)| *function))
+            }));
+        }
+        self.starts[next..].fill(self.lists.len() as u32);
+    }
+
+    /// Visits the cells that a function's support may reach into: an ellipsoid with semi-axes r, r and
+    /// r / (1 + F_squash) along the normal.
+    fn cells(&self, function: &Function, mut visit: impl FnMut(IVec3)) {
+        let (centre, normal) = ((function.position() - self.low) * self.cells_per_unit, function.normal());
+        let radius = MARGIN * function.radius() * self.cells_per_unit;
+        let thickness = radius / (1.0 + SQUASH);
+        let n2 = normal * normal;
+        let half =
+            (radius * radius * (Vec3::ONE - n2) + thickness * thickness * n2).max(Vec3::ZERO).map(f32::sqrt);
+        let (first, last) = ((centre - half).floor().as_ivec3(), (centre + half).floor().as_ivec3());
+        // How far a cell's middle may be above or below the support's plane.
+        let thickest = thickness + 0.5 * MARGIN * normal.abs().element_sum();
+        for z in first.z..=last.z {
+            for y in first.y..=last.y {
+                for x in first.x..=last.x {
+                    let cell = IVec3::new(x, y, z);
+                    let middle = cell.as_vec3() + 0.5 - centre;
+                    let nearest = (middle.abs() - 0.5).max(Vec3::ZERO);
+                    if nearest.length_squared() <= radius * radius && middle.dot(normal).abs() <= thickest {
+                        visit(cell);
                     }
                 }
             }
         }
-        pairs.sort_unstable();
-        let cells = pairs.chunk_by(|a, b| a.0 == b.0).count();
-        let mut table = vec![(u64::MAX, 0, 0); (2 * cells + 1).next_power_of_two()];
-        let mask = table.len() - 1;
-        let mut start = 0u32;
-        for cell in pairs.chunk_by(|a, b| a.0 == b.0) {
-            let end = start + cell.len() as u32;
-            let mut slot = slot(cell[0].0) & mask;
-            while table[slot].0 != u64::MAX {
-                slot = (slot + 1) & mask;
-            }
-            table[slot] = (cell[0].0, start, end);
-            start = end;
+    }
+
+    /// The bucket of a cell. Cells next to each other share a block, whose buckets, and their lists, lie together.
+    #[inline]
+    fn bucket(&self, cell: IVec3) -> usize {
+        let [x, y, z] = cell.to_array().map(|c| c as u32);
+        let mixed = (x >> 1).wrapping_mul(0x8da6_b343)
+            ^ (y >> 1).wrapping_mul(0xd816_3841)
+            ^ (z >> 1).wrapping_mul(0xcb1a_b31f);
+        let block = (mixed ^ (mixed >> 15)).wrapping_mul(0x9e37_79b9) >> 3;
+        let within = (x & 1) | ((y & 1) << 1) | ((z & 1) << 2);
+        ((block * BLOCK) | within) as usize & (self.starts.len() - 2)
+    }
+
+    /// Finds the functions that may cover a place.
+    #[inline]
+    pub fn look_up(&self, position: Vec3) -> List {
+        let place = (position - self.low) * self.cells_per_unit;
+        // Rounded down without a call into the system's library.
+        let cell = place.as_ivec3() - IVec3::from(place.cmplt(Vec3::ZERO));
+        let bucket = self.bucket(cell);
+        let (start, end) = (self.starts[bucket], self.starts[bucket + 1]);
+        if start == end {
+            return List { first: [self.functions.len() as u32 - 1; LANES], start, end };
         }
-        let lists = pairs.into_iter().map(|(_, i)| functions[i as usize]).collect();
-        Self { cuts: all_cuts, cell_size, low, table, lists }
+        List { first: self.lists[start as usize], start: start + 1, end }
     }
 
     /// Calls `visit(index, weight)` for each function whose weight (Eq. 8) is positive at this
     /// place and that no cut ends there, and returns the weights' sum: 0 where nothing covers it.
     #[inline]
-    pub fn gather(&self, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
-        let wanted = key(((position - self.low) / self.cell_size).floor().as_ivec3());
-        let mask = self.table.len() - 1;
-        let mut slot = slot(wanted) & mask;
+    pub fn gather(&self, position: Vec3, normal: Vec3, visit: impl FnMut(u32, f32)) -> f32 {
+        self.gather_in(self.look_up(position), position, normal, visit)
+    }
+
+    /// The same, where the place has been [looked up](Self::look_up).
+    #[inline]
+    fn gather_in(&self, list: List, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
         let mut total = 0.0;
-        loop {
-            let (key, start, end) = self.table[slot];
-            if key == wanted {
-                for f in &self.lists[start as usize..end as usize] {
-                    let offset = position - f.position;
-                    let w = weight(offset, normal, f.normal, f.radius);
-                    let cuts = &self.cuts[f.first_cut as usize..(f.first_cut + f.cut_count) as usize];
-                    if w > 0.0 && !cuts.iter().any(|cut| cut.ends(offset)) {
-                        total += w;
-                        visit(f.index, w);
-                    }
+        let others = &self.lists[list.start as usize..list.end as usize];
+        for lanes in std::iter::once(&list.first).chain(others) {
+            let mut hopeful = self.hopeful(lanes, position, normal);
+            while hopeful != 0 {
+                let place = lanes[hopeful.trailing_zeros() as usize] as usize;
+                hopeful &= hopeful - 1;
+                let function = &self.functions[place];
+                let offset = position - function.position();
+                let w = weight(offset, normal, function.normal(), function.radius());
+                let cuts = &self.cuts[self.first_cuts[place] as usize..self.first_cuts[place + 1] as usize];
+                if w > 0.0 && !cuts.iter().any(|cut| cut.ends(offset)) {
+                    total += w;
+                    visit(self.first_index + place as u32, w);
                 }
-                return total;
             }
-            if key == u64::MAX {
-                return total;
-            }
-            slot = (slot + 1) & mask;
         }
+        total
+    }
+
+    /// Which of these functions may cover a place: a bit for each. Some of them do not, by a hair; no other does.
+    #[inline]
+    fn hopeful(&self, lanes: &[u32; LANES], position: Vec3, normal: Vec3) -> u32 {
+        let [a, b, c, d] = lanes.map(|i| &self.functions[i as usize]);
+        let place = Mat4::from_cols(a.place, b.place, c.place, d.place).transpose();
+        let facing = Mat4::from_cols(a.facing, b.facing, c.facing, d.facing).transpose();
+        let (x, y, z) = (position.x - place.x_axis, position.y - place.y_axis, position.z - place.z_axis);
+        let height = x * facing.x_axis + y * facing.y_axis + z * facing.z_axis;
+        let cosine = normal.x * facing.x_axis + normal.y * facing.y_axis + normal.z * facing.z_axis;
+        // The square of Eq. 10, of a unit normal.
+        const SQUASHED: f32 = SQUASH * (2.0 + SQUASH);
+        let distance = x * x + y * y + z * z + SQUASHED * height * height;
+        let radius = MARGIN * place.w_axis;
+        (distance.cmplt(radius * radius) & cosine.cmpgt(Vec4::splat(LEAST_COSINE / MARGIN))).bitmask()
     }
 }
 
-#[inline]
-fn key(cell: IVec3) -> u64 {
-    const MASK: u64 = (1 << 21) - 1;
-    (cell.x as u64 & MASK) | (cell.y as u64 & MASK) << 21 | (cell.z as u64 & MASK) << 42
-}
-
-#[inline]
-fn slot(key: u64) -> usize {
-    let h = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    (h ^ (h >> 32)) as usize
-}
+/// Cells of a block, two along each axis.
+const BLOCK: u32 = 8;
 
 /// Evaluators for several levels: a place takes the finest level that covers it.
 pub struct Leveled {
@@ -155,9 +252,25 @@ impl Leveled {
     /// covers this place; the weights sum to 1. Leaves it empty where no level does.
     #[inline]
     pub fn interpolate(&self, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
+        self.interpolate_in(self.look_up(position), position, normal, out);
+    }
+
+    /// Finds the functions of the finest level that may cover a place.
+    #[inline]
+    pub fn look_up(&self, position: Vec3) -> List {
+        let none = List { first: [0; LANES], start: 0, end: 0 };
+        self.levels.last().map_or(none, |finest| finest.look_up(position))
+    }
+
+    /// As [`Self::interpolate`], at a place that has been [looked up](Self::look_up): of many places that are looked up
+    /// one after another, the lists come from memory together.
+    #[inline]
+    pub fn interpolate_in(&self, list: List, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
+        let mut list = Some(list);
         for level in self.levels.iter().rev() {
             out.clear();
-            let total = level.gather(position, normal, |i, w| out.push((i, w)));
+            let list = list.take().unwrap_or_else(|| level.look_up(position));
+            let total = level.gather_in(list, position, normal, |i, w| out.push((i, w)));
             // A weight so small that its share is noise does not count as covered.
             if total > 1e-6 {
                 let scale = 1.0 / total;

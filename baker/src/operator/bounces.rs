@@ -22,7 +22,9 @@ use rayon::prelude::*;
 use rebounce_shared::link::LaterLink;
 
 /// Coarse points whose light travels together.
-const BATCH: usize = 8;
+const BATCH: usize = 16;
+/// Batches of a part of the journal.
+const BATCHES: usize = 8;
 /// The series ends when what is left is under this share of what has come.
 const NEGLIGIBLE: f32 = 1e-3;
 /// Or when the share that a bounce keeps changes by less than this from bounce to bounce: then
@@ -75,7 +77,7 @@ pub fn add_later_bounces(
     let series = Series { coarse: &operator.coarse, tints: &tints, settings };
     let active = active(&operator.coarse);
     // By parts of ascending columns, so that small entries can be carried over.
-    let parts: Vec<&[u32]> = active.chunks(BATCH * 16).collect();
+    let parts: Vec<&[u32]> = active.chunks(BATCH * BATCHES).collect();
     let mut found: Vec<Option<Columns>> = vec![None; parts.len()];
     for (part, senders) in parts.iter().enumerate() {
         if let Some(columns) = journal.columns(part).filter(|columns| columns.rows.len() == count) {
@@ -209,17 +211,20 @@ fn series(
         }
         watch.step(0)?;
         bounce += 1;
+        // What the points send, in their colours.
+        for (light, tint) in light.iter_mut().zip(tints) {
+            for (lane, tint) in light.iter_mut().zip(tint.to_array()) {
+                lane.iter_mut().for_each(|x| *x *= tint);
+            }
+        }
         let next: Vec<Light> = rows
             .iter()
             .map(|row| {
                 let mut sum = zero;
                 for (sender, transfer) in row {
-                    let (light, tint) = (&light[*sender as usize], tints[*sender as usize]);
-                    for c in 0..3 {
-                        let transfer = transfer * tint[c];
-                        for b in 0..BATCH {
-                            sum[c][b] += transfer * light[c][b];
-                        }
+                    let light = light[*sender as usize].as_flattened();
+                    for (sum, light) in sum.as_flattened_mut().iter_mut().zip(light) {
+                        *sum += transfer * light;
                     }
                 }
                 sum

@@ -20,7 +20,7 @@ pub fn choose(gathered: &Tally, prediction: Option<&Tally>, epsilon: f32, noise:
     // Place, sender and amount of the last link and of the smallest before it.
     let (mut last, mut smallest) = ((0, 0, 0f32), None::<(usize, u32, f32)>);
     let mut strongest = (0, 0.0);
-    for sender in gathered.touched_with(prediction) {
+    gathered.touched_with(prediction, |sender| {
         let sum = gathered.get(sender);
         carried += sum;
         if sum > strongest.1 {
@@ -49,7 +49,7 @@ pub fn choose(gathered: &Tally, prediction: Option<&Tally>, epsilon: f32, noise:
             last = (row.len() - 1, sender, held);
             seen = 0.0;
         }
-    }
+    });
     if let Some(link) = row.last_mut() {
         carried += last.2;
         *link = Link::pack(last.1, carried);

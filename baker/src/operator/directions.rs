@@ -15,7 +15,8 @@ const COSINE_SHARE: f32 = 0.8;
 /// Points of the unit square, to be shifted and mapped to hemispheres.
 #[derive(Clone, Debug)]
 pub struct Directions {
-    square: Vec<Vec2>,
+    /// The first coordinate, and cosine and sine of the second one times 2π.
+    square: Vec<Vec3>,
 }
 
 /// A direction to cast, and what it counts.
@@ -44,10 +45,14 @@ impl Directions {
         let order = |p: &Vec2| {
             let row = (p.x * tiles) as u32;
             let column = (p.y * tiles) as u32;
-            (row, if row % 2 == 0 { column } else { u32::MAX - column })
+            (row, if row.is_multiple_of(2) { column } else { u32::MAX - column })
         };
-        square.sort_by(|a, b| order(a).cmp(&order(b)));
-        Self { square }
+        square.sort_by_key(order);
+        let mapped = |p: Vec2| {
+            let (sin, cos) = (p.y * std::f32::consts::TAU).sin_cos();
+            Vec3::new(p.x, cos, sin)
+        };
+        Self { square: square.into_iter().map(mapped).collect() }
     }
 
     /// Number of directions.
@@ -67,16 +72,19 @@ impl Directions {
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         let (tangent, bitangent, normal) =
             (Vec3A::from(tangent), Vec3A::from(bitangent), Vec3A::from(normal));
+        // A shift of the second coordinate turns the hemisphere.
+        let (sin, cos) = (shift.y * std::f32::consts::TAU).sin_cos();
+        let (tangent, bitangent) = (tangent * cos + bitangent * sin, bitangent * cos - tangent * sin);
         self.square.iter().map(move |p| {
-            let u = (*p + shift).fract();
+            let x = p.x + shift.x;
+            let x = if x >= 1.0 { x - 1.0 } else { x };
             const B: f32 = COSINE_SHARE;
             // The cosine's distribution function is βz² + (1 − β)z.
-            let cosine = (((1.0 - B) * (1.0 - B) + 4.0 * B * u.x).sqrt() - (1.0 - B)) / (2.0 * B);
+            let cosine = (((1.0 - B) * (1.0 - B) + 4.0 * B * x).sqrt() - (1.0 - B)) / (2.0 * B);
             let cosine = cosine.clamp(1e-4, 1.0);
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-            let (sin, cos) = (u.y * std::f32::consts::TAU).sin_cos();
             Direction {
-                direction: tangent * (sine * cos) + bitangent * (sine * sin) + normal * cosine,
+                direction: tangent * (sine * p.y) + bitangent * (sine * p.z) + normal * cosine,
                 weight: 2.0 / (2.0 * B * cosine + 1.0 - B),
                 cosine,
             }

@@ -4,12 +4,12 @@
 use super::OperatorSettings;
 use super::choose::choose;
 use super::directions::Directions;
+use super::hemisphere::{GatherRays, gather_rays};
 use super::tally::{IrradianceRow, Tally};
-use crate::basis::{Leveled, Relations};
+use crate::basis::{Leveled, List, Relations};
 use crate::points::Points;
-use crate::random::mix;
-use crate::surface::{Hit, Ray, Surfaces};
-use glam::Vec3;
+use crate::surface::{Hit, Surfaces};
+use glam::{Vec3, Vec3A};
 use rebounce_shared::link::{Link, Sent};
 
 /// What all gathers read.
@@ -26,8 +26,8 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
     pub coarse: &'a Leveled,
     /// Number of points on those levels.
     pub coarse_count: usize,
-    /// The colour that each point's surface gives to light; the channels' mean is 1.
-    pub tints: &'a [Vec3],
+    /// The [duals](super::tint::duals) of the points' tints.
+    pub duals: &'a [Vec3A],
     /// Settings.
     pub settings: &'a OperatorSettings,
 }
@@ -35,6 +35,9 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
 /// ε of a receiver's value as its children subtract it, over that of its links: a value's small parts are
 /// carried over like a link's, which keeps values short and changes nothing but the place that they come from.
 const VALUE_EPSILON: f32 = 0.5;
+
+/// Rays that are cast before their hits are looked at.
+const BATCH: usize = 64;
 
 /// What one gather leaves besides links.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,6 +68,18 @@ pub struct Scratch {
     senders: Tally,
     coarse: Tally,
     prediction: Tally,
+    found: Found,
+}
+
+/// Rays of one gather, and what they find: [`BATCH`] at a time, so that what one step has to wait for, memory far
+/// away, it waits for once.
+#[derive(Default)]
+struct Found {
+    rays: GatherRays,
+    hits: Vec<Option<Hit>>,
+    /// Hits that reflect, the light that they bring, and where the functions that may cover them are listed.
+    reflecting: Vec<(Hit, Vec3A, List)>,
+    /// The functions that cover one hit.
     weights: Vec<(u32, f32)>,
 }
 
@@ -75,7 +90,7 @@ impl Scratch {
             senders: Tally::new(senders),
             coarse: Tally::new(coarse),
             prediction: Tally::new(senders),
-            weights: Vec::new(),
+            found: Found::default(),
         }
     }
 }
@@ -95,8 +110,8 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
         let is_coarse = receiver < self.coarse_count;
-        let Scratch { senders, coarse, prediction, weights } = scratch;
-        let cost = self.integrate(receiver, directions, weights, |hit, arriving, weights| {
+        let Scratch { senders, coarse, prediction, found } = scratch;
+        let cost = self.integrate(receiver, directions, found, |hit, arriving, weights| {
             self.share(weights, arriving, senders);
             if is_coarse {
                 self.coarse.interpolate(hit.position, hit.normal, weights);
@@ -153,10 +168,9 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// Adds a ray's light to the senders that cover its hit, by their shares: as bright as it is counted in each
     /// one's tint, the best fit of the one to the other.
     #[inline]
-    fn share(&self, shares: &[(u32, f32)], arriving: Vec3, senders: &mut Tally) {
+    fn share(&self, shares: &[(u32, f32)], arriving: Vec3A, senders: &mut Tally) {
         for &(sender, share) in shares {
-            let tint = self.tints[sender as usize];
-            senders.add(sender as usize, share * (arriving.dot(tint) / tint.length_squared()));
+            senders.add(sender as usize, share * arriving.dot(self.duals[sender as usize]));
         }
     }
 
@@ -166,35 +180,35 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         &self,
         receiver: usize,
         directions: &Directions,
-        weights: &mut Vec<(u32, f32)>,
-        mut add: impl FnMut(&Hit, Vec3, &mut Vec<(u32, f32)>),
+        found: &mut Found,
+        mut add: impl FnMut(&Hit, Vec3A, &mut Vec<(u32, f32)>),
     ) -> GatherCost {
-        let point = &self.points.points[receiver];
-        let epsilon = self.surfaces.epsilon();
-        let origin = point.position + point.geometric_normal * epsilon;
-        let name = mix(self.settings.seed) ^ (receiver as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let Found { rays, hits, reflecting, weights } = found;
+        let (point, epsilon) = (&self.points.points[receiver], self.surfaces.epsilon());
+        gather_rays(point, receiver, self.settings.seed, epsilon, directions, rays);
         let mut cost = GatherCost { rays: directions.len() as u64, ..GatherCost::default() };
-        // Dividing by this sum instead of the number of rays makes a closed white room exact.
-        let normalisation: f32 = directions.around(point.normal, name).map(|d| d.cosine * d.weight).sum();
-        for (i, d) in directions.around(point.normal, name).enumerate() {
-            let direction = Vec3::from(d.direction);
-            if direction.dot(point.geometric_normal) <= 0.0 {
-                continue;
+        for (rays, shares) in rays.rays.chunks(BATCH).zip(rays.shares.chunks(BATCH)) {
+            self.surfaces.cast_all(rays, hits);
+            reflecting.clear();
+            for ((hit, (ray, _)), share) in hits.iter().zip(rays).zip(shares) {
+                if let Some(hit) = hit
+                    && hit.albedo != Vec3::ZERO
+                    && hit.faces(ray.direction)
+                {
+                    let arriving = Vec3A::from(hit.albedo * *share);
+                    reflecting.push((*hit, arriving, self.senders.look_up(hit.position)));
+                }
             }
-            let ray = Ray { origin, direction, max_distance: f32::INFINITY };
-            let Some(hit) = self.surfaces.cast(&ray, mix(name ^ i as u64) as u32) else { continue };
-            if hit.albedo == Vec3::ZERO || !hit.faces(direction) {
-                continue;
+            for (hit, arriving, list) in &*reflecting {
+                let seen = (arriving.element_sum() / 3.0) as f64;
+                cost.seen += seen;
+                self.senders.interpolate_in(*list, hit.position, hit.normal, weights);
+                if weights.is_empty() {
+                    cost.lost += seen;
+                } else {
+                    add(hit, *arriving, weights);
+                }
             }
-            let weight = d.weight / normalisation;
-            let seen = (hit.albedo.element_sum() / 3.0 * weight * d.cosine) as f64;
-            cost.seen += seen;
-            self.senders.interpolate(hit.position, hit.normal, weights);
-            if weights.is_empty() {
-                cost.lost += seen;
-                continue;
-            }
-            add(&hit, hit.albedo * (weight * d.cosine), weights);
         }
         cost
     }

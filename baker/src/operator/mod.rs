@@ -3,6 +3,7 @@
 //! * [`reflected`] – how bright the scene is, which ε is a share of;
 //! * [`tint`] – the senders' colours;
 //! * [`directions`] – the rays of one hemispherical gather;
+//! * [`hemisphere`] – a receiver's rays;
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`tally`] – what a gather sums up, by sender;
 //! * [`choose`] – which of it becomes a link;
@@ -16,6 +17,7 @@ pub mod bytes;
 mod choose;
 pub mod directions;
 pub mod gather;
+pub mod hemisphere;
 pub mod journal;
 pub mod refine;
 pub mod reflected;

@@ -14,7 +14,7 @@ use crate::surface::Surfaces;
 use crate::team::share::{Outbox, Traffic, share};
 use crate::team::{Team, TeamError};
 use crate::watch::{Stopped, Watch};
-use glam::Vec3;
+use glam::Vec3A;
 use rayon::prelude::*;
 use rebounce_shared::link::Link;
 use std::sync::Mutex;
@@ -48,7 +48,7 @@ pub struct Senders {
     coarse: Leveled,
     count: usize,
     coarse_count: usize,
-    tints: Vec<Vec3>,
+    duals: Vec<Vec3A>,
 }
 
 impl Senders {
@@ -61,7 +61,7 @@ impl Senders {
             coarse: Leveled::new((0..coarse_levels).map(|l| evaluator(points, l)).collect()),
             count: points.count_on(levels),
             coarse_count: points.count_on(coarse_levels),
-            tints: tint::unpack(tints),
+            duals: tint::duals(tints),
         }
     }
 }
@@ -96,7 +96,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
             senders: &senders.all,
             coarse: &senders.coarse,
             coarse_count: senders.coarse_count,
-            tints: &senders.tints,
+            duals: &senders.duals,
             settings,
         };
         let links = vec![Vec::new(); points.points.len()];

@@ -7,7 +7,7 @@ use crate::points::Points;
 use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
 use crate::watch::{Stopped, Watch};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use rebounce_shared::colour::{pack_rounded, unpack_rgb9e5};
 use rebounce_shared::kernel::weight;
@@ -48,6 +48,12 @@ pub fn tints<S: Surfaces + ?Sized>(
 /// The same as colours.
 pub fn unpack(tints: &[u32]) -> Vec<Vec3> {
     tints.iter().map(|tint| unpack_rgb9e5(*tint)).collect()
+}
+
+/// What light is multiplied with, as a dot product, to give how much of each tint fits it best: the tint over its
+/// length squared.
+pub fn duals(tints: &[u32]) -> Vec<Vec3A> {
+    unpack(tints).into_iter().map(|tint| Vec3A::from(tint / tint.length_squared())).collect()
 }
 
 /// The mean reflectance around a point by its function's weight, up to a factor; zero where nothing reflects.

@@ -6,45 +6,70 @@ use rebounce_shared::kernel::distance_5d;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
+/// Width of a cell over the disk radius: a little over 2, so that what is nearer than a disk radius lies, along each
+/// axis, in the same cell or on the nearer side of it.
+const CELL: f32 = 2.02;
+/// Ends a chain of points.
+const END: u32 = u32::MAX;
+
 /// A level being filled: no two points nearer than `radius` under the 5D distance.
 pub struct DartBoard {
     radius: f32,
     points: Vec<SurfacePoint>,
-    cells: HashMap<u64, Vec<u32>, BuildHasherDefault<CellHasher>>,
+    /// The last point that came into each cell.
+    cells: HashMap<u64, u32, BuildHasherDefault<CellHasher>>,
+    /// For each point the one that came into its cell before it.
+    before: Vec<u32>,
 }
 
 impl DartBoard {
     /// An empty board with this disk radius, scene units.
     pub fn new(radius: f32) -> Self {
-        Self { radius, points: Vec::new(), cells: HashMap::default() }
+        Self { radius, points: Vec::new(), cells: HashMap::default(), before: Vec::new() }
     }
 
     /// True if the candidate keeps its distance to every point on the board.
     pub fn is_free(&self, candidate: &SurfacePoint) -> bool {
-        let cell = self.cell(candidate.position);
-        for dz in -1..=1 {
-            for dy in -1..=1 {
-                for dx in -1..=1 {
-                    let Some(near) = self.cells.get(&key(cell + IVec3::new(dx, dy, dz))) else { continue };
-                    for &i in near {
-                        let other = &self.points[i as usize];
-                        let offset = (other.position - candidate.position).length_squared();
-                        if offset < self.radius * self.radius
-                            && distance_5d(candidate.position, candidate.normal, other.position, other.normal)
-                                < self.radius
-                        {
-                            return false;
-                        }
-                    }
+        let (place, cell) = self.cell(candidate.position);
+        let within = place - cell.as_vec3();
+        let nearer = |x: f32| if x < 0.5 { (-1, x) } else { (1, 1.0 - x) };
+        let sides = within.to_array().map(nearer);
+        for corner in 0..8 {
+            // The neighbour, and how far it is, squared.
+            let (mut neighbour, mut away) = (cell, 0.0);
+            for (axis, (step, distance)) in sides.into_iter().enumerate() {
+                if corner >> axis & 1 == 1 {
+                    neighbour[axis] += step;
+                    away += distance * distance;
                 }
+            }
+            if away < 0.25 && self.is_near(neighbour, candidate) {
+                return false;
             }
         }
         true
     }
 
+    /// True if a point in this cell is too near.
+    fn is_near(&self, cell: IVec3, candidate: &SurfacePoint) -> bool {
+        let mut next = self.cells.get(&key(cell)).copied().unwrap_or(END);
+        while let Some(other) = self.points.get(next as usize) {
+            let offset = (other.position - candidate.position).length_squared();
+            if offset < self.radius * self.radius
+                && distance_5d(candidate.position, candidate.normal, other.position, other.normal)
+                    < self.radius
+            {
+                return true;
+            }
+            next = self.before[next as usize];
+        }
+        false
+    }
+
     /// Puts a point on the board; the caller has asked [`Self::is_free`].
     pub fn insert(&mut self, point: SurfacePoint) {
-        self.cells.entry(key(self.cell(point.position))).or_default().push(self.points.len() as u32);
+        let last = self.cells.entry(key(self.cell(point.position).1)).or_insert(END);
+        self.before.push(std::mem::replace(last, self.points.len() as u32));
         self.points.push(point);
     }
 
@@ -68,8 +93,10 @@ impl DartBoard {
         self.points
     }
 
-    fn cell(&self, position: Vec3) -> IVec3 {
-        (position / self.radius).floor().as_ivec3()
+    /// A place in units of cells, and its cell.
+    fn cell(&self, position: Vec3) -> (Vec3, IVec3) {
+        let place = position / (CELL * self.radius);
+        (place, place.floor().as_ivec3())
     }
 }
 
@@ -95,5 +122,32 @@ impl Hasher for CellHasher {
 
     fn write_u64(&mut self, x: u64) {
         self.0 = crate::random::mix(x);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    #[test]
+    fn free_is_what_brute_force_finds_free() {
+        let radius = 0.13;
+        let mut board = DartBoard::new(radius);
+        let mut taken = 0;
+        for i in 0..6000 {
+            let mut s = Stream::new(3, i);
+            let position = Vec3::new(s.unit(), s.unit(), 0.2 * s.unit()) * 2.0 - 1.0;
+            let normal = (Vec3::Z + 0.5 * s.sphere()).normalize();
+            let candidate = SurfacePoint { position, normal, geometric_normal: normal };
+            let near = |p: &SurfacePoint| distance_5d(position, normal, p.position, p.normal) < radius;
+            let is_free = !board.points().iter().any(near);
+            assert_eq!(board.is_free(&candidate), is_free, "{i}");
+            if is_free {
+                board.insert(candidate);
+            }
+            taken += !is_free as usize;
+        }
+        assert!(board.len() > 100 && taken > 1000, "{} and {taken}", board.len());
     }
 }

@@ -61,6 +61,9 @@ pub enum PlaceError {
     Stopped(#[from] Stopped),
 }
 
+/// Candidates that are sorted out together: on a coarse level most of many would be in each other's way, and whether
+/// they are in a tight place takes rays.
+const THROWN: usize = 1024;
 /// Rays for the harmonic mean distance.
 const HARMONIC_RAYS: u32 = 32;
 
@@ -164,18 +167,20 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
         let mut failures = 0;
         let mut batch = std::mem::take(&mut self.pool);
         'level: loop {
-            // In parallel, sort out what cannot pass; then, in order, throw what is left.
-            let hopeful: Vec<bool> =
-                batch.par_iter().map(|candidate| board.is_free(candidate) && fits(candidate)).collect();
             let before = board.len();
-            for (candidate, hopeful) in batch.iter().zip(hopeful) {
-                if hopeful && board.is_free(candidate) {
-                    board.insert(*candidate);
-                    failures = 0;
-                } else {
-                    failures += 1;
-                    if failures >= settings.failures && !board.is_empty() {
-                        break 'level;
+            for part in batch.chunks(THROWN) {
+                // In parallel, sort out what cannot pass; then, in order, throw what is left.
+                let hopeful: Vec<bool> =
+                    part.par_iter().map(|candidate| board.is_free(candidate) && fits(candidate)).collect();
+                for (candidate, hopeful) in part.iter().zip(hopeful) {
+                    if hopeful && board.is_free(candidate) {
+                        board.insert(*candidate);
+                        failures = 0;
+                    } else {
+                        failures += 1;
+                        if failures >= settings.failures && !board.is_empty() {
+                            break 'level;
+                        }
                     }
                 }
             }

@@ -112,11 +112,23 @@ impl Texels {
     }
 }
 
+/// [`f32::floor`] without a call into the system's library.
+#[inline]
+fn floor(x: f32) -> f32 {
+    // From here on there are no fractions.
+    const WHOLE: f32 = (1u32 << 23) as f32;
+    if x.abs() >= WHOLE {
+        return x;
+    }
+    let towards_zero = x as i32 as f32;
+    if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
+}
+
 /// Folds a texture coordinate into [0, 1].
 #[inline]
 fn fold(t: f32, wrap: Wrap) -> f32 {
     match wrap {
-        Wrap::Repeat => t - t.floor(),
+        Wrap::Repeat => t - floor(t),
         Wrap::MirroredRepeat => 1.0 - (t - 2.0 * (t * 0.5).floor() - 1.0).abs(),
         Wrap::ClampToEdge => t.clamp(0.0, 1.0),
     }
@@ -126,7 +138,7 @@ fn fold(t: f32, wrap: Wrap) -> f32 {
 #[inline]
 fn neighbours(t: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
     let x = t * size as f32 - 0.5;
-    let low = x.floor();
+    let low = floor(x);
     let share = x - low;
     let last = size as i32 - 1;
     let (a, b) = (low as i32, low as i32 + 1);
@@ -174,11 +186,17 @@ impl Sampler {
         linear(x0, y0).lerp(linear(x1, y0), fx).lerp(linear(x0, y1).lerp(linear(x1, y1), fx), fy)
     }
 
-    /// Alpha of the nearest texel, 0 to 1.
-    pub fn alpha(&self, uv: Vec2) -> f32 {
+    /// The nearest texel: sRGB, and linear alpha.
+    #[inline]
+    pub fn nearest_texel(&self, uv: Vec2) -> [u8; 4] {
         let t = &*self.texels;
         let (u, v) = (fold(uv.x, self.wrap_u), fold(uv.y, self.wrap_v));
-        t.at(nearest(u, t.width), nearest(v, t.height))[3] as f32 / 255.0
+        t.at(nearest(u, t.width), nearest(v, t.height))
+    }
+
+    /// Alpha of the nearest texel, 0 to 1.
+    pub fn alpha(&self, uv: Vec2) -> f32 {
+        self.nearest_texel(uv)[3] as f32 / 255.0
     }
 }
 

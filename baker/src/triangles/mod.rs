@@ -23,6 +23,7 @@ use obvhs::ray::RayHit;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Alpha;
+use std::hint::black_box;
 use std::ops::ControlFlow;
 use triangle::{Corners, Meeting, ShearedRay};
 
@@ -33,6 +34,8 @@ const EPSILON: f32 = 3e-6;
 /// Boxes grow by this share of the diagonal, for the rounding of the box test.
 const PADDING: f32 = 5e-7;
 
+/// Hits that are shaded one after another, once their rays are cast.
+const SHADED: usize = 64;
 /// Marks a triangle's number.
 const TRANSPARENT: u32 = 1 << 31;
 
@@ -124,7 +127,7 @@ impl TriangleSurfaces {
 
     /// Visits the triangles that a ray may meet, near boxes first. `visit` gets a triangle's place
     /// and the ray's present limit, and returns a new limit or ends the walk.
-    #[inline]
+    #[inline(always)]
     fn walk(
         &self,
         origin: Vec3,
@@ -160,6 +163,14 @@ impl TriangleSurfaces {
             let mut stack = HeapStack::<u32>::new_with_capacity(self.bvh.max_depth + 1);
             self.bvh.ray_traverse_dynamic(&mut stack, ray, &mut hit, leaf);
         }
+    }
+
+    /// A texel of the colour at a hit; 0 where there is no texture.
+    #[inline]
+    fn texel(&self, place: usize, m: Meeting) -> u8 {
+        let t = &self.triangles[place];
+        let uv = t.uvs[0] * (1.0 - m.v - m.w) + t.uvs[1] * m.v + t.uvs[2] * m.w;
+        self.surfaces[t.material as usize].texture.as_ref().map_or(0, |texture| texture.nearest_texel(uv)[0])
     }
 
     /// Whether the hit counts for a ray with this seed, and the share of light that it stops.
@@ -220,8 +231,17 @@ fn unit(seed: u32, number: u32) -> f32 {
     (bits >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
 }
 
-impl Surfaces for TriangleSurfaces {
-    fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+impl TriangleSurfaces {
+    /// Where a ray meets the nearest surface, and nothing about it: what of [`Surfaces::cast`] is the walk through the
+    /// hierarchy.
+    #[inline]
+    pub fn distance(&self, ray: &Ray, seed: u32) -> Option<f32> {
+        self.nearest(ray, seed).map(|(_, meeting)| meeting.distance)
+    }
+
+    /// The nearest triangle that stops the ray.
+    #[inline(never)]
+    fn nearest(&self, ray: &Ray, seed: u32) -> Option<(usize, Meeting)> {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
         let mut best: Option<(usize, Meeting)> = None;
         self.walk(ray.origin, ray.direction, ray.max_distance, |place, limit| {
@@ -237,7 +257,32 @@ impl Surfaces for TriangleSurfaces {
             }
             ControlFlow::Continue(limit)
         });
-        best.map(|(place, meeting)| self.shade(place, meeting, ray.direction))
+        best
+    }
+}
+
+impl Surfaces for TriangleSurfaces {
+    fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+        let (place, meeting) = self.nearest(ray, seed)?;
+        Some(self.shade(place, meeting, ray.direction))
+    }
+
+    fn cast_all(&self, rays: &[(Ray, u32)], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        let mut met = [None; SHADED];
+        for rays in rays.chunks(SHADED) {
+            for ((ray, seed), met) in rays.iter().zip(&mut met) {
+                *met = self.nearest(ray, *seed);
+            }
+            // Texels are far apart in memory: all are asked for before the first one is waited for.
+            let asked =
+                met[..rays.len()].iter().flatten().map(|(place, meeting)| self.texel(*place, *meeting));
+            black_box(asked.fold(0, |all, texel| all ^ texel));
+            hits.extend(rays.iter().zip(met).map(|((ray, _), met)| {
+                let (place, meeting) = met?;
+                Some(self.shade(place, meeting, ray.direction))
+            }));
+        }
     }
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {

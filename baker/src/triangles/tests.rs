@@ -249,3 +249,25 @@ fn a_baked_file_is_hit_where_its_scene_is() {
     }
     assert!(hits > 3_000);
 }
+
+#[test]
+fn rays_cast_together_find_what_each_finds_alone() {
+    let texels = Texels { width: 2, height: 1, rgba: vec![[255, 0, 9, 128], [40, 80, 160, 255]] };
+    let texture =
+        Sampler { texels: Arc::new(texels), wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, linear_filter: true };
+    let material = Material { double_sided: true, alpha: Alpha::Blend, ..Material::default() };
+    let surfaces = two_squares(material, Some(texture));
+    let mut stream = Stream::new(6, 0);
+    // More than are shaded together, and not a multiple.
+    let rays: Vec<(Ray, u32)> = (0..200)
+        .map(|i| {
+            let ray = Ray { origin: Vec3::Z, direction: stream.sphere(), max_distance: f32::INFINITY };
+            (ray, i)
+        })
+        .collect();
+    let mut together = vec![None];
+    surfaces.cast_all(&rays, &mut together);
+    let alone: Vec<Option<Hit>> = rays.iter().map(|(ray, seed)| surfaces.cast(ray, *seed)).collect();
+    assert_eq!(format!("{together:?}"), format!("{alone:?}"));
+    assert!(alone.iter().flatten().count() > 10 && alone.iter().any(Option::is_none));
+}

@@ -1,0 +1,66 @@
+//! `cargo xtask bench-bake`: how far a bake is from what its rays alone take, and what a second thread brings.
+
+use crate::fidelity::given;
+use crate::process;
+use anyhow::{Context, Result, bail};
+
+/// The scene measured where none is named, in the folder of given ones, and where there is no such folder.
+const SCENES: [&str; 2] = ["sponza-dabrovic/sponza-dabrovic.glb", "builtin:library"];
+
+#[derive(Debug, PartialEq)]
+struct Options {
+    scene: Option<String>,
+    preset: String,
+    rounds: u32,
+}
+
+fn parse(args: &[String]) -> Result<Options> {
+    let mut options = Options { scene: None, preset: "standard".to_owned(), rounds: 3 };
+    let mut args = args.iter();
+    while let Some(name) = args.next() {
+        let mut value = || args.next().with_context(|| format!("{name} needs a value"));
+        match name.as_str() {
+            "--scene" => options.scene = Some(value()?.clone()),
+            "--preset" => options.preset = value()?.clone(),
+            "--rounds" => options.rounds = value()?.parse().context("--rounds needs a number")?,
+            other => bail!("there is no option {other}; there are --scene, --preset and --rounds"),
+        }
+    }
+    Ok(options)
+}
+
+/// Measures; the last line is `traversal ratio R, two threads S`.
+///
+/// # Errors
+/// If a step fails.
+pub fn run(args: &[String]) -> Result<()> {
+    let options = parse(args)?;
+    let scene = match options.scene {
+        // The benchmark runs in the crate's folder.
+        Some(scene) if !scene.starts_with("builtin:") => std::path::absolute(scene)?.display().to_string(),
+        Some(scene) => scene,
+        None => given()
+            .map(|folder| folder.join(SCENES[0]))
+            .filter(|file| file.exists())
+            .map_or_else(|| SCENES[1].to_owned(), |file| file.display().to_string()),
+    };
+    process::run(process::cargo().args(["bench", "--package", "rebounce", "--bench", "bake", "--"]).args([
+        scene,
+        options.preset,
+        options.rounds.to_string(),
+    ]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options() {
+        let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let options = parse(&words("--scene a.glb --preset draft --rounds 5")).unwrap();
+        assert_eq!(options, Options { scene: Some("a.glb".into()), preset: "draft".into(), rounds: 5 });
+        assert_eq!(parse(&[]).unwrap().preset, "standard");
+        assert!(parse(&words("--rounds many")).is_err() && parse(&words("hall")).is_err());
+    }
+}
