@@ -18,6 +18,9 @@ pub fn falloff(t: f32) -> f32 {
 /// Functions of points whose normals are further apart than this cosine share nothing: 60 degrees.
 pub const LEAST_COSINE: f32 = 0.5;
 
+/// Where a level's weights sum to no more than this they do not count as covering: their shares would be noise.
+pub const LEAST_WEIGHT: f32 = 1e-6;
+
 /// How alike two unit normals with this cosine are, 1 for equal ones. The paper has the cosine's
 /// square (Eq. 8); this falls off faster, so that the faces of a bevelled edge, which the same lamp
 /// lights very differently, keep their own light.

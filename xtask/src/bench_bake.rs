@@ -1,6 +1,6 @@
 //! `cargo xtask bench-bake`: how far a bake is from what its rays alone take, and what a second thread brings.
 
-use crate::fidelity::given;
+use crate::fidelity::given_or;
 use crate::process;
 use anyhow::{Context, Result, bail};
 
@@ -39,10 +39,7 @@ pub fn run(args: &[String]) -> Result<()> {
         // The benchmark runs in the crate's folder.
         Some(scene) if !scene.starts_with("builtin:") => std::path::absolute(scene)?.display().to_string(),
         Some(scene) => scene,
-        None => given()
-            .map(|folder| folder.join(SCENES[0]))
-            .filter(|file| file.exists())
-            .map_or_else(|| SCENES[1].to_owned(), |file| file.display().to_string()),
+        None => given_or(SCENES[0], SCENES[1]),
     };
     process::run(process::cargo().args(["bench", "--package", "rebounce", "--bench", "bake", "--"]).args([
         scene,

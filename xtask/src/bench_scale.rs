@@ -1,7 +1,7 @@
 //! `cargo xtask bench-scale`: the same scene with ever more triangles at equal settings. A bake's time is to grow
 //! with how complicated the light is, not with the triangles.
 
-use crate::fidelity::given;
+use crate::fidelity::given_or;
 use crate::process;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -40,9 +40,7 @@ fn parse(args: &[String]) -> Result<Options> {
 /// If a bake fails.
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
-    let known = given().map(|folder| folder.join(SCENE)).filter(|file| file.exists());
-    let scene = options.scene.or_else(|| known.map(|file| file.display().to_string()));
-    let scene = scene.unwrap_or_else(|| GENERATED.to_owned());
+    let scene = options.scene.unwrap_or_else(|| given_or(SCENE, GENERATED));
     process::run(process::cargo().args([
         "build",
         "--release",

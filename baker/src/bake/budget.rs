@@ -157,7 +157,7 @@ pub fn fit(file: &mut rbn::Scene, bytes: u64) -> Result<Option<Thinned>, BudgetE
     let size = |links: &LinkMatrix<Link>, later: &LinkMatrix<LaterLink>| {
         links::encode(&links.offsets, &links.links).len() + links::encode(&later.offsets, &later.links).len()
     };
-    let rest = whole - (size(&file.links, &file.later) as u64).min(whole);
+    let rest = whole - size(&file.links, &file.later) as u64;
     // Sections begin at multiples.
     let wanted = bytes.saturating_sub(rest + 4 * container::ALIGNMENT as u64);
     let thinned = |least: f32| {
@@ -168,8 +168,9 @@ pub fn fit(file: &mut rbn::Scene, bytes: u64) -> Result<Option<Thinned>, BudgetE
     // Bisection on a logarithmic scale: from less than any link to more than any.
     let (mut low, mut high) = (1e-8f32, 4.0f32);
     let mut best = thinned(high);
-    if size(&best.0, &best.1) as u64 > wanted {
-        let least = whole - size(&file.links, &file.later) as u64 + size(&best.0, &best.1) as u64;
+    let least = size(&best.0, &best.1) as u64;
+    if least > wanted {
+        let least = rest + least;
         let largest = "points and one link for each of them take the rest".to_owned();
         return Err(BudgetError::Bytes { wanted: bytes, least, largest });
     }

@@ -5,7 +5,7 @@
 //! compares it with an R-tree (paper, 2.1).
 
 use glam::{IVec3, Mat4, Vec3, Vec4};
-use rebounce_shared::kernel::{LEAST_COSINE, SQUASH, weight};
+use rebounce_shared::kernel::{LEAST_COSINE, LEAST_WEIGHT, SQUASH, weight};
 use rebounce_shared::rbn::bulk::Cut;
 
 /// A basis function.
@@ -271,8 +271,7 @@ impl Leveled {
             out.clear();
             let list = list.take().unwrap_or_else(|| level.look_up(position));
             let total = level.gather_in(list, position, normal, |i, w| out.push((i, w)));
-            // A weight so small that its share is noise does not count as covered.
-            if total > 1e-6 {
+            if total > LEAST_WEIGHT {
                 let scale = 1.0 / total;
                 out.iter_mut().for_each(|e| e.1 *= scale);
                 return;

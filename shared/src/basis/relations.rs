@@ -2,7 +2,7 @@
 
 use super::Lookup;
 use crate::interpolation::{Entry, Rows, pack_row};
-use crate::kernel::weight;
+use crate::kernel::{LEAST_WEIGHT, weight};
 use crate::rbn::RbnError;
 use crate::rbn::bulk::{Cut, Point};
 use crate::rbn::meta::Level;
@@ -103,9 +103,6 @@ impl Relations {
         }
     }
 }
-
-/// A weight so small that its share is noise does not count as covered.
-const LEAST_WEIGHT: f32 = 1e-6;
 
 /// Fills `row` with the functions of the finest level under `level` that covers this point, and their weights.
 /// Leaves it empty where none does.

@@ -81,6 +81,12 @@ pub fn given() -> Option<PathBuf> {
     folder.join("shots").is_dir().then_some(folder)
 }
 
+/// A file of that folder, or where it is not there a `generated` scene.
+pub fn given_or(file: &str, generated: &str) -> String {
+    let known = given().map(|folder| folder.join(file)).filter(|file| file.exists());
+    known.map_or_else(|| generated.to_owned(), |file| file.display().to_string())
+}
+
 /// All shots of a folder: `shots/NAME.shot.json`, which names its scene, and
 /// `references/NAME.indirect.{a,b}.exr`.
 pub fn in_folder(tool: &Tool, folder: &Path) -> Result<Vec<Case>> {

@@ -7,7 +7,7 @@ mod measure;
 mod page;
 mod path;
 
-pub use cases::given;
+pub use cases::{given, given_or};
 
 use crate::process;
 use anyhow::{Context, Result, bail};
