@@ -214,6 +214,13 @@ mod decode {
     ) -> Result<wgpu::Texture, String> {
         let bitmap = JsFuture::from(promise?).await.map_err(words)?;
         let bitmap: ImageBitmap = bitmap.dyn_into().map_err(words)?;
+        let (side, limit) =
+            (bitmap.width().max(bitmap.height()), scope.device.limits().max_texture_dimension_2d);
+        if side > limit {
+            return Err(format!(
+                "it is {side} pixels wide or high, more than the {limit} possible and than the file says"
+            ));
+        }
         let texture = create(scope, bitmap.width(), bitmap.height(), data);
         scope.queue.copy_external_image_to_texture(
             &wgpu::CopyExternalImageSourceInfo {

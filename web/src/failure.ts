@@ -26,7 +26,7 @@ export function failureOf(thrown: unknown): Failure {
 
 /** Whether the viewer that gave this failure is of no further use. */
 export function isFatal(code: string): boolean {
-  return ["internal", "device-lost", "no-webgpu", "no-adapter", "no-device"].includes(code);
+  return ["internal", "device-lost", "out-of-memory", "no-webgpu", "no-adapter", "no-device"].includes(code);
 }
 
 /** A message as a sentence: a capital first, a full stop last. */

@@ -8,6 +8,7 @@ mod demo;
 mod fidelity;
 mod fuzz;
 mod install;
+mod integrity;
 mod kill_bake;
 mod package;
 mod plot_estimate;
