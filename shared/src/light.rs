@@ -110,10 +110,9 @@ impl Light {
                 cos_outer: -1.0,
             },
             Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color } => {
-                let outer = outer_cone_deg.clamp(0.01, 90.0);
-                let cos_outer = outer.to_radians().cos();
+                let cos_outer = outer_cone_deg.clamp(0.01, 90.0).to_radians().cos();
                 let cos_inner =
-                    inner_cone_deg.map_or(cos_outer, |d| d.min(outer).max(0.0).to_radians().cos());
+                    inner_cone_deg.map_or(cos_outer, |d| d.clamp(0.0, *outer_cone_deg).to_radians().cos());
                 // A hard edge is a very steep ramp that reaches 1 right inside the cone.
                 let scale = 1.0 / (cos_inner - cos_outer).max(1e-5);
                 LightSource {
