@@ -4,7 +4,7 @@ use super::progress::Display;
 use super::stop::Stop;
 use super::team::with_team;
 use super::view::PREVIEW;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use rebounce::bake::budget::{self, Budget};
 use rebounce::bake::{
@@ -12,7 +12,7 @@ use rebounce::bake::{
 };
 use rebounce::scene::{self, Scene};
 use rebounce::{team::Team, write::write_whole};
-use rebounce_shared::rbn::container;
+use rebounce_shared::rbn::{MAX_LEVELS, container};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, Once};
@@ -159,6 +159,9 @@ impl BakeArgs {
         s.viewpoint = self.viewpoint;
         s.place.coarse_radius = self.coarse_radius;
         s.operator.bounces = self.bounces;
+        if let Some(levels) = self.levels.filter(|levels| !(1..=MAX_LEVELS).contains(levels)) {
+            bail!("--levels is {levels}; a file has 1 to {MAX_LEVELS}");
+        }
         set(&mut s.place.levels, &self.levels);
         set(&mut s.place.functions, &self.functions);
         set(&mut s.place.coarse_overlap, &self.coarse_overlap);
