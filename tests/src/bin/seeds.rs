@@ -1,8 +1,9 @@
 //! `seeds FOLDER`: what the fuzz targets begin with, a folder each. Run by `cargo xtask fuzz`.
 
 use anyhow::{Context, Result};
+use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::scene;
 use rebounce_shared::rbn::container;
-use rebounce_tests::small::small;
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
@@ -14,7 +15,7 @@ fn main() -> Result<()> {
             .with_context(|| folder.display().to_string())
     };
     for (name, functions) in [("builtin:cornell-box", 40), ("builtin:two-rooms-door", 120)] {
-        let file = small(name, functions)?.to_bytes()?;
+        let file = small(name, functions)?;
         let short = name.trim_start_matches("builtin:");
         write("file", short, &file)?;
         let sections = container::read(&file)?;
@@ -41,4 +42,14 @@ fn main() -> Result<()> {
         "yfov_deg": 45}, "lights": [{"type": "spot", "position": [0, 1, 0], "direction": [0, -1, 0],
         "intensity": 3, "color": [1, 1, 1], "inner_cone_deg": 20, "outer_cone_deg": 30}]}"#;
     write("shot", "spot", shot.as_bytes())
+}
+
+/// A bake of a few functions, whose sections are shorter than 64 kB.
+fn small(name: &str, functions: usize) -> Result<Vec<u8>> {
+    let mut settings = BakeSettings::new(Preset::Draft);
+    (settings.place.levels, settings.place.functions) = (3, functions);
+    settings.operator.rays = vec![64];
+    settings.operator.later_levels = 1;
+    let (file, _) = bake(&scene::load(name)?, &settings.normalised(), &())?;
+    Ok(file.to_bytes()?)
 }
