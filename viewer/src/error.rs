@@ -38,7 +38,7 @@ pub enum ViewerError {
     OutOfMemory,
     /// A texture cannot be decoded.
     #[error(
-        "texture {name:?} cannot be decoded ({problem}); convert it to a plain PNG or JPEG and bake again"
+        "texture \"{name}\" cannot be decoded ({problem}); convert it to a plain PNG or JPEG and bake again"
     )]
     Texture {
         /// Its name, or its number where it has none.

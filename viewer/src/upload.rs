@@ -242,6 +242,25 @@ mod tests {
     }
 
     #[test]
+    fn what_is_too_large_is_told_with_both_numbers() {
+        let mut scene = Scene { vertices: vec![Default::default(); 10], ..Scene::default() };
+        scene.links.offsets = vec![0, 3, 4];
+        let refusal = |buffer: u64, binding: u64, scene: &Scene| match (Most { buffer, binding }).check(scene)
+        {
+            Err(ViewerError::TooLarge { section, bytes, limit }) => Some((section, bytes, limit)),
+            other => other.map(|()| None).unwrap(),
+        };
+        assert_eq!(refusal(240, 12, &scene), None);
+        assert_eq!(refusal(239, 12, &scene), Some(("VERT", 240, 239)));
+        // Three links in a row are not divided; neither are the rows' offsets.
+        assert_eq!(refusal(240, 11, &scene), Some(("LINK", 12, 11)));
+        let text = ViewerError::TooLarge { section: "VERT", bytes: 240, limit: 239 }.to_string();
+        assert!(text.contains("240 bytes") && text.contains("239"), "{text}");
+        let default = Most::of(&wgpu::Limits::default());
+        assert_eq!((default.buffer, default.binding), (MAX_BUFFER, MAX_BINDING));
+    }
+
+    #[test]
     fn shadows_draw_the_same_triangles() {
         let mut scene = Scene::default();
         scene.meta.materials = vec![

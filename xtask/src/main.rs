@@ -1,9 +1,10 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-scale`, `fuzz`, `kill-bake`, `plot-estimate`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-scale`, `fuzz`, `damage`, `soak`, `kill-bake`, `plot-estimate`, `install`.
 
 mod bench_bake;
 mod bench_scale;
 mod bench_web;
 mod bindgen;
+mod damage;
 mod demo;
 mod fidelity;
 mod fuzz;
@@ -14,6 +15,7 @@ mod package;
 mod plot_estimate;
 mod process;
 mod site;
+mod soak;
 mod test;
 mod toolchain;
 mod web;
@@ -44,6 +46,10 @@ cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
                      feeds damaged files to what reads them: file, section, links, gltf, shot
+cargo xtask damage [--files N] [--seed S]
+                     opens damaged files in headless Chromium: each is refused or gives a picture; 2,000 when absent
+cargo xtask soak [--minutes N]
+                     moves lights and camera in headless Chromium and watches memory; an hour when absent
 cargo xtask kill-bake [--times N] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
 cargo xtask plot-estimate [SCENE or LOG.jsonl ...]
@@ -71,6 +77,8 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("bench-bake") => bench_bake::run(&args[1..]),
         Some("fuzz") => fuzz::run(&args[1..]),
+        Some("damage") => damage::run(&args[1..]),
+        Some("soak") => soak::run(&args[1..]),
         Some("kill-bake") => kill_bake::run(&args[1..]),
         Some("plot-estimate") => plot_estimate::run(&args[1..]),
         Some("install") => install::all(),

@@ -79,7 +79,8 @@ impl<'a> Materials<'a> {
         let strength = m.extensions.emissive.as_ref().and_then(|e| e.emissive_strength).unwrap_or(1.0);
         let emission = m.emissive_factor.map(|e| e * strength);
         if !base_color.iter().chain(&emission).all(usable) {
-            let problem = format!("material {index} ({:?}) has a colour that is not finite, or far too large", m.name);
+            let problem =
+                format!("material {index} ({:?}) has a colour that is not finite, or far too large", m.name);
             return Err(self.source.malformed(problem));
         }
         let shine = [pbr.metallic_factor, pbr.roughness_factor].map(|factor| factor.unwrap_or(1.0));
@@ -87,7 +88,8 @@ impl<'a> Materials<'a> {
         let normal_scale = m.normal_texture.as_ref().and_then(|t| t.scale).unwrap_or(1.0);
         let cutoff = m.alpha_cutoff.unwrap_or(0.5);
         if !shine.iter().chain([&specular, &normal_scale, &cutoff]).all(usable) {
-            let problem = format!("material {index} ({:?}) has a factor that is not finite, or far too large", m.name);
+            let problem =
+                format!("material {index} ({:?}) has a factor that is not finite, or far too large", m.name);
             return Err(self.source.malformed(problem));
         }
         let base_color_texture =
