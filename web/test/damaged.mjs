@@ -68,10 +68,12 @@ function watchDevices() {
 export async function openDamaged(browser, folder, { each = 250, say = () => undefined } = {}) {
   const list = JSON.parse(await readFile(path.join(folder, "list.json"), "utf8"));
   const server = await serveStrictly({ folders: [folder], pages: { "": document("") } });
-  const result = { files: list.length, errors: 0, pictures: 0, codes: {}, slowest: 0, faults: [] };
+  const result = { files: list.length, errors: 0, pictures: 0, codes: {}, slowest: { ms: 0, name: "" }, faults: [] };
   try {
     for (let first = 0; first < list.length; first += each) {
+      const before = result.faults.length;
       await share(browser, server.address, list.slice(first, first + each), result);
+      for (const fault of result.faults.slice(before)) say(`  ${fault}`);
       say(`${Math.min(first + each, list.length)} of ${list.length}: ${summary(result)}`);
     }
   } finally {
@@ -100,7 +102,7 @@ async function share(browser, address, files, result) {
     for (const [i, { name, what, refused }] of files.entries()) {
       const fault = (text) => result.faults.push(`${name} (${what}): ${text}`);
       const { told, spread, ms, alert } = await open(name, i % 10 === 0);
-      result.slowest = Math.max(result.slowest, ms);
+      if (ms > result.slowest.ms) result.slowest = { ms, name };
       const [{ type, code, message }] = told;
       result.codes[code ?? type] = (result.codes[code ?? type] ?? 0) + 1;
       if (type === "error") {
@@ -133,7 +135,7 @@ async function share(browser, address, files, result) {
 /** The figures, in a line. */
 export function summary({ errors, pictures, slowest, faults, codes }) {
   const each = Object.entries(codes).sort(([, a], [, b]) => b - a).map(([code, count]) => `${code} ${count}`);
-  return `${errors} errors, ${pictures} pictures, ${faults.length} faults; slowest ${(slowest / 1000).toFixed(1)} s; ${each.join(", ")}`;
+  return `${errors} errors, ${pictures} pictures, ${faults.length} faults; slowest ${slowest.name} ${(slowest.ms / 1000).toFixed(1)} s; ${each.join(", ")}`;
 }
 
 if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {
@@ -143,7 +145,6 @@ if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) 
   const start = performance.now();
   try {
     const result = await openDamaged(browser, folder, { each: Number(each), say: console.log });
-    for (const fault of result.faults) console.log(`  ${fault}`);
     console.log(`${result.files} files in ${((performance.now() - start) / 1000).toFixed(0)} s: ${summary(result)}`);
     const all = result.errors + result.pictures === result.files;
     process.exitCode = all && result.files > 0 && result.faults.length === 0 ? 0 : 1;

@@ -1,5 +1,5 @@
 //! `damage FOLDER COUNT SEED`: writes so many damaged files, `list.json` of what was done to each, the file that they
-//! were, and two whose names are markup. Run by `cargo xtask damage` and by the tests of the page.
+//! were, two whose names are markup, and one with a texture that is said to be far larger than it is. Run by `cargo xtask damage` and by the tests of the page.
 
 use anyhow::{Context, Result};
 use rebounce_tests::damage::{Outcome, damage};
@@ -25,6 +25,10 @@ fn main() -> Result<()> {
     // The texture's name is told when it cannot be decoded.
     markup.texture_bytes.fill(0);
     write("broken-texture.rbn", &markup.to_bytes()?)?;
+    // A picture of four pixels that is said to be as large as can be.
+    let mut claims = scene.clone();
+    claims.meta.textures.iter_mut().for_each(|texture| texture.width = u32::MAX);
+    write("large-claim.rbn", &claims.to_bytes()?)?;
     // Contents that cannot be packed are tried and left out.
     std::panic::set_hook(Box::new(|_| ()));
     let mut list = Vec::new();
