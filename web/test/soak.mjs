@@ -97,7 +97,8 @@ async function measure(browser, page, session) {
     return { wasm: (await init()).memory.buffer.byteLength, stats: told, gpu: gpu.bytes, alive: gpu.alive, frames, changes };
   });
   const kinds = await held(browser);
-  const processes = Object.values(kinds).reduce((sum, n) => sum + n, 0) || undefined;
+  // The browser's services come and go by themselves.
+  const processes = ["browser", "renderer", "GPU"].reduce((sum, kind) => sum + (kinds[kind] ?? 0), 0) || undefined;
   return { ...ours, heap: metrics.find(({ name }) => name === "JSHeapUsedSize").value, kinds, processes };
 }
 
