@@ -18,7 +18,12 @@ fn looks(scene: &Scene) -> Vec<Option<(f32, Vec3)>> {
     let mut stream = Stream::new(7, 0);
     let rays = (0..4000).map(|_| {
         let (from, to) = (stream.sphere() * 3.0 + Vec3::Y * 4.0, stream.sphere() * Vec3::new(4.0, 0.8, 3.0));
-        Ray { origin: from - origin, direction: (to - from).normalize(), max_distance: f32::INFINITY }
+        Ray {
+            origin: from - origin,
+            direction: (to - from).normalize(),
+            max_distance: f32::INFINITY,
+            spread: 0.0,
+        }
     });
     rays.map(|ray| surfaces.cast(&ray, 0).map(|hit| (hit.distance, hit.albedo))).collect()
 }
@@ -90,7 +95,12 @@ fn colours_of_vertices_are_interpolated_at_hits() {
     let mut stream = Stream::new(3, 0);
     for _ in 0..200 {
         let away = stream.sphere();
-        let ray = Ray { origin: centre + 0.7 * away - origin, direction: -away, max_distance: f32::INFINITY };
+        let ray = Ray {
+            origin: centre + 0.7 * away - origin,
+            direction: -away,
+            max_distance: f32::INFINITY,
+            spread: 0.0,
+        };
         let hit = surfaces.cast(&ray, 0).unwrap();
         let place = hit.position + origin - centre;
         let expected = 0.8 * (0.5 + Vec3::new(place.x, place.y, -place.x));

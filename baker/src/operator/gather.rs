@@ -4,12 +4,12 @@
 use super::OperatorSettings;
 use super::choose::choose;
 use super::directions::Directions;
-use super::hemisphere::{GatherRays, gather_rays};
+use super::found::Found;
 use super::tally::{IrradianceRow, Tally};
-use crate::basis::{Leveled, List, Relations};
+use crate::basis::{Leveled, Relations};
 use crate::points::Points;
-use crate::surface::{Hit, Surfaces};
-use glam::{Vec3, Vec3A};
+use crate::surface::Surfaces;
+use glam::Vec3A;
 use rebounce_shared::link::{Link, Sent};
 
 /// What all gathers read.
@@ -36,8 +36,8 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
 /// carried over like a link's, which keeps values short and changes nothing but the place that they come from.
 const VALUE_EPSILON: f32 = 0.5;
 
-/// Rays that are cast before their hits are looked at.
-const BATCH: usize = 64;
+/// Receivers that are gathered for at once, so that rays that go alike are cast one after another.
+pub const GROUP: usize = 64;
 
 /// What one gather leaves besides links.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,18 +71,6 @@ pub struct Scratch {
     found: Found,
 }
 
-/// Rays of one gather, and what they find: [`BATCH`] at a time, so that what one step has to wait for, memory far
-/// away, it waits for once.
-#[derive(Default)]
-struct Found {
-    rays: GatherRays,
-    hits: Vec<Option<Hit>>,
-    /// Hits that reflect, the light that they bring, and where the functions that may cover them are listed.
-    reflecting: Vec<(Hit, Vec3A, List)>,
-    /// The functions that cover one hit.
-    weights: Vec<(u32, f32)>,
-}
-
 impl Scratch {
     /// Working memory for this many senders and coarse points.
     pub fn new(senders: usize, coarse: usize) -> Self {
@@ -96,44 +84,46 @@ impl Scratch {
 }
 
 impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
-    /// The links of one receiver, and more. `values` holds the [values](Gathered::value) of all
-    /// coarser levels.
-    pub fn links(
+    /// The links of some receivers of a level, at most [`GROUP`] for speed, and more: tells `done` of each of them in
+    /// turn. `values` holds the [values](Gathered::value) of all coarser levels.
+    ///
+    /// # Errors
+    /// What `done` returns.
+    pub fn links<E>(
         &self,
-        receiver: usize,
+        receivers: &[usize],
         level: usize,
         directions: &Directions,
         values: &[Vec<Link>],
         scratch: &mut Scratch,
-    ) -> Gathered {
+        mut done: impl FnMut(usize, Gathered) -> Result<(), E>,
+    ) -> Result<(), E> {
         // The variance of a mean of rays that either hit a sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
-        let is_coarse = receiver < self.coarse_count;
         let Scratch { senders, coarse, prediction, found } = scratch;
-        let cost = self.integrate(receiver, directions, found, |hit, arriving, weights| {
-            self.share(weights, arriving, senders);
-            if is_coarse {
-                self.coarse.interpolate(hit.position, hit.normal, weights);
-                self.share(weights, arriving, coarse);
+        found.cast(self, receivers, directions);
+        for (k, &receiver) in receivers.iter().enumerate() {
+            let mut gathered = Gathered::default();
+            gathered.cost = found.add(k, senders, coarse);
+            gathered.cost.rays = directions.len() as u64;
+            if receiver < self.coarse_count {
+                gathered.coarse = coarse.row(self.settings.least_irradiance());
+                coarse.clear();
             }
-        });
-        let mut gathered = Gathered { cost, ..Gathered::default() };
-        if is_coarse {
-            gathered.coarse = coarse.row(self.settings.least_irradiance());
-            coarse.clear();
-        }
-        self.predict(receiver, values, prediction);
-        gathered.links = choose(senders, Some(prediction), epsilon, noise);
-        if level + 1 < self.settings.levels {
-            for link in &gathered.links {
-                prediction.add(link.sender(), link.amount());
+            self.predict(receiver, values, prediction);
+            gathered.links = choose(senders, Some(prediction), epsilon, noise);
+            if level + 1 < self.settings.levels {
+                for link in &gathered.links {
+                    prediction.add(link.sender(), link.amount());
+                }
+                gathered.value = self.value(level, prediction);
             }
-            gathered.value = self.value(level, prediction);
+            senders.clear();
+            prediction.clear();
+            done(receiver, gathered)?;
         }
-        senders.clear();
-        prediction.clear();
-        gathered
+        Ok(())
     }
 
     /// What is left of a receiver that is not refined: the value that its parents' say.
@@ -163,54 +153,6 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// A receiver's value as its children will subtract it.
     fn value(&self, level: usize, sums: &Tally) -> Vec<Link> {
         choose(sums, None, VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
-    }
-
-    /// Adds a ray's light to the senders that cover its hit, by their shares: as bright as it is counted in each
-    /// one's tint, the best fit of the one to the other.
-    #[inline]
-    fn share(&self, shares: &[(u32, f32)], arriving: Vec3A, senders: &mut Tally) {
-        for &(sender, share) in shares {
-            senders.add(sender as usize, share * arriving.dot(self.duals[sender as usize]));
-        }
-    }
-
-    /// Eq. 16: casts the rays and tells `add` of each hit that reflects, with the irradiance that it brings (RGB, per
-    /// unit irradiance at the hit) and the functions that cover it (a list that it may use afterwards).
-    fn integrate(
-        &self,
-        receiver: usize,
-        directions: &Directions,
-        found: &mut Found,
-        mut add: impl FnMut(&Hit, Vec3A, &mut Vec<(u32, f32)>),
-    ) -> GatherCost {
-        let Found { rays, hits, reflecting, weights } = found;
-        let (point, epsilon) = (&self.points.points[receiver], self.surfaces.epsilon());
-        gather_rays(point, receiver, self.settings.seed, epsilon, directions, rays);
-        let mut cost = GatherCost { rays: directions.len() as u64, ..GatherCost::default() };
-        for (rays, shares) in rays.rays.chunks(BATCH).zip(rays.shares.chunks(BATCH)) {
-            self.surfaces.cast_all(rays, hits);
-            reflecting.clear();
-            for ((hit, (ray, _)), share) in hits.iter().zip(rays).zip(shares) {
-                if let Some(hit) = hit
-                    && hit.albedo != Vec3::ZERO
-                    && hit.faces(ray.direction)
-                {
-                    let arriving = Vec3A::from(hit.albedo * *share);
-                    reflecting.push((*hit, arriving, self.senders.look_up(hit.position)));
-                }
-            }
-            for (hit, arriving, list) in &*reflecting {
-                let seen = (arriving.element_sum() / 3.0) as f64;
-                cost.seen += seen;
-                self.senders.interpolate_in(*list, hit.position, hit.normal, weights);
-                if weights.is_empty() {
-                    cost.lost += seen;
-                } else {
-                    add(hit, *arriving, weights);
-                }
-            }
-        }
-        cost
     }
 
     /// Eq. 17: what the parents' values say at this receiver, as the push will interpolate it.

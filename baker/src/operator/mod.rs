@@ -4,6 +4,7 @@
 //! * [`tint`] – the senders' colours;
 //! * [`directions`] – the rays of one hemispherical gather;
 //! * [`hemisphere`] – a receiver's rays;
+//! * `found` – what those of some receivers find;
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`tally`] – what a gather sums up, by sender;
 //! * [`choose`] – which of it becomes a link;
@@ -16,6 +17,7 @@ pub mod bounces;
 pub mod bytes;
 mod choose;
 pub mod directions;
+mod found;
 pub mod gather;
 pub mod hemisphere;
 pub mod journal;

@@ -5,7 +5,7 @@
 
 use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
-use super::gather::{GatherContext, GatherCost, Gathered, Scratch};
+use super::gather::{GROUP, GatherContext, GatherCost, Gathered, Scratch};
 use super::journal::Journal;
 use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
@@ -167,16 +167,20 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
                 let recycled = pool.lock().ok().and_then(|mut free| free.pop());
                 let mut scratch =
                     recycled.unwrap_or_else(|| Scratch::new(this.sender_count, context.coarse_count));
-                let mut gather = |i: usize| {
-                    let gathered = if this.is_wanted(i) {
-                        context.links(i, l, &directions, &this.values, &mut scratch)
-                    } else {
-                        context.inherit(i, l, &this.values, &mut scratch)
-                    };
-                    watch.step(gathered.cost.rays)?;
-                    Ok(gathered)
-                };
-                let rows = (first..first + count).map(&mut gather).collect::<Result<Vec<_>, Stopped>>()?;
+                let (wanted, others): (Vec<usize>, Vec<usize>) =
+                    (first..first + count).partition(|i| this.is_wanted(*i));
+                let mut rows = vec![Gathered::default(); count];
+                for group in wanted.chunks(GROUP) {
+                    context.links(group, l, &directions, &this.values, &mut scratch, |i, gathered| {
+                        let rays = gathered.cost.rays;
+                        rows[i - first] = gathered;
+                        watch.step(rays)
+                    })?;
+                }
+                for i in others {
+                    rows[i - first] = context.inherit(i, l, &this.values, &mut scratch);
+                    watch.step(0)?;
+                }
                 if let Ok(mut free) = pool.lock() {
                     free.push(scratch);
                 }
