@@ -5,7 +5,7 @@
 
 use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
-use super::gather::{GROUP, GatherContext, GatherCost, Gathered, Scratch};
+use super::gather::{GatherContext, GatherCost, Gathered, Scratch};
 use super::journal::Journal;
 use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
@@ -170,13 +170,11 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
                 let (wanted, others): (Vec<usize>, Vec<usize>) =
                     (first..first + count).partition(|i| this.is_wanted(*i));
                 let mut rows = vec![Gathered::default(); count];
-                for group in wanted.chunks(GROUP) {
-                    context.links(group, l, &directions, &this.values, &mut scratch, |i, gathered| {
-                        let rays = gathered.cost.rays;
-                        rows[i - first] = gathered;
-                        watch.step(rays)
-                    })?;
-                }
+                context.links(&wanted, l, &directions, &this.values, &mut scratch, |i, gathered| {
+                    let rays = gathered.cost.rays;
+                    rows[i - first] = gathered;
+                    watch.step(rays)
+                })?;
                 for i in others {
                     rows[i - first] = context.inherit(i, l, &this.values, &mut scratch);
                     watch.step(0)?;

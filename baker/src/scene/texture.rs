@@ -130,11 +130,11 @@ impl Texels {
     /// These texels, each the mean of about so many.
     #[inline]
     fn averaged(&self, texels: f32, by_alpha: bool) -> &Self {
-        // A level has a quarter of the texels of the one before. Not a number is none, too.
-        if !(texels >= 4.0) {
+        if texels < 4.0 || texels.is_nan() {
             return self;
         }
-        let level = (texels.to_bits() >> 23) as usize - 127 >> 1;
+        // A level has a quarter of the texels of the one before: half the power of two.
+        let level = ((texels.to_bits() >> 23) as usize - 127) >> 1;
         let coarser = self.coarser[by_alpha as usize].get_or_init(|| self.halves(by_alpha));
         coarser.get(level.min(coarser.len()).wrapping_sub(1)).unwrap_or(self)
     }

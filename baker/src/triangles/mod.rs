@@ -14,7 +14,7 @@ pub use geometry::Geometry;
 use crate::scene::{Scene, SceneError};
 use crate::surface::{Hit, Ray, Surfaces};
 use geometry::{Surface, Triangle};
-use glam::{Vec3, Vec3A};
+use glam::{Vec3, Vec3A, Vec4};
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rebounce_shared::rbn;
@@ -41,6 +41,8 @@ pub struct TriangleSurfaces {
     /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
     numbers: Vec<u32>,
     triangles: Vec<Triangle>,
+    /// Each triangle's unit normal, or zero, and the share of its texture that a unit of its area holds.
+    planes: Vec<Vec4>,
     /// The vertices' colours, in the same order, or none.
     colors: Vec<[Vec3; 3]>,
     surfaces: Vec<Surface>,
@@ -92,6 +94,7 @@ impl TriangleSurfaces {
             } else {
                 order.iter().map(|&i| geometry.colors[i as usize]).collect()
             },
+            planes: triangles.iter().map(plane).collect(),
             triangles,
             bvh,
             surfaces: geometry.surfaces,
@@ -137,11 +140,10 @@ impl TriangleSurfaces {
         let direction = ray.direction;
         let t = &self.triangles[place];
         let [a, b, c] = t.positions;
-        let u = 1.0 - m.v - m.w;
-        let spanned = (b - a).cross(c - a);
-        let mut geometric_normal = spanned.normalize_or(-direction);
-        if geometric_normal.dot(direction) > 0.0 {
-            geometric_normal = -geometric_normal;
+        let (u, plane) = (1.0 - m.v - m.w, self.planes[place]);
+        let mut geometric_normal = plane.truncate();
+        if geometric_normal == Vec3::ZERO || geometric_normal.dot(direction) > 0.0 {
+            geometric_normal = if geometric_normal == Vec3::ZERO { -direction } else { -geometric_normal };
         }
         let surface = &self.surfaces[t.material as usize];
         let mut normal =
@@ -157,9 +159,7 @@ impl TriangleSurfaces {
                 Some(c) => c[0] * u + c[1] * m.v + c[2] * m.w,
                 None => surface.color,
             };
-            let [p, q, r] = t.uvs;
-            // What a unit of area is of the texture's, times the area that the ray stands for.
-            let share = (q - p).perp_dot(r - p).abs() / spanned.length() * (ray.spread * m.distance).powi(2);
+            let share = plane.w * (ray.spread * m.distance).powi(2);
             (surface.albedo(color, uv, share), surface.emission)
         } else {
             (Vec3::ZERO, Vec3::ZERO)
@@ -167,6 +167,14 @@ impl TriangleSurfaces {
         let position = a + (b - a) * m.v + (c - a) * m.w;
         Hit { distance: m.distance, position, geometric_normal, normal, albedo, emission }
     }
+}
+
+/// A triangle's unit normal, or zero, and the share of its texture that a unit of its area holds.
+fn plane(t: &Triangle) -> Vec4 {
+    let ([a, b, c], [p, q, r]) = (t.positions, t.uvs);
+    let spanned = (b - a).cross(c - a);
+    let share = (q - p).perp_dot(r - p).abs() / spanned.length().max(f32::MIN_POSITIVE);
+    spanned.normalize_or_zero().extend(share)
 }
 
 /// A uniform number from 0 to 1 out of a ray's seed and a triangle's number.
