@@ -48,8 +48,10 @@ pub struct Found {
 /// Working memory of the rays that are cast together.
 #[derive(Default)]
 struct Batch {
-    /// Hits that reflect: the ray, the light that it brings, and where the functions that may cover it are listed.
-    reflecting: Vec<(u32, Hit, Vec3A, List)>,
+    /// Hits that reflect: the ray, what it hits, and the light that it brings.
+    reflecting: Vec<(u32, Hit, Vec3A)>,
+    /// Where the functions that may cover each of them are listed.
+    lists: Vec<List>,
     /// The functions that cover one hit.
     weights: Vec<(u32, f32)>,
 }
@@ -80,7 +82,7 @@ impl Found {
         self.brought.resize(self.rays.rays.len(), Brought::default());
         sort(&self.rays.rays, &mut self.order);
         for order in self.order.chunks(BATCH) {
-            let Batch { reflecting, weights } = &mut self.batch;
+            let Batch { reflecting, lists, weights } = &mut self.batch;
             reflecting.clear();
             for &number in order {
                 let (ray, seed) = &self.rays.rays[number as usize];
@@ -89,10 +91,13 @@ impl Found {
                     && hit.faces(ray.direction)
                 {
                     let arriving = Vec3A::from(hit.albedo * self.rays.shares[number as usize]);
-                    reflecting.push((number, hit, arriving, context.senders.look_up(hit.position)));
+                    reflecting.push((number, hit, arriving));
                 }
             }
-            for (ray, hit, arriving, list) in &*reflecting {
+            // All lists are asked for before the first one is waited for.
+            lists.clear();
+            lists.extend(reflecting.iter().map(|(_, hit, _)| context.senders.look_up(hit.position)));
+            for ((ray, hit, arriving), list) in reflecting.iter().zip(&*lists) {
                 let shares = &mut self.shares;
                 let mut share = |weights: &[(u32, f32)]| {
                     let first = shares.len() as u32;
