@@ -1,6 +1,6 @@
 //! Bakes a scene whose triangles are all split into n x n and prints what it took, as one line of JSON:
 //! `cargo run --release --example tessellated -- SCENE N [draft|standard|fine [placing]]`; with `placing` it only places
-//! the points and prints how long each level took.
+//! the points and prints how much processor time each level took.
 //!
 //! The light is the same whatever n is, so a bake's time should be, too. `cargo xtask bench-scale` runs it.
 
@@ -59,7 +59,7 @@ impl Observer for Placing {
         self.is_over.store(is_over, Ordering::Relaxed);
         let Ok(mut began) = self.began.lock() else { return };
         if progress.stage != Stage::Prepare && began.last().is_none_or(|last| last.0 != progress.level) {
-            began.push((progress.level, progress.seconds));
+            began.push((progress.level, progress.processor_seconds));
         }
     }
 
@@ -91,7 +91,7 @@ fn main() -> Result<()> {
         let levels: Vec<f64> = began.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
         println!(
             "{}",
-            serde_json::json!({ "triangles": scene.triangles.len(), "seconds_of_levels": levels })
+            serde_json::json!({ "triangles": scene.triangles.len(), "processor_seconds_of_levels": levels })
         );
         return Ok(());
     }
