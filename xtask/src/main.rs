@@ -1,6 +1,7 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-scale`, `fuzz`, `kill-bake`, `plot-estimate`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `kill-bake`, `plot-estimate`, `install`.
 
 mod bench_bake;
+mod bench_kernels;
 mod bench_scale;
 mod bench_web;
 mod bindgen;
@@ -39,15 +40,17 @@ cargo xtask bench-web [--scenes DIR] [--shot NAME]
                      times frames in headless Chromium beside three.js, same scene and light; DIR as above
 cargo xtask bench-bake [--scene FILE] [--preset NAME] [--rounds N]
                      times bakes beside the rays that they cast, and with one thread; Sponza at standard, three times
+cargo xtask bench-kernels
+                     counts the instructions of a bake's kernels; installs valgrind
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
                      feeds damaged files to what reads them: file, section, links, gltf, shot
 cargo xtask kill-bake [--times N] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
-cargo xtask plot-estimate [SCENE or LOG.jsonl ...]
+cargo xtask plot-estimate [[--preset NAME] SCENE or LOG.jsonl ...]
                      bakes, and draws into docs/estimate.svg how right the time left was; a log of
-                     `rebounce bake --json-progress` is read instead
+                     `rebounce bake --json-progress` is read instead. Ten bakes when nothing is named
 cargo xtask install  installs what the others need, and says what";
 
 fn main() -> ExitCode {
@@ -66,6 +69,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("demo") => demo::run(&args[1..]),
         Some("test") => test::run(&args[1..]),
         Some("fidelity") => fidelity::run(&args[1..]),
+        Some("bench-kernels") => bench_kernels::run(&args[1..]),
         Some("bench-scale") => bench_scale::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("bench-bake") => bench_bake::run(&args[1..]),

@@ -117,6 +117,11 @@ impl Operator {
         self.links.iter().map(Vec::len)
     }
 
+    /// Entries of a row of [`Self::coarse`], on average of those that are there.
+    pub fn coarse_row_length(&self) -> f64 {
+        self.coarse.iter().map(Vec::len).sum::<usize>() as f64 / self.coarse.len().max(1) as f64
+    }
+
     /// Number of links for later bounces.
     pub fn later_count(&self) -> usize {
         self.later.iter().map(Vec::len).sum()

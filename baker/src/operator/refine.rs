@@ -10,6 +10,7 @@ use super::journal::Journal;
 use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
 use crate::points::Points;
+use crate::random::mix;
 use crate::surface::Surfaces;
 use crate::team::share::{Outbox, Traffic, share};
 use crate::team::{Team, TeamError};
@@ -157,8 +158,10 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         }
         let for_all = l + 1 < context.points.levels.len() || range.start < context.coarse_count;
         let left = (0..found.rows.len()).filter(|chunk| found.rows[*chunk].is_none());
-        let mine: Vec<(usize, usize)> =
+        let mut mine: Vec<(usize, usize)> =
             left.skip(team.rank()).step_by(team.size()).map(|chunk| found.place(chunk)).collect();
+        // All over the scene from the first to the last, so that what is done says how long the rest takes.
+        mine.sort_by_key(|(first, _)| mix(*first as u64));
         let directions = Directions::new(context.settings.rays_on(l));
         let pool = Mutex::new(Vec::new());
         let this = &*self;

@@ -191,7 +191,9 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
             }
             batch = self.source.batch();
         }
+        let thrown = board.len();
         fill(surfaces, &mut board, disk_radius, settings.seed, fits, watch)?;
+        watch.step((board.len() - thrown) as u64)?;
         self.within_limit(board.len())?;
         let mut points = board.into_points();
         let (low, high) = surfaces.bounds();
