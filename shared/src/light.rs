@@ -106,7 +106,9 @@ impl Light {
                 intensity,
                 color,
             ),
-            Light::Directional { direction, intensity, color } => (far(direction), [0.0; 2], intensity, color),
+            Light::Directional { direction, intensity, color } => {
+                (far(direction), [0.0; 2], intensity, color)
+            }
         };
         place
             && angles.iter().all(|angle| angle.is_finite())
@@ -131,7 +133,8 @@ impl Light {
             Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color } => {
                 let outer = outer_cone_deg.clamp(0.01, 90.0);
                 let cos_outer = outer.to_radians().cos();
-                let cos_inner = inner_cone_deg.map_or(cos_outer, |d| d.min(outer).max(0.0).to_radians().cos());
+                let cos_inner =
+                    inner_cone_deg.map_or(cos_outer, |d| d.min(outer).max(0.0).to_radians().cos());
                 // A hard edge is a very steep ramp that reaches 1 right inside the cone.
                 let scale = 1.0 / (cos_inner - cos_outer).max(1e-5);
                 LightSource {

@@ -1,5 +1,6 @@
 //! `rebounce bake`: a scene in, a .rbn file out.
 
+use super::plain::plain;
 use super::progress::Display;
 use super::stop::Stop;
 use super::team::with_team;
@@ -221,7 +222,7 @@ fn planned(args: &BakeArgs, scene: &Scene) -> Result<(BakeSettings, Option<usize
 fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let output = args.output();
     for problem in &scene.left_out {
-        eprintln!("warning: left out: {problem}");
+        eprintln!("warning: left out: {}", plain(problem));
     }
     let (settings, fewer) = planned(args, scene)?;
     if let Some(functions) = fewer {

@@ -175,7 +175,8 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
 /// Who wrote a file of any version, as it says itself: the first words of section META. Nothing is promised about the
 /// rest of such a file.
 fn writer(file: &[u8]) -> Option<String> {
-    let row = file.get(HEADER..)?.chunks_exact(ROW).take(MAX_SECTIONS).find(|row| row.starts_with(b"META"))?;
+    let row =
+        file.get(HEADER..)?.chunks_exact(ROW).take(MAX_SECTIONS).find(|row| row.starts_with(b"META"))?;
     let offset = u64::from_le_bytes(row.get(8..16)?.try_into().ok()?);
     let (len, rest) = file.get(usize::try_from(offset).ok()?..)?.split_first()?;
     // A length from 251 on takes more bytes, and is no name.
@@ -215,7 +216,9 @@ mod tests {
         let newer = said(VERSION + 3, b"\x0erebounce 9.0.0 and more");
         assert_eq!(newer.code(), "newer-version");
         let newer = newer.to_string();
-        for words in ["rebounce 9.0.0 in format version 9", "this Rebounce is older", "reads version 6", "update"] {
+        for words in
+            ["rebounce 9.0.0 in format version 9", "this Rebounce is older", "reads version 6", "update"]
+        {
             assert!(newer.contains(words), "{words}: {newer}");
         }
         let older = said(2, b"\x0erebounce 0.0.3...");
@@ -225,7 +228,9 @@ mod tests {
             assert!(older.contains(words), "{words}: {older}");
         }
         // Whatever else stands there is not taken for a name.
-        for meta in [&b""[..], b"\xff", b"\x0erebounce", b"\x0erebounce\x1b[2J  ", b"\x04evil", b"\xfb\x0e\0rebounce"] {
+        for meta in
+            [&b""[..], b"\xff", b"\x0erebounce", b"\x0erebounce\x1b[2J  ", b"\x04evil", b"\xfb\x0e\0rebounce"]
+        {
             assert!(said(5, meta).to_string().contains("by another Rebounce in format version 5"));
         }
         for len in 0..HEADER + 2 * ROW {

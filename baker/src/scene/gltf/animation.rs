@@ -45,9 +45,9 @@ impl<const W: usize> Curve<W> {
         let ordered = times.windows(2).all(|t| t[0] < t[1]) && times.first().is_some_and(|t| *t >= 0.0);
         let each = if kind == Kind::Spline { 3 } else { 1 };
         if !finite || !ordered || values.len() != each * times.len() {
-            return Err(
-                source.malformed(format!("{what} has keys that are out of order, missing, not finite or far too large"))
-            );
+            return Err(source.malformed(format!(
+                "{what} has keys that are out of order, missing, not finite or far too large"
+            )));
         }
         Ok(Self { kind, times, values })
     }

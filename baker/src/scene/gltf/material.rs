@@ -1,6 +1,6 @@
 //! Materials and their textures. Only what the triangles use is kept and decoded.
 
-use super::picture::{image_index, picture, sampled};
+use super::picture::{check_sizes, image_index, picture, sampled};
 use super::schema;
 use super::source::Source;
 use crate::scene::{Scene, SceneError};
@@ -79,7 +79,8 @@ impl<'a> Materials<'a> {
         let strength = m.extensions.emissive.as_ref().and_then(|e| e.emissive_strength).unwrap_or(1.0);
         let emission = m.emissive_factor.map(|e| e * strength);
         if !base_color.iter().chain(&emission).all(usable) {
-            let problem = format!("material {index} ({:?}) has a colour that is not finite, or far too large", m.name);
+            let problem =
+                format!("material {index} ({:?}) has a colour that is not finite, or far too large", m.name);
             return Err(self.source.malformed(problem));
         }
         let shine = [pbr.metallic_factor, pbr.roughness_factor].map(|factor| factor.unwrap_or(1.0));
@@ -87,7 +88,8 @@ impl<'a> Materials<'a> {
         let normal_scale = m.normal_texture.as_ref().and_then(|t| t.scale).unwrap_or(1.0);
         let cutoff = m.alpha_cutoff.unwrap_or(0.5);
         if !shine.iter().chain([&specular, &normal_scale, &cutoff]).all(usable) {
-            let problem = format!("material {index} ({:?}) has a factor that is not finite, or far too large", m.name);
+            let problem =
+                format!("material {index} ({:?}) has a factor that is not finite, or far too large", m.name);
             return Err(self.source.malformed(problem));
         }
         let base_color_texture =
@@ -189,6 +191,7 @@ impl<'a> Materials<'a> {
             images[at].1 |= base;
             of_image.push(Some(at));
         }
+        check_sizes(source, &images)?;
         let mut pictures = Vec::new();
         let read: Vec<_> = images.par_iter().map(|&(i, decoded)| picture(source, i, decoded)).collect();
         for (picture, (_, decoded)) in read.into_iter().zip(images) {

@@ -85,7 +85,9 @@ fn part(
     let uvs: Vec<Vec2> = match uvs {
         Some((u, uvs)) => {
             let moved = uvs.into_iter().map(|[s, t]| u.matrix.transform_point2(DVec2::new(s, t)).as_vec2());
-            moved.map(|uv| if uv.abs().max_element() < LARGEST { uv } else { counted(&mut unusable) }).collect()
+            moved
+                .map(|uv| if uv.abs().max_element() < LARGEST { uv } else { counted(&mut unusable) })
+                .collect()
         }
         None => vec![Vec2::ZERO; count],
     };
