@@ -170,7 +170,7 @@ fn records_that_lie_under_fitting_checksums_end_in_a_file_or_a_sentence() {
     let ends = ends(&full);
     let salt = u32::from_le_bytes(full[8..12].try_into().unwrap());
     let (mut baked, mut refused) = (0, 0);
-    for seed in 0..150 {
+    for seed in 0..60 {
         let mut stream = Stream::new(seed, 9);
         let mut below = |n: usize| stream.bits() as usize % n;
         let mut bytes = full.clone();
@@ -194,7 +194,7 @@ fn records_that_lie_under_fitting_checksums_end_in_a_file_or_a_sentence() {
             }
         }
     }
-    assert!(baked > 50, "{baked} baked, {refused} refused");
+    assert!(baked > 20, "{baked} baked, {refused} refused");
 }
 
 /// One of the words of a record: an index takes another's place.

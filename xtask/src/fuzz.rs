@@ -68,7 +68,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let seeds = work.join("seeds");
     process::run(
         process::cargo()
-            .args(["run", "--release", "--package", "rebounce-tests", "--bin", "seeds", "--"])
+            .args(["run", "--locked", "--release", "--package", "rebounce-tests", "--bin", "seeds", "--"])
             .arg(&seeds),
     )?;
     for target in &TARGETS {

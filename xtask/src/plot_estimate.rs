@@ -58,7 +58,7 @@ pub fn run(args: &[String]) -> Result<()> {
 
 /// Bakes a scene at the usual preset; the log of its progress.
 fn bake(scene: &str) -> Result<PathBuf> {
-    process::run(process::cargo().args(["build", "--release", "--package", "rebounce"]))?;
+    process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce"]))?;
     let work = process::target().join("estimate");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
     let name =
