@@ -29,7 +29,7 @@ pub fn run(args: &[String]) -> Result<()> {
         println!("installing cargo-deny, through cargo: checks licences, versions, sources and advisories");
         process::run(process::cargo().args(["install", "--locked", "cargo-deny"]))?;
     }
-    let offline =
+    let checks =
         ["licences, versions and sources of crates", "advisories of crates", "advisories of npm packages"];
     let outcomes = [
         deny(&["licenses", "bans", "sources"])?,
@@ -37,7 +37,7 @@ pub fn run(args: &[String]) -> Result<()> {
         if is_offline { skipped() } else { npm()? },
     ];
     let mut is_clean = true;
-    for (what, outcome) in offline.iter().zip(outcomes) {
+    for (what, outcome) in checks.iter().zip(outcomes) {
         match outcome {
             Outcome::Passed => println!("{what}: nothing found"),
             Outcome::Failed => {
@@ -79,12 +79,18 @@ fn of_deny(is_success: bool, said: &str) -> Outcome {
     }
 }
 
-/// Runs `npm audit` over the locked versions of the web package.
+/// Runs `npm audit` over the locked versions of the web package, and of what measures beside it.
 fn npm() -> Result<Outcome> {
-    let mut command = Command::new("npm");
-    command.args(["audit", "--json", "--package-lock-only"]).current_dir(process::root().join("web"));
-    let output = command.output().context("npm audit; `cargo xtask install` installs npm")?;
-    Ok(of_npm(&String::from_utf8_lossy(&output.stdout)))
+    for folder in ["web", "web/bench"] {
+        let mut command = Command::new("npm");
+        command.args(["audit", "--json", "--package-lock-only"]).current_dir(process::root().join(folder));
+        let output = command.output().context("npm audit; `cargo xtask install` installs npm")?;
+        let outcome = of_npm(&String::from_utf8_lossy(&output.stdout));
+        if outcome != Outcome::Passed {
+            return Ok(outcome);
+        }
+    }
+    Ok(Outcome::Passed)
 }
 
 fn of_npm(said: &str) -> Outcome {
