@@ -53,9 +53,9 @@ fn check(shot: &Shot) -> Result<(), String> {
     if shot.size.iter().any(|&s| s == 0 || s > MAX_SIZE) {
         return Err(format!("size must lie between 1 and {MAX_SIZE}"));
     }
-    let Camera { position, target, up, yfov_deg } = &shot.camera;
-    if !position.iter().chain(target).chain(up).all(|x| x.is_finite()) {
-        return Err("the camera has a number that is not finite".into());
+    let Camera { position, target, yfov_deg, .. } = &shot.camera;
+    if !shot.camera.is_usable() {
+        return Err("the camera has a number that is not finite, or far too large".into());
     }
     if position == target {
         return Err("the camera's position and target are the same".into());
@@ -64,20 +64,18 @@ fn check(shot: &Shot) -> Result<(), String> {
         return Err("yfov_deg must lie between 0 and 180".into());
     }
     for (i, light) in shot.lights.iter().enumerate() {
-        let (numbers, direction) = match light {
-            Light::Point { position, intensity, color } => ([*position, *color, [*intensity; 3]], None),
-            Light::Spot { position, direction, intensity, color, outer_cone_deg, .. } => {
+        let direction = match light {
+            Light::Point { .. } => None,
+            Light::Spot { direction, outer_cone_deg, .. } => {
                 if !(*outer_cone_deg > 0.0 && *outer_cone_deg <= 90.0) {
                     return Err(format!("light {i}: outer_cone_deg is a half angle between 0 and 90"));
                 }
-                ([*position, *color, [*intensity; 3]], Some(direction))
+                Some(direction)
             }
-            Light::Directional { direction, intensity, color } => {
-                ([[0.0; 3], *color, [*intensity; 3]], Some(direction))
-            }
+            Light::Directional { direction, .. } => Some(direction),
         };
-        if !numbers.iter().flatten().chain(direction.into_iter().flatten()).all(|x| x.is_finite()) {
-            return Err(format!("light {i} has a number that is not finite"));
+        if !light.is_usable() {
+            return Err(format!("light {i} has a number that is not finite, or far too large"));
         }
         if direction.is_some_and(|d| d.iter().all(|&x| x == 0.0)) {
             return Err(format!("light {i} has no direction"));

@@ -42,6 +42,12 @@ pub struct CameraFrame {
 }
 
 impl Camera {
+    /// Whether its numbers are finite, and its places under 1e15 units: then so are those of its frame.
+    pub fn is_usable(&self) -> bool {
+        let near = |v: &[f64; 3]| v.iter().all(|x| x.abs() < 1e15);
+        near(&self.position) && near(&self.target) && near(&self.up) && self.yfov_deg.is_finite()
+    }
+
     /// The frame in local space, where `origin` (world space) is zero. A degenerate `up` is
     /// replaced by another axis.
     pub fn frame(&self, origin: [f64; 3]) -> CameraFrame {

@@ -94,6 +94,27 @@ pub struct Incident {
 }
 
 impl Light {
+    /// Whether its numbers are finite and small enough that those of a picture are: places under 1e15 units,
+    /// intensities and colours under 1e18.
+    pub fn is_usable(&self) -> bool {
+        let far = |v: &[f64; 3]| v.iter().all(|x| x.abs() < 1e15);
+        let (place, angles, intensity, color) = match self {
+            Light::Point { position, intensity, color } => (far(position), [0.0; 2], intensity, color),
+            Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color } => (
+                far(position) && far(direction),
+                [*outer_cone_deg, inner_cone_deg.unwrap_or_default()],
+                intensity,
+                color,
+            ),
+            Light::Directional { direction, intensity, color } => {
+                (far(direction), [0.0; 2], intensity, color)
+            }
+        };
+        place
+            && angles.iter().all(|angle| angle.is_finite())
+            && color.iter().chain([intensity]).all(|x| x.abs() < 1e18)
+    }
+
     /// Makes the light ready for scene-local space, where `origin` (world space) is zero.
     pub fn source(&self, origin: [f64; 3]) -> LightSource {
         let local = |p: &[f64; 3]| (DVec3::from(*p) - DVec3::from(origin)).as_vec3();
@@ -110,9 +131,10 @@ impl Light {
                 cos_outer: -1.0,
             },
             Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color } => {
-                let cos_outer = outer_cone_deg.clamp(0.01, 90.0).to_radians().cos();
+                let outer = outer_cone_deg.clamp(0.01, 90.0);
+                let cos_outer = outer.to_radians().cos();
                 let cos_inner =
-                    inner_cone_deg.map_or(cos_outer, |d| d.clamp(0.0, *outer_cone_deg).to_radians().cos());
+                    inner_cone_deg.map_or(cos_outer, |d| d.min(outer).max(0.0).to_radians().cos());
                 // A hard edge is a very steep ramp that reaches 1 right inside the cone.
                 let scale = 1.0 / (cos_inner - cos_outer).max(1e-5);
                 LightSource {

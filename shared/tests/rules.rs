@@ -6,9 +6,9 @@ use rebounce_shared::light::Light;
 use rebounce_shared::link::{LaterLink, Link};
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
 use rebounce_shared::rbn::meta::{
-    Animation, DetailTexture, Draw, Interpolation, Level, Material, Meta, Property, Track,
+    Alpha, Animation, DetailTexture, Draw, Interpolation, Level, Material, Meta, Property, Texture, Track,
 };
-use rebounce_shared::rbn::{LinkMatrix, Scene};
+use rebounce_shared::rbn::{LinkMatrix, MAX_ROW, Scene};
 
 /// A triangle with one coarse function, which has a cut, and one fine one, which has none.
 fn scene() -> Scene {
@@ -49,6 +49,17 @@ fn scene() -> Scene {
     scene
 }
 
+fn light(x: f64, intensity: f64, cone: f64) -> Light {
+    Light::Spot {
+        position: [x, 0.0, 0.0],
+        direction: [0.0, 0.0, -1.0],
+        outer_cone_deg: cone,
+        inner_cone_deg: None,
+        intensity,
+        color: [1.0; 3],
+    }
+}
+
 #[test]
 fn a_scene_that_keeps_the_rules_survives_the_file() {
     let scene = scene();
@@ -60,7 +71,7 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 #[test]
 fn every_broken_rule_is_refused_by_its_section() {
     type Break = fn(&mut Scene);
-    let breaks: [(&str, Break); 24] = [
+    let breaks: [(&str, Break); 52] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
         ("META", |s| s.meta.levels[1].first = 7),
@@ -83,6 +94,34 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("META", |s| s.meta.animations[0].tracks[0].times[1] = 0.5),
         ("META", |s| s.meta.animations[0].tracks[0].values.truncate(3)),
         ("META", |s| s.meta.animations[0].duration = -1.0),
+        ("META", |s| s.meta.origin[0] = 1e31),
+        ("META", |s| s.meta.bounds_max[0] = 1e16),
+        ("META", |s| s.meta.cameras[0].target[1] = f64::INFINITY),
+        ("META", |s| s.meta.cameras[0].position[2] = 1e16),
+        ("META", |s| s.meta.cameras[0].yfov_deg = f64::NAN),
+        ("META", |s| s.meta.lights[0] = light(f64::NAN, 1.0, 30.0)),
+        ("META", |s| s.meta.lights[0] = light(1e16, 1.0, 30.0)),
+        ("META", |s| s.meta.lights[0] = light(0.0, 1e300, 30.0)),
+        ("META", |s| s.meta.lights[0] = light(0.0, 1.0, f64::NEG_INFINITY)),
+        ("META", |s| s.meta.levels = vec![Level::default(); 100_000]),
+        ("META", |s| s.meta.levels.resize(33, Level { first: 2, ..Level::default() })),
+        ("META", |s| s.meta.levels[0].support_radius = f32::NAN),
+        ("META", |s| s.meta.levels[1].count = u32::MAX),
+        ("META", |s| s.meta.later_levels = 2),
+        ("META", |s| s.meta.draws[0].first_index = u32::MAX),
+        ("META", |s| s.meta.draws[0].index_count = 0),
+        ("META", |s| s.meta.draws = vec![s.meta.draws[0]; 2]),
+        ("META", |s| s.meta.materials[0].base_color[2] = 1.5),
+        ("META", |s| s.meta.materials[0].metallic = -0.5),
+        ("META", |s| s.meta.materials[0].emission[0] = 1e16),
+        ("META", |s| s.meta.materials[0].alpha = Alpha::Mask { cutoff: f32::NAN }),
+        ("META", |s| s.meta.materials[0].base_color_texture = Some(0)),
+        ("META", |s| s.meta.textures = vec![Texture { offset: u64::MAX, len: 1, ..Texture::default() }]),
+        ("META", |s| s.meta.animations[0].tracks[0].values[4] = 1e16),
+        ("VERT", |s| s.vertices[2].position[1] = 1e16),
+        ("PNTS", |s| s.points[0].radius = 1e-30),
+        ("PNTS", |s| s.points[0].radius = f32::NAN),
+        ("LINK", |s| s.links.links[0] = Link(s.links.links[0].0 | 5)),
         ("LATL", |s| s.later.offsets = vec![0]),
         ("LATL", |s| s.later.links[0] = LaterLink::pack(1, Vec3::ONE)),
     ];
@@ -91,5 +130,48 @@ fn every_broken_rule_is_refused_by_its_section() {
         damage(&mut scene);
         let error = scene.to_bytes().expect_err("refused").to_string();
         assert!(error.contains(section), "{i}: {error}");
+    }
+}
+
+#[test]
+fn rows_that_would_keep_a_shader_busy_are_refused() {
+    let mut scene = scene();
+    let count = MAX_ROW as u32 + 1;
+    let points = vec![scene.points[1]; 2];
+    scene.points = points;
+    scene.points.resize(count as usize, scene.points[0]);
+    scene.cuts.clear();
+    scene.meta.levels = vec![Level { first: 0, count, ..Level::default() }];
+    (scene.meta.sender_levels, scene.meta.later_levels, scene.meta.direct_levels) = (1, 0, 1);
+    scene.later = LinkMatrix::default();
+    let mut rows = vec![Vec::new(); count as usize];
+    rows[7] = (0..MAX_ROW as u32).map(|sender| Link::pack(sender, 0.1)).collect();
+    scene.links = LinkMatrix::from_rows(&rows);
+    scene.to_bytes().unwrap();
+    rows[7].push(Link::pack(MAX_ROW as u32, 0.1));
+    scene.links = LinkMatrix::from_rows(&rows);
+    let refused = scene.to_bytes().unwrap_err().to_string();
+    assert!(refused.contains("section LINK") && refused.contains("links in a row"), "{refused}");
+}
+
+#[test]
+fn lights_of_any_numbers_end_in_no_panic() {
+    let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -5.0, 0.0, 1e-320, 45.0, 400.0, f64::MAX];
+    for outer in odd {
+        for inner in odd {
+            let light = Light::Spot {
+                position: [inner; 3],
+                direction: [outer; 3],
+                outer_cone_deg: outer,
+                inner_cone_deg: Some(inner),
+                intensity: inner,
+                color: [outer; 3],
+            };
+            let source = light.source([0.0; 3]);
+            if light.is_usable() {
+                assert!(source.position.is_finite() && source.direction.is_finite(), "{light:?}");
+                assert!(source.intensity.is_finite() && source.cone_scale.is_finite(), "{light:?}");
+            }
+        }
     }
 }

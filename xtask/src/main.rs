@@ -1,5 +1,6 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `kill-bake`, `plot-estimate`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `kill-bake`, `plot-estimate`, `install`.
 
+mod audit;
 mod bench_bake;
 mod bench_kernels;
 mod bench_scale;
@@ -45,7 +46,9 @@ cargo xtask bench-kernels
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
-                     feeds damaged files to what reads them: file, section, links, gltf, shot
+                     feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint
+cargo xtask audit [--offline]
+                     vulnerabilities, licences, doubled versions and sources of all dependencies
 cargo xtask kill-bake [--times N] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
 cargo xtask plot-estimate [[--preset NAME] SCENE or LOG.jsonl ...]
@@ -73,6 +76,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("bench-scale") => bench_scale::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("bench-bake") => bench_bake::run(&args[1..]),
+        Some("audit") => audit::run(&args[1..]),
         Some("fuzz") => fuzz::run(&args[1..]),
         Some("kill-bake") => kill_bake::run(&args[1..]),
         Some("plot-estimate") => plot_estimate::run(&args[1..]),

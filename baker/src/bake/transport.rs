@@ -170,7 +170,10 @@ impl Transport<'_> {
         let mut points = placer.into_points();
         let task = tracker.task(Stage::Walls, None);
         if let Some(checkpoint) = checkpoint {
-            (points.cuts, points.samples) = checkpoint.take_shaped();
+            let (cuts, samples) = checkpoint.take_shaped();
+            if samples.len() <= points.points.len() {
+                (points.cuts, points.samples) = (cuts, samples);
+            }
             task.skip(2 * points.samples.len() as u64)?;
         }
         while points.samples.len() < points.points.len() {

@@ -1,10 +1,11 @@
 //! `rebounce bake`: a scene in, a .rbn file out.
 
+use super::plain::plain;
 use super::progress::Display;
 use super::stop::Stop;
 use super::team::with_team;
 use super::view::PREVIEW;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use cpu_time::ProcessTime;
 use rebounce::bake::budget::{self, Budget};
@@ -13,7 +14,7 @@ use rebounce::bake::{
 };
 use rebounce::scene::{self, Scene};
 use rebounce::{team::Team, write::write_whole};
-use rebounce_shared::rbn::container;
+use rebounce_shared::rbn::{MAX_LEVELS, container};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, Once};
@@ -161,6 +162,9 @@ impl BakeArgs {
         s.viewpoint = self.viewpoint;
         s.place.coarse_radius = self.coarse_radius;
         s.operator.bounces = self.bounces;
+        if let Some(levels) = self.levels.filter(|levels| !(1..=MAX_LEVELS).contains(levels)) {
+            bail!("--levels is {levels}; a file has 1 to {MAX_LEVELS}");
+        }
         set(&mut s.place.levels, &self.levels);
         set(&mut s.place.functions, &self.functions);
         set(&mut s.place.coarse_overlap, &self.coarse_overlap);
@@ -220,7 +224,7 @@ fn planned(args: &BakeArgs, scene: &Scene) -> Result<(BakeSettings, Option<usize
 fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let output = args.output();
     for problem in &scene.left_out {
-        eprintln!("warning: left out: {problem}");
+        eprintln!("warning: left out: {}", plain(problem));
     }
     let (settings, fewer) = planned(args, scene)?;
     if let Some(functions) = fewer {

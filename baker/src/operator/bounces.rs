@@ -81,7 +81,7 @@ pub fn add_later_bounces(
     let parts: Vec<&[u32]> = active.chunks(BATCH * BATCHES).collect();
     let mut found: Vec<Option<Columns>> = vec![None; parts.len()];
     for (part, senders) in parts.iter().enumerate() {
-        if let Some(columns) = journal.columns(part).filter(|columns| columns.rows.len() == count) {
+        if let Some(columns) = journal.columns(part).filter(|columns| columns.fits(senders, count)) {
             watch.skip(senders.len() as u64)?;
             found[part] = Some(columns);
         }

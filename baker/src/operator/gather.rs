@@ -64,6 +64,25 @@ pub struct Gathered {
     pub cost: GatherCost,
 }
 
+impl Gathered {
+    /// Whether it can be of a scene with so many senders and points of later bounces, whoever says it: indices are
+    /// under these, ascend, and have finite numbers.
+    pub fn fits(&self, senders: usize, coarse: usize) -> bool {
+        let row = |links: &[Link]| {
+            links.windows(2).all(|pair| pair[0].sender() < pair[1].sender())
+                && links.last().is_none_or(|last| last.sender() < senders)
+        };
+        row(&self.links)
+            && row(&self.value)
+            && self.coarse.windows(2).all(|pair| pair[0].0 < pair[1].0)
+            && self.coarse.last().is_none_or(|last| (last.0 as usize) < coarse)
+            && self.coarse.iter().all(|entry| entry.1.is_finite())
+            && self.cost.rays <= u32::MAX as u64
+            && self.cost.seen.is_finite()
+            && self.cost.lost.is_finite()
+    }
+}
+
 /// A thread's working memory, reused from receiver to receiver.
 pub struct Scratch {
     senders: Tally,

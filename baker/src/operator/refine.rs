@@ -148,7 +148,10 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let mut traffic = Traffic::default();
         for chunk in 0..found.rows.len() {
             let (first, count) = found.place(chunk);
-            if let Some(rows) = journal.receivers(first, count) {
+            let fits = |rows: &Vec<Gathered>| {
+                rows.iter().all(|gathered| gathered.fits(self.sender_count, context.coarse_count))
+            };
+            if let Some(rows) = journal.receivers(first, count).filter(fits) {
                 watch.skip(rows.iter().map(|gathered| gathered.cost.rays).sum())?;
                 found.rows[chunk] = Some(rows);
             }

@@ -86,8 +86,10 @@ fn undecodable(error: &image::ImageError) -> String {
 const MOST_TEXELS: u64 = 1 << 28;
 /// Pictures of so many texels need no proof; larger ones must have bytes to show for it.
 const MANY_TEXELS: u64 = 1 << 24;
-/// Texels that a byte of a large picture can stand for, at most.
-const TEXELS_A_BYTE: u64 = 4096;
+/// The same of all pictures of a scene together.
+const MANY_TOGETHER: u64 = 1 << 26;
+/// Texels that a byte of large pictures can stand for, at most. A PNG of one colour has 344 a byte.
+const TEXELS_A_BYTE: u64 = 512;
 
 /// Refuses a picture that says it is larger than its bytes can be, before anything is allocated for it.
 pub(super) fn check_size(width: u64, height: u64, len: usize) -> Result<(), String> {
@@ -100,10 +102,29 @@ pub(super) fn check_size(width: u64, height: u64, len: usize) -> Result<(), Stri
     }
     if texels > MANY_TEXELS.max(TEXELS_A_BYTE * len as u64) {
         return Err(format!(
-            "its {len} bytes cannot be {width} x {height} texels; it is damaged: save it again"
+            "its {len} bytes would be {width} x {height} texels: save it again if it is damaged, smaller if it has \
+             one colour"
         ));
     }
     Ok(())
+}
+
+/// Texels that a picture will be decoded to, by its header; none where that cannot be read.
+pub(super) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
+    let size = match (basis::is_ktx2(bytes), decoded) {
+        (true, _) => basis::size(bytes),
+        (false, true) => dimensions(bytes).ok().map(|(width, height)| (width as u64, height as u64)),
+        (false, false) => None,
+    };
+    size.map_or(0, |(width, height)| width.saturating_mul(height))
+}
+
+/// Refuses pictures that say they are larger, together, than their bytes can be.
+pub(super) fn check_together(texels: u64, bytes: u64) -> Result<(), String> {
+    if texels <= MANY_TOGETHER.max(TEXELS_A_BYTE.saturating_mul(bytes)) {
+        return Ok(());
+    }
+    Err(format!("its pictures' {bytes} bytes would become {texels} texels: make those of one colour smaller"))
 }
 
 impl Texels {
@@ -118,7 +139,9 @@ impl Texels {
             .map_err(|e| undecodable(&e))?
             .into_rgba8();
         let (width, height) = picture.dimensions();
-        let rgba = picture.into_raw().as_chunks::<4>().0.to_vec();
+        // Without a copy, as far as the decoder left no room to spare.
+        let rgba = bytemuck::try_cast_vec(picture.into_raw())
+            .unwrap_or_else(|(_, raw)| raw.as_chunks::<4>().0.to_vec());
         Ok(Self::new(width, height, rgba))
     }
 

@@ -27,6 +27,13 @@ pub struct Relations {
 /// Functions that one bucket of a level may hold. Points keep their distance, so that a few dozen do; a file whose
 /// points lie on top of each other would take for ever.
 const MOST_IN_A_BUCKET: usize = 2048;
+/// Functions that may cover a point, at most, on average over all points, on the levels that are asked for its
+/// parents. Scenes have up to a hundred.
+const MOST_TESTED: usize = 512;
+/// Parents of a point, at most, on average over all points. Scenes have about four.
+const MOST_PARENTS: usize = 32;
+/// Few points may have more of both, in all.
+const MANY: usize = 1 << 16;
 
 impl Relations {
     /// Finds the relations of points; those of `direct_levels` levels but the last get children.
@@ -42,15 +49,25 @@ impl Relations {
         direct_levels: usize,
     ) -> Result<Self, RbnError> {
         let lookup = Lookup::new(points, levels);
+        let crowded = |most: usize| {
+            RbnError::invalid("PNTS", format!("functions lie on top of each other, over {most} in one place"))
+        };
         if (0..levels.len()).any(|l| lookup.fullest(l) > MOST_IN_A_BUCKET) {
-            return Err(RbnError::invalid("PNTS", format!("over {MOST_IN_A_BUCKET} functions in one place")));
+            return Err(crowded(MOST_IN_A_BUCKET));
         }
+        // Those of far too crowded points would take for ever, or fill the memory.
+        let mut tests = MOST_TESTED * points.len() + MANY;
+        let most_entries = MOST_PARENTS * points.len() + MANY;
         let mut relations = Self { push_offsets: vec![0], lookup, ..Self::default() };
         let mut row = Vec::new();
         for (l, level) in levels.iter().enumerate() {
             for p in &points[level.first as usize..(level.first + level.count) as usize] {
-                parents(points, cuts, &relations.lookup, l, p, &mut row);
+                let tested = parents(points, cuts, &relations.lookup, l, p, &mut row);
+                tests = tests.checked_sub(tested).ok_or_else(|| crowded(MOST_TESTED))?;
                 pack_row(&row, &mut relations.push_entries);
+                if relations.push_entries.len() > most_entries {
+                    return Err(crowded(MOST_PARENTS));
+                }
                 relations.push_offsets.push(relations.push_entries.len() as u32);
             }
         }
@@ -105,7 +122,7 @@ impl Relations {
 }
 
 /// Fills `row` with the functions of the finest level under `level` that covers this point, and their weights.
-/// Leaves it empty where none does.
+/// Leaves it empty where none does. Returns how many were tested, and levels asked.
 #[inline(never)]
 fn parents(
     points: &[Point],
@@ -114,12 +131,15 @@ fn parents(
     level: usize,
     p: &Point,
     row: &mut Vec<(u32, f32)>,
-) {
+) -> usize {
     let (position, normal) = (p.position(), p.normal());
+    let mut tested = 0;
     for l in (0..level).rev() {
         row.clear();
         let mut total = 0.0;
-        for &j in lookup.functions(l, position) {
+        let functions = lookup.functions(l, position);
+        tested += functions.len() + 1;
+        for &j in functions {
             let q = &points[j as usize];
             let offset = position - q.position();
             // Most are too far away for their normals to matter.
@@ -132,8 +152,44 @@ fn parents(
             }
         }
         if total > LEAST_WEIGHT {
-            return;
+            return tested;
         }
     }
     row.clear();
+    tested
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::octahedral::pack_snorm16;
+    use glam::Vec3;
+
+    /// Two levels of so many functions, `apart` from each other, whose supports are one unit large.
+    fn crowd(counts: [u32; 2], apart: f32) -> (Vec<Point>, Vec<Level>) {
+        let point = |i: u32| Point {
+            position: [apart * (i % 1000) as f32, 0.0, apart * (i / 1000) as f32],
+            radius: 1.0,
+            normal: pack_snorm16(Vec3::Y),
+            ..Point::default()
+        };
+        let points = counts.iter().flat_map(|count| (0..*count).map(point)).collect();
+        let level = |first, count| Level { first, count, ..Level::default() };
+        (points, vec![level(0, counts[0]), level(counts[0], counts[1])])
+    }
+
+    #[test]
+    fn crowds_that_would_take_for_ever_are_refused() {
+        for counts in [[2500, 2500], [2000, 200_000], [400, 400_000]] {
+            let (points, levels) = crowd(counts, 1e-6);
+            let refused = Relations::new(&points, &[], &levels, 2).unwrap_err().to_string();
+            assert!(refused.contains("on top of each other"), "{counts:?}: {refused}");
+        }
+        // As dense as scenes are, and few on top of each other, are not.
+        let (points, levels) = crowd([16_000, 16_000], 0.5);
+        let relations = Relations::new(&points, &[], &levels, 2).unwrap();
+        assert!(relations.push_entries.len() > 4 * 16_000);
+        let (points, levels) = crowd([100, 100], 0.0);
+        assert_eq!(Relations::new(&points, &[], &levels, 2).unwrap().push_entries.len(), 100 * 100);
+    }
 }

@@ -15,8 +15,12 @@
 //!                   16  u64      length in bytes
 //!                   24  u64      zero
 //! ```
+//!
+//! Every version of the format has the header's first 24 bytes, the table's rows and, first in section META, the
+//! writer's name where this one has them: so a reader of any version can say who wrote a file.
 
 use super::RbnError;
+use std::cmp::Ordering;
 
 /// XXH32, seed 0: needs no table, and is many times faster in a page than a CRC, which took a tenth of loading.
 fn checksum(bytes: &[u8]) -> u32 {
@@ -54,9 +58,9 @@ pub struct Section {
 }
 
 impl Section {
-    /// The name as text.
+    /// The name as text; what is no printable letter is escaped.
     pub fn name(&self) -> String {
-        String::from_utf8_lossy(&self.name).into_owned()
+        self.name.escape_ascii().to_string()
     }
 }
 
@@ -104,15 +108,16 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
     let u64_at = |at: usize| u32_at(at) as u64 | (u32_at(at + 4) as u64) << 32;
     let damaged = |section: &str| RbnError::Checksum { section: section.to_owned() };
     // First: another version's checksums may be worked out in another way.
-    let version = u32_at(8);
-    match version.cmp(&VERSION) {
-        std::cmp::Ordering::Greater => {
-            return Err(RbnError::NewerVersion { found: version, supported: VERSION });
+    let found = u32_at(8);
+    let writer = || writer(file).unwrap_or_else(|| "another Rebounce".to_owned());
+    match found.cmp(&VERSION) {
+        Ordering::Greater => {
+            return Err(RbnError::NewerVersion { writer: writer(), found, supported: VERSION });
         }
-        std::cmp::Ordering::Less => {
-            return Err(RbnError::OlderVersion { found: version, supported: VERSION });
+        Ordering::Less => {
+            return Err(RbnError::OlderVersion { writer: writer(), found, supported: VERSION });
         }
-        std::cmp::Ordering::Equal => {}
+        Ordering::Equal => {}
     }
     if u32_at(28) != checksum(&file[..28]) {
         return Err(damaged("header"));
@@ -145,6 +150,9 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
         if !fits {
             return Err(RbnError::invalid(&section.name(), "it lies outside the file"));
         }
+        if sections.iter().any(|before: &Section| before.name == name) {
+            return Err(RbnError::invalid(&section.name(), "it is there twice"));
+        }
         if checksum(&file[section.offset..section.offset + section.len]) != section.checksum {
             return Err(damaged(&section.name()));
         }
@@ -162,6 +170,19 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
         return Err(damaged("padding"));
     }
     Ok(sections)
+}
+
+/// Who wrote a file of any version, as it says itself: the first words of section META. Nothing is promised about the
+/// rest of such a file.
+fn writer(file: &[u8]) -> Option<String> {
+    let row =
+        file.get(HEADER..)?.chunks_exact(ROW).take(MAX_SECTIONS).find(|row| row.starts_with(b"META"))?;
+    let offset = u64::from_le_bytes(row.get(8..16)?.try_into().ok()?);
+    let (len, rest) = file.get(usize::try_from(offset).ok()?..)?.split_first()?;
+    // A length from 251 on takes more bytes, and is no name.
+    let name = std::str::from_utf8(rest.get(..*len as usize).filter(|_| *len < 251)?).ok()?;
+    let is_plain = name.chars().all(|c| c.is_ascii_graphic() || c == ' ');
+    (is_plain && name.starts_with("rebounce")).then(|| name.to_owned())
 }
 
 fn align(offset: usize) -> usize {
@@ -183,6 +204,48 @@ mod tests {
         assert_eq!(&file[sections[0].offset..][..sections[0].len], b"hello");
         assert_eq!(sections[2].len, 300);
         assert_eq!(sections[2].offset % ALIGNMENT, 0);
+    }
+
+    #[test]
+    fn files_of_other_versions_say_who_wrote_them() {
+        let said = |version: u32, meta: &[u8]| {
+            let mut file = write(&[(*b"META", meta), (*b"BBBB", &[])]);
+            file[8..12].copy_from_slice(&version.to_le_bytes());
+            read(&file).unwrap_err()
+        };
+        let newer = said(VERSION + 3, b"\x0erebounce 9.0.0 and more");
+        assert_eq!(newer.code(), "newer-version");
+        let newer = newer.to_string();
+        for words in
+            ["rebounce 9.0.0 in format version 9", "this Rebounce is older", "reads version 6", "update"]
+        {
+            assert!(newer.contains(words), "{words}: {newer}");
+        }
+        let older = said(2, b"\x0erebounce 0.0.3...");
+        assert_eq!(older.code(), "older-version");
+        let older = older.to_string();
+        for words in ["by rebounce 0.0.3 in format version 2", "rebounce bake"] {
+            assert!(older.contains(words), "{words}: {older}");
+        }
+        // Whatever else stands there is not taken for a name.
+        for meta in
+            [&b""[..], b"\xff", b"\x0erebounce", b"\x0erebounce\x1b[2J  ", b"\x04evil", b"\xfb\x0e\0rebounce"]
+        {
+            assert!(said(5, meta).to_string().contains("by another Rebounce in format version 5"));
+        }
+        for len in 0..HEADER + 2 * ROW {
+            let mut file = sample();
+            file[8] = 5;
+            assert!(read(&file[..len]).is_err());
+        }
+    }
+
+    #[test]
+    fn no_section_is_there_twice_and_names_are_printable() {
+        let twice = write(&[(*b"AAAA", b"hello"), (*b"AAAA", b"other")]);
+        assert!(read(&twice).unwrap_err().to_string().contains("section AAAA is invalid: it is there twice"));
+        let odd = read(&write(&[(*b"A\x1b[\n", b"")])).unwrap();
+        assert_eq!(odd[0].name(), "A\\x1b[\\n");
     }
 
     #[test]

@@ -15,8 +15,9 @@ mod matrix;
 pub mod meta;
 mod scene;
 
+pub use check::{LARGEST, MAX_LEVELS, MAX_ROW};
 pub use matrix::LinkMatrix;
-pub use scene::Scene;
+pub use scene::{SECTIONS, Scene};
 
 /// Why a .rbn file could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -26,9 +27,12 @@ pub enum RbnError {
     NotRbn,
     /// Written by a newer Rebounce.
     #[error(
-        "the file has format version {found}, this Rebounce reads version {supported}: update Rebounce, or bake the scene again with this version"
+        "the file was written by {writer} in format version {found}; this Rebounce is older and reads version \
+         {supported}: update it, or bake the scene again with this one"
     )]
     NewerVersion {
+        /// Program and version that wrote the file, as it says itself.
+        writer: String,
         /// The file's version.
         found: u32,
         /// The version that this code reads.
@@ -36,9 +40,12 @@ pub enum RbnError {
     },
     /// Written by an older Rebounce whose files are no longer read.
     #[error(
-        "the file has format version {found}, this Rebounce reads version {supported}: bake the scene again"
+        "the file was written by {writer} in format version {found}; this Rebounce reads version {supported}: bake \
+         its scene again with `rebounce bake SCENE.glb -o FILE.rbn`"
     )]
     OlderVersion {
+        /// Program and version that wrote the file, as it says itself.
+        writer: String,
         /// The file's version.
         found: u32,
         /// The version that this code reads.

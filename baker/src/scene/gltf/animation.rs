@@ -5,6 +5,7 @@ use super::schema;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DMat4, DQuat};
+use rebounce_shared::rbn::LARGEST;
 use rebounce_shared::rbn::meta::{Animation, Interpolation, Property, Track};
 
 /// Keys a second where a light's way between two keys is not straight: turned, or moved by several nodes.
@@ -39,13 +40,14 @@ impl<const W: usize> Curve<W> {
         let shape = ["", "SCALAR", "VEC2", "VEC3", "VEC4"][W];
         let values = source.read::<W>(sampler.output, shape, &format!("output of {what}"))?;
         let times: Vec<f64> = times.into_iter().map(|[t]| t).collect();
-        let finite = times.iter().chain(values.iter().flatten()).all(|x| x.is_finite());
+        let largest = f64::from(LARGEST);
+        let finite = times.iter().chain(values.iter().flatten()).all(|x| x.abs() < largest);
         let ordered = times.windows(2).all(|t| t[0] < t[1]) && times.first().is_some_and(|t| *t >= 0.0);
         let each = if kind == Kind::Spline { 3 } else { 1 };
         if !finite || !ordered || values.len() != each * times.len() {
-            return Err(
-                source.malformed(format!("{what} has keys that are out of order, not finite or missing"))
-            );
+            return Err(source.malformed(format!(
+                "{what} has keys that are out of order, missing, not finite or far too large"
+            )));
         }
         Ok(Self { kind, times, values })
     }
@@ -206,7 +208,7 @@ fn way(
     let track = |property, value: fn(&DMat4) -> [f64; 3]| {
         let values: Vec<f32> = worlds.iter().flat_map(|world| value(world).map(|x| x as f32)).collect();
         let moves = values.as_chunks::<3>().0.windows(2).any(|v| v[0] != v[1]);
-        let sound = values.iter().all(|x| x.is_finite());
+        let sound = values.iter().all(|x| x.abs() < LARGEST);
         let times = times.iter().map(|&t| t as f32).collect();
         (moves && sound).then_some(Track { light: light as u32, property, interpolation, times, values })
     };

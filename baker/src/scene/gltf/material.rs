@@ -1,11 +1,12 @@
 //! Materials and their textures. Only what the triangles use is kept and decoded.
 
-use super::picture::{image_index, picture, sampled};
+use super::picture::{check_sizes, image_index, picture, sampled};
 use super::schema;
 use super::source::Source;
 use crate::scene::{Scene, SceneError};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
+use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
 
 /// How a material reads its texture coordinates.
@@ -73,18 +74,22 @@ impl<'a> Materials<'a> {
             }
             _ => &m.pbr_metallic_roughness,
         };
+        let usable = |x: &f32| x.abs() < rbn::LARGEST;
         let base_color = pbr.base_color_factor.unwrap_or([1.0; 4]);
         let strength = m.extensions.emissive.as_ref().and_then(|e| e.emissive_strength).unwrap_or(1.0);
         let emission = m.emissive_factor.map(|e| e * strength);
-        if !base_color.iter().chain(&emission).all(|x| x.is_finite()) {
-            let problem = format!("material {index} ({:?}) has a colour that is not finite", m.name);
+        if !base_color.iter().chain(&emission).all(usable) {
+            let problem =
+                format!("material {index} ({:?}) has a colour that is not finite, or far too large", m.name);
             return Err(self.source.malformed(problem));
         }
         let shine = [pbr.metallic_factor, pbr.roughness_factor].map(|factor| factor.unwrap_or(1.0));
         let specular = m.extensions.specular.as_ref().and_then(|s| s.specular_factor).unwrap_or(1.0);
         let normal_scale = m.normal_texture.as_ref().and_then(|t| t.scale).unwrap_or(1.0);
-        if !shine.iter().chain([&specular, &normal_scale]).all(|x| x.is_finite()) {
-            let problem = format!("material {index} ({:?}) has a factor that is not finite", m.name);
+        let cutoff = m.alpha_cutoff.unwrap_or(0.5);
+        if !shine.iter().chain([&specular, &normal_scale, &cutoff]).all(usable) {
+            let problem =
+                format!("material {index} ({:?}) has a factor that is not finite, or far too large", m.name);
             return Err(self.source.malformed(problem));
         }
         let base_color_texture =
@@ -102,7 +107,7 @@ impl<'a> Materials<'a> {
             self.detail(&m.name, uv, pbr.metallic_roughness_texture.as_ref(), true);
         let normal_texture = self.detail(&m.name, uv, m.normal_texture.as_ref(), true);
         let alpha = match m.alpha_mode.as_deref().unwrap_or("OPAQUE") {
-            "MASK" => Alpha::Mask { cutoff: m.alpha_cutoff.unwrap_or(0.5) },
+            "MASK" => Alpha::Mask { cutoff },
             "BLEND" => Alpha::Blend,
             _ => Alpha::Opaque,
         };
@@ -153,7 +158,9 @@ impl<'a> Materials<'a> {
             return None;
         }
         let relative = own.matrix * uv.matrix.inverse();
-        let usable = uv.matrix.determinant() != 0.0 && relative.is_finite();
+        let largest = relative.to_cols_array().into_iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let usable =
+            uv.matrix.determinant() != 0.0 && relative.is_finite() && largest < f64::from(rbn::LARGEST);
         let rows = if usable { relative } else { DMat3::IDENTITY }.transpose().as_mat3();
         let texture = self.texture_index(info.index, data);
         Some(DetailTexture { texture, uv_from_vertex: [rows.x_axis.into(), rows.y_axis.into()] })
@@ -184,6 +191,7 @@ impl<'a> Materials<'a> {
             images[at].1 |= base;
             of_image.push(Some(at));
         }
+        check_sizes(source, &images)?;
         let mut pictures = Vec::new();
         let read: Vec<_> = images.par_iter().map(|&(i, decoded)| picture(source, i, decoded)).collect();
         for (picture, (_, decoded)) in read.into_iter().zip(images) {

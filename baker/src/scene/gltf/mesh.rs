@@ -6,6 +6,7 @@ use super::schema::Primitive;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DVec2, DVec3, Vec2, Vec4};
+use rebounce_shared::rbn::LARGEST;
 
 /// A primitive's triangles in its mesh's space.
 pub(super) struct Part {
@@ -84,7 +85,9 @@ fn part(
     let uvs: Vec<Vec2> = match uvs {
         Some((u, uvs)) => {
             let moved = uvs.into_iter().map(|[s, t]| u.matrix.transform_point2(DVec2::new(s, t)).as_vec2());
-            moved.map(|uv| if uv.is_finite() { uv } else { counted(&mut unusable) }).collect()
+            moved
+                .map(|uv| if uv.abs().max_element() < LARGEST { uv } else { counted(&mut unusable) })
+                .collect()
         }
         None => vec![Vec2::ZERO; count],
     };

@@ -99,12 +99,7 @@ pub(super) fn light(source: &Source, node: &Placed) -> Result<Option<Light>, Sce
         .ok_or_else(|| source.malformed(format!("there is no light {}", reference.light)))?;
     let (position, direction) = placement(&node.world);
     let (color, intensity) = (light.color, light.intensity);
-    if !intensity.is_finite() || !color.iter().all(|c| c.is_finite()) {
-        return Err(
-            source.malformed(format!("light {} has an intensity that is not finite", reference.light))
-        );
-    }
-    Ok(Some(match light.kind.as_str() {
+    let light = match light.kind.as_str() {
         "point" => Light::Point { position, intensity, color },
         "directional" => Light::Directional { direction, intensity, color },
         "spot" => Light::Spot {
@@ -119,7 +114,12 @@ pub(super) fn light(source: &Source, node: &Placed) -> Result<Option<Light>, Sce
             let problem = format!("light {} is of the unknown type {other:?}", reference.light);
             return Err(source.malformed(problem));
         }
-    }))
+    };
+    if light.is_usable() {
+        return Ok(Some(light));
+    }
+    let problem = "has a place, cone or intensity that is not finite, or far too large";
+    Err(source.malformed(format!("light {} {problem}", reference.light)))
 }
 
 /// Position and direction of a light or camera with this transform.
@@ -153,13 +153,15 @@ pub(super) fn camera(
         (None, Some(orthographic)) => 2.0 * (orthographic.ymag.abs() / distance).atan(),
         (None, None) => return Err(source.malformed(format!("camera {index} is of no known type"))),
     };
-    if !yfov.is_finite() {
-        return Err(source.malformed(format!("camera {index} has a field of view that is not finite")));
-    }
-    Ok(Some(Camera {
+    let camera = Camera {
         position: position.to_array(),
         target: (position + forward * distance).to_array(),
         up: up.to_array(),
         yfov_deg: yfov.to_degrees().clamp(1.0, 170.0),
-    }))
+    };
+    if camera.is_usable() {
+        return Ok(Some(camera));
+    }
+    let problem = "has a place or field of view that is not finite, or far too large";
+    Err(source.malformed(format!("camera {index} {problem}")))
 }

@@ -1,0 +1,120 @@
+//! The rules of the format that a file must keep, so that what is read needs no further checks.
+
+mod meta;
+
+use super::bulk::{MAX_ALL_CUTS, MAX_CUTS, Point};
+use super::codec::links;
+use super::{RbnError, Scene};
+use crate::interpolation::MAX_POINTS;
+use crate::link::MAX_SENDERS;
+
+/// Levels of a file, at most: a pixel or a point without a function on a level asks the next coarser one.
+pub const MAX_LEVELS: usize = 32;
+/// Links of one row, at most: one invocation of a shader adds them up.
+pub const MAX_ROW: usize = 1 << 18;
+/// Supports are at least this large, scene units.
+const LEAST_RADIUS: f32 = 1e-15;
+
+/// Numbers of a file are smaller than this, so that their squares and sums stay finite.
+pub const LARGEST: f32 = 1e15;
+
+fn sane(x: f32) -> bool {
+    x.abs() < LARGEST
+}
+
+fn all_sane(numbers: &[f32]) -> bool {
+    numbers.iter().all(|x| sane(*x))
+}
+
+impl Scene {
+    /// Checks every rule of the format.
+    pub(super) fn check(&self) -> Result<(), RbnError> {
+        let bad = |section: &str, problem: &str| RbnError::invalid(section, problem);
+        let m = &self.meta;
+        if self.points.len() > MAX_POINTS {
+            return Err(RbnError::TooLarge(format!(
+                "{} basis functions; a file holds at most {MAX_POINTS}: bake with fewer levels",
+                self.points.len()
+            )));
+        }
+        if self.cuts.len() > MAX_ALL_CUTS {
+            return Err(RbnError::TooLarge(format!(
+                "{} planes that end supports; a file holds at most {MAX_ALL_CUTS}: bake with fewer functions",
+                self.cuts.len()
+            )));
+        }
+        meta::check(m, self.points.len() as u64, self.texture_bytes.len() as u64)?;
+        let mut drawn = 0u64;
+        for draw in &m.draws {
+            let end = draw.first_index as u64 + draw.index_count as u64;
+            if draw.material as usize >= m.materials.len()
+                || draw.index_count == 0
+                || !draw.index_count.is_multiple_of(3)
+                || end > self.indices.len() as u64
+            {
+                return Err(bad("META", "a draw call lies outside section INDX"));
+            }
+            drawn += draw.index_count as u64;
+        }
+        // Each triangle is drawn once.
+        if drawn > self.indices.len() as u64 {
+            return Err(bad("META", "draw calls overlap"));
+        }
+        if self.indices.iter().any(|&i| i as usize >= self.vertices.len()) {
+            return Err(bad("INDX", "an index lies outside section VERT"));
+        }
+        if !self.vertices.iter().all(|v| all_sane(&v.position) && all_sane(&v.uv)) {
+            return Err(bad("VERT", "a number is not finite, or far too large"));
+        }
+        let placed = |p: &Point| all_sane(&p.position) && sane(p.radius) && p.radius >= LEAST_RADIUS;
+        if !self.points.iter().all(placed) {
+            return Err(bad("PNTS", "a number is not finite, or far too large or small"));
+        }
+        if !self.points.iter().all(|p| p.cuts().len() <= MAX_CUTS && p.cuts().end <= self.cuts.len()) {
+            return Err(bad("PNTS", "a cut lies outside section CUTS"));
+        }
+        if !self.cuts.iter().all(|cut| cut.towards.iter().all(|x| x.is_finite())) {
+            return Err(bad("CUTS", "a number is not finite"));
+        }
+        let senders = self.sender_count();
+        if senders > MAX_SENDERS {
+            return Err(RbnError::TooLarge(format!(
+                "{senders} senders; links can name {MAX_SENDERS}: bake with fewer sender levels"
+            )));
+        }
+        let later = self.later_count();
+        check_rows("LINK", &self.links.offsets, &self.links.links, self.points.len(), senders)?;
+        check_rows("LATL", &self.later.offsets, &self.later.links, later, later)?;
+        Ok(())
+    }
+}
+
+/// Checks that there are so many rows, in order, and that the indices of each ascend and are under `limit`.
+fn check_rows<E: links::Beside>(
+    section: &str,
+    offsets: &[u32],
+    entries: &[E],
+    rows: usize,
+    limit: usize,
+) -> Result<(), RbnError> {
+    let whole = offsets.len() == rows + 1
+        && offsets[0] == 0
+        && offsets.windows(2).all(|w| w[0] <= w[1])
+        && offsets[rows] as usize == entries.len();
+    if !whole {
+        return Err(RbnError::invalid(section, "rows do not follow each other"));
+    }
+    if offsets.windows(2).any(|w| (w[1] - w[0]) as usize > MAX_ROW) {
+        return Err(RbnError::TooLarge(format!(
+            "section {section} has over {MAX_ROW} links in a row: bake with fewer rays"
+        )));
+    }
+    let ascending = |row: &[E]| row.windows(2).all(|e| e[0].index() < e[1].index());
+    if !offsets.windows(2).all(|w| ascending(&entries[w[0] as usize..w[1] as usize])) {
+        return Err(RbnError::invalid(section, "the points of a row are out of order"));
+    }
+    if entries.iter().any(|e| e.index() as usize >= limit) {
+        return Err(RbnError::invalid(section, "a point is out of range"));
+    }
+    Ok(())
+}
