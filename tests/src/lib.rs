@@ -1,3 +1,6 @@
-//! Tests that span crates, and what they need: pictures of linear radiance, from the browser too.
+//! Tests that span crates, and what they need: pictures of linear radiance, from the browser too; small bakes; damaged
+//! files.
 
+pub mod damage;
 pub mod float_picture;
+pub mod small;

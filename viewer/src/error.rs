@@ -21,9 +21,9 @@ pub enum ViewerError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] RbnError),
-    /// A section is larger than WebGPU guarantees to bind at once.
+    /// A section is larger than a buffer may be.
     #[error(
-        "section {section} has {bytes} bytes, WebGPU guarantees {limit} in one buffer: bake the scene with fewer levels"
+        "section {section} takes {bytes} bytes, a buffer of this graphics adapter holds {limit}: bake a smaller scene, or fewer levels"
     )]
     TooLarge {
         /// The section's four-letter name.
@@ -33,9 +33,12 @@ pub enum ViewerError {
         /// The most that fits.
         limit: u64,
     },
+    /// The GPU has no memory left.
+    #[error("the graphics memory is full; close other pages that use it, or show fewer scenes at once")]
+    OutOfMemory,
     /// A texture cannot be decoded.
     #[error(
-        "texture {name:?} cannot be decoded ({problem}); convert it to a plain PNG or JPEG and bake again"
+        "texture \"{name}\" cannot be decoded ({problem}); convert it to a plain PNG or JPEG and bake again"
     )]
     Texture {
         /// Its name, or its number where it has none.
@@ -74,6 +77,7 @@ impl ViewerError {
             Self::NoDevice(_) => "no-device",
             Self::File(error) => error.code(),
             Self::TooLarge { .. } => "too-large",
+            Self::OutOfMemory => "out-of-memory",
             Self::Texture { .. } => "texture",
             Self::DeviceLost(_) => "device-lost",
             Self::NoScene => "no-scene",

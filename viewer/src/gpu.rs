@@ -45,14 +45,24 @@ impl Deref for Gpu {
 
 /// The first error since somebody asked; it is the cause, and what follows are its consequences.
 #[derive(Clone, Default)]
-struct Errors(Arc<Mutex<Option<String>>>);
+struct Errors(Arc<Mutex<Option<Refusal>>>);
+
+/// What the device has refused.
+#[derive(Clone)]
+struct Refusal {
+    /// For want of memory.
+    is_memory: bool,
+    /// The device's words.
+    message: String,
+}
 
 impl Errors {
     fn note(&self, error: &wgpu::Error) {
-        self.first().get_or_insert_with(|| error.to_string());
+        let is_memory = matches!(error, wgpu::Error::OutOfMemory { .. });
+        self.first().get_or_insert_with(|| Refusal { is_memory, message: error.to_string() });
     }
 
-    fn first(&self) -> MutexGuard<'_, Option<String>> {
+    fn first(&self) -> MutexGuard<'_, Option<Refusal>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -125,37 +135,48 @@ impl Gpu {
     pub fn watch<T>(&self, work: impl FnOnce() -> T) -> T {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let mut watches =
-            Vec::from([Internal, OutOfMemory, Validation].map(|f| self.device.push_error_scope(f)));
+            Vec::from([OutOfMemory, Internal, Validation].map(|f| self.device.push_error_scope(f)));
         let done = work();
+        let mut answers = Vec::new();
         while let Some(watch) = watches.pop() {
-            let (errors, error) = (self.errors.clone(), watch.pop());
-            meanwhile(async move {
-                if let Some(error) = error.await {
-                    errors.note(&error);
-                }
-            });
+            answers.push(watch.pop());
         }
+        let errors = self.errors.clone();
+        meanwhile(async move {
+            // Whatever uses what there was no memory for is refused, too: memory is the cause, and known last.
+            let mut cause = None;
+            for answer in answers {
+                cause = answer.await.or(cause);
+            }
+            if let Some(error) = cause {
+                errors.note(&error);
+            }
+        });
         done
     }
 
-    /// The first error that was reported since the last call, if any. Where something that all share was refused before,
-    /// a pipeline for instance, that is the cause, and told instead.
-    pub fn take_error(&self) -> Option<String> {
-        let own = self.errors.first().take()?;
-        Some(self.opened.errors.first().clone().unwrap_or(own))
+    /// Waits until all that was watched so far is known.
+    pub async fn settle(&self) {
+        // The device answers in order; the second question is asked when those who wait for answers have them.
+        for _ in 0..2 {
+            self.device.push_error_scope(wgpu::ErrorFilter::Validation).pop().await;
+        }
     }
 
-    /// Whether [`Gpu::take_error`] has something to give.
+    /// Whether [`Gpu::check`] has something to tell.
     pub fn has_error(&self) -> bool {
         self.errors.first().is_some()
     }
 
-    /// `Ok` unless an error has been reported since the last call.
+    /// `Ok` unless an error has been reported since the last call. Where something that all share was refused before,
+    /// a pipeline for instance, that is the cause, and told instead.
     ///
     /// # Errors
-    /// [`ViewerError::Internal`] with the device's words.
+    /// [`ViewerError::OutOfMemory`], or [`ViewerError::Internal`] with the device's words.
     pub fn check(&self) -> Result<(), ViewerError> {
-        self.take_error().map_or(Ok(()), |message| Err(ViewerError::Internal(message)))
+        let Some(own) = self.errors.first().take() else { return Ok(()) };
+        let Refusal { is_memory, message } = self.opened.errors.first().clone().unwrap_or(own);
+        Err(if is_memory { ViewerError::OutOfMemory } else { ViewerError::Internal(message) })
     }
 }
 

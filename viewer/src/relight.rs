@@ -1,13 +1,12 @@
 //! One frame of relighting on the GPU: the steps of [`rebounce_shared::relight`] as compute passes.
 
 use crate::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout, part};
-use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
 use crate::shadow_fit::MAX_LAYERS;
 use crate::still::Choice;
-use crate::upload::{LinkBuffers, MAX_BINDING, Upload};
+use crate::upload::{LinkBuffers, Upload};
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::rbn::Scene;
 use wgpu::{BufferUsages, ShaderStages};
@@ -214,19 +213,7 @@ pub struct Relight {
 
 impl Relight {
     /// Buffers and bind groups for a scene.
-    ///
-    /// # Errors
-    /// [`ViewerError::TooLarge`] for more points than a buffer can hold light of.
-    pub fn new(
-        gpu: &Gpu,
-        pipelines: &RelightPipelines,
-        upload: &Upload,
-        scene: &Scene,
-    ) -> Result<Self, ViewerError> {
-        let bytes = 16 * scene.points.len() as u64;
-        if bytes > MAX_BINDING {
-            return Err(ViewerError::TooLarge { section: "PNTS", bytes, limit: MAX_BINDING });
-        }
+    pub fn new(gpu: &Gpu, pipelines: &RelightPipelines, upload: &Upload, scene: &Scene) -> Self {
         let own = Scope::new(gpu);
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
@@ -253,7 +240,7 @@ impl Relight {
             group(gpu, label, layout, &resources)
         };
         let (points, offsets, entries) = (&upload.points, &upload.push_offsets, &upload.push_entries);
-        Ok(Self {
+        Self {
             direct: make("direct", &pipelines.direct.0, &[points, &choice, &still, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
             send: make("send", &pipelines.send.0, &[points, &irradiance, &sent]),
@@ -276,7 +263,7 @@ impl Relight {
             choice,
             plan,
             own,
-        })
+        }
     }
 
     /// Bytes on the GPU.

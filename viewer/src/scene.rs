@@ -39,15 +39,16 @@ impl LoadedScene {
     /// Uploads a scene. Textures are decoded meanwhile, so this is not done at once.
     ///
     /// # Errors
-    /// [`ViewerError::TooLarge`], [`ViewerError::Texture`], or [`ViewerError::Internal`] where the device
-    /// refuses something.
+    /// [`ViewerError::TooLarge`] before anything is uploaded, [`ViewerError::Texture`], [`ViewerError::OutOfMemory`], or
+    /// [`ViewerError::Internal`] where the device refuses something else.
     pub async fn upload(gpu: &Gpu, pipelines: &Pipelines, scene: Scene) -> Result<Self, ViewerError> {
         let (upload, relight) = gpu.watch(|| {
             let upload = Upload::new(gpu, &scene)?;
-            let relight = Relight::new(gpu, &pipelines.relight, &upload, &scene)?;
+            let relight = Relight::new(gpu, &pipelines.relight, &upload, &scene);
             Ok::<_, ViewerError>((upload, relight))
         })?;
         let materials = Materials::new(gpu, pipelines, &scene).await?;
+        gpu.settle().await;
         gpu.check()?;
         let bounds = [Vec3::from(scene.meta.bounds_min), Vec3::from(scene.meta.bounds_max)];
         let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);

@@ -21,7 +21,9 @@ impl Mode {
     /// [`ViewerError::BadArgument`].
     pub fn parse(name: &str) -> Result<Self, ViewerError> {
         [Self::All, Self::Direct, Self::Indirect].into_iter().find(|m| m.name() == name).ok_or_else(|| {
-            ViewerError::BadArgument(format!("mode {name:?}: it must be \"all\", \"direct\" or \"indirect\""))
+            ViewerError::BadArgument(format!(
+                "mode \"{name}\": it must be \"all\", \"direct\" or \"indirect\""
+            ))
         })
     }
 
@@ -55,7 +57,7 @@ impl Overlay {
     pub fn parse(name: &str) -> Result<Self, ViewerError> {
         [Self::None, Self::Points, Self::Levels].into_iter().find(|m| m.name() == name).ok_or_else(|| {
             ViewerError::BadArgument(format!(
-                "overlay {name:?}: it must be \"none\", \"points\" or \"levels\""
+                "overlay \"{name}\": it must be \"none\", \"points\" or \"levels\""
             ))
         })
     }
@@ -87,7 +89,7 @@ impl ToneMapping {
     /// [`ViewerError::BadArgument`].
     pub fn parse(name: &str) -> Result<Self, ViewerError> {
         [Self::Neutral, Self::Agx].into_iter().find(|t| t.name() == name).ok_or_else(|| {
-            ViewerError::BadArgument(format!("tone mapping {name:?}: it must be \"neutral\" or \"agx\""))
+            ViewerError::BadArgument(format!("tone mapping \"{name}\": it must be \"neutral\" or \"agx\""))
         })
     }
 

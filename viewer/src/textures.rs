@@ -84,10 +84,10 @@ pub async fn load(scope: &Scope, mips: &Mips, scene: &Scene) -> Result<Vec<wgpu:
     let (firsts, shared) = distinct(&scene.meta.textures);
     let mut views = Vec::with_capacity(firsts.len());
     for batch in firsts.chunks(BATCH) {
-        let decoding: Vec<_> = batch.iter().map(|&i| decode::begin(scene, i, limit)).collect();
+        let decoding: Vec<_> = batch.iter().map(|&i| decode::begin(scene, i)).collect();
         for (&i, decoding) in batch.iter().zip(decoding) {
             let data = scene.meta.textures[i].data;
-            let texture = decode::finish(scope, decoding, data).await.map_err(|problem| {
+            let texture = decode::finish(scope, decoding, data, limit).await.map_err(|problem| {
                 let name = &scene.meta.textures[i].name;
                 let name = if name.is_empty() { i.to_string() } else { name.clone() };
                 ViewerError::Texture { name, problem }
@@ -151,22 +151,23 @@ fn write(gpu: &Gpu, texture: &wgpu::Texture, rgba: &[u8]) {
 mod decode {
     use super::{Scene, Scope, create, write};
 
-    pub fn begin(scene: &Scene, i: usize, limit: u32) -> Result<image::RgbaImage, String> {
-        let picture = image::load_from_memory(scene.texture(i)).map_err(|e| e.to_string())?;
+    pub fn begin(scene: &Scene, i: usize) -> Result<image::DynamicImage, String> {
+        image::load_from_memory(scene.texture(i)).map_err(|e| e.to_string())
+    }
+
+    pub async fn finish(
+        scope: &Scope,
+        picture: Result<image::DynamicImage, String>,
+        data: bool,
+        limit: u32,
+    ) -> Result<wgpu::Texture, String> {
+        let picture = picture?;
         let picture = if picture.width().max(picture.height()) > limit {
             picture.resize(limit, limit, image::imageops::FilterType::Triangle)
         } else {
             picture
         };
-        Ok(picture.to_rgba8())
-    }
-
-    pub async fn finish(
-        scope: &Scope,
-        picture: Result<image::RgbaImage, String>,
-        data: bool,
-    ) -> Result<wgpu::Texture, String> {
-        let picture = picture?;
+        let picture = picture.to_rgba8();
         let texture = create(scope, picture.width(), picture.height(), data);
         write(scope, &texture, picture.as_raw());
         Ok(texture)
@@ -185,24 +186,30 @@ mod decode {
         error.dyn_ref::<js_sys::Error>().map_or_else(|| "unknown".into(), |e| String::from(e.message()))
     }
 
-    pub fn begin(scene: &Scene, i: usize, limit: u32) -> Result<Promise, String> {
-        let info = &scene.meta.textures[i];
+    /// Decodes a blob, or makes a picture smaller: `side` becomes so long.
+    fn decode(source: &JsValue, side: Option<(&str, u32)>) -> Result<Promise, JsValue> {
+        let options = Object::new();
+        let set = |name: &str, value: &JsValue| Reflect::set(&options, &name.into(), value).map(|_| ());
+        set("premultiplyAlpha", &"none".into())?;
+        set("colorSpaceConversion", &"none".into())?;
+        if let Some((side, length)) = side {
+            set(side, &length.into())?;
+        }
+        let function = Reflect::get(&js_sys::global(), &"createImageBitmap".into())?;
+        let function: Function = function.dyn_into()?;
+        function.call2(&JsValue::UNDEFINED, source, &options)?.dyn_into::<Promise>()
+    }
+
+    async fn bitmap(promise: Promise) -> Result<ImageBitmap, JsValue> {
+        JsFuture::from(promise).await?.dyn_into()
+    }
+
+    pub fn begin(scene: &Scene, i: usize) -> Result<Promise, String> {
         let start = || {
             let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(scene.texture(i)));
             let bag = web_sys::BlobPropertyBag::new();
-            bag.set_type(&info.mime);
-            let blob = web_sys::Blob::new_with_u8_array_sequence_and_options(&parts, &bag)?;
-            let options = Object::new();
-            let set = |name: &str, value: &JsValue| Reflect::set(&options, &name.into(), value).map(|_| ());
-            set("premultiplyAlpha", &"none".into())?;
-            set("colorSpaceConversion", &"none".into())?;
-            if info.width.max(info.height) > limit {
-                let side = if info.width >= info.height { "resizeWidth" } else { "resizeHeight" };
-                set(side, &limit.into())?;
-            }
-            let function = Reflect::get(&js_sys::global(), &"createImageBitmap".into())?;
-            let function: Function = function.dyn_into()?;
-            function.call2(&JsValue::UNDEFINED, &blob, &options)?.dyn_into::<Promise>()
+            bag.set_type(&scene.meta.textures[i].mime);
+            decode(&web_sys::Blob::new_with_u8_array_sequence_and_options(&parts, &bag)?.into(), None)
         };
         start().map_err(words)
     }
@@ -211,9 +218,18 @@ mod decode {
         scope: &Scope,
         promise: Result<Promise, String>,
         data: bool,
+        limit: u32,
     ) -> Result<wgpu::Texture, String> {
-        let bitmap = JsFuture::from(promise?).await.map_err(words)?;
-        let bitmap: ImageBitmap = bitmap.dyn_into().map_err(words)?;
+        let mut bitmap = bitmap(promise?).await.map_err(words)?;
+        // As large as it is, not as the file says that it is.
+        let (width, height) = (bitmap.width(), bitmap.height());
+        if width.max(height) > limit {
+            let side = if width >= height { "resizeWidth" } else { "resizeHeight" };
+            let large = bitmap;
+            bitmap =
+                self::bitmap(decode(&large, Some((side, limit))).map_err(words)?).await.map_err(words)?;
+            large.close();
+        }
         let texture = create(scope, bitmap.width(), bitmap.height(), data);
         scope.queue.copy_external_image_to_texture(
             &wgpu::CopyExternalImageSourceInfo {

@@ -4,8 +4,8 @@ use crate::bindings::buffer;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
-use rebounce_shared::link::Sent;
-use rebounce_shared::rbn::{LinkMatrix, Scene, meta::Alpha};
+use rebounce_shared::link::{Link, Sent};
+use rebounce_shared::rbn::{LinkMatrix, Scene, bulk::Point, meta::Alpha};
 use std::ops::Range;
 use wgpu::BufferUsages;
 
@@ -78,49 +78,28 @@ impl Upload {
     /// Uploads every section but textures.
     ///
     /// # Errors
-    /// [`ViewerError::TooLarge`] when a section is larger than a buffer of WebGPU's default limits.
+    /// [`ViewerError::TooLarge`] when a section is larger than a buffer may be; then nothing is uploaded.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, ViewerError> {
+        let most = Most::of(&gpu.device.limits());
+        most.check(scene)?;
         let own = Scope::new(gpu);
-        let mut section = |name: &'static str, usage: BufferUsages, limit: u64, content: &[u8]| {
-            let length = content.len() as u64;
-            if length > limit {
-                return Err(ViewerError::TooLarge { section: name, bytes: length, limit });
-            }
-            Ok(buffer(&own, name, usage, content))
-        };
-        let storage = BufferUsages::STORAGE;
+        let section = |name, usage, content: &[u8]| buffer(&own, name, usage, content);
+        let stored = |name, content: &[u8]| section(name, BufferUsages::STORAGE, content);
         let cast = bytemuck::cast_slice::<u32, u8>;
-        let runs = runs(scene);
-        let links = matrix(&mut section, "LINK", &scene.links, MAX_BINDING)?;
-        // One buffer: between coarse points there are few.
-        let later = matrix(&mut section, "LATL", &scene.later, u64::MAX)?;
+        let (runs, relations) = (runs(scene), &scene.relations);
         Ok(Self {
-            vertices: section(
-                "VERT",
-                BufferUsages::VERTEX,
-                MAX_BUFFER,
-                bytemuck::cast_slice(&scene.vertices),
-            )?,
-            indices: section("INDX", BufferUsages::INDEX, MAX_BUFFER, cast(&scene.indices))?,
-            points: section("PNTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.points))?,
-            cuts: section("CUTS", storage, MAX_BINDING, bytemuck::cast_slice(&scene.cuts))?,
-            lookup: section("PNTS", storage, MAX_BINDING, cast(&scene.relations.lookup.words))?,
-            push_offsets: section("PNTS", storage, MAX_BINDING, cast(&scene.relations.push_offsets))?,
-            push_entries: section(
-                "PNTS",
-                storage,
-                MAX_BINDING,
-                bytemuck::cast_slice(&scene.relations.push_entries),
-            )?,
-            pull_offsets: section("PNTS", storage, MAX_BINDING, cast(&scene.relations.pull_offsets))?,
-            pull_entries: section(
-                "PNTS",
-                storage,
-                MAX_BINDING,
-                bytemuck::cast_slice(&scene.relations.pull_entries),
-            )?,
-            links,
-            later,
+            links: matrix(stored, "LINK", &scene.links, most.binding),
+            // One buffer: between coarse points there are few.
+            later: matrix(stored, "LATL", &scene.later, u64::MAX),
+            vertices: section("VERT", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices)),
+            indices: section("INDX", BufferUsages::INDEX, cast(&scene.indices)),
+            points: stored("PNTS", bytemuck::cast_slice(&scene.points)),
+            cuts: stored("CUTS", bytemuck::cast_slice(&scene.cuts)),
+            lookup: stored("PNTS", cast(&relations.lookup.words)),
+            push_offsets: stored("PNTS", cast(&relations.push_offsets)),
+            push_entries: stored("PNTS", bytemuck::cast_slice(&relations.push_entries)),
+            pull_offsets: stored("PNTS", cast(&relations.pull_offsets)),
+            pull_entries: stored("PNTS", bytemuck::cast_slice(&relations.pull_entries)),
             shadow_runs: merged(&runs),
             runs,
             own,
@@ -133,27 +112,70 @@ impl Upload {
     }
 }
 
+/// What a device takes at once, bytes.
+struct Most {
+    /// In a buffer.
+    buffer: u64,
+    /// In a storage binding.
+    binding: u64,
+}
+
+impl Most {
+    /// No more than what WebGPU guarantees: what opens here opens everywhere.
+    fn of(limits: &wgpu::Limits) -> Self {
+        let buffer = limits.max_buffer_size.min(MAX_BUFFER);
+        Self { buffer, binding: limits.max_storage_buffer_binding_size.min(MAX_BINDING).min(buffer) }
+    }
+
+    /// Whether everything of a scene fits; before anything of it is on its way.
+    fn check(&self, scene: &Scene) -> Result<(), ViewerError> {
+        let relations = &scene.relations;
+        let longest = scene.links.offsets.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
+        let sections = [
+            ("VERT", self.buffer, size_of_val(&scene.vertices[..])),
+            ("INDX", self.buffer, size_of_val(&scene.indices[..])),
+            // Light at every point takes four floats.
+            ("PNTS", self.binding, scene.points.len() * size_of::<Point>().max(16)),
+            ("PNTS", self.binding, size_of_val(&relations.lookup.words[..])),
+            ("PNTS", self.binding, size_of_val(&relations.push_offsets[..])),
+            ("PNTS", self.binding, size_of_val(&relations.push_entries[..])),
+            ("PNTS", self.binding, size_of_val(&relations.pull_offsets[..])),
+            ("PNTS", self.binding, size_of_val(&relations.pull_entries[..])),
+            ("CUTS", self.binding, size_of_val(&scene.cuts[..])),
+            // A row is not divided.
+            ("LINK", self.binding, longest as usize * size_of::<Link>()),
+            ("LINK", self.binding, size_of_val(&scene.links.offsets[..])),
+            ("LATL", self.binding, size_of_val(&scene.later.links[..])),
+            ("LATL", self.binding, size_of_val(&scene.later.offsets[..])),
+        ];
+        for (section, limit, bytes) in sections {
+            let bytes = bytes as u64;
+            if bytes > limit {
+                return Err(ViewerError::TooLarge { section, bytes, limit });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Uploads a matrix in parts of at most `limit` bytes of links.
 fn matrix<L: Sent + bytemuck::Pod>(
-    section: &mut impl FnMut(&'static str, BufferUsages, u64, &[u8]) -> Result<wgpu::Buffer, ViewerError>,
+    stored: impl Fn(&'static str, &[u8]) -> wgpu::Buffer,
     name: &'static str,
     matrix: &LinkMatrix<L>,
     limit: u64,
-) -> Result<LinkBuffers, ViewerError> {
-    let mut parts = Vec::new();
-    for rows in chunks(&matrix.offsets, limit / size_of::<L>() as u64) {
+) -> LinkBuffers {
+    let part = |rows: Range<u32>| {
         let [first, end] = [rows.start, rows.end].map(|row| matrix.offsets[row as usize]);
-        let content = bytemuck::cast_slice(&matrix.links[first as usize..end as usize]);
-        let links = section(name, BufferUsages::STORAGE, MAX_BINDING, content)?;
-        parts.push(Chunk { links, rows, first_link: first });
-    }
-    let offsets = bytemuck::cast_slice(&matrix.offsets);
-    let offsets = section(name, BufferUsages::STORAGE, MAX_BINDING, offsets)?;
-    Ok(LinkBuffers { offsets, chunks: parts })
+        let links = stored(name, bytemuck::cast_slice(&matrix.links[first as usize..end as usize]));
+        Chunk { links, rows, first_link: first }
+    };
+    let chunks = chunks(&matrix.offsets, limit / size_of::<L>() as u64).into_iter().map(part).collect();
+    LinkBuffers { offsets: stored(name, bytemuck::cast_slice(&matrix.offsets)), chunks }
 }
 
-/// Splits the rows so that each part has at most so many links. A row that is larger by itself stays whole, and
-/// is refused on upload.
+/// Splits the rows so that each part has at most so many links. A row that is larger by itself stays
+/// whole; [`Most::check`] refuses it.
 fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
     let rows = offsets.len().saturating_sub(1);
     let mut out = Vec::new();
@@ -183,14 +205,14 @@ fn runs(scene: &Scene) -> Vec<Run> {
             cut: scene.meta.materials[d.material as usize].alpha != Alpha::Opaque,
         })
         .collect();
-    runs.sort_by_key(|run| (run.cut, run.material, run.indices.start));
+    runs.sort_unstable_by_key(|run| (run.cut, run.material, run.indices.start));
     runs
 }
 
 /// The same triangles in fewer runs: opaque neighbours in the index buffer become one.
 fn merged(runs: &[Run]) -> Vec<Run> {
     let mut opaque: Vec<Run> = runs.iter().filter(|r| !r.cut).cloned().collect();
-    opaque.sort_by_key(|run| run.indices.start);
+    opaque.sort_unstable_by_key(|run| run.indices.start);
     let mut out: Vec<Run> = Vec::new();
     for run in opaque {
         match out.last_mut() {
@@ -217,6 +239,25 @@ mod tests {
         for pair in chunks.windows(2) {
             assert_eq!(pair[0].end, pair[1].start);
         }
+    }
+
+    #[test]
+    fn what_is_too_large_is_told_with_both_numbers() {
+        let mut scene = Scene { vertices: vec![Default::default(); 10], ..Scene::default() };
+        scene.links.offsets = vec![0, 3, 4];
+        let refusal = |buffer: u64, binding: u64, scene: &Scene| match (Most { buffer, binding }).check(scene)
+        {
+            Err(ViewerError::TooLarge { section, bytes, limit }) => Some((section, bytes, limit)),
+            other => other.map(|()| None).unwrap(),
+        };
+        assert_eq!(refusal(240, 12, &scene), None);
+        assert_eq!(refusal(239, 12, &scene), Some(("VERT", 240, 239)));
+        // Three links in a row are not divided; neither are the rows' offsets.
+        assert_eq!(refusal(240, 11, &scene), Some(("LINK", 12, 11)));
+        let text = ViewerError::TooLarge { section: "VERT", bytes: 240, limit: 239 }.to_string();
+        assert!(text.contains("240 bytes") && text.contains("239"), "{text}");
+        let default = Most::of(&wgpu::Limits::default());
+        assert_eq!((default.buffer, default.binding), (MAX_BUFFER, MAX_BINDING));
     }
 
     #[test]

@@ -24,7 +24,7 @@ fn run(gpu: &Gpu, scene: &Scene, direct: &[Vec3], lanes: u32) -> [Vec<f32>; 2] {
     let shadows = ShadowPipelines::new(gpu, &materials);
     let pipelines = RelightPipelines::new(gpu, &shadows.layout);
     let upload = Upload::new(gpu, scene).unwrap();
-    let mut relight = Relight::new(gpu, &pipelines, &upload, scene).unwrap();
+    let mut relight = Relight::new(gpu, &pipelines, &upload, scene);
     relight.set_lanes(gpu, &pipelines, lanes);
     let rows: Vec<[f32; 4]> = direct.iter().map(|e| [e.x, e.y, e.z, 0.0]).collect();
     gpu.queue.write_buffer(&relight.irradiance, 0, bytemuck::cast_slice(&rows));

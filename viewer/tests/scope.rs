@@ -32,7 +32,7 @@ fn what_a_scope_made_is_usable_until_it_is_dropped_and_destroyed_then() {
     gpu.check().unwrap();
     drop(dropped);
     copy(&gpu, &b, &a);
-    let error = gpu.take_error().unwrap();
+    let error = gpu.check().unwrap_err().to_string();
     assert!(error.contains("destroyed"), "{error}");
     copy(&gpu, &a, &buffer(&kept, 16));
     gpu.check().unwrap();

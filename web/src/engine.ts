@@ -290,7 +290,8 @@ export class Engine {
     if (this.#frame || !this.ready || !this.#element.isConnected || this.#onScreen.hidden) return;
     this.#frame = requestAnimationFrame((now) => {
       this.#frame = 0;
-      if (!this.#onScreen.hidden) this.#draw(now);
+      // The scene may be gone by now: another file was asked for, and failed.
+      if (this.ready && !this.#onScreen.hidden) this.#draw(now);
     });
   }
 

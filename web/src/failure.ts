@@ -26,12 +26,15 @@ export function failureOf(thrown: unknown): Failure {
 
 /** Whether the viewer that gave this failure is of no further use. */
 export function isFatal(code: string): boolean {
-  return ["internal", "device-lost", "no-webgpu", "no-adapter", "no-device"].includes(code);
+  return ["internal", "device-lost", "out-of-memory", "no-webgpu", "no-adapter", "no-device"].includes(code);
 }
+
+/** A file may give things names of any length. */
+const LONGEST = 1000;
 
 /** A message as a sentence: a capital first, a full stop last. */
 export function sentence(message: string): string {
-  const text = message.trim();
+  const text = message.trim().slice(0, LONGEST);
   const first = text.charAt(0).toUpperCase() + text.slice(1);
   return /[.!?]$/.test(first) ? first : `${first}.`;
 }

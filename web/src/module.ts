@@ -3,6 +3,9 @@
 import init, { Viewer } from "./rebounce_viewer.js";
 import { Failure } from "./failure.js";
 
+/** The build writes the hash of the wasm file here, so that no other one is run. */
+const WASM = "sha256-of-the-wasm";
+
 let loading: Promise<unknown> | undefined;
 
 /** Makes a viewer on a canvas. Rejects with an error whose `code` says what is missing. */
@@ -15,7 +18,7 @@ export async function createViewer(canvas: HTMLCanvasElement): Promise<Viewer> {
         : "WebGPU needs a secure page: open this one over https, or from localhost.",
     );
   }
-  loading ??= init({ module_or_path: new URL("rebounce_viewer_bg.wasm", import.meta.url) });
+  loading ??= init({ module_or_path: fetch(new URL("rebounce_viewer_bg.wasm", import.meta.url), { integrity: WASM }) });
   try {
     await loading;
   } catch (error) {

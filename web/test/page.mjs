@@ -1,36 +1,50 @@
 // The page as a user has it: `rebounce view` serves it, headless Chromium shows it.
 
-import { readFile } from "node:fs/promises";
+import { readFile, rm } from "node:fs/promises";
 import path from "node:path";
 import { exec, serve } from "./agreement.mjs";
 import { launch } from "./browser.mjs";
 import { animation } from "./page/animation.mjs";
 import { attributes } from "./page/attributes.mjs";
+import { damaged } from "./page/damaged.mjs";
+import { downloads } from "./page/downloads.mjs";
 import { failures } from "./page/failures.mjs";
+import { hidden } from "./page/hidden.mjs";
 import { light } from "./page/light.mjs";
 import { lights } from "./page/lights.mjs";
 import { loading } from "./page/loading.mjs";
+import { memory } from "./page/memory.mjs";
 import { modules } from "./page/modules.mjs";
 import { onScreen } from "./page/onscreen.mjs";
 import { panel } from "./page/panel.mjs";
 import { pictures } from "./page/pictures.mjs";
+import { policy } from "./page/policy.mjs";
 import { readme } from "./page/readme.mjs";
 import { recovery } from "./page/recovery.mjs";
 import { sharing } from "./page/sharing.mjs";
 import { slots } from "./page/slots.mjs";
 import { state } from "./page/state.mjs";
+import { text } from "./page/text.mjs";
 import { watch } from "./page/watch.mjs";
 
-const PARTS = { loading, attributes, slots, onScreen, animation, lights, panel, pictures, state, watch, light, failures, sharing };
+const PARTS = {
+  loading, attributes, slots, onScreen, hidden, animation, lights, panel, pictures, state, watch, light,
+  failures, downloads, memory, text, policy, damaged, sharing,
+};
+/** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
+const DAMAGED = ["60", "2"];
 
-/** Runs the tests of the page. `paths`: the programs rebounce and compare, and a folder to work in. */
+/** Runs the tests of the page. `paths`: the programs rebounce, compare and damage, and a folder to work in. */
 export async function runPageTests(harness, paths) {
   await modules(harness);
   const baked = path.join(paths.work, "cornell-box.rbn");
   await exec(paths.rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "-o", baked]);
+  const folder = path.join(paths.work, "damaged");
+  await rm(folder, { recursive: true, force: true });
+  await exec(paths.damage, [folder, ...DAMAGED]);
   const server = await serve(paths.rebounce, baked);
   let browser = await launch();
-  const context = { ...paths, baked, browser, address: server.address, bytes: await readFile(baked) };
+  const context = { ...paths, damaged: folder, baked, browser, address: server.address, bytes: await readFile(baked) };
   try {
     for (const part of Object.values(PARTS)) await part(harness, context);
     await browser.close();

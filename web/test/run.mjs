@@ -1,7 +1,7 @@
-// node test/run.mjs [--wasm DIR/NAME]... [--page WORK REBOUNCE COMPARE] [--package WORK REBOUNCE TARBALL]
+// node test/run.mjs [--wasm DIR/NAME]... [--page WORK REBOUNCE COMPARE DAMAGE] [--package WORK REBOUNCE TARBALL]
 // [--site FOLDER]: tests that need a browser.
 // --wasm: a test program, where wasm-bindgen wrote NAME.js and NAME_bg.wasm.
-// --page: the tests of the page, with a folder to work in and two programs.
+// --page: the tests of the page, with a folder to work in and three programs.
 // --package: those of the npm package, with a folder to work in, the program rebounce, and the tarball.
 // --site: those of the site that lies in a folder.
 // The last line printed is "N passed, N failed"; fails if any test does.
@@ -27,10 +27,10 @@ while (args.length > 0) {
       await harness.test(name, () => Promise.reject(error));
     }
   } else if (kind === "--page") {
-    const [work, rebounce, compare] = args.splice(0, 3);
+    const [work, rebounce, compare, damage] = args.splice(0, 4);
     console.log("\npage tests in headless Chromium");
     try {
-      await runPageTests(harness, { work, rebounce, compare });
+      await runPageTests(harness, { work, rebounce, compare, damage });
     } catch (error) {
       await harness.test("page", () => Promise.reject(error));
     }

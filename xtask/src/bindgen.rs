@@ -20,6 +20,16 @@ pub fn module(wasm: &Path, name: &str, out: &Path) -> Result<()> {
     for (i, import) in output.wasm_mut().imports.iter_mut().enumerate() {
         short.insert(std::mem::replace(&mut import.name, format!("i{i}")), i);
     }
+    // So are what closures are called by.
+    let is_long = |name: &str| name.starts_with("wasm_bindgen_");
+    for (i, export) in output.wasm_mut().exports.iter_mut().filter(|export| is_long(&export.name)).enumerate()
+    {
+        let long = std::mem::replace(&mut export.name, format!("e{i}"));
+        // Arguments or the line's end follow a name; another one may begin with it.
+        for end in ["(", ")", ",", ";"] {
+            script = script.replace(&format!("wasm.{long}{end}"), &format!("wasm.e{i}{end}"));
+        }
+    }
     script = script
         .lines()
         .map(|line| match line.trim_start().split_once(':') {

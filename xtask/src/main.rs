@@ -1,4 +1,4 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `kill-bake`, `plot-estimate`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`, `plot-estimate`, `install`.
 
 mod audit;
 mod bench_bake;
@@ -6,15 +6,18 @@ mod bench_kernels;
 mod bench_scale;
 mod bench_web;
 mod bindgen;
+mod damage;
 mod demo;
 mod fidelity;
 mod fuzz;
 mod install;
+mod integrity;
 mod kill_bake;
 mod package;
 mod plot_estimate;
 mod process;
 mod site;
+mod soak;
 mod test;
 mod toolchain;
 mod web;
@@ -49,6 +52,10 @@ cargo xtask fuzz [TARGET ...] [--runs N]
                      feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint
 cargo xtask audit [--offline]
                      vulnerabilities, licences, doubled versions and sources of all dependencies
+cargo xtask damage [--files N] [--seed S]
+                     opens damaged files in headless Chromium: each is refused or gives a picture; 2,000 when absent
+cargo xtask soak [--minutes N]
+                     moves lights and camera in headless Chromium and watches memory; an hour when absent
 cargo xtask kill-bake [--times N] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
 cargo xtask plot-estimate [[--preset NAME] SCENE or LOG.jsonl ...]
@@ -78,6 +85,8 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("bench-bake") => bench_bake::run(&args[1..]),
         Some("audit") => audit::run(&args[1..]),
         Some("fuzz") => fuzz::run(&args[1..]),
+        Some("damage") => damage::run(&args[1..]),
+        Some("soak") => soak::run(&args[1..]),
         Some("kill-bake") => kill_bake::run(&args[1..]),
         Some("plot-estimate") => plot_estimate::run(&args[1..]),
         Some("install") => install::all(),

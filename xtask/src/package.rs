@@ -53,8 +53,8 @@ pub fn pack() -> Result<PathBuf> {
 /// Whether a file of web/dist is part of the package; the page of `rebounce view` is not.
 fn belongs(file: &Path) -> bool {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let is_code = [".js", ".d.ts", ".wasm"].iter().any(|end| name.ends_with(end));
-    is_code && !name.starts_with("page.")
+    let is_part = [".js", ".d.ts", ".wasm", ".json"].iter().any(|end| name.ends_with(end));
+    is_part && !name.starts_with("page.")
 }
 
 /// Copies a file into a folder.
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn the_page_of_rebounce_view_stays_out() {
-        for name in ["rebounce-viewer.js", "shot.d.ts", "rebounce_viewer_bg.wasm"] {
+        for name in ["rebounce-viewer.js", "shot.d.ts", "rebounce_viewer_bg.wasm", "integrity.json"] {
             assert!(belongs(Path::new(name)), "{name}");
         }
         for name in ["page.js", "page.d.ts", "page.css", "index.html"] {

@@ -92,7 +92,7 @@ fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool) -> Result<()
         node.arg("--wasm").arg(dir.join(name));
     }
     if wanted("page") {
-        node.arg("--page").arg(&work).arg(bin("rebounce")).arg(bin("compare"));
+        node.arg("--page").arg(&work).args(["rebounce", "compare", "damage"].map(bin));
     }
     if wanted("package") {
         node.arg("--package").arg(&work).arg(bin("rebounce")).arg(package::pack()?);

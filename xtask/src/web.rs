@@ -2,6 +2,7 @@
 
 use crate::bindgen;
 use crate::install;
+use crate::integrity;
 use crate::process;
 use crate::toolchain::{self, Toolchain};
 use anyhow::{Context, Result, bail};
@@ -114,9 +115,11 @@ fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     for name in [format!("{NAME}.js"), format!("{NAME}.d.ts"), format!("{NAME}_bg.wasm")] {
         files.insert(name.clone(), read(pkg.join(name))?);
     }
+    integrity::seal(&mut files, "module.js", &format!("{NAME}_bg.wasm"))?;
     for (name, bytes) in files.iter_mut().filter(|(name, _)| name.ends_with(".js")) {
         *bytes = minified(&staging.join(name), bytes)?;
     }
+    files.insert(integrity::LIST.to_owned(), integrity::list(&files)?);
     for name in STATIC {
         files.insert(name.to_owned(), read(web.join(name))?);
     }

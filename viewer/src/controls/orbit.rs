@@ -32,7 +32,7 @@ fn turned(camera: &Camera, yaw: f64, pitch: f64) -> DVec3 {
     let up = DVec3::from(camera.up).try_normalize().unwrap_or(DVec3::Y);
     let elevation = forward.dot(up).clamp(-1.0, 1.0).asin();
     let limit = std::f64::consts::FRAC_PI_2 - POLE;
-    let pitch = (elevation + pitch).clamp(-limit.max(-elevation), limit.max(elevation)) - elevation;
+    let pitch = (elevation + pitch).min(limit.max(elevation)).max(-limit.max(-elevation)) - elevation;
     (DQuat::from_axis_angle(up, yaw) * DQuat::from_axis_angle(right, pitch) * forward).normalize()
 }
 

@@ -159,11 +159,14 @@ impl Renderer {
     /// Shows another scene, from its first camera and with its own lights.
     ///
     /// # Errors
-    /// [`ViewerError::BadArgument`] for a camera that cannot be used.
+    /// [`ViewerError::BadArgument`] for a camera that cannot be used; then all stays as it was.
     pub fn install(&mut self, scene: LoadedScene) -> Result<(), ViewerError> {
-        let camera = scene.meta.cameras.first().cloned().unwrap_or_else(|| self.camera.clone());
+        if let Some(camera) = scene.meta.cameras.first() {
+            self.set_camera(camera.clone())?;
+        }
         // A file may hold more lights than there can be shadow maps for; the first ones are on.
         let mut lights = scene.meta.lights.clone();
+        lights.truncate(shadow_fit::MAX_LAYERS as usize);
         while check_lights(&lights).is_err() {
             lights.pop();
         }
@@ -173,7 +176,6 @@ impl Renderer {
         self.shadows.forget();
         self.still = StillLights::default();
         self.dirty = Dirty::ALL;
-        self.set_camera(camera)?;
         self.set_lights(lights)
     }
 

@@ -63,13 +63,40 @@ export async function failures(harness, context) {
       window.fetch = async (address, options) => {
         if (!String(address).endsWith("scene.rbn")) return original(address, options);
         const pull = (controller) => controller.error(new TypeError("network error"));
-        const start = (controller) => controller.enqueue(new Uint8Array(1000));
-        return new Response(new ReadableStream({ start, pull }), { headers: { "content-length": "5000" } });
+        const bytes = new Uint8Array(await (await original(address, options)).arrayBuffer());
+        const start = (controller) => controller.enqueue(bytes.subarray(0, 1000));
+        return new Response(new ReadableStream({ start, pull }));
       };
     };
     const { page, faults } = await open(context, { prepare });
     await expectFailure(page, "truncated");
     equal(faults.join("\n"), "", "faults");
+    await page.close();
+  });
+
+  await harness.test("page::failures::a_frame_that_was_asked_for_before_does_not_tell_of_another_failure", async () => {
+    const { page } = await open(context, { routes: { "**/bad.rbn": answer(damaged) } });
+    equal((await outcome(page)).type, "load", "the event");
+    const told = await page.evaluate(async () => {
+      await still();
+      // The frame that this change wants comes only after the next file has failed.
+      const original = requestAnimationFrame;
+      const held = [];
+      window.requestAnimationFrame = (work) => held.push(work);
+      await until(() => {
+        viewer.exposure += 0.125;
+        return held.length > 0;
+      });
+      viewer.src = "bad.rbn";
+      await outcome(1);
+      for (const work of held) work(performance.now());
+      window.requestAnimationFrame = original;
+      await pause(500);
+      return { held: held.length, codes: events.filter(({ type }) => type === "error").map(({ code }) => code) };
+    });
+    check(told.held > 0, "no frame was asked for");
+    equal(told.codes.join(" "), "corrupt", "what was told");
+    check((await shown(page)).alert.includes("damaged"), "another sentence is shown");
     await page.close();
   });
 

@@ -18,12 +18,12 @@ pub(super) fn check(m: &Meta, points: u64, texture_bytes: u64) -> Result<(), Rbn
     check_levels(m, points)?;
     for material in &m.materials {
         if !is_sound(material, m.textures.len()) {
-            return bad(format!("material {:?}", material.name));
+            return bad(format!("material \"{}\"", material.name));
         }
     }
     for texture in &m.textures {
         if texture.offset.checked_add(texture.len).is_none_or(|end| end > texture_bytes) {
-            return bad(format!("texture {:?} lies outside section TEXD", texture.name));
+            return bad(format!("texture \"{}\" lies outside section TEXD", texture.name));
         }
     }
     for animation in &m.animations {
@@ -92,6 +92,6 @@ fn check_animation(animation: &Animation, lights: usize) -> Result<(), RbnError>
     if sane(animation.duration) && animation.duration >= 0.0 && animation.tracks.iter().all(sound) {
         Ok(())
     } else {
-        bad(format!("animation {:?}", animation.name))
+        bad(format!("animation \"{}\"", animation.name))
     }
 }

@@ -1,0 +1,68 @@
+//! Files that are baked in a moment.
+
+use anyhow::Result;
+use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::scene;
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::meta::{Animation, DetailTexture, Interpolation, Property, Texture, Track};
+
+/// Four pixels.
+const PICTURE: &[u8] = include_bytes!("small.png");
+
+/// A bake of a few functions, whose sections are shorter than 64 kB.
+///
+/// # Errors
+/// What the bake says.
+pub fn small(name: &str, functions: usize) -> Result<Scene> {
+    let mut settings = BakeSettings::new(Preset::Draft);
+    (settings.place.levels, settings.place.functions) = (3, functions);
+    settings.operator.rays = vec![64];
+    settings.operator.later_levels = 1;
+    Ok(bake(&scene::load(name)?, &settings.normalised(), &())?.0)
+}
+
+/// The Cornell box with something of everything that a file can hold: a picture as colour and as normals, animations.
+///
+/// # Errors
+/// What the bake says.
+pub fn everything(functions: usize) -> Result<Scene> {
+    let mut scene = small("builtin:cornell-box", functions)?;
+    scene.texture_bytes = PICTURE.to_vec();
+    let m = &mut scene.meta;
+    m.textures = vec![Texture {
+        name: "picture".to_owned(),
+        mime: "image/png".to_owned(),
+        len: PICTURE.len() as u64,
+        width: 2,
+        height: 2,
+        linear_filter: true,
+        ..Texture::default()
+    }];
+    m.materials[0].base_color_texture = Some(0);
+    let uv_from_vertex = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    m.materials[0].normal_texture = Some(DetailTexture { texture: 0, uv_from_vertex });
+    let track = Track {
+        light: 0,
+        property: Property::Intensity,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: vec![1.0, 2.0],
+    };
+    let animation =
+        |name: &str| Animation { name: name.to_owned(), duration: 1.0, tracks: vec![track.clone()] };
+    m.animations = vec![animation("dim"), animation("bright")];
+    Ok(scene)
+}
+
+/// The same with this for every name.
+pub fn named(scene: &Scene, name: &str) -> Scene {
+    let mut scene = scene.clone();
+    let m = &mut scene.meta;
+    [&mut m.generator, &mut m.scene_name, &mut m.bake.preset]
+        .into_iter()
+        .for_each(|text| *text = name.to_owned());
+    m.materials.iter_mut().for_each(|material| material.name = name.to_owned());
+    m.textures.iter_mut().for_each(|texture| texture.name = name.to_owned());
+    m.animations.iter_mut().for_each(|animation| animation.name.insert_str(0, name));
+    scene
+}

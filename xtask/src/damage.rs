@@ -1,0 +1,65 @@
+//! `cargo xtask damage`: opens damaged files in headless Chromium, through the element.
+
+use crate::{install, process, web};
+use anyhow::{Context, Result, bail};
+use std::path::PathBuf;
+
+struct Options {
+    files: u32,
+    seed: u64,
+}
+
+fn parse(args: &[String]) -> Result<Options> {
+    let mut options = Options { files: 2000, seed: 1 };
+    let mut args = args.iter();
+    while let Some(name) = args.next() {
+        let value = || args.clone().next().with_context(|| format!("{name} needs a value"));
+        match name.as_str() {
+            "--files" => options.files = value()?.parse().context("--files needs a number")?,
+            "--seed" => options.seed = value()?.parse().context("--seed needs a number")?,
+            other => bail!("there is no option {other}; there are --files and --seed"),
+        }
+        args.next();
+    }
+    Ok(options)
+}
+
+/// Makes the files, builds the viewer, and opens one after another: each must be refused or give a picture.
+///
+/// # Errors
+/// If one does something else; the files stay in target/damage.
+pub fn run(args: &[String]) -> Result<()> {
+    let options = parse(args)?;
+    install::ensure(&install::BROWSER)?;
+    web::build()?;
+    let folder = process::target().join("damage");
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    }
+    let numbers = [options.files.to_string(), options.seed.to_string()];
+    process::run(std::process::Command::new(program("damage")?).arg(&folder).args(numbers))?;
+    process::run(web::node().arg("test/damaged.mjs").arg(&folder))?;
+    // What had no fault is not looked at again.
+    std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())
+}
+
+/// Builds a program of the crate of tests, as the tests do; where it lies.
+fn program(name: &str) -> Result<PathBuf> {
+    process::run(process::cargo().args(["build", "--package", "rebounce-tests", "--bin", name]))?;
+    Ok(process::target().join("debug").join(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options() {
+        let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let options = parse(&words("--seed 9 --files 7")).unwrap();
+        assert_eq!((options.files, options.seed), (7, 9));
+        assert_eq!(parse(&[]).unwrap().files, 2000);
+        assert!(parse(&words("--files")).is_err() && parse(&words("--files many")).is_err());
+        assert!(parse(&words("--file 7")).is_err());
+    }
+}
