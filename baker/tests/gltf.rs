@@ -159,9 +159,13 @@ fn with_pictures(count: usize, picture: &[u8]) -> Vec<u8> {
 
 #[test]
 fn pictures_are_bounded_together() {
-    let mut png = std::io::Cursor::new(Vec::new());
-    image::GrayImage::new(4096, 4096).write_to(&mut png, image::ImageFormat::Png).unwrap();
-    let png = png.into_inner();
+    let mut png = Vec::new();
+    let tightly = image::codecs::png::PngEncoder::new_with_quality(
+        &mut png,
+        image::codecs::png::CompressionType::Best,
+        image::codecs::png::FilterType::NoFilter,
+    );
+    image::GrayImage::new(4096, 4096).write_with_encoder(tightly).unwrap();
     assert!(png.len() < 64 << 10, "{} bytes", png.len());
     // One of one colour is read, as exporters write such; a crowd of them is a bomb.
     let scene = scene::from_bytes("one.glb", &with_pictures(1, &png)).unwrap();
