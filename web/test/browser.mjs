@@ -22,11 +22,14 @@ export function launch() {
   return chromium.launch({ executablePath, headless: true, args: FLAGS });
 }
 
-/** Rejects if a promise takes longer: software WebGPU is slow, but it comes to an end. */
+/** Something took too long. */
+export class Late extends Error {}
+
+/** Rejects with `Late` if a promise takes longer: software WebGPU is slow, but it comes to an end. */
 export async function within(seconds, what, promise) {
   let timer;
   const late = new Promise((_, reject) => {
-    timer = setTimeout(() => reject(new Error(`${what}: nothing after ${seconds} s`)), seconds * 1000);
+    timer = setTimeout(() => reject(new Late(`${what}: nothing after ${seconds} s`)), seconds * 1000);
   });
   try {
     return await Promise.race([promise, late]);

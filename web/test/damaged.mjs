@@ -4,7 +4,7 @@
 import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
-import { launch, within } from "./browser.mjs";
+import { Late, launch, within } from "./browser.mjs";
 import { check } from "./harness.mjs";
 import { document, serveStrictly } from "./strict.mjs";
 
@@ -68,12 +68,15 @@ function watchDevices() {
 export async function openDamaged(browser, folder, { each = 250, say = () => undefined } = {}) {
   const list = JSON.parse(await readFile(path.join(folder, "list.json"), "utf8"));
   const server = await serveStrictly({ folders: [folder], pages: { "": document("") } });
-  const result = { files: list.length, errors: 0, pictures: 0, codes: {}, slowest: { ms: 0, name: "" }, faults: [] };
+  const result = { files: list.length, errors: 0, pictures: 0, codes: {}, slowest: { ms: 0, name: "" }, late: 0, faults: [] };
   try {
     for (let done = 0; done < list.length; ) {
       const before = result.faults.length;
-      // A page that is of no further use makes room for another one, which goes on behind what broke it.
-      done += await share(browser, server.address, list.slice(done, done + each), result);
+      // A page that is of no further use makes room for another one, which goes on behind what broke it. What a hang did,
+      // and not a busy machine, it does again.
+      const opened = await share(browser, server.address, list.slice(done, done + each), result, false);
+      done += opened.count;
+      if (opened.late) done += (await share(browser, server.address, list.slice(done, done + 1), result, true)).count;
       for (const fault of result.faults.slice(before)) say(`  ${fault}`);
       say(`${done} of ${list.length}: ${summary(result)}`);
     }
@@ -83,10 +86,14 @@ export async function openDamaged(browser, folder, { each = 250, say = () => und
   return result;
 }
 
-/** Opens files in a page of their own; how many it came to. */
-async function share(browser, address, files, result) {
-  let done = 0;
+/**
+ * Opens files in a page of their own; how many it came to. `late`: the next one took too long, which is a fault the
+ * second time, when it is tried `again`.
+ */
+async function share(browser, address, files, result, again) {
+  let [begun, done] = [0, 0];
   const page = await browser.newPage({ viewport: { width: 320, height: 180 } });
+  page.setDefaultTimeout(1000 * LONG);
   const stray = [];
   page.on("crash", () => stray.push("the tab crashed"));
   page.on("pageerror", (error) => stray.push(String(error)));
@@ -103,7 +110,7 @@ async function share(browser, address, files, result) {
   try {
     await whole("at first");
     for (const [i, { name, what, refused }] of files.entries()) {
-      done += 1;
+      begun += 1;
       const fault = (text) => result.faults.push(`${name} (${what}): ${text}`);
       const { told, spread, ms, alert } = await open(name, i % 20 === 0);
       if (ms > result.slowest.ms) result.slowest = { ms, name };
@@ -127,21 +134,25 @@ async function share(browser, address, files, result) {
         await page.evaluate(() => (globalThis.devices.lost = 0));
         fault("the device was lost");
       }
+      done = begun;
     }
     await whole("at last");
   } catch (error) {
+    const late = error instanceof Late && !again && stray.length === 0;
+    result.late += late;
+    if (late) return { count: done, late };
     result.faults.push(`the page is of no further use: ${error.message}; ${stray.join("; ")}`);
   } finally {
-    await page.close();
+    await page.close().catch(() => undefined);
   }
   // Even the whole file was too much for it: none of its share is tried.
-  return done || files.length;
+  return { count: begun || files.length, late: false };
 }
 
 /** The figures, in a line. */
-export function summary({ errors, pictures, slowest, faults, codes }) {
+export function summary({ errors, pictures, slowest, late, faults, codes }) {
   const each = Object.entries(codes).sort(([, a], [, b]) => b - a).map(([code, count]) => `${code} ${count}`);
-  return `${errors} errors, ${pictures} pictures, ${faults.length} faults; slowest ${slowest.name} ${(slowest.ms / 1000).toFixed(1)} s; ${each.join(", ")}`;
+  return `${errors} errors, ${pictures} pictures, ${faults.length} faults, ${late} tried again; slowest ${slowest.name} ${(slowest.ms / 1000).toFixed(1)} s; ${each.join(", ")}`;
 }
 
 if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {

@@ -23,6 +23,7 @@ import { readme } from "./page/readme.mjs";
 import { recovery } from "./page/recovery.mjs";
 import { sharing } from "./page/sharing.mjs";
 import { slots } from "./page/slots.mjs";
+import { soak } from "./page/soak.mjs";
 import { state } from "./page/state.mjs";
 import { text } from "./page/text.mjs";
 import { watch } from "./page/watch.mjs";
@@ -37,6 +38,7 @@ const DAMAGED = ["60", "2"];
 /** Runs the tests of the page. `paths`: the programs rebounce, compare and damage, and a folder to work in. */
 export async function runPageTests(harness, paths) {
   await modules(harness);
+  await soak(harness);
   const baked = path.join(paths.work, "cornell-box.rbn");
   await exec(paths.rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "-o", baked]);
   const folder = path.join(paths.work, "damaged");

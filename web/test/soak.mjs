@@ -10,15 +10,26 @@ import { document, serveStrictly } from "./strict.mjs";
 
 /** Milliseconds between two changes. */
 const STEP = 50;
-/** By how much a figure may grow from the first minute's end to the last one, along the line that fits it best: a number
- * that no leak of a few bytes a frame stays under, and no chance goes beyond. */
+/**
+ * By how much a figure may be greater in the last third of the time than in the first one, whose first minute does not count:
+ * of two values each, the greatest ones, or the middle ones where a figure goes up and down by itself. A leak of a few kilobytes
+ * a frame goes beyond all of them.
+ */
 const MAY_GROW = {
-  wasm: () => 0,
-  gpu: () => 0,
-  alive: () => 0,
-  heap: () => 256e3,
-  resident: (mean) => 0.03 * mean,
+  wasm: { of: greatest, by: () => 0 },
+  gpu: { of: greatest, by: () => 0 },
+  alive: { of: greatest, by: () => 0 },
+  heap: { of: middle, by: () => 256e3 },
+  processes: { of: middle, by: (before) => 0.05 * before },
 };
+
+function greatest(values) {
+  return Math.max(...values);
+}
+
+function middle(values) {
+  return [...values].sort((a, b) => a - b)[values.length >> 1];
+}
 
 /** In the page: one change after another, until it is told to stop. */
 async function move({ step }) {
@@ -42,18 +53,21 @@ async function move({ step }) {
   }
 }
 
-/** Bytes of memory that the browser's processes hold; undefined where the system does not say. */
-async function resident(browser) {
+/**
+ * Bytes of memory that the browser's processes hold, by kind of process, without the files that they share with other
+ * programs; nothing where the system does not say.
+ */
+async function held(browser) {
   const session = await browser.newBrowserCDPSession();
   try {
     const { processInfo } = await session.send("SystemInfo.getProcessInfo");
-    let bytes = 0;
-    for (const { id } of processInfo) {
-      // Proportional shares: pages that processes have in common count once.
+    const kinds = {};
+    for (const { id, type } of processInfo) {
       const text = await readFile(`/proc/${id}/smaps_rollup`, "utf8").catch(() => "");
-      bytes += 1024 * Number(/^Pss:\s+(\d+)/m.exec(text)?.[1] ?? 0);
+      const kilobytes = [...text.matchAll(/^Pss_(?:Anon|Shmem):\s+(\d+)/gm)].reduce((sum, [, n]) => sum + Number(n), 0);
+      if (kilobytes > 0) kinds[type] = (kinds[type] ?? 0) + 1024 * kilobytes;
     }
-    return bytes || undefined;
+    return kinds;
   } finally {
     await session.detach();
   }
@@ -82,31 +96,21 @@ async function measure(browser, page, session) {
     const { changes } = globalThis;
     return { wasm: (await init()).memory.buffer.byteLength, stats: told, gpu: gpu.bytes, alive: gpu.alive, frames, changes };
   });
-  return { ...ours, heap: metrics.find(({ name }) => name === "JSHeapUsedSize").value, resident: await resident(browser) };
+  const kinds = await held(browser);
+  // The browser's services come and go by themselves.
+  const processes = ["browser", "renderer", "GPU"].reduce((sum, kind) => sum + (kinds[kind] ?? 0), 0) || undefined;
+  return { ...ours, heap: metrics.find(({ name }) => name === "JSHeapUsedSize").value, kinds, processes };
 }
 
-/** The rise of the line that fits best, from the first of these to the last. */
-export function rise(values) {
-  const middle = (values.length - 1) / 2;
-  const mean = values.reduce((sum, y) => sum + y, 0) / values.length;
-  let [up, across] = [0, 0];
-  values.forEach((y, x) => {
-    up += (x - middle) * (y - mean);
-    across += (x - middle) ** 2;
-  });
-  return across > 0 ? (up / across) * (values.length - 1) : 0;
-}
-
-/** What has grown beyond its bound among samples, a minute each; those of the first minute do not count. */
+/** What has grown beyond its bound among samples, a minute each. */
 export function grown(samples) {
   const faults = [];
-  for (const [name, bound] of Object.entries(MAY_GROW)) {
+  for (const [name, { of, by }] of Object.entries(MAY_GROW)) {
     const values = samples.slice(1).map((sample) => sample[name]).filter((value) => value !== undefined);
+    const third = Math.ceil(values.length / 3);
     if (values.length < 2) continue;
-    const mean = values.reduce((sum, y) => sum + y, 0) / values.length;
-    const risen = rise(values);
-    // Rounding of the line itself.
-    if (risen > bound(mean) + 1e-9 * mean) faults.push(`${name} has grown by ${risen.toFixed(0)}, more than ${bound(mean).toFixed(0)}`);
+    const [before, after] = [of(values.slice(0, third)), of(values.slice(-third))];
+    if (after - before > by(before)) faults.push(`${name} has grown from ${before} to ${after}, by more than ${by(before).toFixed(0)}`);
   }
   return faults;
 }
@@ -119,12 +123,13 @@ export async function soak({ minutes, seconds = 60, folder, file, say = console.
   const samples = [];
   try {
     const page = await browser.newPage({ viewport: { width: 320, height: 180 } });
+    page.setDefaultTimeout(300_000);
     const faults = [];
     page.on("pageerror", (error) => faults.push(String(error)));
     page.on("crash", () => faults.push("the tab crashed"));
     await page.addInitScript(ledger);
     await page.goto(server.address);
-    await within(120, "the scene", page.waitForFunction(() => document.querySelector("rebounce-viewer")?.loaded));
+    await within(300, "the scene", page.waitForFunction(() => document.querySelector("rebounce-viewer")?.loaded));
     await page.evaluate(() => {
       const viewer = document.querySelector("rebounce-viewer");
       viewer.addEventListener("error", ({ detail }) => (globalThis.fault ??= detail.message));
@@ -138,9 +143,10 @@ export async function soak({ minutes, seconds = 60, folder, file, say = console.
       samples.push(sample);
       const size = (bytes) => (bytes === undefined ? "unknown" : `${(bytes / 1e6).toFixed(2)} MB`);
       const { wasm, heap, gpu, alive, frames } = sample;
+      const kinds = Object.entries(sample.kinds).map(([kind, bytes]) => `${kind} ${size(bytes)}`).join(", ");
       say(
         `${String(minute).padStart(3)} min: wasm ${size(wasm)}, script ${size(heap)}, GPU ${size(gpu)} in ${alive} buffers and textures ` +
-          `(stats() says ${size(sample.stats)}), processes ${size(sample.resident)}, ${frames} frames`,
+          `(stats() says ${size(sample.stats)}), processes ${size(sample.processes)} (${kinds}), ${frames} frames`,
       );
       const fault = await page.evaluate(() => globalThis.fault);
       check(!fault && faults.length === 0, `${fault}; ${faults.join("; ")}`);
