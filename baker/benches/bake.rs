@@ -140,6 +140,7 @@ impl Rays {
         let mut rays = GatherRays::default();
         let mut spent = Duration::ZERO;
         for &i in chunk {
+            rays.clear();
             gather_rays(&self.points.points[i], i, self.operator.seed, epsilon, directions, &mut rays);
             let began = Instant::now();
             for (ray, seed) in &rays.rays {

@@ -8,6 +8,7 @@ pub mod operator;
 pub mod path_trace;
 pub mod picture;
 pub mod points;
+mod processor;
 pub mod render;
 pub mod scene;
 pub mod shot;

@@ -3,13 +3,14 @@
 mod cli;
 
 use clap::Parser;
+use cli::plain::plain;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     match cli::run(&cli::Arguments::parse()) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("rebounce: {}", sentence(&error));
+            eprintln!("rebounce: {}", plain(&sentence(&error)));
             ExitCode::FAILURE
         }
     }

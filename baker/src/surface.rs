@@ -14,6 +14,8 @@ pub struct Ray {
     pub direction: Vec3,
     /// Only hits nearer than this count, scene units; may be infinite.
     pub max_distance: f32,
+    /// What the ray stands for is this wide, per unit of distance: reflectance is averaged over about so much. 0 for a line.
+    pub spread: f32,
 }
 
 /// Where a ray met a surface.
@@ -54,12 +56,6 @@ pub trait Surfaces: Sync {
     /// The nearest hit. Partly transparent surfaces let a ray through with the probability
     /// 1 − alpha, decided by `seed` alone: the same ray and seed give the same hit.
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit>;
-
-    /// Casts rays, each with its seed, and replaces `hits` by what each of them finds.
-    fn cast_all(&self, rays: &[(Ray, u32)], hits: &mut Vec<Option<Hit>>) {
-        hits.clear();
-        hits.extend(rays.iter().map(|(ray, seed)| self.cast(ray, *seed)));
-    }
 
     /// The share of light that gets from `from` to `to`, 0 to 1: the product of 1 − alpha over
     /// all surfaces in between. `to` may be far outside the scene.

@@ -1,7 +1,9 @@
 //! Writes files whole or not at all.
 
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use xxhash_rust::xxh32::xxh32;
 
 /// Why a file could not be written. What was at the path before is still there.
 #[derive(Debug, thiserror::Error)]
@@ -13,15 +15,19 @@ pub struct WriteError {
     pub source: std::io::Error,
 }
 
-/// Writes `bytes` to a temporary file in the same folder, flushes it to the disk and renames it
-/// to `path`.
+/// Writes `bytes` to a temporary file in the same folder, flushes it to the disk, renames it to `path` and flushes the
+/// folder. Temporary files of the same path that a killed process left are removed.
 ///
 /// # Errors
 /// [`WriteError`]; the temporary file is gone and `path` is untouched.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let attempt = || {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = tempfile::Builder::new().prefix(".rebounce-").tempfile_in(folder)?;
+        let prefix = prefix(path);
+        remove_stale(folder, &prefix);
+        let mut file = tempfile::Builder::new().prefix(&prefix).tempfile_in(folder)?;
+        // Says that somebody is at it; where there are no locks, nothing is ever taken for stale.
+        let _ = file.as_file().try_lock();
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         #[cfg(unix)]
@@ -32,9 +38,31 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
             file.as_file().set_permissions(std::fs::Permissions::from_mode(mode))?;
         }
         file.persist(path).map_err(|error| error.error)?;
+        // So that the new name outlasts a power cut; the file is whole either way, where folders cannot be flushed too.
+        #[cfg(unix)]
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
         Ok(())
     };
     attempt().map_err(|source| WriteError { path: path.to_owned(), source })
+}
+
+/// What the temporary files of a path begin with.
+fn prefix(path: &Path) -> String {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    format!(".rebounce-{:08x}-", xxh32(name.as_bytes(), 0))
+}
+
+/// Removes temporary files that nobody holds. What cannot be looked at or removed stays: it only takes room.
+fn remove_stale(folder: &Path, prefix: &str) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let is_ours = entry.file_name().to_string_lossy().starts_with(prefix)
+            && entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_ours && File::options().write(true).open(entry.path()).is_ok_and(|file| file.try_lock().is_ok())
+        {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
 }
 
 #[cfg(test)]
@@ -52,5 +80,27 @@ mod tests {
         assert!(write_whole(&folder.path().join("none/a.rbn"), b"x").is_err());
         assert!(write_whole(folder.path(), b"x").is_err());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+    #[test]
+    fn what_a_killed_process_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let path = at("a.rbn");
+        let (stale, other) = (prefix(&path) + "x1y2z3", prefix(&at("b.rbn")) + "x1y2z3");
+        let held = prefix(&path) + "held00";
+        for name in [&stale, &other, &held] {
+            std::fs::write(at(name), "half").unwrap();
+        }
+        std::fs::create_dir(at(&(prefix(&path) + "folder"))).unwrap();
+        let by_another = File::open(at(&held)).unwrap();
+        by_another.lock().unwrap();
+        write_whole(&path, b"new").unwrap();
+        assert!(!at(&stale).exists(), "left by a killed process");
+        assert!(at(&other).exists() && at(&held).exists(), "another output's, and one that is being written");
+        assert!(at(&(prefix(&path) + "folder")).is_dir());
+        drop(by_another);
+        write_whole(&path, b"newer").unwrap();
+        assert!(!at(&held).exists() && at(&other).exists());
+        assert_eq!(std::fs::read(&path).unwrap(), b"newer");
     }
 }

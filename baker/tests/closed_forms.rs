@@ -45,7 +45,12 @@ impl Surfaces for Squares {
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
         let way = to - from;
-        let ray = Ray { origin: from, direction: way.normalize(), max_distance: way.length() * 0.9999 };
+        let ray = Ray {
+            origin: from,
+            direction: way.normalize(),
+            max_distance: way.length() * 0.9999,
+            spread: 0.0,
+        };
         if self.cast(&ray, 0).is_some() { 0.0 } else { 1.0 }
     }
 
@@ -66,7 +71,8 @@ fn upwards(
     settings: Settings,
     stream: &mut Stream,
 ) -> f32 {
-    let ray = Ray { origin: Vec3::new(x, 0.5, z), direction: -Vec3::Y, max_distance: f32::INFINITY };
+    let ray =
+        Ray { origin: Vec3::new(x, 0.5, z), direction: -Vec3::Y, max_distance: f32::INFINITY, spread: 0.0 };
     radiance(squares, &[light.source([0.0; 3])], ray, settings, stream).x
 }
 

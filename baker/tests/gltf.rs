@@ -18,7 +18,12 @@ fn looks(scene: &Scene) -> Vec<Option<(f32, Vec3)>> {
     let mut stream = Stream::new(7, 0);
     let rays = (0..4000).map(|_| {
         let (from, to) = (stream.sphere() * 3.0 + Vec3::Y * 4.0, stream.sphere() * Vec3::new(4.0, 0.8, 3.0));
-        Ray { origin: from - origin, direction: (to - from).normalize(), max_distance: f32::INFINITY }
+        Ray {
+            origin: from - origin,
+            direction: (to - from).normalize(),
+            max_distance: f32::INFINITY,
+            spread: 0.0,
+        }
     });
     rays.map(|ray| surfaces.cast(&ray, 0).map(|hit| (hit.distance, hit.albedo))).collect()
 }
@@ -90,7 +95,12 @@ fn colours_of_vertices_are_interpolated_at_hits() {
     let mut stream = Stream::new(3, 0);
     for _ in 0..200 {
         let away = stream.sphere();
-        let ray = Ray { origin: centre + 0.7 * away - origin, direction: -away, max_distance: f32::INFINITY };
+        let ray = Ray {
+            origin: centre + 0.7 * away - origin,
+            direction: -away,
+            max_distance: f32::INFINITY,
+            spread: 0.0,
+        };
         let hit = surfaces.cast(&ray, 0).unwrap();
         let place = hit.position + origin - centre;
         let expected = 0.8 * (0.5 + Vec3::new(place.x, place.y, -place.x));
@@ -118,4 +128,48 @@ fn pictures_show_as_much_colour_as_the_light_meets() {
     // A scene without such colours is as it was.
     let plain = scene::load("builtin:cornell-box").unwrap();
     assert!(plain.corner_colors.is_empty() && plain.left_out.is_empty());
+}
+
+/// A .glb file with so many materials, each with a picture of its own, all of them these bytes.
+fn with_pictures(count: usize, picture: &[u8]) -> Vec<u8> {
+    let positions: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let mut binary: Vec<u8> = positions.iter().flat_map(|x| x.to_le_bytes()).collect();
+    binary.extend(picture);
+    binary.resize(binary.len().next_multiple_of(4), 0);
+    let each = |f: &dyn Fn(usize) -> String| (0..count).map(f).collect::<Vec<_>>().join(",");
+    let mut json = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": {}}}], "nodes": [{{"mesh": 0}}],
+        "scenes": [{{"nodes": [0]}}], "scene": 0, "bufferViews": [{{"buffer": 0, "byteLength": 36}},
+        {{"buffer": 0, "byteOffset": 36, "byteLength": {}}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}],
+        "images": [{}], "textures": [{}], "materials": [{}], "meshes": [{{"primitives": [{}]}}]}}"#,
+        binary.len(),
+        picture.len(),
+        each(&|_| r#"{"bufferView": 1, "mimeType": "image/png"}"#.to_owned()),
+        each(&|i| format!(r#"{{"source": {i}}}"#)),
+        each(&|i| format!(r#"{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": {i}}}}}}}"#)),
+        each(&|i| format!(r#"{{"attributes": {{"POSITION": 0}}, "material": {i}}}"#)),
+    );
+    json.extend(std::iter::repeat_n(' ', json.len().next_multiple_of(4) - json.len()));
+    let length = |bytes: usize| (bytes as u32).to_le_bytes();
+    let whole = length(28 + json.len() + binary.len());
+    let head = [b"glTF\x02\0\0\0", &whole[..], &length(json.len()), b"JSON"].concat();
+    [&head, json.as_bytes(), &length(binary.len()), b"BIN\0", &binary].concat()
+}
+
+#[test]
+fn pictures_are_bounded_together() {
+    let mut png = Vec::new();
+    let tightly = image::codecs::png::PngEncoder::new_with_quality(
+        &mut png,
+        image::codecs::png::CompressionType::Best,
+        image::codecs::png::FilterType::NoFilter,
+    );
+    image::GrayImage::new(4096, 4096).write_with_encoder(tightly).unwrap();
+    assert!(png.len() < 64 << 10, "{} bytes", png.len());
+    // One of one colour is read, as exporters write such; a crowd of them is a bomb.
+    let scene = scene::from_bytes("one.glb", &with_pictures(1, &png)).unwrap();
+    assert_eq!(scene.textures[0].texels.as_ref().unwrap().width, 4096);
+    let refused = scene::from_bytes("bomb.glb", &with_pictures(50, &png)).unwrap_err().to_string();
+    assert!(refused.contains("bomb.glb") && refused.contains("838860800 texels"), "{refused}");
 }

@@ -23,7 +23,7 @@ fn rooms(name: &str, functions: usize) -> (f32, f32, f32) {
         let mut stream = Stream::new(3, 3);
         let (mut sum, mut greatest, n) = (0.0, 0f32, 20_000);
         for _ in 0..n {
-            let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY };
+            let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
             let hit = surfaces.cast(&ray, 0).unwrap();
             let light = relit.indirect(hit.position, hit.normal).dot(Vec3::splat(1.0 / 3.0));
             sum += light;

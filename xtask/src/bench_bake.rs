@@ -41,11 +41,11 @@ pub fn run(args: &[String]) -> Result<()> {
         Some(scene) => scene,
         None => given_or(SCENES[0], SCENES[1]),
     };
-    process::run(process::cargo().args(["bench", "--package", "rebounce", "--bench", "bake", "--"]).args([
-        scene,
-        options.preset,
-        options.rounds.to_string(),
-    ]))
+    process::run(
+        process::cargo()
+            .args(["bench", "--locked", "--package", "rebounce", "--bench", "bake", "--"])
+            .args([scene, options.preset, options.rounds.to_string()]),
+    )
 }
 
 #[cfg(test)]

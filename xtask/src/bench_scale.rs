@@ -43,6 +43,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let scene = options.scene.unwrap_or_else(|| given_or(SCENE, GENERATED));
     process::run(process::cargo().args([
         "build",
+        "--locked",
         "--release",
         "--package",
         "rebounce",

@@ -55,6 +55,7 @@ pub fn run(args: &[String]) -> Result<()> {
     web::packages("web/bench", "three.js")?;
     process::run(process::cargo().args([
         "build",
+        "--locked",
         "--release",
         "--package",
         "rebounce",

@@ -41,6 +41,7 @@ pub fn run(args: &[String]) -> Result<()> {
     web::build()?;
     process::run(process::cargo().args([
         "build",
+        "--locked",
         "--release",
         "--package",
         "rebounce",

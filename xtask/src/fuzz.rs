@@ -5,14 +5,26 @@ use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::Command;
 
-/// The targets, in tests/fuzz/fuzz_targets, and what an input may weigh, bytes.
-const TARGETS: [(&str, u32); 5] =
-    [("file", 1 << 16), ("section", 1 << 16), ("links", 1 << 13), ("gltf", 1 << 15), ("shot", 1 << 11)];
+/// A fuzz target, in tests/fuzz/fuzz_targets.
+struct Target {
+    name: &'static str,
+    /// What an input may weigh, bytes.
+    size: u32,
+    /// With AddressSanitizer, three times slower: for what runs code of others that is not all safe Rust.
+    sanitized: bool,
+}
+
+const TARGETS: [Target; 7] = [
+    Target { name: "file", size: 1 << 15, sanitized: false },
+    Target { name: "section", size: 1 << 14, sanitized: false },
+    Target { name: "scene", size: 1 << 15, sanitized: false },
+    Target { name: "links", size: 1 << 12, sanitized: false },
+    Target { name: "gltf", size: 1 << 14, sanitized: true },
+    Target { name: "shot", size: 1 << 11, sanitized: false },
+    Target { name: "checkpoint", size: 1 << 15, sanitized: false },
+];
 /// An input that takes longer is a failure, seconds.
 const SLOW: u32 = 1;
-/// So is one that takes more memory than this at once, MB: 4 times the largest input and 64 MB.
-const MALLOC_MB: u32 = 65;
-
 #[derive(Debug, PartialEq)]
 struct Options {
     targets: Vec<String>,
@@ -28,11 +40,11 @@ fn parse(args: &[String]) -> Result<Options> {
                 let value = args.next().context("--runs needs a value")?;
                 options.runs = value.parse().context("--runs needs a number")?;
             }
-            target if TARGETS.iter().any(|(name, _)| *name == target) => {
+            target if TARGETS.iter().any(|known| known.name == target) => {
                 options.targets.push(target.to_owned())
             }
             other => {
-                let names: Vec<_> = TARGETS.iter().map(|(name, _)| *name).collect();
+                let names: Vec<_> = TARGETS.iter().map(|known| known.name).collect();
                 bail!("there is no target or option {other}; there are {} and --runs", names.join(", "))
             }
         }
@@ -56,31 +68,33 @@ pub fn run(args: &[String]) -> Result<()> {
     let seeds = work.join("seeds");
     process::run(
         process::cargo()
-            .args(["run", "--release", "--package", "rebounce-tests", "--bin", "seeds", "--"])
+            .args(["run", "--locked", "--release", "--package", "rebounce-tests", "--bin", "seeds", "--"])
             .arg(&seeds),
     )?;
-    for (target, size) in TARGETS {
-        if !options.targets.is_empty() && !options.targets.iter().any(|name| name == target) {
+    for target in &TARGETS {
+        if !options.targets.is_empty() && !options.targets.iter().any(|name| name == target.name) {
             continue;
         }
-        let corpus = work.join("corpus").join(target);
+        let corpus = work.join("corpus").join(target.name);
         std::fs::create_dir_all(&corpus).with_context(|| corpus.display().to_string())?;
-        fuzz(target, size, &[&corpus, &seeds.join(target)], options.runs)?;
+        fuzz(target, &[&corpus, &seeds.join(target.name)], options.runs)?;
     }
     println!("{} runs of each target: no failure", options.runs);
     Ok(())
 }
 
-fn fuzz(target: &str, size: u32, folders: &[&Path], runs: u64) -> Result<()> {
+/// Runs one target. It ends itself where an input takes more memory than four times its size and 64 MB.
+fn fuzz(target: &Target, folders: &[&Path], runs: u64) -> Result<()> {
+    let sanitizer = if target.sanitized { "address" } else { "none" };
     let mut command = Command::new("cargo");
-    command.args(["+nightly", "fuzz", "run", "--fuzz-dir", "tests/fuzz", target]).args(folders);
-    command.arg("--").arg(format!("-runs={runs}")).arg(format!("-max_len={size}"));
-    command
-        .arg(format!("-timeout={SLOW}"))
-        .arg(format!("-malloc_limit_mb={MALLOC_MB}"))
-        .arg("-print_final_stats=1");
+    command.args(["+nightly", "fuzz", "run", "--fuzz-dir", "tests/fuzz", "--sanitizer", sanitizer]);
+    // Each kind of build has a folder, so that neither undoes the other.
+    command.arg("--target-dir").arg(process::target().join("fuzz").join(sanitizer));
+    command.arg(target.name).args(folders);
+    command.arg("--").arg(format!("-runs={runs}")).arg(format!("-max_len={}", target.size));
+    command.arg(format!("-timeout={SLOW}")).arg("-print_final_stats=1");
     process::run(command.current_dir(process::root()))
-        .with_context(|| format!("target {target}: what failed is in tests/fuzz/artifacts/{target}"))
+        .with_context(|| format!("target {0}: what failed is in tests/fuzz/artifacts/{0}", target.name))
 }
 
 #[cfg(test)]

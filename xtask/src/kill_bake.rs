@@ -36,7 +36,7 @@ fn parse(args: &[String]) -> Result<Options> {
 /// If a bake fails, or gives other bytes than one that nobody killed.
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
-    process::run(process::cargo().args(["build", "--release", "--package", "rebounce"]))?;
+    process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce"]))?;
     let work = process::target().join("kill-bake");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
     let whole = work.join("whole.rbn");

@@ -1,6 +1,8 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-scale`, `fuzz`, `damage`, `soak`, `kill-bake`, `plot-estimate`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`, `plot-estimate`, `install`.
 
+mod audit;
 mod bench_bake;
+mod bench_kernels;
 mod bench_scale;
 mod bench_web;
 mod bindgen;
@@ -42,19 +44,23 @@ cargo xtask bench-web [--scenes DIR] [--shot NAME]
                      times frames in headless Chromium beside three.js, same scene and light; DIR as above
 cargo xtask bench-bake [--scene FILE] [--preset NAME] [--rounds N]
                      times bakes beside the rays that they cast, and with one thread; Sponza at standard, three times
+cargo xtask bench-kernels
+                     counts the instructions of a bake's kernels; installs valgrind
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
-                     feeds damaged files to what reads them: file, section, links, gltf, shot
+                     feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint
+cargo xtask audit [--offline]
+                     vulnerabilities, licences, doubled versions and sources of all dependencies
 cargo xtask damage [--files N] [--seed S]
                      opens damaged files in headless Chromium: each is refused or gives a picture; 2,000 when absent
 cargo xtask soak [--minutes N]
                      moves lights and camera in headless Chromium and watches memory; an hour when absent
 cargo xtask kill-bake [--times N] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
-cargo xtask plot-estimate [SCENE or LOG.jsonl ...]
+cargo xtask plot-estimate [[--preset NAME] SCENE or LOG.jsonl ...]
                      bakes, and draws into docs/estimate.svg how right the time left was; a log of
-                     `rebounce bake --json-progress` is read instead
+                     `rebounce bake --json-progress` is read instead. Ten bakes when nothing is named
 cargo xtask install  installs what the others need, and says what";
 
 fn main() -> ExitCode {
@@ -73,9 +79,11 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("demo") => demo::run(&args[1..]),
         Some("test") => test::run(&args[1..]),
         Some("fidelity") => fidelity::run(&args[1..]),
+        Some("bench-kernels") => bench_kernels::run(&args[1..]),
         Some("bench-scale") => bench_scale::run(&args[1..]),
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("bench-bake") => bench_bake::run(&args[1..]),
+        Some("audit") => audit::run(&args[1..]),
         Some("fuzz") => fuzz::run(&args[1..]),
         Some("damage") => damage::run(&args[1..]),
         Some("soak") => soak::run(&args[1..]),

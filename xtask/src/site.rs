@@ -82,7 +82,7 @@ fn parse(args: &[String]) -> Result<Options> {
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
     web::build()?;
-    let program = ["build", "--release", "--package", "rebounce", "--bin", "rebounce"];
+    let program = ["build", "--locked", "--release", "--package", "rebounce", "--bin", "rebounce"];
     process::run(process::cargo().args(program))?;
     let out = process::target().join("site");
     build(&process::target().join("release/rebounce"), &options.quality, &out)?;

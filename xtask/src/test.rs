@@ -57,7 +57,7 @@ pub fn run(args: &[String]) -> Result<()> {
 /// the programs that the browser's tests call, too.
 fn native(options: &[&str]) -> Result<()> {
     let mut command = process::cargo();
-    command.args(["test", "--workspace", "--no-fail-fast"]).args(options);
+    command.args(["test", "--locked", "--workspace", "--no-fail-fast"]).args(options);
     if let Some(description) = install::lavapipe() {
         command.env("VK_DRIVER_FILES", description);
     }
@@ -69,7 +69,9 @@ fn over_mpi() -> Result<()> {
     install::ensure(&install::MPI)?;
     let test = |what: &[&str]| {
         let mut command = process::cargo();
-        process::run(command.args(["test", "--package", "rebounce", "--features", "mpi"]).args(what))
+        process::run(
+            command.args(["test", "--locked", "--package", "rebounce", "--features", "mpi"]).args(what),
+        )
     };
     test(&["--lib", "team::"])?;
     // One after another: each starts processes of its own.

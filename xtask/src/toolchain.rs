@@ -127,7 +127,9 @@ impl Toolchain {
         command.current_dir(process::root()).arg(verb).args(["--target", TARGET]);
         // Flags meant for the native build do not hold for this one.
         command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
-        if self == Toolchain::Debian {
+        if self == Toolchain::Ordinary {
+            command.arg("--locked");
+        } else {
             command.arg("-Zbuild-std=std,panic_abort");
             // What rustup's proxies leave in the environment would mix two compilers.
             for name in ["RUSTUP_TOOLCHAIN", "LD_LIBRARY_PATH", "CARGO", "RUSTDOC", "RUSTC_WRAPPER"] {

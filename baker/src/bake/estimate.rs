@@ -1,86 +1,130 @@
-//! How long what is left of a bake takes: its work is known from the settings long before it is done, and how fast it
-//! goes is measured.
+//! How long what is left of a bake takes. How much work there is, the settings, the points and the links so far say long
+//! before it is done; what a unit of it costs on this scene and this machine is measured, in processor time, which does
+//! not count what else the machine does. What that means in seconds of the clock is measured beside it.
 
 use super::{BakeSettings, Stage};
 use crate::points::expected_counts;
 
-/// Seconds of one thread for a unit of work, measured on a furnished kitchen; only their ratios last, as they are
-/// scaled by what is measured.
+/// Seconds of one processor for a unit of work: what furnished rooms and halls take, as long as nothing is measured.
 mod cost {
-    pub const TRIANGLE: f64 = 2.0e-6;
+    pub const TRIANGLE: f64 = 1.0e-6;
     pub const SKETCH: f64 = 4.0;
-    pub const POINT: f64 = 60e-6;
-    pub const WALL: f64 = 10e-6;
-    pub const RELATION: f64 = 4e-6;
-    pub const COLOUR: f64 = 20e-6;
-    pub const RAY: f64 = 2.6e-6;
-    /// On the finest level, whose receivers have no children.
-    pub const FINE_RAY: f64 = 1.7e-6;
+    pub const POINT: f64 = 50e-6;
+    pub const WALL: f64 = 5e-6;
+    pub const RELATION: f64 = 2e-6;
+    pub const COLOUR: f64 = 12e-6;
+    /// On the levels that later bounces travel between.
+    pub const COARSE_RAY: f64 = 1.05e-6;
     /// For an entry of the coarse rows and a column.
-    pub const BOUNCE: f64 = 2.4e-9;
-    pub const ASSEMBLED: f64 = 1e-6;
+    pub const BOUNCE: f64 = 4.8e-9;
+    /// Putting the file together, and packing and writing it, which follows.
+    pub const ASSEMBLED: [f64; 2] = [0.6e-6, 1.2e-6];
 }
 
-/// Entries that a coarse row has, at most.
-const ROW: f64 = 900.0;
-/// A measured pace counts fully against the one expected when it rests on some such many seconds.
-const TRUST: f64 = 0.5;
-/// How much of what was measured before counts when another part of the work begins.
-const MEMORY: f64 = 0.15;
+/// What a ray of the finer levels costs over one of the levels that later bounces travel between, for which more is
+/// looked up at each hit: with so many functions, and how much more with e times as many, as summing up over more
+/// functions costs both of them more. Measured: 0.63 to 0.75 at `draft`, 0.79 to 0.92 at `standard`.
+const FINE: (f64, f64, f64) = (0.72, 35e3, 0.08);
 
-/// What was measured counts half as much after so many seconds, and after this share of the time since the start.
-const HALF_LIFE: (f64, f64) = (5.0, 0.25);
+/// How many coarse points one receives from: 100 in an apartment, 360 in an empty room; and the share of them at most.
+const ROW: (f64, f64) = (170.0, 0.25);
+/// What is expected of a part counts like this share of it, and so many seconds more, against what is measured.
+const TRUST: (f64, f64) = (0.1, 0.1);
+/// How much a part counts in what is expected of the next one of its kind, against those before.
+const MEMORY: f64 = 0.6;
+/// Seconds at full speed that a stretch of time counts against.
+const STRETCH: f64 = 0.2;
+/// What was measured counts half as much after so many seconds, and this share of the time so far: machines get busier
+/// and quieter, and who shares a cache or a core with others pays in processor time, too.
+const HALF_LIFE: (f64, f64) = (2.0, 0.2);
+
+/// Work whose costs go together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    SettingUp,
+    CoarseLinks,
+    FineLinks,
+    /// Later bounces and the file: nothing that depends on how costly rays are.
+    Rayless,
+}
 
 /// A part of the bake.
 #[derive(Clone, Debug)]
 struct Part {
     stage: Stage,
     level: Option<usize>,
+    kind: Kind,
     units: f64,
     /// Units done, and of these taken from an earlier run.
     done: f64,
     skipped: f64,
-    /// Seconds that all its units take at pace 1.
+    /// Processor seconds that all its units take at pace 1.
     nominal: f64,
-    /// Seconds since it began.
+    /// Processor seconds since it began.
     spent: f64,
+    /// Of late: processor seconds, and those that the units done then take at pace 1.
+    late: [f64; 2],
     is_over: bool,
 }
 
-/// Work of one kind: how many seconds it took, and how many at pace 1.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pace {
-    actual: f64,
-    nominal: f64,
-    /// What was measured of the parts before.
-    known: Option<f64>,
-}
+impl Part {
+    /// Processor seconds that the units done in this run take at pace 1.
+    fn worked(&self) -> f64 {
+        self.nominal * ((self.done - self.skipped) / self.units.max(1.0)).clamp(0.0, 1.0)
+    }
 
-impl Pace {
-    fn over(self, expected: f64) -> f64 {
-        let expected = self.known.unwrap_or(expected);
-        (self.actual + TRUST * expected) / (self.nominal + TRUST)
+    /// The pace measured so far, on top of the one expected.
+    fn pace(&self, expected: f64) -> f64 {
+        if self.done <= self.skipped {
+            return expected;
+        }
+        let trust = TRUST.0 * self.nominal + TRUST.1;
+        (self.late[0] + trust * expected) / (self.late[1] + trust)
+    }
+
+    /// Processor seconds left.
+    fn left(&self, expected: f64) -> f64 {
+        match self.done > 0.0 {
+            true => {
+                let share = (1.0 - self.done / self.units.max(1.0)).clamp(0.0, 1.0);
+                self.nominal * share * self.pace(expected)
+            }
+            false => (self.nominal * expected - self.spent).max(0.0),
+        }
+    }
+
+    /// Seconds of the clock over processor seconds, on this many threads that nobody disturbs.
+    fn ideal(&self, threads: f64) -> f64 {
+        let shared = match self.stage {
+            Stage::Prepare => 0.6,
+            Stage::Basis | Stage::Assemble => 0.0,
+            _ => 1.0,
+        };
+        1.0 - shared + shared / threads
     }
 }
 
-/// Kinds of work whose paces go together.
-const KINDS: usize = 3;
-
-fn kind(stage: Stage) -> usize {
-    match stage {
-        Stage::Links => 1,
-        Stage::Bounces => 2,
-        _ => 0,
-    }
+/// What is left of a bake.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Left {
+    /// Of the clock.
+    pub seconds: f64,
+    /// Of the processors, all threads together.
+    pub processor_seconds: f64,
 }
 
 /// The parts of a bake, their work, and how fast it goes.
 pub(super) struct Estimate {
     parts: Vec<Part>,
-    paces: [Pace; KINDS],
+    /// Costs over those expected of what was done of setting up: seconds, and seconds at pace 1.
+    set_up: [f64; 2],
+    /// Paces measured, by kind.
+    known: [Option<f64>; 4],
+    /// Seconds of the clock, and those that an idle machine would have taken.
+    clock: [f64; 2],
+    /// Since the bake began: of the clock, of the processors.
+    elapsed: [f64; 2],
     threads: f64,
-    levels: usize,
-    elapsed: f64,
 }
 
 impl Estimate {
@@ -88,23 +132,34 @@ impl Estimate {
     pub(super) fn new(settings: &BakeSettings, triangles: usize, sketches: bool, threads: usize) -> Self {
         let mut estimate = Self {
             parts: Vec::new(),
-            paces: Default::default(),
+            set_up: [0.0; 2],
+            known: [None; 4],
+            clock: [0.0; 2],
+            elapsed: [0.0; 2],
             threads: threads.max(1) as f64,
-            levels: settings.place.levels,
-            elapsed: 0.0,
         };
-        let mut add = |stage, level| {
-            let part = Part {
+        let later_levels = settings.operator.later_levels;
+        let mut add = |stage, level: Option<usize>| {
+            let kind = match (stage, level) {
+                (Stage::Links, Some(level)) if level < later_levels => Kind::CoarseLinks,
+                (Stage::Links, _) => Kind::FineLinks,
+                (Stage::Bounces | Stage::Assemble, _) => Kind::Rayless,
+                _ => Kind::SettingUp,
+            };
+            let (units, done, skipped, nominal, spent) = (0.0, 0.0, 0.0, 0.0, 0.0);
+            let (late, is_over) = ([0.0; 2], false);
+            estimate.parts.push(Part {
                 stage,
                 level,
-                units: 0.0,
-                done: 0.0,
-                skipped: 0.0,
-                nominal: 0.0,
-                spent: 0.0,
-                is_over: false,
-            };
-            estimate.parts.push(part);
+                kind,
+                units,
+                done,
+                skipped,
+                nominal,
+                spent,
+                late,
+                is_over,
+            });
         };
         let levels = settings.place.levels;
         add(Stage::Prepare, None);
@@ -115,37 +170,56 @@ impl Estimate {
         [Stage::Walls, Stage::Basis, Stage::Colours].into_iter().for_each(|stage| add(stage, None));
         for level in 0..levels {
             add(Stage::Links, Some(level));
-            if level + 1 == settings.operator.later_levels && settings.operator.bounces != Some(1) {
+            if level + 1 == later_levels && settings.operator.bounces != Some(1) {
                 add(Stage::Bounces, None);
             }
         }
         add(Stage::Assemble, None);
         estimate.set(Stage::Prepare, None, triangles as f64, cost::TRIANGLE * triangles as f64);
         estimate.set(Stage::Sketch, None, 1.0, cost::SKETCH);
-        estimate.set(Stage::Assemble, None, triangles as f64, cost::ASSEMBLED * triangles as f64);
+        estimate.set(Stage::Assemble, None, triangles as f64, cost::ASSEMBLED[0] * triangles as f64);
         estimate.expect_points(settings, &expected_counts(&settings.place));
         estimate
     }
 
+    /// So many points are on the coarsest levels; the others will grow alike.
+    pub(super) fn found_points(&mut self, settings: &BakeSettings, found: &[usize]) {
+        let mut counts = expected_counts(&settings.place);
+        let Some(last) = found.len().checked_sub(1).filter(|last| *last < counts.len()) else { return };
+        let scale = found[last] as f64 / counts[last];
+        counts.iter_mut().for_each(|count| *count *= scale);
+        counts.iter_mut().zip(found).for_each(|(count, found)| *count = *found as f64);
+        self.expect_points(settings, &counts);
+    }
+
     /// What follows from the levels' numbers of points.
-    pub(super) fn expect_points(&mut self, settings: &BakeSettings, counts: &[f64]) {
-        for (level, count) in counts.iter().enumerate() {
-            let rays = count * settings.operator.rays_on(level) as f64;
-            self.set(Stage::Points, Some(level), *count, cost::POINT * count);
-            self.expect_rays(level, rays);
-        }
+    fn expect_points(&mut self, settings: &BakeSettings, counts: &[f64]) {
         let all: f64 = counts.iter().sum();
         self.set(Stage::Walls, None, 2.0 * all, 2.0 * cost::WALL * all);
         self.set(Stage::Basis, None, all, cost::RELATION * all);
         self.set(Stage::Colours, None, all, cost::COLOUR * all);
+        for (level, count) in counts.iter().enumerate() {
+            self.set(Stage::Points, Some(level), *count, cost::POINT * count);
+            self.expect_rays(level, count * settings.operator.rays_on(level) as f64);
+        }
+        let triangles = self.units(Stage::Assemble, None);
+        let assembled = cost::ASSEMBLED[0] * triangles + cost::ASSEMBLED[1] * all;
+        self.set(Stage::Assemble, None, triangles, assembled);
         let coarse: f64 = counts.iter().take(settings.operator.later_levels).sum();
-        self.expect_bounces(coarse, coarse * coarse.min(ROW));
+        self.expect_bounces(coarse, coarse * ROW.0.min(ROW.1 * coarse));
     }
 
     /// How many rays a level will cast.
     pub(super) fn expect_rays(&mut self, level: usize, rays: f64) {
-        let cost = if level + 1 == self.levels { cost::FINE_RAY } else { cost::RAY };
-        self.set(Stage::Links, Some(level), rays, cost * rays);
+        let is_coarse = |part: &Part| part.kind == Kind::CoarseLinks && part.level == Some(level);
+        let share = match self.parts.iter().any(is_coarse) {
+            true => 1.0,
+            false => {
+                let functions = self.units(Stage::Basis, None).max(1.0);
+                (FINE.0 + FINE.2 * (functions / FINE.1).ln()).clamp(0.5, 1.0)
+            }
+        };
+        self.set(Stage::Links, Some(level), rays, share * cost::COARSE_RAY * rays);
     }
 
     /// How many columns later bounces have, and how many entries the coarse rows.
@@ -153,10 +227,9 @@ impl Estimate {
         self.set(Stage::Bounces, None, columns, cost::BOUNCE * columns * entries);
     }
 
-    fn set(&mut self, stage: Stage, level: Option<usize>, units: f64, seconds: f64) {
-        let threads = self.threads;
+    fn set(&mut self, stage: Stage, level: Option<usize>, units: f64, nominal: f64) {
         if let Some(part) = self.part(stage, level).filter(|part| part.done == 0.0) {
-            (part.units, part.nominal) = (units, seconds / threads);
+            (part.units, part.nominal) = (units, nominal);
         }
     }
 
@@ -164,47 +237,48 @@ impl Estimate {
         self.parts.iter_mut().find(|part| part.stage == stage && part.level == level)
     }
 
-    /// A part begins: what was measured of its kind counts less from now on.
-    pub(super) fn begin(&mut self, stage: Stage) {
-        let pace = &mut self.paces[kind(stage)];
-        if pace.nominal > TRUST {
-            pace.known = Some(pace.actual / pace.nominal);
-            (pace.actual, pace.nominal) = (MEMORY * pace.actual, MEMORY * pace.nominal);
-        }
-    }
-
-    /// Of the part under way so many units are done, `skipped` of them taken from an earlier run, and `seconds` went by
-    /// since this was told last.
+    /// Of the part under way so many units are done, `skipped` of them taken from an earlier run, and so many seconds
+    /// of the clock and of the processors went by since this was told last.
     pub(super) fn advance(
         &mut self,
-        stage: Stage,
-        level: Option<usize>,
+        (stage, level): (Stage, Option<usize>),
         done: f64,
         skipped: f64,
         seconds: f64,
+        processor_seconds: f64,
     ) {
+        let (threads, processors) = (self.threads, self.elapsed[1]);
         let Some(part) = self.part(stage, level) else { return };
         part.units = part.units.max(done);
-        let worked = (done - skipped) - (part.done - part.skipped);
-        let nominal = part.nominal * worked / part.units.max(1.0);
-        // What went by before the first work was told of belongs to it; parts that tell of none measure nothing.
-        let seconds_told = if part.done > 0.0 { seconds } else { seconds + part.spent };
-        part.spent += seconds;
+        let before = part.worked();
         (part.done, part.skipped) = (done, skipped);
-        self.elapsed += seconds;
-        if done == skipped {
-            return;
+        part.spent += processor_seconds;
+        let worked = part.worked() - before;
+        // What went by before the first work was told of belongs to it.
+        let told = if before > 0.0 { processor_seconds } else { part.spent };
+        if worked > 0.0 || before > 0.0 {
+            let kept = 0.5f64.powf(processor_seconds / (HALF_LIFE.0 + HALF_LIFE.1 * processors));
+            part.late = [kept * part.late[0] + told, kept * part.late[1] + worked.max(0.0)];
         }
-        let kept = 0.5f64.powf(seconds / (HALF_LIFE.0 + HALF_LIFE.1 * self.elapsed));
-        let pace = &mut self.paces[kind(stage)];
-        pace.actual = kept * pace.actual + seconds_told;
-        pace.nominal = kept * pace.nominal + nominal.max(0.0);
+        let ideal = processor_seconds * part.ideal(threads);
+        self.elapsed = [self.elapsed[0] + seconds, self.elapsed[1] + processor_seconds];
+        let kept = 0.5f64.powf(seconds / (HALF_LIFE.0 + HALF_LIFE.1 * self.elapsed[0]));
+        self.clock = [kept * self.clock[0] + seconds, kept * self.clock[1] + ideal];
     }
 
     /// A part is over, whatever its units.
     pub(super) fn end(&mut self, stage: Stage, level: Option<usize>) {
-        if let Some(part) = self.part(stage, level) {
-            part.is_over = true;
+        let Some(part) = self.part(stage, level) else { return };
+        part.is_over = true;
+        let (kind, spent, worked) = (part.kind, part.spent, part.worked());
+        if kind == Kind::SettingUp {
+            if worked > 0.0 {
+                self.set_up = [self.set_up[0] + spent, self.set_up[1] + worked];
+            }
+        } else if worked > 0.02 {
+            let known = &mut self.known[kind as usize];
+            let pace = spent / worked;
+            *known = Some(known.map_or(pace, |before| MEMORY * pace + (1.0 - MEMORY) * before));
         }
     }
 
@@ -213,75 +287,38 @@ impl Estimate {
         self.part(stage, level).map_or(0.0, |part| part.units)
     }
 
-    /// Seconds that all that is left takes.
-    pub(super) fn seconds_left(&self) -> f64 {
-        let mut expected = 1.0;
-        let paces = self.paces.map(|pace| {
-            expected = pace.over(expected);
-            expected
-        });
-        let left = |part: &Part| match part.done > 0.0 {
-            true => {
-                part.nominal
-                    * (1.0 - part.done / part.units.max(1.0)).clamp(0.0, 1.0)
-                    * paces[kind(part.stage)]
-            }
-            false => (part.nominal * paces[kind(part.stage)] - part.spent).max(0.0),
+    /// Paces of each kind of work: the one expected before the part under way, and with what is measured of that. Where
+    /// nothing is, other kinds say it; points that cost four times as much go with rays that cost twice as much.
+    fn paces(&self) -> [[f64; 2]; 4] {
+        let with = |kind: Kind, expected: f64| {
+            let is_under_way = |part: &&Part| part.kind == kind && !part.is_over && part.done > part.skipped;
+            let part = self.parts.iter().find(is_under_way);
+            [expected, part.map_or(expected, |part| part.pace(expected))]
         };
-        let open = self.parts.iter().filter(|part| !part.is_over);
-        open.map(left).sum()
+        let of = |kind: Kind, other: f64| with(kind, self.known[kind as usize].unwrap_or(other));
+        let trust = TRUST.0 + TRUST.1;
+        let set_up = with(Kind::SettingUp, (self.set_up[0] + trust) / (self.set_up[1] + trust));
+        let coarse = of(Kind::CoarseLinks, set_up[1].sqrt());
+        let fine = of(Kind::FineLinks, coarse[1]);
+        let rayless = of(Kind::Rayless, coarse[1].sqrt());
+        [set_up, coarse, fine, rayless]
+    }
+
+    /// What all that is left takes.
+    pub(super) fn left(&self) -> Left {
+        let paces = self.paces();
+        let stretch = (self.clock[0] + STRETCH) / (self.clock[1] + STRETCH);
+        let mut left = Left { seconds: 0.0, processor_seconds: 0.0 };
+        for part in self.parts.iter().filter(|part| !part.is_over) {
+            // A part under way adds what is measured of it by itself.
+            let [before, now] = paces[part.kind as usize];
+            let seconds = part.left(if part.done > part.skipped { before } else { now });
+            left.processor_seconds += seconds;
+            left.seconds += seconds * part.ideal(self.threads) * stretch;
+        }
+        left
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::bake::Preset;
-
-    /// A machine on which each kind of work goes at a pace of its own: the estimate at each share of the way, over the
-    /// truth.
-    fn errors(paces: [f64; KINDS]) -> Vec<(f64, f64)> {
-        let settings = BakeSettings::new(Preset::Standard).normalised();
-        let mut estimate = Estimate::new(&settings, 100_000, false, 2);
-        let parts = estimate.parts.clone();
-        let seconds = |part: &Part| part.nominal * paces[kind(part.stage)];
-        let total: f64 = parts.iter().map(seconds).sum();
-        let (mut past, mut found) = (0.0, Vec::new());
-        for part in &parts {
-            let (units, step) = (part.units, seconds(part) / 100.0);
-            estimate.begin(part.stage);
-            for k in 1..=100 {
-                estimate.advance(part.stage, part.level, units * k as f64 / 100.0, 0.0, step);
-                past += step;
-                found.push((past / total, estimate.seconds_left() / (total - past).max(1e-9 * total)));
-            }
-            estimate.end(part.stage, part.level);
-        }
-        assert!(estimate.seconds_left().abs() < 1e-6 * total);
-        found
-    }
-
-    #[test]
-    fn a_third_of_the_way_the_pace_is_known() {
-        for paces in [[1.0; KINDS], [3.0; KINDS], [0.2, 1.5, 1.0], [2.0, 0.5, 0.5]] {
-            for (share, ratio) in errors(paces).into_iter().filter(|e| e.0 > 1.0 / 3.0 && e.0 < 0.98) {
-                assert!(
-                    (0.75..1.25).contains(&ratio),
-                    "{paces:?}: at {share} of the way {ratio} of the truth"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn what_was_done_before_takes_no_time_and_measures_nothing() {
-        let settings = BakeSettings::new(Preset::Standard).normalised();
-        let mut estimate = Estimate::new(&settings, 100_000, false, 2);
-        let before = estimate.seconds_left();
-        let units = estimate.units(Stage::Links, Some(5));
-        let nominal = estimate.part(Stage::Links, Some(5)).unwrap().nominal;
-        estimate.begin(Stage::Links);
-        estimate.advance(Stage::Links, Some(5), 0.5 * units, 0.5 * units, 0.01);
-        assert!((estimate.seconds_left() - (before - 0.5 * nominal)).abs() < 1e-6 * before);
-    }
-}
+mod tests;

@@ -19,6 +19,11 @@ pub struct Progress {
     pub seconds: f64,
     /// About how many seconds all that is left takes.
     pub seconds_left: f64,
+    /// Seconds that the processors have worked since the bake began, all of this process's threads together.
+    pub processor_seconds: f64,
+    /// About how many such seconds all that is left takes: an estimate that does not change with what else the machine
+    /// does.
+    pub processor_seconds_left: f64,
 }
 
 impl Progress {

@@ -3,6 +3,7 @@
 use super::estimate::Estimate;
 use super::{Checkpoint, Observer, Progress, Stage};
 use crate::watch::{Stopped, Watch};
+use cpu_time::ProcessTime;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -15,6 +16,8 @@ pub(super) struct Tracker<'a> {
     observer: &'a dyn Observer,
     checkpoint: Option<&'a Checkpoint>,
     began: Instant,
+    /// What the processors' time is counted from.
+    processors: ProcessTime,
     estimate: Mutex<Estimate>,
     /// Seconds of the stages, in the order of their first parts.
     seconds: Mutex<Vec<(Stage, f64)>>,
@@ -27,7 +30,15 @@ impl<'a> Tracker<'a> {
         estimate: Estimate,
     ) -> Self {
         let began = Instant::now();
-        Self { observer, checkpoint, began, estimate: Mutex::new(estimate), seconds: Mutex::default() }
+        let processors = ProcessTime::now();
+        Self {
+            observer,
+            checkpoint,
+            began,
+            processors,
+            estimate: Mutex::new(estimate),
+            seconds: Mutex::default(),
+        }
     }
 
     /// Tells more about the work ahead.
@@ -39,9 +50,8 @@ impl<'a> Tracker<'a> {
 
     /// Begins a part of the work, which ends when the task is dropped.
     pub(super) fn task(&self, stage: Stage, level: Option<usize>) -> Task<'_> {
-        self.expect(|estimate| estimate.begin(stage));
         let (none, began) = (AtomicU64::new, Instant::now());
-        let told = Mutex::new(began);
+        let told = Mutex::new((began, ProcessTime::now()));
         let task =
             Task { tracker: self, stage, level, began, done: none(0), skipped: none(0), due: none(0), told };
         task.tell();
@@ -66,20 +76,23 @@ pub(super) struct Task<'t> {
     /// When the next report is due, milliseconds after the task began.
     due: AtomicU64,
     /// When the estimate was told last.
-    told: Mutex<Instant>,
+    told: Mutex<(Instant, ProcessTime)>,
 }
 
 impl Task<'_> {
     fn tell(&self) {
         let Ok(mut told) = self.told.lock() else { return };
-        let now = Instant::now();
+        let now = (Instant::now(), ProcessTime::now());
         let (done, skipped) = (self.done.load(Ordering::Relaxed), self.skipped.load(Ordering::Relaxed));
-        let seconds = (now - std::mem::replace(&mut *told, now)).as_secs_f64();
+        let last = std::mem::replace(&mut *told, now);
+        let seconds = now.0.duration_since(last.0).as_secs_f64();
+        let processor_seconds = now.1.duration_since(last.1).as_secs_f64();
+        let part = (self.stage, self.level);
         let Ok(mut estimate) = self.tracker.estimate.lock() else { return };
-        estimate.advance(self.stage, self.level, done as f64, skipped as f64, seconds);
-        let (total, left) = (estimate.units(self.stage, self.level), estimate.seconds_left());
+        estimate.advance(part, done as f64, skipped as f64, seconds, processor_seconds);
+        let (total, left) = (estimate.units(self.stage, self.level), estimate.left());
         drop(estimate);
-        let spent = (now - self.began).as_secs_f64();
+        let spent = (now.0 - self.began).as_secs_f64();
         let rate = (done - skipped.min(done)) as f64 / spent.max(1e-3);
         self.tracker.observer.progress(&Progress {
             stage: self.stage,
@@ -87,8 +100,10 @@ impl Task<'_> {
             done,
             total: total as u64,
             rays_per_second: (self.stage == Stage::Links && rate > 0.0).then_some(rate),
-            seconds: (now - self.tracker.began).as_secs_f64(),
-            seconds_left: left,
+            seconds: (now.0 - self.tracker.began).as_secs_f64(),
+            seconds_left: left.seconds,
+            processor_seconds: now.1.duration_since(self.tracker.processors).as_secs_f64(),
+            processor_seconds_left: left.processor_seconds,
         });
     }
 }

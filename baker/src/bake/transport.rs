@@ -110,6 +110,11 @@ impl Transport<'_> {
             tracker.expect(|estimate| estimate.expect_rays(level, refiner.rays_ahead() as f64));
             let traffic = refiner.level(&tracker.task(Stage::Links, Some(level)), journal, self.team)?;
             report.add_traffic(Stage::Links, Some(level), traffic);
+            if level + 1 < told.later_levels {
+                let coarse = points.count_on(told.later_levels.min(levels)) as f64;
+                let row = refiner.operator().coarse_row_length();
+                tracker.expect(|estimate| estimate.expect_bounces(coarse, coarse * row));
+            }
             if level + 1 == told.later_levels.min(levels) {
                 let operator = refiner.operator_mut();
                 let entries: usize = operator.coarse.iter().map(Vec::len).sum();
@@ -159,12 +164,16 @@ impl Transport<'_> {
                 }
             }
             drop(task);
-            tracker.expect(|estimate| estimate.expect_points(settings, &expected(placer.points(), settings)));
+            let counts: Vec<usize> = placer.points().levels.iter().map(|level| level.count).collect();
+            tracker.expect(|estimate| estimate.found_points(settings, &counts));
         }
         let mut points = placer.into_points();
         let task = tracker.task(Stage::Walls, None);
         if let Some(checkpoint) = checkpoint {
-            (points.cuts, points.samples) = checkpoint.take_shaped();
+            let (cuts, samples) = checkpoint.take_shaped();
+            if samples.len() <= points.points.len() {
+                (points.cuts, points.samples) = (cuts, samples);
+            }
             task.skip(2 * points.samples.len() as u64)?;
         }
         while points.samples.len() < points.points.len() {
@@ -193,15 +202,4 @@ impl Transport<'_> {
         }
         Ok(assemble(self.scene, settings, self.viewpoints[0], points, relations, operator))
     }
-}
-
-/// About how many points each level will have, with what is known: levels grow alike.
-fn expected(points: &Points, settings: &BakeSettings) -> Vec<f64> {
-    let mut counts = crate::points::expected_counts(&settings.place);
-    if let Some(last) = points.levels.len().checked_sub(1) {
-        let scale = points.levels[last].count as f64 / counts[last];
-        counts.iter_mut().for_each(|count| *count *= scale);
-        counts.iter_mut().zip(&points.levels).for_each(|(count, level)| *count = level.count as f64);
-    }
-    counts
 }

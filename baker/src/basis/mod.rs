@@ -20,7 +20,7 @@ pub fn relate(points: &Points, direct_levels: usize) -> Result<Relations, RbnErr
 }
 
 /// The evaluator of one level.
-pub(crate) fn evaluator(points: &Points, level: usize) -> Evaluator {
+pub fn evaluator(points: &Points, level: usize) -> Evaluator {
     let level = &points.levels[level];
     with_supports(points, level, level.support_radius)
 }
@@ -30,7 +30,7 @@ pub(crate) fn evaluator(points: &Points, level: usize) -> Evaluator {
 const SENDER_OVERLAP: f32 = 1.25;
 
 /// The evaluator of one level of senders.
-pub(crate) fn sender_evaluator(points: &Points, level: usize) -> Evaluator {
+pub fn sender_evaluator(points: &Points, level: usize) -> Evaluator {
     let level = &points.levels[level];
     with_supports(points, level, SENDER_OVERLAP * level.disk_radius)
 }

@@ -1,11 +1,13 @@
 //! `rebounce bake`: a scene in, a .rbn file out.
 
+use super::plain::plain;
 use super::progress::Display;
 use super::stop::Stop;
 use super::team::with_team;
 use super::view::PREVIEW;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use cpu_time::ProcessTime;
 use rebounce::bake::budget::{self, Budget};
 use rebounce::bake::{
     BakeError, BakeSettings, Checkpoint, Identity, Observer, Preset, Preview, Progress, bake_in_team,
@@ -29,7 +31,8 @@ is the same file, to the byte, and --resume goes on with any number of them.
 Exit codes: 0 done; 1 failed; 2 wrong arguments; 130 stopped by Ctrl-C, 143 by SIGTERM, --resume goes on.
 
 --json-progress prints objects with stage, level (or null), done and total (units of this stage and level), rays_per_second \
-(or null), seconds (since the bake began), seconds_left, fraction (0 to 1); the last one has the stage \"done\".";
+(or null), seconds (since the bake began), seconds_left, processor_seconds and processor_seconds_left (of all threads together: they do \
+not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\".";
 
 /// Arguments of `rebounce bake`.
 #[derive(Args, Debug)]
@@ -221,7 +224,7 @@ fn planned(args: &BakeArgs, scene: &Scene) -> Result<(BakeSettings, Option<usize
 fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let output = args.output();
     for problem in &scene.left_out {
-        eprintln!("warning: left out: {problem}");
+        eprintln!("warning: left out: {}", plain(problem));
     }
     let (settings, fewer) = planned(args, scene)?;
     if let Some(functions) = fewer {
@@ -242,7 +245,7 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let stop = Stop::install(last_words.clone()).context("setting up signals")?;
     let previews = args.preview.then(|| output.with_extension(PREVIEW));
     let watcher = Watcher { display: Display::new(args.json_progress), stop: stop.clone(), previews };
-    let began = Instant::now();
+    let (began, processors) = (Instant::now(), ProcessTime::now());
     let (mut baked, mut report) = match bake_in_team(scene, &settings, &watcher, Some(&checkpoint), team) {
         Ok(Some(baked)) => baked,
         // Nobody but the first process has no result.
@@ -278,7 +281,7 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     if let Some(path) = &args.report {
         write_whole(path, &serde_json::to_vec_pretty(&report)?)?;
     }
-    watcher.display.finish(began.elapsed().as_secs_f64());
+    watcher.display.finish(began.elapsed().as_secs_f64(), processors.elapsed().as_secs_f64());
     if !watcher.display.is_json() {
         println!("{report}");
         println!("wrote         {}", output.display());

@@ -5,12 +5,17 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Longest request head that is read, bytes.
 const MAX_HEAD: u64 = 16 << 10;
-/// A browser that opens a connection and says nothing does not hold it for ever.
-const PATIENCE: Duration = Duration::from_secs(30);
+/// A browser that opens a connection and says nothing, or little by little, or does not listen, does not hold it for
+/// ever.
+const PATIENCE: Duration = Duration::from_secs(if cfg!(test) { 2 } else { 30 });
+/// Connections at once; more are closed.
+const MOST_OPEN: usize = 256;
+/// Until the next try, where a connection could not be accepted.
+const BREATH: Duration = Duration::from_millis(20);
 
 /// The part of a request that answers depend on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,7 +48,7 @@ pub enum Body {
     File(File),
 }
 
-/// Answers every connection, each in a thread of its own. Ends only if accepting fails.
+/// Answers every connection, each in a thread of its own. Ends only if the listener fails for good.
 ///
 /// # Errors
 /// If no connection can be accepted any more.
@@ -53,13 +58,46 @@ pub fn serve(
     answer: impl Fn(&Request) -> Response + Send + Sync + 'static,
 ) -> io::Result<()> {
     let answer = Arc::new(answer);
+    let open = Arc::new(());
     loop {
-        let (stream, _) = listener.accept()?;
-        let answer = answer.clone();
-        std::thread::spawn(move || {
+        let stream = match listener.accept() {
+            Ok((stream, _)) => stream,
+            // The other side has gone, or there are too many open files for now.
+            Err(error)
+                if !matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) =>
+            {
+                std::thread::sleep(BREATH);
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        if Arc::strong_count(&open) > MOST_OPEN {
+            continue;
+        }
+        let (answer, is_open) = (answer.clone(), open.clone());
+        // Where there is no room for a thread, the connection is closed.
+        let _ = std::thread::Builder::new().spawn(move || {
             // A browser that has gone away is no error here.
             let _ = converse(&stream, headers, answer.as_ref());
+            drop(is_open);
         });
+    }
+}
+
+/// Reads until a time.
+struct Until<'a> {
+    stream: &'a TcpStream,
+    end: Instant,
+}
+
+impl Read for Until<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let left = self.end.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        self.stream.set_read_timeout(Some(left))?;
+        self.stream.read(into)
     }
 }
 
@@ -68,13 +106,16 @@ fn converse(
     headers: &[(&str, &str)],
     answer: &impl Fn(&Request) -> Response,
 ) -> io::Result<()> {
-    stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_nodelay(true)?;
-    let Some(request) = read_request(stream)? else {
-        return stream
-            .write_all(b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let request = read_request(Until { stream, end: Instant::now() + PATIENCE })?;
+    let response = match &request {
+        Some(request) => answer(request),
+        None => {
+            let text = Body::Text("this is no request that is understood here".into());
+            Response { status: 400, mime: "text/plain; charset=utf-8", body: text }
+        }
     };
-    let response = answer(&request);
     let len = match &response.body {
         Body::Bytes(bytes) => bytes.len() as u64,
         Body::Text(text) => text.len() as u64,
@@ -86,15 +127,19 @@ fn converse(
         reason(response.status),
         response.mime
     );
+    if response.status == 405 {
+        head.push_str("Allow: GET, HEAD\r\n");
+    }
     for (name, value) in headers {
         head.push_str(&format!("{name}: {value}\r\n"));
     }
     head.push_str("\r\n");
     stream.write_all(head.as_bytes())?;
-    if request.method != "HEAD" {
+    if request.is_none_or(|request| request.method != "HEAD") {
         match response.body {
             Body::Bytes(bytes) => stream.write_all(bytes)?,
             Body::Text(text) => stream.write_all(text.as_bytes())?,
+            // One that shrinks meanwhile ends early, which the length sent before tells the browser.
             Body::File(file) => {
                 io::copy(&mut file.take(len), &mut stream)?;
             }
@@ -102,24 +147,27 @@ fn converse(
     }
     // Closing while the other side still has something unread to us would cut the answer off.
     stream.shutdown(Shutdown::Write)?;
-    stream.set_read_timeout(Some(Duration::from_secs(1)))?;
-    io::copy(&mut stream.take(MAX_HEAD), &mut io::sink())?;
+    let rest = Until { stream, end: Instant::now() + Duration::from_secs(1) };
+    io::copy(&mut rest.take(MAX_HEAD), &mut io::sink())?;
     Ok(())
 }
 
 /// Reads a request's head; `None` if it is none.
 fn read_request(stream: impl Read) -> io::Result<Option<Request>> {
     let mut lines = BufReader::new(stream.take(MAX_HEAD)).lines();
-    let Some(first) = lines.next() else { return Ok(None) };
-    let first = first?;
+    // A line that is no text is no request.
+    let mut next = || match lines.next().transpose() {
+        Err(error) if error.kind() == io::ErrorKind::InvalidData => Ok(None),
+        line => line,
+    };
+    let Some(first) = next()? else { return Ok(None) };
     let words: Vec<&str> = first.split(' ').collect();
     let [method, target, version] = words[..] else { return Ok(None) };
     if !version.starts_with("HTTP/1.") {
         return Ok(None);
     }
     let mut request = Request { method: method.into(), target: target.into(), host: None };
-    for line in lines {
-        let line = line?;
+    while let Some(line) = next()? {
         if line.is_empty() {
             return Ok(Some(request));
         }
@@ -143,60 +191,4 @@ fn reason(status: u16) -> &'static str {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn parse(text: &str) -> Option<Request> {
-        read_request(text.as_bytes()).unwrap()
-    }
-
-    #[test]
-    fn a_request_is_its_method_target_and_host() {
-        let request = parse("GET /a?b HTTP/1.1\r\nAccept: */*\r\nhOST:  127.0.0.1:80\r\n\r\n").unwrap();
-        let expected =
-            Request { method: "GET".into(), target: "/a?b".into(), host: Some("127.0.0.1:80".into()) };
-        assert_eq!(request, expected);
-        assert_eq!(parse("HEAD / HTTP/1.0\n\n").unwrap().host, None);
-    }
-
-    #[test]
-    fn what_is_no_whole_request_is_refused() {
-        let long = format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "x".repeat(MAX_HEAD as usize));
-        let twice = "GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n";
-        for text in ["", "GET /\r\n\r\n", "GET / HTTP/1.1\r\nHost: a", "GET / FTP\r\n\r\n", twice, &long] {
-            assert_eq!(parse(text), None, "{}", &text[..text.len().min(40)]);
-        }
-    }
-
-    #[test]
-    fn many_connections_at_once_are_all_answered() {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let address = listener.local_addr().unwrap();
-        static BYTES: [u8; 100_000] = [7; 100_000];
-        std::thread::spawn(move || {
-            serve(&listener, &[("X-Test", "yes")], |request| match request.target.as_str() {
-                "/bytes" => Response { status: 200, mime: "a/b", body: Body::Bytes(&BYTES) },
-                _ => Response { status: 404, mime: "text/plain", body: Body::Text("no".into()) },
-            })
-        });
-        // Connections that say nothing, as browsers open them in advance.
-        let _silent: Vec<_> = (0..8).map(|_| TcpStream::connect(address).unwrap()).collect();
-        let ask = |line: &str| {
-            let mut stream = TcpStream::connect(address).unwrap();
-            stream.write_all(format!("{line} HTTP/1.1\r\nHost: x\r\n\r\n").as_bytes()).unwrap();
-            let mut answer = Vec::new();
-            stream.read_to_end(&mut answer).unwrap();
-            let end = answer.windows(4).position(|w| w == b"\r\n\r\n").unwrap() + 4;
-            let body = answer.split_off(end);
-            (String::from_utf8(answer).unwrap(), body)
-        };
-        for _ in 0..20 {
-            let (head, body) = ask("GET /bytes");
-            assert!(head.starts_with("HTTP/1.1 200 OK\r\n") && head.contains("X-Test: yes\r\n"), "{head}");
-            assert_eq!(body, BYTES);
-        }
-        let (head, body) = ask("HEAD /bytes");
-        assert!(head.contains("Content-Length: 100000\r\n") && body.is_empty(), "{head}");
-        assert!(ask("GET /other").0.starts_with("HTTP/1.1 404 "));
-    }
-}
+mod tests;

@@ -1,6 +1,6 @@
 //! `rebounce info`: what is inside a baked file.
 
-use super::read_baked;
+use super::{plain::plain, read_baked};
 use anyhow::Result;
 use clap::Args;
 use rebounce_shared::rbn::Scene;
@@ -31,7 +31,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     } else {
         as_text(&file, bytes.len(), &sections, &scene)
     };
-    match std::io::stdout().write_all(text.as_bytes()) {
+    match std::io::stdout().write_all(plain(&text).as_bytes()) {
         // Whoever reads may stop early, as `head` does.
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e.into()),
         _ => Ok(()),
@@ -95,7 +95,7 @@ fn as_text(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Str
     let mut out = String::new();
     let mut line = |label: &str, text: String| out += &format!("{label:13} {text}\n");
     line("file", format!("{file}, {}, format version {}", size(bytes), container::VERSION));
-    line("scene", format!("{:?}, by {}", m.scene_name, m.generator));
+    line("scene", format!("{:?}, by {}", m.scene_name, m.generator.escape_debug()));
     let [x, y, z] = std::array::from_fn(|i| m.bounds_max[i] - m.bounds_min[i]);
     let [ox, oy, oz] = m.origin;
     line("size", format!("{x:.4} x {y:.4} x {z:.4} around ({ox:.3}, {oy:.3}, {oz:.3})"));
@@ -129,7 +129,11 @@ fn as_text(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Str
         "bake",
         format!(
             "preset {}, seed {}, epsilon {:e}, {} bounces, {} rays",
-            m.bake.preset, m.bake.seed, m.bake.epsilon, m.bake.bounces, m.bake.rays
+            m.bake.preset.escape_debug(),
+            m.bake.seed,
+            m.bake.epsilon,
+            m.bake.bounces,
+            m.bake.rays
         ),
     );
     let textured = m.materials.iter().filter(|m| m.base_color_texture.is_some()).count();
@@ -141,7 +145,7 @@ fn as_text(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Str
             "",
             format!(
                 "{width} x {height} {}, {}, {name:?}",
-                mime.trim_start_matches("image/"),
+                mime.trim_start_matches("image/").escape_debug(),
                 size(*len as usize)
             ),
         );

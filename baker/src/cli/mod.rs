@@ -5,6 +5,7 @@ pub mod compare;
 mod http;
 pub mod info;
 mod picture;
+pub mod plain;
 mod progress;
 pub mod reference;
 pub mod render;

@@ -53,6 +53,8 @@ struct Line<'a> {
     rays_per_second: Option<f64>,
     seconds: f64,
     seconds_left: f64,
+    processor_seconds: f64,
+    processor_seconds_left: f64,
     fraction: f64,
 }
 
@@ -87,16 +89,16 @@ impl Display {
             Self::Json(last) => {
                 let Ok(mut last) = last.lock() else { return };
                 if last.is_due(progress, JSON_LINES) {
-                    let Progress { stage, level, done, total, rays_per_second, seconds, seconds_left } =
-                        *progress;
                     line(&Line {
-                        stage: stage.label(),
-                        level,
-                        done,
-                        total,
-                        rays_per_second,
-                        seconds,
-                        seconds_left,
+                        stage: progress.stage.label(),
+                        level: progress.level,
+                        done: progress.done,
+                        total: progress.total,
+                        rays_per_second: progress.rays_per_second,
+                        seconds: progress.seconds,
+                        seconds_left: progress.seconds_left,
+                        processor_seconds: progress.processor_seconds,
+                        processor_seconds_left: progress.processor_seconds_left,
                         fraction: progress.fraction(),
                     });
                 }
@@ -104,8 +106,8 @@ impl Display {
         }
     }
 
-    /// The file is written, so many seconds after the bake began.
-    pub fn finish(&self, seconds: f64) {
+    /// The file is written, so many seconds after the bake began, of the clock and of the processors.
+    pub fn finish(&self, seconds: f64, processor_seconds: f64) {
         match self {
             Self::Bar(bar) => bar.finish_and_clear(),
             Self::Lines(_) => {}
@@ -117,6 +119,8 @@ impl Display {
                 rays_per_second: None,
                 seconds,
                 seconds_left: 0.0,
+                processor_seconds,
+                processor_seconds_left: 0.0,
                 fraction: 1.0,
             }),
         }
@@ -179,6 +183,8 @@ mod tests {
             rays_per_second: None,
             seconds: 1.0,
             seconds_left: 1.0,
+            processor_seconds: 2.0,
+            processor_seconds_left: 2.0,
         };
         let long = Duration::from_secs(1000);
         assert!(last.is_due(&progress, long) && !last.is_due(&progress, long));

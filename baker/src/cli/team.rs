@@ -8,6 +8,7 @@ use std::process::ExitCode;
 /// for this one.
 #[cfg(feature = "mpi")]
 pub fn with_team(work: impl FnOnce(&dyn Team) -> Result<u8>) -> Result<ExitCode> {
+    use crate::cli::plain::plain;
     use anyhow::Context;
     use rebounce::team::mpi::Mpi;
     use std::time::Duration;
@@ -31,7 +32,7 @@ pub fn with_team(work: impl FnOnce(&dyn Team) -> Result<u8>) -> Result<ExitCode>
         Ok(0) => Ok(ExitCode::SUCCESS),
         Ok(code) => team.abort(code),
         Err(error) => {
-            eprintln!("rebounce: process {rank} of {size}: {}", crate::sentence(&error));
+            eprintln!("rebounce: process {rank} of {size}: {}", plain(&crate::sentence(&error)));
             team.abort(1)
         }
     }

@@ -161,7 +161,11 @@ impl Site {
         }
         if name == "scene.rbn" {
             let path = self.newest().map_or(self.file.clone(), |(path, _)| path);
-            return match File::open(path) {
+            let file = File::open(path).and_then(|file| match file.metadata()?.is_file() {
+                true => Ok(file),
+                false => Err(std::io::Error::other("it is no file")),
+            });
+            return match file {
                 Ok(file) => {
                     Response { status: 200, mime: "application/octet-stream", body: Body::File(file) }
                 }
@@ -213,7 +217,17 @@ mod tests {
         let (site, _file) = site();
         assert_eq!(get(&site, "127.0.0.1:80", "/scene.rbn"), 200);
         assert_eq!(get(&site, "localhost:80", "/scene.rbn?x=1"), 200);
-        for host in ["evil.example:80", "127.0.0.1:81", "127.0.0.1", "127.0.0.1:80.evil.example"] {
+        for host in [
+            "evil.example:80",
+            "127.0.0.1:81",
+            "127.0.0.1",
+            "127.0.0.1:80.evil.example",
+            "evil.example@127.0.0.1:80",
+            "127.0.0.1:80, evil.example",
+            "127.1:80",
+            "[::1]:80",
+            "",
+        ] {
             assert_eq!(get(&site, host, "/scene.rbn"), 403, "{host}");
         }
         assert_eq!(ask(&site, "GET", None, "/scene.rbn"), 403);
@@ -233,12 +247,35 @@ mod tests {
             "/./scene.rbn",
             "http://127.0.0.1/scene.rbn",
             "*",
+            "/%2e%2e%2fCargo.toml",
+            "/..%5c..%5cCargo.toml",
+            "/..\\..\\Cargo.toml",
+            "/%252e%252e/Cargo.toml",
+            "/%c0%ae%c0%ae/Cargo.toml",
+            "/..%00/scene.rbn",
+            "/scene.rbn%00",
+            "/scene.rbn/",
+            "/scene.rbn/../Cargo.toml",
+            "/scene.partial",
+            "/....//Cargo.toml",
+            "/SCENE.RBN",
+            "/index.html/",
+            "scene.rbn",
+            "",
             &absolute,
         ] {
             let status = get(&site, "127.0.0.1:80", url);
             assert!(status == 404 || status == 400, "{url}: {status}");
         }
-        assert_eq!(ask(&site, "POST", Some("127.0.0.1:80"), "/"), 405);
+        for method in ["POST", "PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "get", "", "PROPFIND"] {
+            assert_eq!(ask(&site, method, Some("127.0.0.1:80"), "/scene.rbn"), 405, "{method}");
+        }
+        // What is asked for by another name, or no file any more.
+        file.close().unwrap();
+        assert_eq!(get(&site, "127.0.0.1:80", "/scene.rbn"), 404);
+        std::fs::create_dir(&site.file).unwrap();
+        assert_eq!(get(&site, "127.0.0.1:80", "/scene.rbn"), 404);
+        std::fs::remove_dir(&site.file).unwrap();
     }
 
     #[test]
@@ -272,6 +309,15 @@ mod tests {
         at(&preview, b"newer", 300);
         assert_eq!(plain.newest().unwrap().0, file);
         assert_eq!(get(&plain, "127.0.0.1:80", "/scene.version"), 404);
+    }
+
+    #[test]
+    fn nobody_but_this_machine_is_listened_to() {
+        let listener = listen(Some(0)).unwrap();
+        assert_eq!(listener.local_addr().unwrap().ip(), Ipv4Addr::LOCALHOST);
+        let port = listener.local_addr().unwrap().port();
+        let refused = format!("{:#}", listen(Some(port)).unwrap_err());
+        assert!(refused.contains(&port.to_string()) && refused.contains("--port"), "{refused}");
     }
 
     #[test]

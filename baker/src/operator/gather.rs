@@ -4,12 +4,12 @@
 use super::OperatorSettings;
 use super::choose::choose;
 use super::directions::Directions;
-use super::hemisphere::{GatherRays, gather_rays};
+use super::found::Found;
 use super::tally::{IrradianceRow, Tally};
-use crate::basis::{Leveled, List, Relations};
+use crate::basis::{Leveled, Relations};
 use crate::points::Points;
-use crate::surface::{Hit, Surfaces};
-use glam::{Vec3, Vec3A};
+use crate::surface::Surfaces;
+use glam::Vec3A;
 use rebounce_shared::link::{Link, Sent};
 
 /// What all gathers read.
@@ -36,8 +36,9 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
 /// carried over like a link's, which keeps values short and changes nothing but the place that they come from.
 const VALUE_EPSILON: f32 = 0.5;
 
-/// Rays that are cast before their hits are looked at.
-const BATCH: usize = 64;
+/// Rays that are cast and kept at once, for as many receivers as they are enough for: so many that those that go alike
+/// are some, and so few that they stay near.
+const TOGETHER: usize = 1 << 13;
 
 /// What one gather leaves besides links.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,24 +64,31 @@ pub struct Gathered {
     pub cost: GatherCost,
 }
 
+impl Gathered {
+    /// Whether it can be of a scene with so many senders and points of later bounces, whoever says it: indices are
+    /// under these, ascend, and have finite numbers.
+    pub fn fits(&self, senders: usize, coarse: usize) -> bool {
+        let row = |links: &[Link]| {
+            links.windows(2).all(|pair| pair[0].sender() < pair[1].sender())
+                && links.last().is_none_or(|last| last.sender() < senders)
+        };
+        row(&self.links)
+            && row(&self.value)
+            && self.coarse.windows(2).all(|pair| pair[0].0 < pair[1].0)
+            && self.coarse.last().is_none_or(|last| (last.0 as usize) < coarse)
+            && self.coarse.iter().all(|entry| entry.1.is_finite())
+            && self.cost.rays <= u32::MAX as u64
+            && self.cost.seen.is_finite()
+            && self.cost.lost.is_finite()
+    }
+}
+
 /// A thread's working memory, reused from receiver to receiver.
 pub struct Scratch {
     senders: Tally,
     coarse: Tally,
     prediction: Tally,
     found: Found,
-}
-
-/// Rays of one gather, and what they find: [`BATCH`] at a time, so that what one step has to wait for, memory far
-/// away, it waits for once.
-#[derive(Default)]
-struct Found {
-    rays: GatherRays,
-    hits: Vec<Option<Hit>>,
-    /// Hits that reflect, the light that they bring, and where the functions that may cover them are listed.
-    reflecting: Vec<(Hit, Vec3A, List)>,
-    /// The functions that cover one hit.
-    weights: Vec<(u32, f32)>,
 }
 
 impl Scratch {
@@ -96,44 +104,47 @@ impl Scratch {
 }
 
 impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
-    /// The links of one receiver, and more. `values` holds the [values](Gathered::value) of all
-    /// coarser levels.
-    pub fn links(
+    /// The links of some receivers of a level, and more: tells `done` of each of them in turn. Fastest for neighbours.
+    /// `values` holds the [values](Gathered::value) of all coarser levels.
+    ///
+    /// # Errors
+    /// What `done` returns.
+    pub fn links<E>(
         &self,
-        receiver: usize,
+        receivers: &[usize],
         level: usize,
         directions: &Directions,
         values: &[Vec<Link>],
         scratch: &mut Scratch,
-    ) -> Gathered {
+        mut done: impl FnMut(usize, Gathered) -> Result<(), E>,
+    ) -> Result<(), E> {
         // The variance of a mean of rays that either hit a sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
-        let is_coarse = receiver < self.coarse_count;
         let Scratch { senders, coarse, prediction, found } = scratch;
-        let cost = self.integrate(receiver, directions, found, |hit, arriving, weights| {
-            self.share(weights, arriving, senders);
-            if is_coarse {
-                self.coarse.interpolate(hit.position, hit.normal, weights);
-                self.share(weights, arriving, coarse);
+        for group in receivers.chunks((TOGETHER / directions.len().max(1)).max(1)) {
+            found.cast(self, group, directions);
+            for (k, &receiver) in group.iter().enumerate() {
+                let cost = GatherCost { rays: directions.len() as u64, ..found.add(k, senders, coarse) };
+                let mut gathered = Gathered { cost, ..Gathered::default() };
+                if receiver < self.coarse_count {
+                    gathered.coarse = coarse.row(self.settings.least_irradiance());
+                    coarse.clear();
+                }
+                self.predict(receiver, values, prediction);
+                gathered.links = choose(senders, Some(prediction), epsilon, noise);
+                if level + 1 < self.settings.levels {
+                    for link in &gathered.links {
+                        prediction.add(link.sender(), link.amount());
+                    }
+                    gathered.value = self.value(level, prediction);
+                }
+                senders.clear();
+                prediction.clear();
+                done(receiver, gathered)?;
             }
-        });
-        let mut gathered = Gathered { cost, ..Gathered::default() };
-        if is_coarse {
-            gathered.coarse = coarse.row(self.settings.least_irradiance());
-            coarse.clear();
         }
-        self.predict(receiver, values, prediction);
-        gathered.links = choose(senders, Some(prediction), epsilon, noise);
-        if level + 1 < self.settings.levels {
-            for link in &gathered.links {
-                prediction.add(link.sender(), link.amount());
-            }
-            gathered.value = self.value(level, prediction);
-        }
-        senders.clear();
-        prediction.clear();
-        gathered
+        Ok(())
     }
 
     /// What is left of a receiver that is not refined: the value that its parents' say.
@@ -163,54 +174,6 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// A receiver's value as its children will subtract it.
     fn value(&self, level: usize, sums: &Tally) -> Vec<Link> {
         choose(sums, None, VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
-    }
-
-    /// Adds a ray's light to the senders that cover its hit, by their shares: as bright as it is counted in each
-    /// one's tint, the best fit of the one to the other.
-    #[inline]
-    fn share(&self, shares: &[(u32, f32)], arriving: Vec3A, senders: &mut Tally) {
-        for &(sender, share) in shares {
-            senders.add(sender as usize, share * arriving.dot(self.duals[sender as usize]));
-        }
-    }
-
-    /// Eq. 16: casts the rays and tells `add` of each hit that reflects, with the irradiance that it brings (RGB, per
-    /// unit irradiance at the hit) and the functions that cover it (a list that it may use afterwards).
-    fn integrate(
-        &self,
-        receiver: usize,
-        directions: &Directions,
-        found: &mut Found,
-        mut add: impl FnMut(&Hit, Vec3A, &mut Vec<(u32, f32)>),
-    ) -> GatherCost {
-        let Found { rays, hits, reflecting, weights } = found;
-        let (point, epsilon) = (&self.points.points[receiver], self.surfaces.epsilon());
-        gather_rays(point, receiver, self.settings.seed, epsilon, directions, rays);
-        let mut cost = GatherCost { rays: directions.len() as u64, ..GatherCost::default() };
-        for (rays, shares) in rays.rays.chunks(BATCH).zip(rays.shares.chunks(BATCH)) {
-            self.surfaces.cast_all(rays, hits);
-            reflecting.clear();
-            for ((hit, (ray, _)), share) in hits.iter().zip(rays).zip(shares) {
-                if let Some(hit) = hit
-                    && hit.albedo != Vec3::ZERO
-                    && hit.faces(ray.direction)
-                {
-                    let arriving = Vec3A::from(hit.albedo * *share);
-                    reflecting.push((*hit, arriving, self.senders.look_up(hit.position)));
-                }
-            }
-            for (hit, arriving, list) in &*reflecting {
-                let seen = (arriving.element_sum() / 3.0) as f64;
-                cost.seen += seen;
-                self.senders.interpolate_in(*list, hit.position, hit.normal, weights);
-                if weights.is_empty() {
-                    cost.lost += seen;
-                } else {
-                    add(hit, *arriving, weights);
-                }
-            }
-        }
-        cost
     }
 
     /// Eq. 17: what the parents' values say at this receiver, as the push will interpolate it.

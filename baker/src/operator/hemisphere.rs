@@ -6,7 +6,7 @@ use crate::random::mix;
 use crate::surface::Ray;
 use glam::Vec3;
 
-/// The rays of a gather.
+/// The rays of some gathers, one after the other.
 #[derive(Clone, Debug, Default)]
 pub struct GatherRays {
     /// What is cast, and what decides on what transparent surfaces do.
@@ -15,7 +15,15 @@ pub struct GatherRays {
     pub shares: Vec<f32>,
 }
 
-/// Replaces `out` by the rays of a receiver: those of `directions` around its shading normal that leave its true
+impl GatherRays {
+    /// Takes all rays out.
+    pub fn clear(&mut self) {
+        self.rays.clear();
+        self.shares.clear();
+    }
+}
+
+/// Adds the rays of a receiver to `out`: those of `directions` around its shading normal that leave its true
 /// surface. `epsilon` is [`Surfaces::epsilon`](crate::surface::Surfaces::epsilon). A closed white room's shares sum to 1.
 pub fn gather_rays(
     point: &SurfacePoint,
@@ -27,19 +35,20 @@ pub fn gather_rays(
 ) {
     let origin = point.position + point.geometric_normal * epsilon;
     let name = mix(seed) ^ (receiver as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    out.rays.clear();
-    out.shares.clear();
+    let first = out.shares.len();
+    // The square root of the solid angle that each stands for.
+    let spread = (std::f32::consts::TAU / directions.len() as f32).sqrt();
     let mut total = 0.0;
     for (i, d) in directions.around(point.normal, name).enumerate() {
         let share = d.cosine * d.weight;
         total += share;
         let direction = Vec3::from(d.direction);
         if direction.dot(point.geometric_normal) > 0.0 {
-            let ray = Ray { origin, direction, max_distance: f32::INFINITY };
+            let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread };
             out.rays.push((ray, mix(name ^ i as u64) as u32));
             out.shares.push(share);
         }
     }
     // Dividing by this sum instead of the number of rays makes a closed white room exact.
-    out.shares.iter_mut().for_each(|share| *share /= total);
+    out.shares[first..].iter_mut().for_each(|share| *share /= total);
 }

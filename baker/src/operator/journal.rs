@@ -12,6 +12,17 @@ pub struct Columns {
     pub rows: Vec<Vec<(u32, Vec3)>>,
 }
 
+impl Columns {
+    /// Whether they can be what these senders, which ascend, send to so many points, whoever says it.
+    pub fn fits(&self, senders: &[u32], count: usize) -> bool {
+        let row = |row: &Vec<(u32, Vec3)>| {
+            row.windows(2).all(|pair| pair[0].0 < pair[1].0)
+                && row.iter().all(|entry| entry.1.is_finite() && senders.binary_search(&entry.0).is_ok())
+        };
+        self.rows.len() == count && self.rows.iter().all(row)
+    }
+}
+
 /// Keeps parts of the operator as they are done, and has those of an earlier run. What it gives back is, to the bit,
 /// what it was given.
 pub trait Journal: Sync {

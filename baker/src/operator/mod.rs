@@ -4,6 +4,7 @@
 //! * [`tint`] – the senders' colours;
 //! * [`directions`] – the rays of one hemispherical gather;
 //! * [`hemisphere`] – a receiver's rays;
+//! * `found` – what those of some receivers find;
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`tally`] – what a gather sums up, by sender;
 //! * [`choose`] – which of it becomes a link;
@@ -16,6 +17,7 @@ pub mod bounces;
 pub mod bytes;
 mod choose;
 pub mod directions;
+mod found;
 pub mod gather;
 pub mod hemisphere;
 pub mod journal;
@@ -113,6 +115,11 @@ impl Operator {
     /// Number of links of each point of T.
     pub fn link_counts(&self) -> impl Iterator<Item = usize> + '_ {
         self.links.iter().map(Vec::len)
+    }
+
+    /// Entries of a row of [`Self::coarse`], on average of those that are there.
+    pub fn coarse_row_length(&self) -> f64 {
+        self.coarse.iter().map(Vec::len).sum::<usize>() as f64 / self.coarse.len().max(1) as f64
     }
 
     /// Number of links for later bounces.

@@ -10,6 +10,7 @@ use super::journal::Journal;
 use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
 use crate::points::Points;
+use crate::random::mix;
 use crate::surface::Surfaces;
 use crate::team::share::{Outbox, Traffic, share};
 use crate::team::{Team, TeamError};
@@ -147,7 +148,10 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let mut traffic = Traffic::default();
         for chunk in 0..found.rows.len() {
             let (first, count) = found.place(chunk);
-            if let Some(rows) = journal.receivers(first, count) {
+            let fits = |rows: &Vec<Gathered>| {
+                rows.iter().all(|gathered| gathered.fits(self.sender_count, context.coarse_count))
+            };
+            if let Some(rows) = journal.receivers(first, count).filter(fits) {
                 watch.skip(rows.iter().map(|gathered| gathered.cost.rays).sum())?;
                 found.rows[chunk] = Some(rows);
             }
@@ -157,8 +161,10 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         }
         let for_all = l + 1 < context.points.levels.len() || range.start < context.coarse_count;
         let left = (0..found.rows.len()).filter(|chunk| found.rows[*chunk].is_none());
-        let mine: Vec<(usize, usize)> =
+        let mut mine: Vec<(usize, usize)> =
             left.skip(team.rank()).step_by(team.size()).map(|chunk| found.place(chunk)).collect();
+        // All over the scene from the first to the last, so that what is done says how long the rest takes.
+        mine.sort_by_key(|(first, _)| mix(*first as u64));
         let directions = Directions::new(context.settings.rays_on(l));
         let pool = Mutex::new(Vec::new());
         let this = &*self;
@@ -167,16 +173,18 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
                 let recycled = pool.lock().ok().and_then(|mut free| free.pop());
                 let mut scratch =
                     recycled.unwrap_or_else(|| Scratch::new(this.sender_count, context.coarse_count));
-                let mut gather = |i: usize| {
-                    let gathered = if this.is_wanted(i) {
-                        context.links(i, l, &directions, &this.values, &mut scratch)
-                    } else {
-                        context.inherit(i, l, &this.values, &mut scratch)
-                    };
-                    watch.step(gathered.cost.rays)?;
-                    Ok(gathered)
-                };
-                let rows = (first..first + count).map(&mut gather).collect::<Result<Vec<_>, Stopped>>()?;
+                let (wanted, others): (Vec<usize>, Vec<usize>) =
+                    (first..first + count).partition(|i| this.is_wanted(*i));
+                let mut rows = vec![Gathered::default(); count];
+                context.links(&wanted, l, &directions, &this.values, &mut scratch, |i, gathered| {
+                    let rays = gathered.cost.rays;
+                    rows[i - first] = gathered;
+                    watch.step(rays)
+                })?;
+                for i in others {
+                    rows[i - first] = context.inherit(i, l, &this.values, &mut scratch);
+                    watch.step(0)?;
+                }
                 if let Ok(mut free) = pool.lock() {
                     free.push(scratch);
                 }

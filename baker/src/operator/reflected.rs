@@ -28,8 +28,8 @@ pub fn reflected_share<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, seed
                 let direction = stream.cosine_hemisphere(point.normal);
                 let seed = stream.bits() as u32;
                 if direction.dot(point.geometric_normal) > 0.0
-                    && let Some(hit) =
-                        surfaces.cast(&Ray { origin, direction, max_distance: f32::INFINITY }, seed)
+                    && let Some(hit) = surfaces
+                        .cast(&Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 }, seed)
                     && hit.faces(direction)
                 {
                     sum += hit.albedo.element_sum() / 3.0;

@@ -74,7 +74,7 @@ fn mean_albedo<S: Surfaces + ?Sized>(
             (std::f32::consts::TAU * stream.unit(), (k as f32 + stream.unit()) / rays as f32);
         let along = (first * angle.cos() + second * angle.sin()) * share.sqrt();
         let origin = point.position + radius * (along + ABOVE * point.normal);
-        let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius };
+        let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius, spread: 0.0 };
         if let Some(hit) = surfaces.cast(&down, stream.bits() as u32)
             && hit.faces(down.direction)
         {
@@ -101,7 +101,7 @@ mod tests {
         // Above the blocks.
         let middle = surfaces.bounds().0.lerp(surfaces.bounds().1, 0.5).with_y(0.8 * surfaces.bounds().1.y);
         let at = |direction: Vec3| {
-            let ray = Ray { origin: middle, direction, max_distance: f32::INFINITY };
+            let ray = Ray { origin: middle, direction, max_distance: f32::INFINITY, spread: 0.0 };
             let hit = surfaces.cast(&ray, 0).unwrap();
             let level = PointLevel { first: 0, count: 1, disk_radius: 0.02, support_radius: 0.04 };
             let point = SurfacePoint::at(&hit, 1e-6);

@@ -77,7 +77,7 @@ pub fn radiance(
         }
         let direction = stream.cosine_hemisphere(hit.normal);
         let origin = hit.offset_origin(direction, surfaces.epsilon());
-        ray = Ray { origin, direction, max_distance: f32::INFINITY };
+        ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
         depth += 1;
     }
     total
@@ -106,7 +106,7 @@ mod tests {
             (origin[(axis + 1) % 3], origin[(axis + 2) % 3]) = (at.x, at.y);
             let mut direction = Vec3::ZERO;
             direction[axis] = if stream.unit() < 0.5 { 1.0 } else { -1.0 };
-            let ray = Ray { origin: origin.into(), direction, max_distance: f32::INFINITY };
+            let ray = Ray { origin: origin.into(), direction, max_distance: f32::INFINITY, spread: 0.0 };
             let mut of =
                 |only| radiance(&surfaces, &lights, ray, Settings { only, bounces: None }, &mut stream).x;
             direct += of(Only::Direct) as f64;

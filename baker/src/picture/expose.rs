@@ -42,7 +42,7 @@ pub fn expose(
                     jitter = (Vec2::new((s % side) as f32, (s / side) as f32) + jitter) / side as f32;
                 }
                 let direction = camera.direction(x as f32 + jitter.x, y as f32 + jitter.y, width, height);
-                let ray = Ray { origin: camera.eye, direction, max_distance: f32::INFINITY };
+                let ray = Ray { origin: camera.eye, direction, max_distance: f32::INFINITY, spread: 0.0 };
                 sum += radiance(&ray, &mut stream).as_dvec3();
             }
             *pixel = (sum / samples as f64).as_vec3();

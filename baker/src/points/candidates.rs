@@ -66,7 +66,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         let Some(&origin) = self.viewpoints.get(particle as usize % self.viewpoints.len().max(1)) else {
             return found;
         };
-        let mut ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY };
+        let mut ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
         for bounce in 0..BOUNCES {
             let seed = mix(stream.bits()) as u32;
             let Some(hit) = self.surfaces.cast(&ray, seed) else { break };

@@ -43,7 +43,12 @@ fn samples_of<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, i: usize, rad
         if cuts.iter().any(|cut| cut.ends(offset)) || surfaces.transmittance(above, place) < 0.5 {
             return false;
         }
-        let down = Ray { origin: place, direction: -point.normal, max_distance: (LIFT + DEPTH) * radius };
+        let down = Ray {
+            origin: place,
+            direction: -point.normal,
+            max_distance: (LIFT + DEPTH) * radius,
+            spread: 0.0,
+        };
         let below = surfaces.cast(&down, mix(i as u64) as u32);
         below.is_some_and(|hit| hit.faces(down.direction) && likeness(hit.normal.dot(point.normal)) > 0.0)
     };

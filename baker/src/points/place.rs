@@ -191,7 +191,9 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
             }
             batch = self.source.batch();
         }
+        let thrown = board.len();
         fill(surfaces, &mut board, disk_radius, settings.seed, fits, watch)?;
+        watch.step((board.len() - thrown) as u64)?;
         self.within_limit(board.len())?;
         let mut points = board.into_points();
         let (low, high) = surfaces.bounds();
@@ -286,7 +288,7 @@ fn is_tight<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, disk_radiu
             direction = -direction;
         }
         let origin = point.position + point.geometric_normal * surfaces.epsilon();
-        let ray = Ray { origin, direction, max_distance: length };
+        let ray = Ray { origin, direction, max_distance: length, spread: 0.0 };
         let distance = surfaces.cast(&ray, i).map_or(length, |hit| hit.distance);
         inverse_sum += 1.0 / distance.max(1e-4 * length);
     }

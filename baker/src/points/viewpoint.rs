@@ -33,12 +33,17 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Vec<Vec3> {
             if i % 2 == 1 {
                 // Half of them right in the middle of a free stretch between two surfaces, so
                 // that small rooms in a large scene are tried too.
-                let ray = Ray { origin: point, direction: stream.sphere(), max_distance: f32::INFINITY };
+                let ray = Ray {
+                    origin: point,
+                    direction: stream.sphere(),
+                    max_distance: f32::INFINITY,
+                    spread: 0.0,
+                };
                 let hit = surfaces.cast(&ray, 0)?;
                 let away = stream.cosine_hemisphere(hit.geometric_normal);
                 let origin = hit.offset_origin(away, surfaces.epsilon());
                 let free = surfaces
-                    .cast(&Ray { origin, direction: away, max_distance: f32::INFINITY }, 0)
+                    .cast(&Ray { origin, direction: away, max_distance: f32::INFINITY, spread: 0.0 }, 0)
                     .map_or(0.25 * extent.length(), |h| h.distance);
                 point = origin + away * (0.5 * free);
             }
@@ -67,7 +72,7 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Vec<Vec3> {
 fn score<S: Surfaces + ?Sized>(surfaces: &S, point: Vec3, stream: &mut Stream, diagonal: f32) -> f32 {
     let (mut front, mut back, mut inverse_distance) = (0.0, 0.0, 0.0);
     for _ in 0..RAYS {
-        let ray = Ray { origin: point, direction: stream.sphere(), max_distance: f32::INFINITY };
+        let ray = Ray { origin: point, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
         match surfaces.cast(&ray, stream.bits() as u32) {
             Some(hit) if hit.faces(ray.direction) => {
                 front += 1.0;

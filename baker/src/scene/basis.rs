@@ -10,6 +10,12 @@ pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\xabKTX 20\xbb\r\n\x1a\n")
 }
 
+/// Width and height, from the header.
+pub(super) fn size(bytes: &[u8]) -> Option<(u64, u64)> {
+    let word = |at: usize| bytes.get(at..at + 4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]]) as u64);
+    word(20).zip(word(24))
+}
+
 /// The largest level of the picture as PNG, lossless. An error is a sentence that says what is wrong.
 pub(super) fn to_png(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let damaged = |problem: &str| {
@@ -17,8 +23,7 @@ pub(super) fn to_png(bytes: &[u8]) -> Result<Vec<u8>, String> {
             "its KTX2 picture cannot be decoded ({problem}): export it again, as ETC1S or UASTC, PNG or JPEG"
         )
     };
-    let word = |at: usize| bytes.get(at..at + 4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]]) as u64);
-    let (width, height) = word(20).zip(word(24)).ok_or_else(|| damaged("it is cut short"))?;
+    let (width, height) = size(bytes).ok_or_else(|| damaged("it is cut short"))?;
     check_size(width, height, bytes.len())?;
     let picture = Transcoder::new(bytes).map_err(|e| damaged(&format!("{e:?}")))?;
     let rgba = picture

@@ -3,7 +3,7 @@
 use super::{SceneError, basis};
 use glam::{Vec2, Vec3};
 use rebounce_shared::rbn::meta::{self, Wrap};
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 /// Linear value of each 8-bit sRGB value (IEC 61966-2-1).
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
@@ -12,6 +12,20 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
         (if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }) as f32
     })
 });
+
+/// The linear colour of a texel.
+#[inline]
+fn linear([r, g, b, _]: [u8; 4]) -> Vec3 {
+    let table = &*LINEAR;
+    Vec3::new(table[r as usize], table[g as usize], table[b as usize])
+}
+
+/// The 8-bit sRGB value whose linear value is nearest.
+fn nonlinear(x: f32) -> u8 {
+    let table = &*LINEAR;
+    let above = table.partition_point(|value| *value < x).min(255);
+    if above > 0 && x - table[above - 1] < table[above] - x { above as u8 - 1 } else { above as u8 }
+}
 
 /// Decoded texels, row after row from the top: sRGB with linear alpha, 8 bits each.
 #[derive(Debug, PartialEq)]
@@ -22,6 +36,8 @@ pub struct Texels {
     pub height: u32,
     /// `width · height` of them.
     pub rgba: Vec<[u8; 4]>,
+    /// The same in halves, quarters and so on, once they are wanted: as they are, and weighed by alpha.
+    coarser: [OnceLock<Vec<Texels>>; 2],
 }
 
 /// A texture: its compressed bytes, how it is sampled, and its texels where they are needed.
@@ -70,8 +86,10 @@ fn undecodable(error: &image::ImageError) -> String {
 const MOST_TEXELS: u64 = 1 << 28;
 /// Pictures of so many texels need no proof; larger ones must have bytes to show for it.
 const MANY_TEXELS: u64 = 1 << 24;
-/// Texels that a byte of a large picture can stand for, at most.
-const TEXELS_A_BYTE: u64 = 4096;
+/// The same of all pictures of a scene together.
+const MANY_TOGETHER: u64 = 1 << 26;
+/// Texels that a byte of large pictures can stand for, at most. A PNG of one colour has 344 a byte.
+const TEXELS_A_BYTE: u64 = 512;
 
 /// Refuses a picture that says it is larger than its bytes can be, before anything is allocated for it.
 pub(super) fn check_size(width: u64, height: u64, len: usize) -> Result<(), String> {
@@ -84,10 +102,29 @@ pub(super) fn check_size(width: u64, height: u64, len: usize) -> Result<(), Stri
     }
     if texels > MANY_TEXELS.max(TEXELS_A_BYTE * len as u64) {
         return Err(format!(
-            "its {len} bytes cannot be {width} x {height} texels; it is damaged: save it again"
+            "its {len} bytes would be {width} x {height} texels: save it again if it is damaged, smaller if it has \
+             one colour"
         ));
     }
     Ok(())
+}
+
+/// Texels that a picture will be decoded to, by its header; none where that cannot be read.
+pub(super) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
+    let size = match (basis::is_ktx2(bytes), decoded) {
+        (true, _) => basis::size(bytes),
+        (false, true) => dimensions(bytes).ok().map(|(width, height)| (width as u64, height as u64)),
+        (false, false) => None,
+    };
+    size.map_or(0, |(width, height)| width.saturating_mul(height))
+}
+
+/// Refuses pictures that say they are larger, together, than their bytes can be.
+pub(super) fn check_together(texels: u64, bytes: u64) -> Result<(), String> {
+    if texels <= MANY_TOGETHER.max(TEXELS_A_BYTE.saturating_mul(bytes)) {
+        return Ok(());
+    }
+    Err(format!("its pictures' {bytes} bytes would become {texels} texels: make those of one colour smaller"))
 }
 
 impl Texels {
@@ -102,8 +139,63 @@ impl Texels {
             .map_err(|e| undecodable(&e))?
             .into_rgba8();
         let (width, height) = picture.dimensions();
-        let rgba = picture.into_raw().as_chunks::<4>().0.to_vec();
-        Ok(Self { width, height, rgba })
+        // Without a copy, as far as the decoder left no room to spare.
+        let rgba = bytemuck::try_cast_vec(picture.into_raw())
+            .unwrap_or_else(|(_, raw)| raw.as_chunks::<4>().0.to_vec());
+        Ok(Self::new(width, height, rgba))
+    }
+
+    /// From `width · height` texels.
+    pub fn new(width: u32, height: u32, rgba: Vec<[u8; 4]>) -> Self {
+        Self { width, height, rgba, coarser: Default::default() }
+    }
+
+    /// These texels, each the mean of about so many.
+    #[inline]
+    fn averaged(&self, texels: f32, by_alpha: bool) -> &Self {
+        if texels < 4.0 || texels.is_nan() {
+            return self;
+        }
+        // A level has a quarter of the texels of the one before: half the power of two.
+        let level = ((texels.to_bits() >> 23) as usize - 127) >> 1;
+        let coarser = self.coarser[by_alpha as usize].get_or_init(|| self.halves(by_alpha));
+        coarser.get(level.min(coarser.len()).wrapping_sub(1)).unwrap_or(self)
+    }
+
+    /// Halves, quarters and so on, down to one texel.
+    fn halves(&self, by_alpha: bool) -> Vec<Self> {
+        let mut levels: Vec<Self> = Vec::new();
+        loop {
+            let last = levels.last().unwrap_or(self);
+            if last.width.max(last.height) == 1 {
+                return levels;
+            }
+            levels.push(last.half(by_alpha));
+        }
+    }
+
+    /// Half as many texels along each axis, at least one: means of linear values, weighed by alpha or not.
+    fn half(&self, by_alpha: bool) -> Self {
+        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
+        // Of an odd number of texels some count for three.
+        let span = |i: u32, of: u32, size: u32| i * size / of..((i + 1) * size).div_ceil(of).min(size);
+        let mut rgba = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            for x in 0..width {
+                let (mut sum, mut plain, mut alpha, mut count) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
+                for row in span(y, height, self.height) {
+                    for column in span(x, width, self.width) {
+                        let texel = self.at(column, row);
+                        let (color, a) = (linear(texel), texel[3] as f32);
+                        (sum, plain, alpha, count) = (sum + a * color, plain + color, alpha + a, count + 1.0);
+                    }
+                }
+                let mean = if by_alpha && alpha > 0.0 { sum / alpha } else { plain / count };
+                let [r, g, b] = mean.to_array().map(nonlinear);
+                rgba.push([r, g, b, (alpha / count).round() as u8]);
+            }
+        }
+        Self::new(width, height, rgba)
     }
 
     #[inline]
@@ -169,15 +261,12 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Linear RGB at a texture coordinate: texels are made linear first, then filtered.
-    pub fn color(&self, uv: Vec2) -> Vec3 {
-        let t = &*self.texels;
+    /// Linear RGB around a texture coordinate, over about this share of the texture: texels are made linear first, then
+    /// filtered; weighed by alpha where that is wanted.
+    pub fn color(&self, uv: Vec2, share: f32, by_alpha: bool) -> Vec3 {
+        let t = self.texels.averaged(share * (self.texels.width * self.texels.height) as f32, by_alpha);
         let (u, v) = (fold(uv.x, self.wrap_u), fold(uv.y, self.wrap_v));
-        let linear = |x: u32, y: u32| {
-            let [r, g, b, _] = t.at(x, y);
-            let table = &*LINEAR;
-            Vec3::new(table[r as usize], table[g as usize], table[b as usize])
-        };
+        let linear = |x: u32, y: u32| linear(t.at(x, y));
         if !self.linear_filter {
             return linear(nearest(u, t.width), nearest(v, t.height));
         }
@@ -244,15 +333,15 @@ mod tests {
 
     fn sampler(wrap: Wrap, linear_filter: bool) -> Sampler {
         let rgba = vec![[0, 0, 0, 0], [255, 255, 255, 255]];
-        let texels = Arc::new(Texels { width: 2, height: 1, rgba });
+        let texels = Arc::new(Texels::new(2, 1, rgba));
         Sampler { texels, wrap_u: wrap, wrap_v: wrap, linear_filter }
     }
 
     #[test]
     fn filtering_is_linear_in_light() {
         // Half way between black and white is half the light, not half the sRGB value.
-        assert!((sampler(Wrap::Repeat, true).color(Vec2::new(0.5, 0.5)) - 0.5).length() < 1e-6);
-        assert_eq!(sampler(Wrap::Repeat, false).color(Vec2::new(0.51, 0.5)), Vec3::ONE);
+        assert!((sampler(Wrap::Repeat, true).color(Vec2::new(0.5, 0.5), 0.0, false) - 0.5).length() < 1e-6);
+        assert_eq!(sampler(Wrap::Repeat, false).color(Vec2::new(0.51, 0.5), 0.0, false), Vec3::ONE);
     }
 
     #[test]
@@ -261,10 +350,52 @@ mod tests {
             [(Wrap::Repeat, 0.5, 0.0), (Wrap::MirroredRepeat, 0.0, 1.0), (Wrap::ClampToEdge, 0.0, 1.0)]
         {
             let s = sampler(wrap, true);
-            assert!((s.color(Vec2::new(0.0, 0.5)).x - at_zero).abs() < 1e-6, "{wrap:?}");
-            assert!((s.color(Vec2::new(1.25, 0.5)).x - past_the_end).abs() < 1e-6, "{wrap:?}");
+            assert!((s.color(Vec2::new(0.0, 0.5), 0.0, false).x - at_zero).abs() < 1e-6, "{wrap:?}");
+            assert!((s.color(Vec2::new(1.25, 0.5), 0.0, false).x - past_the_end).abs() < 1e-6, "{wrap:?}");
             assert_eq!(s.alpha(Vec2::new(-0.25, 3.5)), if wrap == Wrap::Repeat { 1.0 } else { 0.0 });
         }
+    }
+
+    #[test]
+    fn what_a_wide_ray_sees_is_the_mean() {
+        // Any size, any share: a texture of noise has the mean of its linear values, and one colour is that colour.
+        for (width, height) in [(64, 64), (33, 7), (1, 5), (2, 1), (100, 3)] {
+            let count = width * height;
+            let noise = |i: u32| (crate::random::mix(i as u64) >> 56) as u8;
+            let texels = |texel: &dyn Fn(u32) -> [u8; 4]| {
+                let texels = Arc::new(Texels::new(width, height, (0..count).map(texel).collect()));
+                Sampler { texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, linear_filter: true }
+            };
+            let (red, plain) =
+                (texels(&|i| [noise(i), 0, 0, 255]), texels(&|i| [90, 20, 160, (i % 2) as u8 * 255]));
+            let mean = (0..count).map(|i| LINEAR[noise(i) as usize]).sum::<f32>() / count as f32;
+            // Odd sizes count some texels twice on the way.
+            let tolerance = if count.is_power_of_two() { 0.01 } else { 0.15 };
+            for share in [0.0, 0.01, 1.0] {
+                let places =
+                    (0..10_000).map(|i| Vec2::new((i % 100) as f32 + 0.5, (i / 100) as f32 + 0.5) / 100.0);
+                let whole = places.map(|uv| red.color(uv, share, false).x).sum::<f32>() / 10_000.0;
+                assert!(
+                    (whole / mean - 1.0).abs() < tolerance,
+                    "{width} x {height}, {share}: {whole}, {mean}"
+                );
+            }
+            for share in [0.0, 1e-3, 0.1, 1.0, 1e9, f32::INFINITY, f32::NAN] {
+                for by_alpha in [false, true] {
+                    let seen = plain.color(Vec2::new(0.7, 0.2), share, by_alpha);
+                    assert!((seen - linear([90, 20, 160, 0])).length() < 1e-6, "{share}: {seen}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_alpha_hides_does_not_colour_the_mean() {
+        let rgba = (0..64).map(|i| if i % 4 == 0 { [200, 100, 50, 255] } else { [0, 0, 0, 0] }).collect();
+        let texels = Arc::new(Texels::new(8, 8, rgba));
+        let s = Sampler { texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, linear_filter: true };
+        assert!((s.color(Vec2::ZERO, 1.0, true) - linear([200, 100, 50, 0])).length() < 1e-6);
+        assert!((s.color(Vec2::ZERO, 1.0, false) - 0.25 * linear([200, 100, 50, 0])).length() < 0.01);
     }
 
     #[test]

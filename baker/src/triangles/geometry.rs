@@ -77,11 +77,12 @@ impl Surface {
         }
     }
 
-    /// Linear RGB reflectance at a texture coordinate; `color` is the factor, [`Self::color`] or the vertices'.
+    /// Linear RGB reflectance around a texture coordinate, over about this share of the texture; `color` is the factor,
+    /// [`Self::color`] or the vertices'.
     #[inline]
-    pub fn albedo(&self, color: Vec3, uv: Vec2) -> Vec3 {
+    pub fn albedo(&self, color: Vec3, uv: Vec2, share: f32) -> Vec3 {
         match &self.texture {
-            Some(texture) => color * texture.color(uv),
+            Some(texture) => color * texture.color(uv, share, self.alpha != Alpha::Opaque),
             None => color,
         }
     }

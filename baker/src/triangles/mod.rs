@@ -1,31 +1,27 @@
-//! Triangles as [`Surfaces`]: a bounding volume hierarchy from obvhs over all of them.
+//! Triangles as [`Surfaces`]: a bounding volume hierarchy over all of them.
 //!
-//! The binary hierarchy, not the compressed eight-wide one: obvhs 0.4's CWBVH loses a few hits
-//! in a thousand on large scenes, and a lost hit is a light leak. Boxes are padded by some
-//! rounding errors, and the triangle test has no gaps, so that what is found equals what trying
-//! all triangles finds; a test holds that.
+//! obvhs builds it, [`wide`] makes eight-wide nodes of it. Boxes are padded by some rounding errors, and the triangle
+//! test has no gaps, so that what is found equals what trying all triangles finds; a test holds that.
 
 pub mod geometry;
 #[cfg(test)]
 mod tests;
 mod triangle;
+mod wide;
 
 pub use geometry::Geometry;
 
 use crate::scene::{Scene, SceneError};
 use crate::surface::{Hit, Ray, Surfaces};
 use geometry::{Surface, Triangle};
-use glam::{Vec3, Vec3A};
-use obvhs::bvh2::Bvh2;
+use glam::{Vec3, Vec3A, Vec4};
 use obvhs::bvh2::builder::build_bvh2;
-use obvhs::faststack::{HeapStack, StackStack};
-use obvhs::ray::RayHit;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Alpha;
-use std::hint::black_box;
 use std::ops::ControlFlow;
 use triangle::{Corners, Meeting, ShearedRay};
+use wide::{LARGEST_LEAF, WideBvh};
 
 /// Ray origins are moved off surfaces by this share of the scene's diagonal. Local coordinates
 /// are at most half the diagonal, so an f32 is off by 3e-8 of it and a plane distance over the
@@ -34,19 +30,19 @@ const EPSILON: f32 = 3e-6;
 /// Boxes grow by this share of the diagonal, for the rounding of the box test.
 const PADDING: f32 = 5e-7;
 
-/// Hits that are shaded one after another, once their rays are cast.
-const SHADED: usize = 64;
 /// Marks a triangle's number.
 const TRANSPARENT: u32 = 1 << 31;
 
 /// Triangles with textures and alpha.
 pub struct TriangleSurfaces {
-    bvh: Bvh2,
+    bvh: WideBvh,
     /// In the order of the hierarchy's leaves.
     corners: Vec<Corners>,
     /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
     numbers: Vec<u32>,
     triangles: Vec<Triangle>,
+    /// Each triangle's unit normal, or zero, and the share of its texture that a unit of its area holds.
+    planes: Vec<Vec4>,
     /// The vertices' colours, in the same order, or none.
     colors: Vec<[Vec3; 3]>,
     surfaces: Vec<Surface>,
@@ -80,24 +76,25 @@ impl TriangleSurfaces {
                 Padded(Aabb::new(a.min(b).min(c) - padding, a.max(b).max(c) + padding))
             })
             .collect();
-        let bvh = if boxes.is_empty() {
-            Bvh2::default()
+        let (bvh, order) = if boxes.is_empty() {
+            Default::default()
         } else {
-            build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Default::default())
+            let build = BvhBuildParams { max_prims_per_leaf: LARGEST_LEAF, ..BvhBuildParams::medium_build() };
+            WideBvh::new(&build_bvh2(&boxes, build, &mut Default::default()))
         };
-        let triangles: Vec<Triangle> =
-            bvh.primitive_indices.iter().map(|&i| geometry.triangles[i as usize]).collect();
+        let triangles: Vec<Triangle> = order.iter().map(|&i| geometry.triangles[i as usize]).collect();
         let transparent = |t: &Triangle| geometry.surfaces[t.material as usize].alpha != Alpha::Opaque;
         Self {
             corners: triangles.iter().map(|t| Corners::new(t.positions)).collect(),
-            numbers: (triangles.iter().zip(&bvh.primitive_indices))
+            numbers: (triangles.iter().zip(&order))
                 .map(|(t, i)| i | if transparent(t) { TRANSPARENT } else { 0 })
                 .collect(),
             colors: if geometry.colors.is_empty() {
                 Vec::new()
             } else {
-                bvh.primitive_indices.iter().map(|&i| geometry.colors[i as usize]).collect()
+                order.iter().map(|&i| geometry.colors[i as usize]).collect()
             },
+            planes: triangles.iter().map(plane).collect(),
             triangles,
             bvh,
             surfaces: geometry.surfaces,
@@ -125,54 +122,6 @@ impl TriangleSurfaces {
         self.triangles.len()
     }
 
-    /// Visits the triangles that a ray may meet, near boxes first. `visit` gets a triangle's place
-    /// and the ray's present limit, and returns a new limit or ends the walk.
-    #[inline(always)]
-    fn walk(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        limit: f32,
-        mut visit: impl FnMut(usize, f32) -> ControlFlow<(), f32>,
-    ) {
-        // A box whose near side is exactly at the limit must be opened too.
-        let above = |limit: f32| limit.next_up();
-        let ray = obvhs::ray::Ray {
-            origin: origin.into(),
-            direction: direction.into(),
-            inv_direction: Vec3A::new(inverse(direction.x), inverse(direction.y), inverse(direction.z)),
-            tmin: 0.0,
-            tmax: above(limit),
-        };
-        let mut limit = limit;
-        let leaf = |node: &obvhs::bvh2::node::Bvh2Node, ray: &mut obvhs::ray::Ray, _: &mut RayHit| {
-            for place in node.first_index..node.first_index + node.prim_count {
-                match visit(place as usize, limit) {
-                    ControlFlow::Continue(next) => limit = next,
-                    ControlFlow::Break(()) => return false,
-                }
-            }
-            ray.tmax = above(limit);
-            true
-        };
-        let mut hit = RayHit::none();
-        if self.bvh.max_depth <= 96 {
-            let mut stack = StackStack::<u32, 96>::default();
-            self.bvh.ray_traverse_dynamic(&mut stack, ray, &mut hit, leaf);
-        } else {
-            let mut stack = HeapStack::<u32>::new_with_capacity(self.bvh.max_depth + 1);
-            self.bvh.ray_traverse_dynamic(&mut stack, ray, &mut hit, leaf);
-        }
-    }
-
-    /// A texel of the colour at a hit; 0 where there is no texture.
-    #[inline]
-    fn texel(&self, place: usize, m: Meeting) -> u8 {
-        let t = &self.triangles[place];
-        let uv = t.uvs[0] * (1.0 - m.v - m.w) + t.uvs[1] * m.v + t.uvs[2] * m.w;
-        self.surfaces[t.material as usize].texture.as_ref().map_or(0, |texture| texture.nearest_texel(uv)[0])
-    }
-
     /// Whether the hit counts for a ray with this seed, and the share of light that it stops.
     #[inline]
     fn opacity(&self, place: usize, m: Meeting) -> f32 {
@@ -187,13 +136,14 @@ impl TriangleSurfaces {
         opacity >= 1.0 || (opacity > 0.0 && unit(seed, self.numbers[place]) < opacity)
     }
 
-    fn shade(&self, place: usize, m: Meeting, direction: Vec3) -> Hit {
+    fn shade(&self, place: usize, m: Meeting, ray: &Ray) -> Hit {
+        let direction = ray.direction;
         let t = &self.triangles[place];
         let [a, b, c] = t.positions;
-        let u = 1.0 - m.v - m.w;
-        let mut geometric_normal = (b - a).cross(c - a).normalize_or(-direction);
-        if geometric_normal.dot(direction) > 0.0 {
-            geometric_normal = -geometric_normal;
+        let (u, plane) = (1.0 - m.v - m.w, self.planes[place]);
+        let mut geometric_normal = plane.truncate();
+        if geometric_normal == Vec3::ZERO || geometric_normal.dot(direction) > 0.0 {
+            geometric_normal = if geometric_normal == Vec3::ZERO { -direction } else { -geometric_normal };
         }
         let surface = &self.surfaces[t.material as usize];
         let mut normal =
@@ -209,7 +159,8 @@ impl TriangleSurfaces {
                 Some(c) => c[0] * u + c[1] * m.v + c[2] * m.w,
                 None => surface.color,
             };
-            (surface.albedo(color, uv), surface.emission)
+            let share = plane.w * (ray.spread * m.distance).powi(2);
+            (surface.albedo(color, uv, share), surface.emission)
         } else {
             (Vec3::ZERO, Vec3::ZERO)
         };
@@ -218,10 +169,12 @@ impl TriangleSurfaces {
     }
 }
 
-/// 1/x, never infinite, so that the box test has no 0 · ∞.
-#[inline]
-fn inverse(x: f32) -> f32 {
-    if x.abs() < 1e-12 { 1e12f32.copysign(x) } else { 1.0 / x }
+/// A triangle's unit normal, or zero, and the share of its texture that a unit of its area holds.
+fn plane(t: &Triangle) -> Vec4 {
+    let ([a, b, c], [p, q, r]) = (t.positions, t.uvs);
+    let spanned = (b - a).cross(c - a);
+    let share = (q - p).perp_dot(r - p).abs() / spanned.length().max(f32::MIN_POSITIVE);
+    spanned.normalize_or_zero().extend(share)
 }
 
 /// A uniform number from 0 to 1 out of a ray's seed and a triangle's number.
@@ -244,7 +197,7 @@ impl TriangleSurfaces {
     fn nearest(&self, ray: &Ray, seed: u32) -> Option<(usize, Meeting)> {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
         let mut best: Option<(usize, Meeting)> = None;
-        self.walk(ray.origin, ray.direction, ray.max_distance, |place, limit| {
+        self.bvh.walk(ray.origin, ray.direction, ray.max_distance, |place, limit| {
             let Some(meeting) = self.corners[place].meet(&sheared, limit) else {
                 return ControlFlow::Continue(limit);
             };
@@ -264,25 +217,7 @@ impl TriangleSurfaces {
 impl Surfaces for TriangleSurfaces {
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
         let (place, meeting) = self.nearest(ray, seed)?;
-        Some(self.shade(place, meeting, ray.direction))
-    }
-
-    fn cast_all(&self, rays: &[(Ray, u32)], hits: &mut Vec<Option<Hit>>) {
-        hits.clear();
-        let mut met = [None; SHADED];
-        for rays in rays.chunks(SHADED) {
-            for ((ray, seed), met) in rays.iter().zip(&mut met) {
-                *met = self.nearest(ray, *seed);
-            }
-            // Texels are far apart in memory: all are asked for before the first one is waited for.
-            let asked =
-                met[..rays.len()].iter().flatten().map(|(place, meeting)| self.texel(*place, *meeting));
-            black_box(asked.fold(0, |all, texel| all ^ texel));
-            hits.extend(rays.iter().zip(met).map(|((ray, _), met)| {
-                let (place, meeting) = met?;
-                Some(self.shade(place, meeting, ray.direction))
-            }));
-        }
+        Some(self.shade(place, meeting, ray))
     }
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
@@ -296,7 +231,7 @@ impl Surfaces for TriangleSurfaces {
         let direction = offset / length;
         let sheared = ShearedRay::new(from, direction);
         let mut left = 1.0f32;
-        self.walk(from, direction, limit, |place, limit| {
+        self.bvh.walk(from, direction, limit, |place, limit| {
             if let Some(meeting) = self.corners[place].meet(&sheared, limit) {
                 if self.numbers[place] & TRANSPARENT == 0 {
                     left = 0.0;

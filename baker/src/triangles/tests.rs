@@ -93,7 +93,7 @@ fn hits_equal_brute_force() {
             _ => {}
         }
         let max_distance = if k % 5 == 0 { stream.unit() } else { f32::INFINITY };
-        let ray = Ray { origin, direction, max_distance };
+        let ray = Ray { origin, direction, max_distance, spread: 0.0 };
         let expected = brute_force(&triangles, &ray);
         let found = surfaces.cast(&ray, 0);
         assert_eq!(
@@ -116,8 +116,12 @@ fn hits_equal_brute_force() {
         }
         let to = ray.origin + ray.direction * 0.7;
         let length = (to - origin).length();
-        let straight =
-            Ray { origin, direction: (to - origin) / length, max_distance: length - surfaces.epsilon() };
+        let straight = Ray {
+            origin,
+            direction: (to - origin) / length,
+            max_distance: length - surfaces.epsilon(),
+            spread: 0.0,
+        };
         let hidden = brute_force(&triangles, &straight).is_some();
         assert_eq!(surfaces.transmittance(origin, to), if hidden { 0.0 } else { 1.0 }, "ray {k}");
     }
@@ -134,13 +138,14 @@ fn a_leaving_ray_does_not_hit_its_own_surface() {
             origin: Vec3::new(0.0, 0.95, 0.0),
             direction: stream.sphere(),
             max_distance: f32::INFINITY,
+            spread: 0.0,
         };
         let Some(hit) = surfaces.cast(&ray, 0) else { continue };
         let direction = stream.cosine_hemisphere(hit.geometric_normal);
         let origin = hit.offset_origin(direction, surfaces.epsilon());
         // Along the plane's normal the start must lie on the right side, as computed in f32.
         assert!((origin - hit.position).dot(hit.geometric_normal) > 0.0);
-        let back = Ray { origin, direction, max_distance: 0.5 * surfaces.epsilon() };
+        let back = Ray { origin, direction, max_distance: 0.5 * surfaces.epsilon(), spread: 0.0 };
         assert!(surfaces.cast(&back, 0).is_none_or(|h| h.geometric_normal.dot(hit.geometric_normal) < 0.999));
     }
 }
@@ -164,12 +169,12 @@ fn two_squares(front: Material, texture: Option<Sampler>) -> TriangleSurfaces {
 }
 
 fn down(x: f32, y: f32) -> Ray {
-    Ray { origin: Vec3::new(x, y, 1.0), direction: -Vec3::Z, max_distance: f32::INFINITY }
+    Ray { origin: Vec3::new(x, y, 1.0), direction: -Vec3::Z, max_distance: f32::INFINITY, spread: 0.0 }
 }
 
 #[test]
 fn masked_texels_are_no_hits() {
-    let texels = Texels { width: 2, height: 1, rgba: vec![[255, 255, 255, 120], [255, 255, 255, 130]] };
+    let texels = Texels::new(2, 1, vec![[255, 255, 255, 120], [255, 255, 255, 130]]);
     let sampler =
         Sampler { texels: Arc::new(texels), wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, linear_filter: true };
     let mask = Material { alpha: Alpha::Mask { cutoff: 0.5 }, ..white() };
@@ -194,7 +199,12 @@ fn blend_lets_its_share_through() {
 
 #[test]
 fn the_back_of_a_one_sided_surface_blocks_and_reflects_nothing() {
-    let up = Ray { origin: Vec3::new(0.3, 0.1, -0.5), direction: Vec3::Z, max_distance: f32::INFINITY };
+    let up = Ray {
+        origin: Vec3::new(0.3, 0.1, -0.5),
+        direction: Vec3::Z,
+        max_distance: f32::INFINITY,
+        spread: 0.0,
+    };
     let emission = [1.0, 2.0, 3.0];
     let one_sided = two_squares(Material { emission, ..white() }, None).cast(&up, 0).unwrap();
     assert_eq!((one_sided.albedo, one_sided.emission), (Vec3::ZERO, Vec3::ZERO));
@@ -237,7 +247,8 @@ fn a_baked_file_is_hit_where_its_scene_is() {
     let mut hits = 0;
     for i in 0..5_000 {
         let direction = Stream::new(9, i).sphere();
-        let ray = Ray { origin: Vec3::new(0.5, 1.9, 1.0), direction, max_distance: f32::INFINITY };
+        let ray =
+            Ray { origin: Vec3::new(0.5, 1.9, 1.0), direction, max_distance: f32::INFINITY, spread: 0.0 };
         match (loaded.cast(&ray, 0), baked.cast(&ray, 0)) {
             (Some(a), Some(b)) => {
                 hits += 1;
@@ -251,23 +262,27 @@ fn a_baked_file_is_hit_where_its_scene_is() {
 }
 
 #[test]
-fn rays_cast_together_find_what_each_finds_alone() {
-    let texels = Texels { width: 2, height: 1, rgba: vec![[255, 0, 9, 128], [40, 80, 160, 255]] };
-    let texture =
-        Sampler { texels: Arc::new(texels), wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, linear_filter: true };
-    let material = Material { double_sided: true, alpha: Alpha::Blend, ..Material::default() };
-    let surfaces = two_squares(material, Some(texture));
-    let mut stream = Stream::new(6, 0);
-    // More than are shaded together, and not a multiple.
-    let rays: Vec<(Ray, u32)> = (0..200)
-        .map(|i| {
-            let ray = Ray { origin: Vec3::Z, direction: stream.sphere(), max_distance: f32::INFINITY };
-            (ray, i)
-        })
-        .collect();
-    let mut together = vec![None];
-    surfaces.cast_all(&rays, &mut together);
-    let alone: Vec<Option<Hit>> = rays.iter().map(|(ray, seed)| surfaces.cast(ray, *seed)).collect();
-    assert_eq!(format!("{together:?}"), format!("{alone:?}"));
-    assert!(alone.iter().flatten().count() > 10 && alone.iter().any(Option::is_none));
+fn a_wide_ray_sees_the_mean_of_a_chequered_square() {
+    // 64 x 64 texels over a square of 2 x 2, black and white in turns.
+    let rgba = (0..64 * 64).map(|i| if (i + i / 64) % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] }).collect();
+    let texture = Sampler {
+        texels: Arc::new(Texels::new(64, 64, rgba)),
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
+        linear_filter: false,
+    };
+    let surfaces = two_squares(Material { base_color: [1.0; 4], ..white() }, Some(texture));
+    let mut narrow = 0;
+    for i in 0..200 {
+        let ray = down(0.009 * i as f32 - 0.9, 0.3);
+        let seen = |spread| surfaces.cast(&Ray { spread, ..ray }, 0).unwrap().albedo.x;
+        let line = seen(0.0);
+        assert!(line < 1e-6 || line > 0.999, "{line}");
+        narrow += (line > 0.5) as u32;
+        // Twice as wide as a texel at the square, and wider than the square.
+        for spread in [0.15, 10.0] {
+            assert!((seen(spread) - 0.5).abs() < 0.01, "{} at a spread of {spread}", seen(spread));
+        }
+    }
+    assert!((50..150).contains(&narrow));
 }

@@ -42,8 +42,6 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok((offsets, links)) = decode::<LaterLink>(bytes) {
         assert_eq!(decode::<LaterLink>(&encode(&offsets, &links)), Ok((offsets, links)));
     }
-    round_trip(&rows(bytes, |sender, bits| {
-        Link(u32::from_le_bytes(bits) & (0xff << 20 | 1 << 31) | sender)
-    }));
+    round_trip(&rows(bytes, |sender, bits| Link(u32::from_le_bytes(bits) & (0xff << 20 | 1 << 31) | sender)));
     round_trip(&rows(bytes, |sender, bits| LaterLink { sender, colour: u32::from_le_bytes(bits) }));
 });

@@ -1,7 +1,7 @@
 //! `seeds FOLDER`: what the fuzz targets begin with, a folder each. Run by `cargo xtask fuzz`.
 
 use anyhow::{Context, Result};
-use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::bake::{BakeSettings, Checkpoint, Identity, Preset, bake, bake_with_checkpoint};
 use rebounce::scene;
 use rebounce_shared::rbn::container;
 use std::path::{Path, PathBuf};
@@ -14,22 +14,22 @@ fn main() -> Result<()> {
             .and_then(|()| std::fs::write(folder.join(name), bytes))
             .with_context(|| folder.display().to_string())
     };
-    for (name, functions) in [("builtin:cornell-box", 40), ("builtin:two-rooms-door", 120)] {
+    for (name, functions) in [("builtin:cornell-box", 12), ("builtin:two-rooms-door", 40)] {
         let file = small(name, functions)?;
         let short = name.trim_start_matches("builtin:");
         write("file", short, &file)?;
-        let sections = container::read(&file)?;
-        let mut together = Vec::new();
-        for section in &sections {
+        write("scene", short, &file)?;
+        // The target is told by a byte which section it has.
+        for (which, section) in (0u8..7).zip(container::read(&file)?) {
             let bytes = &file[section.offset..section.offset + section.len];
-            together.extend_from_slice(&(bytes.len() as u16).to_le_bytes());
-            together.extend_from_slice(bytes);
+            let seed = format!("{short}-{}", section.name());
+            write("section", &seed, &[&[which], bytes].concat())?;
             if matches!(&section.name, b"LINK" | b"LATL") {
-                write("links", &format!("{short}-{}", section.name.escape_ascii()), bytes)?;
+                write("links", &seed, bytes)?;
             }
         }
-        write("section", short, &together)?;
     }
+    write("checkpoint", "cornell-box", &checkpoint(&folder)?)?;
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../baker/tests/gltf");
     for entry in std::fs::read_dir(&fixtures).with_context(|| fixtures.display().to_string())? {
         let path = entry?.path();
@@ -44,12 +44,29 @@ fn main() -> Result<()> {
     write("shot", "spot", shot.as_bytes())
 }
 
-/// A bake of a few functions, whose sections are shorter than 64 kB.
-fn small(name: &str, functions: usize) -> Result<Vec<u8>> {
+/// The checkpoint of a small bake, said to be of a draft of the same scene, as the target expects.
+fn checkpoint(folder: &Path) -> Result<Vec<u8>> {
+    let scene = scene::load("builtin:cornell-box")?;
+    let identity = Identity::new(&scene, &BakeSettings::new(Preset::Draft));
+    let path = folder.join("cornell-box.partial");
+    let kept = Checkpoint::create(&path, &identity)?;
+    bake_with_checkpoint(&scene, &settings(20), &(), &kept)?;
+    kept.flush()?;
+    let bytes = std::fs::read(&path)?;
+    kept.remove();
+    Ok(bytes)
+}
+
+fn settings(functions: usize) -> BakeSettings {
     let mut settings = BakeSettings::new(Preset::Draft);
     (settings.place.levels, settings.place.functions) = (3, functions);
-    settings.operator.rays = vec![64];
+    settings.operator.rays = vec![32];
     settings.operator.later_levels = 1;
-    let (file, _) = bake(&scene::load(name)?, &settings.normalised(), &())?;
+    settings.normalised()
+}
+
+/// A bake of a few functions, whose sections are shorter than 64 kB.
+fn small(name: &str, functions: usize) -> Result<Vec<u8>> {
+    let (file, _) = bake(&scene::load(name)?, &settings(functions), &())?;
     Ok(file.to_bytes()?)
 }

@@ -16,7 +16,8 @@ use crate::operator::journal::Columns;
 use crate::points::{PlacedMark, SurfacePoint};
 use bytemuck::Pod;
 use glam::Vec3;
-use rebounce_shared::rbn::bulk::Cut;
+use rebounce_shared::interpolation::MAX_POINTS;
+use rebounce_shared::rbn::bulk::{Cut, MAX_CUTS};
 use std::io::{self, Read};
 use xxhash_rust::xxh32::Xxh32;
 
@@ -149,6 +150,11 @@ fn decode(kind: u32, contents: Vec<u8>) -> Option<Record> {
         PLACED => {
             let mark = PlacedMark { next_particle: from.one()?, coarse_radius: from.one()? };
             let points = from.take::<[Vec3; 3]>(from.rest::<[Vec3; 3]>())?;
+            // Far more particles than a bake ever traces.
+            let is_mark = (1e-30..1e30).contains(&mark.coarse_radius) && mark.next_particle < 1 << 48;
+            if !is_mark || points.len() > MAX_POINTS || !points.iter().flatten().all(|v| v.is_finite()) {
+                return None;
+            }
             let point = |[position, normal, geometric_normal]: [Vec3; 3]| SurfacePoint {
                 position,
                 normal,
@@ -159,7 +165,12 @@ fn decode(kind: u32, contents: Vec<u8>) -> Option<Record> {
         SHAPED => {
             let [first, count] = from.one::<[u64; 2]>()?.map(|n| n as usize);
             let lengths = from.take::<u32>(count)?;
-            Record::Shaped(first, from.rows(&lengths)?, from.take(count)?)
+            let cuts: Vec<Vec<Cut>> = from.rows(&lengths)?;
+            let is_finite = cuts.iter().flatten().flat_map(|cut| cut.towards).all(f32::is_finite);
+            if !is_finite || cuts.iter().any(|cuts| cuts.len() > MAX_CUTS) {
+                return None;
+            }
+            Record::Shaped(first, cuts, from.take(count)?)
         }
         RECEIVERS => {
             let (first, found) = from.receivers()?;

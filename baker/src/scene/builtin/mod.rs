@@ -103,7 +103,8 @@ mod tests {
         let origin = (DVec3::from(eye) - DVec3::from(scene.origin)).as_vec3();
         let mut stream = crate::random::Stream::new(1, 1);
         let cast = |direction: Vec3| {
-            let hit = surfaces.cast(&Ray { origin, direction, max_distance: f32::INFINITY }, 0)?;
+            let hit =
+                surfaces.cast(&Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 }, 0)?;
             assert!(hit.faces(direction), "a back at {} seen along {direction}", hit.position);
             Some(())
         };
@@ -141,7 +142,7 @@ mod tests {
         let albedo = |x: f32| {
             let direction = frame.direction(x, 256.0, 512, 512);
             surfaces
-                .cast(&Ray { origin: frame.eye, direction, max_distance: f32::INFINITY }, 0)
+                .cast(&Ray { origin: frame.eye, direction, max_distance: f32::INFINITY, spread: 0.0 }, 0)
                 .unwrap()
                 .albedo
         };

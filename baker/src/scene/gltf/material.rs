@@ -1,6 +1,6 @@
 //! Materials and their textures. Only what the triangles use is kept and decoded.
 
-use super::picture::{image_index, picture, sampled};
+use super::picture::{check_sizes, image_index, picture, sampled};
 use super::schema;
 use super::source::Source;
 use crate::scene::{Scene, SceneError};
@@ -191,6 +191,7 @@ impl<'a> Materials<'a> {
             images[at].1 |= base;
             of_image.push(Some(at));
         }
+        check_sizes(source, &images)?;
         let mut pictures = Vec::new();
         let read: Vec<_> = images.par_iter().map(|&(i, decoded)| picture(source, i, decoded)).collect();
         for (picture, (_, decoded)) in read.into_iter().zip(images) {

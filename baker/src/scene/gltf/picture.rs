@@ -1,6 +1,8 @@
 //! Which image of a texture is taken, its bytes, and its sampler.
 
+use super::schema::Image;
 use super::source::Source;
+use crate::scene::texture::{check_together, texels_said};
 use crate::scene::{SceneError, Texture};
 use rebounce_shared::rbn::meta::{self, Wrap};
 
@@ -17,8 +19,8 @@ pub(super) fn image_index(source: &Source, texture: usize) -> Result<usize, Scen
     })
 }
 
-/// An image, decoded or only looked at.
-pub(super) fn picture(source: &Source, index: usize, decoded: bool) -> Result<Texture, SceneError> {
+/// An image and its bytes.
+fn image(source: &Source, index: usize) -> Result<(&Image, Vec<u8>), SceneError> {
     let image = source.root.images.get(index);
     let image = image.ok_or_else(|| source.malformed(format!("there is no image {index}")))?;
     let bytes = match (&image.uri, image.buffer_view) {
@@ -26,6 +28,24 @@ pub(super) fn picture(source: &Source, index: usize, decoded: bool) -> Result<Te
         (None, Some(view)) => source.view(view)?.0.to_vec(),
         (None, None) => return Err(source.malformed(format!("image {index} has no data"))),
     };
+    Ok((image, bytes))
+}
+
+/// Refuses images, decoded or only looked at, that would take far more memory than the file gives reason to.
+pub(super) fn check_sizes(source: &Source, images: &[(usize, bool)]) -> Result<(), SceneError> {
+    let (mut texels, mut size) = (0u64, 0u64);
+    for &(index, decoded) in images {
+        // What cannot be read is told where it is needed.
+        let Ok((_, bytes)) = image(source, index) else { continue };
+        texels = texels.saturating_add(texels_said(&bytes, decoded));
+        size += bytes.len() as u64;
+    }
+    check_together(texels, size).map_err(|problem| source.malformed(problem))
+}
+
+/// An image, decoded or only looked at.
+pub(super) fn picture(source: &Source, index: usize, decoded: bool) -> Result<Texture, SceneError> {
+    let (image, bytes) = image(source, index)?;
     let file_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")).unwrap_or("");
     let name = [&image.name, file_name].into_iter().find(|n| !n.is_empty());
     let name = name.map_or_else(|| index.to_string(), str::to_owned);

@@ -66,7 +66,8 @@ fn a_mirrored_node_keeps_its_front() {
     for (scene, width) in [(plain, 1.0), (mirrored, 2.0)] {
         assert_eq!(total_area(&scene), width);
         let surfaces = TriangleSurfaces::from_scene(&scene);
-        let ray = Ray { origin: Vec3::new(0.1, 0.2, 1.0), direction: -Vec3::Z, max_distance: 2.0 };
+        let ray =
+            Ray { origin: Vec3::new(0.1, 0.2, 1.0), direction: -Vec3::Z, max_distance: 2.0, spread: 0.0 };
         let hit = surfaces.cast(&ray, 0).unwrap();
         assert_eq!((hit.normal, hit.albedo), (Vec3::Z, Vec3::ONE));
     }
@@ -79,7 +80,8 @@ fn millimetres_far_from_the_origin_keep_their_shape() {
     assert!((total_area(&scene) - 1e-6).abs() < 1e-9);
     assert!((scene.origin[0] - 1e7).abs() < 0.01);
     let surfaces = TriangleSurfaces::from_scene(&scene);
-    let ray = Ray { origin: Vec3::new(1e-4, 2e-4, 1e-3), direction: -Vec3::Z, max_distance: 1.0 };
+    let ray =
+        Ray { origin: Vec3::new(1e-4, 2e-4, 1e-3), direction: -Vec3::Z, max_distance: 1.0, spread: 0.0 };
     assert!((surfaces.cast(&ray, 0).unwrap().distance - 1e-3).abs() < 1e-8);
 }
 
@@ -163,7 +165,7 @@ fn textured_with(material: &str) -> Scene {
 fn albedo_at(scene: &Scene, x: f32, y: f32) -> Vec3 {
     let surfaces = TriangleSurfaces::from_scene(scene);
     let origin = Vec3::new(x - 0.5, y - 0.5, 1.0);
-    surfaces.cast(&Ray { origin, direction: -Vec3::Z, max_distance: 2.0 }, 0).unwrap().albedo
+    surfaces.cast(&Ray { origin, direction: -Vec3::Z, max_distance: 2.0, spread: 0.0 }, 0).unwrap().albedo
 }
 
 #[test]

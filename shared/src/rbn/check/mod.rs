@@ -2,7 +2,7 @@
 
 mod meta;
 
-use super::bulk::{MAX_CUTS, Point};
+use super::bulk::{MAX_ALL_CUTS, MAX_CUTS, Point};
 use super::codec::links;
 use super::{RbnError, Scene};
 use crate::interpolation::MAX_POINTS;
@@ -35,6 +35,12 @@ impl Scene {
             return Err(RbnError::TooLarge(format!(
                 "{} basis functions; a file holds at most {MAX_POINTS}: bake with fewer levels",
                 self.points.len()
+            )));
+        }
+        if self.cuts.len() > MAX_ALL_CUTS {
+            return Err(RbnError::TooLarge(format!(
+                "{} planes that end supports; a file holds at most {MAX_ALL_CUTS}: bake with fewer functions",
+                self.cuts.len()
             )));
         }
         meta::check(m, self.points.len() as u64, self.texture_bytes.len() as u64)?;

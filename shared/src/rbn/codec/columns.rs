@@ -220,8 +220,9 @@ fn common_step(column: &[u32]) -> Option<i32> {
         lowest = lowest.min(exponent - 23 + zeros);
         highest = highest.max(exponent);
     }
-    let lowest = if lowest == i32::MAX { 0 } else { lowest.max(-126) };
-    (highest.max(lowest) - lowest < 30 && lowest <= 126).then_some(lowest)
+    let lowest = if lowest == i32::MAX { 0 } else { lowest };
+    // The step itself is a normal float: multiples of smaller ones stay bits.
+    (highest.max(lowest) - lowest < 30 && (-126..=126).contains(&lowest)).then_some(lowest)
 }
 
 /// A float as a whole number of 2^exponent.
@@ -356,6 +357,25 @@ mod tests {
             assert_eq!(decode::<Point>(&encode(&points)).unwrap(), points);
         }
         assert_eq!(decode::<u32>(&encode::<u32>(&[])).unwrap(), Vec::<u32>::new());
+    }
+
+    #[test]
+    fn floats_of_every_size_come_back_bit_by_bit() {
+        let mut s = Stream::new(11, 0);
+        for exponent in 0..=255u32 {
+            // Columns of about one size, whole multiples of a step and not.
+            for zeros in [0, 3, 12, 20, 23] {
+                let mut word = || {
+                    let bits = s.bits() as u32;
+                    let near = exponent.saturating_sub(bits >> 28 & 3);
+                    (bits & 0x8000_0000) | near << 23 | (bits & 0x7f_ffff) >> zeros << zeros
+                };
+                let cuts: Vec<Cut> =
+                    (0..40).map(|_| Cut { towards: [word(), word(), word()].map(f32::from_bits) }).collect();
+                let back = decode::<Cut>(&encode(&cuts)).unwrap();
+                assert_eq!(bytemuck::cast_slice::<_, u32>(&back), bytemuck::cast_slice::<_, u32>(&cuts));
+            }
+        }
     }
 
     #[test]

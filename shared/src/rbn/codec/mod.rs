@@ -44,8 +44,12 @@ impl Writer {
         self.number(bytes.len());
         for block in bytes.chunks(BLOCK) {
             let mut packed = Vec::new();
-            rans::encode(block, &mut packed);
-            let (is_packed, content) = if packed.len() < block.len() { (1, &packed[..]) } else { (0, block) };
+            // Of fewer bytes nothing shorter can be made.
+            if block.len() > rans::LEAST {
+                rans::encode(block, &mut packed);
+            }
+            let is_shorter = !packed.is_empty() && packed.len() < block.len();
+            let (is_packed, content) = if is_shorter { (1, &packed[..]) } else { (0, block) };
             self.number(content.len() << 1 | is_packed);
             self.out.extend_from_slice(content);
         }

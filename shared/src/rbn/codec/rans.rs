@@ -17,6 +17,9 @@ const SCALE: u32 = 1 << SCALE_BITS;
 /// States stay at or above this.
 const LOW: u32 = 1 << 23;
 
+/// Bytes of the shortest stream: a table of one value, and the states.
+pub const LEAST: usize = 32 + 2 + 8;
+
 /// Frequencies of the byte values: 4096 together, at least 1 for each that occurs.
 fn frequencies(bytes: &[u8]) -> [u32; 256] {
     let mut counts = [0u64; 256];

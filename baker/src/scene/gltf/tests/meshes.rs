@@ -118,7 +118,7 @@ fn light_gets_colours_exactly_and_pictures_their_mean() {
     assert_eq!(scene.corner_colors, [[Vec3::X, Vec3::Y, Vec3::Z]]);
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let origin = Vec3::new(0.25, 0.25, 1.0) - Vec3::from(scene.origin.map(|x| x as f32));
-    let hit = surfaces.cast(&Ray { origin, direction: -Vec3::Z, max_distance: 2.0 }, 0).unwrap();
+    let hit = surfaces.cast(&Ray { origin, direction: -Vec3::Z, max_distance: 2.0, spread: 0.0 }, 0).unwrap();
     assert!(hit.albedo.distance(Vec3::new(0.5, 0.25, 0.25)) < 1e-6, "{}", hit.albedo);
     // Pictures show the mean, and that is said.
     let shown = scene.materials[0].base_color;

@@ -1,0 +1,296 @@
+//! The kernels that a bake's time goes into, each by itself, one thread, in a furnished room.
+//!
+//! * `cargo bench -p rebounce --bench kernels [-- FILTER]`: time, by criterion;
+//! * `cargo xtask bench-kernels`: instructions, which do not change with what else the machine does. It runs this with
+//!   `--count` under valgrind, which counts what happens within [`counted`] by the kernel's function, named like the kernel.
+
+use anyhow::Result;
+use criterion::{Criterion, Throughput};
+use glam::Vec3A;
+use rebounce::bake::{BakeSettings, Preset, choose_viewpoints};
+use rebounce::basis::{Leveled, Relations, evaluator, relate, sender_evaluator};
+use rebounce::operator::bounces::{add_later_bounces, column_count};
+use rebounce::operator::directions::Directions;
+use rebounce::operator::gather::{GatherContext, Gathered, Scratch};
+use rebounce::operator::hemisphere::{GatherRays, gather_rays};
+use rebounce::operator::refine::{Refiner, Senders};
+use rebounce::operator::{Operator, OperatorSettings, tint};
+use rebounce::points::{PlaceSettings, Points, place};
+use rebounce::scene;
+use rebounce::surface::{Hit, Ray, Surfaces};
+use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::link::Link;
+use rebounce_shared::rbn::LinkMatrix;
+use rebounce_shared::rbn::codec::links::{decode, encode};
+use std::convert::Infallible;
+use std::hint::black_box;
+
+const SCENE: &str = "builtin:library";
+/// Small, as it is all made once more under valgrind: functions on the finest of so many levels.
+const POINTS: (usize, usize) = (8_000, 4);
+/// Levels that later bounces travel between.
+const LATER: usize = 2;
+/// Receivers that a gather is measured on, all over the room.
+const RECEIVERS: usize = 64;
+/// Rays of each.
+const RAYS: u32 = 512;
+
+/// What the kernels work on.
+struct Room {
+    surfaces: TriangleSurfaces,
+    viewpoints: Vec<glam::Vec3>,
+    place: PlaceSettings,
+    operator: OperatorSettings,
+    points: Points,
+    relations: Relations,
+    senders: Leveled,
+    coarse: Leveled,
+    duals: Vec<Vec3A>,
+    directions: Directions,
+    /// Rays of gathers all over the room, and what they hit.
+    rays: Vec<(Ray, u32)>,
+    hits: Vec<Hit>,
+    /// Without later bounces.
+    baked: Operator,
+    /// The values of the coarse receivers, which finer ones subtract.
+    values: Vec<Vec<Link>>,
+    links: LinkMatrix<Link>,
+    packed: Vec<u8>,
+}
+
+impl Room {
+    fn new() -> Result<Self> {
+        let scene = scene::load(SCENE)?;
+        let mut settings = BakeSettings::new(Preset::Draft);
+        (settings.place.functions, settings.place.levels) = POINTS;
+        settings.operator.rays = vec![RAYS];
+        settings.operator.later_levels = LATER;
+        let settings = settings.normalised();
+        let operator = settings.operator.clone();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let viewpoints = choose_viewpoints(&scene, &surfaces, &settings)?;
+        let points = place(&surfaces, &viewpoints, &settings.place, &())?;
+        let relations = relate(&points, settings.direct_levels)?;
+        let tints = tint::tints(&surfaces, &points, operator.seed, &())?;
+        let duals = tint::duals(&tints);
+        let baked = {
+            let senders = Senders::new(&points, &operator, &tints);
+            let mut refiner = Refiner::new(&surfaces, &points, &relations, &operator, &senders, tints);
+            for _ in 0..operator.later_levels {
+                refiner.level(&(), &(), &())?;
+            }
+            refiner.finish()
+        };
+        let links = LinkMatrix::from_rows(&baked.links);
+        let mut room = Self {
+            senders: Leveled::new(
+                (0..operator.sender_levels).map(|l| sender_evaluator(&points, l)).collect(),
+            ),
+            coarse: Leveled::new((0..operator.later_levels).map(|l| evaluator(&points, l)).collect()),
+            packed: encode(&links.offsets, &links.links),
+            values: vec![Vec::new(); points.points.len()],
+            directions: Directions::new(RAYS),
+            place: settings.place,
+            rays: Vec::new(),
+            hits: Vec::new(),
+            surfaces,
+            viewpoints,
+            operator,
+            points,
+            relations,
+            duals,
+            baked,
+            links,
+        };
+        room.look_around();
+        Ok(room)
+    }
+
+    /// Casts rays, and gathers the values that the finest receivers subtract.
+    fn look_around(&mut self) {
+        let mut rays = GatherRays::default();
+        for i in self.receivers(self.finest()) {
+            let epsilon = self.surfaces.epsilon();
+            gather_rays(&self.points.points[i], i, 1, epsilon, &self.directions, &mut rays);
+        }
+        self.rays = rays.rays;
+        self.hits = self.rays.iter().filter_map(|(ray, seed)| self.surfaces.cast(ray, *seed)).collect();
+        let mut parents: Vec<usize> = self
+            .receivers(self.finest())
+            .flat_map(|i| self.relations.push().row(i).iter().map(|parent| parent.point()))
+            .collect();
+        parents.sort_unstable();
+        parents.dedup();
+        let mut scratch = self.scratch();
+        let found = self.gather(&parents, self.finest() - 1, &mut scratch);
+        parents.into_iter().zip(found).for_each(|(i, gathered)| self.values[i] = gathered.value);
+    }
+
+    fn finest(&self) -> usize {
+        self.points.levels.len() - 1
+    }
+
+    /// Some receivers of a level, evenly along the curve.
+    fn receivers(&self, level: usize) -> impl Iterator<Item = usize> + use<> {
+        let range = self.points.levels[level].range();
+        let step = range.len().div_ceil(RECEIVERS).max(1);
+        range.step_by(step)
+    }
+
+    fn context(&self) -> GatherContext<'_, TriangleSurfaces> {
+        GatherContext {
+            surfaces: &self.surfaces,
+            points: &self.points,
+            relations: &self.relations,
+            senders: &self.senders,
+            coarse: &self.coarse,
+            coarse_count: self.coarse_count(),
+            duals: &self.duals,
+            settings: &self.operator,
+        }
+    }
+
+    fn coarse_count(&self) -> usize {
+        self.points.count_on(self.operator.later_levels)
+    }
+
+    fn scratch(&self) -> Scratch {
+        Scratch::new(self.points.points.len(), self.coarse_count())
+    }
+
+    fn gather(&self, receivers: &[usize], level: usize, scratch: &mut Scratch) -> Vec<Gathered> {
+        let mut all = Vec::with_capacity(receivers.len());
+        let keep = |_, gathered| -> Result<(), Infallible> {
+            all.push(gathered);
+            Ok(())
+        };
+        let Ok(()) = self.context().links(receivers, level, &self.directions, &self.values, scratch, keep);
+        all
+    }
+
+    /// Gathers for receivers of a level; how many rays that took.
+    fn gather_on(&self, level: usize) -> u64 {
+        let mut scratch = self.scratch();
+        let receivers: Vec<usize> = self.receivers(level).collect();
+        black_box(self.gather(&receivers, level, &mut scratch))
+            .iter()
+            .map(|gathered| gathered.cost.rays)
+            .sum()
+    }
+}
+
+/// A kernel: its function's name, a unit of its work, and the function, which says how many units it did.
+struct Kernel {
+    name: &'static str,
+    unit: &'static str,
+    run: fn(&Room) -> u64,
+}
+
+const KERNELS: [Kernel; 9] = [
+    Kernel { name: "walk", unit: "ray, to the nearest hit", run: walk },
+    Kernel { name: "cast", unit: "ray, its hit shaded", run: cast },
+    Kernel { name: "cover", unit: "hit, the functions that cover it", run: cover },
+    Kernel { name: "gather_fine", unit: "ray of a finest receiver", run: gather_fine },
+    Kernel { name: "gather_coarse", unit: "ray of a coarsest receiver", run: gather_coarse },
+    Kernel { name: "bounces", unit: "column and entry of the coarse rows", run: bounces },
+    Kernel { name: "encode_links", unit: "link", run: encode_links },
+    Kernel { name: "decode_links", unit: "link", run: decode_links },
+    Kernel { name: "place_points", unit: "point", run: place_points },
+];
+
+#[inline(never)]
+fn walk(room: &Room) -> u64 {
+    for (ray, seed) in &room.rays {
+        black_box(room.surfaces.distance(ray, *seed));
+    }
+    room.rays.len() as u64
+}
+
+#[inline(never)]
+fn cast(room: &Room) -> u64 {
+    for (ray, seed) in &room.rays {
+        black_box(room.surfaces.cast(ray, *seed));
+    }
+    room.rays.len() as u64
+}
+
+#[inline(never)]
+fn cover(room: &Room) -> u64 {
+    let mut weights = Vec::new();
+    for hit in &room.hits {
+        let list = room.senders.look_up(hit.position);
+        room.senders.interpolate_in(list, hit.position, hit.normal, &mut weights);
+        black_box(&weights);
+    }
+    room.hits.len() as u64
+}
+
+#[inline(never)]
+fn gather_fine(room: &Room) -> u64 {
+    room.gather_on(room.finest())
+}
+
+#[inline(never)]
+fn gather_coarse(room: &Room) -> u64 {
+    room.gather_on(0)
+}
+
+#[inline(never)]
+fn bounces(room: &Room) -> u64 {
+    let mut operator = Operator {
+        coarse: room.baked.coarse.clone(),
+        tints: room.baked.tints.clone(),
+        ..Operator::default()
+    };
+    let entries: usize = operator.coarse.iter().map(Vec::len).sum();
+    // Nobody stops it, and a team of one garbles nothing.
+    let done = add_later_bounces(&mut operator, &room.operator, &(), &(), &());
+    assert!(done.is_ok() && operator.later_count() > 0, "no later bounces");
+    column_count(&room.baked, &room.operator) as u64 * entries as u64
+}
+
+#[inline(never)]
+fn encode_links(room: &Room) -> u64 {
+    black_box(encode(&room.links.offsets, &room.links.links));
+    room.links.links.len() as u64
+}
+
+#[inline(never)]
+fn decode_links(room: &Room) -> u64 {
+    let unpacked = decode::<Link>(&room.packed).map(|(_, links)| links.len());
+    assert_eq!(unpacked.ok(), Some(room.links.links.len()), "what was packed is unpacked");
+    room.links.links.len() as u64
+}
+
+#[inline(never)]
+fn place_points(room: &Room) -> u64 {
+    let points = place(&room.surfaces, &room.viewpoints, &room.place, &());
+    points.map_or(0, |points| points.points.len() as u64)
+}
+
+/// All that valgrind counts.
+#[inline(never)]
+fn counted(kernel: &Kernel, room: &Room) -> u64 {
+    black_box((kernel.run)(room))
+}
+
+fn main() -> Result<()> {
+    // All work on this thread, the only one that is measured.
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global()?;
+    let room = Room::new()?;
+    if std::env::args().any(|arg| arg == "--count") {
+        for kernel in &KERNELS {
+            println!("counted {} {} {}", kernel.name, counted(kernel, &room), kernel.unit);
+        }
+        return Ok(());
+    }
+    let mut criterion = Criterion::default().sample_size(20).configure_from_args();
+    for kernel in &KERNELS {
+        let mut group = criterion.benchmark_group(kernel.name);
+        group.throughput(Throughput::Elements(counted(kernel, &room)));
+        group.bench_function(kernel.unit, |bencher| bencher.iter(|| counted(kernel, &room)));
+        group.finish();
+    }
+    criterion.final_summary();
+    Ok(())
+}

@@ -1,0 +1,9 @@
+//! What the processor has, told when the program runs. Code for it does the same arithmetic in the same order as code for
+//! any other (no fused multiplication and addition), so that files do not depend on where they are baked.
+
+/// Whether there are AVX2 and the instructions on bits that every processor with it has: `avx2`, `bmi1`, `lzcnt`.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+pub fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("bmi1") && is_x86_feature_detected!("lzcnt")
+}

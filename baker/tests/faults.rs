@@ -1,0 +1,186 @@
+//! The command where disks are full, folders cannot be written and inputs are gone: a sentence, and what was there before
+//! is as it was.
+#![cfg(unix)]
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn rebounce(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rebounce"));
+    command.args(args).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn bake(scene: &str, output: &Path, more: &[&str]) -> Command {
+    let mut command = rebounce(&["bake", scene, "--functions", "200", "--levels", "3", "--rays", "64", "-o"]);
+    command.arg(output).args(more);
+    command
+}
+
+/// The command where no file may grow beyond so many blocks of 512 bytes; the signal that would say so is ignored, so that
+/// writing fails as on a full disk.
+fn with_little_room(blocks: u32, command: &Command) -> Output {
+    let mut limited = Command::new("sh");
+    limited.args(["-c", &format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\""), "sh"]);
+    limited.arg(command.get_program()).args(command.get_args()).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Asserts that it failed with a sentence that holds these words.
+fn fails(output: &Output, words: &[&str]) {
+    assert_eq!(output.status.code(), Some(1), "{}", said(output));
+    for word in words {
+        assert!(said(output).contains(word), "{word}: {}", said(output));
+    }
+    assert!(!said(output).contains("panicked"), "{}", said(output));
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_disk_that_is_full_at_the_last_write_keeps_the_old_file_and_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.rbn");
+    // A folder in the file's place: all is done and kept, but the last write.
+    std::fs::create_dir_all(path.join("inside")).unwrap();
+    fails(
+        &bake("builtin:cornell-box", &path, &[]).output().unwrap(),
+        &["the bake is done but not written", "room.rbn.partial has it for --resume"],
+    );
+    assert!(path.join("inside").is_dir());
+    std::fs::remove_dir_all(&path).unwrap();
+    std::fs::write(&path, "the old one").unwrap();
+    let resume = bake("builtin:cornell-box", &path, &["--resume"]);
+    fails(&with_little_room(8, &resume), &["not written", "the file is as it was before"]);
+    assert_eq!(std::fs::read(&path).unwrap(), b"the old one");
+    assert_eq!(names(folder.path()), ["room.rbn", "room.rbn.partial"], "nothing half written is left");
+    let output = bake("builtin:cornell-box", &path, &["--resume"]).output().unwrap();
+    assert!(output.status.success() && said(&output).contains("going on from"), "{}", said(&output));
+    assert_eq!(names(folder.path()), ["room.rbn"]);
+    // Pictures are written in the same way.
+    let (shot, picture) = (folder.path().join("shot.json"), folder.path().join("out.png"));
+    std::fs::write(
+        &shot,
+        r#"{"size": [64, 64], "camera": {"position": [0.1, 1, 3], "target": [0, 1, 0]},
+            "lights": [{"type": "point", "position": [0, 1.5, 0.3], "intensity": 9}]}"#,
+    )
+    .unwrap();
+    std::fs::write(&picture, "the old one").unwrap();
+    let mut render = rebounce(&["render"]);
+    render.arg(&path).arg("--shot").arg(&shot).arg("-o").arg(&picture);
+    fails(&with_little_room(1, &render), &["out.png", "the file is as it was before"]);
+    assert_eq!(std::fs::read(&picture).unwrap(), b"the old one");
+    assert_eq!(names(folder.path()), ["out.png", "room.rbn", "shot.json"]);
+    assert!(render.output().unwrap().status.success());
+    assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_told_before_the_bake_begins() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let closed = folder.path().join("closed");
+    std::fs::create_dir(&closed).unwrap();
+    std::fs::write(closed.join("room.rbn"), "the old one").unwrap();
+    std::fs::set_permissions(&closed, std::fs::Permissions::from_mode(0o555)).unwrap();
+    // Who may do everything may write there; then /proc is the folder that nobody can write to.
+    let open_to_us = std::fs::write(closed.join("probe"), "").is_ok();
+    let output = if open_to_us { Path::new("/proc/room.rbn").to_owned() } else { closed.join("room.rbn") };
+    let began = Instant::now();
+    fails(&bake("builtin:cornell-box", &output, &[]).output().unwrap(), &["room.rbn.partial"]);
+    assert!(began.elapsed() < Duration::from_secs(10));
+    assert_eq!(std::fs::read(closed.join("room.rbn")).unwrap(), b"the old one");
+    let nowhere = folder.path().join("none/room.rbn");
+    fails(&bake("builtin:cornell-box", &nowhere, &[]).output().unwrap(), &["none/room.rbn"]);
+    std::fs::set_permissions(&closed, std::fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[test]
+fn inputs_that_are_gone_or_cut_are_named_and_the_old_file_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let glb = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gltf/plain.glb")).unwrap();
+    let old = at("old.rbn");
+    std::fs::write(&old, "the old one").unwrap();
+    std::fs::write(at("cut.glb"), &glb[..glb.len() / 2]).unwrap();
+    std::fs::write(at("empty.glb"), "").unwrap();
+    std::fs::create_dir(at("folder.glb")).unwrap();
+    let beside = |bin: &str| {
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"uri": "{bin}", "byteLength": 36}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+            "nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}], "scene": 0}}"#
+        )
+    };
+    std::fs::write(at("gone.gltf"), beside("gone.bin")).unwrap();
+    // As one that shrinks while it is read looks at the end.
+    std::fs::write(at("short.gltf"), beside("short.bin")).unwrap();
+    std::fs::write(at("short.bin"), [0; 20]).unwrap();
+    let before = names(folder.path());
+    for (scene, words) in [
+        ("none.glb", "none.glb"),
+        ("cut.glb", "cut short"),
+        ("empty.glb", "empty.glb"),
+        ("folder.glb", "folder.glb"),
+        ("gone.gltf", "gone.bin"),
+        ("short.gltf", "should have 36 bytes, has 20"),
+    ] {
+        let scene = at(scene);
+        let output = bake(scene.to_str().unwrap(), &old, &[]).output().unwrap();
+        fails(&output, &[words, scene.file_name().unwrap().to_str().unwrap()]);
+        assert_eq!(std::fs::read(&old).unwrap(), b"the old one");
+        assert_eq!(names(folder.path()), before, "{words}: nothing is left");
+    }
+    // The same of files that were baked, and of text that would steer the terminal.
+    let bad = at("b\x1b[31mad.rbn");
+    for contents in [&b"REBOUNCE"[..], b"", b"REBOUNCE\x09\0\0\0 and more, of 32 bytes and over"] {
+        std::fs::write(&bad, contents).unwrap();
+        let output = rebounce(&["info", bad.to_str().unwrap()]).output().unwrap();
+        fails(&output, &["ad.rbn"]);
+        assert!(!output.stderr.contains(&0x1b), "{}", said(&output));
+    }
+}
+
+#[test]
+fn the_page_is_served_until_ctrl_c() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.rbn");
+    assert!(bake("builtin:cornell-box", &path, &[]).status().unwrap().success());
+    let mut view = rebounce(&["view", "--no-open", "--port", "0", path.to_str().unwrap()]).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(view.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    if line.is_empty() {
+        let output = view.wait_with_output().unwrap();
+        return fails(&output, &["built without the viewer", "cargo xtask web"]);
+    }
+    let host = line.split_once("http://").and_then(|(_, rest)| rest.split_once('/')).unwrap().0.to_owned();
+    assert!(host.starts_with("127.0.0.1:"), "{line}");
+    let get = |target: &str| {
+        let mut stream = TcpStream::connect(&host).unwrap();
+        write!(stream, "GET {target} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        answer
+    };
+    assert!(get("/scene.rbn").ends_with(&std::fs::read(&path).unwrap()));
+    assert!(get("/").starts_with(b"HTTP/1.1 200 OK"));
+    assert!(get("/../room.rbn").starts_with(b"HTTP/1.1 404"));
+    let asked = Instant::now();
+    assert!(Command::new("kill").args(["-s", "INT", &view.id().to_string()]).status().unwrap().success());
+    view.wait().unwrap();
+    assert!(asked.elapsed() < Duration::from_secs(2));
+    assert!(TcpStream::connect(&host).is_err(), "nobody listens any more");
+}

@@ -1,0 +1,53 @@
+//! Files of every version: those of this one mean what they meant when they were written; older ones say who wrote them.
+//!
+//! `files/format-N.rbn` is a file of version N, made of `baker/tests/gltf/plain.glb` by the Rebounce that wrote it first and
+//! never made again; `files/format-N.head` is the begin of one that was not released.
+
+use rebounce_shared::glam::Vec3;
+use rebounce_shared::rbn::{RbnError, Scene, container};
+use rebounce_shared::relight::relight;
+use std::path::PathBuf;
+
+fn file(name: &str) -> Vec<u8> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/files").join(name);
+    std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+#[test]
+fn a_file_of_version_6_means_what_it_meant() {
+    let bytes = file("format-6.rbn");
+    let scene = Scene::from_bytes(&bytes).unwrap();
+    assert_eq!(scene.meta.generator, "rebounce 0.1.0");
+    assert_eq!(scene.meta.scene_name, "plain");
+    let counts = [
+        scene.vertices.len(),
+        scene.indices.len(),
+        scene.meta.materials.len(),
+        scene.meta.textures.len(),
+        scene.texture_bytes.len(),
+        scene.meta.lights.len(),
+        scene.points.len(),
+        scene.cuts.len(),
+        scene.links.links.len(),
+        scene.later.links.len(),
+    ];
+    assert_eq!(counts, [734, 4326, 25, 1, 3114, 0, 217, 186, 1534, 3536]);
+    // Relit from everywhere, it has the light that it had.
+    let light = relight(&scene, vec![Vec3::ONE; scene.direct_count()]);
+    let mean = light.iter().sum::<Vec3>() / light.len() as f32;
+    let then = Vec3::new(0.11593077, 0.12552752, 0.13108319);
+    assert!((mean - then).abs().max_element() < 1e-5, "{mean}");
+    // And it is written as it was: nobody who keeps one sees it change.
+    assert!(container::VERSION > 6 || scene.to_bytes().unwrap() == bytes);
+}
+
+#[test]
+fn older_files_say_who_wrote_them_and_what_to_do() {
+    for version in [3, 4, 5] {
+        let error = Scene::from_bytes(&file(&format!("format-{version}.head"))).unwrap_err();
+        assert!(matches!(error, RbnError::OlderVersion { found, .. } if found == version));
+        let said = error.to_string();
+        assert!(said.contains(&format!("by rebounce 0.1.0 in format version {version}")), "{said}");
+        assert!(said.contains("rebounce bake SCENE.glb"), "{said}");
+    }
+}

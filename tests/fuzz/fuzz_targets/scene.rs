@@ -1,0 +1,21 @@
+//! The contents of a .rbn file before they are packed: whatever numbers stand in them, the file is refused or keeps
+//! every rule that the viewer relies on. The input is switches and the bytes of each section, each after its length.
+#![no_main]
+
+use libfuzzer_sys::{fuzz_mutator, fuzz_target};
+use rebounce_fuzz::bounded;
+use rebounce_fuzz::contents::{Contents, keeps_promises, mutate};
+use rebounce_shared::rbn::{Scene, container};
+
+fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
+    mutate(data, size, max_size, seed)
+});
+
+fuzz_target!(|bytes: &[u8]| {
+    let Some(contents) = Contents::from_bytes(bytes) else { return };
+    let sections = contents.packed();
+    let sections: Vec<_> = sections.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
+    let file = container::write(&sections);
+    let Ok(scene) = bounded(file.len(), 0, || Scene::from_bytes(&file)) else { return };
+    keeps_promises(&scene);
+});

@@ -1,0 +1,249 @@
+//! A .rbn file's contents before they are packed, as an input: switches, then eight parts, each after its length. Any
+//! bytes are some contents, so that damage reaches the rules behind the codec.
+
+use crate::{Random, mutated, put};
+use bytemuck::Pod;
+use rebounce_shared::link::{LaterLink, Link, MAX_SENDERS};
+use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
+use rebounce_shared::rbn::codec::{columns, links};
+use rebounce_shared::rbn::container::MAGIC;
+use rebounce_shared::rbn::{LinkMatrix, SECTIONS, Scene, meta};
+
+/// Bytes of a link or later link in an input: the step from the index before, or zero at a row's end; the rest.
+const LINK: usize = 6;
+/// An input begins with it; the low bits say what is not made to fit.
+const MARK: u8 = 0xe0;
+
+/// Switches and parts, in the order of the sections.
+pub struct Contents {
+    switches: u8,
+    parts: [Vec<u8>; 8],
+}
+
+impl Contents {
+    /// From an input, or from a .rbn file, which seeds are.
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        if bytes.starts_with(&MAGIC) {
+            return Some(Self::of(&Scene::from_bytes(bytes).ok()?));
+        }
+        let (switches, mut rest) = bytes.split_first().filter(|(first, _)| **first & MARK == MARK)?;
+        let mut parts: [Vec<u8>; 8] = Default::default();
+        for part in &mut parts {
+            let Some((len, tail)) = rest.split_first_chunk::<4>() else { break };
+            let (head, tail) = tail.split_at((u32::from_le_bytes(*len) as usize).min(tail.len()));
+            (*part, rest) = (head.to_vec(), tail);
+        }
+        Some(Self { switches: *switches, parts })
+    }
+
+    fn of(scene: &Scene) -> Self {
+        let parts = [
+            meta::encode(&scene.meta).unwrap_or_default(),
+            bytemuck::cast_slice(&scene.vertices).to_vec(),
+            bytemuck::cast_slice(&scene.indices).to_vec(),
+            bytemuck::cast_slice(&scene.points).to_vec(),
+            bytemuck::cast_slice(&scene.cuts).to_vec(),
+            steps(&scene.links, |link| (link.0 & (MAX_SENDERS as u32 - 1), link.0)),
+            steps(&scene.later, |link| (link.sender, link.colour)),
+            scene.texture_bytes.clone(),
+        ];
+        Self { switches: MARK, parts }
+    }
+
+    fn to_bytes(&self) -> Vec<u8> {
+        let mut out = vec![self.switches];
+        for part in &self.parts {
+            out.extend((part.len() as u32).to_le_bytes());
+            out.extend(part);
+        }
+        out
+    }
+
+    /// Names and bytes of the sections; numbers of things are made to agree, where no switch says otherwise.
+    pub fn packed(&self) -> Vec<([u8; 4], Vec<u8>)> {
+        let [meta_bytes, vertices, indices, points, cuts, links, later, textures] = &self.parts;
+        let is_made_to_fit = |bit: u8| self.switches >> bit & 1 == 0;
+        let vertices: Vec<Vertex> = records(vertices);
+        let mut indices: Vec<u32> = records(indices);
+        let mut points: Vec<Point> = records(points);
+        let cuts: Vec<Cut> = records(cuts);
+        if is_made_to_fit(0) {
+            indices.truncate(indices.len() / 3 * 3);
+            indices.iter_mut().for_each(|i| *i %= vertices.len().max(1) as u32);
+        }
+        if is_made_to_fit(1) {
+            for point in &mut points {
+                let (first, count) = (point.cuts().start, point.cuts().len().min(4).min(cuts.len()));
+                let first = first % (cuts.len() - count + 1);
+                point.cuts = Point::pack_cuts(first, count, (point.cuts >> 3) as u8);
+            }
+        }
+        let mut meta_bytes = meta_bytes.clone();
+        let (mut rows, mut later_rows) = (points.len(), 0);
+        if let Ok(mut meta) = meta::decode(&meta_bytes) {
+            if is_made_to_fit(2) {
+                let mut next = 0u32;
+                let last = meta.levels.len().saturating_sub(1);
+                for (l, level) in meta.levels.iter_mut().enumerate() {
+                    let left = points.len() as u32 - next;
+                    level.first = next;
+                    level.count = if l == last { left } else { level.count.min(left) };
+                    next += level.count;
+                }
+                meta.direct_levels = meta.direct_levels.min(meta.levels.len() as u32);
+                meta.sender_levels = meta.sender_levels.min(meta.direct_levels);
+                meta.later_levels = meta.later_levels.min(meta.sender_levels);
+                meta.levels
+                    .iter()
+                    .take(meta.later_levels as usize)
+                    .for_each(|l| later_rows += l.count as usize);
+            }
+            if is_made_to_fit(3) {
+                let mut first = 0;
+                for draw in &mut meta.draws {
+                    let count = draw.index_count.min(indices.len() as u32 - first) / 3 * 3;
+                    (draw.first_index, draw.index_count) = (first, count);
+                    first += count;
+                }
+                meta.draws.retain(|draw| draw.index_count > 0);
+            }
+            meta_bytes = meta::encode(&meta).unwrap_or(meta_bytes);
+        }
+        if !is_made_to_fit(4) {
+            (rows, later_rows) = (usize::MAX, usize::MAX);
+        }
+        let links = matrix(links, rows, |sender, bits| Link(bits & !(MAX_SENDERS as u32 - 1) | sender));
+        let later = matrix(later, later_rows, |sender, colour| LaterLink { sender, colour });
+        let packed = [
+            meta_bytes,
+            columns::encode(&vertices),
+            columns::encode(&indices),
+            columns::encode(&points),
+            columns::encode(&cuts),
+            links::encode(&links.offsets, &links.links),
+            links::encode(&later.offsets, &later.links),
+            textures.clone(),
+        ];
+        SECTIONS.into_iter().zip(packed).collect()
+    }
+}
+
+/// As many records as the bytes are.
+fn records<T: Pod>(bytes: &[u8]) -> Vec<T> {
+    bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
+}
+
+/// Links as steps.
+fn steps<L: Copy>(matrix: &LinkMatrix<L>, split: impl Fn(L) -> (u32, u32)) -> Vec<u8> {
+    let mut out = Vec::new();
+    for row in matrix.iter() {
+        let mut last = 0;
+        for &link in row {
+            let (sender, bits) = split(link);
+            let step = (sender + 1 - last).min(u16::MAX as u32) as u16;
+            last = sender + 1;
+            out.extend(step.to_le_bytes());
+            out.extend(bits.to_le_bytes());
+        }
+        out.extend([0; LINK]);
+    }
+    out
+}
+
+/// Rows from steps, so many of them, unless all are wanted.
+fn matrix<L: Copy>(bytes: &[u8], rows: usize, link: impl Fn(u32, u32) -> L) -> LinkMatrix<L> {
+    let mut found = vec![Vec::new()];
+    let mut next = 0u32;
+    for part in bytes.chunks_exact(LINK) {
+        let step = u16::from_le_bytes([part[0], part[1]]) as u32;
+        let bits = u32::from_le_bytes([part[2], part[3], part[4], part[5]]);
+        match (step, found.last_mut()) {
+            (1.., Some(row)) if next + step <= MAX_SENDERS as u32 => {
+                next += step;
+                row.push(link(next - 1, bits));
+            }
+            _ => {
+                found.push(Vec::new());
+                next = 0;
+            }
+        }
+    }
+    // Each row has an end.
+    found.pop();
+    if rows != usize::MAX {
+        found.resize(rows, Vec::new());
+    }
+    LinkMatrix::from_rows(&found)
+}
+
+/// Damages one part: as bytes, or one of its words.
+pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize {
+    const ODD: [u32; 12] = [
+        0,
+        1,
+        2,
+        0x7fff_ffff,
+        u32::MAX,
+        0x7f80_0000,
+        0x7fc0_0000,
+        0xff80_0000,
+        0x5863_5fa9,
+        0x26901d7d,
+        0x0000_0001,
+        0x7149_f2ca,
+    ];
+    let mut random = Random::new(seed);
+    let Some(mut contents) = Contents::from_bytes(&data[..size]) else {
+        return libfuzzer_sys::fuzzer_mutate(data, size, max_size);
+    };
+    // Half of it goes into what says how all else is meant, and into the points.
+    let part = &mut contents.parts[[0, 0, 0, 3, 3, 3, 1, 2, 4, 5, 6, 7][random.below(12)]];
+    match random.below(8) {
+        0 if part.len() >= 4 => {
+            let at = 4 * random.below(part.len() / 4);
+            part[at..at + 4].copy_from_slice(&ODD[random.below(ODD.len())].to_le_bytes());
+        }
+        1 if part.len() >= 56 => {
+            let (from, to) = (28 * random.below(part.len() / 28), 28 * random.below(part.len() / 28));
+            part.copy_within(from..from + 28, to);
+        }
+        2 => contents.switches ^= 1 << random.below(5),
+        _ => *part = mutated(part, part.len() + 64),
+    }
+    match put(&contents.to_bytes(), data, max_size) {
+        Some(size) => size,
+        None => libfuzzer_sys::fuzzer_mutate(data, size, max_size),
+    }
+}
+
+/// Asserts what the viewer relies on, and what its shaders do with it on the CPU.
+pub fn keeps_promises(scene: &Scene) {
+    for (i, row) in scene.links.iter().enumerate() {
+        assert!(row.iter().all(|link| link.amount().is_finite()), "row {i}");
+    }
+    for i in 0..scene.points.len() {
+        assert!(scene.push().row(i).iter().all(|entry| entry.point() < i && entry.weight() > 0.0));
+        assert!(scene.cuts_of(i).len() <= 4);
+        assert!(scene.points[i].normal().is_normalized() && scene.points[i].tint().is_finite());
+    }
+    assert!(scene.indices.iter().all(|&i| (i as usize) < scene.vertices.len()));
+    let lookup = &scene.relations.lookup;
+    let mut reached = 0;
+    for (l, level) in scene.meta.levels.iter().enumerate() {
+        let range = level.first..level.first + level.count;
+        for p in &scene.points[scene.level(l)] {
+            let functions = lookup.functions(l, p.position());
+            assert!(functions.iter().all(|j| range.contains(j)));
+            reached += functions.len();
+        }
+    }
+    assert!(reached >= scene.points.len(), "a function is not found where it is");
+    for light in scene.meta.lights.iter().map(|light| light.source(scene.meta.origin)) {
+        assert!(light.position.is_finite() && light.intensity.is_finite() && light.direction.is_normalized());
+    }
+    for frame in scene.meta.cameras.iter().map(|camera| camera.frame(scene.meta.origin)) {
+        assert!(frame.eye.is_finite() && frame.direction(0.3, 0.7, 16, 9).is_normalized());
+    }
+    (0..scene.meta.textures.len())
+        .for_each(|i| assert_eq!(scene.texture(i).len() as u64, scene.meta.textures[i].len));
+}
