@@ -9,16 +9,21 @@ use rebounce_shared::rbn::meta::{Animation, DetailTexture, Interpolation, Proper
 /// Four pixels.
 const PICTURE: &[u8] = include_bytes!("small.png");
 
+/// Settings of a bake of about so many functions that takes a moment.
+pub fn settings(functions: usize) -> BakeSettings {
+    let mut settings = BakeSettings::new(Preset::Draft);
+    (settings.place.levels, settings.place.functions) = (3, functions);
+    settings.operator.rays = vec![64];
+    settings.operator.later_levels = 1;
+    settings.normalised()
+}
+
 /// A bake of a few functions, whose sections are shorter than 64 kB.
 ///
 /// # Errors
 /// What the bake says.
 pub fn small(name: &str, functions: usize) -> Result<Scene> {
-    let mut settings = BakeSettings::new(Preset::Draft);
-    (settings.place.levels, settings.place.functions) = (3, functions);
-    settings.operator.rays = vec![64];
-    settings.operator.later_levels = 1;
-    Ok(bake(&scene::load(name)?, &settings.normalised(), &())?.0)
+    Ok(bake(&scene::load(name)?, &settings(functions), &())?.0)
 }
 
 /// The Cornell box with something of everything that a file can hold: a picture as colour and as normals, animations.

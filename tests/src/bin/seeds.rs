@@ -1,9 +1,10 @@
 //! `seeds FOLDER`: what the fuzz targets begin with, a folder each. Run by `cargo xtask fuzz`.
 
 use anyhow::{Context, Result};
-use rebounce::bake::{BakeSettings, Checkpoint, Identity, Preset, bake, bake_with_checkpoint};
+use rebounce::bake::{BakeSettings, Checkpoint, Identity, Preset, bake_with_checkpoint};
 use rebounce::scene;
 use rebounce_shared::rbn::container;
+use rebounce_tests::small::{settings, small};
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
@@ -15,7 +16,7 @@ fn main() -> Result<()> {
             .with_context(|| folder.display().to_string())
     };
     for (name, functions) in [("builtin:cornell-box", 12), ("builtin:two-rooms-door", 40)] {
-        let file = small(name, functions)?;
+        let file = small(name, functions)?.to_bytes()?;
         let short = name.trim_start_matches("builtin:");
         write("file", short, &file)?;
         write("scene", short, &file)?;
@@ -55,18 +56,4 @@ fn checkpoint(folder: &Path) -> Result<Vec<u8>> {
     let bytes = std::fs::read(&path)?;
     kept.remove();
     Ok(bytes)
-}
-
-fn settings(functions: usize) -> BakeSettings {
-    let mut settings = BakeSettings::new(Preset::Draft);
-    (settings.place.levels, settings.place.functions) = (3, functions);
-    settings.operator.rays = vec![32];
-    settings.operator.later_levels = 1;
-    settings.normalised()
-}
-
-/// A bake of a few functions, whose sections are shorter than 64 kB.
-fn small(name: &str, functions: usize) -> Result<Vec<u8>> {
-    let (file, _) = bake(&scene::load(name)?, &settings(functions), &())?;
-    Ok(file.to_bytes()?)
 }
