@@ -178,7 +178,10 @@ impl Texels {
     fn half(&self, by_alpha: bool) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         // Of an odd number of texels some count for three.
-        let span = |i: u32, of: u32, size: u32| i * size / of..((i + 1) * size).div_ceil(of).min(size);
+        let span = |i: u32, of: u32, size: u32| {
+            let (i, of, all) = (i as u64, of as u64, size as u64);
+            (i * all / of) as u32..((i + 1) * all).div_ceil(of).min(all) as u32
+        };
         let mut rgba = Vec::with_capacity(width as usize * height as usize);
         for y in 0..height {
             for x in 0..width {
@@ -385,6 +388,24 @@ mod tests {
                     let seen = plain.color(Vec2::new(0.7, 0.2), share, by_alpha);
                     assert!((seen - linear([90, 20, 160, 0])).length() < 1e-6, "{share}: {seen}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_picture_of_one_very_long_row_keeps_its_colour() {
+        // Twice its width squared is more than 32 bits hold.
+        let texels = Texels::new(200_000, 1, vec![[90, 20, 160, 255]; 200_000]);
+        let s = Sampler {
+            linear_filter: true,
+            texels: Arc::new(texels),
+            wrap_u: Wrap::Repeat,
+            wrap_v: Wrap::Repeat,
+        };
+        for share in [0.0, 1e-3, 1.0] {
+            for u in [0.01, 0.5, 0.99] {
+                let seen = s.color(Vec2::new(u, 0.5), share, false);
+                assert!((seen - linear([90, 20, 160, 0])).length() < 1e-6, "{share}, {u}: {seen}");
             }
         }
     }

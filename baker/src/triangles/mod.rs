@@ -141,10 +141,11 @@ impl TriangleSurfaces {
         let t = &self.triangles[place];
         let [a, b, c] = t.positions;
         let (u, plane) = (1.0 - m.v - m.w, self.planes[place]);
-        let mut geometric_normal = plane.truncate();
-        if geometric_normal == Vec3::ZERO || geometric_normal.dot(direction) > 0.0 {
-            geometric_normal = if geometric_normal == Vec3::ZERO { -direction } else { -geometric_normal };
-        }
+        let geometric_normal = match plane.truncate() {
+            Vec3::ZERO => -direction,
+            outwards if outwards.dot(direction) > 0.0 => -outwards,
+            outwards => outwards,
+        };
         let surface = &self.surfaces[t.material as usize];
         let mut normal =
             (t.normals[0] * u + t.normals[1] * m.v + t.normals[2] * m.w).normalize_or(geometric_normal);

@@ -9,7 +9,7 @@ use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use smallvec::SmallVec;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 /// Children of a node.
 const WIDTH: usize = 8;
@@ -155,9 +155,7 @@ impl WideBvh {
                     }
                 }
             } else {
-                let first = (next & !LEAF & ((1 << COUNT_SHIFT) - 1)) as usize;
-                let count = ((next & !LEAF) >> COUNT_SHIFT) as usize + 1;
-                for place in first..first + count {
+                for place in places(next) {
                     match visit(place, limit) {
                         ControlFlow::Continue(nearer) => limit = nearer,
                         ControlFlow::Break(()) => return,
@@ -174,6 +172,13 @@ impl WideBvh {
             };
         }
     }
+}
+
+/// The places of a leaf's triangles.
+#[inline(always)]
+fn places(leaf: u32) -> Range<usize> {
+    let first = (leaf & ((1 << COUNT_SHIFT) - 1)) as usize;
+    first..first + ((leaf & !LEAF) >> COUNT_SHIFT) as usize + 1
 }
 
 /// Up to eight nodes that make up this one: of those there are, the largest is opened as long as there is room.
@@ -330,10 +335,9 @@ mod tests {
                     }
                     continue;
                 }
-                let (first, count) = (name & ((1 << COUNT_SHIFT) - 1), (name & !LEAF) >> COUNT_SHIFT);
-                for place in first..=first + count {
-                    places[place as usize] += 1;
-                    let t = &triangles[order[place as usize] as usize];
+                for place in super::places(name) {
+                    places[place] += 1;
+                    let t = &triangles[order[place] as usize];
                     for v in [t.v0, t.v1, t.v2] {
                         // The corners are rounded when a box is made of steps; the boxes that are built are padded.
                         let outside = |b: &Aabb| (b.min - v).max(v - b.max).max_element();
