@@ -74,7 +74,7 @@ impl Room {
         let tints = tint::tints(&surfaces, &points, operator.seed, &())?;
         let duals = tint::duals(&tints);
         let baked = {
-            let senders = Senders::new(&points, &operator, &tints);
+            let senders = Senders::new(&surfaces, &points, &operator, &tints, &())?;
             let mut refiner = Refiner::new(&surfaces, &points, &relations, &operator, &senders, tints);
             for _ in 0..operator.later_levels {
                 refiner.level(&(), &(), &())?;
@@ -218,8 +218,7 @@ fn cast(room: &Room) -> u64 {
 fn cover(room: &Room) -> u64 {
     let mut weights = Vec::new();
     for hit in &room.hits {
-        let list = room.senders.look_up(hit.position);
-        room.senders.interpolate_in(list, hit.position, hit.normal, &mut weights);
+        room.senders.interpolate(hit.position, hit.normal, &mut weights);
         black_box(&weights);
     }
     room.hits.len() as u64

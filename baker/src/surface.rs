@@ -1,9 +1,10 @@
 //! The one interface between light transport and geometry (paper, section 5.1).
 //!
 //! Points, basis, operator and renderers know surfaces through [`Surfaces`] alone: cast a ray;
-//! position, normal and reflectance at the hit. A new kind of surface implements this trait.
+//! position, normal and reflectance at the hit. A new kind of surface implements this trait, and may tell its
+//! [`Pieces`], so that what rays find need not be worked out hit by hit.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// A ray in local space.
 #[derive(Clone, Copy, Debug)]
@@ -66,4 +67,58 @@ pub trait Surfaces: Sync {
 
     /// Safe distance to move ray origins off surfaces, scene units.
     fn epsilon(&self) -> f32;
+
+    /// The pieces that the surfaces are made of; none where they do not tell.
+    fn pieces(&self) -> Option<&dyn Pieces> {
+        None
+    }
+}
+
+/// A place on a piece of surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Number of the piece.
+    pub piece: u32,
+    /// How far along its first and its second side, from the corner between them; 0 to 1 each and together.
+    pub at: Vec2,
+    /// Whether it is the piece's back.
+    pub is_back: bool,
+}
+
+/// A triangle, flat or curved, that the surfaces are made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Lengths of the two sides that [`Place::at`] counts along, scene units; the third side is the longest.
+    pub sides: [f32; 2],
+    /// Whether its back reflects too.
+    pub has_back: bool,
+}
+
+/// What a surface is at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Local space.
+    pub position: Vec3,
+    /// Unit shading normal, on the side that the place is on.
+    pub normal: Vec3,
+    /// Linear RGB reflectance.
+    pub albedo: Vec3,
+    /// The share of rays that it stops.
+    pub opacity: f32,
+}
+
+/// Surfaces made of numbered pieces: what a ray finds on them can be worked out before it is cast.
+pub trait Pieces: Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// A piece, by number.
+    fn piece(&self, piece: u32) -> Piece;
+
+    /// What is at a place; its reflectance is the mean over about this `area`, square scene units.
+    fn spot(&self, place: Place, area: f32) -> Spot;
+
+    /// Where the nearest hit is, where light is reflected at all: [`Surfaces::cast`] without looking at what is there. Its
+    /// side is that of the true surface.
+    fn find(&self, ray: &Ray, seed: u32) -> Option<Place>;
 }

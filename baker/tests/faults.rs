@@ -180,7 +180,7 @@ fn the_page_is_served_until_ctrl_c() {
     assert!(get("/../room.rbn").starts_with(b"HTTP/1.1 404"));
     let asked = Instant::now();
     assert!(Command::new("kill").args(["-s", "INT", &view.id().to_string()]).status().unwrap().success());
-    view.wait().unwrap();
+    assert_eq!(view.wait().unwrap().code(), Some(130));
     assert!(asked.elapsed() < Duration::from_secs(2));
     assert!(TcpStream::connect(&host).is_err(), "nobody listens any more");
 }

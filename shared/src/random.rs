@@ -11,6 +11,12 @@ pub fn mix(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
+/// A number from 0 up to 1 out of 64 uniform bits.
+#[inline]
+pub fn unit(bits: u64) -> f32 {
+    (bits >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
+}
+
 /// A stream of random numbers named by a seed and an index.
 #[derive(Clone, Debug)]
 pub struct Stream(u64);
@@ -31,7 +37,7 @@ impl Stream {
     /// Uniform in [0, 1).
     #[inline]
     pub fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
+        unit(self.bits())
     }
 
     /// Uniform in the unit square.

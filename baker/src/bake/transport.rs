@@ -101,9 +101,9 @@ impl Transport<'_> {
         settings.operator.reflected = reflected_share(self.surfaces, &points, settings.operator.seed);
         let tints = tint::tints(self.surfaces, &points, settings.operator.seed, &task)?;
         agree(self.scene, &asked, &points, &tints, self.team, &task)?;
-        drop(task);
         let told = &settings.operator;
-        let senders = Senders::new(&points, told, &tints);
+        let senders = Senders::new(self.surfaces, &points, told, &tints, &task)?;
+        drop(task);
         let mut refiner = Refiner::new(self.surfaces, &points, &relations, told, &senders, tints);
         let levels = points.levels.len();
         for level in 0..levels {

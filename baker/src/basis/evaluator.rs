@@ -55,21 +55,13 @@ impl Function {
     }
 }
 
-/// Where an [`Evaluator`] lists the functions that may cover a place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct List {
-    /// The first of them, so that they are there when they are wanted.
-    first: [u32; LANES],
-    /// Where the others are.
-    start: u32,
-    end: u32,
-}
-
 /// Evaluates one level's functions.
 pub struct Evaluator {
     /// In the order that they came in; one that covers nothing at the end.
     functions: Vec<Function>,
     first_index: u32,
+    /// The largest, scene units.
+    radius: f32,
     /// Where each function's cuts begin, and one past the end.
     first_cuts: Vec<u32>,
     cuts: Vec<Cut>,
@@ -98,6 +90,7 @@ impl Evaluator {
         let mut grid = Self {
             functions,
             first_index,
+            radius: largest,
             first_cuts,
             cuts,
             cells_per_unit,
@@ -172,33 +165,16 @@ impl Evaluator {
         ((block * BLOCK) | within) as usize & (self.starts.len() - 2)
     }
 
-    /// Finds the functions that may cover a place.
+    /// Calls `visit(index, weight)` for each function whose weight (Eq. 8) is positive at this
+    /// place and that no cut ends there, and returns the weights' sum: 0 where nothing covers it.
     #[inline]
-    pub fn look_up(&self, position: Vec3) -> List {
+    pub fn gather(&self, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
         let place = (position - self.low) * self.cells_per_unit;
         // Rounded down without a call into the system's library.
         let cell = place.as_ivec3() - IVec3::from(place.cmplt(Vec3::ZERO));
         let bucket = self.bucket(cell);
-        let (start, end) = (self.starts[bucket], self.starts[bucket + 1]);
-        if start == end {
-            return List { first: [self.functions.len() as u32 - 1; LANES], start, end };
-        }
-        List { first: self.lists[start as usize], start: start + 1, end }
-    }
-
-    /// Calls `visit(index, weight)` for each function whose weight (Eq. 8) is positive at this
-    /// place and that no cut ends there, and returns the weights' sum: 0 where nothing covers it.
-    #[inline]
-    pub fn gather(&self, position: Vec3, normal: Vec3, visit: impl FnMut(u32, f32)) -> f32 {
-        self.gather_in(self.look_up(position), position, normal, visit)
-    }
-
-    /// The same, where the place has been [looked up](Self::look_up).
-    #[inline]
-    fn gather_in(&self, list: List, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
         let mut total = 0.0;
-        let others = &self.lists[list.start as usize..list.end as usize];
-        for lanes in std::iter::once(&list.first).chain(others) {
+        for lanes in &self.lists[self.starts[bucket] as usize..self.starts[bucket + 1] as usize] {
             let mut hopeful = self.hopeful(lanes, position, normal);
             while hopeful != 0 {
                 let place = lanes[hopeful.trailing_zeros() as usize] as usize;
@@ -206,14 +182,19 @@ impl Evaluator {
                 let function = &self.functions[place];
                 let offset = position - function.position();
                 let w = weight(offset, normal, function.normal(), function.radius());
-                let cuts = &self.cuts[self.first_cuts[place] as usize..self.first_cuts[place + 1] as usize];
-                if w > 0.0 && !cuts.iter().any(|cut| cut.ends(offset)) {
+                if w > 0.0 && !self.cuts(place).iter().any(|cut| cut.ends(offset)) {
                     total += w;
                     visit(self.first_index + place as u32, w);
                 }
             }
         }
         total
+    }
+
+    /// A function's cuts.
+    #[inline]
+    fn cuts(&self, place: usize) -> &[Cut] {
+        &self.cuts[self.first_cuts[place] as usize..self.first_cuts[place + 1] as usize]
     }
 
     /// Which of these functions may cover a place: a bit for each. Some of them do not, by a hair; no other does.
@@ -252,25 +233,9 @@ impl Leveled {
     /// covers this place; the weights sum to 1. Leaves it empty where no level does.
     #[inline]
     pub fn interpolate(&self, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
-        self.interpolate_in(self.look_up(position), position, normal, out);
-    }
-
-    /// Finds the functions of the finest level that may cover a place.
-    #[inline]
-    pub fn look_up(&self, position: Vec3) -> List {
-        let none = List { first: [0; LANES], start: 0, end: 0 };
-        self.levels.last().map_or(none, |finest| finest.look_up(position))
-    }
-
-    /// As [`Self::interpolate`], at a place that has been [looked up](Self::look_up): of many places that are looked up
-    /// one after another, the lists come from memory together.
-    #[inline]
-    pub fn interpolate_in(&self, list: List, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
-        let mut list = Some(list);
         for level in self.levels.iter().rev() {
             out.clear();
-            let list = list.take().unwrap_or_else(|| level.look_up(position));
-            let total = level.gather_in(list, position, normal, |i, w| out.push((i, w)));
+            let total = level.gather(position, normal, |i, w| out.push((i, w)));
             if total > LEAST_WEIGHT {
                 let scale = 1.0 / total;
                 out.iter_mut().for_each(|e| e.1 *= scale);
@@ -278,6 +243,43 @@ impl Leveled {
             }
         }
         out.clear();
+    }
+
+    /// The radius of the finest level's functions, scene units; 0 without any.
+    pub fn finest_radius(&self) -> f32 {
+        self.levels.last().map_or(0.0, |level| level.radius)
+    }
+
+    /// The same of the coarsest level's.
+    pub fn coarsest_radius(&self) -> f32 {
+        self.levels.first().map_or(0.0, |level| level.radius)
+    }
+
+    /// The same of the finest level that covers this place; `None` where no level does.
+    pub fn radius_at(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        let covers = |level: &&Evaluator| level.gather(position, normal, |_, _| {}) > LEAST_WEIGHT;
+        self.levels.iter().rev().find(covers).map(|level| level.radius)
+    }
+
+    /// A function's cuts, and its position.
+    fn cuts(&self, function: u32) -> (&[Cut], Vec3) {
+        let level = self.levels.partition_point(|level| level.first_index <= function) - 1;
+        let (level, place) = (&self.levels[level], (function - self.levels[level].first_index) as usize);
+        (level.cuts(place), level.functions[place].position())
+    }
+
+    /// Whether a cut ends a function somewhere.
+    pub fn has_cuts(&self, function: u32) -> bool {
+        !self.cuts(function).0.is_empty()
+    }
+
+    /// Whether a cut ends a function at some of these positions, and does not at others.
+    pub fn is_cut_between(&self, function: u32, positions: &[Vec3]) -> bool {
+        let (cuts, at) = self.cuts(function);
+        cuts.iter().any(|cut| {
+            let ended = positions.iter().filter(|position| cut.ends(**position - at)).count();
+            ended != 0 && ended != positions.len()
+        })
     }
 }
 

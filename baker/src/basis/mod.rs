@@ -6,7 +6,7 @@
 mod evaluator;
 
 use crate::points::{PointLevel, Points};
-pub use evaluator::{Evaluator, Leveled, List, Support};
+pub use evaluator::{Evaluator, Leveled, Support};
 pub use rebounce_shared::basis::Relations;
 use rebounce_shared::rbn::RbnError;
 

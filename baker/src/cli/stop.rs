@@ -58,3 +58,15 @@ impl Stop {
         self.is_held.store(true, Ordering::Release);
     }
 }
+
+/// Lets signals end the process at once, with the codes that shells expect, even where it was started with them ignored:
+/// what a script starts in the background is.
+///
+/// # Errors
+/// What the system says.
+pub fn end_at_once() -> io::Result<()> {
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, Arc::new(true.into()))?;
+    }
+    Ok(())
+}

@@ -1,6 +1,7 @@
 //! `rebounce view`: serves the built viewer with one baked file on 127.0.0.1.
 
 use super::http::{self, Body, Request, Response};
+use super::stop::end_at_once;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rebounce_shared::rbn::container::MAGIC;
@@ -65,6 +66,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     } else if !args.watch {
         check(&args.file)?;
     }
+    end_at_once().context("preparing for Ctrl-C")?;
     let listener = listen(args.port)?;
     let port = listener.local_addr()?.port();
     let address = format!("http://127.0.0.1:{port}/{}", if args.watch { "?watch" } else { "" });

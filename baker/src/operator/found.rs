@@ -8,28 +8,17 @@ use super::directions::Directions;
 use super::gather::{GatherContext, GatherCost};
 use super::hemisphere::{GatherRays, gather_rays};
 use super::tally::Tally;
-use crate::basis::List;
-use crate::surface::{Hit, Ray, Surfaces};
+use super::tiles::Shares;
+use crate::basis::Leveled;
+use crate::random::{mix, unit};
+use crate::surface::{Ray, Surfaces};
 use glam::{Vec2, Vec3, Vec3A};
 use rebounce_shared::octahedral;
 
-/// Rays that are cast before their hits are looked at, so that one step waits for memory far away once, not once a ray.
+/// Rays that are cast before their tiles are looked at, so that one step waits for memory far away once, not once a ray.
 const BATCH: usize = 64;
 /// Cells of directions along each axis of the octahedral map: a power of two.
 const CELLS: u32 = 32;
-
-/// What a ray brings.
-#[derive(Clone, Copy, Debug, Default)]
-struct Brought {
-    /// Cosine-weighted reflectance.
-    seen: f32,
-    /// Whether no sender covers what it hit.
-    is_lost: bool,
-    /// Where its shares begin and end.
-    senders: [u32; 2],
-    /// The same among the coarse functions.
-    coarse: [u32; 2],
-}
 
 /// Rays of some receivers, and what they find.
 #[derive(Default)]
@@ -39,21 +28,15 @@ pub struct Found {
     first_rays: Vec<u32>,
     /// The rays in the order that they are cast.
     order: Vec<u32>,
-    brought: Vec<Brought>,
-    /// Irradiance by function.
-    shares: Vec<(u32, f32)>,
-    batch: Batch,
-}
-
-/// Working memory of the rays that are cast together.
-#[derive(Default)]
-struct Batch {
-    /// Hits that reflect: the ray, what it hits, and the light that it brings.
-    reflecting: Vec<(u32, Hit, Vec3A)>,
-    /// Where the functions that may cover each of them are listed.
-    lists: Vec<List>,
+    /// What each ray brings to the senders.
+    brought: Vec<Shares>,
+    /// The same to the coarse functions, of the first rays, which may need it.
+    coarse: Vec<Shares>,
+    /// Rays of a batch that hit something, and the tiles.
+    batch: Vec<(u32, u32)>,
     /// The functions that cover one hit.
     weights: Vec<(u32, f32)>,
+    weighed: Vec<(u32, f32, f32)>,
 }
 
 impl Found {
@@ -66,7 +49,6 @@ impl Found {
     ) {
         self.rays.clear();
         self.first_rays.clear();
-        self.shares.clear();
         // The first ray that may need coarse functions is known by its receiver: points are ordered by level.
         let mut coarse_rays = 0;
         for &i in receivers {
@@ -78,45 +60,71 @@ impl Found {
             }
         }
         self.first_rays.push(self.rays.rays.len() as u32);
-        self.brought.clear();
-        self.brought.resize(self.rays.rays.len(), Brought::default());
+        for (brought, count) in [(&mut self.brought, self.rays.rays.len()), (&mut self.coarse, coarse_rays)] {
+            brought.clear();
+            brought.resize(count, Shares::NOTHING);
+        }
         sort(&self.rays.rays, &mut self.order);
-        for order in self.order.chunks(BATCH) {
-            let Batch { reflecting, lists, weights } = &mut self.batch;
-            reflecting.clear();
-            for &number in order {
-                let (ray, seed) = &self.rays.rays[number as usize];
-                if let Some(hit) = context.surfaces.cast(ray, *seed)
-                    && hit.albedo != Vec3::ZERO
-                    && hit.faces(ray.direction)
-                {
-                    let arriving = Vec3A::from(hit.albedo * self.rays.shares[number as usize]);
-                    reflecting.push((number, hit, arriving));
+        let order = std::mem::take(&mut self.order);
+        match (context.surfaces.pieces(), context.tiles) {
+            (Some(pieces), Some(tiles)) => {
+                let mut batch = std::mem::take(&mut self.batch);
+                for some in order.chunks(BATCH) {
+                    batch.clear();
+                    for &number in some {
+                        if (number as usize) < coarse_rays {
+                            self.look_at(context, number);
+                            continue;
+                        }
+                        let (ray, seed) = &self.rays.rays[number as usize];
+                        let Some(place) = pieces.find(ray, *seed) else { continue };
+                        match tiles.number(place) {
+                            Some(tile) => batch.push((number, tile)),
+                            None => self.look_at(context, number),
+                        }
+                    }
+                    for &(number, tile) in &batch {
+                        match tiles.shares(tile) {
+                            Some(shares) => {
+                                let share = self.rays.shares[number as usize];
+                                self.brought[number as usize] = shares.scaled(share);
+                            }
+                            None => self.look_at(context, number),
+                        }
+                    }
                 }
+                self.batch = batch;
             }
-            // All lists are asked for before the first one is waited for.
-            lists.clear();
-            lists.extend(reflecting.iter().map(|(_, hit, _)| context.senders.look_up(hit.position)));
-            for ((ray, hit, arriving), list) in reflecting.iter().zip(&*lists) {
-                let shares = &mut self.shares;
-                let mut share = |weights: &[(u32, f32)]| {
-                    let first = shares.len() as u32;
-                    // As bright as the light is counted in each sender's tint: the best fit of the one to the other.
-                    let amount =
-                        |&(f, share): &(u32, f32)| (f, share * arriving.dot(context.duals[f as usize]));
-                    shares.extend(weights.iter().map(amount));
-                    [first, shares.len() as u32]
-                };
-                let brought = &mut self.brought[*ray as usize];
-                brought.seen = arriving.element_sum() / 3.0;
-                context.senders.interpolate_in(*list, hit.position, hit.normal, weights);
-                brought.is_lost = weights.is_empty();
-                brought.senders = share(weights);
-                if !brought.is_lost && (*ray as usize) < coarse_rays {
-                    context.coarse.interpolate(hit.position, hit.normal, weights);
-                    brought.coarse = share(weights);
-                }
+            _ => order.iter().for_each(|number| self.look_at(context, *number)),
+        }
+        self.order = order;
+    }
+
+    /// Looks at what one ray hits, where no tile says it.
+    fn look_at<S: Surfaces + ?Sized>(&mut self, context: &GatherContext<S>, number: u32) {
+        let (number, (ray, seed)) = (number as usize, &self.rays.rays[number as usize]);
+        let Some(hit) = context.surfaces.cast(ray, *seed) else { return };
+        if hit.albedo == Vec3::ZERO || !hit.faces(ray.direction) {
+            return;
+        }
+        let arriving = Vec3A::from(hit.albedo * self.rays.shares[number]);
+        let chance = unit(mix(*seed as u64));
+        let Self { weights, weighed, .. } = self;
+        let mut shares = |functions: &Leveled| {
+            functions.interpolate(hit.position, hit.normal, weights);
+            weighed.clear();
+            // As bright as the light is counted in each sender's tint: the best fit of the one to the other.
+            weighed.extend(
+                weights.iter().map(|&(f, weight)| (f, weight, arriving.dot(context.duals[f as usize]))),
+            );
+            match weighed.is_empty() {
+                true => Shares::lost(arriving.element_sum() / 3.0),
+                false => Shares::of(weighed, chance),
             }
+        };
+        self.brought[number] = shares(context.senders);
+        if number < self.coarse.len() && !self.brought[number].is_lost() {
+            self.coarse[number] = shares(context.coarse);
         }
     }
 
@@ -124,14 +132,16 @@ impl Found {
     pub fn add(&self, receiver: usize, senders: &mut Tally, coarse: &mut Tally) -> GatherCost {
         let mut cost = GatherCost::default();
         let rays = self.first_rays[receiver] as usize..self.first_rays[receiver + 1] as usize;
-        for brought in &self.brought[rays] {
-            cost.seen += brought.seen as f64;
-            if brought.is_lost {
-                cost.lost += brought.seen as f64;
+        for (number, brought) in rays.clone().zip(&self.brought[rays]) {
+            let sum = brought.sum() as f64;
+            cost.seen += sum;
+            if brought.is_lost() {
+                cost.lost += sum;
             }
-            let of = |[first, end]: [u32; 2]| &self.shares[first as usize..end as usize];
-            of(brought.senders).iter().for_each(|(sender, amount)| senders.add(*sender as usize, *amount));
-            of(brought.coarse).iter().for_each(|(sender, amount)| coarse.add(*sender as usize, *amount));
+            brought.each(|sender, amount| senders.add(sender, amount));
+            if let Some(brought) = self.coarse.get(number) {
+                brought.each(|sender, amount| coarse.add(sender, amount));
+            }
         }
         cost
     }

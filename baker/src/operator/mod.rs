@@ -4,6 +4,7 @@
 //! * [`tint`] – the senders' colours;
 //! * [`directions`] – the rays of one hemispherical gather;
 //! * [`hemisphere`] – a receiver's rays;
+//! * [`tiles`] – what rays find, worked out beforehand;
 //! * `found` – what those of some receivers find;
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`tally`] – what a gather sums up, by sender;
@@ -24,6 +25,7 @@ pub mod journal;
 pub mod refine;
 pub mod reflected;
 pub mod tally;
+pub mod tiles;
 pub mod tint;
 
 use rebounce_shared::link::{LaterLink, Link};

@@ -7,6 +7,7 @@ use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
 use super::gather::{GatherContext, GatherCost, Gathered, Scratch};
 use super::journal::Journal;
+use super::tiles::Tiles;
 use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
 use crate::points::Points;
@@ -35,7 +36,7 @@ pub fn refine<S: Surfaces + ?Sized>(
     watch: &dyn Watch,
 ) -> Result<Operator, TeamError> {
     let tints = tint::tints(surfaces, points, settings.seed, &())?;
-    let senders = Senders::new(points, settings, &tints);
+    let senders = Senders::new(surfaces, points, settings, &tints, watch)?;
     let mut refiner = Refiner::new(surfaces, points, relations, settings, &senders, tints);
     for _ in &points.levels {
         refiner.level(watch, &(), &())?;
@@ -49,21 +50,41 @@ pub struct Senders {
     coarse: Leveled,
     count: usize,
     coarse_count: usize,
+    tiles: Option<Tiles>,
     duals: Vec<Vec3A>,
 }
 
 impl Senders {
-    /// The senders among these points, with the points' [`tints`](tint::tints).
-    pub fn new(points: &Points, settings: &OperatorSettings, tints: &[u32]) -> Self {
+    /// The senders among these points, with the points' [`tints`](tint::tints), and what rays find of them. `watch` is only
+    /// asked whether to go on.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn new<S: Surfaces + ?Sized>(
+        surfaces: &S,
+        points: &Points,
+        settings: &OperatorSettings,
+        tints: &[u32],
+        watch: &dyn Watch,
+    ) -> Result<Self, Stopped> {
         let levels = settings.sender_levels.min(points.levels.len());
         let coarse_levels = settings.later_levels.min(levels);
-        Self {
-            all: Leveled::new((0..levels).map(|l| sender_evaluator(points, l)).collect()),
+        let all = Leveled::new((0..levels).map(|l| sender_evaluator(points, l)).collect());
+        let duals = tint::duals(tints);
+        let tiles = surfaces.pieces().map(|pieces| Tiles::new(pieces, &all, &duals, settings.seed, watch));
+        Ok(Self {
+            all,
             coarse: Leveled::new((0..coarse_levels).map(|l| evaluator(points, l)).collect()),
             count: points.count_on(levels),
             coarse_count: points.count_on(coarse_levels),
-            duals: tint::duals(tints),
-        }
+            tiles: tiles.transpose()?,
+            duals,
+        })
+    }
+
+    /// The tiles, where the surfaces tell their pieces.
+    pub fn tiles(&self) -> Option<&Tiles> {
+        self.tiles.as_ref()
     }
 }
 
@@ -97,6 +118,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
             senders: &senders.all,
             coarse: &senders.coarse,
             coarse_count: senders.coarse_count,
+            tiles: senders.tiles.as_ref(),
             duals: &senders.duals,
             settings,
         };

@@ -11,10 +11,11 @@ mod wide;
 
 pub use geometry::Geometry;
 
+use crate::random::{mix, unit};
 use crate::scene::{Scene, SceneError};
-use crate::surface::{Hit, Ray, Surfaces};
+use crate::surface::{Hit, Piece, Pieces, Place, Ray, Spot, Surfaces};
 use geometry::{Surface, Triangle};
-use glam::{Vec3, Vec3A, Vec4};
+use glam::{Vec2, Vec3, Vec3A, Vec4};
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rebounce_shared::rbn;
@@ -33,6 +34,9 @@ const PADDING: f32 = 5e-7;
 /// Marks a triangle's number.
 const TRANSPARENT: u32 = 1 << 31;
 
+/// Marks a triangle's first corner.
+const TWO_SIDED: u8 = 4;
+
 /// Triangles with textures and alpha.
 pub struct TriangleSurfaces {
     bvh: WideBvh,
@@ -41,8 +45,12 @@ pub struct TriangleSurfaces {
     /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
     numbers: Vec<u32>,
     triangles: Vec<Triangle>,
-    /// Each triangle's unit normal, or zero, and the share of its texture that a unit of its area holds.
+    /// Each triangle's unit normal, or zero, on the side of its shading normals, and the share of its texture that a
+    /// unit of its area holds.
     planes: Vec<Vec4>,
+    /// Each triangle's corner across from its longest side, where [`Place::at`] counts from, and [`TWO_SIDED`] where it
+    /// reflects on both sides.
+    firsts: Vec<u8>,
     /// The vertices' colours, in the same order, or none.
     colors: Vec<[Vec3; 3]>,
     surfaces: Vec<Surface>,
@@ -95,6 +103,11 @@ impl TriangleSurfaces {
                 order.iter().map(|&i| geometry.colors[i as usize]).collect()
             },
             planes: triangles.iter().map(plane).collect(),
+            firsts: (triangles.iter())
+                .map(|t| {
+                    first(t) | if geometry.surfaces[t.material as usize].double_sided { TWO_SIDED } else { 0 }
+                })
+                .collect(),
             triangles,
             bvh,
             surfaces: geometry.surfaces,
@@ -133,7 +146,17 @@ impl TriangleSurfaces {
     /// Whether a triangle that may be transparent stops the ray with this seed.
     fn stops(&self, place: usize, m: Meeting, seed: u32) -> bool {
         let opacity = self.opacity(place, m);
-        opacity >= 1.0 || (opacity > 0.0 && unit(seed, self.numbers[place]) < opacity)
+        opacity >= 1.0
+            || (opacity > 0.0 && unit(mix((seed as u64) << 32 | self.numbers[place] as u64)) < opacity)
+    }
+
+    /// The factor of the albedo, by the shares of a triangle's corners.
+    #[inline]
+    fn color(&self, place: usize, [u, v, w]: [f32; 3]) -> Vec3 {
+        match self.colors.get(place) {
+            Some(c) => c[0] * u + c[1] * v + c[2] * w,
+            None => self.surfaces[self.triangles[place].material as usize].color,
+        }
     }
 
     fn shade(&self, place: usize, m: Meeting, ray: &Ray) -> Hit {
@@ -156,12 +179,8 @@ impl TriangleSurfaces {
         }
         let (albedo, emission) = if faces {
             let uv = t.uvs[0] * u + t.uvs[1] * m.v + t.uvs[2] * m.w;
-            let color = match self.colors.get(place) {
-                Some(c) => c[0] * u + c[1] * m.v + c[2] * m.w,
-                None => surface.color,
-            };
             let share = plane.w * (ray.spread * m.distance).powi(2);
-            (surface.albedo(color, uv, share), surface.emission)
+            (surface.albedo(self.color(place, [u, m.v, m.w]), uv, share), surface.emission)
         } else {
             (Vec3::ZERO, Vec3::ZERO)
         };
@@ -170,19 +189,23 @@ impl TriangleSurfaces {
     }
 }
 
-/// A triangle's unit normal, or zero, and the share of its texture that a unit of its area holds.
+/// A triangle's unit normal, or zero, on the side of its shading normals, and the share of its texture that a unit of its
+/// area holds.
 fn plane(t: &Triangle) -> Vec4 {
     let ([a, b, c], [p, q, r]) = (t.positions, t.uvs);
     let spanned = (b - a).cross(c - a);
     let share = (q - p).perp_dot(r - p).abs() / spanned.length().max(f32::MIN_POSITIVE);
-    spanned.normalize_or_zero().extend(share)
+    let normal = spanned.normalize_or_zero();
+    let faces = normal.dot(t.normals.into_iter().sum()) >= 0.0;
+    (if faces { normal } else { -normal }).extend(share)
 }
 
-/// A uniform number from 0 to 1 out of a ray's seed and a triangle's number.
-#[inline]
-fn unit(seed: u32, number: u32) -> f32 {
-    let bits = crate::random::mix((seed as u64) << 32 | number as u64);
-    (bits >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
+/// The corner across from a triangle's longest side.
+fn first(t: &Triangle) -> u8 {
+    let [a, b, c] = t.positions;
+    let sides = [b.distance_squared(c), c.distance_squared(a), a.distance_squared(b)];
+    let longest = |best: usize, i: usize| if sides[i] > sides[best] { i } else { best };
+    (0..3).fold(0, longest) as u8
 }
 
 impl TriangleSurfaces {
@@ -212,6 +235,57 @@ impl TriangleSurfaces {
             ControlFlow::Continue(limit)
         });
         best
+    }
+}
+
+impl Pieces for TriangleSurfaces {
+    fn count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    fn piece(&self, piece: u32) -> Piece {
+        let t = &self.triangles[piece as usize];
+        let marked = self.firsts[piece as usize];
+        let first = (marked & !TWO_SIDED) as usize;
+        let corner = |i: usize| t.positions[(first + i) % 3];
+        Piece {
+            sides: [corner(0).distance(corner(1)), corner(0).distance(corner(2))],
+            has_back: marked & TWO_SIDED != 0,
+        }
+    }
+
+    fn spot(&self, place: Place, area: f32) -> Spot {
+        let piece = place.piece as usize;
+        let t = &self.triangles[piece];
+        let mut shares = [1.0 - place.at.x - place.at.y, place.at.x, place.at.y];
+        shares.rotate_right((self.firsts[piece] & !TWO_SIDED) as usize);
+        let [u, v, w] = shares;
+        let surface = &self.surfaces[t.material as usize];
+        let plane = self.planes[piece];
+        let normal = (t.normals[0] * u + t.normals[1] * v + t.normals[2] * w).normalize_or(plane.truncate());
+        let uv = t.uvs[0] * u + t.uvs[1] * v + t.uvs[2] * w;
+        Spot {
+            position: t.positions[0] * u + t.positions[1] * v + t.positions[2] * w,
+            normal: if place.is_back { -normal } else { normal },
+            albedo: surface.albedo(self.color(piece, [u, v, w]), uv, plane.w * area),
+            opacity: surface.opacity(uv),
+        }
+    }
+
+    fn find(&self, ray: &Ray, seed: u32) -> Option<Place> {
+        let (piece, Meeting { v, w, .. }) = self.nearest(ray, seed)?;
+        let u = 1.0 - v - w;
+        let marked = self.firsts[piece];
+        let is_back = self.planes[piece].truncate().dot(ray.direction) > 0.0;
+        if is_back && marked & TWO_SIDED == 0 {
+            return None;
+        }
+        let at = match marked & !TWO_SIDED {
+            0 => Vec2::new(v, w),
+            1 => Vec2::new(w, u),
+            _ => Vec2::new(u, v),
+        };
+        Some(Place { piece: piece as u32, at, is_back })
     }
 }
 
@@ -254,5 +328,9 @@ impl Surfaces for TriangleSurfaces {
 
     fn epsilon(&self) -> f32 {
         self.epsilon
+    }
+
+    fn pieces(&self) -> Option<&dyn Pieces> {
+        Some(self)
     }
 }

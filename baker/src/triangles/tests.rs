@@ -286,3 +286,58 @@ fn a_wide_ray_sees_the_mean_of_a_chequered_square() {
     }
     assert!((50..150).contains(&narrow));
 }
+
+#[test]
+fn a_place_says_what_a_hit_does() {
+    let mut triangles = scrap(7);
+    let mut stream = Stream::new(8, 0);
+    // Bent normals, within half a right angle.
+    for t in &mut triangles {
+        t.normals = t.normals.map(|normal| (normal + 0.5 * stream.sphere()).normalize());
+        t.uvs = std::array::from_fn(|_| stream.square());
+    }
+    let texels = Texels::new(8, 8, (0..64).map(|i| [i as u8 * 4, 90, 255 - i as u8, 255]).collect());
+    let (wrap_u, wrap_v, linear_filter) = (Wrap::Repeat, Wrap::Repeat, true);
+    let sampler = Sampler { texels: Arc::new(texels), wrap_u, wrap_v, linear_filter };
+    for double_sided in [false, true] {
+        let surface = Surface::new(&Material { double_sided, ..white() }, Some(sampler.clone()));
+        let geometry = Geometry { triangles: triangles.clone(), colors: Vec::new(), surfaces: vec![surface] };
+        let surfaces = TriangleSurfaces::new(geometry);
+        assert_eq!(surfaces.count(), triangles.len());
+        let (mut same, mut backs, mut missed) = (0, 0, 0);
+        for k in 0..20_000 {
+            let origin = stream.sphere() * 0.9 * stream.unit();
+            let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
+            let hit = surfaces.cast(&ray, k).unwrap();
+            let Some(place) = surfaces.find(&ray, k) else {
+                assert!(!double_sided, "a surface that reflects on both sides is found");
+                missed += 1;
+                continue;
+            };
+            backs += place.is_back as u32;
+            assert!(place.at.min_element() >= -1e-5 && place.at.element_sum() < 1.0 + 1e-5, "{place:?}");
+            let spot = surfaces.spot(place, 0.0);
+            assert!(spot.position.distance(hit.position) < 1e-5);
+            assert_eq!(spot.opacity, 1.0);
+            // The side is that of the true surface; of bent normals the one towards the ray may be the other one.
+            if hit.normal.dot(spot.normal) > 0.0 && hit.faces(ray.direction) {
+                assert!(hit.normal.distance(spot.normal) < 1e-4, "{} {}", hit.normal, spot.normal);
+                assert!(hit.albedo.distance(spot.albedo) < 1e-3, "{} {}", hit.albedo, spot.albedo);
+                same += 1;
+            }
+            let Piece { sides, has_back } = surfaces.piece(place.piece);
+            assert_eq!(has_back, double_sided);
+            let at = |x: f32, y: f32| surfaces.spot(Place { at: Vec2::new(x, y), ..place }, 0.0).position;
+            let (first, second, third) = (
+                at(1.0, 0.0).distance(at(0.0, 0.0)),
+                at(0.0, 1.0).distance(at(0.0, 0.0)),
+                at(1.0, 0.0).distance(at(0.0, 1.0)),
+            );
+            assert!((sides[0] - first).abs() < 1e-5 && (sides[1] - second).abs() < 1e-5);
+            assert!(third >= first.max(second) - 1e-5, "{first} {second} {third}");
+        }
+        assert!(same > 15_000 || !double_sided && same + missed > 15_000, "{same} {missed}");
+        assert!((backs > 1_000) == double_sided, "{backs}");
+        assert!((missed > 1_000) != double_sided, "{missed}");
+    }
+}
