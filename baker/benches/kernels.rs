@@ -14,6 +14,7 @@ use rebounce::operator::directions::Directions;
 use rebounce::operator::gather::{GatherContext, Gathered, Scratch};
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::refine::{Refiner, Senders};
+use rebounce::operator::tiles::{SenderTiles, Tiles};
 use rebounce::operator::{Operator, OperatorSettings, tint};
 use rebounce::points::{PlaceSettings, Points, place};
 use rebounce::scene;
@@ -45,6 +46,7 @@ struct Room {
     relations: Relations,
     senders: Leveled,
     coarse: Leveled,
+    tiles: SenderTiles,
     duals: Vec<Vec3A>,
     directions: Directions,
     /// Rays of gathers all over the room, and what they hit.
@@ -82,11 +84,14 @@ impl Room {
             refiner.finish()
         };
         let links = LinkMatrix::from_rows(&baked.links);
+        let senders =
+            Leveled::new((0..operator.sender_levels).map(|l| sender_evaluator(&points, l)).collect());
+        let coarse = Leveled::new((0..operator.later_levels).map(|l| evaluator(&points, l)).collect());
+        let tiles = |functions| Tiles::new(&surfaces, functions, &duals, operator.seed, &());
         let mut room = Self {
-            senders: Leveled::new(
-                (0..operator.sender_levels).map(|l| sender_evaluator(&points, l)).collect(),
-            ),
-            coarse: Leveled::new((0..operator.later_levels).map(|l| evaluator(&points, l)).collect()),
+            tiles: SenderTiles { senders: tiles(&senders)?, coarse: tiles(&coarse)? },
+            senders,
+            coarse,
             packed: encode(&links.offsets, &links.links),
             values: vec![Vec::new(); points.points.len()],
             directions: Directions::new(RAYS),
@@ -145,6 +150,7 @@ impl Room {
             senders: &self.senders,
             coarse: &self.coarse,
             coarse_count: self.coarse_count(),
+            tiles: Some(&self.tiles),
             duals: &self.duals,
             settings: &self.operator,
         }
@@ -186,10 +192,11 @@ struct Kernel {
     run: fn(&Room) -> u64,
 }
 
-const KERNELS: [Kernel; 9] = [
+const KERNELS: [Kernel; 10] = [
     Kernel { name: "walk", unit: "ray, to the nearest hit", run: walk },
     Kernel { name: "cast", unit: "ray, its hit shaded", run: cast },
     Kernel { name: "cover", unit: "hit, the functions that cover it", run: cover },
+    Kernel { name: "lay_tiles", unit: "tile", run: lay_tiles },
     Kernel { name: "gather_fine", unit: "ray of a finest receiver", run: gather_fine },
     Kernel { name: "gather_coarse", unit: "ray of a coarsest receiver", run: gather_coarse },
     Kernel { name: "bounces", unit: "column and entry of the coarse rows", run: bounces },
@@ -222,6 +229,12 @@ fn cover(room: &Room) -> u64 {
         black_box(&weights);
     }
     room.hits.len() as u64
+}
+
+#[inline(never)]
+fn lay_tiles(room: &Room) -> u64 {
+    let tiles = Tiles::new(&room.surfaces, &room.senders, &room.duals, room.operator.seed, &());
+    black_box(tiles).map_or(0, |tiles| tiles.count() as u64)
 }
 
 #[inline(never)]

@@ -8,10 +8,10 @@ use super::directions::Directions;
 use super::gather::{GatherContext, GatherCost};
 use super::hemisphere::{GatherRays, gather_rays};
 use super::tally::Tally;
-use super::tiles::Shares;
+use super::tiles::{SenderTiles, Shares};
 use crate::basis::Leveled;
 use crate::random::{mix, unit};
-use crate::surface::{Ray, Surfaces};
+use crate::surface::{Pieces, Place, Ray, Surfaces};
 use glam::{Vec2, Vec3, Vec3A};
 use rebounce_shared::octahedral;
 
@@ -32,8 +32,8 @@ pub struct Found {
     brought: Vec<Shares>,
     /// The same to the coarse functions, of the first rays, which may need it.
     coarse: Vec<Shares>,
-    /// Rays of a batch that hit something, and the tiles.
-    batch: Vec<(u32, u32)>,
+    /// Rays of a batch that hit something, where, and the tiles there.
+    batch: Vec<(u32, Place, Option<u32>)>,
     /// The functions that cover one hit.
     weights: Vec<(u32, f32)>,
     weighed: Vec<(u32, f32, f32)>,
@@ -71,52 +71,80 @@ impl Found {
                 let mut batch = std::mem::take(&mut self.batch);
                 for some in order.chunks(BATCH) {
                     batch.clear();
-                    for &number in some {
-                        if (number as usize) < coarse_rays {
-                            self.look_at(context, number);
-                            continue;
-                        }
+                    batch.extend(some.iter().filter_map(|&number| {
                         let (ray, seed) = &self.rays.rays[number as usize];
-                        let Some(place) = pieces.find(ray, *seed) else { continue };
-                        match tiles.number(place) {
-                            Some(tile) => batch.push((number, tile)),
-                            None => self.look_at(context, number),
-                        }
-                    }
-                    for &(number, tile) in &batch {
-                        match tiles.shares(tile) {
-                            Some(shares) => {
-                                let share = self.rays.shares[number as usize];
-                                self.brought[number as usize] = shares.scaled(share);
-                            }
-                            None => self.look_at(context, number),
-                        }
+                        let place = pieces.find(ray, *seed)?;
+                        Some((number, place, tiles.senders.number(place)))
+                    }));
+                    for &(number, place, tile) in &batch {
+                        self.take(context, pieces, tiles, number, place, tile);
                     }
                 }
                 self.batch = batch;
             }
-            _ => order.iter().for_each(|number| self.look_at(context, *number)),
+            _ => {
+                for &number in &order {
+                    let (ray, seed) = &self.rays.rays[number as usize];
+                    let hit = context.surfaces.cast(ray, *seed);
+                    if let Some(hit) = hit.filter(|hit| hit.albedo != Vec3::ZERO && hit.faces(ray.direction))
+                    {
+                        self.look_at(context, number, hit.position, hit.normal, hit.albedo);
+                    }
+                }
+            }
         }
         self.order = order;
     }
 
-    /// Looks at what one ray hits, where no tile says it.
-    fn look_at<S: Surfaces + ?Sized>(&mut self, context: &GatherContext<S>, number: u32) {
-        let (number, (ray, seed)) = (number as usize, &self.rays.rays[number as usize]);
-        let Some(hit) = context.surfaces.cast(ray, *seed) else { return };
-        if hit.albedo == Vec3::ZERO || !hit.faces(ray.direction) {
+    /// Takes what the tiles at a place have for a ray that ended there, or looks at the place itself.
+    #[inline]
+    fn take<S: Surfaces + ?Sized>(
+        &mut self,
+        context: &GatherContext<S>,
+        pieces: &dyn Pieces,
+        tiles: &SenderTiles,
+        number: u32,
+        place: Place,
+        tile: Option<u32>,
+    ) {
+        let at = number as usize;
+        let is_coarse = at < self.coarse.len();
+        let senders = tile.and_then(|tile| tiles.senders.shares(tile));
+        let coarse = if is_coarse { tiles.coarse.shares_at(place) } else { Some(Shares::NOTHING) };
+        if let (Some(senders), Some(coarse)) = (senders, coarse) {
+            let share = self.rays.shares[at];
+            self.brought[at] = senders.scaled(share);
+            if is_coarse && !senders.is_lost() {
+                self.coarse[at] = coarse.scaled(share);
+            }
             return;
         }
-        let arriving = Vec3A::from(hit.albedo * self.rays.shares[number]);
-        let chance = unit(mix(*seed as u64));
+        let (ray, _) = &self.rays.rays[at];
+        let distance = pieces.spot(place, 0.0).position.distance(ray.origin);
+        let spot = pieces.spot(place, (ray.spread * distance).powi(2));
+        self.look_at(context, number, spot.position, spot.normal, spot.albedo);
+    }
+
+    /// Looks for the functions that cover what one ray hits.
+    #[inline(never)]
+    fn look_at<S: Surfaces + ?Sized>(
+        &mut self,
+        context: &GatherContext<S>,
+        number: u32,
+        position: Vec3,
+        normal: Vec3,
+        albedo: Vec3,
+    ) {
+        let number = number as usize;
+        let arriving = Vec3A::from(albedo * self.rays.shares[number]);
+        let chance = unit(mix(self.rays.rays[number].1 as u64));
         let Self { weights, weighed, .. } = self;
         let mut shares = |functions: &Leveled| {
-            functions.interpolate(hit.position, hit.normal, weights);
+            functions.interpolate(position, normal, weights);
             weighed.clear();
             // As bright as the light is counted in each sender's tint: the best fit of the one to the other.
-            weighed.extend(
-                weights.iter().map(|&(f, weight)| (f, weight, arriving.dot(context.duals[f as usize]))),
-            );
+            let light = |f: u32| arriving.dot(context.duals[f as usize]);
+            weighed.extend(weights.iter().map(|&(f, weight)| (f, weight, light(f))));
             match weighed.is_empty() {
                 true => Shares::lost(arriving.element_sum() / 3.0),
                 false => Shares::of(weighed, chance),

@@ -20,6 +20,8 @@ const SLOTS: usize = 4;
 const MOST: u32 = 1 << 21;
 /// All pieces together; the others have none.
 const MOST_TOGETHER: u32 = 1 << 26;
+/// Cuts may go through this much of a tile along its edges: a cut along a wall ends what is cut a hair before the wall.
+const EDGE: f32 = 0.05;
 /// What a transparent place counts like, at least.
 const LEAST_OPACITY: f32 = 1e-3;
 /// Places along each axis that tell how wide a large piece's tiles are.
@@ -176,6 +178,14 @@ impl Laid {
     }
 }
 
+/// The tiles that gathers read.
+pub struct SenderTiles {
+    /// For the senders.
+    pub senders: Tiles,
+    /// For the functions that later bounces travel between.
+    pub coarse: Tiles,
+}
+
 /// How a piece is laid with tiles.
 fn lay(pieces: &dyn Pieces, piece: u32, functions: &Leveled) -> Laid {
     let Piece { sides, .. } = pieces.piece(piece);
@@ -248,7 +258,9 @@ impl Maker<'_> {
             return Shares::lost(albedo.element_sum() / (3 * places.len()) as f32);
         }
         if !is_tiny && self.together.iter().any(|entry| self.functions.has_cuts(entry.0)) {
-            let corners = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].map(|corner| spot(corner, 0.0).position);
+            let (low, high) = (EDGE, 1.0 - EDGE);
+            let corners = [Vec2::splat(low), Vec2::new(high, low), Vec2::new(low, high), Vec2::splat(high)]
+                .map(|corner| spot(corner, 0.0).position);
             if self.together.iter().any(|entry| self.functions.is_cut_between(entry.0, &corners)) {
                 return Shares::ASK;
             }
@@ -310,7 +322,7 @@ impl Tiles {
         Ok(Self { laid, tiles })
     }
 
-    /// The number of the tile at a place; `None` on pieces that have none.
+    /// The number of the tile at a place, to be asked for its [`Self::shares`]; `None` on pieces that have none.
     #[inline]
     pub fn number(&self, place: Place) -> Option<u32> {
         let laid = self.laid[place.piece as usize];
@@ -323,6 +335,12 @@ impl Tiles {
     pub fn shares(&self, number: u32) -> Option<Shares> {
         let tile = self.tiles[number as usize];
         (tile.functions[0] != ASK).then_some(tile)
+    }
+
+    /// The same at a place.
+    #[inline]
+    pub fn shares_at(&self, place: Place) -> Option<Shares> {
+        self.shares(self.number(place)?)
     }
 }
 
