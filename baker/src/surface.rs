@@ -15,8 +15,14 @@ pub struct Ray {
     pub direction: Vec3,
     /// Only hits nearer than this count, scene units; may be infinite.
     pub max_distance: f32,
-    /// What the ray stands for is this wide, per unit of distance: reflectance is averaged over about so much. 0 for a line.
+    /// What the ray stands for is this wide, per unit of distance: reflectance is averaged over about so much. 0 for a line;
+    /// [`Ray::BLIND`] where nobody asks for it.
     pub spread: f32,
+}
+
+impl Ray {
+    /// [`Self::spread`] of rays that ask where surfaces are, not what they reflect: that costs no texels.
+    pub const BLIND: f32 = f32::INFINITY;
 }
 
 /// Where a ray met a surface.

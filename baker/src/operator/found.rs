@@ -8,7 +8,7 @@ use super::directions::Directions;
 use super::gather::{GatherContext, GatherCost};
 use super::hemisphere::{GatherRays, gather_rays};
 use super::tally::Tally;
-use super::tiles::{SenderTiles, Shares};
+use super::tiles::Shares;
 use crate::basis::Leveled;
 use crate::random::{mix, unit};
 use crate::surface::{Pieces, Place, Ray, Surfaces};
@@ -28,6 +28,7 @@ pub struct Found {
     first_rays: Vec<u32>,
     /// The rays in the order that they are cast.
     order: Vec<u32>,
+    cells: Vec<u16>,
     /// What each ray brings to the senders.
     brought: Vec<Shares>,
     /// The same to the coarse functions, of the first rays, which may need it.
@@ -64,7 +65,7 @@ impl Found {
             brought.clear();
             brought.resize(count, Shares::NOTHING);
         }
-        sort(&self.rays.rays, &mut self.order);
+        sort(&self.rays.rays, &mut self.order, &mut self.cells);
         let order = std::mem::take(&mut self.order);
         match (context.surfaces.pieces(), context.tiles) {
             (Some(pieces), Some(tiles)) => {
@@ -74,10 +75,13 @@ impl Found {
                     batch.extend(some.iter().filter_map(|&number| {
                         let (ray, seed) = &self.rays.rays[number as usize];
                         let place = pieces.find(ray, *seed)?;
-                        Some((number, place, tiles.senders.number(place)))
+                        // Coarse receivers hand down what they find: for them it is worth a closer look.
+                        let is_coarse = (number as usize) < coarse_rays;
+                        Some((number, place, if is_coarse { None } else { tiles.number(place) }))
                     }));
                     for &(number, place, tile) in &batch {
-                        self.take(context, pieces, tiles, number, place, tile);
+                        let shares = tile.and_then(|tile| tiles.shares(tile));
+                        self.take(context, pieces, number, place, shares);
                     }
                 }
                 self.batch = batch;
@@ -96,30 +100,21 @@ impl Found {
         self.order = order;
     }
 
-    /// Takes what the tiles at a place have for a ray that ended there, or looks at the place itself.
+    /// Takes what the tile has where a ray ended, or looks at the place itself.
     #[inline]
     fn take<S: Surfaces + ?Sized>(
         &mut self,
         context: &GatherContext<S>,
         pieces: &dyn Pieces,
-        tiles: &SenderTiles,
         number: u32,
         place: Place,
-        tile: Option<u32>,
+        shares: Option<Shares>,
     ) {
-        let at = number as usize;
-        let is_coarse = at < self.coarse.len();
-        let senders = tile.and_then(|tile| tiles.senders.shares(tile));
-        let coarse = if is_coarse { tiles.coarse.shares_at(place) } else { Some(Shares::NOTHING) };
-        if let (Some(senders), Some(coarse)) = (senders, coarse) {
-            let share = self.rays.shares[at];
-            self.brought[at] = senders.scaled(share);
-            if is_coarse && !senders.is_lost() {
-                self.coarse[at] = coarse.scaled(share);
-            }
+        let (ray, _) = &self.rays.rays[number as usize];
+        if let Some(shares) = shares {
+            self.brought[number as usize] = shares.scaled(self.rays.shares[number as usize]);
             return;
         }
-        let (ray, _) = &self.rays.rays[at];
         let distance = pieces.spot(place, 0.0).position.distance(ray.origin);
         let spot = pieces.spot(place, (ray.spread * distance).powi(2));
         self.look_at(context, number, spot.position, spot.normal, spot.albedo);
@@ -176,12 +171,12 @@ impl Found {
 }
 
 /// Replaces `order` by the rays' numbers in the order of their directions along a curve over the sphere; rays that go
-/// alike keep their order.
-fn sort(rays: &[(Ray, u32)], order: &mut Vec<u32>) {
+/// alike keep their order. `cells` is working memory.
+fn sort(rays: &[(Ray, u32)], order: &mut Vec<u32>, cells: &mut Vec<u16>) {
+    cells.clear();
+    cells.extend(rays.iter().map(|(ray, _)| cell(ray.direction)));
     let mut ends = [0u32; (CELLS * CELLS) as usize];
-    for (ray, _) in rays {
-        ends[cell(ray.direction)] += 1;
-    }
+    cells.iter().for_each(|cell| ends[*cell as usize] += 1);
     let mut next = 0;
     for end in &mut ends {
         let count = std::mem::replace(end, next);
@@ -189,16 +184,16 @@ fn sort(rays: &[(Ray, u32)], order: &mut Vec<u32>) {
     }
     order.clear();
     order.resize(rays.len(), 0);
-    for (number, (ray, _)) in rays.iter().enumerate() {
-        let place = &mut ends[cell(ray.direction)];
-        order[*place as usize] = number as u32;
+    for (number, cell) in (0..).zip(cells) {
+        let place = &mut ends[*cell as usize];
+        order[*place as usize] = number;
         *place += 1;
     }
 }
 
 /// The cell of a unit direction, along a Morton curve over the octahedral map.
 #[inline]
-fn cell(direction: Vec3) -> usize {
+fn cell(direction: Vec3) -> u16 {
     let place = (octahedral::encode(direction) + Vec2::ONE) * (0.5 * CELLS as f32);
     let spread = |x: f32| {
         let x = (x as u32).min(CELLS - 1);
@@ -206,7 +201,7 @@ fn cell(direction: Vec3) -> usize {
         let x = (x | x << 2) & 0x3333;
         (x | x << 1) & 0x5555
     };
-    (spread(place.x) | spread(place.y) << 1) as usize
+    (spread(place.x) | spread(place.y) << 1) as u16
 }
 
 #[cfg(test)]
@@ -223,9 +218,9 @@ mod tests {
                 (Ray { origin: Vec3::ZERO, direction, max_distance: f32::INFINITY, spread: 0.0 }, i)
             })
             .collect();
-        let mut order = Vec::new();
+        let (mut order, mut cells) = (Vec::new(), Vec::new());
         for some in [&rays[..0], &rays[..1], &rays] {
-            sort(some, &mut order);
+            sort(some, &mut order, &mut cells);
             assert_eq!(order.len(), some.len());
             let direction = |ray: u32| some[ray as usize].0.direction;
             let mut far = 0;

@@ -178,14 +178,6 @@ impl Laid {
     }
 }
 
-/// The tiles that gathers read.
-pub struct SenderTiles {
-    /// For the senders.
-    pub senders: Tiles,
-    /// For the functions that later bounces travel between.
-    pub coarse: Tiles,
-}
-
 /// How a piece is laid with tiles.
 fn lay(pieces: &dyn Pieces, piece: u32, functions: &Leveled) -> Laid {
     let Piece { sides, .. } = pieces.piece(piece);
@@ -335,12 +327,6 @@ impl Tiles {
     pub fn shares(&self, number: u32) -> Option<Shares> {
         let tile = self.tiles[number as usize];
         (tile.functions[0] != ASK).then_some(tile)
-    }
-
-    /// The same at a place.
-    #[inline]
-    pub fn shares_at(&self, place: Place) -> Option<Shares> {
-        self.shares(self.number(place)?)
     }
 }
 

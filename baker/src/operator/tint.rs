@@ -69,12 +69,14 @@ fn mean_albedo<S: Surfaces + ?Sized>(
     let (first, second) = point.normal.any_orthonormal_pair();
     let mut stream = Stream::new(seed ^ 0x7469_6e74, i as u64);
     let mut sum = Vec3::ZERO;
+    // At the surface as wide as each ray's share of the disk.
+    let spread = (std::f32::consts::PI / rays as f32).sqrt() / ABOVE;
     for k in 0..rays {
         let (angle, share) =
             (std::f32::consts::TAU * stream.unit(), (k as f32 + stream.unit()) / rays as f32);
         let along = (first * angle.cos() + second * angle.sin()) * share.sqrt();
         let origin = point.position + radius * (along + ABOVE * point.normal);
-        let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius, spread: 0.0 };
+        let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius, spread };
         if let Some(hit) = surfaces.cast(&down, stream.bits() as u32)
             && hit.faces(down.direction)
         {

@@ -66,7 +66,8 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         let Some(&origin) = self.viewpoints.get(particle as usize % self.viewpoints.len().max(1)) else {
             return found;
         };
-        let mut ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
+        let mut ray =
+            Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: Ray::BLIND };
         for bounce in 0..BOUNCES {
             let seed = mix(stream.bits()) as u32;
             let Some(hit) = self.surfaces.cast(&ray, seed) else { break };

@@ -78,8 +78,8 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
     let mut cuts = Vec::new();
     // Straight up, as far as the support reaches: a lid ends everything.
     let height = radius / (1.0 + SQUASH);
-    let lid =
-        surfaces.cast(&Ray { origin: floor, direction: normal, max_distance: height, spread: 0.0 }, seed);
+    let lid = surfaces
+        .cast(&Ray { origin: floor, direction: normal, max_distance: height, spread: Ray::BLIND }, seed);
     if let Some(lid) = &lid {
         cuts.push(Cut::new(normal, lid.distance + margin));
     }
@@ -91,7 +91,7 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
         let (sin, cos) = (k as f32 / RAYS as f32 * std::f32::consts::TAU).sin_cos();
         let direction = tangent * cos + bitangent * sin;
         sight.directions[k] = direction;
-        let ray = Ray { origin: floor + normal * lift, direction, max_distance: radius, spread: 0.0 };
+        let ray = Ray { origin: floor + normal * lift, direction, max_distance: radius, spread: Ray::BLIND };
         let Some(hit) = surfaces.cast(&ray, seed) else { continue };
         let facing = hit.geometric_normal * -hit.geometric_normal.dot(direction).signum();
         if facing.dot(normal) > STANDING {

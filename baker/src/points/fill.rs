@@ -95,6 +95,7 @@ fn cast<S: Surfaces + ?Sized>(
     max_distance: f32,
     stream: &mut Stream,
 ) -> Option<SurfacePoint> {
-    let hit = surfaces.cast(&Ray { origin, direction, max_distance, spread: 0.0 }, stream.bits() as u32);
+    let hit =
+        surfaces.cast(&Ray { origin, direction, max_distance, spread: Ray::BLIND }, stream.bits() as u32);
     hit.filter(|hit| hit.faces(direction)).map(|hit| SurfacePoint::at(&hit, surfaces.epsilon()))
 }

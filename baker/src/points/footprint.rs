@@ -47,7 +47,7 @@ fn samples_of<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, i: usize, rad
             origin: place,
             direction: -point.normal,
             max_distance: (LIFT + DEPTH) * radius,
-            spread: 0.0,
+            spread: Ray::BLIND,
         };
         let below = surfaces.cast(&down, mix(i as u64) as u32);
         below.is_some_and(|hit| hit.faces(down.direction) && likeness(hit.normal.dot(point.normal)) > 0.0)

@@ -288,7 +288,7 @@ fn is_tight<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, disk_radiu
             direction = -direction;
         }
         let origin = point.position + point.geometric_normal * surfaces.epsilon();
-        let ray = Ray { origin, direction, max_distance: length, spread: 0.0 };
+        let ray = Ray { origin, direction, max_distance: length, spread: Ray::BLIND };
         let distance = surfaces.cast(&ray, i).map_or(length, |hit| hit.distance);
         inverse_sum += 1.0 / distance.max(1e-4 * length);
     }

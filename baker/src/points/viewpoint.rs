@@ -37,13 +37,16 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Vec<Vec3> {
                     origin: point,
                     direction: stream.sphere(),
                     max_distance: f32::INFINITY,
-                    spread: 0.0,
+                    spread: Ray::BLIND,
                 };
                 let hit = surfaces.cast(&ray, 0)?;
                 let away = stream.cosine_hemisphere(hit.geometric_normal);
                 let origin = hit.offset_origin(away, surfaces.epsilon());
                 let free = surfaces
-                    .cast(&Ray { origin, direction: away, max_distance: f32::INFINITY, spread: 0.0 }, 0)
+                    .cast(
+                        &Ray { origin, direction: away, max_distance: f32::INFINITY, spread: Ray::BLIND },
+                        0,
+                    )
                     .map_or(0.25 * extent.length(), |h| h.distance);
                 point = origin + away * (0.5 * free);
             }
@@ -72,7 +75,12 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Vec<Vec3> {
 fn score<S: Surfaces + ?Sized>(surfaces: &S, point: Vec3, stream: &mut Stream, diagonal: f32) -> f32 {
     let (mut front, mut back, mut inverse_distance) = (0.0, 0.0, 0.0);
     for _ in 0..RAYS {
-        let ray = Ray { origin: point, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
+        let ray = Ray {
+            origin: point,
+            direction: stream.sphere(),
+            max_distance: f32::INFINITY,
+            spread: Ray::BLIND,
+        };
         match surfaces.cast(&ray, stream.bits() as u32) {
             Some(hit) if hit.faces(ray.direction) => {
                 front += 1.0;
