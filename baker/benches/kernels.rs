@@ -14,7 +14,7 @@ use rebounce::operator::directions::Directions;
 use rebounce::operator::gather::{GatherContext, Gathered, Scratch};
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::refine::{Refiner, Senders};
-use rebounce::operator::tiles::Tiles;
+use rebounce::operator::tiles::{SenderTiles, Tiles};
 use rebounce::operator::{Operator, OperatorSettings, tint};
 use rebounce::points::{PlaceSettings, Points, place};
 use rebounce::scene;
@@ -46,7 +46,7 @@ struct Room {
     relations: Relations,
     senders: Leveled,
     coarse: Leveled,
-    tiles: Tiles,
+    tiles: SenderTiles,
     duals: Vec<Vec3A>,
     directions: Directions,
     /// Rays of gathers all over the room, and what they hit.
@@ -87,8 +87,9 @@ impl Room {
         let senders =
             Leveled::new((0..operator.sender_levels).map(|l| sender_evaluator(&points, l)).collect());
         let coarse = Leveled::new((0..operator.later_levels).map(|l| evaluator(&points, l)).collect());
+        let tiles = |functions| Tiles::new(&surfaces, functions, &duals, operator.seed, &());
         let mut room = Self {
-            tiles: Tiles::new(&surfaces, &senders, &duals, operator.seed, &())?,
+            tiles: SenderTiles { senders: tiles(&senders)?, coarse: tiles(&coarse)? },
             senders,
             coarse,
             packed: encode(&links.offsets, &links.links),

@@ -124,7 +124,7 @@ pub trait Pieces: Sync {
     /// What is at a place; its reflectance is the mean over about this `area`, square scene units.
     fn spot(&self, place: Place, area: f32) -> Spot;
 
-    /// Where the nearest hit is, where light is reflected at all: [`Surfaces::cast`] without looking at what is there. Its
-    /// side is that of the true surface.
-    fn find(&self, ray: &Ray, seed: u32) -> Option<Place>;
+    /// Where the nearest hit is, and how far away, where light is reflected at all: [`Surfaces::cast`] without looking at
+    /// what is there. Its side is that of the true surface.
+    fn find(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)>;
 }

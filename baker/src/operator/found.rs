@@ -8,7 +8,7 @@ use super::directions::Directions;
 use super::gather::{GatherContext, GatherCost};
 use super::hemisphere::{GatherRays, gather_rays};
 use super::tally::Tally;
-use super::tiles::Shares;
+use super::tiles::{SenderTiles, Shares};
 use crate::basis::Leveled;
 use crate::random::{mix, unit};
 use crate::surface::{Pieces, Place, Ray, Surfaces};
@@ -19,6 +19,16 @@ use rebounce_shared::octahedral;
 const BATCH: usize = 64;
 /// Cells of directions along each axis of the octahedral map: a power of two.
 const CELLS: u32 = 32;
+
+/// Where a ray ended.
+struct Landed {
+    number: u32,
+    place: Place,
+    /// Scene units.
+    distance: f32,
+    /// The senders' tile there.
+    tile: Option<u32>,
+}
 
 /// Rays of some receivers, and what they find.
 #[derive(Default)]
@@ -33,8 +43,8 @@ pub struct Found {
     brought: Vec<Shares>,
     /// The same to the coarse functions, of the first rays, which may need it.
     coarse: Vec<Shares>,
-    /// Rays of a batch that hit something, where, and the tiles there.
-    batch: Vec<(u32, Place, Option<u32>)>,
+    /// Rays of a batch that hit something.
+    batch: Vec<Landed>,
     /// The functions that cover one hit.
     weights: Vec<(u32, f32)>,
     weighed: Vec<(u32, f32, f32)>,
@@ -74,14 +84,11 @@ impl Found {
                     batch.clear();
                     batch.extend(some.iter().filter_map(|&number| {
                         let (ray, seed) = &self.rays.rays[number as usize];
-                        let place = pieces.find(ray, *seed)?;
-                        // Coarse receivers hand down what they find: for them it is worth a closer look.
-                        let is_coarse = (number as usize) < coarse_rays;
-                        Some((number, place, if is_coarse { None } else { tiles.number(place) }))
+                        let (place, distance) = pieces.find(ray, *seed)?;
+                        Some(Landed { number, place, distance, tile: tiles.senders.number(place, distance) })
                     }));
-                    for &(number, place, tile) in &batch {
-                        let shares = tile.and_then(|tile| tiles.shares(tile));
-                        self.take(context, pieces, number, place, shares);
+                    for landed in &batch {
+                        self.take(context, pieces, tiles, landed);
                     }
                 }
                 self.batch = batch;
@@ -100,23 +107,33 @@ impl Found {
         self.order = order;
     }
 
-    /// Takes what the tile has where a ray ended, or looks at the place itself.
+    /// Takes what the tiles have where a ray ended, or looks at the place itself.
     #[inline]
     fn take<S: Surfaces + ?Sized>(
         &mut self,
         context: &GatherContext<S>,
         pieces: &dyn Pieces,
-        number: u32,
-        place: Place,
-        shares: Option<Shares>,
+        tiles: &SenderTiles,
+        landed: &Landed,
     ) {
-        let (ray, _) = &self.rays.rays[number as usize];
-        if let Some(shares) = shares {
-            self.brought[number as usize] = shares.scaled(self.rays.shares[number as usize]);
+        let &Landed { number, place, distance, tile } = landed;
+        let at = number as usize;
+        let is_coarse = at < self.coarse.len();
+        let senders = tile.and_then(|tile| tiles.senders.shares(tile));
+        let coarse = match is_coarse {
+            true => tiles.coarse.number(place, distance).and_then(|tile| tiles.coarse.shares(tile)),
+            false => Some(Shares::NOTHING),
+        };
+        if let (Some(senders), Some(coarse)) = (senders, coarse) {
+            let share = self.rays.shares[at];
+            self.brought[at] = senders.scaled(share);
+            if is_coarse {
+                self.coarse[at] = coarse.scaled(share);
+            }
             return;
         }
-        let distance = pieces.spot(place, 0.0).position.distance(ray.origin);
-        let spot = pieces.spot(place, (ray.spread * distance).powi(2));
+        let spread = self.rays.rays[at].0.spread;
+        let spot = pieces.spot(place, (spread * distance).powi(2));
         self.look_at(context, number, spot.position, spot.normal, spot.albedo);
     }
 

@@ -6,7 +6,7 @@ use super::choose::choose;
 use super::directions::Directions;
 use super::found::Found;
 use super::tally::{IrradianceRow, Tally};
-use super::tiles::Tiles;
+use super::tiles::SenderTiles;
 use crate::basis::{Leveled, Relations};
 use crate::points::Points;
 use crate::surface::Surfaces;
@@ -28,7 +28,7 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
     /// Number of points on those levels.
     pub coarse_count: usize,
     /// What rays find on each tile of the surfaces, where they tell their pieces.
-    pub tiles: Option<&'a Tiles>,
+    pub tiles: Option<&'a SenderTiles>,
     /// The [duals](super::tint::duals) of the points' tints.
     pub duals: &'a [Vec3A],
     /// Settings.

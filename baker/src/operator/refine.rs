@@ -7,7 +7,7 @@ use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
 use super::gather::{GatherContext, GatherCost, Gathered, Scratch};
 use super::journal::Journal;
-use super::tiles::Tiles;
+use super::tiles::{SenderTiles, Tiles};
 use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
 use crate::points::Points;
@@ -50,7 +50,7 @@ pub struct Senders {
     coarse: Leveled,
     count: usize,
     coarse_count: usize,
-    tiles: Option<Tiles>,
+    tiles: Option<SenderTiles>,
     duals: Vec<Vec3A>,
 }
 
@@ -71,10 +71,14 @@ impl Senders {
         let coarse_levels = settings.later_levels.min(levels);
         let all = Leveled::new((0..levels).map(|l| sender_evaluator(points, l)).collect());
         let duals = tint::duals(tints);
-        let tiles = surfaces.pieces().map(|pieces| Tiles::new(pieces, &all, &duals, settings.seed, watch));
+        let coarse = Leveled::new((0..coarse_levels).map(|l| evaluator(points, l)).collect());
+        let tiles = surfaces.pieces().map(|pieces| {
+            let tiles = |functions| Tiles::new(pieces, functions, &duals, settings.seed, watch);
+            Ok(SenderTiles { senders: tiles(&all)?, coarse: tiles(&coarse)? })
+        });
         Ok(Self {
             all,
-            coarse: Leveled::new((0..coarse_levels).map(|l| evaluator(points, l)).collect()),
+            coarse,
             count: points.count_on(levels),
             coarse_count: points.count_on(coarse_levels),
             tiles: tiles.transpose()?,
@@ -83,7 +87,7 @@ impl Senders {
     }
 
     /// The tiles, where the surfaces tell their pieces.
-    pub fn tiles(&self) -> Option<&Tiles> {
+    pub fn tiles(&self) -> Option<&SenderTiles> {
         self.tiles.as_ref()
     }
 }

@@ -1,7 +1,7 @@
 //! What rays find, worked out beforehand: the functions that cover a hit, and how much light they get, for every small
 //! tile of the surfaces.
 //!
-//! Many rays hit what few places are: a third of a function's radius across, a tile is so small that the functions'
+//! Many rays hit what few places are: half a function's radius across, a tile is so small that the functions'
 //! weights hardly change over it, and each is hit by dozens of rays. So what a hit costs is one look at 32 bytes, not at a
 //! dozen functions and some texels. The means over tiles are those over rays: rays do not know about tiles.
 
@@ -9,13 +9,16 @@ use crate::basis::Leveled;
 use crate::random::{mix, unit};
 use crate::surface::{Piece, Pieces, Place, Spot};
 use crate::watch::{Stopped, Watch};
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{Vec2, Vec3A};
 use rayon::prelude::*;
 
 /// Width of a tile over the smallest radius of the functions that cover its piece.
-const WIDTH: f32 = 1.0 / 3.0;
+const WIDTH: f32 = 0.5;
 /// Functions that a tile, or a hit, passes its light to.
 const SLOTS: usize = 4;
+/// Hits nearer than this many of the smallest tiles' widths are looked at one by one: in a corner the one tile beside it
+/// fills half of what is seen.
+const NEAR: f32 = 1.0;
 /// Pieces of more tiles have none: of a plain around a house few tiles are ever hit.
 const MOST: u32 = 1 << 21;
 /// All pieces together; the others have none.
@@ -54,7 +57,7 @@ impl Shares {
     /// What stands in a tile whose hits are to be looked at one by one.
     const ASK: Self = Self { functions: [ASK; SLOTS], amounts: [0.0; SLOTS] };
 
-    /// This much that no function covers.
+    /// So much that no function covers.
     pub fn lost(amount: f32) -> Self {
         Self { amounts: [amount, 0.0, 0.0, 0.0], ..Self::NOTHING }
     }
@@ -178,6 +181,14 @@ impl Laid {
     }
 }
 
+/// The tiles that gathers read.
+pub struct SenderTiles {
+    /// For the senders.
+    pub senders: Tiles,
+    /// For the functions that later bounces travel between.
+    pub coarse: Tiles,
+}
+
 /// How a piece is laid with tiles.
 fn lay(pieces: &dyn Pieces, piece: u32, functions: &Leveled) -> Laid {
     let Piece { sides, .. } = pieces.piece(piece);
@@ -229,10 +240,9 @@ impl Maker<'_> {
         let all = [Vec2::splat(low), Vec2::new(high, low), Vec2::new(low, high), Vec2::splat(high)];
         let places = if is_tiny { &[Vec2::splat(1.0 / 3.0)][..] } else { &all };
         self.together.clear();
-        let (mut total, mut albedo) = (0.0, Vec3::ZERO);
+        let mut total = 0.0;
         for within in places {
             let Spot { position, normal, albedo: here, opacity } = spot(*within, area / places.len() as f32);
-            albedo += here;
             // Rays may find something between places that stop none.
             let counts = opacity.max(LEAST_OPACITY);
             self.functions.interpolate(position, normal, &mut self.weights);
@@ -247,7 +257,8 @@ impl Maker<'_> {
             }
         }
         if total == 0.0 {
-            return Shares::lost(albedo.element_sum() / (3 * places.len()) as f32);
+            // What rays find of the piece may be covered all the same.
+            return Shares::ASK;
         }
         if !is_tiny && self.together.iter().any(|entry| self.functions.has_cuts(entry.0)) {
             let (low, high) = (EDGE, 1.0 - EDGE);
@@ -266,6 +277,8 @@ impl Maker<'_> {
 
 /// The tiles of all pieces.
 pub struct Tiles {
+    /// Hits nearer than this are looked at one by one, scene units.
+    near: f32,
     laid: Vec<Laid>,
     tiles: Vec<Shares>,
 }
@@ -311,12 +324,16 @@ impl Tiles {
             }
             Ok(())
         })?;
-        Ok(Self { laid, tiles })
+        Ok(Self { near: NEAR * WIDTH * functions.finest_radius(), laid, tiles })
     }
 
-    /// The number of the tile at a place, to be asked for its [`Self::shares`]; `None` on pieces that have none.
+    /// The number of the tile at a place, to be asked for its [`Self::shares`] on behalf of a ray from so far away, scene
+    /// units; `None` on pieces that have none, and where one tile would be all that is seen.
     #[inline]
-    pub fn number(&self, place: Place) -> Option<u32> {
+    pub fn number(&self, place: Place, distance: f32) -> Option<u32> {
+        if distance < self.near {
+            return None;
+        }
         let laid = self.laid[place.piece as usize];
         let back = if place.is_back { laid.count() } else { 0 };
         (laid.columns != 0).then(|| laid.first + back + laid.number(place.at))

@@ -13,7 +13,7 @@ use rebounce_shared::colour::{pack_rounded, unpack_rgb9e5};
 use rebounce_shared::kernel::weight;
 
 /// Rays to a point's surroundings: on the finest level, and at most.
-const RAYS: [usize; 2] = [16, 256];
+const RAYS: [usize; 2] = [8, 64];
 /// How far above the surface they start, over the support radius.
 const ABOVE: f32 = 0.1;
 /// Mantissas are multiples of this: a channel is within a 256th of the largest one.

@@ -272,8 +272,8 @@ impl Pieces for TriangleSurfaces {
         }
     }
 
-    fn find(&self, ray: &Ray, seed: u32) -> Option<Place> {
-        let (piece, Meeting { v, w, .. }) = self.nearest(ray, seed)?;
+    fn find(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)> {
+        let (piece, Meeting { v, w, distance }) = self.nearest(ray, seed)?;
         let u = 1.0 - v - w;
         let marked = self.firsts[piece];
         let is_back = self.planes[piece].truncate().dot(ray.direction) > 0.0;
@@ -285,7 +285,7 @@ impl Pieces for TriangleSurfaces {
             1 => Vec2::new(w, u),
             _ => Vec2::new(u, v),
         };
-        Some(Place { piece: piece as u32, at, is_back })
+        Some((Place { piece: piece as u32, at, is_back }, distance))
     }
 }
 

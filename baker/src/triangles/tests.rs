@@ -309,11 +309,12 @@ fn a_place_says_what_a_hit_does() {
             let origin = stream.sphere() * 0.9 * stream.unit();
             let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
             let hit = surfaces.cast(&ray, k).unwrap();
-            let Some(place) = surfaces.find(&ray, k) else {
+            let Some((place, distance)) = surfaces.find(&ray, k) else {
                 assert!(!double_sided, "a surface that reflects on both sides is found");
                 missed += 1;
                 continue;
             };
+            assert_eq!(distance, hit.distance);
             backs += place.is_back as u32;
             assert!(place.at.min_element() >= -1e-5 && place.at.element_sum() < 1.0 + 1e-5, "{place:?}");
             let spot = surfaces.spot(place, 0.0);

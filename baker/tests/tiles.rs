@@ -1,0 +1,92 @@
+//! What rays find is worked out for tiles of the surfaces beforehand: that says what looking at every hit says.
+
+use glam::Vec3;
+use rebounce::basis::relate;
+use rebounce::operator::{OperatorSettings, refine::refine};
+use rebounce::points::{PlaceSettings, Points, cut, place};
+use rebounce::scene;
+use rebounce::surface::{Hit, Ray, Surfaces};
+use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::interpolation::mean;
+use rebounce_shared::link::Sent;
+
+/// Surfaces that do not tell their pieces.
+struct HitByHit<'a>(&'a TriangleSurfaces);
+
+impl Surfaces for HitByHit<'_> {
+    fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+        self.0.cast(ray, seed)
+    }
+
+    fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+        self.0.transmittance(from, to)
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        self.0.bounds()
+    }
+
+    fn epsilon(&self) -> f32 {
+        self.0.epsilon()
+    }
+}
+
+/// The irradiance at all points from senders that are brighter here than there.
+fn received<S: Surfaces>(surfaces: &S, points: &Points, seed: u64) -> Vec<f32> {
+    let settings = OperatorSettings {
+        sender_levels: 4,
+        epsilon: 1e-4,
+        reflected: 1.0,
+        rays: vec![2048, 1024, 512, 512],
+        significance: 0.0,
+        bounces: Some(1),
+        later_levels: 2,
+        levels: 4,
+        seed,
+    };
+    let relations = relate(points, 4).unwrap();
+    let operator = refine(surfaces, points, &relations, &settings, &()).unwrap();
+    assert!(operator.lost_share < 0.01, "{}", operator.lost_share);
+    // From 0 to 2, within the length of a room.
+    let sent = |i: usize| 1.0 + (2.0 * points.points[i].position.element_sum()).sin();
+    let mut received: Vec<f32> = Vec::new();
+    for (i, links) in operator.links.iter().enumerate() {
+        let parents = mean(relations.push().row(i), 0.0, |parent| received[parent]).unwrap_or(0.0);
+        received.push(parents + links.iter().map(|link| link.amount() * sent(link.sender())).sum::<f32>());
+    }
+    received
+}
+
+/// Relative RMS difference, and that of the means.
+fn compared(ours: &[f32], theirs: &[f32]) -> (f64, f64) {
+    let (mut difference, mut square, mut sum, mut squares) = (0.0, 0.0, 0.0, 0.0);
+    for (ours, theirs) in ours.iter().zip(theirs) {
+        let (ours, theirs) = (*ours as f64, *theirs as f64);
+        difference += ours - theirs;
+        square += (ours - theirs).powi(2);
+        sum += theirs;
+        squares += theirs.powi(2);
+    }
+    ((square / squares).sqrt(), difference / sum)
+}
+
+#[test]
+fn tiles_change_less_than_other_rays_do_and_take_no_light() {
+    for name in ["builtin:two-rooms-door", "builtin:library"] {
+        let scene = scene::load(name).unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let settings = PlaceSettings { levels: 4, functions: 3_000, ..PlaceSettings::default() };
+        let (low, high) = surfaces.bounds();
+        let mut points = place(&surfaces, &[low.lerp(high, 0.4)], &settings, &()).unwrap();
+        let count = points.points.len();
+        cut(&surfaces, &mut points, count, &()).unwrap();
+        let by_tiles = received(&surfaces, &points, 5);
+        let by_hits = received(&HitByHit(&surfaces), &points, 5);
+        let by_other_rays = received(&HitByHit(&surfaces), &points, 6);
+        let (error, bias) = compared(&by_tiles, &by_hits);
+        let (noise, _) = compared(&by_other_rays, &by_hits);
+        println!("{name}: error {error:.4}, bias {bias:.4}; other rays {noise:.4}");
+        assert!(error < noise && bias.abs() < 0.004, "{name}: error {error} of {noise}, bias {bias}");
+        assert_ne!(by_tiles, by_hits, "{name}: tiles are read");
+    }
+}
