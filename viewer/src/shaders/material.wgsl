@@ -28,11 +28,10 @@ struct Material {
 // For level 0 alone: some adapters' anisotropic filter walks over every texel that a pixel covers there.
 @group(1) @binding(4) var plain_sampler: sampler;
 
-// Thresholds at (k + 1/2) / 16 that spread evenly over every 4x4 pixels (a Bayer matrix), and from
-// picture to picture of an averaged series.
-fn dither(pixel: vec2f, sample: u32) -> f32 {
-    let x = u32(pixel.x) + sample;
-    let y = u32(pixel.y) + sample / 4u;
+// Thresholds at (k + 1/2) / 16 that spread evenly over every 4x4 texels (a Bayer matrix).
+fn dither(texel: vec2f) -> f32 {
+    let x = u32(texel.x);
+    let y = u32(texel.y);
     let a = (x ^ y) & 1u;
     let b = y & 1u;
     let c = ((x ^ y) >> 1u) & 1u;
@@ -40,8 +39,8 @@ fn dither(pixel: vec2f, sample: u32) -> f32 {
     return (f32(a * 8u + b * 4u + c * 2u + d) + 0.5) / 16.0;
 }
 
-// Whether the surface is there at uv: a share alpha of the pixels for blended materials.
-fn covered(uv: vec2f, pixel: vec2f, sample: u32) -> bool {
+// Whether the surface is there at uv: for blended materials in a share alpha of the texels, which only shadow maps draw.
+fn covered(uv: vec2f, texel: vec2f) -> bool {
     if material.alpha_mode == OPAQUE {
         return true;
     }
@@ -49,5 +48,5 @@ fn covered(uv: vec2f, pixel: vec2f, sample: u32) -> bool {
     if material.alpha_mode == MASK {
         return alpha >= material.cutoff;
     }
-    return alpha > dither(pixel, sample);
+    return alpha > dither(texel);
 }

@@ -19,7 +19,7 @@ fn cutout(@location(0) position: vec3f, @location(2) uv: vec2f) -> Out {
 
 @fragment
 fn cut(in: Out) {
-    if !covered(in.uv, in.position.xy, 0u) {
+    if !covered(in.uv, in.position.xy) {
         discard;
     }
 }

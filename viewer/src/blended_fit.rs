@@ -1,0 +1,126 @@
+//! What blended surfaces need: which there are, in how many layers they lie, what numbers hold their light. No GPU.
+
+use crate::upload::Run;
+use glam::Vec3;
+use rebounce_shared::light::{Light, LightKind};
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
+
+/// Layers that are drawn at most. What lies behind so many is left out of the picture, not what is opaque behind it.
+pub const MOST_LAYERS: usize = 8;
+/// Vertices that are no further apart from a plane than this lie in it; a share of the scene's diagonal.
+const FLATNESS: f32 = 1e-5;
+/// Typical radiance becomes about this: 16-bit floats then hold a few thousand times as much, and a millionth.
+const MIDDLE: f32 = 16.0;
+
+/// Whether a material is drawn by blending. Many exporters mark opaque ones so: those are opaque here whose alpha is 1
+/// and whose picture is a JPEG, which has none, or that have no picture.
+pub fn is_blended(meta: &Meta, material: &Material) -> bool {
+    let clear = |texture: u32| {
+        meta.textures.get(texture as usize).is_some_and(|texture| texture.mime != "image/jpeg")
+    };
+    material.alpha == Alpha::Blend
+        && (material.base_color[3] < 1.0 || material.base_color_texture.is_some_and(clear))
+}
+
+/// Layers in which these runs are drawn: a ray meets a plane once, so there are no more than the planes that their
+/// triangles lie in; at most [`MOST_LAYERS`].
+pub fn layers(scene: &Scene, runs: &[Run]) -> u32 {
+    let [low, high] = [scene.meta.bounds_min, scene.meta.bounds_max].map(Vec3::from);
+    let tolerance = FLATNESS * (high - low).length();
+    let mut planes: Vec<(Vec3, Vec3)> = Vec::new();
+    for run in runs {
+        let indices = &scene.indices[run.indices.start as usize..run.indices.end as usize];
+        for triangle in indices.as_chunks::<3>().0 {
+            let [a, b, c] = triangle.map(|i| Vec3::from(scene.vertices[i as usize].position));
+            let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
+            let holds = |(at, normal): &(Vec3, Vec3)| {
+                [a, b, c].iter().all(|p| (*p - *at).dot(*normal).abs() <= tolerance)
+            };
+            if !planes.iter().any(holds) {
+                planes.push((a, normal));
+                if planes.len() == MOST_LAYERS {
+                    return MOST_LAYERS as u32;
+                }
+            }
+        }
+    }
+    planes.len() as u32
+}
+
+/// What the radiance of blended surfaces is multiplied with while it lies in 16-bit floats: a power of two, which rounds
+/// nothing, such that what the lights (world space) give to a place a quarter of the scene's diagonal away, or the
+/// emission of these surfaces, becomes about [`MIDDLE`].
+pub fn unit(meta: &Meta, lights: &[Light], [low, high]: [Vec3; 2]) -> f32 {
+    let distance_squared = (high - low).length_squared() / 16.0;
+    let given = |light: &Light| {
+        let source = light.source(meta.origin);
+        let intensity = source.intensity.max_element();
+        if source.kind == LightKind::Directional { intensity } else { intensity / distance_squared }
+    };
+    let glow = |m: &Material| if is_blended(meta, m) { Vec3::from(m.emission).max_element() } else { 0.0 };
+    let irradiance: f32 = lights.iter().map(given).sum();
+    let typical = meta.materials.iter().map(glow).fold(irradiance / std::f32::consts::PI, f32::max);
+    if typical > 0.0 { (MIDDLE / typical).log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rebounce_shared::rbn::bulk::Vertex;
+    use rebounce_shared::rbn::meta::Texture;
+
+    #[test]
+    fn what_cannot_be_seen_through_is_not_blended() {
+        let texture = |mime: &str| Texture { mime: mime.into(), ..Texture::default() };
+        let meta = Meta { textures: vec![texture("image/jpeg"), texture("image/png")], ..Meta::default() };
+        let blended = |alpha: f32, base_color_texture: Option<u32>| {
+            let base_color = [1.0, 1.0, 1.0, alpha];
+            let material =
+                Material { base_color, base_color_texture, alpha: Alpha::Blend, ..Default::default() };
+            is_blended(&meta, &material)
+        };
+        assert!(blended(0.9, None) && blended(0.9, Some(0)) && blended(1.0, Some(1)));
+        assert!(!blended(1.0, None) && !blended(1.0, Some(0)));
+        assert!(!is_blended(&meta, &Material { alpha: Alpha::Mask { cutoff: 0.5 }, ..Default::default() }));
+    }
+
+    /// A scene of triangles in planes of constant z and x.
+    fn panes(count: usize) -> (Scene, Run) {
+        let mut scene = Scene::default();
+        scene.meta.bounds_max = [1.0; 3];
+        for pane in 0..count {
+            let at = 0.05 * pane as f32;
+            let place = |x: f32, y: f32| if pane % 2 == 0 { [x, y, at] } else { [at, y, x] };
+            for corner in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+                scene.indices.push(scene.vertices.len() as u32);
+                scene.vertices.push(Vertex { position: place(corner.0, corner.1), ..Vertex::default() });
+            }
+        }
+        let indices = 0..scene.indices.len() as u32;
+        (scene, Run { material: 0, indices, cut: true, blended: true })
+    }
+
+    #[test]
+    fn there_are_as_many_layers_as_planes_and_not_too_many() {
+        for (count, expected) in [(0, 0), (1, 1), (5, 5), (30, MOST_LAYERS as u32)] {
+            let (scene, run) = panes(count);
+            assert_eq!(layers(&scene, &[run]), expected);
+        }
+        let (scene, _) = panes(3);
+        assert_eq!(layers(&scene, &[]), 0, "without blended surfaces no layer");
+    }
+
+    #[test]
+    fn light_of_any_strength_becomes_numbers_of_one_size() {
+        let bounds = [Vec3::ZERO, Vec3::splat(4.0)];
+        for strength in [1e-6, 1.0, 3e7] {
+            let sun = Light::Directional { direction: [0.0, -1.0, 0.0], intensity: strength, color: [1.0; 3] };
+            let unit = unit(&Meta::default(), &[sun], bounds);
+            let radiance = strength as f32 / std::f32::consts::PI;
+            assert!((0.7..1.5).contains(&(unit * radiance / MIDDLE)), "{strength}: {unit}");
+            assert_eq!(unit.to_bits() << 9, 0, "a power of two");
+        }
+        assert_eq!(unit(&Meta::default(), &[], bounds), 1.0);
+    }
+}
