@@ -239,14 +239,19 @@ fn the_first_picture_of_a_view_and_of_a_moved_lamp_has_no_noise() {
     let Some(gpu) = common::gpu() else { return };
     let mut renderer = renderer(&gpu, &curtained());
     let screen = screen(&gpu);
-    let mut check = |renderer: &mut Renderer, what: &str| {
+    let check = |renderer: &mut Renderer, what: &str| {
         let [first, still] = [false, true].map(|rest| drawn(&gpu, renderer, &screen, rest));
-        let lit = still.iter().map(|c| u64::from(*c)).sum::<u64>() / still.len() as u64;
-        assert!(lit > 80, "{what}: too dark to compare, {lit}");
+        // Within the curtain and one wall behind it; elsewhere edges are smoothed.
+        let inner = |picture: &[u8]| -> Vec<u8> {
+            let rows = picture.chunks_exact(4 * screen.width() as usize);
+            rows.flat_map(|row| row[row.len() / 3..row.len() * 2 / 3].to_vec()).collect()
+        };
+        let [first, still] = [inner(&first), inner(&still)];
+        let mean = still.iter().map(|c| u64::from(*c)).sum::<u64>() / still.len() as u64;
+        assert!((100..245).contains(&mean), "{what}: badly exposed, {mean}");
         let off = first.iter().zip(&still).filter(|(a, b)| a.abs_diff(**b) > 3).count();
         assert!(off * 100 < still.len(), "{what}: {off} of {} differ", still.len());
     };
-    renderer.set_exposure(1.0).unwrap();
     for shift in [0.0, 0.11] {
         let eye = Vec3::new(0.1 + shift, 0.1, 0.9);
         renderer.set_camera(camera(eye, Vec3::new(shift, 0.0, -1.0))).unwrap();
@@ -271,7 +276,7 @@ fn scenes_without_blended_surfaces_pay_nothing_for_them() {
         // As many exporters write what is opaque.
         (material.alpha, material.base_color[3]) = (Alpha::Blend, 1.0);
     }
-    let mut stats = |scene: &Scene| {
+    let stats = |scene: &Scene| {
         let mut renderer = renderer_with(&gpu, &pipelines, scene);
         renderer.set_auto_exposure(true);
         drawn(&gpu, &mut renderer, &screen, true);
