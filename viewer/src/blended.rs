@@ -59,7 +59,8 @@ pub struct BlendedTarget {
 impl Veil {
     /// Of this size, pixels.
     pub fn new(scope: &Scope, [width, height]: [u32; 2]) -> Self {
-        let make = |label, format| target(scope, label, format, width, height).create_view(&Default::default());
+        let make =
+            |label, format| target(scope, label, format, width, height).create_view(&Default::default());
         let depth = || make("layer depth", TextureFormat::Depth32Float);
         Self { texture: make("veil", VEIL), depths: [depth(), depth()] }
     }

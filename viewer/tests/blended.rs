@@ -267,6 +267,49 @@ fn the_first_picture_of_a_view_and_of_a_moved_lamp_has_no_noise() {
 }
 
 #[test]
+fn shadows_of_panes_are_even_and_as_dark_as_their_alphas_say() {
+    let Some(gpu) = common::gpu() else { return };
+    // A lamp behind the camera shines at the wall in front of it, through the panes, which are behind the camera, too.
+    let wall = |panes: &[f32], intensity: f64| {
+        let mut scene = common::room(&[3]);
+        scene.meta.materials[4].base_color = [0.5, 0.5, 0.5, 1.0];
+        let [position, direction] = [[0.0, 0.0, 0.9], [0.0, 0.0, -1.0]];
+        let (outer_cone_deg, inner_cone_deg) = (40.0, Some(39.0));
+        let color = [1.0; 3];
+        scene.meta.lights =
+            vec![Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color }];
+        for (i, side) in panes.iter().enumerate() {
+            let centre = Vec3::Z * (0.6 - 0.1 * i as f32);
+            let material = Material {
+                alpha: Alpha::Blend,
+                base_color: [0.0, 0.0, 0.0, 1.0 / 3.0],
+                ..glass([0.0; 3], 0.0)
+            };
+            // All of one material, as the faces of a glass.
+            let (first, count) = (scene.meta.draws.len(), scene.meta.materials.len());
+            pane(&mut scene, centre, Vec3::X * 0.7 * *side, Vec3::Y * 0.7, material);
+            scene.meta.draws[first].material = (count - i) as u32;
+        }
+        let mut renderer = renderer(&gpu, &scene);
+        renderer.set_still_pictures(1);
+        renderer.set_mode(Mode::Direct);
+        // Close, so that a texel of the shadow map is several pixels wide.
+        renderer.set_largest_shadow_map(128);
+        renderer.set_camera(camera(Vec3::new(0.05, 0.1, -0.7), Vec3::new(0.05, 0.1, -1.0))).unwrap();
+        pollster::block_on(renderer.read_pixels(SIZE, SIZE).unwrap().wait()).unwrap()
+    };
+    let intensity = 9.0;
+    // A third stays on each face: of two faces that look away from each other four ninths go through.
+    for (panes, share) in [(&[1.0f32][..], 6.0 / 9.0), (&[1.0, -1.0], 4.0 / 9.0)] {
+        let (shadow, expected) = (wall(panes, intensity), wall(&[], intensity * share));
+        assert!(expected.chunks(4).all(|p| (60..220).contains(&p[0])), "badly exposed");
+        let most = shadow.iter().zip(&expected).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+        assert!(most <= 2, "{} panes: {most}", panes.len());
+    }
+    gpu.check().unwrap();
+}
+
+#[test]
 fn scenes_without_blended_surfaces_pay_nothing_for_them() {
     let Some(gpu) = common::gpu() else { return };
     let pipelines = Rc::new(Pipelines::new(&gpu).unwrap());

@@ -19,7 +19,7 @@ fn fragment(in: Out) -> Targets {
     if material.wide != 0u && frame.unfiltered == 0u {
         seen = detail_pack(detail(facing.normal, in.local, in.uv));
     }
-    if !covered(in.uv, in.position.xy) {
+    if !covered(in.uv, in.position.xy, true) {
         discard;
     }
     let facet = pack4x8snorm(vec4f(octahedral_encode(facing.facet), 0.0, 0.0));
