@@ -95,8 +95,8 @@ impl BlendedPass {
                 ..Draw::default()
             };
             let depth = Some((CompareFunction::Greater, true));
-            let peel =
-                ["first", "next"].map(|entry| Draw { fragment: Some(entry), depth, ..draw }.pipeline(gpu));
+            let peel = |entry| Draw { fragment: Some(entry), depth, ..draw }.pipeline(gpu);
+            let peel = [peel("first"), peel("next")];
             // Under what is there.
             let under = wgpu::BlendComponent {
                 src_factor: BlendFactor::OneMinusDstAlpha,

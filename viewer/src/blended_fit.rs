@@ -1,7 +1,7 @@
 //! What blended surfaces need: which there are, in how many layers they lie, what numbers hold their light. No GPU.
 
 use crate::upload::Run;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rebounce_shared::light::{Light, LightKind};
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
@@ -10,7 +10,7 @@ use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
 pub const MOST_LAYERS: usize = 8;
 /// Vertices that are no further apart from a plane than this lie in it; a share of the scene's diagonal.
 const FLATNESS: f32 = 1e-5;
-/// Typical radiance becomes about this: 16-bit floats then hold a few thousand times as much, and a millionth.
+/// Typical radiance becomes this to twice this: 16-bit floats then hold a few thousand times as much, and a millionth.
 const MIDDLE: f32 = 16.0;
 
 /// Whether a material is drawn by blending. Many exporters mark opaque ones so: those are opaque here whose alpha is 1
@@ -28,20 +28,17 @@ pub fn is_blended(meta: &Meta, material: &Material) -> bool {
 pub fn layers(scene: &Scene, runs: &[Run]) -> u32 {
     let [low, high] = [scene.meta.bounds_min, scene.meta.bounds_max].map(Vec3::from);
     let tolerance = FLATNESS * (high - low).length();
-    let mut planes: Vec<(Vec3, Vec3)> = Vec::new();
+    // Normal, and distance from the origin.
+    let mut planes: Vec<Vec4> = Vec::new();
     for run in runs {
         let indices = &scene.indices[run.indices.start as usize..run.indices.end as usize];
         for triangle in indices.as_chunks::<3>().0 {
             let [a, b, c] = triangle.map(|i| Vec3::from(scene.vertices[i as usize].position));
-            let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
-            let holds = |(at, normal): &(Vec3, Vec3)| {
-                [a, b, c].iter().all(|p| (*p - *at).dot(*normal).abs() <= tolerance)
-            };
-            if !planes.iter().any(holds) {
-                planes.push((a, normal));
-                if planes.len() == MOST_LAYERS {
-                    return MOST_LAYERS as u32;
-                }
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let holds =
+                |plane: &Vec4| [a, b, c].iter().all(|place| plane.dot(place.extend(-1.0)).abs() <= tolerance);
+            if normal != Vec3::ZERO && planes.len() < MOST_LAYERS && !planes.iter().any(holds) {
+                planes.push(normal.extend(normal.dot(a)));
             }
         }
     }
@@ -50,18 +47,24 @@ pub fn layers(scene: &Scene, runs: &[Run]) -> u32 {
 
 /// What the radiance of blended surfaces is multiplied with while it lies in 16-bit floats: a power of two, which rounds
 /// nothing, such that what the lights (world space) give to a place a quarter of the scene's diagonal away, or the
-/// emission of these surfaces, becomes about [`MIDDLE`].
+/// emission of these surfaces, becomes one to two times [`MIDDLE`].
 pub fn unit(meta: &Meta, lights: &[Light], [low, high]: [Vec3; 2]) -> f32 {
     let distance_squared = (high - low).length_squared() / 16.0;
-    let given = |light: &Light| {
+    let mut typical = 0.0f32;
+    for light in lights {
         let source = light.source(meta.origin);
-        let intensity = source.intensity.max_element();
-        if source.kind == LightKind::Directional { intensity } else { intensity / distance_squared }
-    };
-    let glow = |m: &Material| if is_blended(meta, m) { Vec3::from(m.emission).max_element() } else { 0.0 };
-    let irradiance: f32 = lights.iter().map(given).sum();
-    let typical = meta.materials.iter().map(glow).fold(irradiance / std::f32::consts::PI, f32::max);
-    if typical > 0.0 { (MIDDLE / typical).log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
+        let area = if source.kind == LightKind::Directional { 1.0 } else { distance_squared };
+        typical += source.intensity.max_element() / (area * std::f32::consts::PI);
+    }
+    for material in meta.materials.iter().filter(|m| is_blended(meta, m)) {
+        typical = typical.max(Vec3::from(material.emission).max_element());
+    }
+    if typical > 0.0 { MIDDLE / power_of_two(typical.clamp(1e-30, 1e30)) } else { 1.0 }
+}
+
+/// The greatest that is not above a positive number: its exponent alone.
+fn power_of_two(number: f32) -> f32 {
+    f32::from_bits(number.to_bits() & 0x7f80_0000)
 }
 
 #[cfg(test)]
@@ -119,7 +122,7 @@ mod tests {
                 Light::Directional { direction: [0.0, -1.0, 0.0], intensity: strength, color: [1.0; 3] };
             let unit = unit(&Meta::default(), &[sun], bounds);
             let radiance = strength as f32 / std::f32::consts::PI;
-            assert!((0.7..1.5).contains(&(unit * radiance / MIDDLE)), "{strength}: {unit}");
+            assert!((1.0..2.0).contains(&(unit * radiance / MIDDLE)), "{strength}: {unit}");
             assert_eq!(unit.to_bits() << 9, 0, "a power of two");
         }
         assert_eq!(unit(&Meta::default(), &[], bounds), 1.0);

@@ -94,9 +94,9 @@ impl Upload {
         let section = |name, usage, content: &[u8]| buffer(&own, name, usage, content);
         let stored = |name, content: &[u8]| section(name, BufferUsages::STORAGE, content);
         let cast = bytemuck::cast_slice::<u32, u8>;
-        let (all, relations) = (runs(scene), &scene.relations);
-        let shadow_runs = merged(&all);
-        let (blended_runs, runs): (Vec<Run>, Vec<Run>) = all.into_iter().partition(|run| run.blended);
+        let (mut runs, relations) = (runs(scene), &scene.relations);
+        let shadow_runs = merged(&runs);
+        let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
             links: matrix(stored, "LINK", &scene.links, most.binding),
             // One buffer: between coarse points there are few.
@@ -204,7 +204,7 @@ fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
     out
 }
 
-/// Draw calls sorted so that opaque ones come first and equal materials follow each other.
+/// Draw calls sorted so that opaque ones come first, blended ones last, and equal materials follow each other.
 fn runs(scene: &Scene) -> Vec<Run> {
     let run = |d: &Draw| {
         let material = &scene.meta.materials[d.material as usize];
@@ -217,7 +217,7 @@ fn runs(scene: &Scene) -> Vec<Run> {
         }
     };
     let mut runs: Vec<Run> = scene.meta.draws.iter().filter(|d| d.index_count > 0).map(run).collect();
-    runs.sort_unstable_by_key(|run| (run.cut, run.material, run.indices.start));
+    runs.sort_unstable_by_key(|run| (run.cut, run.blended, run.material, run.indices.start));
     runs
 }
 
