@@ -8,8 +8,9 @@ use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
 
 /// Layers that are drawn at most. What lies behind so many is left out of the picture, not what is opaque behind it.
 pub const MOST_LAYERS: usize = 8;
-/// Vertices that are no further apart from a plane than this lie in it; a share of the scene's diagonal.
-const FLATNESS: f32 = 1e-5;
+/// Vertices that are no further away from a plane than this lie in it; a share of the scene's diagonal. Thin glass must
+/// keep its two faces; a plane that is taken for two only costs passes.
+const FLATNESS: f32 = 1e-6;
 /// Typical radiance becomes this to twice this: 16-bit floats then hold a few thousand times as much, and a millionth.
 const MIDDLE: f32 = 16.0;
 
@@ -27,16 +28,17 @@ pub fn is_blended(meta: &Meta, material: &Material) -> bool {
 /// triangles lie in; at most [`MOST_LAYERS`].
 pub fn layers(scene: &Scene, runs: &[Run]) -> u32 {
     let [low, high] = [scene.meta.bounds_min, scene.meta.bounds_max].map(Vec3::from);
-    let tolerance = FLATNESS * (high - low).length();
+    // In diagonals, so that nothing overflows in any unit.
+    let diagonal = (high - low).length().max(f32::MIN_POSITIVE);
     // Normal, and distance from the origin.
     let mut planes: Vec<Vec4> = Vec::new();
     for run in runs {
         let indices = &scene.indices[run.indices.start as usize..run.indices.end as usize];
         for triangle in indices.as_chunks::<3>().0 {
-            let [a, b, c] = triangle.map(|i| Vec3::from(scene.vertices[i as usize].position));
+            let [a, b, c] = triangle.map(|i| Vec3::from(scene.vertices[i as usize].position) / diagonal);
             let normal = (b - a).cross(c - a).normalize_or_zero();
             let holds =
-                |plane: &Vec4| [a, b, c].iter().all(|place| plane.dot(place.extend(-1.0)).abs() <= tolerance);
+                |plane: &Vec4| [a, b, c].iter().all(|place| plane.dot(place.extend(-1.0)).abs() <= FLATNESS);
             if normal != Vec3::ZERO && planes.len() < MOST_LAYERS && !planes.iter().any(holds) {
                 planes.push(normal.extend(normal.dot(a)));
             }
@@ -107,8 +109,12 @@ mod tests {
     #[test]
     fn there_are_as_many_layers_as_planes_and_not_too_many() {
         for (count, expected) in [(0, 0), (1, 1), (5, 5), (30, MOST_LAYERS as u32)] {
-            let (scene, run) = panes(count);
-            assert_eq!(layers(&scene, &[run]), expected);
+            for size in [1e-9, 1.0, 1e12] {
+                let (mut scene, run) = panes(count);
+                scene.meta.bounds_max = [size; 3];
+                scene.vertices.iter_mut().for_each(|v| v.position = v.position.map(|x| x * size));
+                assert_eq!(layers(&scene, &[run]), expected, "{count} panes of {size}");
+            }
         }
         let (scene, _) = panes(3);
         assert_eq!(layers(&scene, &[]), 0, "without blended surfaces no layer");
