@@ -32,18 +32,24 @@ pub struct Shading {
     pub blend: f32,
     /// Pixels across one output pixel of [`CompositePass::indirect`].
     pub scale: u32,
-    /// [`DETAILED`], [`AGX`], [`MANUAL`].
+    /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`].
     pub flags: u32,
     /// Pixels of the screen across one of the picture.
     pub enlarge: u32,
+    /// What the radiance of blended surfaces is multiplied with: see [`crate::blended_fit::unit`].
+    pub unit: f32,
+    /// Unused.
+    pub pad: [u32; 3],
 }
 
-/// The G-buffer holds what textures of detail say.
+/// Textures of detail say more than colours.
 pub const DETAILED: u32 = 1;
 /// Tone mapping by AgX instead of Khronos PBR Neutral.
 pub const AGX: u32 = 2;
 /// The exposure is not measured.
 pub const MANUAL: u32 = 4;
+/// There are blended surfaces.
+pub const VEILED: u32 = 8;
 
 /// The pipelines.
 pub struct CompositePass {
@@ -66,6 +72,30 @@ const LOOKED: u32 = 64 * 64;
 /// The automatic exposure, one float: what radiance is multiplied with.
 pub fn key(scope: &Scope) -> wgpu::Buffer {
     buffer(scope, "key", BufferUsages::STORAGE | BufferUsages::COPY_SRC, bytemuck::bytes_of(&[1f32; 4]))
+}
+
+/// The uniform [`Shading`] of one picture size.
+pub fn shading(scope: &Scope) -> wgpu::Buffer {
+    let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+    empty_buffer(scope, "shading", usage, size_of::<Shading>() as u64)
+}
+
+/// What a [`Picture`] is made from.
+pub struct Sources<'a> {
+    /// The camera's uniform.
+    pub frame: &'a wgpu::Buffer,
+    /// The uniform that [`shading`] makes.
+    pub shading: &'a wgpu::Buffer,
+    /// What is not blended.
+    pub gbuffer: &'a GBuffer,
+    /// Its bounced light.
+    pub display: &'a DisplayTarget,
+    /// What is blended, if anything is.
+    pub veil: Option<&'a wgpu::TextureView>,
+    /// `Look` of surface.wgsl, one a material.
+    pub looks: &'a wgpu::Buffer,
+    /// The exposure, which [`key`] makes.
+    pub key: &'a wgpu::Buffer,
 }
 
 /// The averaged picture of one size, and the bind groups that make it.
@@ -92,6 +122,7 @@ impl CompositePass {
                 Slot::Read,
                 key,
                 Slot::Read,
+                Slot::TextureLoad,
             ]
         };
         let shade = layout(gpu, "shade", ShaderStages::FRAGMENT, &slots(Slot::Read));
@@ -129,41 +160,27 @@ impl CompositePass {
         }
     }
 
-    /// A picture from this G-buffer and this bounced light, with the exposure [`key`].
-    #[expect(clippy::too_many_arguments, reason = "one call, one place")]
-    pub fn target(
-        &self,
-        scope: &Scope,
-        frame: &wgpu::Buffer,
-        gbuffer: &GBuffer,
-        display: &DisplayTarget,
-        looks: &wgpu::Buffer,
-        key: &wgpu::Buffer,
-        size: [u32; 2],
-    ) -> Picture {
+    /// A picture of this size.
+    pub fn target(&self, scope: &Scope, from: &Sources<'_>, size: [u32; 2]) -> Picture {
         let texture = target(scope, "picture", PICTURE, size[0], size[1]);
         let texture = texture.create_view(&Default::default());
-        let shading = empty_buffer(
-            scope,
-            "shading",
-            BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            size_of::<Shading>() as u64,
-        );
         let looked = empty_buffer(scope, "looked", BufferUsages::STORAGE, 4 * LOOKED as u64);
         let mut resources = [
-            frame.as_entire_binding(),
-            shading.as_entire_binding(),
-            view(&gbuffer.albedo),
-            view(&gbuffer.surface),
-            view(&gbuffer.depth),
-            display.light.as_entire_binding(),
-            looks.as_entire_binding(),
-            key.as_entire_binding(),
-            display.slots.as_entire_binding(),
+            from.frame.as_entire_binding(),
+            from.shading.as_entire_binding(),
+            view(&from.gbuffer.albedo),
+            view(&from.gbuffer.surface),
+            view(&from.gbuffer.depth),
+            from.display.light.as_entire_binding(),
+            from.looks.as_entire_binding(),
+            from.key.as_entire_binding(),
+            from.display.slots.as_entire_binding(),
+            // Without blended surfaces nothing is read from it.
+            view(from.veil.unwrap_or(&from.gbuffer.albedo)),
         ];
         let shade = group(scope, "shade", &self.layout, &resources);
         resources[7] = looked.as_entire_binding();
-        let measured = [looked.as_entire_binding(), key.as_entire_binding()];
+        let measured = [looked.as_entire_binding(), from.key.as_entire_binding()];
         Picture {
             shade,
             look: group(scope, "look", &self.look.1, &resources),
@@ -175,11 +192,11 @@ impl CompositePass {
                 &[
                     view(&texture),
                     wgpu::BindingResource::Sampler(&self.bilinear),
-                    shading.as_entire_binding(),
+                    from.shading.as_entire_binding(),
                 ],
             ),
             texture,
-            shading,
+            shading: from.shading.clone(),
         }
     }
 

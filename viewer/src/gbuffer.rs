@@ -1,4 +1,4 @@
-//! The G-buffer: albedo, normals, material and depth of what the camera sees.
+//! The G-buffer: albedo, normals, material and depth of what the camera sees, without blended surfaces.
 
 use crate::bindings::{Draw, Slot, attachment, depth_attachment, group, layout, opaque, target};
 use crate::gpu::Gpu;

@@ -4,10 +4,12 @@
 //! browser through WebGPU (the class `Viewer` of the module `wasm`), natively without a window.
 //!
 //! One frame, as far as something changed: [`shadow`] maps, [`relight`] (the bounced light at every
-//! point), [`gbuffer`], [`display`] (from points to pixels), [`composite`], [`overlay`]. [`renderer`]
+//! point), [`gbuffer`], [`display`] (from points to pixels), [`blended`] surfaces, [`composite`], [`overlay`]. [`renderer`]
 //! decides what must be done; [`scene`] is what a file becomes; [`controls`] moves camera and lights.
 
 mod bindings;
+pub mod blended;
+pub mod blended_fit;
 pub mod composite;
 pub mod controls;
 pub mod display;

@@ -1,6 +1,7 @@
 //! Materials: one bind group each (WebGPU has no arrays of textures to index).
 
 use crate::bindings::{Slot, buffer, group, layout, view};
+use crate::blended_fit;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::pipelines::Pipelines;
@@ -47,11 +48,11 @@ struct Look {
 }
 
 impl Record {
-    fn new(index: usize, material: &Material, wide: bool) -> Self {
+    fn new(index: usize, material: &Material, wide: bool, blended: bool) -> Self {
         let (alpha_mode, cutoff) = match material.alpha {
-            Alpha::Opaque => (0, 0.0),
             Alpha::Mask { cutoff } => (1, cutoff),
-            Alpha::Blend => (2, 0.0),
+            Alpha::Blend if blended => (2, 0.0),
+            Alpha::Opaque | Alpha::Blend => (0, 0.0),
         };
         Self {
             base_color: material.base_color,
@@ -117,7 +118,7 @@ impl Materials {
         let detailed = materials.iter().any(|m| m.details().iter().any(Option::is_some));
         let mut records = vec![0u8; STRIDE as usize * scene.meta.materials.len()];
         for (i, material) in scene.meta.materials.iter().enumerate() {
-            let record = Record::new(i, material, detailed);
+            let record = Record::new(i, material, detailed, blended_fit::is_blended(&scene.meta, material));
             let at = i * STRIDE as usize;
             records[at..at + size_of::<Record>()].copy_from_slice(bytemuck::bytes_of(&record));
         }

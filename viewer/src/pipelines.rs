@@ -1,5 +1,6 @@
 //! Everything that belongs to a device and to no viewer: made once, shared by all that draw with it.
 
+use crate::blended::BlendedPass;
 use crate::composite::CompositePass;
 use crate::display::DisplayPass;
 use crate::error::ViewerError;
@@ -26,6 +27,8 @@ pub struct Pipelines {
     pub gbuffer: GBufferPass,
     /// From points to pixels.
     pub display: DisplayPass,
+    /// Blended surfaces.
+    pub blended: BlendedPass,
     /// Shading, exposure, tone mapping.
     pub composite: CompositePass,
     /// Mip levels.
@@ -45,6 +48,7 @@ impl Pipelines {
             relight: RelightPipelines::new(gpu, &shadow.layout),
             gbuffer: GBufferPass::new(gpu, &material),
             display: DisplayPass::new(gpu),
+            blended: BlendedPass::new(&material, &shadow.layout),
             composite: CompositePass::new(gpu, &shadow.layout),
             mips: Mips::new(gpu),
             overlay: RefCell::default(),

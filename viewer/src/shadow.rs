@@ -151,7 +151,7 @@ impl Shadows {
             timestamp_writes: timestamps,
             ..Default::default()
         });
-        if upload.runs.is_empty() {
+        if upload.shadow_runs.is_empty() {
             return;
         }
         pass.set_vertex_buffer(0, upload.vertices.slice(..));

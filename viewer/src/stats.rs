@@ -22,6 +22,8 @@ pub struct Stats {
     pub shadow_layers: u64,
     /// Width of a shadow map, texels.
     pub shadow_size: u32,
+    /// Layers of blended surfaces drawn so far: in every picture as many as the scene may have, none without such surfaces.
+    pub blended_layers: u64,
     /// Triangles of the scene.
     pub triangles: usize,
     /// Basis functions per level, coarsest first.
@@ -62,6 +64,7 @@ impl Stats {
                 ("gBuffer", micros(m.g_buffer)),
                 ("find", micros(m.find)),
                 ("gather", micros(m.gather)),
+                ("blended", micros(m.blended)),
                 ("composite", micros(m.composite)),
             ],
         );
@@ -83,6 +86,7 @@ impl Stats {
                 ("lightsEvaluated", Some(self.lights_evaluated)),
                 ("shadowLayers", Some(self.shadow_layers)),
                 ("shadowSize", Some(self.shadow_size as u64)),
+                ("blendedLayers", Some(self.blended_layers)),
                 ("triangles", Some(self.triangles as u64)),
                 ("links", Some(self.links as u64)),
                 ("lights", Some(self.lights as u64)),

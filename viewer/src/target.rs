@@ -1,7 +1,8 @@
 //! Everything that belongs to a picture of one size.
 
 use crate::bindings::empty_buffer;
-use crate::composite::Picture;
+use crate::blended::{BlendedTarget, Veil};
+use crate::composite::{self, Picture, Sources};
 use crate::display::DisplayTarget;
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
@@ -25,6 +26,8 @@ pub struct Target {
     pub gbuffer: GBuffer,
     /// Which functions cover which pixels, and their light.
     pub display: DisplayTarget,
+    /// Blended surfaces, if the scene has any.
+    pub blended: Option<BlendedTarget>,
     /// The picture.
     pub picture: Picture,
     own: Scope,
@@ -53,8 +56,20 @@ impl Target {
         let frame = empty_buffer(&own, "frame", usage, size_of::<Frame>() as u64);
         let gbuffer = GBuffer::new(&own, size[0], size[1], scene.materials.detailed);
         let display = pipelines.display.target(&own, &frame, &gbuffer, scene, size, every_pixel);
-        let looks = &scene.materials.looks;
-        let picture = pipelines.composite.target(&own, &frame, &gbuffer, &display, looks, key, size);
+        let shading = composite::shading(&own);
+        let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size));
+        let sources = Sources {
+            frame: &frame,
+            shading: &shading,
+            gbuffer: &gbuffer,
+            display: &display,
+            veil: veil.as_ref().map(|veil| &veil.texture),
+            looks: &scene.materials.looks,
+            key,
+        };
+        let picture = pipelines.composite.target(&own, &sources, size);
+        let blended =
+            veil.map(|veil| pipelines.blended.target(gpu, veil, scene, &frame, &shading, &gbuffer.depth));
         Self {
             size,
             enlarge,
@@ -62,6 +77,7 @@ impl Target {
             frame,
             gbuffer,
             display,
+            blended,
             picture,
             own,
         }

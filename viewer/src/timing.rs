@@ -18,11 +18,13 @@ pub enum Pass {
     Find,
     /// Their light.
     Gather,
+    /// Blended surfaces.
+    Blended,
     /// Composite.
     Composite,
 }
 
-const PASSES: usize = 6;
+const PASSES: usize = 7;
 const BYTES: u64 = PASSES as u64 * 16;
 
 /// Milliseconds of each pass when it last ran; absent if it never did.
@@ -39,6 +41,8 @@ pub struct Milliseconds {
     pub find: Option<f64>,
     /// From functions to pixels.
     pub gather: Option<f64>,
+    /// All layers of blended surfaces; only in scenes that have some.
+    pub blended: Option<f64>,
     /// Composite.
     pub composite: Option<f64>,
 }
@@ -162,6 +166,7 @@ impl Timing {
                     2 => &mut self.last.g_buffer,
                     3 => &mut self.last.find,
                     4 => &mut self.last.gather,
+                    5 => &mut self.last.blended,
                     _ => &mut self.last.composite,
                 };
                 *slot = Some(ms);

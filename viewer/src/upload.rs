@@ -1,11 +1,13 @@
 //! The bulk sections of a file, put into GPU buffers as they are.
 
 use crate::bindings::buffer;
+use crate::blended_fit;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use rebounce_shared::link::{Link, Sent};
-use rebounce_shared::rbn::{LinkMatrix, Scene, bulk::Point, meta::Alpha};
+use rebounce_shared::rbn::meta::{Alpha, Draw};
+use rebounce_shared::rbn::{LinkMatrix, Scene, bulk::Point};
 use std::ops::Range;
 use wgpu::BufferUsages;
 
@@ -39,8 +41,10 @@ pub struct Run {
     pub material: u32,
     /// Their part of the index buffer.
     pub indices: Range<u32>,
-    /// Whether the material cuts holes.
+    /// Whether the material cuts holes, in shadows too where it is blended.
     pub cut: bool,
+    /// Whether the material is blended.
+    pub blended: bool,
 }
 
 /// The scene's sections on the GPU.
@@ -68,8 +72,12 @@ pub struct Upload {
     pub links: LinkBuffers,
     /// Section `LATL`.
     pub later: LinkBuffers,
-    /// Draw calls by material, opaque ones first.
+    /// Draw calls by material, opaque ones first, without those that are blended.
     pub runs: Vec<Run>,
+    /// Draw calls of blended materials.
+    pub blended_runs: Vec<Run>,
+    /// Layers in which these are drawn: see [`blended_fit::layers`].
+    pub blended_layers: u32,
     /// Draw calls where the material does not matter: neighbouring opaque runs are one.
     pub shadow_runs: Vec<Run>,
 }
@@ -86,7 +94,9 @@ impl Upload {
         let section = |name, usage, content: &[u8]| buffer(&own, name, usage, content);
         let stored = |name, content: &[u8]| section(name, BufferUsages::STORAGE, content);
         let cast = bytemuck::cast_slice::<u32, u8>;
-        let (runs, relations) = (runs(scene), &scene.relations);
+        let (mut runs, relations) = (runs(scene), &scene.relations);
+        let shadow_runs = merged(&runs);
+        let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
             links: matrix(stored, "LINK", &scene.links, most.binding),
             // One buffer: between coarse points there are few.
@@ -100,8 +110,10 @@ impl Upload {
             push_entries: stored("PNTS", bytemuck::cast_slice(&relations.push_entries)),
             pull_offsets: stored("PNTS", cast(&relations.pull_offsets)),
             pull_entries: stored("PNTS", bytemuck::cast_slice(&relations.pull_entries)),
-            shadow_runs: merged(&runs),
+            blended_layers: blended_fit::layers(scene, &blended_runs),
             runs,
+            blended_runs,
+            shadow_runs,
             own,
         })
     }
@@ -192,20 +204,20 @@ fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
     out
 }
 
-/// Draw calls sorted so that opaque ones come first and equal materials follow each other.
+/// Draw calls sorted so that opaque ones come first, blended ones last, and equal materials follow each other.
 fn runs(scene: &Scene) -> Vec<Run> {
-    let mut runs: Vec<Run> = scene
-        .meta
-        .draws
-        .iter()
-        .filter(|d| d.index_count > 0)
-        .map(|d| Run {
+    let run = |d: &Draw| {
+        let material = &scene.meta.materials[d.material as usize];
+        let blended = blended_fit::is_blended(&scene.meta, material);
+        Run {
             material: d.material,
             indices: d.first_index..d.first_index + d.index_count,
-            cut: scene.meta.materials[d.material as usize].alpha != Alpha::Opaque,
-        })
-        .collect();
-    runs.sort_unstable_by_key(|run| (run.cut, run.material, run.indices.start));
+            cut: blended || matches!(material.alpha, Alpha::Mask { .. }),
+            blended,
+        }
+    };
+    let mut runs: Vec<Run> = scene.meta.draws.iter().filter(|d| d.index_count > 0).map(run).collect();
+    runs.sort_unstable_by_key(|run| (run.cut, run.blended, run.material, run.indices.start));
     runs
 }
 
@@ -227,7 +239,7 @@ fn merged(runs: &[Run]) -> Vec<Run> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rebounce_shared::rbn::meta::{Draw, Material};
+    use rebounce_shared::rbn::meta::Material;
 
     #[test]
     fn chunks_hold_every_row_once_and_fit() {

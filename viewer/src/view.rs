@@ -24,12 +24,10 @@ pub struct Frame {
     pub height: f32,
     /// Into the picture, unit length.
     pub forward: [f32; 3],
-    /// Number of this picture within an averaged series.
-    pub sample: u32,
     /// 1 where textures are read without mip levels.
     pub unfiltered: u32,
     /// Unused.
-    pub pad: [u32; 3],
+    pub pad: [u32; 4],
 }
 
 impl Frame {
@@ -55,9 +53,8 @@ impl Frame {
             up: up.to_array(),
             height,
             forward: forward.to_array(),
-            sample: sample.index,
             unfiltered: sample.unfiltered as u32,
-            pad: [0; 3],
+            pad: [0; 4],
         }
     }
 }
@@ -65,8 +62,6 @@ impl Frame {
 /// One picture of a series that is averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Its number; the seed of what is random in it.
-    pub index: u32,
     /// Pixels that the picture is moved by, right and down.
     pub shift: [f32; 2],
     /// Textures are read without mip levels, as the CPU does: for pictures averaged from many.
@@ -81,7 +76,7 @@ impl Sample {
             0 => [0.0; 2],
             _ => [radical_inverse(index, 2) - 0.5, radical_inverse(index, 3) - 0.5],
         };
-        Self { index, shift, unfiltered: false }
+        Self { shift, unfiltered: false }
     }
 
     /// Picture `index` of `count`, a power of two: no two in one row or column of the pixel, so that
@@ -89,7 +84,7 @@ impl Sample {
     pub fn of_count(index: u32, count: u32) -> Self {
         let middle = 0.5 / count as f32 - 0.5;
         let shift = [index as f32 / count as f32 + middle, radical_inverse(index, 2) + middle];
-        Self { index, shift, unfiltered: true }
+        Self { shift, unfiltered: true }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The passes of a frame, in order, each only where something changed.
 
 use super::Renderer;
+use crate::blended_fit;
 use crate::composite::{self, Shading};
 use crate::controls::gizmo;
 use crate::readback::Readback;
@@ -56,22 +57,28 @@ impl Renderer {
                 self.gather(encoder, target, true);
             }
             if std::mem::take(&mut self.dirty.key) {
-                self.measure_key(encoder, target);
+                self.measure_key(encoder, scene, target);
             }
-            self.shade(encoder, target, 0, true);
+            self.shade(encoder, scene, target, 0, true);
             self.pictures = 1;
         } else if !self.dirty.present && self.pictures < self.still_pictures {
             self.draw_view(encoder, scene, target, Sample::of(self.pictures), true);
-            self.shade(encoder, target, self.pictures, true);
+            self.shade(encoder, scene, target, self.pictures, true);
             self.pictures += 1;
         }
     }
 
     /// Measures the automatic exposure on what is drawn. Submits what `encoder` holds: the picture's
     /// own settings must come later.
-    pub(super) fn measure_key(&mut self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
+    pub(super) fn measure_key(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &LoadedScene,
+        target: &Target,
+    ) {
         let shading = Shading { direct: 1.0, indirect: 1.0, ..self.shading(1.0) };
         self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
+        self.draw_blended(encoder, scene, target, false);
         self.pipelines.composite.measure(encoder, &target.picture, self.shadows.group());
         let fresh = self.gpu.device.create_command_encoder(&Default::default());
         self.gpu.queue.submit([std::mem::replace(encoder, fresh).finish()]);
@@ -111,15 +118,33 @@ impl Renderer {
         self.pipelines.display.gather(encoder, &target.display, timing.and_then(|t| t.stamps(Pass::Gather)));
     }
 
+    /// Draws the layers of blended surfaces, as the picture's settings say; without such surfaces nothing happens.
+    pub(super) fn draw_blended(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &LoadedScene,
+        target: &Target,
+        timed: bool,
+    ) {
+        let Some(blended) = &target.blended else { return };
+        let timing = self.timing.as_mut().filter(|_| timed);
+        let stamps = timing.and_then(|t| t.stamps(Pass::Blended));
+        self.pipelines.blended.draw(&self.gpu, encoder, blended, scene, self.shadows.group(), stamps);
+        self.blended_layers += scene.upload.blended_layers as u64;
+    }
+
+    /// Makes picture `picture` of a series of what is drawn, and averages it with those before.
     pub(super) fn shade(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
+        scene: &LoadedScene,
         target: &Target,
         picture: u32,
         timed: bool,
     ) {
         let shading = Shading { enlarge: target.enlarge, ..self.shading(1.0 / (picture + 1) as f32) };
         self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
+        self.draw_blended(encoder, scene, target, timed);
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|t| t.stamps(Pass::Composite)).map(|s| s.render(true, true));
         self.pipelines.composite.shade(encoder, &target.picture, self.shadows.group(), stamps);
@@ -127,7 +152,9 @@ impl Renderer {
 
     pub(super) fn shading(&self, blend: f32) -> Shading {
         let flag = |on: bool, bit| if on { bit } else { 0 };
-        let detailed = self.scene.as_ref().is_some_and(|scene| scene.materials.detailed);
+        let scene = self.scene.as_deref();
+        let detailed = scene.is_some_and(|scene| scene.materials.detailed);
+        let veiled = scene.filter(|scene| scene.upload.blended_layers > 0);
         Shading {
             direct: (self.mode != Mode::Indirect) as u32 as f32,
             indirect: (self.mode != Mode::Direct) as u32 as f32,
@@ -137,8 +164,11 @@ impl Renderer {
             scale: 1,
             flags: flag(detailed, composite::DETAILED)
                 | flag(self.tone_mapping == ToneMapping::Agx, composite::AGX)
-                | flag(!self.auto_exposure, composite::MANUAL),
+                | flag(!self.auto_exposure, composite::MANUAL)
+                | flag(veiled.is_some(), composite::VEILED),
             enlarge: 1,
+            unit: veiled.map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lights, scene.bounds)),
+            pad: [0; 3],
         }
     }
 

@@ -30,7 +30,7 @@ use state::check_lights;
 use std::rc::Rc;
 use wgpu::TextureFormat;
 
-/// Pictures averaged while nothing moves: smooth edges and translucent surfaces.
+/// Pictures averaged while nothing moves: smooth edges.
 const STILL_PICTURES: u32 = 16;
 /// Pixels of the screen across one of a sketch.
 const SKETCH: u32 = 2;
@@ -91,6 +91,7 @@ pub struct Renderer {
     frames: u64,
     relights: u64,
     lights_evaluated: u64,
+    blended_layers: u64,
     still: StillLights,
 }
 
@@ -142,6 +143,7 @@ impl Renderer {
             frames: 0,
             relights: 0,
             lights_evaluated: 0,
+            blended_layers: 0,
             still: StillLights::default(),
         }
     }
@@ -260,6 +262,7 @@ impl Renderer {
             lights_evaluated: self.lights_evaluated,
             shadow_layers: self.shadows.drawn,
             shadow_size: self.shadows.size(),
+            blended_layers: self.blended_layers,
             triangles: scene.map_or(0, |s| s.triangles),
             functions: scene.map_or(Vec::new(), |s| s.levels.iter().map(|l| l.len() as u32).collect()),
             links: scene.map_or(0, |s| s.link_count),

@@ -18,8 +18,9 @@ const MOST_PIXELS: u64 = 1 << 22;
 impl Renderer {
     /// Begins to read the bounced light of the present camera and lights at this size: RGBA 32-bit
     /// floats, linear radiance albedo/π·E; each pixel is the mean over 64 places, 16 in pictures of over a
-    /// million pixels. Alpha is the share that a surface covers. Surfaces are Lambertian, without normal maps, as in
-    /// the bake.
+    /// million pixels. Alpha is the share that surfaces cover: blended ones lie over what is behind them, with the
+    /// bounced light that they reflect, as on the CPU, where the share 1 − alpha of the rays goes through. Surfaces are
+    /// Lambertian, without normal maps, as in the bake.
     ///
     /// # Errors
     /// [`ViewerError::NoScene`]; [`ViewerError::BadArgument`] for a size that the device cannot draw.
@@ -50,6 +51,7 @@ impl Renderer {
             let flags = shading.flags & !composite::DETAILED;
             let shading = Shading { direct: 0.0, indirect: 1.0, scale, flags, ..shading };
             self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
+            self.draw_blended(&mut encoder, &scene, &target, false);
             let group = self.shadows.group();
             self.pipelines.composite.indirect(
                 &self.gpu,
@@ -92,9 +94,9 @@ impl Renderer {
         for picture in 0..self.still_pictures {
             self.draw_view(&mut encoder, &scene, &target, Sample::of(picture), false);
             if std::mem::take(&mut self.dirty.key) {
-                self.measure_key(&mut encoder, &target);
+                self.measure_key(&mut encoder, &scene, &target);
             }
-            self.shade(&mut encoder, &target, picture, false);
+            self.shade(&mut encoder, &scene, &target, picture, false);
             self.gpu.queue.submit([encoder.finish()]);
             encoder = self.gpu.device.create_command_encoder(&Default::default());
         }

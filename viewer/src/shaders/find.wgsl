@@ -5,16 +5,12 @@
 @group(0) @binding(1) var<uniform> slot_layout: Slots;
 @group(0) @binding(2) var depth_texture: texture_depth_2d;
 @group(0) @binding(3) var surface_texture: texture_2d<u32>;
-@group(0) @binding(4) var<storage, read> points: array<Point>;
-@group(0) @binding(5) var<storage, read> cuts: array<f32>;
-@group(0) @binding(6) var<storage, read> lookup: array<u32>;
 @group(0) @binding(7) var<storage, read_write> rows: array<u32>;
 // The slot of every pixel that has a row of its own, else 0.
 @group(0) @binding(8) var<storage, read_write> slots: array<u32>;
 // Rows beyond those of the blocks; functions looked at; kernels evaluated.
 @group(0) @binding(9) var<storage, read_write> counts: array<atomic<u32>, 3>;
 
-const LEAST_TOTAL = 1e-6;
 // Neighbours on one surface: their plane distance over the reach, and their normals' cosine.
 const FLATNESS = 0.1;
 const SAME_NORMAL = 0.99;
@@ -36,16 +32,6 @@ fn place_at(pixel: vec2u) -> Place {
     }
     let normal = unpack_normal(textureLoad(surface_texture, pixel, 0).x);
     return Place(position_at(frame, vec2f(pixel) + 0.5, depth), normal, true);
-}
-
-fn is_cut(offset: vec3f, packed: u32) -> bool {
-    for (var i = 0u; i < (packed & 7u); i++) {
-        let k = 3u * ((packed >> 11u) + i);
-        if dot(vec3f(cuts[k], cuts[k + 1u], cuts[k + 2u]), offset) > 1.0 {
-            return true;
-        }
-    }
-    return false;
 }
 
 // In place of the row's smallest weight, where that is smaller.
@@ -77,14 +63,9 @@ fn write_row(slot: u32, place: Place) {
             count = 0u;
             for (var at = list.x; at < list.y; at++) {
                 let j = lookup[at];
-                let offset = place.position - vec3f(points[j].x, points[j].y, points[j].z);
-                let radius = points[j].radius;
-                if dot(offset, offset) >= radius * radius {
-                    continue;
-                }
-                kernels++;
-                let w = weight(offset, place.normal, unpack_normal(points[j].normal), radius);
-                if w <= 0.0 || is_cut(offset, points[j].cuts) {
+                let w = cover(j, place.position, place.normal);
+                kernels += u32(w >= 0.0);
+                if w <= 0.0 {
                     continue;
                 }
                 total += w;

@@ -11,8 +11,6 @@ struct Frame {
     up: vec3f,
     height: f32,
     forward: vec3f,
-    // Number of this picture within a series that is averaged.
-    sample: u32,
     // 1 where textures are read without mip levels, for pictures that are averaged from many.
     unfiltered: u32,
 }

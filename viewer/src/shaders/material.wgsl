@@ -28,20 +28,22 @@ struct Material {
 // For level 0 alone: some adapters' anisotropic filter walks over every texel that a pixel covers there.
 @group(1) @binding(4) var plain_sampler: sampler;
 
-// Thresholds at (k + 1/2) / 16 that spread evenly over every 4x4 pixels (a Bayer matrix), and from
-// picture to picture of an averaged series.
-fn dither(pixel: vec2f, sample: u32) -> f32 {
-    let x = u32(pixel.x) + sample;
-    let y = u32(pixel.y) + sample / 4u;
-    let a = (x ^ y) & 1u;
-    let b = y & 1u;
-    let c = ((x ^ y) >> 1u) & 1u;
-    let d = (y >> 1u) & 1u;
-    return (f32(a * 8u + b * 4u + c * 2u + d) + 0.5) / 16.0;
+// Thresholds at (k + 1/2) / 9 in every 3x3 texels of a shadow map: the mean of 3 x 3 taps (visibility.wgsl) is the same
+// wherever they lie, so that shadows show no pattern. There are two arrangements. Texels that surfaces of both leave free
+// are as many as the product of their shares says, to the nearest ninth.
+fn dither(texel: vec2f, arrangement: u32) -> f32 {
+    var order = array<vec2f, 9>(
+        vec2f(0.0, 8.0), vec2f(7.0, 1.0), vec2f(3.0),
+        vec2f(6.0), vec2f(5.0), vec2f(2.0),
+        vec2f(4.0), vec2f(1.0, 7.0), vec2f(8.0, 0.0),
+    );
+    let at = vec2u(texel) % 3u;
+    return (order[3u * at.y + at.x][arrangement & 1u] + 0.5) / 9.0;
 }
 
-// Whether the surface is there at uv: a share alpha of the pixels for blended materials.
-fn covered(uv: vec2f, pixel: vec2f, sample: u32) -> bool {
+// Whether the surface is there at uv. Only shadow maps draw blended ones, in a share alpha of the texels; both faces of
+// a glass take light away, each by its own arrangement.
+fn covered(uv: vec2f, texel: vec2f, front: bool) -> bool {
     if material.alpha_mode == OPAQUE {
         return true;
     }
@@ -49,5 +51,5 @@ fn covered(uv: vec2f, pixel: vec2f, sample: u32) -> bool {
     if material.alpha_mode == MASK {
         return alpha >= material.cutoff;
     }
-    return alpha > dither(pixel, sample);
+    return alpha > dither(texel, material.index + u32(front));
 }

@@ -15,7 +15,7 @@ macro_rules! modules {
 
 modules! {
     /// Direct irradiance at points.
-    DIRECT: "octahedral" "point" "lights" "visibility" "footprint" "step" "direct";
+    DIRECT: "octahedral" "point" "lights" "lights_second" "visibility" "footprint" "step" "direct";
     /// Pull.
     PULL: "link" "step" "pull";
     /// What the senders send.
@@ -29,19 +29,22 @@ modules! {
     /// Shadow maps.
     SHADOW: "material" "shadow";
     /// G-buffer.
-    GBUFFER: "octahedral" "frame" "material" "detail" "gbuffer";
+    GBUFFER: "octahedral" "frame" "material" "detail" "mesh" "gbuffer";
+    /// Blended surfaces, layer by layer.
+    BLENDED: "octahedral" "frame" "material" "detail" "mesh" "point" "kernel" "cover" "lookup" "lights" "lights_third"
+        "visibility" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
-    FIND: "octahedral" "point" "kernel" "lookup" "frame" "slots" "find";
+    FIND: "octahedral" "point" "kernel" "cover" "lookup" "frame" "slots" "find";
     /// From functions to pixels.
     GATHER: "frame" "slots" "tilt" "gather";
     /// The tone-mapped picture.
-    COMPOSITE: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "visibility" "slots" "tilt" "surface" "brdf" "reflect" "shade" "fullscreen" "composite";
     /// Luminance of some pixels.
-    LOOK: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "look";
+    LOOK: "octahedral" "frame" "lights" "lights_second" "visibility" "slots" "tilt" "surface" "brdf" "reflect" "shade" "look";
     /// Automatic exposure.
     KEY: "key";
     /// Bounced light alone.
-    INDIRECT: "octahedral" "frame" "lights" "visibility" "slots" "tilt" "surface" "brdf" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "visibility" "slots" "tilt" "surface" "brdf" "reflect" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
     PRESENT: "fullscreen" "present";
     /// Mip levels.

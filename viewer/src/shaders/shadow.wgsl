@@ -1,4 +1,4 @@
-// Depth of the scene as a light sees it. Cut-out materials discard.
+// Depth of the scene as a light sees it. Cut-out and blended materials discard.
 
 @group(0) @binding(0) var<uniform> clip_from_local: mat4x4f;
 
@@ -18,8 +18,8 @@ fn cutout(@location(0) position: vec3f, @location(2) uv: vec2f) -> Out {
 }
 
 @fragment
-fn cut(in: Out) {
-    if !covered(in.uv, in.position.xy, 0u) {
+fn cut(in: Out, @builtin(front_facing) front: bool) {
+    if !covered(in.uv, in.position.xy, front) {
         discard;
     }
 }

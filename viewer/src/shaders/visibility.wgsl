@@ -1,9 +1,9 @@
-// Visibility of lights from the shadow maps. Group 1 holds lights and shadow maps.
+// Visibility of lights from the shadow maps. Group LIGHTS holds lights and shadow maps.
 
-@group(1) @binding(0) var<storage, read> lights: array<Light>;
-@group(1) @binding(1) var<storage, read> shadow_matrices: array<mat4x4f>;
-@group(1) @binding(2) var shadow_maps: texture_depth_2d_array;
-@group(1) @binding(3) var shadow_sampler: sampler_comparison;
+@group(LIGHTS) @binding(0) var<storage, read> lights: array<Light>;
+@group(LIGHTS) @binding(1) var<storage, read> shadow_matrices: array<mat4x4f>;
+@group(LIGHTS) @binding(2) var shadow_maps: texture_depth_2d_array;
+@group(LIGHTS) @binding(3) var shadow_sampler: sampler_comparison;
 
 // The cube's face towards v: +x -x +y -y +z -z.
 fn cube_face(v: vec3f) -> u32 {

@@ -1,0 +1,138 @@
+//! Blended surfaces: the viewer lays them over what is behind, the CPU lets rays through at random. On average the same.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use glam::{Vec2, Vec3};
+use rebounce::bake::bake;
+use rebounce::picture::{Only, expose::Exposure};
+use rebounce::render::render;
+use rebounce::scene;
+use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::meta::{Alpha, Material};
+use rebounce_tests::small::settings;
+use rebounce_viewer::gpu::Gpu;
+use rebounce_viewer::renderer::Renderer;
+use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::settings::Mode;
+
+const WIDTH: u32 = 48;
+const HEIGHT: u32 = 48;
+
+/// The Cornell box with panes: one across the left half, one behind it across the whole, and one that crosses both.
+fn panes() -> Scene {
+    let mut room = scene::load("builtin:cornell-box").unwrap();
+    let (low, high) = room.bounds();
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let mut pane = |at: Vec3, u: Vec3, v: Vec3, color: [f32; 3], alpha: f32| {
+        let [first, material] = [room.positions.len() as u32, room.materials.len() as u32];
+        for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            room.positions.push(middle + half * (at + a * u + b * v));
+            room.normals.push((half * u).cross(half * v).normalize());
+            room.uvs.push(Vec2::ZERO);
+        }
+        room.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| first + i)));
+        room.triangle_material.extend([material; 2]);
+        let [r, g, b] = color;
+        let base_color = [r, g, b, alpha];
+        room.materials.push(Material {
+            base_color,
+            alpha: Alpha::Blend,
+            double_sided: true,
+            ..Default::default()
+        });
+    };
+    let up = Vec3::Y * 0.7;
+    pane(Vec3::new(-0.45, -0.1, 0.7), Vec3::X * 0.5, up, [0.8, 0.2, 0.1], 4.0 / 9.0);
+    pane(Vec3::new(0.0, 0.0, 0.3), Vec3::X * 0.9, up, [0.1, 0.6, 0.7], 3.0 / 9.0);
+    pane(Vec3::new(0.4, 0.1, 0.5), Vec3::new(0.3, 0.0, 0.4), up, [0.7, 0.7, 0.2], 6.0 / 9.0);
+    bake(&room, &settings(600), &()).unwrap().0
+}
+
+/// Linear radiance from display values: sRGB, 8 bits, and below its shoulder Khronos PBR Neutral.
+fn linear(rgb: &[u8]) -> Vec3 {
+    let display = Vec3::from_slice(&[rgb[0], rgb[1], rgb[2]].map(|c| {
+        let c = f32::from(c) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    }));
+    let least = display.min_element();
+    let before = if least < 0.04 { (least / 6.25).sqrt() } else { least + 0.04 };
+    display + (before - least)
+}
+
+/// Whether a pixel and those around it are alike and below the tone curve's shoulder, at `most`: across edges the viewer
+/// averages what the curve makes of light, the CPU light.
+fn is_even(truth: &[Vec3], at: usize, most: f32) -> bool {
+    let (x, y) = (at as u32 % WIDTH, at as u32 / WIDTH);
+    let around = |v: u32, end: u32| v.saturating_sub(1)..(v + 2).min(end);
+    let near = around(y, HEIGHT).flat_map(|y| around(x, WIDTH).map(move |x| truth[(y * WIDTH + x) as usize]));
+    near.into_iter().all(|p| {
+        let difference = (p - truth[at]).abs().max_element();
+        p.max_element() < most && difference <= 0.25 * truth[at].max_element()
+    })
+}
+
+/// Root of the mean square of the difference, relative to the CPU's picture, and the bias.
+fn difference(ours: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
+    let sum = |f: &dyn Fn(Vec3, Vec3) -> f32| -> f32 { ours.iter().zip(truth).map(|(a, b)| f(*a, *b)).sum() };
+    let power = sum(&|_, b| b.length_squared());
+    assert!(power > 0.0 && ours.len() == truth.len(), "nothing to compare");
+    let error = (sum(&|a, b| (a - b).length_squared()) / power).sqrt();
+    (error, sum(&|a, _| a.element_sum()) / sum(&|_, b| b.element_sum()) - 1.0)
+}
+
+#[test]
+fn the_viewers_picture_of_panes_is_the_mean_of_the_cpus() {
+    let gpu = match Gpu::headless() {
+        Ok(gpu) => gpu,
+        Err(error) => {
+            println!("skipped: no adapter ({error})");
+            return;
+        }
+    };
+    let scene = panes();
+    let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
+    let mut renderer = Renderer::new(gpu.clone()).unwrap();
+    let pipelines = renderer.pipelines();
+    let loaded = LoadedScene::upload(&gpu, &pipelines, scene.clone());
+    renderer.install(pollster::block_on(loaded).unwrap()).unwrap();
+    renderer.set_auto_exposure(false);
+    let front = scene.meta.cameras[0].clone();
+    // From within, behind the panes.
+    let behind =
+        Camera { position: [0.4, 2.4, -5.3], target: [0.0, 2.6, 0.0], yfov_deg: 75.0, ..front.clone() };
+    for (name, camera) in [("front", front), ("behind", behind)] {
+        let exposure = Exposure { size: [WIDTH, HEIGHT], samples: 1024, seed: 3 };
+        let truth =
+            |only| render(&scene, &surfaces, &camera, &scene.meta.lights, exposure, only, || ()).pixels;
+        renderer.set_camera(camera.clone()).unwrap();
+        let read = renderer.read_indirect(WIDTH, HEIGHT).unwrap();
+        let bytes = pollster::block_on(read.wait()).unwrap();
+        let ours: Vec<Vec3> = bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes)
+            .iter()
+            .map(|p| Vec3::from_slice(p))
+            .collect();
+        let (error, bias) = difference(&ours, &truth(Only::Indirect));
+        println!("{name}, bounced light: {error:.4}, bias {bias:+.4}");
+        assert!(error < 0.03 && bias.abs() < 0.01, "{name}, bounced light: {error}, bias {bias}");
+        for (mode, only) in [(Mode::Direct, Only::Direct), (Mode::All, Only::All)] {
+            let truth = truth(only);
+            let mean = truth.iter().map(|p| p.max_element()).sum::<f32>() / truth.len() as f32;
+            let stops = (0.25 / mean).log2();
+            renderer.set_mode(mode);
+            renderer.set_exposure(stops).unwrap();
+            let read = renderer.read_pixels(WIDTH, HEIGHT).unwrap();
+            let bytes = pollster::block_on(read.wait()).unwrap();
+            let ours: Vec<Vec3> = bytes.chunks_exact(4).map(|p| linear(p) * (-stops).exp2()).collect();
+            let compared: Vec<usize> =
+                (0..truth.len()).filter(|at| is_even(&truth, *at, 0.7 * (-stops).exp2())).collect();
+            assert!(compared.len() > truth.len() / 4, "{name}, {only:?}: {} to compare", compared.len());
+            let [ours, truth] =
+                [ours, truth].map(|all| compared.iter().map(|at| all[*at]).collect::<Vec<_>>());
+            let (error, bias) = difference(&ours, &truth);
+            println!("{name}, {only:?}: {error:.4}, bias {bias:+.4}");
+            assert!(error < 0.05 && bias.abs() < 0.01, "{name}, {only:?}: {error}, bias {bias}");
+        }
+    }
+    gpu.check().unwrap();
+}

@@ -1,0 +1,136 @@
+//! What blended surfaces need: which there are, in how many layers they lie, what numbers hold their light. No GPU.
+
+use crate::upload::Run;
+use glam::{Vec3, Vec4};
+use rebounce_shared::light::{Light, LightKind};
+use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
+
+/// Layers that are drawn at most. What lies behind so many is left out of the picture, not what is opaque behind it.
+pub const MOST_LAYERS: usize = 8;
+/// Vertices that are no further away from a plane than this lie in it; a share of the scene's diagonal. Thin glass must
+/// keep its two faces; a plane that is taken for two only costs passes.
+const FLATNESS: f32 = 1e-6;
+/// Typical radiance becomes this to twice this: 16-bit floats then hold a few thousand times as much, and a millionth.
+const MIDDLE: f32 = 16.0;
+
+/// Whether a material is drawn by blending. Many exporters mark opaque ones so: those are opaque here whose alpha is 1
+/// and whose picture is a JPEG, which has none, or that have no picture.
+pub fn is_blended(meta: &Meta, material: &Material) -> bool {
+    let clear = |texture: u32| {
+        meta.textures.get(texture as usize).is_some_and(|texture| texture.mime != "image/jpeg")
+    };
+    material.alpha == Alpha::Blend
+        && (material.base_color[3] < 1.0 || material.base_color_texture.is_some_and(clear))
+}
+
+/// Layers in which these runs are drawn: a ray meets a plane once, so there are no more than the planes that their
+/// triangles lie in; at most [`MOST_LAYERS`].
+pub fn layers(scene: &Scene, runs: &[Run]) -> u32 {
+    let [low, high] = [scene.meta.bounds_min, scene.meta.bounds_max].map(Vec3::from);
+    // In diagonals, so that nothing overflows in any unit.
+    let diagonal = (high - low).length().max(f32::MIN_POSITIVE);
+    // Normal, and distance from the origin.
+    let mut planes: Vec<Vec4> = Vec::new();
+    for run in runs {
+        let indices = &scene.indices[run.indices.start as usize..run.indices.end as usize];
+        for triangle in indices.as_chunks::<3>().0 {
+            let [a, b, c] = triangle.map(|i| Vec3::from(scene.vertices[i as usize].position) / diagonal);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let holds =
+                |plane: &Vec4| [a, b, c].iter().all(|place| plane.dot(place.extend(-1.0)).abs() <= FLATNESS);
+            if normal != Vec3::ZERO && planes.len() < MOST_LAYERS && !planes.iter().any(holds) {
+                planes.push(normal.extend(normal.dot(a)));
+            }
+        }
+    }
+    planes.len() as u32
+}
+
+/// What the radiance of blended surfaces is multiplied with while it lies in 16-bit floats: a power of two, which rounds
+/// nothing, such that what the lights (world space) give to a place a quarter of the scene's diagonal away, or the
+/// emission of these surfaces, becomes one to two times [`MIDDLE`].
+pub fn unit(meta: &Meta, lights: &[Light], [low, high]: [Vec3; 2]) -> f32 {
+    let distance_squared = (high - low).length_squared() / 16.0;
+    let mut typical = 0.0f32;
+    for light in lights {
+        let source = light.source(meta.origin);
+        let area = if source.kind == LightKind::Directional { 1.0 } else { distance_squared };
+        typical += source.intensity.max_element() / (area * std::f32::consts::PI);
+    }
+    for material in meta.materials.iter().filter(|m| is_blended(meta, m)) {
+        typical = typical.max(Vec3::from(material.emission).max_element());
+    }
+    if typical > 0.0 { MIDDLE / power_of_two(typical.clamp(1e-30, 1e30)) } else { 1.0 }
+}
+
+/// The greatest that is not above a positive number: its exponent alone.
+fn power_of_two(number: f32) -> f32 {
+    f32::from_bits(number.to_bits() & 0x7f80_0000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rebounce_shared::rbn::bulk::Vertex;
+    use rebounce_shared::rbn::meta::Texture;
+
+    #[test]
+    fn what_cannot_be_seen_through_is_not_blended() {
+        let texture = |mime: &str| Texture { mime: mime.into(), ..Texture::default() };
+        let meta = Meta { textures: vec![texture("image/jpeg"), texture("image/png")], ..Meta::default() };
+        let blended = |alpha: f32, base_color_texture: Option<u32>| {
+            let base_color = [1.0, 1.0, 1.0, alpha];
+            let material =
+                Material { base_color, base_color_texture, alpha: Alpha::Blend, ..Default::default() };
+            is_blended(&meta, &material)
+        };
+        assert!(blended(0.9, None) && blended(0.9, Some(0)) && blended(1.0, Some(1)));
+        assert!(!blended(1.0, None) && !blended(1.0, Some(0)));
+        assert!(!is_blended(&meta, &Material { alpha: Alpha::Mask { cutoff: 0.5 }, ..Default::default() }));
+    }
+
+    /// A scene of triangles in planes of constant z and x.
+    fn panes(count: usize) -> (Scene, Run) {
+        let mut scene = Scene::default();
+        scene.meta.bounds_max = [1.0; 3];
+        for pane in 0..count {
+            let at = 0.05 * pane as f32;
+            let place = |x: f32, y: f32| if pane % 2 == 0 { [x, y, at] } else { [at, y, x] };
+            for corner in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+                scene.indices.push(scene.vertices.len() as u32);
+                scene.vertices.push(Vertex { position: place(corner.0, corner.1), ..Vertex::default() });
+            }
+        }
+        let indices = 0..scene.indices.len() as u32;
+        (scene, Run { material: 0, indices, cut: true, blended: true })
+    }
+
+    #[test]
+    fn there_are_as_many_layers_as_planes_and_not_too_many() {
+        for (count, expected) in [(0, 0), (1, 1), (5, 5), (30, MOST_LAYERS as u32)] {
+            for size in [1e-9, 1.0, 1e12] {
+                let (mut scene, run) = panes(count);
+                scene.meta.bounds_max = [size; 3];
+                scene.vertices.iter_mut().for_each(|v| v.position = v.position.map(|x| x * size));
+                assert_eq!(layers(&scene, &[run]), expected, "{count} panes of {size}");
+            }
+        }
+        let (scene, _) = panes(3);
+        assert_eq!(layers(&scene, &[]), 0, "without blended surfaces no layer");
+    }
+
+    #[test]
+    fn light_of_any_strength_becomes_numbers_of_one_size() {
+        let bounds = [Vec3::ZERO, Vec3::splat(4.0)];
+        for strength in [1e-6, 1.0, 3e7] {
+            let sun =
+                Light::Directional { direction: [0.0, -1.0, 0.0], intensity: strength, color: [1.0; 3] };
+            let unit = unit(&Meta::default(), &[sun], bounds);
+            let radiance = strength as f32 / std::f32::consts::PI;
+            assert!((1.0..2.0).contains(&(unit * radiance / MIDDLE)), "{strength}: {unit}");
+            assert_eq!(unit.to_bits() << 9, 0, "a power of two");
+        }
+        assert_eq!(unit(&Meta::default(), &[], bounds), 1.0);
+    }
+}

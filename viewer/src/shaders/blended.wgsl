@@ -1,0 +1,93 @@
+// Blended surfaces, from front to back, one layer at a time: first how far away the nearest surface behind the layer
+// before is in every pixel, then what it sends to the eye, put under what is in front of it. Group 1 holds the material.
+
+// By material.
+@group(0) @binding(2) var<storage, read> looks: array<Look>;
+// Irradiance along each point's normal, and its tilt.
+@group(0) @binding(3) var<storage, read> display: array<vec4f>;
+@group(0) @binding(7) var opaque_depth: texture_depth_2d;
+// For `next` that of the layer before, for `fragment` that of the layer itself.
+@group(0) @binding(8) var layer_depth: texture_depth_2d;
+
+// Half a step of 8 bits: what covers less is no layer.
+const LEAST_ALPHA = 0.002;
+// The most that a 16-bit float is given.
+const BRIGHTEST = 60000.0;
+
+fn layer_at(in: Out) -> f32 {
+    return textureLoad(layer_depth, vec2u(in.position.xy), 0);
+}
+
+// The depth of a surface in front of what is opaque and behind `before`. It is written as it is compared, so that no
+// rounding in the depth test makes a surface come twice.
+fn peeled(in: Out, before: f32) -> f32 {
+    let alpha = mesh_color(in.uv).a;
+    let depth = in.position.z;
+    if alpha < LEAST_ALPHA || depth >= before || depth <= textureLoad(opaque_depth, vec2u(in.position.xy), 0) {
+        discard;
+    }
+    return depth;
+}
+
+@fragment
+fn first(in: Out) -> @builtin(frag_depth) f32 {
+    // Nothing is nearer than 1.
+    return peeled(in, 2.0);
+}
+
+@fragment
+fn next(in: Out) -> @builtin(frag_depth) f32 {
+    return peeled(in, layer_at(in));
+}
+
+// The bounced light at a place, as find.wgsl and gather.wgsl have it for the pixels of the G-buffer.
+fn bounced_at(position: vec3f, normal: vec3f) -> mat2x3f {
+    for (var level = lookup[0]; level > 0u; level--) {
+        let list = bucket(level - 1u, position);
+        var sum = vec3f(0.0);
+        var total = 0.0;
+        var tilt = vec4f(0.0);
+        for (var at = list.x; at < list.y; at++) {
+            let w = cover(lookup[at], position, normal);
+            if w > 0.0 {
+                let function = display[lookup[at]];
+                sum += w * function.xyz;
+                total += w;
+                tilt += vec4f(tilt_unpack(function.w), 1.0) * (w * tilt_weight(function.xyz));
+            }
+        }
+        if total > LEAST_TOTAL {
+            return mat2x3f(max(sum, vec3f(0.0)) / total, tilt.xyz / max(tilt.w, 1e-20));
+        }
+    }
+    return mat2x3f();
+}
+
+@fragment
+fn fragment(in: Out) -> @location(0) vec4f {
+    // Derivatives and filtered samples first.
+    let color = mesh_color(in.uv);
+    let facing = mesh_facing(in);
+    var surface = Surface(facing.normal, facing.normal, facing.facet, looks[min(material.index, arrayLength(&looks) - 1u)]);
+    if (shading.flags & DETAILED) != 0u {
+        let seen = detail(facing.normal, in.local, in.uv);
+        surface.bent = seen.normal;
+        surface.look.metallic = seen.metallic;
+        surface.look.roughness = seen.roughness;
+        surface.look.emission *= seen.emission;
+    }
+    // Nothing, and no discard, after which some implementations go on with all that follows.
+    if in.position.z != layer_at(in) {
+        return vec4f(0.0);
+    }
+    let alpha = saturate(color.a);
+    if !facing.reflects {
+        return vec4f(0.0, 0.0, 0.0, alpha);
+    }
+    var bounced = mat2x3f();
+    if shading.indirect > 0.0 {
+        bounced = bounced_at(in.local, facing.normal);
+    }
+    let light = reflected(surface, color.rgb, in.local, bounced);
+    return vec4f(alpha * min(light * shading.unit, vec3f(BRIGHTEST)), alpha);
+}

@@ -1,0 +1,3 @@
+// The bind group of the lights.
+
+const LIGHTS = 1;

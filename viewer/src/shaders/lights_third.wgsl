@@ -1,0 +1,3 @@
+// The bind group of the lights where there are materials, too.
+
+const LIGHTS = 2;
