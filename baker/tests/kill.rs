@@ -17,7 +17,7 @@ fn command(output: &Path, more: &[&str]) -> Command {
         "--functions",
         "3000",
         "--rays",
-        "512",
+        "2048",
         "--threads",
         "2",
     ]);

@@ -8,23 +8,24 @@ use crate::points::expected_counts;
 /// Seconds of one processor for a unit of work: what furnished rooms and halls take, as long as nothing is measured.
 mod cost {
     pub const TRIANGLE: f64 = 1.0e-6;
-    pub const SKETCH: f64 = 4.0;
-    pub const POINT: f64 = 50e-6;
-    pub const WALL: f64 = 5e-6;
-    pub const RELATION: f64 = 2e-6;
-    pub const COLOUR: f64 = 12e-6;
+    pub const SKETCH: f64 = 1.5;
+    pub const POINT: f64 = 30e-6;
+    pub const WALL: f64 = 3e-6;
+    pub const RELATION: f64 = 1.2e-6;
+    /// With tiles, for a point and a triangle.
+    pub const COLOUR: [f64; 2] = [9e-6, 1.3e-6];
     /// On the levels that later bounces travel between.
-    pub const COARSE_RAY: f64 = 1.05e-6;
+    pub const COARSE_RAY: f64 = 0.45e-6;
     /// For an entry of the coarse rows and a column.
-    pub const BOUNCE: f64 = 4.8e-9;
+    pub const BOUNCE: f64 = 1.5e-9;
     /// Putting the file together, and packing and writing it, which follows.
-    pub const ASSEMBLED: [f64; 2] = [0.6e-6, 1.2e-6];
+    pub const ASSEMBLED: [f64; 2] = [0.4e-6, 1.2e-6];
 }
 
 /// What a ray of the finer levels costs over one of the levels that later bounces travel between, for which more is
 /// looked up at each hit: with so many functions, and how much more with e times as many, as summing up over more
-/// functions costs both of them more. Measured: 0.63 to 0.75 at `draft`, 0.79 to 0.92 at `standard`.
-const FINE: (f64, f64, f64) = (0.72, 35e3, 0.08);
+/// functions costs both of them more. Measured: 0.64 to 0.69 at `draft`, 0.71 to 0.74 at `standard`.
+const FINE: (f64, f64, f64) = (0.67, 30e3, 0.035);
 
 /// How many coarse points one receives from: 100 in an apartment, 360 in an empty room; and the share of them at most.
 const ROW: (f64, f64) = (170.0, 0.25);
@@ -41,11 +42,12 @@ const HALF_LIFE: (f64, f64) = (2.0, 0.2);
 /// Work whose costs go together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
+    /// And putting the file together.
     SettingUp,
     CoarseLinks,
     FineLinks,
-    /// Later bounces and the file: nothing that depends on how costly rays are.
-    Rayless,
+    /// Nothing that depends on how costly rays are.
+    Bounces,
 }
 
 /// A part of the bake.
@@ -143,7 +145,7 @@ impl Estimate {
             let kind = match (stage, level) {
                 (Stage::Links, Some(level)) if level < later_levels => Kind::CoarseLinks,
                 (Stage::Links, _) => Kind::FineLinks,
-                (Stage::Bounces | Stage::Assemble, _) => Kind::Rayless,
+                (Stage::Bounces, _) => Kind::Bounces,
                 _ => Kind::SettingUp,
             };
             let (units, done, skipped, nominal, spent) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -197,12 +199,12 @@ impl Estimate {
         let all: f64 = counts.iter().sum();
         self.set(Stage::Walls, None, 2.0 * all, 2.0 * cost::WALL * all);
         self.set(Stage::Basis, None, all, cost::RELATION * all);
-        self.set(Stage::Colours, None, all, cost::COLOUR * all);
         for (level, count) in counts.iter().enumerate() {
             self.set(Stage::Points, Some(level), *count, cost::POINT * count);
             self.expect_rays(level, count * settings.operator.rays_on(level) as f64);
         }
         let triangles = self.units(Stage::Assemble, None);
+        self.set(Stage::Colours, None, all, cost::COLOUR[0] * all + cost::COLOUR[1] * triangles);
         let assembled = cost::ASSEMBLED[0] * triangles + cost::ASSEMBLED[1] * all;
         self.set(Stage::Assemble, None, triangles, assembled);
         let coarse: f64 = counts.iter().take(settings.operator.later_levels).sum();
@@ -300,8 +302,8 @@ impl Estimate {
         let set_up = with(Kind::SettingUp, (self.set_up[0] + trust) / (self.set_up[1] + trust));
         let coarse = of(Kind::CoarseLinks, set_up[1].sqrt());
         let fine = of(Kind::FineLinks, coarse[1]);
-        let rayless = of(Kind::Rayless, coarse[1].sqrt());
-        [set_up, coarse, fine, rayless]
+        let bounces = of(Kind::Bounces, coarse[1].sqrt());
+        [set_up, coarse, fine, bounces]
     }
 
     /// What all that is left takes.

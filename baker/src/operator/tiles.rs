@@ -21,8 +21,9 @@ const SLOTS: usize = 4;
 const NEAR: f32 = 1.0;
 /// Pieces of more tiles have none: of a plain around a house few tiles are ever hit.
 const MOST: u32 = 1 << 21;
-/// All pieces together; the others have none.
-const MOST_TOGETHER: u32 = 1 << 26;
+/// Tiles of all pieces together, for each function and each piece: further pieces have none. Where functions are everywhere,
+/// a dozen tiles lie in the middle of each; where only some of a plain's places have any, most tiles are for nothing.
+const MOST_TOGETHER: [usize; 2] = [48, 4];
 /// Cuts may go through this much of a tile along its edges: a cut along a wall ends what is cut a hair before the wall.
 const EDGE: f32 = 0.05;
 /// What a transparent place counts like, at least.
@@ -299,10 +300,12 @@ impl Tiles {
         let mut laid: Vec<Laid> = (0..pieces.count()).into_par_iter().map(lay).collect();
         watch.step(0)?;
         let sides = |piece: usize| 1 + pieces.piece(piece as u32).has_back as u32;
+        let most = MOST_TOGETHER[0] * duals.len() + MOST_TOGETHER[1] * pieces.count();
+        let most = most.min(ASK as usize) as u32;
         let mut count = 0u32;
         for (piece, laid) in laid.iter_mut().enumerate() {
             let more = laid.count() * sides(piece);
-            if count.checked_add(more).is_none_or(|count| count > MOST_TOGETHER) {
+            if count.checked_add(more).is_none_or(|count| count > most) {
                 *laid = Laid::default();
             }
             laid.first = count;
