@@ -56,7 +56,7 @@ cargo xtask damage [--files N] [--seed S]
                      opens damaged files in headless Chromium: each is refused or gives a picture; 2,000 when absent
 cargo xtask soak [--minutes N]
                      moves lights and camera in headless Chromium and watches memory; an hour when absent
-cargo xtask kill-bake [--times N] [--scene SCENE] [-- OPTIONS OF THE BAKE]
+cargo xtask kill-bake [--times N] [--each] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
 cargo xtask plot-estimate [[--preset NAME] SCENE or LOG.jsonl ...]
                      bakes, and draws into docs/estimate.svg how right the time left was; a log of
