@@ -94,6 +94,11 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("META", |s| s.meta.animations[0].tracks[0].times[1] = 0.5),
         ("META", |s| s.meta.animations[0].tracks[0].values.truncate(3)),
         ("META", |s| s.meta.animations[0].duration = -1.0),
+        ("META", |s| {
+            let track = &mut s.meta.animations[0].tracks[0];
+            track.property = Property::Intensity;
+            track.values = track.times.iter().map(|time| 0.5 - time).collect();
+        }),
         ("META", |s| s.meta.origin[0] = 1e31),
         ("META", |s| s.meta.bounds_max[0] = 1e16),
         ("META", |s| s.meta.cameras[0].target[1] = f64::INFINITY),

@@ -191,6 +191,11 @@ pub enum Property {
 }
 
 impl Property {
+    /// Whether its numbers may be negative.
+    pub fn is_signed(self) -> bool {
+        matches!(self, Self::Position | Self::Direction)
+    }
+
     /// Its name in the page.
     pub fn name(self) -> &'static str {
         match self {

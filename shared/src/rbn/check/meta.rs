@@ -78,7 +78,7 @@ fn is_sound(material: &Material, textures: usize) -> bool {
         && details.into_iter().all(|d| all_sane(d.uv_from_vertex.as_flattened()))
 }
 
-/// Keys in order and as many values as they need, all finite, of lights that are there.
+/// Keys in order and as many values as they need, all finite, of lights that are there; no negative light.
 fn check_animation(animation: &Animation, lights: usize) -> Result<(), RbnError> {
     let sound = |track: &Track| {
         (track.light as usize) < lights
@@ -88,6 +88,7 @@ fn check_animation(animation: &Animation, lights: usize) -> Result<(), RbnError>
             && track.times[0] >= 0.0
             && all_sane(&track.times)
             && all_sane(&track.values)
+            && (track.property.is_signed() || track.values.iter().all(|value| *value >= 0.0))
     };
     if sane(animation.duration) && animation.duration >= 0.0 && animation.tracks.iter().all(sound) {
         Ok(())
