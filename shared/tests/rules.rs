@@ -71,7 +71,7 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 #[test]
 fn every_broken_rule_is_refused_by_its_section() {
     type Break = fn(&mut Scene);
-    let breaks: [(&str, Break); 52] = [
+    let breaks: [(&str, Break); 53] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
         ("META", |s| s.meta.levels[1].first = 7),
