@@ -51,6 +51,8 @@ export async function policy(harness, context) {
       session.on("Network.requestWillBeSent", ({ request }) => asked.push(request.url));
       session.on("Network.webSocketCreated", ({ url }) => asked.push(url));
       await session.send("Network.enable");
+      // Once all has come: a page that is left before tells of the requests that it gave up.
+      equal((await outcome(page)).type, "load", "the event before");
       await page.reload();
       equal((await outcome(page)).type, "load", "the event");
       // All that a visitor can do: the panel, every section of it, lights, pictures, links, a failure.
