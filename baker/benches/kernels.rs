@@ -6,15 +6,14 @@
 
 use anyhow::Result;
 use criterion::{Criterion, Throughput};
-use glam::Vec3A;
 use rebounce::bake::{BakeSettings, Preset, choose_viewpoints};
-use rebounce::basis::{Leveled, Relations, evaluator, relate, sender_evaluator};
+use rebounce::basis::{Relations, relate};
 use rebounce::operator::bounces::{add_later_bounces, column_count};
 use rebounce::operator::directions::Directions;
 use rebounce::operator::gather::{GatherContext, Gathered, Scratch};
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::refine::{Refiner, Senders};
-use rebounce::operator::tiles::{SenderTiles, Tiles};
+use rebounce::operator::tiles::Tiles;
 use rebounce::operator::{Operator, OperatorSettings, tint};
 use rebounce::points::{PlaceSettings, Points, place};
 use rebounce::scene;
@@ -44,10 +43,7 @@ struct Room {
     operator: OperatorSettings,
     points: Points,
     relations: Relations,
-    senders: Leveled,
-    coarse: Leveled,
-    tiles: SenderTiles,
-    duals: Vec<Vec3A>,
+    senders: Senders,
     directions: Directions,
     /// Rays of gathers all over the room, and what they hit.
     rays: Vec<(Ray, u32)>,
@@ -74,9 +70,8 @@ impl Room {
         let points = place(&surfaces, &viewpoints, &settings.place, &())?;
         let relations = relate(&points, settings.direct_levels)?;
         let tints = tint::tints(&surfaces, &points, operator.seed, &())?;
-        let duals = tint::duals(&tints);
+        let senders = Senders::new(&surfaces, &points, &operator, &tints, &())?;
         let baked = {
-            let senders = Senders::new(&surfaces, &points, &operator, &tints, &())?;
             let mut refiner = Refiner::new(&surfaces, &points, &relations, &operator, &senders, tints);
             for _ in 0..operator.later_levels {
                 refiner.level(&(), &(), &())?;
@@ -84,14 +79,8 @@ impl Room {
             refiner.finish()
         };
         let links = LinkMatrix::from_rows(&baked.links);
-        let senders =
-            Leveled::new((0..operator.sender_levels).map(|l| sender_evaluator(&points, l)).collect());
-        let coarse = Leveled::new((0..operator.later_levels).map(|l| evaluator(&points, l)).collect());
-        let tiles = |functions| Tiles::new(&surfaces, functions, &duals, operator.seed, &());
         let mut room = Self {
-            tiles: SenderTiles { senders: tiles(&senders)?, coarse: tiles(&coarse)? },
             senders,
-            coarse,
             packed: encode(&links.offsets, &links.links),
             values: vec![Vec::new(); points.points.len()],
             directions: Directions::new(RAYS),
@@ -103,7 +92,6 @@ impl Room {
             operator,
             points,
             relations,
-            duals,
             baked,
             links,
         };
@@ -143,25 +131,11 @@ impl Room {
     }
 
     fn context(&self) -> GatherContext<'_, TriangleSurfaces> {
-        GatherContext {
-            surfaces: &self.surfaces,
-            points: &self.points,
-            relations: &self.relations,
-            senders: &self.senders,
-            coarse: &self.coarse,
-            coarse_count: self.coarse_count(),
-            tiles: Some(&self.tiles),
-            duals: &self.duals,
-            settings: &self.operator,
-        }
-    }
-
-    fn coarse_count(&self) -> usize {
-        self.points.count_on(self.operator.later_levels)
+        self.senders.context(&self.surfaces, &self.points, &self.relations, &self.operator)
     }
 
     fn scratch(&self) -> Scratch {
-        Scratch::new(self.points.points.len(), self.coarse_count())
+        Scratch::new(self.points.points.len(), self.context().coarse_count)
     }
 
     fn gather(&self, receivers: &[usize], level: usize, scratch: &mut Scratch) -> Vec<Gathered> {
@@ -223,9 +197,10 @@ fn cast(room: &Room) -> u64 {
 
 #[inline(never)]
 fn cover(room: &Room) -> u64 {
+    let senders = room.context().senders;
     let mut weights = Vec::new();
     for hit in &room.hits {
-        room.senders.interpolate(hit.position, hit.normal, &mut weights);
+        senders.interpolate(hit.position, hit.normal, &mut weights);
         black_box(&weights);
     }
     room.hits.len() as u64
@@ -233,7 +208,8 @@ fn cover(room: &Room) -> u64 {
 
 #[inline(never)]
 fn lay_tiles(room: &Room) -> u64 {
-    let tiles = Tiles::new(&room.surfaces, &room.senders, &room.duals, room.operator.seed, &());
+    let GatherContext { surfaces, senders, duals, settings, .. } = room.context();
+    let tiles = Tiles::new(surfaces, senders, duals, settings.seed, &());
     black_box(tiles).map_or(0, |tiles| tiles.count() as u64)
 }
 

@@ -86,9 +86,25 @@ impl Senders {
         })
     }
 
-    /// The tiles, where the surfaces tell their pieces.
-    pub fn tiles(&self) -> Option<&SenderTiles> {
-        self.tiles.as_ref()
+    /// What gathers for these senders read.
+    pub fn context<'a, S: Surfaces + ?Sized>(
+        &'a self,
+        surfaces: &'a S,
+        points: &'a Points,
+        relations: &'a Relations,
+        settings: &'a OperatorSettings,
+    ) -> GatherContext<'a, S> {
+        GatherContext {
+            surfaces,
+            points,
+            relations,
+            senders: &self.all,
+            coarse: &self.coarse,
+            coarse_count: self.coarse_count,
+            tiles: self.tiles.as_ref(),
+            duals: &self.duals,
+            settings,
+        }
     }
 }
 
@@ -115,17 +131,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         senders: &'a Senders,
         tints: Vec<u32>,
     ) -> Self {
-        let context = GatherContext {
-            surfaces,
-            points,
-            relations,
-            senders: &senders.all,
-            coarse: &senders.coarse,
-            coarse_count: senders.coarse_count,
-            tiles: senders.tiles.as_ref(),
-            duals: &senders.duals,
-            settings,
-        };
+        let context = senders.context(surfaces, points, relations, settings);
         let links = vec![Vec::new(); points.points.len()];
         Self {
             context,

@@ -46,12 +46,6 @@ pub struct Shares {
     amounts: [f32; SLOTS],
 }
 
-impl Default for Shares {
-    fn default() -> Self {
-        Self::NOTHING
-    }
-}
-
 impl Shares {
     /// No light.
     pub const NOTHING: Self = Self { functions: [NONE; SLOTS], amounts: [0.0; SLOTS] };
@@ -214,6 +208,12 @@ fn lay(pieces: &dyn Pieces, piece: u32, functions: &Leveled) -> Laid {
     Laid { first: 0, columns, rows }
 }
 
+/// Four places of a tile, this far from its edges.
+fn inside(edge: f32) -> [Vec2; 4] {
+    let far = 1.0 - edge;
+    [Vec2::splat(edge), Vec2::new(far, edge), Vec2::new(edge, far), Vec2::splat(far)]
+}
+
 /// Works out tiles.
 struct Maker<'a> {
     pieces: &'a dyn Pieces,
@@ -237,8 +237,7 @@ impl Maker<'_> {
         };
         let area = sides[0] * sides[1] / (laid.columns as f32 * laid.rows as f32);
         let is_tiny = 2.0 * sides[0].max(sides[1]) < WIDTH * self.functions.finest_radius();
-        let (low, high) = (0.25, 0.75);
-        let all = [Vec2::splat(low), Vec2::new(high, low), Vec2::new(low, high), Vec2::splat(high)];
+        let all = inside(0.25);
         let places = if is_tiny { &[Vec2::splat(1.0 / 3.0)][..] } else { &all };
         self.together.clear();
         let mut total = 0.0;
@@ -262,9 +261,7 @@ impl Maker<'_> {
             return Shares::ASK;
         }
         if !is_tiny && self.together.iter().any(|entry| self.functions.has_cuts(entry.0)) {
-            let (low, high) = (EDGE, 1.0 - EDGE);
-            let corners = [Vec2::splat(low), Vec2::new(high, low), Vec2::new(low, high), Vec2::splat(high)]
-                .map(|corner| spot(corner, 0.0).position);
+            let corners = inside(EDGE).map(|corner| spot(corner, 0.0).position);
             if self.together.iter().any(|entry| self.functions.is_cut_between(entry.0, &corners)) {
                 return Shares::ASK;
             }
@@ -328,6 +325,11 @@ impl Tiles {
             Ok(())
         })?;
         Ok(Self { near: NEAR * WIDTH * functions.finest_radius(), laid, tiles })
+    }
+
+    /// Number of tiles.
+    pub fn count(&self) -> usize {
+        self.tiles.len()
     }
 
     /// The number of the tile at a place, to be asked for its [`Self::shares`] on behalf of a ray from so far away, scene
