@@ -209,19 +209,6 @@ fn curtained() -> Scene {
     scene
 }
 
-fn screen(gpu: &Gpu) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 2 * SIZE, height: SIZE, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
-}
-
 /// Draws one picture, or until nothing changes any more, and reads it.
 fn drawn(gpu: &Gpu, renderer: &mut Renderer, screen: &wgpu::Texture, rest: bool) -> Vec<u8> {
     renderer.set_gizmos(false);
@@ -238,7 +225,7 @@ fn drawn(gpu: &Gpu, renderer: &mut Renderer, screen: &wgpu::Texture, rest: bool)
 fn the_first_picture_of_a_view_and_of_a_moved_lamp_has_no_noise() {
     let Some(gpu) = common::gpu() else { return };
     let mut renderer = renderer(&gpu, &curtained());
-    let screen = screen(&gpu);
+    let screen = common::screen(&gpu, 2 * SIZE, SIZE);
     let check = |renderer: &mut Renderer, what: &str| {
         let [first, still] = [false, true].map(|rest| drawn(&gpu, renderer, &screen, rest));
         // Within the curtain and one wall behind it; elsewhere edges are smoothed.
@@ -313,7 +300,7 @@ fn shadows_of_panes_are_even_and_as_dark_as_their_alphas_say() {
 fn scenes_without_blended_surfaces_pay_nothing_for_them() {
     let Some(gpu) = common::gpu() else { return };
     let pipelines = Rc::new(Pipelines::new(&gpu).unwrap());
-    let screen = screen(&gpu);
+    let screen = common::screen(&gpu, 2 * SIZE, SIZE);
     let mut plain = curtained();
     for material in &mut plain.meta.materials {
         // As many exporters write what is opaque.
@@ -340,7 +327,7 @@ fn scenes_without_blended_surfaces_pay_nothing_for_them() {
 #[test]
 fn sketches_show_blended_surfaces_too() {
     let Some(gpu) = common::gpu() else { return };
-    let screen = screen(&gpu);
+    let screen = common::screen(&gpu, 2 * SIZE, SIZE);
     let mut renderer = renderer(&gpu, &curtained());
     renderer.set_exposure(1.0).unwrap();
     renderer.set_still_pictures(1);

@@ -39,19 +39,6 @@ fn exact(gpu: &Gpu, scene: &Scene) -> Vec<[f32; 4]> {
     indirect(&mut renderer)
 }
 
-fn target(gpu: &Gpu) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
-}
-
 /// Where a ray from inside the cube [-1, 1]³ leaves it, and the wall's inward normal and material.
 fn hit(eye: Vec3, direction: Vec3) -> (Vec3, Vec3, usize) {
     let mut best = (f32::INFINITY, Vec3::ZERO, 0);
@@ -230,7 +217,7 @@ fn light_is_linear() {
 fn a_still_scene_costs_nothing_and_a_moved_light_only_what_it_must() {
     let Some(gpu) = common::gpu() else { return };
     let mut renderer = renderer(&gpu, &common::room(&[3, 6]));
-    let texture = target(&gpu);
+    let texture = common::screen(&gpu, WIDTH, HEIGHT);
     let view = texture.create_view(&Default::default());
     let draw = |renderer: &mut Renderer| {
         let mut frames = 0;
@@ -308,7 +295,7 @@ fn a_sketch_is_drawn_while_the_view_changes_and_the_whole_picture_after_it() {
         renderer.set_sketching(sketching);
         // Measured on the sketch, it would be slightly another.
         renderer.set_auto_exposure(false);
-        let target = target(&gpu);
+        let target = common::screen(&gpu, WIDTH, HEIGHT);
         let view = target.create_view(&Default::default());
         let mut pictures = Vec::new();
         while renderer.needs_frame() {
