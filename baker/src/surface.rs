@@ -98,6 +98,12 @@ pub struct Piece {
     pub sides: [f32; 2],
     /// Whether its back reflects too.
     pub has_back: bool,
+    /// Its middle, local space.
+    pub middle: Vec3,
+    /// Unit normal there, on its front, or zero.
+    pub normal: Vec3,
+    /// Pieces of one kind look alike where they meet: of one material.
+    pub kind: u32,
 }
 
 /// What a surface is at a place.
@@ -113,7 +119,8 @@ pub struct Spot {
     pub opacity: f32,
 }
 
-/// Surfaces made of numbered pieces: what a ray finds on them can be worked out before it is cast.
+/// Surfaces made of numbered pieces: what a ray finds on them can be worked out before it is cast. Best where pieces of
+/// neighbouring numbers are neighbours.
 pub trait Pieces: Sync {
     /// How many there are.
     fn count(&self) -> usize;

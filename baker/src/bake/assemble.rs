@@ -7,6 +7,7 @@ use crate::points::Points;
 use crate::points::round::{power_of_two_under, to_steps};
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::octahedral::pack_rounded;
 use rebounce_shared::rbn::bulk::Vertex;
@@ -113,24 +114,31 @@ const UV_STEP: f32 = 1.0 / (1u32 << 15) as f32;
 fn vertices(scene: &Scene) -> Vec<Vertex> {
     let (low, high) = scene.bounds();
     let step = power_of_two_under((high - low).max_element() / POSITION_STEPS);
-    let corner = |((position, normal), uv): ((&Vec3, &Vec3), &glam::Vec2)| Vertex {
+    let corner = |(position, normal, uv): (&Vec3, &Vec3, &glam::Vec2)| Vertex {
         position: to_steps(*position, step).to_array(),
         normal: pack_rounded(*normal),
         uv: to_steps(uv.extend(0.0), UV_STEP).truncate().to_array(),
     };
-    scene.positions.iter().zip(&scene.normals).zip(&scene.uvs).map(corner).collect()
+    (&scene.positions, &scene.normals, &scene.uvs).into_par_iter().map(corner).collect()
 }
 
 /// Equal vertices become one, in the order of their first use; the indices follow. Vertices of no triangle go.
 fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
+    const UNUSED: u32 = u32::MAX;
     let mut places: HashMap<[u32; 6], u32> = HashMap::new();
+    // Each vertex is looked for once, however many triangles use it.
+    let mut known = vec![UNUSED; vertices.len()];
     let mut welded = Vec::new();
     for index in indices {
-        let vertex = &vertices[*index as usize];
-        *index = *places.entry(bytemuck::cast(*vertex)).or_insert_with(|| {
-            welded.push(*vertex);
-            welded.len() as u32 - 1
-        });
+        let place = &mut known[*index as usize];
+        if *place == UNUSED {
+            let vertex = vertices[*index as usize];
+            *place = *places.entry(bytemuck::cast(vertex)).or_insert_with(|| {
+                welded.push(vertex);
+                welded.len() as u32 - 1
+            });
+        }
+        *index = *place;
     }
     welded
 }

@@ -109,9 +109,7 @@ impl From<&Scene> for Geometry {
         };
         let texture = |m: &Material| scene.textures[m.base_color_texture? as usize].sampler();
         Self {
-            triangles: scene
-                .triangles
-                .iter()
+            triangles: (scene.triangles.par_iter())
                 .zip(&scene.triangle_material)
                 .map(|(&t, &m)| corner(t, m))
                 .collect(),

@@ -15,9 +15,10 @@ use crate::random::{mix, unit};
 use crate::scene::{Scene, SceneError};
 use crate::surface::{Hit, Piece, Pieces, Place, Ray, Spot, Surfaces};
 use geometry::{Surface, Triangle};
-use glam::{Vec2, Vec3, Vec3A, Vec4};
+use glam::{Vec2, Vec3, Vec3A};
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
+use rayon::prelude::*;
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Alpha;
 use std::ops::ControlFlow;
@@ -34,8 +35,21 @@ const PADDING: f32 = 5e-7;
 /// Marks a triangle's number.
 const TRANSPARENT: u32 = 1 << 31;
 
-/// Marks a triangle's first corner.
-const TWO_SIDED: u8 = 4;
+/// A triangle's marks: that it reflects on both sides.
+const TWO_SIDED: u8 = 1 << 2;
+/// That its front, the side of its shading normals, is the one from where its corners go clockwise.
+const TURNED: u8 = 1 << 3;
+/// Which corner is across from its longest side: [`Place::at`] counts from there.
+const FIRST: u8 = 3;
+
+/// What a triangle looks like: one cache line, of which the walk reads nothing.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Look {
+    normals: [Vec3; 3],
+    uvs: [Vec2; 3],
+    material: u32,
+}
 
 /// Triangles with textures and alpha.
 pub struct TriangleSurfaces {
@@ -44,19 +58,41 @@ pub struct TriangleSurfaces {
     corners: Vec<Corners>,
     /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
     numbers: Vec<u32>,
-    triangles: Vec<Triangle>,
-    /// Each triangle's unit normal, or zero, on the side of its shading normals, and the share of its texture that a
-    /// unit of its area holds.
-    planes: Vec<Vec4>,
-    /// Each triangle's corner across from its longest side, where [`Place::at`] counts from, and [`TWO_SIDED`] where it
-    /// reflects on both sides.
-    firsts: Vec<u8>,
+    marks: Vec<u8>,
+    looks: Vec<Look>,
     /// The vertices' colours, in the same order, or none.
     colors: Vec<[Vec3; 3]>,
     surfaces: Vec<Surface>,
     low: Vec3,
     high: Vec3,
     epsilon: f32,
+}
+
+impl From<&Triangle> for Look {
+    fn from(triangle: &Triangle) -> Self {
+        let &Triangle { normals, uvs, material, .. } = triangle;
+        Self { normals, uvs, material }
+    }
+}
+
+impl Look {
+    /// The shading normal at a place, by the shares of the corners; zero where they cancel out.
+    #[inline]
+    fn normal(&self, [u, v, w]: [f32; 3]) -> Vec3 {
+        (self.normals[0] * u + self.normals[1] * v + self.normals[2] * w).normalize_or_zero()
+    }
+
+    #[inline]
+    fn uv(&self, [u, v, w]: [f32; 3]) -> Vec2 {
+        self.uvs[0] * u + self.uvs[1] * v + self.uvs[2] * w
+    }
+
+    /// The share of the texture on a unit of area; `spanned` are the [corners'](Corners::spanned).
+    #[inline]
+    fn share(&self, spanned: Vec3) -> f32 {
+        let [p, q, r] = self.uvs;
+        (q - p).perp_dot(r - p).abs() / spanned.length().max(f32::MIN_POSITIVE)
+    }
 }
 
 struct Padded(Aabb);
@@ -70,46 +106,47 @@ impl Boundable for Padded {
 impl TriangleSurfaces {
     /// Builds the hierarchy.
     pub fn new(geometry: Geometry) -> Self {
-        let corners = geometry.triangles.iter().flat_map(|t| t.positions);
-        let (low, high) = corners
-            .fold(None, |b: Option<(Vec3, Vec3)>, p| Some(b.map_or((p, p), |(l, h)| (l.min(p), h.max(p)))))
-            .unwrap_or_default();
+        let least = |(a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)| (a.min(c), b.max(d));
+        let sides = |t: &Triangle| {
+            let [a, b, c] = t.positions;
+            (a.min(b).min(c), a.max(b).max(c))
+        };
+        let (low, high) = geometry.triangles.par_iter().map(sides).reduce_with(least).unwrap_or_default();
         let diagonal = (high - low).length();
         let padding = Vec3A::splat(PADDING * diagonal);
-        let boxes: Vec<Padded> = geometry
-            .triangles
-            .iter()
-            .map(|t| {
-                let [a, b, c] = t.positions.map(Vec3A::from);
-                Padded(Aabb::new(a.min(b).min(c) - padding, a.max(b).max(c) + padding))
-            })
-            .collect();
+        let padded = |t: &Triangle| {
+            let (low, high) = sides(t);
+            Padded(Aabb::new(Vec3A::from(low) - padding, Vec3A::from(high) + padding))
+        };
+        let boxes: Vec<Padded> = geometry.triangles.par_iter().map(padded).collect();
         let (bvh, order) = if boxes.is_empty() {
             Default::default()
         } else {
             let build = BvhBuildParams { max_prims_per_leaf: LARGEST_LEAF, ..BvhBuildParams::medium_build() };
             WideBvh::new(&build_bvh2(&boxes, build, &mut Default::default()))
         };
-        let triangles: Vec<Triangle> = order.iter().map(|&i| geometry.triangles[i as usize]).collect();
-        let transparent = |t: &Triangle| geometry.surfaces[t.material as usize].alpha != Alpha::Opaque;
+        drop(boxes);
+        // In the hierarchy's order.
+        let ordered = || order.par_iter().map(|&i| (i, &geometry.triangles[i as usize]));
+        let surface = |t: &Triangle| &geometry.surfaces[t.material as usize];
+        let marks = |t: &Triangle| {
+            let corners = Corners::new(t.positions);
+            let is_turned = corners.spanned().dot(t.normals.into_iter().sum()) < 0.0;
+            let mark = |is: bool, mark| if is { mark } else { 0 };
+            corners.first() as u8 | mark(surface(t).double_sided, TWO_SIDED) | mark(is_turned, TURNED)
+        };
         Self {
-            corners: triangles.iter().map(|t| Corners::new(t.positions)).collect(),
-            numbers: (triangles.iter().zip(&order))
-                .map(|(t, i)| i | if transparent(t) { TRANSPARENT } else { 0 })
-                .collect(),
-            colors: if geometry.colors.is_empty() {
-                Vec::new()
-            } else {
-                order.iter().map(|&i| geometry.colors[i as usize]).collect()
-            },
-            planes: triangles.iter().map(plane).collect(),
-            firsts: (triangles.iter())
-                .map(|t| {
-                    first(t) | if geometry.surfaces[t.material as usize].double_sided { TWO_SIDED } else { 0 }
-                })
-                .collect(),
-            triangles,
             bvh,
+            corners: ordered().map(|(_, t)| Corners::new(t.positions)).collect(),
+            numbers: ordered()
+                .map(|(i, t)| i | if surface(t).alpha != Alpha::Opaque { TRANSPARENT } else { 0 })
+                .collect(),
+            marks: ordered().map(|(_, t)| marks(t)).collect(),
+            looks: ordered().map(|(_, t)| Look::from(t)).collect(),
+            colors: match geometry.colors[..] {
+                [] => Vec::new(),
+                _ => ordered().map(|(i, _)| geometry.colors[i as usize]).collect(),
+            },
             surfaces: geometry.surfaces,
             low,
             high,
@@ -132,80 +169,69 @@ impl TriangleSurfaces {
 
     /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
+        self.corners.len()
     }
 
-    /// Whether the hit counts for a ray with this seed, and the share of light that it stops.
+    /// The share of light that a triangle stops at a place.
     #[inline]
-    fn opacity(&self, place: usize, m: Meeting) -> f32 {
-        let t = &self.triangles[place];
-        let uv = t.uvs[0] * (1.0 - m.v - m.w) + t.uvs[1] * m.v + t.uvs[2] * m.w;
-        self.surfaces[t.material as usize].opacity(uv)
+    fn opacity(&self, triangle: usize, m: Meeting) -> f32 {
+        let look = &self.looks[triangle];
+        self.surfaces[look.material as usize].opacity(look.uv(m.shares()))
     }
 
     /// Whether a triangle that may be transparent stops the ray with this seed.
-    fn stops(&self, place: usize, m: Meeting, seed: u32) -> bool {
-        let opacity = self.opacity(place, m);
+    fn stops(&self, triangle: usize, m: Meeting, seed: u32) -> bool {
+        let opacity = self.opacity(triangle, m);
         opacity >= 1.0
-            || (opacity > 0.0 && unit(mix((seed as u64) << 32 | self.numbers[place] as u64)) < opacity)
+            || (opacity > 0.0 && unit(mix((seed as u64) << 32 | self.numbers[triangle] as u64)) < opacity)
+    }
+
+    /// A vector across a triangle, on the side of its front.
+    #[inline]
+    fn front(&self, triangle: usize) -> Vec3 {
+        let spanned = self.corners[triangle].spanned();
+        if self.marks[triangle] & TURNED == 0 { spanned } else { -spanned }
     }
 
     /// The factor of the albedo, by the shares of a triangle's corners.
     #[inline]
-    fn color(&self, place: usize, [u, v, w]: [f32; 3]) -> Vec3 {
-        match self.colors.get(place) {
+    fn color(&self, triangle: usize, [u, v, w]: [f32; 3]) -> Vec3 {
+        match self.colors.get(triangle) {
             Some(c) => c[0] * u + c[1] * v + c[2] * w,
-            None => self.surfaces[self.triangles[place].material as usize].color,
+            None => self.surfaces[self.looks[triangle].material as usize].color,
         }
     }
 
-    fn shade(&self, place: usize, m: Meeting, ray: &Ray) -> Hit {
+    fn shade(&self, triangle: usize, m: Meeting, ray: &Ray) -> Hit {
         let direction = ray.direction;
-        let t = &self.triangles[place];
-        let [a, b, c] = t.positions;
-        let (u, plane) = (1.0 - m.v - m.w, self.planes[place]);
-        let geometric_normal = match plane.truncate() {
+        let (look, corners) = (&self.looks[triangle], &self.corners[triangle]);
+        let [a, b, c] = corners.positions();
+        let spanned = self.front(triangle);
+        let geometric_normal = match spanned.normalize_or_zero() {
             Vec3::ZERO => -direction,
             outwards if outwards.dot(direction) > 0.0 => -outwards,
             outwards => outwards,
         };
-        let surface = &self.surfaces[t.material as usize];
-        let mut normal =
-            (t.normals[0] * u + t.normals[1] * m.v + t.normals[2] * m.w).normalize_or(geometric_normal);
+        let surface = &self.surfaces[look.material as usize];
+        let mut normal = match look.normal(m.shares()) {
+            Vec3::ZERO => geometric_normal,
+            normal => normal,
+        };
         let mut faces = normal.dot(direction) < 0.0;
         if !faces && surface.double_sided {
             normal = -normal;
             faces = true;
         }
         let (albedo, emission) = if faces {
-            let uv = t.uvs[0] * u + t.uvs[1] * m.v + t.uvs[2] * m.w;
-            let share = plane.w * (ray.spread * m.distance).powi(2);
-            (surface.albedo(self.color(place, [u, m.v, m.w]), uv, share), surface.emission)
+            let share = look.share(spanned) * (ray.spread * m.distance).powi(2);
+            let color = self.color(triangle, m.shares());
+            (surface.albedo(color, look.uv(m.shares()), share), surface.emission)
         } else {
             (Vec3::ZERO, Vec3::ZERO)
         };
         let position = a + (b - a) * m.v + (c - a) * m.w;
         Hit { distance: m.distance, position, geometric_normal, normal, albedo, emission }
     }
-}
-
-/// A triangle's unit normal, or zero, on the side of its shading normals, and the share of its texture that a unit of its
-/// area holds.
-fn plane(t: &Triangle) -> Vec4 {
-    let ([a, b, c], [p, q, r]) = (t.positions, t.uvs);
-    let spanned = (b - a).cross(c - a);
-    let share = (q - p).perp_dot(r - p).abs() / spanned.length().max(f32::MIN_POSITIVE);
-    let normal = spanned.normalize_or_zero();
-    let faces = normal.dot(t.normals.into_iter().sum()) >= 0.0;
-    (if faces { normal } else { -normal }).extend(share)
-}
-
-/// The corner across from a triangle's longest side.
-fn first(t: &Triangle) -> u8 {
-    let [a, b, c] = t.positions;
-    let sides = [b.distance_squared(c), c.distance_squared(a), a.distance_squared(b)];
-    let longest = |best: usize, i: usize| if sides[i] > sides[best] { i } else { best };
-    (0..3).fold(0, longest) as u8
 }
 
 impl TriangleSurfaces {
@@ -240,52 +266,61 @@ impl TriangleSurfaces {
 
 impl Pieces for TriangleSurfaces {
     fn count(&self) -> usize {
-        self.triangles.len()
+        self.corners.len()
     }
 
     fn piece(&self, piece: u32) -> Piece {
-        let t = &self.triangles[piece as usize];
-        let marked = self.firsts[piece as usize];
-        let first = (marked & !TWO_SIDED) as usize;
-        let corner = |i: usize| t.positions[(first + i) % 3];
+        let (corners, piece) = (&self.corners[piece as usize], piece as usize);
+        let first = (self.marks[piece] & FIRST) as usize;
+        let [a, b, c] = corners.positions();
+        let (at, next, last) = [(a, b, c), (b, c, a), (c, a, b)][first];
         Piece {
-            sides: [corner(0).distance(corner(1)), corner(0).distance(corner(2))],
-            has_back: marked & TWO_SIDED != 0,
+            sides: [at.distance(next), at.distance(last)],
+            has_back: self.marks[piece] & TWO_SIDED != 0,
+            middle: (a + b + c) / 3.0,
+            normal: self.looks[piece].normals.into_iter().sum::<Vec3>().normalize_or_zero(),
+            kind: self.looks[piece].material,
         }
     }
 
     fn spot(&self, place: Place, area: f32) -> Spot {
         let piece = place.piece as usize;
-        let t = &self.triangles[piece];
-        let mut shares = [1.0 - place.at.x - place.at.y, place.at.x, place.at.y];
-        shares.rotate_right((self.firsts[piece] & !TWO_SIDED) as usize);
-        let [u, v, w] = shares;
-        let surface = &self.surfaces[t.material as usize];
-        let plane = self.planes[piece];
-        let normal = (t.normals[0] * u + t.normals[1] * v + t.normals[2] * w).normalize_or(plane.truncate());
-        let uv = t.uvs[0] * u + t.uvs[1] * v + t.uvs[2] * w;
+        let (look, corners) = (&self.looks[piece], &self.corners[piece]);
+        let [u, v, w] = [1.0 - place.at.x - place.at.y, place.at.x, place.at.y];
+        let shares = match self.marks[piece] & FIRST {
+            0 => [u, v, w],
+            1 => [w, u, v],
+            _ => [v, w, u],
+        };
+        let surface = &self.surfaces[look.material as usize];
+        let spanned = self.front(piece);
+        let normal = match look.normal(shares) {
+            Vec3::ZERO => spanned.normalize_or_zero(),
+            normal => normal,
+        };
+        let (uv, [a, b, c]) = (look.uv(shares), corners.positions());
         Spot {
-            position: t.positions[0] * u + t.positions[1] * v + t.positions[2] * w,
+            position: a * shares[0] + b * shares[1] + c * shares[2],
             normal: if place.is_back { -normal } else { normal },
-            albedo: surface.albedo(self.color(piece, [u, v, w]), uv, plane.w * area),
+            albedo: surface.albedo(self.color(piece, shares), uv, look.share(spanned) * area),
             opacity: surface.opacity(uv),
         }
     }
 
     fn find(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)> {
-        let (piece, Meeting { v, w, distance }) = self.nearest(ray, seed)?;
-        let u = 1.0 - v - w;
-        let marked = self.firsts[piece];
-        let is_back = self.planes[piece].truncate().dot(ray.direction) > 0.0;
-        if is_back && marked & TWO_SIDED == 0 {
+        let (piece, meeting) = self.nearest(ray, seed)?;
+        let is_back = self.front(piece).dot(ray.direction) > 0.0;
+        let marks = self.marks[piece];
+        if is_back && marks & TWO_SIDED == 0 {
             return None;
         }
-        let at = match marked & !TWO_SIDED {
+        let [u, v, w] = meeting.shares();
+        let at = match marks & FIRST {
             0 => Vec2::new(v, w),
             1 => Vec2::new(w, u),
             _ => Vec2::new(u, v),
         };
-        Some((Place { piece: piece as u32, at, is_back }, distance))
+        Some((Place { piece: piece as u32, at, is_back }, meeting.distance))
     }
 }
 

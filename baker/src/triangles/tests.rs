@@ -326,7 +326,7 @@ fn a_place_says_what_a_hit_does() {
                 assert!(hit.albedo.distance(spot.albedo) < 1e-3, "{} {}", hit.albedo, spot.albedo);
                 same += 1;
             }
-            let Piece { sides, has_back } = surfaces.piece(place.piece);
+            let Piece { sides, has_back, .. } = surfaces.piece(place.piece);
             assert_eq!(has_back, double_sided);
             let at = |x: f32, y: f32| surfaces.spot(Place { at: Vec2::new(x, y), ..place }, 0.0).position;
             let (first, second, third) = (

@@ -48,10 +48,41 @@ pub(super) struct Meeting {
     pub w: f32,
 }
 
+impl Meeting {
+    /// Weights of all corners, which sum to 1.
+    #[inline]
+    pub fn shares(&self) -> [f32; 3] {
+        [1.0 - self.v - self.w, self.v, self.w]
+    }
+}
+
 impl Corners {
     pub fn new(positions: [Vec3; 3]) -> Self {
         let [a, b, c] = positions;
         Self([Vec4::new(a.x, b.x, c.x, 0.0), Vec4::new(a.y, b.y, c.y, 0.0), Vec4::new(a.z, b.z, c.z, 0.0)])
+    }
+
+    /// The corners.
+    #[inline]
+    pub fn positions(&self) -> [Vec3; 3] {
+        let [x, y, z] = self.0;
+        [Vec3::new(x.x, y.x, z.x), Vec3::new(x.y, y.y, z.y), Vec3::new(x.z, y.z, z.z)]
+    }
+
+    /// Across the triangle, and as long as twice its area.
+    #[inline]
+    pub fn spanned(&self) -> Vec3 {
+        let [a, b, c] = self.positions();
+        (b - a).cross(c - a)
+    }
+
+    /// The corner across from the longest side.
+    #[inline]
+    pub fn first(&self) -> usize {
+        let [a, b, c] = self.positions();
+        let sides = [b.distance_squared(c), c.distance_squared(a), a.distance_squared(b)];
+        let longest = |best: usize, i: usize| if sides[i] > sides[best] { i } else { best };
+        (1..3).fold(0, longest)
     }
 
     /// The meeting with a ray at a distance from 0 up to and including `limit`.
