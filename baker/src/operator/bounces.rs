@@ -38,8 +38,10 @@ const MAX_BOUNCES: u32 = 64;
 type ColourRow = Vec<(u32, Vec3)>;
 /// One colour channel of some numbers that travel together.
 type Lane = [f32; BATCH];
-/// Irradiance at a point, red, green and blue.
-type Light = [Lane; 3];
+/// Irradiance at a point, red, green and blue: whole cache lines.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Light([Lane; 3]);
 
 /// How many columns later bounces have: the units that [`add_later_bounces`] counts in.
 pub fn column_count(operator: &Operator, settings: &OperatorSettings) -> usize {
@@ -162,7 +164,7 @@ impl Series<'_> {
         for batch in senders.chunks(BATCH) {
             let (light, bounces) = series(self.coarse, self.tints, batch, self.settings.bounces, watch)?;
             deepest = deepest.max(bounces);
-            for (receiver, [red, green, blue]) in light.iter().enumerate() {
+            for (receiver, Light([red, green, blue])) in light.iter().enumerate() {
                 for (b, sender) in batch.iter().enumerate() {
                     let arriving = Vec3::new(red[b], green[b], blue[b]);
                     if arriving == Vec3::ZERO {
@@ -197,10 +199,10 @@ fn series(
     wanted: Option<u32>,
     watch: &dyn Watch,
 ) -> Result<(Vec<Light>, u32), Stopped> {
-    let zero = [[0f32; BATCH]; 3];
+    let zero = Light([[0f32; BATCH]; 3]);
     let mut light = vec![zero; rows.len()];
     for (b, sender) in batch.iter().enumerate() {
-        light[*sender as usize].iter_mut().for_each(|lane| lane[b] = 1.0);
+        light[*sender as usize].0.iter_mut().for_each(|lane| lane[b] = 1.0);
     }
     let mut sums = vec![zero; rows.len()];
     let (mut total, mut last_energy, mut last_kept) = (0f32, 0f32, 0f32);
@@ -214,13 +216,13 @@ fn series(
         bounces += 1;
         // What the points send, in their colours.
         for (light, tint) in light.iter_mut().zip(tints) {
-            for (lane, tint) in light.iter_mut().zip(tint.to_array()) {
+            for (lane, tint) in light.0.iter_mut().zip(tint.to_array()) {
                 lane.iter_mut().for_each(|x| *x *= tint);
             }
         }
         let next = bounce_once(rows, &light);
         let energy = next.iter().fold([[0f32; BATCH]; 3], |mut sums, light| {
-            for (sum, light) in sums.as_flattened_mut().iter_mut().zip(light.as_flattened()) {
+            for (sum, light) in sums.as_flattened_mut().iter_mut().zip(light.0.as_flattened()) {
                 *sum += light;
             }
             sums
@@ -236,7 +238,7 @@ fn series(
         for (sum, next) in sums.iter_mut().zip(&next) {
             for c in 0..3 {
                 for b in 0..BATCH {
-                    sum[c][b] += scale * next[c][b];
+                    sum.0[c][b] += scale * next.0[c][b];
                 }
             }
         }
@@ -250,7 +252,11 @@ fn series(
 /// The irradiance of every point from what all points send.
 fn bounce_once(rows: &[IrradianceRow], light: &[Light]) -> Vec<Light> {
     #[cfg(target_arch = "x86_64")]
-    if processor::has_avx2() {
+    if processor::has_avx512() {
+        // SAFETY: the processor has AVX-512.
+        #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
+        return unsafe { bounce_once_avx512(rows, light) };
+    } else if processor::has_avx2() {
         // SAFETY: the processor has AVX2.
         #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
         return unsafe { bounce_once_avx2(rows, light) };
@@ -265,15 +271,50 @@ fn bounce_once_avx2(rows: &[IrradianceRow], light: &[Light]) -> Vec<Light> {
     rows.iter().map(|row| arriving(row, light)).collect()
 }
 
+/// Sixteen at a time.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f")]
+fn bounce_once_avx512(rows: &[IrradianceRow], light: &[Light]) -> Vec<Light> {
+    rows.iter().map(|row| arriving(row, light)).collect()
+}
+
 /// The irradiance of one point.
 #[inline(always)]
 fn arriving(row: &IrradianceRow, light: &[Light]) -> Light {
     let mut sum = [[0f32; BATCH]; 3];
     for (sender, transfer) in row {
-        let light = light[*sender as usize].as_flattened();
+        let light = light[*sender as usize].0.as_flattened();
         for (sum, light) in sum.as_flattened_mut().iter_mut().zip(light) {
             *sum += transfer * light;
         }
     }
-    sum
+    Light(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    #[test]
+    fn light_bounces_alike_however_many_numbers_are_added_at_once() {
+        let mut stream = Stream::new(5, 0);
+        let mut some = || 2.0 * stream.unit() - 0.5;
+        let light: Vec<Light> =
+            (0..90).map(|_| Light([(); 3].map(|_| [(); BATCH].map(|_| some())))).collect();
+        let rows: Vec<IrradianceRow> =
+            (0..90).map(|i| (i % 7..90).step_by(1 + i as usize % 5).map(|k| (k, some())).collect()).collect();
+        let bits = |light: Vec<Light>| -> Vec<u32> {
+            light.iter().flat_map(|light| light.0.as_flattened()).map(|x| x.to_bits()).collect()
+        };
+        let wanted = bits(rows.iter().map(|row| arriving(row, &light)).collect());
+        assert_eq!(bits(bounce_once(&rows, &light)), wanted);
+        #[cfg(target_arch = "x86_64")]
+        if processor::has_avx2() {
+            // SAFETY: the processor has AVX2.
+            #[expect(unsafe_code, reason = "what a processor has is known when the test runs")]
+            let found = unsafe { bounce_once_avx2(&rows, &light) };
+            assert_eq!(bits(found), wanted);
+        }
+    }
 }
