@@ -14,10 +14,12 @@ use crate::basis::Leveled;
 use crate::random::{mix, unit};
 use crate::surface::{Piece, Pieces, Place, Spot};
 use crate::watch::{Stopped, Watch};
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{IVec3, Vec2, Vec3, Vec3A};
 use laid::Laid;
 use rayon::prelude::*;
-use smallvec::SmallVec;
+use rebounce_shared::octahedral;
+use smallvec::{SmallVec, smallvec};
+use std::collections::HashMap;
 
 /// Width of a tile over the smallest radius of the functions that cover its piece.
 const WIDTH: f32 = 0.5;
@@ -31,8 +33,10 @@ const MOST: u32 = 1 << 21;
 const MOST_TOGETHER: [usize; 2] = [48, 4];
 /// Cuts may go through this much of a tile along its edges: a cut along a wall ends what is cut a hair before the wall.
 const EDGE: f32 = 0.05;
-/// Cosine of the angle between pieces that share a tile, at least.
-const ALIKE: f32 = 0.95;
+/// Small pieces that share a tile lie in one of the cells that are so much of a tile wide.
+const SHARED: f32 = 0.7;
+/// And face the same of the cells of directions, so many to each half of the octahedral map.
+const FACING: f32 = 4.0;
 /// What a transparent place counts like, at least.
 const LEAST_OPACITY: f32 = 1e-3;
 /// Places along each axis that tell how wide a large piece's tiles are.
@@ -48,9 +52,9 @@ pub struct SenderTiles {
     pub coarse: Tiles,
 }
 
-/// Whether a piece is so small that tiles of this width are too large for it alone.
+/// Whether a piece is so small that a tile of this width is too large for it alone.
 fn is_small(piece: &Piece, width: f32) -> bool {
-    2.0 * piece.sides[0].max(piece.sides[1]) < width
+    piece.normal != Vec3::ZERO && piece.sides[0].max(piece.sides[1]) < 0.7 * width
 }
 
 /// How a piece is laid with tiles of its own; `first` is not known yet.
@@ -76,73 +80,133 @@ fn lay(pieces: &dyn Pieces, number: u32, piece: &Piece, functions: &Leveled) -> 
     Laid { first: 0, columns, rows }
 }
 
-/// Pieces that share tiles, or one that has its own.
-#[derive(Clone, Copy)]
-struct Owner {
+/// Small pieces that share a tile.
+struct Group {
+    /// The first of them, whose tile it is.
     piece: u32,
-    /// Further ones are those of the next numbers.
     pieces: u32,
-    first: u32,
+    /// Some of them.
+    some: SmallVec<[u32; 4]>,
+    /// Least and greatest corner of their middles.
+    low: Vec3,
+    high: Vec3,
 }
 
-/// Lays tiles on all pieces; small ones that are neighbours, look alike and face one way share one. How many tiles there
-/// are, and whose; `points` is how many functions there may be.
+impl Group {
+    fn new(number: u32, piece: &Piece) -> Self {
+        let some = smallvec![number];
+        Self { piece: number, pieces: 1, some, low: piece.middle, high: piece.middle }
+    }
+
+    fn add(&mut self, number: u32, piece: &Piece) {
+        self.pieces += 1;
+        (self.low, self.high) = (self.low.min(piece.middle), self.high.max(piece.middle));
+        if self.some.len() < self.some.inline_size() {
+            self.some.push(number);
+        } else if self.pieces.is_power_of_two() {
+            // Of many, not only the first ones.
+            let place = self.pieces.trailing_zeros() as usize % self.some.len();
+            self.some[place] = number;
+        }
+    }
+
+    /// What is between is in all of these.
+    fn corners(&self) -> impl Iterator<Item = Vec3> {
+        let side = |i: u32, axis: usize| if i >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] };
+        (0..8).map(move |i| Vec3::new(side(i, 0), side(i, 1), side(i, 2)))
+    }
+}
+
+/// What pieces that share a tile have in common.
+#[derive(PartialEq, Eq, Hash)]
+struct Alike {
+    cell: IVec3,
+    facing: (i32, i32),
+    kind: u32,
+    has_back: bool,
+}
+
+impl Alike {
+    fn new(piece: &Piece, width: f32) -> Self {
+        let facing = (octahedral::encode(piece.normal) * FACING).round().as_ivec2();
+        Self {
+            cell: (piece.middle / (SHARED * width)).floor().as_ivec3(),
+            facing: (facing.x, facing.y),
+            kind: piece.kind,
+            has_back: piece.has_back,
+        }
+    }
+}
+
+/// How all pieces are laid.
+struct AllLaid {
+    laid: Vec<Laid>,
+    /// Ascending; some have no tiles left.
+    groups: Vec<Group>,
+    /// Pieces that have tiles of their own, ascending.
+    owners: Vec<u32>,
+    /// Tiles of all.
+    count: u32,
+}
+
+/// Lays tiles on all pieces; small ones that are neighbours, look alike and face one way share one. `points` is how many
+/// functions there may be.
 fn lay_all(
     pieces: &dyn Pieces,
     functions: &Leveled,
     points: usize,
     watch: &dyn Watch,
-) -> Result<(Vec<Laid>, Vec<Owner>, u32), Stopped> {
+) -> Result<AllLaid, Stopped> {
     let width = WIDTH * functions.finest_radius();
     let mut laid = vec![Laid::default(); pieces.count()];
-    // First, how many tiles each piece adds.
-    laid.par_chunks_mut(TOGETHER).enumerate().try_for_each(|(chunk, laid)| {
+    // First, how many tiles each piece adds, and after it, whose tiles those are that add none.
+    let mut leads = vec![0u32; pieces.count()];
+    let chunks = laid.par_chunks_mut(TOGETHER).zip(leads.par_chunks_mut(TOGETHER)).enumerate();
+    let groups = chunks.map(|(chunk, (laid, leads))| {
         watch.step(0)?;
-        let mut open: Option<Piece> = None;
-        for (laid, number) in laid.iter_mut().zip((chunk * TOGETHER) as u32..) {
+        let mut groups: Vec<Group> = Vec::new();
+        let mut known: HashMap<Alike, usize> = HashMap::new();
+        for ((laid, lead), number) in laid.iter_mut().zip(leads).zip((chunk * TOGETHER) as u32..) {
             let piece = pieces.piece(number);
-            let shares = |first: &Piece| {
-                piece.kind == first.kind
-                    && piece.has_back == first.has_back
-                    && piece.middle.distance(first.middle) < 0.3 * width
-                    && piece.normal.dot(first.normal) > ALIKE
-            };
-            let is_small = is_small(&piece, width);
-            if is_small && open.as_ref().is_some_and(shares) {
-                *laid = Laid { first: 0, columns: 1, rows: 1 };
-                continue;
+            *lead = number;
+            if is_small(&piece, width) {
+                let group = *known.entry(Alike::new(&piece, width)).or_insert(groups.len());
+                if let Some(group) = groups.get_mut(group) {
+                    group.add(number, &piece);
+                    *lead = group.piece;
+                    *laid = Laid { first: 0, columns: 1, rows: 1 };
+                    continue;
+                }
+                groups.push(Group::new(number, &piece));
             }
             *laid = lay(pieces, number, &piece, functions);
             laid.first = laid.count() * (1 + piece.has_back as u32);
-            open = is_small.then_some(piece);
         }
-        Ok(())
-    })?;
+        groups.retain(|group| group.pieces > 1);
+        Ok(groups)
+    });
+    let groups = groups.collect::<Result<Vec<Vec<Group>>, Stopped>>()?;
     // Then, where they begin.
-    let mut owners: Vec<Owner> = Vec::new();
+    let mut owners = Vec::new();
     let most = MOST_TOGETHER[0] * points + MOST_TOGETHER[1] * pieces.count();
     let most = most.min(u32::MAX as usize) as u32;
     let mut count = 0u32;
-    let mut is_full = false;
-    for (piece, laid) in (0..).zip(&mut laid) {
-        let more = laid.first;
-        if more == 0 && laid.columns != 0 && !is_full {
-            if let Some(owner) = owners.last_mut() {
-                owner.pieces += 1;
-                laid.first = owner.first;
-            }
+    for (piece, lead) in (0u32..).zip(leads) {
+        if lead != piece {
+            laid[piece as usize] = laid[lead as usize];
             continue;
         }
-        is_full = count.checked_add(more).is_none_or(|count| count > most);
-        if is_full || more == 0 {
+        let laid = &mut laid[piece as usize];
+        let more = laid.first;
+        if more == 0 || count.checked_add(more).is_none_or(|count| count > most) {
             *laid = Laid::default();
             continue;
         }
         laid.first = count;
-        owners.push(Owner { piece, pieces: 1, first: count });
+        owners.push(piece);
         count += more;
     }
-    Ok((laid, owners, count))
+    Ok(AllLaid { laid, groups: groups.into_iter().flatten().collect(), owners, count })
 }
 
 /// Four places of a tile, this far from its edges.
@@ -166,22 +230,22 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    fn tile(&mut self, owner: Owner, laid: Laid, number: u32) -> Shares {
-        let piece = self.pieces.piece(owner.piece);
-        let (count, local) = (laid.count(), number - owner.first);
+    /// A tile of a piece, or of the group that it is the first of.
+    fn tile(&mut self, owner: u32, group: Option<&Group>, laid: Laid, number: u32) -> Shares {
+        let piece = self.pieces.piece(owner);
+        let (count, local) = (laid.count(), number - laid.first);
         let Some(tile) = laid.column_row(local % count) else { return Shares::NOTHING };
         let is_back = local >= count;
-        let is_small = is_small(&piece, WIDTH * self.functions.finest_radius());
-        // Of small pieces the middles of some, else places of the tile.
-        let inner = inside(0.25);
-        let places: SmallVec<[Place; 4]> = if is_small {
-            let count = owner.pieces.min(4);
-            let member = |k: u32| owner.piece + (2 * k + 1) * owner.pieces / (2 * count);
-            (0..count).map(|k| Place { piece: member(k), at: Vec2::splat(1.0 / 3.0), is_back }).collect()
-        } else {
-            inner.map(|within| Place { piece: owner.piece, at: laid.at(tile, within), is_back }).into()
+        let middle = |piece: u32| Place { piece, at: Vec2::splat(1.0 / 3.0), is_back };
+        let within = |at: Vec2| Place { piece: owner, at: laid.at(tile, at), is_back };
+        let is_tiny = group.is_none()
+            && 2.0 * piece.sides[0].max(piece.sides[1]) < WIDTH * self.functions.finest_radius();
+        let places: SmallVec<[Place; 4]> = match group {
+            Some(group) => group.some.iter().map(|piece| middle(*piece)).collect(),
+            None if is_tiny => smallvec![middle(owner)],
+            None => inside(0.25).map(within).into(),
         };
-        let area = piece.sides[0] * piece.sides[1] * owner.pieces as f32
+        let area = piece.sides[0] * piece.sides[1] * group.map_or(1, |group| group.pieces) as f32
             / (laid.columns as f32 * laid.rows as f32 * places.len() as f32);
         self.together.clear();
         let mut total = 0.0;
@@ -205,14 +269,13 @@ impl Maker<'_> {
             return Shares::UNKNOWN;
         }
         let has_cuts = self.together.iter().any(|entry| self.functions.has_cuts(entry.0));
-        if has_cuts && (!is_small || owner.pieces > 1) {
+        if has_cuts && !is_tiny {
             self.edges.clear();
-            if is_small {
-                let members = owner.piece..owner.piece + owner.pieces;
-                self.edges.extend(members.map(|member| self.pieces.piece(member).middle));
-            } else {
-                let at = |within: Vec2| Place { piece: owner.piece, at: laid.at(tile, within), is_back };
-                self.edges.extend(inside(EDGE).map(|corner| self.pieces.spot(at(corner), 0.0).position));
+            match group {
+                Some(group) => self.edges.extend(group.corners()),
+                None => {
+                    self.edges.extend(inside(EDGE).map(|at| self.pieces.spot(within(at), 0.0).position));
+                }
             }
             if self.together.iter().any(|entry| self.functions.is_cut_between(entry.0, &self.edges)) {
                 return Shares::UNKNOWN;
@@ -245,20 +308,27 @@ impl Tiles {
         seed: u64,
         watch: &dyn Watch,
     ) -> Result<Self, Stopped> {
-        let (laid, owners, count) = lay_all(pieces, functions, duals.len(), watch)?;
+        let AllLaid { laid, groups, owners, count } = lay_all(pieces, functions, duals.len(), watch)?;
         let mut tiles = vec![Shares::NOTHING; count as usize];
+        let begins = |owner: usize| owners.get(owner).map_or(count, |piece| laid[*piece as usize].first);
         tiles.par_chunks_mut(TOGETHER).enumerate().try_for_each(|(chunk, tiles)| {
             watch.step(0)?;
             let (weights, together, edges) = Default::default();
             let mut maker = Maker { pieces, functions, duals, seed, weights, together, edges };
             let first = (chunk * TOGETHER) as u32;
             // The last owner that begins here or before.
-            let mut owner = owners.partition_point(|owner| owner.first <= first) - 1;
+            let mut owner = owners.partition_point(|piece| laid[*piece as usize].first <= first) - 1;
+            let mut group = groups.partition_point(|group| group.piece < owners[owner]);
             for (tile, number) in tiles.iter_mut().zip(first..) {
-                while owners.get(owner + 1).is_some_and(|next| next.first <= number) {
+                while begins(owner + 1) <= number {
                     owner += 1;
                 }
-                *tile = maker.tile(owners[owner], laid[owners[owner].piece as usize], number);
+                let piece = owners[owner];
+                while groups.get(group).is_some_and(|group| group.piece < piece) {
+                    group += 1;
+                }
+                let group = groups.get(group).filter(|group| group.piece == piece);
+                *tile = maker.tile(piece, group, laid[piece as usize], number);
             }
             Ok(())
         })?;
