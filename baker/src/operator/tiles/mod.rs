@@ -52,9 +52,9 @@ pub struct SenderTiles {
     pub coarse: Tiles,
 }
 
-/// Whether a piece is so small that a tile of this width is too large for it alone.
+/// Whether a piece is smaller than a cell, where tiles are so wide.
 fn is_small(piece: &Piece, width: f32) -> bool {
-    piece.normal != Vec3::ZERO && piece.sides[0].max(piece.sides[1]) < 0.7 * width
+    piece.normal != Vec3::ZERO && piece.sides[0].max(piece.sides[1]) < SHARED * width
 }
 
 /// How a piece is laid with tiles of its own; `first` is not known yet.
