@@ -21,6 +21,9 @@ const ROW_LENGTH: u32 = 16;
 const ENTRY: u64 = 4;
 /// Rows for single pixels, as a share of all pixels. Past this they are interpolated across edges.
 const SINGLE_SHARE: u64 = 5;
+/// Such rows of small pictures, in which edges are everywhere: as many as there are pixels, up to so many. So no two pictures
+/// of one view differ by which pixel came first.
+const LEAST_SINGLES: u64 = 1 << 16;
 /// Distance over which light is interpolated between pixels, as a share of the finest support radius.
 const REACH: f32 = 0.25;
 
@@ -98,8 +101,8 @@ impl DisplayPass {
     ) -> DisplayTarget {
         let blocks = size[0].div_ceil(2) as u64 * size[1].div_ceil(2) as u64;
         let pixels = size[0] as u64 * size[1] as u64;
-        let (singles, reach) =
-            if every_pixel { (pixels, 0.0) } else { (pixels / SINGLE_SHARE, REACH * scene.finest_radius) };
+        let some = (pixels / SINGLE_SHARE).max(pixels.min(LEAST_SINGLES));
+        let (singles, reach) = if every_pixel { (pixels, 0.0) } else { (some, REACH * scene.finest_radius) };
         let capacity = (blocks + singles).min((MAX_BINDING / 16).max(blocks));
         let row_length = (MAX_BINDING / (ENTRY * capacity)).clamp(1, ROW_LENGTH as u64);
         let layout = Slots {
