@@ -222,7 +222,7 @@ export function distance(a, b) {
   return a.reduce((sum, value, i) => sum + Math.abs(value - b[i]), 0) / a.length;
 }
 
-/** The same picture, but for single pixels: which of those at edges have light of their own is a race. */
+/** The same picture, up to what cannot be seen. */
 export function alike(a, b, what) {
   const apart = distance(a, b);
   check(apart < 0.3, `${what}: ${apart.toFixed(3)} of 255 apart`);
