@@ -101,7 +101,7 @@ struct Rays {
 impl Rays {
     /// Places the bake's points once more, and finds which of them it gathered for.
     fn of(scene: &Scene, settings: &BakeSettings, file: &rbn::Scene, report: &BakeReport) -> Result<Self> {
-        let surfaces = TriangleSurfaces::from_scene(scene);
+        let surfaces = TriangleSurfaces::simplified(scene);
         let viewpoints = choose_viewpoints(scene, &surfaces, settings)?;
         let points = place(&surfaces, &viewpoints, &settings.place, &())?;
         ensure!(points.points.len() == file.points.len(), "the same settings placed other points");

@@ -12,10 +12,12 @@ mod processor;
 pub mod render;
 pub mod scene;
 pub mod shot;
+pub mod simplify;
 pub mod surface;
 pub mod team;
 pub mod triangles;
 pub mod watch;
+mod weld;
 pub mod write;
 
 pub use rebounce_shared::random;

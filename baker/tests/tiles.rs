@@ -7,10 +7,13 @@ use rebounce::operator::{OperatorSettings, tint};
 use rebounce::points::{PlaceSettings, Points, cut, place};
 use rebounce::scene::{self, Scene};
 use rebounce::surface::{Hit, Ray, Surfaces};
-use rebounce::triangles::geometry::Triangle;
-use rebounce::triangles::{Geometry, TriangleSurfaces};
+use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::interpolation::mean;
 use rebounce_shared::link::Sent;
+use split::split;
+
+#[path = "common/split.rs"]
+mod split;
 
 /// Surfaces that do not tell their pieces.
 struct HitByHit<'a>(&'a TriangleSurfaces);
@@ -76,29 +79,11 @@ fn compared(ours: &[f32], theirs: &[f32]) -> (f64, f64) {
     ((square / squares).sqrt(), difference / sum)
 }
 
-/// Every triangle cut into four, so many times over.
-fn cut_up(scene: &Scene, times: u32) -> TriangleSurfaces {
-    let mut geometry = Geometry::from(scene);
-    for _ in 0..times {
-        let quarters = |t: &Triangle| {
-            let corner = |shares: [f32; 3]| {
-                let mean = |corners: [Vec3; 3]| (0..3).map(|i| shares[i] * corners[i]).sum::<Vec3>();
-                let uv = (0..3).map(|i| shares[i] * t.uvs[i]).sum();
-                (mean(t.positions), mean(t.normals).normalize(), uv)
-            };
-            let (a, b, c) = (corner([1.0, 0.0, 0.0]), corner([0.0, 1.0, 0.0]), corner([0.0, 0.0, 1.0]));
-            let (ab, bc, ca) = (corner([0.5, 0.5, 0.0]), corner([0.0, 0.5, 0.5]), corner([0.5, 0.0, 0.5]));
-            let material = t.material;
-            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].map(|corners| Triangle {
-                positions: corners.map(|corner| corner.0),
-                normals: corners.map(|corner| corner.1),
-                uvs: corners.map(|corner| corner.2),
-                material,
-            })
-        };
-        geometry.triangles = geometry.triangles.iter().flat_map(quarters).collect();
-    }
-    TriangleSurfaces::new(geometry)
+/// Every triangle cut into n x n.
+fn cut_up(scene: &Scene, n: u32) -> TriangleSurfaces {
+    let mut scene = scene.clone();
+    split(&mut scene, n);
+    TriangleSurfaces::from_scene(&scene)
 }
 
 /// Points on a scene's surfaces, and the surfaces.
@@ -143,7 +128,7 @@ fn small_triangles_share_tiles() {
         let relations = relate(&points, 4).unwrap();
         senders.context(surfaces, &points, &relations, &settings).tiles.unwrap().senders.count()
     };
-    let many = cut_up(&scene, 6);
+    let many = cut_up(&scene, 64);
     assert!(many.triangle_count() == whole.triangle_count() * 4096);
     let [few, many_tiles] = [&whole, &many].map(tiles);
     println!("{} triangles, {few} tiles; {}, {many_tiles}", whole.triangle_count(), many.triangle_count());

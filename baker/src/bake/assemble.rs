@@ -6,6 +6,7 @@ use crate::operator::Operator;
 use crate::points::Points;
 use crate::points::round::{power_of_two_under, to_steps};
 use crate::scene::Scene;
+use crate::weld::firsts;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::camera::Camera;
@@ -125,20 +126,17 @@ fn vertices(scene: &Scene) -> Vec<Vertex> {
 /// Equal vertices become one, in the order of their first use; the indices follow. Vertices of no triangle go.
 fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
     const UNUSED: u32 = u32::MAX;
-    let mut places: HashMap<[u32; 6], u32> = HashMap::new();
-    // Each vertex is looked for once, however many triangles use it.
-    let mut known = vec![UNUSED; vertices.len()];
+    let bits = |i: u32| -> [u32; 6] { bytemuck::cast(vertices[i as usize]) };
+    let mut places = vec![UNUSED; vertices.len()];
+    let firsts = firsts(vertices.len(), bits);
     let mut welded = Vec::new();
     for index in indices {
-        let place = &mut known[*index as usize];
-        if *place == UNUSED {
-            let vertex = vertices[*index as usize];
-            *place = *places.entry(bytemuck::cast(vertex)).or_insert_with(|| {
-                welded.push(vertex);
-                welded.len() as u32 - 1
-            });
+        let first = firsts[*index as usize] as usize;
+        if places[first] == UNUSED {
+            places[first] = welded.len() as u32;
+            welded.push(vertices[first]);
         }
-        *index = *place;
+        *index = places[first];
     }
     welded
 }

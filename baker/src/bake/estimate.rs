@@ -12,7 +12,7 @@ mod cost {
     pub const POINT: f64 = 30e-6;
     pub const WALL: f64 = 3e-6;
     pub const RELATION: f64 = 1.2e-6;
-    /// With tiles, for a point and a triangle.
+    /// With tiles, for a point and a triangle that rays are cast at.
     pub const COLOUR: [f64; 2] = [9e-6, 1.3e-6];
     /// On the levels that later bounces travel between.
     pub const COARSE_RAY: f64 = 0.45e-6;
@@ -127,6 +127,8 @@ pub(super) struct Estimate {
     /// Since the bake began: of the clock, of the processors.
     elapsed: [f64; 2],
     threads: f64,
+    /// Triangles that rays are cast at.
+    ray_triangles: f64,
 }
 
 impl Estimate {
@@ -139,6 +141,7 @@ impl Estimate {
             clock: [0.0; 2],
             elapsed: [0.0; 2],
             threads: threads.max(1) as f64,
+            ray_triangles: triangles as f64,
         };
         let later_levels = settings.operator.later_levels;
         let mut add = |stage, level: Option<usize>| {
@@ -184,6 +187,12 @@ impl Estimate {
         estimate
     }
 
+    /// So many triangles are left for rays.
+    pub(super) fn found_surfaces(&mut self, settings: &BakeSettings, ray_triangles: usize) {
+        self.ray_triangles = ray_triangles as f64;
+        self.expect_points(settings, &expected_counts(&settings.place));
+    }
+
     /// So many points are on the coarsest levels; the others will grow alike.
     pub(super) fn found_points(&mut self, settings: &BakeSettings, found: &[usize]) {
         let mut counts = expected_counts(&settings.place);
@@ -204,7 +213,7 @@ impl Estimate {
             self.expect_rays(level, count * settings.operator.rays_on(level) as f64);
         }
         let triangles = self.units(Stage::Assemble, None);
-        self.set(Stage::Colours, None, all, cost::COLOUR[0] * all + cost::COLOUR[1] * triangles);
+        self.set(Stage::Colours, None, all, cost::COLOUR[0] * all + cost::COLOUR[1] * self.ray_triangles);
         let assembled = cost::ASSEMBLED[0] * triangles + cost::ASSEMBLED[1] * all;
         self.set(Stage::Assemble, None, triangles, assembled);
         let coarse: f64 = counts.iter().take(settings.operator.later_levels).sum();

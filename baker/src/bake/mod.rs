@@ -164,7 +164,9 @@ fn run(
     let estimate = Estimate::new(&settings, scene.triangles.len(), sketch.is_some(), threads);
     let tracker = Tracker::new(observer, checkpoint, estimate);
     let task = tracker.task(Stage::Prepare, None);
-    let surfaces = TriangleSurfaces::from_scene(scene);
+    let surfaces = TriangleSurfaces::simplified(scene);
+    report.ray_triangles = surfaces.triangle_count() as u64;
+    tracker.expect(|estimate| estimate.found_surfaces(&settings, surfaces.triangle_count()));
     task.step(0)?;
     let viewpoints = choose_viewpoints(scene, &surfaces, &settings)?;
     task.step(0)?;

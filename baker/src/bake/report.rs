@@ -20,6 +20,8 @@ pub struct BakeReport {
     pub promised_error: f64,
     /// Triangles of the scene.
     pub triangles: u64,
+    /// Those that rays are cast at, after [simplifying](crate::simplify).
+    pub ray_triangles: u64,
     /// Where importance particles started, world space.
     pub viewpoint: [f64; 3],
     /// Levels of points, coarsest first.
@@ -167,7 +169,11 @@ pub fn peak_memory_bytes() -> u64 {
 impl fmt::Display for BakeReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mb = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
-        writeln!(f, "scene         {} ({} triangles), preset {}", self.scene, self.triangles, self.preset)?;
+        writeln!(
+            f,
+            "scene         {} ({} triangles, {} for rays), preset {}",
+            self.scene, self.triangles, self.ray_triangles, self.preset
+        )?;
         let levels: Vec<String> = self.levels.iter().map(|l| l.functions.to_string()).collect();
         writeln!(f, "functions     {} on {} levels ({})", self.functions, levels.len(), levels.join(", "))?;
         let rows: Vec<String> = self.levels.iter().map(|l| l.receivers.to_string()).collect();

@@ -2,6 +2,7 @@
 
 use crate::scene::texture::{Sampler, Texels};
 use crate::scene::{Scene, SceneError};
+use crate::simplify::simplify;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::octahedral;
@@ -99,6 +100,35 @@ impl Surface {
     }
 }
 
+impl Geometry {
+    /// A scene's surfaces of as few triangles as they need: [`simplify`].
+    pub fn simplified(scene: &Scene) -> Self {
+        let corners = simplify(scene);
+        let vertex = |corner: u32| scene.triangles[corner as usize / 3][corner as usize % 3] as usize;
+        let triangle = |corners: &[u32; 3]| Triangle {
+            positions: corners.map(|c| scene.positions[vertex(c)]),
+            normals: corners.map(|c| scene.normals[vertex(c)]),
+            uvs: corners.map(|c| scene.uvs[vertex(c)]),
+            material: scene.triangle_material[corners[0] as usize / 3],
+        };
+        let color = |c: u32| scene.corner_colors[c as usize / 3][c as usize % 3];
+        Self {
+            triangles: corners.par_iter().map(triangle).collect(),
+            colors: match scene.corner_colors[..] {
+                [] => Vec::new(),
+                _ => corners.par_iter().map(|corners| corners.map(color)).collect(),
+            },
+            surfaces: surfaces(scene),
+        }
+    }
+}
+
+/// The materials of a scene.
+fn surfaces(scene: &Scene) -> Vec<Surface> {
+    let texture = |m: &Material| scene.textures[m.base_color_texture? as usize].sampler();
+    scene.materials.iter().map(|m| Surface::new(m, texture(m))).collect()
+}
+
 impl From<&Scene> for Geometry {
     fn from(scene: &Scene) -> Self {
         let corner = |t: [u32; 3], material| Triangle {
@@ -107,14 +137,13 @@ impl From<&Scene> for Geometry {
             uvs: t.map(|i| scene.uvs[i as usize]),
             material,
         };
-        let texture = |m: &Material| scene.textures[m.base_color_texture? as usize].sampler();
         Self {
             triangles: (scene.triangles.par_iter())
                 .zip(&scene.triangle_material)
                 .map(|(&t, &m)| corner(t, m))
                 .collect(),
             colors: scene.corner_colors.clone(),
-            surfaces: scene.materials.iter().map(|m| Surface::new(m, texture(m))).collect(),
+            surfaces: surfaces(scene),
         }
     }
 }

@@ -159,6 +159,11 @@ impl TriangleSurfaces {
         Self::new(Geometry::from(scene))
     }
 
+    /// The surfaces of a loaded scene, of as few triangles as they need.
+    pub fn simplified(scene: &Scene) -> Self {
+        Self::new(Geometry::simplified(scene))
+    }
+
     /// The surfaces of a baked file.
     ///
     /// # Errors

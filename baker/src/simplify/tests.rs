@@ -1,0 +1,347 @@
+use super::*;
+use crate::random::Stream;
+use crate::scene;
+use std::collections::HashMap;
+
+/// A sheet of n x n squares over the unit square, two triangles each; `at` says where a place is, `look` its normal and
+/// texture coordinates, `material` what the square is of.
+fn sheet(
+    n: u32,
+    at: impl Fn(f32, f32) -> Vec3,
+    look: impl Fn(f32, f32) -> (Vec3, Vec2),
+    material: impl Fn(u32, u32) -> u32,
+) -> Scene {
+    let mut scene = Scene { materials: vec![textured(); 2], ..Scene::default() };
+    let share = |k: u32| k as f32 / n as f32;
+    for j in 0..=n {
+        for i in 0..=n {
+            let (normal, uv) = look(share(i), share(j));
+            scene.positions.push(at(share(i), share(j)));
+            scene.normals.push(normal);
+            scene.uvs.push(uv);
+        }
+    }
+    for j in 0..n {
+        for i in 0..n {
+            let corner = |i, j| j * (n + 1) + i;
+            let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+            scene.triangles.extend([[a, b, c], [a, c, d]]);
+            scene.triangle_material.extend([material(i, j); 2]);
+        }
+    }
+    scene
+}
+
+fn textured() -> Material {
+    Material { base_color_texture: Some(0), ..Material::default() }
+}
+
+fn flat(n: u32) -> Scene {
+    sheet(n, |x, y| Vec3::new(x, 0.0, y), |x, y| (Vec3::Y, Vec2::new(x, y)), |_, _| 0)
+}
+
+/// A ball of squares, with smooth normals.
+fn ball(n: u32, radius: f32) -> Scene {
+    let mut scene = Scene { materials: vec![textured()], ..Scene::default() };
+    for axis in 0..3 {
+        for side in [-1.0f32, 1.0] {
+            let on = |u: f32, v: f32| {
+                let (u, v) = (2.0 * u - 1.0, (2.0 * v - 1.0) * side);
+                let mut at = [0.0; 3];
+                (at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]) = (side, u, v);
+                Vec3::from(at).normalize()
+            };
+            let face = sheet(n, |u, v| radius * on(u, v), |u, v| (on(u, v), Vec2::ZERO), |_, _| 0);
+            add(&mut scene, &face);
+        }
+    }
+    scene
+}
+
+fn add(scene: &mut Scene, more: &Scene) {
+    let first = scene.positions.len() as u32;
+    scene.positions.extend(&more.positions);
+    scene.normals.extend(&more.normals);
+    scene.uvs.extend(&more.uvs);
+    scene.triangles.extend(more.triangles.iter().map(|t| t.map(|i| first + i)));
+    scene.triangle_material.extend(&more.triangle_material);
+}
+
+fn vertex(scene: &Scene, corner: u32) -> usize {
+    scene.triangles[corner as usize / 3][corner as usize % 3] as usize
+}
+
+fn material(scene: &Scene, corners: [u32; 3]) -> u32 {
+    let of = corners.map(|corner| scene.triangle_material[corner as usize / 3]);
+    assert!(of.iter().all(|material| *material == of[0]), "one triangle, one material");
+    of[0]
+}
+
+fn area([a, b, c]: [Vec3; 3]) -> f64 {
+    0.5 * (b - a).as_dvec3().cross((c - a).as_dvec3()).length()
+}
+
+fn positions(scene: &Scene, corners: [u32; 3]) -> [Vec3; 3] {
+    corners.map(|corner| scene.positions[vertex(scene, corner)])
+}
+
+/// The shares of a triangle's corners at its place nearest to a point.
+fn nearest([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
+    let normal = (b - a).cross(c - a);
+    let square = normal.length_squared();
+    let shares =
+        [(c - b).cross(p - b), (a - c).cross(p - c), (b - a).cross(p - a)].map(|n| n.dot(normal) / square);
+    if shares.iter().all(|share| *share >= 0.0) {
+        return shares;
+    }
+    let corners = [a, b, c];
+    let on_edge = |i: usize| {
+        let j = (i + 1) % 3;
+        let along = corners[j] - corners[i];
+        let share = ((p - corners[i]).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        let mut shares = [0.0; 3];
+        (shares[i], shares[j]) = (1.0 - share, share);
+        ((corners[i] + share * along).distance(p), shares)
+    };
+    let best = [on_edge(0), on_edge(1), on_edge(2)];
+    best.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap().1
+}
+
+fn mean<T: std::iter::Sum<T>>(shares: [f32; 3], of: impl Fn(usize) -> T) -> T
+where
+    T: std::ops::Mul<f32, Output = T>,
+{
+    (0..3).map(|k| of(k) * shares[k]).sum()
+}
+
+/// Every place of the one surface is on the other, and looks the same there: distance in units of what is allowed,
+/// differences of normals and of texture coordinates.
+fn farthest(scene: &Scene, from: &[[u32; 3]], to: &[[u32; 3]]) -> (f32, f32, f32) {
+    let (low, high) = scene.bounds();
+    let allowed = TOLERANCE * (high - low).length();
+    let mut stream = Stream::new(3, 0);
+    let mut far = (0f32, 0f32, 0f32);
+    // A few hundred of them, all over.
+    for &corners in from.iter().step_by(1 + from.len() / 300) {
+        for k in 0..4 {
+            let (mut u, mut v) = (stream.unit(), stream.unit());
+            if u + v > 1.0 {
+                (u, v) = (1.0 - u, 1.0 - v);
+            }
+            let shares = [[1.0 - u - v, u, v], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.5, 0.5]][k];
+            let place = |corners: [u32; 3], shares| mean(shares, |k| positions(scene, corners)[k]);
+            let p: Vec3 = place(corners, shares);
+            let normal = |corners: [u32; 3], shares| -> Vec3 {
+                mean(shares, |k| scene.normals[vertex(scene, corners[k])])
+            };
+            let uv = |corners: [u32; 3], shares| -> Vec2 {
+                mean(shares, |k| scene.uvs[vertex(scene, corners[k])])
+            };
+            let difference = |other: &[u32; 3]| {
+                let there = nearest(positions(scene, *other), p);
+                (
+                    place(*other, there).distance(p) / allowed,
+                    normal(*other, there).distance(normal(corners, shares)),
+                    uv(*other, there).distance(uv(corners, shares)),
+                )
+            };
+            let same = |other: &&[u32; 3]| material(scene, **other) == material(scene, corners);
+            // Of those that are at the place the one that looks like it: at a seam there are two.
+            let found: Vec<_> = to.iter().filter(same).map(difference).collect();
+            let least = found.iter().map(|d| d.0).fold(f32::INFINITY, f32::min);
+            let best = found
+                .iter()
+                .filter(|d| d.0 <= least.max(1.0))
+                .min_by(|a, b| (a.1 + a.2).total_cmp(&(b.1 + b.2)))
+                .unwrap();
+            far = (far.0.max(least), far.1.max(best.1), far.2.max(best.2));
+        }
+    }
+    far
+}
+
+/// Everything is as it was, in the same order.
+fn assert_unchanged(scene: &Scene, simple: &[[u32; 3]]) {
+    let corner = |corner: u32| {
+        let vertex = vertex(scene, corner);
+        (scene.positions[vertex], scene.normals[vertex], scene.uvs[vertex])
+    };
+    assert_eq!(simple.len(), scene.triangles.len());
+    for (ours, theirs) in simple.iter().zip(all(scene)) {
+        assert_eq!(ours.map(corner), theirs.map(corner));
+        assert_eq!(material(scene, *ours), material(scene, theirs));
+    }
+}
+
+fn all(scene: &Scene) -> Vec<[u32; 3]> {
+    (0..scene.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect()
+}
+
+/// How many triangles each edge has, by the places of its ends; the way round counts down.
+fn edges(scene: &Scene, triangles: &[[u32; 3]]) -> HashMap<[[u32; 3]; 2], (i32, i32)> {
+    let mut edges = HashMap::new();
+    for corners in triangles {
+        let [a, b, c] = positions(scene, *corners).map(|p| (p + 0.0).to_array().map(f32::to_bits));
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let entry: &mut (i32, i32) = edges.entry([from.min(to), from.max(to)]).or_default();
+            entry.0 += 1;
+            entry.1 += if from < to { 1 } else { -1 };
+        }
+    }
+    edges
+}
+
+#[test]
+fn a_flat_sheet_becomes_two_triangles() {
+    for n in [2, 9, 40] {
+        let scene = flat(n);
+        let simple = simplify(&scene);
+        assert_eq!(simple.len(), 2, "of {}", scene.triangles.len());
+        let (far, normals, uvs) = farthest(&scene, &all(&scene), &simple);
+        assert!(far < 0.5 && normals < 1e-5 && uvs < 1e-5, "{far} {normals} {uvs}");
+    }
+}
+
+#[test]
+fn what_cannot_be_simpler_comes_out_as_it_went_in() {
+    let cube = scene::load("builtin:cornell-box").unwrap();
+    assert_unchanged(&cube, &simplify(&cube));
+    assert_eq!(simplify(&Scene::default()), Vec::<[u32; 3]>::new());
+    let rough = sheet(
+        20,
+        |x, y| Vec3::new(x, 0.05 * (40.0 * x + 3.0).sin() * (37.0 * y + 1.0).cos(), y),
+        |_, _| (Vec3::Y, Vec2::ZERO),
+        |_, _| 0,
+    );
+    assert_unchanged(&rough, &simplify(&rough));
+}
+
+#[test]
+fn the_surface_stays_where_it_is_and_looks_alike() {
+    // Finely cut: a ball as a room would have it, a wave that turns flat, a texture that bends.
+    let mut small = ball(40, 0.0005);
+    small.materials.push(textured());
+    add(&mut small, &sheet(2, |x, y| Vec3::new(x, -1.0, y), |_, _| (Vec3::Y, Vec2::ZERO), |_, _| 1));
+    let height = |x: f32, y: f32| 2e-6 * (9.0 * x).sin() * (7.0 * y).cos();
+    let wave = sheet(40, |x, y| Vec3::new(x, height(x, y), y), |x, y| (Vec3::Y, Vec2::new(x, y)), |_, _| 0);
+    let bent = sheet(
+        40,
+        |x, y| Vec3::new(x, 0.0, y),
+        |x, y| ((Vec3::Y + 0.2 * Vec3::X * x * x).normalize(), Vec2::new(x + 0.02 * (6.0 * y).sin(), y)),
+        |_, _| 0,
+    );
+    for (name, scene) in [("ball", small), ("wave", wave), ("bent", bent)] {
+        let simple = simplify(&scene);
+        let share = simple.len() as f32 / scene.triangles.len() as f32;
+        for (from, to) in [(&all(&scene), &simple), (&simple, &all(&scene))] {
+            let (far, normals, uvs) = farthest(&scene, from, to);
+            println!("{name}: {share} of the triangles, {far} {normals} {uvs}");
+            assert!(share < 0.6, "{name}: {share} of the triangles are left");
+            // Rounding of f32 adds to what is allowed.
+            assert!(far <= 1.2 && normals <= 0.02 && uvs <= 1e-3, "{name}: {far} {normals} {uvs}");
+        }
+    }
+}
+
+#[test]
+fn what_is_closed_stays_closed() {
+    let (low, high) = (Vec3::splat(-1.0), Vec3::splat(1.0));
+    for n in [3, 17, 100] {
+        // Six sheets that share nothing but their places.
+        let mut cube = Scene { materials: vec![textured(); 2], ..Scene::default() };
+        for axis in 0..3 {
+            for side in [false, true] {
+                let at = |x: f32, y: f32| {
+                    let (u, v) = (axis + 1, axis + 2);
+                    let mut p = if side { high } else { low };
+                    let (x, y) = if side { (x, y) } else { (y, x) };
+                    (p[u % 3], p[v % 3]) = (2.0 * x - 1.0, 2.0 * y - 1.0);
+                    p
+                };
+                let normal = Vec3::AXES[axis] * if side { 1.0 } else { -1.0 };
+                add(&mut cube, &sheet(n, at, |x, y| (normal, Vec2::new(x, y)), |i, j| (i + j < n) as u32));
+            }
+        }
+        assert!(edges(&cube, &all(&cube)).values().all(|edge| *edge == (2, 0)));
+        let simple = simplify(&cube);
+        // Each side is cut across by a seam with n steps, and those stay.
+        println!("{} -> {}", cube.triangles.len(), simple.len());
+        assert!(simple.len() < cube.triangles.len() / n as usize * 8, "{}", simple.len());
+        assert!(edges(&cube, &simple).values().all(|edge| *edge == (2, 0)), "{n}: an edge is open");
+        for which in 0..2 {
+            let of = |triangles: &[[u32; 3]]| -> f64 {
+                let some = triangles.iter().filter(|t| material(&cube, **t) == which);
+                some.map(|t| area(positions(&cube, *t))).sum()
+            };
+            assert!((of(&simple) / of(&all(&cube)) - 1.0).abs() < 1e-5, "materials stay where they are");
+        }
+    }
+}
+
+#[test]
+fn seams_of_textures_and_borders_are_straightened_and_stay() {
+    // Two textures meet in the middle.
+    let side = |x: f32| Vec2::new(if x <= 0.5 { x } else { x + 3.0 }, 0.0);
+    let mut scene = sheet(32, |x, y| Vec3::new(0.5 * x, 0.0, y), |x, _| (Vec3::Y, side(0.5 * x)), |_, _| 0);
+    let right = sheet(
+        32,
+        |x, y| Vec3::new(0.5 + 0.5 * x, 0.0, y),
+        |x, _| (Vec3::Y, side(0.501 + 0.499 * x)),
+        |_, _| 0,
+    );
+    add(&mut scene, &right);
+    let simple = simplify(&scene);
+    assert_eq!(simple.len(), 4, "two triangles on each side of the seam");
+    let (far, _, uvs) = farthest(&scene, &all(&scene), &simple);
+    assert!(far < 0.5 && uvs < 1e-5, "{far} {uvs}");
+    // A round hole keeps its shape.
+    let mut pierced = flat(64);
+    let middle = |t: &[u32; 3]| t.iter().map(|i| pierced.positions[*i as usize]).sum::<Vec3>() / 3.0;
+    let is_in = |t: &[u32; 3]| middle(t).distance(Vec3::new(0.5, 0.0, 0.5)) > 0.3;
+    pierced.triangles = pierced.triangles.iter().copied().filter(is_in).collect();
+    pierced.triangle_material.truncate(pierced.triangles.len());
+    let simple = simplify(&pierced);
+    let of =
+        |triangles: &[[u32; 3]]| -> f64 { triangles.iter().map(|t| area(positions(&pierced, *t))).sum() };
+    let whole = all(&pierced);
+    assert!(simple.len() < whole.len() / 8, "{} of {}", simple.len(), whole.len());
+    assert!((of(&simple) / of(&whole) - 1.0).abs() < 1e-5, "{} of {}", of(&simple), of(&whole));
+}
+
+#[test]
+fn patches_join() {
+    // More triangles than one patch has.
+    let scene = flat(300);
+    assert!(scene.triangles.len() > 8 * ROUNDS[0]);
+    let simple = simplify(&scene);
+    assert_eq!(simple.len(), 2);
+    let open = edges(&scene, &simple).values().filter(|edge| edge.0 == 1).count();
+    assert_eq!(open, 4, "the sheet's own edges");
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(alone.install(|| simplify(&scene)), simple, "whoever works at it");
+}
+
+#[test]
+fn transparent_triangles_and_odd_ones_stay() {
+    let mut curtain = flat(8);
+    curtain.materials[0].alpha = Alpha::Mask { cutoff: 0.5 };
+    assert_unchanged(&curtain, &simplify(&curtain));
+    // Three sheets on one edge, two cones at one tip, a triangle without area, one that is there twice, not a number.
+    let mut odd = flat(8);
+    add(&mut odd, &sheet(8, |x, y| Vec3::new(x, y, 0.0), |_, _| (Vec3::Z, Vec2::ZERO), |_, _| 0));
+    add(&mut odd, &sheet(8, |x, y| Vec3::new(x, -y, 0.0), |_, _| (Vec3::Z, Vec2::ZERO), |_, _| 0));
+    let hub = odd.positions.len() as u32;
+    for i in 0..200 {
+        let turn = i as f32 * 0.3;
+        odd.positions.push(Vec3::new(turn.cos(), if i % 2 == 0 { 3.0 } else { 5.0 }, turn.sin()));
+        odd.normals.push(if i == 7 { Vec3::NAN } else { Vec3::Y });
+        odd.uvs.push(Vec2::ZERO);
+        odd.triangles.push([hub, hub + i, hub + (i + 2) % 200]);
+    }
+    odd.triangles.extend([[3, 3, 3], [3, 4, 3], [0, 1, 10], [0, 1, 10], [0, 10, 1]]);
+    odd.triangle_material.resize(odd.triangles.len(), 0);
+    let simple = simplify(&odd);
+    assert!(simple.len() < odd.triangles.len());
+    let (far, _, _) = farthest(&odd, &all(&flat(8)), &simple);
+    assert!(far <= 1.0, "{far}");
+}

@@ -1,0 +1,35 @@
+//! Things that are the same, among many: by all threads, and without a table that is far larger than a cache.
+
+use crate::random::mix;
+use rayon::prelude::*;
+
+/// For each of `count` things the first one with the same bits.
+pub fn firsts<const N: usize>(count: usize, bits: impl Fn(u32) -> [u32; N] + Sync) -> Vec<u32> {
+    let key = |i: u32| (bits(i).into_iter().fold(N as u64, |key, bits| mix(key ^ u64::from(bits))), i);
+    let mut order: Vec<(u64, u32)> = (0..count as u32).into_par_iter().map(key).collect();
+    order.par_sort_unstable();
+    let mut firsts = vec![0; count];
+    for alike in order.chunk_by(|a, b| a.0 == b.0) {
+        // Hardly ever do two that differ have one key.
+        for (k, &(_, i)) in alike.iter().enumerate() {
+            let known = alike[..k].iter().find(|other| bits(other.1) == bits(i));
+            firsts[i as usize] = known.map_or(i, |known| firsts[known.1 as usize]);
+        }
+    }
+    firsts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_is_told_the_first_one_like_it() {
+        let things = [[1, 2], [2, 1], [1, 2], [0, 0], [2, 1], [1, 2], [7, 7]];
+        assert_eq!(firsts(things.len(), |i| things[i as usize]), [0, 1, 0, 3, 1, 0, 6]);
+        assert!(firsts(0, |_| [0]).is_empty());
+        let count = 50_000;
+        let told = firsts(count, |i| [i % 777, 5]);
+        assert!(told.iter().enumerate().all(|(i, first)| *first == i as u32 % 777));
+    }
+}

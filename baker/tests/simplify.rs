@@ -1,0 +1,107 @@
+//! Rays find on the simplified surfaces what they find on the scene's.
+
+use glam::Vec3;
+use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::random::Stream;
+use rebounce::scene::{self, Scene};
+use rebounce::simplify::TOLERANCE;
+use rebounce::surface::{Hit, Ray, Surfaces};
+use rebounce::triangles::TriangleSurfaces;
+use split::split;
+use std::path::Path;
+
+#[path = "common/split.rs"]
+mod split;
+
+/// Whether two hits of a ray are on one surface, `allowed` being how far off it may be.
+fn is_same(a: &Hit, b: &Hit, direction: Vec3, allowed: f32) -> bool {
+    // What is off across the surface is off by more along a ray that hardly meets it.
+    let off = (a.distance - b.distance).abs() * direction.dot(a.geometric_normal).abs();
+    off <= allowed
+        && a.normal.distance(b.normal) < 0.02
+        && a.geometric_normal.dot(b.geometric_normal) > 0.99
+        && (a.albedo - b.albedo).abs().max_element() < 0.05
+        && (a.emission - b.emission).abs().max_element() < 1e-6
+}
+
+/// Of random rays, how many find something else.
+fn different(scene: &Scene, rays: u64) -> f64 {
+    let (whole, simple) = (TriangleSurfaces::from_scene(scene), TriangleSurfaces::simplified(scene));
+    assert!(simple.triangle_count() <= whole.triangle_count());
+    // Of two triangles at one place the first counts.
+    let mut turned = scene.clone();
+    turned.triangles.reverse();
+    turned.triangle_material.reverse();
+    turned.corner_colors.reverse();
+    let turned = TriangleSurfaces::from_scene(&turned);
+    let (low, high) = whole.bounds();
+    let size = (high - low).length();
+    let mut different = 0;
+    for i in 0..rays {
+        let mut stream = Stream::new(17, i);
+        let share = Vec3::new(stream.unit(), stream.unit(), stream.unit());
+        let (origin, direction) = (low + (high - low) * share, stream.sphere());
+        let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
+        let mut is_found = |found: &Hit| {
+            // Where two surfaces lie in one plane rounding says which of them is met: rays beside this one meet both.
+            (0..24).any(|k| {
+                let aside = if k < 2 { 0.0 } else { 1e-6 * size };
+                let ray = Ray { origin: origin + aside * stream.sphere(), ..ray };
+                whole
+                    .cast(&ray, 1)
+                    .is_some_and(|hit| is_same(&hit, found, direction, 1.5 * TOLERANCE * size + 2.0 * aside))
+            })
+        };
+        different += !match simple.cast(&ray, 1) {
+            None => whole.cast(&ray, 1).is_none(),
+            Some(hit) => is_found(&hit),
+        } as u64;
+    }
+    different as f64 / rays as f64
+}
+
+#[test]
+fn rays_find_what_is_there() {
+    for (name, n) in [("library", 1), ("apartment", 1), ("library", 5), ("two-rooms-door", 6)] {
+        let mut scene = scene::load(&format!("builtin:{name}")).unwrap();
+        if n > 1 {
+            split(&mut scene, n);
+        }
+        let share = different(&scene, 100_000);
+        println!("{name}, cut into {n} x {n}: {share}");
+        // Where the edge of one thing is before another one, which of them it is may change.
+        assert!(share < 2e-3, "{name}, cut into {n} x {n}: {share}");
+    }
+}
+
+#[test]
+fn rays_find_what_is_there_in_given_scenes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
+    for name in ["sponza-dabrovic", "living-room", "kitchen"] {
+        let path = folder.join(name).join(format!("{name}.glb"));
+        let Some(path) = path.to_str().filter(|_| path.exists()) else { continue };
+        let share = different(&scene::load(path).unwrap(), 100_000);
+        println!("{name}: {share}");
+        assert!(share < 2e-3, "{name}: {share}");
+    }
+}
+
+#[test]
+fn a_bake_does_not_see_how_its_surfaces_are_cut_up() {
+    let mut scene = scene::load("builtin:two-rooms-door").unwrap();
+    let mut settings = BakeSettings::new(Preset::Draft);
+    settings.place.functions = 2_000;
+    settings.operator.rays = vec![256];
+    let (whole, report) = bake(&scene, &settings, &()).unwrap();
+    assert_eq!(report.ray_triangles, report.triangles, "nothing in it can be simpler");
+    split(&mut scene, 16);
+    let (many, report) = bake(&scene, &settings, &()).unwrap();
+    assert_eq!(report.triangles, 256 * whole.indices.len() as u64 / 3);
+    println!("{} triangles, {} for rays", report.triangles, report.ray_triangles);
+    assert!(20 * report.ray_triangles < report.triangles, "{}", report.ray_triangles);
+    assert_eq!(many.indices.len(), 256 * whole.indices.len(), "what is shown stays as it was");
+    // As many functions and links, up to chance.
+    let close = |a: usize, b: usize| (a as f64 / b as f64 - 1.0).abs() < 0.05;
+    assert!(close(many.points.len(), whole.points.len()), "{} {}", many.points.len(), whole.points.len());
+    assert!(close(many.link_count(), whole.link_count()), "{} {}", many.link_count(), whole.link_count());
+}
