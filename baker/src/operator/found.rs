@@ -30,6 +30,12 @@ struct Landed {
     tile: Option<u32>,
 }
 
+/// Which functions a hit is to be looked at for.
+struct Asked {
+    senders: bool,
+    coarse: bool,
+}
+
 /// Rays of some receivers, and what they find.
 #[derive(Default)]
 pub struct Found {
@@ -99,7 +105,8 @@ impl Found {
                     let hit = context.surfaces.cast(ray, *seed);
                     if let Some(hit) = hit.filter(|hit| hit.albedo != Vec3::ZERO && hit.faces(ray.direction))
                     {
-                        self.look_at(context, number, hit.position, hit.normal, hit.albedo);
+                        let asked = Asked { senders: true, coarse: (number as usize) < self.coarse.len() };
+                        self.look_at(context, number, asked, hit.position, hit.normal, hit.albedo);
                     }
                 }
             }
@@ -124,17 +131,19 @@ impl Found {
             true => tiles.coarse.number(place, distance).and_then(|tile| tiles.coarse.shares(tile)),
             false => Some(Shares::NOTHING),
         };
-        if let (Some(senders), Some(coarse)) = (senders, coarse) {
-            let share = self.rays.shares[at];
+        let share = self.rays.shares[at];
+        if let Some(senders) = senders {
             self.brought[at] = senders.scaled(share);
-            if is_coarse {
-                self.coarse[at] = coarse.scaled(share);
-            }
-            return;
         }
-        let spread = self.rays.rays[at].0.spread;
-        let spot = pieces.spot(place, (spread * distance).powi(2));
-        self.look_at(context, number, spot.position, spot.normal, spot.albedo);
+        if let Some(coarse) = coarse.filter(|_| is_coarse) {
+            self.coarse[at] = coarse.scaled(share);
+        }
+        if senders.is_none() || coarse.is_none() {
+            let spread = self.rays.rays[at].0.spread;
+            let spot = pieces.spot(place, (spread * distance).powi(2));
+            let asked = Asked { senders: senders.is_none(), coarse: coarse.is_none() };
+            self.look_at(context, number, asked, spot.position, spot.normal, spot.albedo);
+        }
     }
 
     /// Looks for the functions that cover what one ray hits.
@@ -143,6 +152,7 @@ impl Found {
         &mut self,
         context: &GatherContext<S>,
         number: u32,
+        asked: Asked,
         position: Vec3,
         normal: Vec3,
         albedo: Vec3,
@@ -162,8 +172,10 @@ impl Found {
                 false => Shares::of(weighed, chance),
             }
         };
-        self.brought[number] = shares(context.senders);
-        if number < self.coarse.len() && !self.brought[number].is_lost() {
+        if asked.senders {
+            self.brought[number] = shares(context.senders);
+        }
+        if asked.coarse && !self.brought[number].is_lost() {
             self.coarse[number] = shares(context.coarse);
         }
     }

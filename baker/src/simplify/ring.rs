@@ -86,11 +86,13 @@ impl Ring {
         let (mut end, mut looked_at) = (sides.len().min(1), 0);
         while looked_at < end {
             let ends = sides[looked_at].ends;
-            for i in end..sides.len() {
+            let mut i = end;
+            while i < sides.len() {
                 if sides[i].ends.iter().any(|vertex| ends.contains(vertex)) {
                     sides.swap(i, end);
                     end += 1;
                 }
+                i += 1;
             }
             looked_at += 1;
         }

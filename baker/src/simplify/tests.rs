@@ -2,6 +2,8 @@ use super::*;
 use crate::random::Stream;
 use crate::scene;
 use std::collections::HashMap;
+use std::iter::Sum;
+use std::ops::Mul;
 
 /// A sheet of n x n squares over the unit square, two triangles each; `at` says where a place is, `look` its normal and
 /// texture coordinates, `material` what the square is of.
@@ -107,10 +109,7 @@ fn nearest([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
     best.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap().1
 }
 
-fn mean<T: std::iter::Sum<T>>(shares: [f32; 3], of: impl Fn(usize) -> T) -> T
-where
-    T: std::ops::Mul<f32, Output = T>,
-{
+fn mean<T: Sum<T> + Mul<f32, Output = T>>(shares: [f32; 3], of: impl Fn(usize) -> T) -> T {
     (0..3).map(|k| of(k) * shares[k]).sum()
 }
 
