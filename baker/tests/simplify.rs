@@ -4,12 +4,14 @@ use glam::Vec3;
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::random::Stream;
 use rebounce::scene::{self, Scene};
-use rebounce::simplify::TOLERANCE;
+use rebounce::simplify::{TOLERANCE, simplify};
 use rebounce::surface::{Hit, Ray, Surfaces};
 use rebounce::triangles::TriangleSurfaces;
 use split::split;
 use std::path::Path;
 
+#[path = "common/soup.rs"]
+mod soup;
 #[path = "common/split.rs"]
 mod split;
 
@@ -104,4 +106,18 @@ fn a_bake_does_not_see_how_its_surfaces_are_cut_up() {
     let close = |a: usize, b: usize| (a as f64 / b as f64 - 1.0).abs() < 0.05;
     assert!(close(many.points.len(), whole.points.len()), "{} {}", many.points.len(), whole.points.len());
     assert!(close(many.link_count(), whole.link_count()), "{} {}", many.link_count(), whole.link_count());
+}
+
+#[test]
+fn any_triangles_keep_their_place_and_area() {
+    let mut fewer = 0;
+    for i in 0..3_000 {
+        let mut stream = Stream::new(23, i);
+        let length = (200.0 * stream.unit()) as usize;
+        let bytes: Vec<u8> = (0..length).map(|_| (256.0 * stream.unit()) as u8).collect();
+        let scene = soup::soup(&bytes);
+        soup::keeps_promises(&scene);
+        fewer += (simplify(&scene).len() < scene.triangles.len()) as u32;
+    }
+    assert!(fewer > 2_000, "{fewer} became simpler");
 }

@@ -119,7 +119,11 @@ fn sectors(patch: &Patch, vertex: u32, ring: &Ring) -> Option<Sectors<Sector>> {
         if error > 1.0 {
             return None;
         }
+        // A fold may reach beyond what is around it.
         let roundness = ends().map(|[a, b]| roundness(Vec3::ZERO, a, b, normal)).fold(1.0, f32::min);
+        if roundness <= 0.0 {
+            return None;
+        }
         (sector.normal, sector.error, sector.roundness) = (normal, error, roundness);
         Some(sector)
     };

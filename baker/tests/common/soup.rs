@@ -1,0 +1,110 @@
+//! Scenes of few triangles, out of any bytes: a sheet with steps, holes, folds, seams, edges of many triangles, and
+//! triangles that are there twice or have no area.
+
+use glam::{DVec3, Vec2, Vec3};
+use rebounce::scene::Scene;
+use rebounce::simplify::{TOLERANCE, simplify};
+use rebounce_shared::rbn::meta::{Alpha, Material};
+
+/// Squares of the sheet along each axis.
+const SIDE: u32 = 8;
+
+/// The scene that these bytes say: four for each thing that is changed.
+pub fn soup(bytes: &[u8]) -> Scene {
+    let textured = Material { base_color_texture: Some(0), ..Material::default() };
+    let curtain = Material { alpha: Alpha::Blend, ..Material::default() };
+    let mut scene = Scene { materials: vec![Material::default(), textured, curtain], ..Scene::default() };
+    let corner = |i: u32, j: u32| j * (SIDE + 1) + i;
+    for (i, j) in (0..=SIDE).flat_map(|j| (0..=SIDE).map(move |i| (i, j))) {
+        scene.positions.push(Vec3::new(i as f32, 0.0, j as f32));
+        scene.normals.push(Vec3::Y);
+        scene.uvs.push(Vec2::new(i as f32, j as f32) / SIDE as f32);
+    }
+    for (i, j) in (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j))) {
+        let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+        scene.triangles.extend([[a, c, b], [a, d, c]]);
+    }
+    scene.triangle_material = vec![1; scene.triangles.len()];
+    for change in bytes.as_chunks::<4>().0.iter().take(100) {
+        let [what, a, b, c] = change.map(usize::from);
+        let (vertex, triangle) = (a % scene.positions.len(), a % scene.triangles.len());
+        match what % 8 {
+            0 => scene.positions[vertex].y = b as f32 / 64.0,
+            1 => (scene.positions[vertex].x, scene.positions[vertex].z) = ((b % 9) as f32, (c % 9) as f32),
+            2 => scene.normals[vertex] = [Vec3::X, Vec3::Y, Vec3::ZERO][b % 3],
+            3 => scene.uvs[vertex] = Vec2::new(b as f32, c as f32) / 16.0,
+            4 => scene.triangle_material[triangle] = (b % 3) as u32,
+            5 => {
+                scene.triangles.push([a, b, c].map(|i| (i % scene.positions.len()) as u32));
+                scene.triangle_material.push((a % 3) as u32);
+            }
+            6 => {
+                let twin = scene.positions[vertex];
+                scene.triangles[b % SIDE as usize * 3] = [c % 81, (c + 1) % 81, a % 81].map(|i| i as u32);
+                scene.positions.push(twin);
+                scene.normals.push(scene.normals[vertex]);
+                scene.uvs.push(Vec2::ZERO);
+            }
+            _ if scene.triangles.len() > 1 => {
+                scene.triangles.swap_remove(triangle);
+                scene.triangle_material.swap_remove(triangle);
+            }
+            _ => {}
+        }
+    }
+    scene
+}
+
+/// What is left is made of the scene's corners, one material a triangle, has as much area of each of them, and is where
+/// the scene was.
+pub fn keeps_promises(scene: &Scene) {
+    let simple = simplify(scene);
+    let vertex = |corner: u32| scene.triangles[corner as usize / 3][corner as usize % 3] as usize;
+    let material = |corners: [u32; 3]| {
+        let of = corners.map(|corner| scene.triangle_material[corner as usize / 3]);
+        assert!(of[0] == of[1] && of[1] == of[2], "one material a triangle");
+        of[0]
+    };
+    let positions = |corners: [u32; 3]| corners.map(|corner| scene.positions[vertex(corner)].as_dvec3());
+    let whole: Vec<[u32; 3]> =
+        (0..scene.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    assert!(simple.len() <= whole.len());
+    for which in 0..scene.materials.len() as u32 {
+        let area = |triangles: &[[u32; 3]]| -> f64 {
+            let some = triangles.iter().filter(|corners| material(**corners) == which);
+            some.map(|corners| area(positions(*corners))).sum()
+        };
+        let (before, after) = (area(&whole), area(&simple));
+        assert!((before - after).abs() <= 1e-3 * before.max(1.0), "{before} became {after}");
+    }
+    let (low, high) = scene.bounds();
+    let allowed = 1.5 * (TOLERANCE * (high - low).length()) as f64;
+    for corners in &whole {
+        for p in positions(*corners) {
+            let far =
+                simple.iter().map(|corners| distance(positions(*corners), p)).fold(f64::INFINITY, f64::min);
+            assert!(far <= allowed, "{p} is {far} off");
+        }
+    }
+}
+
+fn area([a, b, c]: [DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// From a point to a triangle.
+fn distance([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let edges = [(a, b), (b, c), (c, a)];
+    if normal.length_squared() > 0.0
+        && edges.iter().all(|(from, to)| (*to - *from).cross(p - *from).dot(normal) >= 0.0)
+    {
+        return (p - a).dot(normal).abs() / normal.length();
+    }
+    let to_edge = |(from, to): &(DVec3, DVec3)| {
+        let along = *to - *from;
+        let share = ((p - *from).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        p.distance(*from + share * along)
+    };
+    edges.iter().map(to_edge).fold(f64::INFINITY, f64::min)
+}
