@@ -5,15 +5,19 @@ use rayon::prelude::*;
 
 /// For each of `count` things the first one with the same bits.
 pub fn firsts<const N: usize>(count: usize, bits: impl Fn(u32) -> [u32; N] + Sync) -> Vec<u32> {
-    let key = |i: u32| (bits(i).into_iter().fold(N as u64, |key, bits| mix(key ^ u64::from(bits))), i);
-    let mut order: Vec<(u64, u32)> = (0..count as u32).into_par_iter().map(key).collect();
+    // Half of it is a key, half the number: eight bytes are sorted faster than sixteen.
+    let key = |i: u32| {
+        let key = bits(i).into_iter().fold(N as u64, |key, bits| mix(key ^ u64::from(bits)));
+        key & !u64::from(u32::MAX) | u64::from(i)
+    };
+    let mut order: Vec<u64> = (0..count as u32).into_par_iter().map(key).collect();
     order.par_sort_unstable();
     let mut firsts = vec![0; count];
-    for alike in order.chunk_by(|a, b| a.0 == b.0) {
-        // Hardly ever do two that differ have one key.
-        for (k, &(_, i)) in alike.iter().enumerate() {
-            let known = alike[..k].iter().find(|other| bits(other.1) == bits(i));
-            firsts[i as usize] = known.map_or(i, |known| firsts[known.1 as usize]);
+    for alike in order.chunk_by(|a, b| a >> 32 == b >> 32) {
+        // Few that differ have one key.
+        for (k, &i) in alike.iter().enumerate() {
+            let known = alike[..k].iter().find(|other| bits(**other as u32) == bits(i as u32));
+            firsts[i as u32 as usize] = known.map_or(i as u32, |known| firsts[*known as u32 as usize]);
         }
     }
     firsts
