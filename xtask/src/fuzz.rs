@@ -14,7 +14,7 @@ struct Target {
     sanitized: bool,
 }
 
-const TARGETS: [Target; 7] = [
+const TARGETS: [Target; 8] = [
     Target { name: "file", size: 1 << 15, sanitized: false },
     Target { name: "section", size: 1 << 14, sanitized: false },
     Target { name: "scene", size: 1 << 15, sanitized: false },
@@ -22,6 +22,7 @@ const TARGETS: [Target; 7] = [
     Target { name: "gltf", size: 1 << 14, sanitized: true },
     Target { name: "shot", size: 1 << 11, sanitized: false },
     Target { name: "checkpoint", size: 1 << 15, sanitized: false },
+    Target { name: "simplify", size: 400, sanitized: false },
 ];
 /// An input that takes longer is a failure, seconds.
 const SLOW: u32 = 1;

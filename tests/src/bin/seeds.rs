@@ -42,7 +42,9 @@ fn main() -> Result<()> {
     let shot = r#"{"size": [8, 4], "camera": {"position": [0, 1, 2], "target": [0, 0, 0], "up": [0, 1, 0],
         "yfov_deg": 45}, "lights": [{"type": "spot", "position": [0, 1, 0], "direction": [0, -1, 0],
         "intensity": 3, "color": [1, 1, 1], "inner_cone_deg": 20, "outer_cone_deg": 30}]}"#;
-    write("shot", "spot", shot.as_bytes())
+    write("shot", "spot", shot.as_bytes())?;
+    // A step, a hole, a fold, a seam, a triangle across.
+    write("simplify", "sheet", &[0, 40, 64, 0, 7, 9, 0, 0, 1, 30, 2, 2, 4, 77, 0, 0, 5, 3, 60, 30])
 }
 
 /// The checkpoint of a small bake, said to be of a draft of the same scene, as the target expects.
