@@ -69,6 +69,11 @@ fn rays_find_what_is_there() {
         if n > 1 {
             split(&mut scene, n);
         }
+        if name == "two-rooms-door" {
+            let color = |i: u32| (0.5 + 0.05 * scene.positions[i as usize]).clamp(Vec3::ZERO, Vec3::ONE);
+            scene.corner_colors = scene.triangles.iter().map(|t| t.map(color)).collect();
+            assert!(4 * simplify(&scene).len() < scene.triangles.len(), "colours that change evenly");
+        }
         let share = different(&scene, 100_000);
         println!("{name}, cut into {n} x {n}: {share}");
         // Where the edge of one thing is before another one, which of them it is may change.
