@@ -41,7 +41,7 @@ const VALUE_EPSILON: f32 = 0.5;
 
 /// Rays that are cast and kept at once, for as many receivers as they are enough for: so many that those that go alike
 /// are some, and so few that they stay near.
-const TOGETHER: usize = 1 << 13;
+const TOGETHER: usize = 1 << 12;
 
 /// What one gather leaves besides links.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
