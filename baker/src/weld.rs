@@ -13,11 +13,13 @@ pub fn firsts<const N: usize>(count: usize, bits: impl Fn(u32) -> [u32; N] + Syn
     let mut order: Vec<u64> = (0..count as u32).into_par_iter().map(key).collect();
     order.par_sort_unstable();
     let mut firsts = vec![0; count];
-    for alike in order.chunk_by(|a, b| a >> 32 == b >> 32) {
+    for alike in order.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
         // Few that differ have one key.
-        for (k, &i) in alike.iter().enumerate() {
-            let known = alike[..k].iter().find(|other| bits(**other as u32) == bits(i as u32));
-            firsts[i as u32 as usize] = known.map_or(i as u32, |known| firsts[*known as u32 as usize]);
+        if alike.len() > 1 {
+            alike.sort_unstable_by_key(|i| (bits(*i as u32), *i));
+        }
+        for same in alike.chunk_by(|a, b| bits(*a as u32) == bits(*b as u32)) {
+            same.iter().for_each(|i| firsts[*i as u32 as usize] = same[0] as u32);
         }
     }
     firsts

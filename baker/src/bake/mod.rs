@@ -1,5 +1,4 @@
 //! The whole bake: from a scene to a file's contents.
-
 //!
 //! * [`observer`] – what a bake tells, and what it can be told;
 //! * `transport` – the stages in order; `assemble` – the file's contents;

@@ -11,7 +11,7 @@ mod cut;
 pub mod dart;
 mod fill;
 mod footprint;
-mod morton;
+pub(crate) mod morton;
 pub mod place;
 pub mod round;
 pub mod viewpoint;

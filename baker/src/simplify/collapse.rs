@@ -1,6 +1,6 @@
 //! Whether a vertex can go, and which neighbour takes its place.
 
-use super::patch::{Look, Patch};
+use super::patch::{COLOR, Look, NORMAL, Patch, UV};
 use super::ring::{MOST, Ring, Side};
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -53,6 +53,7 @@ pub fn collapse_all(patch: &mut Patch) {
                 if ring.seams.len() > 2
                     && let Some(new) = ring.part(patch, vertex)
                 {
+                    changed[vertex as usize] = pass;
                     changed.push(pass);
                     next.extend([vertex, new]);
                 }
@@ -83,7 +84,7 @@ fn collapse(patch: &mut Patch, vertex: u32, ring: &mut Ring) -> Option<()> {
     candidates.retain(|candidate| candidate.0 > 0.0 && candidate.0 >= least);
     candidates.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let (to, after) = candidates.iter().find_map(|&(_, to)| {
-        let after = looks_after(patch, vertex, ring, &sectors, to)?;
+        let after = corners_after(patch, vertex, ring, &sectors, to)?;
         stays_a_surface(patch, ring, to).then_some((to, after))
     })?;
     for (sector, &(look, error)) in sectors.iter().zip(&after) {
@@ -99,6 +100,7 @@ fn collapse(patch: &mut Patch, vertex: u32, ring: &mut Ring) -> Option<()> {
             patch.link(side.corner, to);
         }
     }
+    patch.forget(vertex);
     Some(())
 }
 
@@ -114,9 +116,9 @@ fn sectors(patch: &Patch, vertex: u32, ring: &Ring) -> Option<Sectors<Sector>> {
         for height in ends().flatten().map(|end| end.dot(normal)) {
             (low, high) = (low.min(height), high.max(height));
         }
+        let off = (high - low) / patch.tolerance;
         let before = sector.sides(ring).iter().map(|side| side.error).fold(0.0, f32::max);
-        let error = before + (high - low) / patch.tolerance;
-        if error > 1.0 {
+        if before + off > 1.0 {
             return None;
         }
         // A fold may reach beyond what is around it.
@@ -124,10 +126,47 @@ fn sectors(patch: &Patch, vertex: u32, ring: &Ring) -> Option<Sectors<Sector>> {
         if roundness <= 0.0 {
             return None;
         }
-        (sector.normal, sector.error, sector.roundness) = (normal, error, roundness);
-        Some(sector)
+        (sector.normal, sector.roundness) = (normal, roundness);
+        sector.error = before + off.max(bend(patch, sector.sides(ring), place, normal)?);
+        (sector.error <= 1.0).then_some(sector)
     };
     ring.sectors.iter().map(sector).collect()
+}
+
+/// How far the looks around a vertex are from changing evenly, 1 being all that is allowed: what is between them, however
+/// they are joined by triangles, differs by no more. `place` says where a vertex is from there.
+fn bend(patch: &Patch, sides: &[Side], place: impl Fn(u32) -> Vec3, normal: Vec3) -> Option<f32> {
+    let look = |look: u32| &patch.looks[look as usize];
+    // What the largest triangle says of the places beyond it.
+    let area = |side: &Side| place(side.ends[0]).cross(place(side.ends[1])).dot(normal);
+    let largest = sides.iter().max_by(|p, q| area(p).total_cmp(&area(q)))?;
+    let ([a, b], scale) = (largest.ends.map(&place), 1.0 / area(largest));
+    let told = largest.looks.map(look);
+    let last = sides.last()?;
+    let ends = sides.iter().map(|side| (side.ends[0], side.looks[1])).chain([(last.ends[1], last.looks[2])]);
+    let ends: SmallVec<[(&Look, f32, f32); MOST + 1]> = ends
+        .map(|(end, k)| {
+            let at = place(end);
+            (look(k), at.cross(b).dot(normal) * scale, a.cross(at).dot(normal) * scale)
+        })
+        .collect();
+    // The size of the box that the rests are in.
+    let rests = |of: fn(&Look) -> Vec3| {
+        let [l, p, q] = told.map(of);
+        if p == l && q == l && ends.iter().all(|end| of(end.0) == l) {
+            return Vec3::ZERO;
+        }
+        let (mut low, mut high, mut sum) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+        for (look, u, v) in &ends {
+            let rest = of(look) - (l + *u * (p - l) + *v * (q - l));
+            (low, high, sum) = (low.min(rest), high.max(rest), sum + rest);
+        }
+        // What is not a number is not in any box.
+        if sum.is_finite() { high - low } else { Vec3::INFINITY }
+    };
+    let off = rests(|look| look.normal).length() / NORMAL;
+    let off = off.max(rests(|look| look.uv.extend(0.0)).max_element() / UV);
+    Some(off.max(rests(|look| look.color).max_element() / COLOR))
 }
 
 /// A triangle's height over its longest side, seen along a normal: negative from behind.
@@ -149,61 +188,32 @@ fn roundness_after(patch: &Patch, ring: &Ring, sectors: &[Sector], to: u32) -> f
 
 /// What each sector's triangles look like at the corner that takes the vertex' place, and how far they are then from what
 /// they were; `None` where that is too far.
-fn looks_after(
+fn corners_after(
     patch: &Patch,
     vertex: u32,
     ring: &Ring,
     sectors: &[Sector],
     to: u32,
 ) -> Option<Sectors<(u32, f32)>> {
-    let at = patch.positions[vertex as usize];
-    let place = |v: u32| patch.positions[v as usize] - at;
-    let look = |look: u32| patch.looks[look as usize];
     // Between two seams' ends there is the vertex.
-    let line = match ring.seams.iter().find(|other| **other != to) {
-        None => None,
+    let off = match ring.seams.iter().find(|other| **other != to) {
+        None => 0.0,
         Some(&from) => {
-            let (a, b) = (place(from), place(to));
-            let along = b - a;
+            let [at, from, to] = [vertex, from, to].map(|v| patch.positions[v as usize]);
+            let (a, along) = (from - at, to - from);
             let share = -a.dot(along) / along.length_squared();
             if !(share > 0.0 && share < 1.0) {
                 return None;
             }
-            Some((from, share, (a + share * along).length() / patch.tolerance))
+            (a + share * along).length() / patch.tolerance
         }
     };
     let after = |sector: &Sector| {
-        let at_end = |end: u32| {
-            sector.sides(ring).iter().find_map(|side| {
-                let k = side.ends.iter().position(|other| *other == end)?;
-                Some(side.looks[k + 1])
-            })
-        };
-        let before = look(sector.sides(ring)[0].looks[0]);
-        let taken = at_end(to)?;
-        let (mixed, off) = match line {
-            Some((from, share, off)) => {
-                (Look::mix([look(at_end(from)?), look(taken)], [1.0 - share, share]), off)
-            }
-            None => {
-                // The triangle that will be where the vertex was.
-                let around = |side: &Side| {
-                    let [a, b, v] = [place(side.ends[0]), place(side.ends[1]), place(to)];
-                    [a.cross(b), b.cross(v), v.cross(a)].map(|area| area.dot(sector.normal))
-                };
-                let left = sector
-                    .sides(ring)
-                    .iter()
-                    .filter(|side| !side.ends.contains(&to))
-                    .map(|side| (side, around(side)));
-                let (side, areas) =
-                    left.max_by(|(_, p), (_, q)| p[1].min(p[2]).total_cmp(&q[1].min(q[2])))?;
-                let total: f32 = areas.iter().sum();
-                let looks = [taken, side.looks[1], side.looks[2]].map(look);
-                (Look::mix(looks, areas.map(|area| area / total)), 0.0)
-            }
-        };
-        let error = sector.error + off.max(before.distance(&mixed));
+        let taken = sector.sides(ring).iter().find_map(|side| {
+            let k = side.ends.iter().position(|end| *end == to)?;
+            Some(side.looks[k + 1])
+        })?;
+        let error = sector.error + off;
         (error <= 1.0).then_some((taken, error))
     };
     sectors.iter().map(after).collect()
@@ -211,9 +221,10 @@ fn looks_after(
 
 /// Whether no edge gets more triangles than it has, and the neighbour does not get too many.
 fn stays_a_surface(patch: &mut Patch, ring: &Ring, to: u32) -> bool {
-    let beside = |end: u32| ring.sides.iter().any(|side| side.ends == [end, to] || side.ends == [to, end]);
-    let far: SmallVec<[u32; MOST]> =
-        ring.ends.iter().copied().filter(|end| *end != to && !beside(*end)).collect();
+    let beside: SmallVec<[[u32; 2]; 4]> =
+        ring.sides.iter().map(|side| side.ends).filter(|ends| ends.contains(&to)).collect();
+    let is_far = |end: &u32| !beside.iter().any(|ends| ends.contains(end));
+    let far: SmallVec<[u32; MOST]> = ring.ends.iter().copied().filter(is_far).collect();
     // Both have the triangles between them, which go.
     let mut count = 0;
     let visited = patch.corners(to, |_, triangle| {

@@ -16,22 +16,28 @@ mod ring;
 #[cfg(test)]
 mod tests;
 
+use crate::points::morton;
 use crate::scene::Scene;
 use crate::weld::firsts;
 use glam::{Vec2, Vec3};
 use patch::{Look, Patch};
 use rayon::prelude::*;
-use rebounce_shared::rbn::meta::{Alpha, Material};
+use rebounce_shared::rbn::meta::Material;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// How far the simplified surface may be from the scene's, as a share of the scene's diagonal.
 pub const TOLERANCE: f32 = 1e-6;
 
-/// Triangles that one thread simplifies by themselves, round by round: vertices that others have, too, wait for a round
-/// with larger patches. The first ones fit a processor's cache.
-const ROUNDS: [usize; 4] = [1 << 14, 1 << 16, 1 << 18, 1 << 20];
+/// Triangles that one thread simplifies by themselves at first: they fit a processor's cache.
+pub const TOGETHER: usize = 1 << 14;
+/// Vertices that others have, too, wait for a round with so much larger patches.
+const WIDER: usize = 4;
+/// Rounds at most.
+const ROUNDS: usize = 4;
 /// The share of triangles that a round must take away for another one to be worth it.
 const WORTH_IT: f32 = 0.1;
+/// The share of places that patches may have together before their triangles are put in order.
+const MIXED: f32 = 0.3;
 /// No patch, and more than one.
 const NOBODY: u32 = u32::MAX;
 const MANY: u32 = u32::MAX - 1;
@@ -40,6 +46,8 @@ const MANY: u32 = u32::MAX - 1;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cut {
     corners: [u32; 3],
+    /// The scene's triangle that it was.
+    number: u32,
     /// How far it may be from what it stands for, 1 being all that is allowed.
     error: f32,
 }
@@ -91,12 +99,13 @@ impl Source<'_> {
 
 /// The triangles for rays: each corner is three times the number of one of the scene's triangles and which of its corners
 /// it is, with its normal, texture coordinates, colour and material. All three corners have one material. In the scene's
-/// order.
-pub fn simplify(scene: &Scene) -> Vec<[u32; 3]> {
+/// order. `is_opaque` says of each material whether rays never go through it; triangles of others stay. A thread takes
+/// `together` triangles at first, [`TOGETHER`] being fastest; the result depends on it, and on nothing else.
+pub fn simplify(scene: &Scene, is_opaque: impl Fn(usize) -> bool, together: usize) -> Vec<[u32; 3]> {
     let (low, high) = scene.bounds();
-    let kind = |m: &Material| Kind {
+    let kind = |(i, m): (usize, &Material)| Kind {
         is_textured: m.base_color_texture.is_some(),
-        is_transparent: m.alpha != Alpha::Opaque,
+        is_transparent: !is_opaque(i),
     };
     // Zero has two signs.
     let position = |i: u32| (scene.positions[i as usize] + 0.0).to_array().map(f32::to_bits);
@@ -104,22 +113,42 @@ pub fn simplify(scene: &Scene) -> Vec<[u32; 3]> {
         scene,
         places: firsts(scene.positions.len(), position),
         tolerance: TOLERANCE * (high - low).length(),
-        materials: scene.materials.iter().map(kind).collect(),
+        materials: scene.materials.iter().enumerate().map(kind).collect(),
     };
-    let corners = |t: u32| Cut { corners: [3 * t, 3 * t + 1, 3 * t + 2], error: 0.0 };
+    let corners = |t: u32| Cut { corners: [3 * t, 3 * t + 1, 3 * t + 2], number: t, error: 0.0 };
     let mut triangles: Vec<Cut> = (0..scene.triangles.len() as u32).into_par_iter().map(corners).collect();
-    for together in ROUNDS {
+    let (mut together, mut is_sorted) = (together.max(1), true);
+    for _ in 0..ROUNDS {
         let before = triangles.len();
-        triangles = round(&source, &triangles, together);
-        if before <= together || (before - triangles.len()) as f32 <= WORTH_IT * before as f32 {
+        let Round { left, shared } = round(&source, &triangles, together);
+        triangles = left;
+        let is_mixed = shared > MIXED;
+        if before <= together || !is_mixed && (before - triangles.len()) as f32 <= WORTH_IT * before as f32 {
             break;
         }
+        if is_mixed {
+            // What lies together is all over the file.
+            let code = |cut: &Cut| morton::code(scene.positions[source.vertex(cut.corners[0])], low, high);
+            triangles.par_sort_by_cached_key(|cut| (code(cut), cut.number));
+            is_sorted = false;
+        }
+        together *= WIDER;
+    }
+    if !is_sorted {
+        triangles.par_sort_unstable_by_key(|cut| cut.number);
     }
     triangles.into_iter().map(|cut| cut.corners).collect()
 }
 
+/// What a round leaves.
+struct Round {
+    left: Vec<Cut>,
+    /// The share of places that more than one patch has.
+    shared: f32,
+}
+
 /// Simplifies each patch of triangles but for what it shares with others.
-fn round(source: &Source, triangles: &[Cut], together: usize) -> Vec<Cut> {
+fn round(source: &Source, triangles: &[Cut], together: usize) -> Round {
     let users: Vec<AtomicU32> =
         (0..source.places.len()).into_par_iter().map(|_| AtomicU32::new(NOBODY)).collect();
     triangles.par_chunks(together).enumerate().for_each(|(patch, some)| {
@@ -136,11 +165,14 @@ fn round(source: &Source, triangles: &[Cut], together: usize) -> Vec<Cut> {
             }
         }
     });
+    let count =
+        |is: fn(u32) -> bool| users.par_iter().filter(|user| is(user.load(Ordering::Relaxed))).count();
+    let shared = count(|user| user == MANY) as f32 / count(|user| user != NOBODY).max(1) as f32;
     let is_shared = |place: u32| users[place as usize].load(Ordering::Relaxed) == MANY;
     let simplified = triangles.par_chunks(together).map(|some| {
         let mut patch = Patch::new(source, some, is_shared);
         collapse::collapse_all(&mut patch);
         patch.finish()
     });
-    simplified.collect::<Vec<_>>().concat()
+    Round { left: simplified.collect::<Vec<_>>().concat(), shared }
 }

@@ -9,13 +9,13 @@ use std::ops::ControlFlow;
 /// No corner, no vertex.
 pub const NONE: u32 = u32::MAX;
 /// Places are near each other where there are at most so many for each triangle.
-const NEAR: usize = 128;
+const NEAR: usize = 16;
 
 /// How far normals, texture coordinates and colours may be from what they were: a half of a degree, half a texel of 1,024,
 /// a step of 8 bits.
-const NORMAL: f32 = 0.01;
-const UV: f32 = 0.5 / 1024.0;
-const COLOR: f32 = 1.0 / 256.0;
+pub const NORMAL: f32 = 0.01;
+pub const UV: f32 = 0.5 / 1024.0;
+pub const COLOR: f32 = 1.0 / 256.0;
 
 /// What a corner looks like; neighbours that look alike at an edge go on smoothly there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,33 +27,14 @@ pub struct Look {
     pub material: u32,
 }
 
-impl Look {
-    /// The mean by these shares.
-    pub fn mix<const N: usize>(looks: [Self; N], shares: [f32; N]) -> Self {
-        let of = looks.iter().zip(shares);
-        Self {
-            normal: of.clone().map(|(look, share)| look.normal * share).sum(),
-            uv: of.clone().map(|(look, share)| look.uv * share).sum(),
-            color: of.map(|(look, share)| look.color * share).sum(),
-            material: looks[0].material,
-        }
-    }
-
-    /// How far two are from each other, 1 being all that is allowed.
-    pub fn distance(&self, other: &Self) -> f32 {
-        let normal = self.normal.distance(other.normal) / NORMAL;
-        let uv = (self.uv - other.uv).abs().max_element() / UV;
-        let color = (self.color - other.color).abs().max_element() / COLOR;
-        normal.max(uv).max(color)
-    }
-}
-
 /// A triangle of a patch.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
     pub vertices: [u32; 3],
     /// Indices of the corners' looks.
     pub looks: [u32; 3],
+    /// As [`Cut::number`].
+    pub number: u32,
     /// As [`Cut::error`].
     pub error: f32,
     pub is_gone: bool,
@@ -115,7 +96,13 @@ impl Patch {
             if source.materials[material as usize].is_transparent || a == b || b == c || c == a {
                 vertices.iter().for_each(|vertex| patch.is_fixed[*vertex as usize] = true);
             }
-            patch.triangles.push(Triangle { vertices, looks, error: cut.error, is_gone: false });
+            patch.triangles.push(Triangle {
+                vertices,
+                looks,
+                number: cut.number,
+                error: cut.error,
+                is_gone: false,
+            });
         }
         patch.first = vec![NONE; patch.positions.len()];
         patch.next = vec![NONE; 3 * patch.triangles.len()];
@@ -131,12 +118,17 @@ impl Patch {
     pub fn finish(self) -> Vec<Cut> {
         let left = self.triangles.iter().filter(|triangle| !triangle.is_gone);
         let corners = |looks: [u32; 3]| looks.map(|look| self.origins[look as usize]);
-        left.map(|t| Cut { corners: corners(t.looks), error: t.error }).collect()
+        left.map(|t| Cut { corners: corners(t.looks), number: t.number, error: t.error }).collect()
     }
 
     /// A corner is one of this vertex' from now on.
     pub fn link(&mut self, corner: u32, vertex: u32) {
         self.next[corner as usize] = std::mem::replace(&mut self.first[vertex as usize], corner);
+    }
+
+    /// A vertex has no corners any more.
+    pub fn forget(&mut self, vertex: u32) {
+        self.first[vertex as usize] = NONE;
     }
 
     /// Makes a new vertex at the place of one, for some of its corners.

@@ -35,12 +35,13 @@ pub struct Ring {
 }
 
 impl Ring {
-    /// Finds the triangles of a vertex. `None` where they are too many or where seams meet, so that it must stay.
+    /// Finds the triangles of a vertex. `None` where they are too many, or where it must stay: where seams meet or one ends,
+    /// or surfaces touch.
     pub fn find(&mut self, patch: &mut Patch, vertex: u32) -> Option<()> {
+        self.seams.clear();
         self.gather(patch, vertex)?;
         let Self { sides, sectors, ends, seams } = self;
         ends.clear();
-        seams.clear();
         for end in sides.iter().flat_map(|side| side.ends) {
             if ends.contains(&end) {
                 continue;
@@ -79,8 +80,8 @@ impl Ring {
         Some(())
     }
 
-    /// Surfaces that meet at a vertex and share no edge there can go on without each other: all but one get a vertex of
-    /// their own. `None` where they are one surface. After [`Self::find`].
+    /// Surfaces that meet at a vertex and share no edge there can go on without each other: one of them keeps the vertex, the
+    /// others get a new one together. `None` where they are one surface. After [`Self::find`] has found seams that meet.
     pub fn part(&mut self, patch: &mut Patch, vertex: u32) -> Option<u32> {
         let sides = &mut self.sides;
         let (mut end, mut looked_at) = (sides.len().min(1), 0);

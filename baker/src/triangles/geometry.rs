@@ -2,7 +2,7 @@
 
 use crate::scene::texture::{Sampler, Texels};
 use crate::scene::{Scene, SceneError};
-use crate::simplify::simplify;
+use crate::simplify::{TOGETHER, simplify};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::octahedral;
@@ -103,7 +103,8 @@ impl Surface {
 impl Geometry {
     /// A scene's surfaces of as few triangles as they need: [`simplify`].
     pub fn simplified(scene: &Scene) -> Self {
-        let corners = simplify(scene);
+        let surfaces = surfaces(scene);
+        let corners = simplify(scene, |i| surfaces[i].alpha == Alpha::Opaque, TOGETHER);
         let vertex = |corner: u32| scene.triangles[corner as usize / 3][corner as usize % 3] as usize;
         let triangle = |corners: &[u32; 3]| Triangle {
             positions: corners.map(|c| scene.positions[vertex(c)]),
@@ -118,7 +119,7 @@ impl Geometry {
                 [] => Vec::new(),
                 _ => corners.par_iter().map(|corners| corners.map(color)).collect(),
             },
-            surfaces: surfaces(scene),
+            surfaces,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Scenes of few triangles, out of any bytes: a sheet with steps, holes, folds, seams, edges of many triangles, and
 //! triangles that are there twice or have no area.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use rebounce::scene::Scene;
 use rebounce::simplify::{TOLERANCE, simplify};
 use rebounce_shared::rbn::meta::{Alpha, Material};
@@ -55,10 +55,10 @@ pub fn soup(bytes: &[u8]) -> Scene {
     scene
 }
 
-/// What is left is made of the scene's corners, one material a triangle, has as much area of each of them, and is where
-/// the scene was.
-pub fn keeps_promises(scene: &Scene) {
-    let simple = simplify(scene);
+/// What is left is made of the scene's corners, one material a triangle, has as much area of each of them, is where the
+/// scene was, and looks the same there. How many triangles that are.
+pub fn keeps_promises(scene: &Scene, together: usize) -> usize {
+    let simple = simplify(scene, |i| scene.materials[i].alpha == Alpha::Opaque, together);
     let vertex = |corner: u32| scene.triangles[corner as usize / 3][corner as usize % 3] as usize;
     let material = |corners: [u32; 3]| {
         let of = corners.map(|corner| scene.triangle_material[corner as usize / 3]);
@@ -79,32 +79,63 @@ pub fn keeps_promises(scene: &Scene) {
     }
     let (low, high) = scene.bounds();
     let allowed = 1.5 * (TOLERANCE * (high - low).length()) as f64;
-    for corners in &whole {
-        for p in positions(*corners) {
-            let far =
-                simple.iter().map(|corners| distance(positions(*corners), p)).fold(f64::INFINITY, f64::min);
+    // Normal and texture coordinates, one being what they may change by.
+    let look = |corners: [u32; 3], shares: [f64; 3]| {
+        let of = |k: usize| {
+            let (normal, uv) = (scene.normals[vertex(corners[k])], scene.uvs[vertex(corners[k])]);
+            let is_textured = scene.materials[material(corners) as usize].base_color_texture.is_some();
+            let uv = if is_textured { uv.as_dvec2() * 2048.0 } else { DVec2::ZERO };
+            (normal.as_dvec3() * 100.0, uv)
+        };
+        (0..3).fold((DVec3::ZERO, DVec2::ZERO), |sum, k| {
+            (sum.0 + of(k).0 * shares[k], sum.1 + of(k).1 * shares[k])
+        })
+    };
+    for corners in whole.iter().filter(|corners| area(positions(**corners)) > 0.0) {
+        for shares in [[1.0, 0.0, 0.0], [0.0, 0.5, 0.5], [0.6, 0.3, 0.1], [0.1, 0.2, 0.7], [1.0 / 3.0; 3]] {
+            let [a, b, c] = positions(*corners);
+            let p = a * shares[0] + b * shares[1] + c * shares[2];
+            let before = look(*corners, shares);
+            let mut far = f64::INFINITY;
+            let mut apart = f64::INFINITY;
+            for other in simple.iter().filter(|other| material(**other) == material(*corners)) {
+                let (distance, shares) = nearest(positions(*other), p);
+                far = far.min(distance);
+                if distance <= allowed {
+                    let after = look(*other, shares);
+                    apart = apart.min(before.0.distance(after.0).max(before.1.distance(after.1)));
+                }
+            }
             assert!(far <= allowed, "{p} is {far} off");
+            assert!(apart <= 2.0, "{p} looks other by {apart}");
         }
     }
+    simple.len()
 }
 
 fn area([a, b, c]: [DVec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// From a point to a triangle.
-fn distance([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
+/// From a point to a triangle, and the shares of its corners at the place nearest to it.
+fn nearest([a, b, c]: [DVec3; 3], p: DVec3) -> (f64, [f64; 3]) {
+    let corners = [a, b, c];
     let normal = (b - a).cross(c - a);
-    let edges = [(a, b), (b, c), (c, a)];
-    if normal.length_squared() > 0.0
-        && edges.iter().all(|(from, to)| (*to - *from).cross(p - *from).dot(normal) >= 0.0)
-    {
-        return (p - a).dot(normal).abs() / normal.length();
+    let shares = [(b, c), (c, a), (a, b)].map(|(from, to)| {
+        (to - from).cross(p - from).dot(normal) / normal.length_squared().max(f64::MIN_POSITIVE)
+    });
+    if normal.length_squared() > 0.0 && shares.iter().all(|share| *share >= 0.0) {
+        return ((p - a).dot(normal).abs() / normal.length(), shares);
     }
-    let to_edge = |(from, to): &(DVec3, DVec3)| {
-        let along = *to - *from;
-        let share = ((p - *from).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        p.distance(*from + share * along)
+    let on_edge = |i: usize| {
+        let j = (i + 1) % 3;
+        let along = corners[j] - corners[i];
+        let share =
+            ((p - corners[i]).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let mut shares = [0.0; 3];
+        (shares[i], shares[j]) = (1.0 - share, share);
+        (p.distance(corners[i] + share * along), shares)
     };
-    edges.iter().map(to_edge).fold(f64::INFINITY, f64::min)
+    let edges = [on_edge(0), on_edge(1), on_edge(2)];
+    edges.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, [0.0; 3]))
 }
