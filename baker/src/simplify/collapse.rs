@@ -3,7 +3,7 @@
 use super::patch::{COLOR, Look, NORMAL, Patch, UV};
 use super::ring::{MOST, Ring, Side};
 use glam::Vec3;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 use std::ops::ControlFlow;
 
 /// A triangle is good enough whose height is this share of its longest side; others must not get worse.
@@ -75,7 +75,7 @@ pub fn collapse_all(patch: &mut Patch) {
 /// Takes a vertex out, if there is a neighbour that can be in its place in all of its triangles.
 fn collapse(patch: &mut Patch, vertex: u32, ring: &mut Ring) -> Option<()> {
     ring.find(patch, vertex)?;
-    let sectors = sectors(patch, vertex, ring)?;
+    let sectors = sectors(patch, vertex, ring).or_else(|| creased(patch, vertex, ring))?;
     // A vertex of two seams can only go along them.
     let neighbours = if ring.seams.is_empty() { &ring.ends[..] } else { &ring.seams };
     let least = sectors.iter().map(|sector| sector.roundness).fold(ROUND_ENOUGH, f32::min);
@@ -133,6 +133,39 @@ fn sectors(patch: &Patch, vertex: u32, ring: &Ring) -> Option<Sectors<Sector>> {
     ring.sectors.iter().map(sector).collect()
 }
 
+/// The sectors on both sides of a straight crease through the vertex, which then counts as two seams: there the surface
+/// bends, or what it looks like changes in another way from there on. `None` where there is no such crease.
+fn creased(patch: &Patch, vertex: u32, ring: &mut Ring) -> Option<Sectors<Sector>> {
+    let count = ring.sides.len();
+    if !ring.seams.is_empty() || ring.sectors[..] != [(0, count)] {
+        return None;
+    }
+    let at = patch.positions[vertex as usize];
+    let spokes: SmallVec<[Vec3; MOST]> =
+        ring.sides.iter().map(|side| patch.positions[side.ends[0] as usize] - at).collect();
+    let allowed = patch.tolerance * patch.tolerance;
+    for (i, a) in spokes.iter().enumerate() {
+        for (j, b) in spokes.iter().enumerate().skip(i + 2) {
+            let is_straight =
+                a.dot(*b) < 0.0 && a.cross(*b).length_squared() <= allowed * a.distance_squared(*b);
+            if !is_straight {
+                continue;
+            }
+            ring.sides.rotate_left(i);
+            ring.seams.extend([ring.sides[0].ends[0], ring.sides[j - i].ends[0]]);
+            ring.sectors = smallvec![(0, j - i), (j - i, count)];
+            let found = sectors(patch, vertex, ring);
+            if found.is_some() {
+                return found;
+            }
+            ring.sides.rotate_right(i);
+            ring.seams.clear();
+            ring.sectors = smallvec![(0, count)];
+        }
+    }
+    None
+}
+
 /// How far the looks around a vertex are from changing evenly, 1 being all that is allowed: what is between them, however
 /// they are joined by triangles, differs by no more. `place` says where a vertex is from there.
 fn bend(patch: &Patch, sides: &[Side], place: impl Fn(u32) -> Vec3, normal: Vec3) -> Option<f32> {
@@ -150,23 +183,26 @@ fn bend(patch: &Patch, sides: &[Side], place: impl Fn(u32) -> Vec3, normal: Vec3
             (look(k), at.cross(b).dot(normal) * scale, a.cross(at).dot(normal) * scale)
         })
         .collect();
-    // The size of the box that the rests are in.
-    let rests = |of: fn(&Look) -> Vec3| {
-        let [l, p, q] = told.map(of);
-        if p == l && q == l && ends.iter().all(|end| of(end.0) == l) {
-            return Vec3::ZERO;
-        }
-        let (mut low, mut high, mut sum) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
-        for (look, u, v) in &ends {
-            let rest = of(look) - (l + *u * (p - l) + *v * (q - l));
-            (low, high, sum) = (low.min(rest), high.max(rest), sum + rest);
-        }
-        // What is not a number is not in any box.
-        if sum.is_finite() { high - low } else { Vec3::INFINITY }
-    };
-    let off = rests(|look| look.normal).length() / NORMAL;
-    let off = off.max(rests(|look| look.uv.extend(0.0)).max_element() / UV);
-    Some(off.max(rests(|look| look.color).max_element() / COLOR))
+    let off = rests(told, &ends, |look| look.normal).length() / NORMAL;
+    let off = off.max(rests(told, &ends, |look| look.uv.extend(0.0)).max_element() / UV);
+    Some(off.max(rests(told, &ends, |look| look.color).max_element() / COLOR))
+}
+
+/// The size of the box that the differences are in between what looks are and what a triangle's say at their places, each
+/// told by the shares of its second and its third corner.
+#[inline]
+fn rests(told: [&Look; 3], looks: &[(&Look, f32, f32)], of: impl Fn(&Look) -> Vec3) -> Vec3 {
+    let [first, second, third] = told.map(&of);
+    if second == first && third == first && looks.iter().all(|look| of(look.0) == first) {
+        return Vec3::ZERO;
+    }
+    let (mut low, mut high, mut sum) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+    for (look, u, v) in looks {
+        let rest = of(look) - (first + *u * (second - first) + *v * (third - first));
+        (low, high, sum) = (low.min(rest), high.max(rest), sum + rest);
+    }
+    // What is not a number is not in any box.
+    if sum.is_finite() { high - low } else { Vec3::INFINITY }
 }
 
 /// A triangle's height over its longest side, seen along a normal: negative from behind.

@@ -337,6 +337,21 @@ fn colours_stay() {
 }
 
 #[test]
+fn straight_creases_go_as_flat_places_do() {
+    // A column of eight flat sides with smooth normals, each cut into 10 x 10.
+    let at = |side: f32| Vec3::new((side * 0.5).cos(), 0.0, (side * 0.5).sin());
+    let around = |x: f32| {
+        let (side, share) = ((8.0 * x).floor().min(7.0), 8.0 * x - (8.0 * x).floor().min(7.0));
+        at(side).lerp(at(side + 1.0), share)
+    };
+    let scene = sheet(80, |x, y| around(x) + Vec3::Y * y, |x, y| (around(x), Vec2::new(x, y)), |_, _| 0);
+    let left = simple(&scene);
+    assert!(left.len() <= 24, "{} triangles are left of eight flat sides", left.len());
+    let (far, normals, uvs) = farthest(&scene, &all(&scene), &left);
+    assert!(far <= 1.2 && normals <= 0.02 && uvs <= 1e-3, "{far} {normals} {uvs}");
+}
+
+#[test]
 fn what_one_vertex_looks_like_spreads_no_further() {
     let mut scene = flat(12);
     let black = 6 * 13 + 6;
