@@ -130,3 +130,13 @@ fn any_triangles_keep_their_place_and_area() {
     }
     assert!(fewer > 600, "{fewer} became simpler");
 }
+
+#[test]
+fn what_fuzzing_found() {
+    // A triangle that lies in a sheet and has corners of it, but no edge.
+    for bytes in [[0u8, 40, 64, 0, 0, 0, 5, 4, 5, 4, 77, 32]] {
+        for together in [TOGETHER, 16] {
+            soup::keeps_promises(&soup::soup(&bytes), together);
+        }
+    }
+}
