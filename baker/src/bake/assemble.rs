@@ -143,26 +143,28 @@ fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
 
 /// Triangles grouped by material: opaque ones first, then masked, then blended.
 fn draws(scene: &Scene) -> (Vec<Draw>, Vec<u32>) {
-    let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); scene.materials.len()];
-    for (corners, material) in scene.triangles.iter().zip(&scene.triangle_material) {
-        by_material[*material as usize].extend_from_slice(corners);
-    }
-    let mut order: Vec<usize> = (0..by_material.len()).filter(|m| !by_material[*m].is_empty()).collect();
+    let mut counts = vec![0u32; scene.materials.len()];
+    scene.triangle_material.iter().for_each(|material| counts[*material as usize] += 3);
+    let mut order: Vec<usize> = (0..counts.len()).filter(|m| counts[*m] > 0).collect();
     order.sort_by_key(|m| match scene.materials[*m].alpha {
         Alpha::Opaque => 0,
         Alpha::Mask { .. } => 1,
         Alpha::Blend => 2,
     });
+    let mut first_index = 0;
     let mut draws = Vec::new();
-    let mut indices = Vec::with_capacity(3 * scene.triangles.len());
+    // Where each material's next triangle goes.
+    let mut next = vec![0usize; counts.len()];
     for material in order {
-        let corners = &by_material[material];
-        draws.push(Draw {
-            material: material as u32,
-            first_index: indices.len() as u32,
-            index_count: corners.len() as u32,
-        });
-        indices.extend_from_slice(corners);
+        draws.push(Draw { material: material as u32, first_index, index_count: counts[material] });
+        next[material] = first_index as usize;
+        first_index += counts[material];
+    }
+    let mut indices = vec![0; 3 * scene.triangles.len()];
+    for (corners, material) in scene.triangles.iter().zip(&scene.triangle_material) {
+        let place = &mut next[*material as usize];
+        indices[*place..*place + 3].copy_from_slice(corners);
+        *place += 3;
     }
     (draws, indices)
 }
