@@ -49,7 +49,7 @@ fn different(scene: &Scene, rays: u64) -> f64 {
             (0..24).any(|k| {
                 let aside = if k < 2 { 0.0 } else { 1e-6 * size };
                 let ray = Ray { origin: origin + aside * stream.sphere(), ..ray };
-                whole
+                [&whole, &turned][k % 2]
                     .cast(&ray, 1)
                     .is_some_and(|hit| is_same(&hit, found, direction, 1.5 * TOLERANCE * size + 2.0 * aside))
             })

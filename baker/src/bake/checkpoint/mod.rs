@@ -149,7 +149,7 @@ impl Checkpoint {
         self.saved.lock().map_or(0, |saved| saved.records)
     }
 
-    /// Whether writing has failed; [`Self::close`] says why.
+    /// Whether writing has failed; [`Self::flush`] says why.
     pub fn has_failed(&self) -> bool {
         self.writer.has_failed()
     }
