@@ -4,6 +4,7 @@
 pub mod bake;
 pub mod basis;
 pub mod light;
+mod morton;
 pub mod operator;
 pub mod path_trace;
 pub mod picture;

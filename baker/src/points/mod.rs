@@ -11,7 +11,6 @@ mod cut;
 pub mod dart;
 mod fill;
 mod footprint;
-pub(crate) mod morton;
 pub mod place;
 pub mod round;
 pub mod viewpoint;

@@ -3,7 +3,8 @@
 use super::candidates::Candidates;
 use super::dart::DartBoard;
 use super::fill::fill;
-use super::{PointLevel, Points, SurfacePoint, morton};
+use super::{PointLevel, Points, SurfacePoint};
+use crate::morton;
 use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
 use crate::watch::{Stopped, Watch};

@@ -16,7 +16,7 @@ mod ring;
 #[cfg(test)]
 mod tests;
 
-use crate::points::morton;
+use crate::morton;
 use crate::scene::Scene;
 use crate::weld::firsts;
 use glam::{Vec2, Vec3};

@@ -6,6 +6,9 @@ use std::collections::HashMap;
 use std::iter::Sum;
 use std::ops::Mul;
 
+#[path = "../../tests/common/triangle.rs"]
+mod triangle;
+
 /// A sheet of n x n squares over the unit square, two triangles each; `at` says where a place is, `look` its normal and
 /// texture coordinates, `material` what the square is of.
 fn sheet(
@@ -85,8 +88,8 @@ fn material(scene: &Scene, corners: [u32; 3]) -> u32 {
     of[0]
 }
 
-fn area([a, b, c]: [Vec3; 3]) -> f64 {
-    0.5 * (b - a).as_dvec3().cross((c - a).as_dvec3()).length()
+fn area(corners: [Vec3; 3]) -> f64 {
+    triangle::area(corners.map(|p| p.as_dvec3()))
 }
 
 fn positions(scene: &Scene, corners: [u32; 3]) -> [Vec3; 3] {
@@ -94,25 +97,8 @@ fn positions(scene: &Scene, corners: [u32; 3]) -> [Vec3; 3] {
 }
 
 /// The shares of a triangle's corners at its place nearest to a point.
-fn nearest([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
-    let normal = (b - a).cross(c - a);
-    let square = normal.length_squared();
-    let shares =
-        [(c - b).cross(p - b), (a - c).cross(p - c), (b - a).cross(p - a)].map(|n| n.dot(normal) / square);
-    if shares.iter().all(|share| *share >= 0.0) {
-        return shares;
-    }
-    let corners = [a, b, c];
-    let on_edge = |i: usize| {
-        let j = (i + 1) % 3;
-        let along = corners[j] - corners[i];
-        let share = ((p - corners[i]).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-        let mut shares = [0.0; 3];
-        (shares[i], shares[j]) = (1.0 - share, share);
-        ((corners[i] + share * along).distance(p), shares)
-    };
-    let best = [on_edge(0), on_edge(1), on_edge(2)];
-    best.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap().1
+fn nearest(corners: [Vec3; 3], p: Vec3) -> [f32; 3] {
+    triangle::nearest(corners.map(|p| p.as_dvec3()), p.as_dvec3()).1.map(|share| share as f32)
 }
 
 fn mean<T: Sum<T> + Mul<f32, Output = T>>(shares: [f32; 3], of: impl Fn(usize) -> T) -> T {

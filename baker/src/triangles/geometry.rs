@@ -105,8 +105,17 @@ impl Geometry {
     pub fn simplified(scene: &Scene) -> Self {
         let surfaces = surfaces(scene);
         let corners = simplify(scene, |i| surfaces[i].alpha == Alpha::Opaque, TOGETHER);
+        Self::of(scene, surfaces, corners.par_iter().copied())
+    }
+
+    /// Triangles between corners of a scene, each three times a triangle's number and which of its corners.
+    fn of(
+        scene: &Scene,
+        surfaces: Vec<Surface>,
+        corners: impl IndexedParallelIterator<Item = [u32; 3]> + Clone,
+    ) -> Self {
         let vertex = |corner: u32| scene.triangles[corner as usize / 3][corner as usize % 3] as usize;
-        let triangle = |corners: &[u32; 3]| Triangle {
+        let triangle = |corners: [u32; 3]| Triangle {
             positions: corners.map(|c| scene.positions[vertex(c)]),
             normals: corners.map(|c| scene.normals[vertex(c)]),
             uvs: corners.map(|c| scene.uvs[vertex(c)]),
@@ -114,10 +123,10 @@ impl Geometry {
         };
         let color = |c: u32| scene.corner_colors[c as usize / 3][c as usize % 3];
         Self {
-            triangles: corners.par_iter().map(triangle).collect(),
+            triangles: corners.clone().map(triangle).collect(),
             colors: match scene.corner_colors[..] {
                 [] => Vec::new(),
-                _ => corners.par_iter().map(|corners| corners.map(color)).collect(),
+                _ => corners.map(|corners| corners.map(color)).collect(),
             },
             surfaces,
         }
@@ -132,20 +141,8 @@ fn surfaces(scene: &Scene) -> Vec<Surface> {
 
 impl From<&Scene> for Geometry {
     fn from(scene: &Scene) -> Self {
-        let corner = |t: [u32; 3], material| Triangle {
-            positions: t.map(|i| scene.positions[i as usize]),
-            normals: t.map(|i| scene.normals[i as usize]),
-            uvs: t.map(|i| scene.uvs[i as usize]),
-            material,
-        };
-        Self {
-            triangles: (scene.triangles.par_iter())
-                .zip(&scene.triangle_material)
-                .map(|(&t, &m)| corner(t, m))
-                .collect(),
-            colors: scene.corner_colors.clone(),
-            surfaces: surfaces(scene),
-        }
+        let all = (0..scene.triangles.len() as u32).into_par_iter();
+        Self::of(scene, surfaces(scene), all.map(|t| [3 * t, 3 * t + 1, 3 * t + 2]))
     }
 }
 

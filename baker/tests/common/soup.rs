@@ -5,6 +5,10 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use rebounce::scene::Scene;
 use rebounce::simplify::{TOLERANCE, simplify};
 use rebounce_shared::rbn::meta::{Alpha, Material};
+use triangle::{area, nearest};
+
+#[path = "triangle.rs"]
+mod triangle;
 
 /// Squares of the sheet along each axis.
 const SIDE: u32 = 8;
@@ -40,7 +44,7 @@ pub fn soup(bytes: &[u8]) -> Scene {
             }
             6 => {
                 let twin = scene.positions[vertex];
-                scene.triangles[b % SIDE as usize * 3] = [c % 81, (c + 1) % 81, a % 81].map(|i| i as u32);
+                scene.triangles[b % SIDE as usize * 3] = [c, c + 1, a].map(|i| i as u32 % (SIDE + 1).pow(2));
                 scene.positions.push(twin);
                 scene.normals.push(scene.normals[vertex]);
                 scene.uvs.push(Vec2::ZERO);
@@ -111,31 +115,4 @@ pub fn keeps_promises(scene: &Scene, together: usize) -> usize {
         }
     }
     simple.len()
-}
-
-fn area([a, b, c]: [DVec3; 3]) -> f64 {
-    0.5 * (b - a).cross(c - a).length()
-}
-
-/// From a point to a triangle, and the shares of its corners at the place nearest to it.
-fn nearest([a, b, c]: [DVec3; 3], p: DVec3) -> (f64, [f64; 3]) {
-    let corners = [a, b, c];
-    let normal = (b - a).cross(c - a);
-    let shares = [(b, c), (c, a), (a, b)].map(|(from, to)| {
-        (to - from).cross(p - from).dot(normal) / normal.length_squared().max(f64::MIN_POSITIVE)
-    });
-    if normal.length_squared() > 0.0 && shares.iter().all(|share| *share >= 0.0) {
-        return ((p - a).dot(normal).abs() / normal.length(), shares);
-    }
-    let on_edge = |i: usize| {
-        let j = (i + 1) % 3;
-        let along = corners[j] - corners[i];
-        let share =
-            ((p - corners[i]).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let mut shares = [0.0; 3];
-        (shares[i], shares[j]) = (1.0 - share, share);
-        (p.distance(corners[i] + share * along), shares)
-    };
-    let edges = [on_edge(0), on_edge(1), on_edge(2)];
-    edges.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, [0.0; 3]))
 }
