@@ -1,6 +1,6 @@
 // node manifest.mjs OUT.json: the custom-elements manifest of src/, for editors and documentation tools.
 // What a class doc cannot say in its own words is taken from the types: events from RebounceEventMap,
-// attributes from the properties of the same name.
+// attributes from the properties of the same name. Slots, parts and variables are those of the README's tables.
 
 import { create, ts } from "@custom-elements-manifest/analyzer";
 import { readFile, readdir, writeFile } from "node:fs/promises";
@@ -30,6 +30,12 @@ function eventsOf(source) {
   }));
 }
 
+/** What a table of the README lists: names and what they mean. */
+function listed(readme, heading) {
+  const [section] = (readme.split(`\n### ${heading}\n`)[1] ?? "").split(/\n#/);
+  return [...section.matchAll(/^\| `([\w-]+)` \| (.*) \|$/gm)].map(([, name, description]) => ({ name, description }));
+}
+
 const folder = new URL("src/", import.meta.url);
 const files = (await readdir(folder)).filter((name) => name.endsWith(".ts") && !name.endsWith(".d.ts")).sort();
 const sources = await Promise.all(
@@ -39,7 +45,6 @@ const sources = await Promise.all(
   }),
 );
 const manifest = create({ modules: sources, plugins: [], context: { dev: false } });
-
 
 const classes = new Map(
   sources.flatMap((source) =>
@@ -90,7 +95,11 @@ element.attributes = gathered("attributes").map(({ name, ...rest }) => {
   return { name, description: field.description, type: field.type, ...rest, fieldName: field.name };
 });
 element.events = sources.flatMap(eventsOf);
-for (const list of ["members", "attributes", "events"]) {
+const readme = await readFile(new URL("README.md", import.meta.url), "utf8");
+element.slots = listed(readme, "Slots");
+element.cssParts = listed(readme, "Parts");
+element.cssProperties = listed(readme, "Variables");
+for (const list of ["members", "attributes", "events", "slots", "cssParts", "cssProperties"]) {
   if (element[list].length === 0) throw new Error(`the manifest has no ${list}`);
 }
 await writeFile(out, `${JSON.stringify(manifest, null, 2)}\n`);

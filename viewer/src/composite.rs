@@ -69,9 +69,14 @@ pub struct CompositePass {
 /// Pixels that the automatic exposure looks at.
 const LOOKED: u32 = 64 * 64;
 
-/// The automatic exposure, one float: what radiance is multiplied with.
+/// Where the exposure that a scene begins with lies in the buffer that [`key`] makes, bytes.
+pub const FIRST_KEY: u64 = 4;
+
+/// The automatic exposure, floats: what radiance is multiplied with; what it was multiplied with when the scene was
+/// shown first, 0 while that is not known; two unused.
 pub fn key(scope: &Scope) -> wgpu::Buffer {
-    buffer(scope, "key", BufferUsages::STORAGE | BufferUsages::COPY_SRC, bytemuck::bytes_of(&[1f32; 4]))
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+    buffer(scope, "key", usage, bytemuck::bytes_of(&[1f32, 0.0, 0.0, 0.0]))
 }
 
 /// The uniform [`Shading`] of one picture size.

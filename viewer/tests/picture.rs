@@ -7,6 +7,7 @@ mod common;
 use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::kernel;
+use rebounce_shared::light::Light;
 use rebounce_shared::link::Link;
 use rebounce_shared::rbn::bulk::Point;
 use rebounce_shared::rbn::{LinkMatrix, Scene};
@@ -282,6 +283,46 @@ fn pictures_are_lit_and_modes_add_up() {
     };
     let (all, direct, indirect) = (mean(Mode::All), mean(Mode::Direct), mean(Mode::Indirect));
     assert!(all > direct && all > indirect && direct > 1.0 && indirect > 1.0, "{all} {direct} {indirect}");
+    gpu.check().unwrap();
+}
+
+#[test]
+fn the_exposure_follows_light_beyond_its_latitude_only() {
+    let Some(gpu) = common::gpu() else { return };
+    let scene = common::room(&[3, 6]);
+    let mut renderer = renderer(&gpu, &scene);
+    let lights = renderer.lights().to_vec();
+    let mut lit = |stops: Option<f64>| {
+        let mut lights = lights.clone();
+        for light in &mut lights {
+            let (Light::Point { intensity, .. }
+            | Light::Spot { intensity, .. }
+            | Light::Directional { intensity, .. }) = light;
+            *intensity *= stops.map_or(0.0, f64::exp2);
+        }
+        renderer.set_lights(lights).unwrap();
+        let pixels = pollster::block_on(renderer.read_pixels(WIDTH, HEIGHT).unwrap().wait()).unwrap();
+        pixels.chunks(4).map(|p| p[0] as f64 + p[1] as f64 + p[2] as f64).sum::<f64>() / pixels.len() as f64
+    };
+    let first = lit(Some(0.0));
+    // As far as a stop and a half it shows what the lamps do.
+    let within = [-1.4, -0.7, 0.0, 0.7, 1.4].map(|stops| lit(Some(stops)));
+    assert!(within.windows(2).all(|pair| pair[1] > 1.1 * pair[0]), "{within:?}");
+    assert_eq!(within[2], first, "it does not depend on what was shown before");
+    // Beyond, neither a sun nor a night leaves the picture.
+    for far in [[1.5, 6.0, 20.0], [-1.5, -6.0, -20.0]] {
+        let [edge, farther, farthest] = far.map(|stops| lit(Some(stops)));
+        assert!((farther - edge).abs() < 0.5 && (farthest - edge).abs() < 0.5, "{edge} {farther} {farthest}");
+    }
+    assert_eq!(lit(None), 0.0);
+    assert_eq!(lit(Some(0.0)), first, "darkness says nothing");
+    // What is shown anew is exposed anew.
+    let dim = lit(Some(-6.0));
+    renderer.rekey();
+    let pixels = pollster::block_on(renderer.read_pixels(WIDTH, HEIGHT).unwrap().wait()).unwrap();
+    let anew =
+        pixels.chunks(4).map(|p| p[0] as f64 + p[1] as f64 + p[2] as f64).sum::<f64>() / pixels.len() as f64;
+    assert!((anew - first).abs() < 0.5 && anew > 1.2 * dim, "{anew}, not {first}; {dim}");
     gpu.check().unwrap();
 }
 

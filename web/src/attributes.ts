@@ -6,11 +6,14 @@ import { ElementBase } from "./element.js";
 export type Mode = "all" | "direct" | "indirect";
 /** What is drawn over the picture. */
 export type Overlay = "none" | "points" | "levels";
+/** What pointers and keys do: all, leave scrolling to the page, or nothing. */
+export type Interaction = "all" | "page" | "none";
 /** How radiance becomes colours of the screen. */
 export type ToneMapping = "neutral" | "agx";
 
 const MODES: readonly Mode[] = ["all", "direct", "indirect"];
 const OVERLAYS: readonly Overlay[] = ["none", "points", "levels"];
+const INTERACTIONS: readonly Interaction[] = ["all", "page", "none"];
 const TONE_MAPPINGS: readonly ToneMapping[] = ["neutral", "agx"];
 
 /** An element that has them; what they do is its heir's. */
@@ -26,6 +29,8 @@ export class AttributeElement extends ElementBase {
     "tone-mapping",
     "mode",
     "overlay",
+    "handles",
+    "interaction",
     "controls",
     "loading",
     "autoplay",
@@ -83,7 +88,7 @@ export class AttributeElement extends ElementBase {
     this.setAttribute("exposure", String(stops));
   }
 
-  /** Whether the exposure follows the scene. */
+  /** Whether the exposure is measured, and follows light and view where they would leave the picture without texture. */
   get autoExposure(): boolean {
     return this.getAttribute("auto-exposure") !== "off";
   }
@@ -113,6 +118,22 @@ export class AttributeElement extends ElementBase {
   }
   set overlay(overlay: Overlay) {
     this.setAttribute("overlay", overlay);
+  }
+
+  /** Whether lights have handles in the picture. */
+  get handles(): boolean {
+    return this.getAttribute("handles") !== "off";
+  }
+  set handles(on: boolean) {
+    this.setAttribute("handles", on ? "on" : "off");
+  }
+
+  /** What pointers and keys do. */
+  get interaction(): Interaction {
+    return among(INTERACTIONS, this.getAttribute("interaction"));
+  }
+  set interaction(what: Interaction) {
+    this.setAttribute("interaction", what);
   }
 
   /** Whether the file is loaded at once, or only when the element comes near the visible part of the page. */

@@ -47,7 +47,8 @@ export class Engine {
   constructor(element: RebounceViewer) {
     this.#element = element;
     this.tree = new Tree(element);
-    this.tree.renewCanvas(this.#label());
+    this.tree.renewCanvas();
+    this.relabel();
     this.#panel = new PanelSlot(element, this.tree);
     this.#onScreen = new OnScreen(element, () => this.#appear());
     this.#size = new Size(element, (width, height) => this.#resize(width, height));
@@ -217,6 +218,7 @@ export class Engine {
       failed: (failure) => this.#failOrReturn(failure),
       linked: () => this.followLink(),
       withViewer: (use) => this.#loaded && this.#try(() => this.use(use)),
+      interaction: () => this.#element.interaction,
     };
     const viewer = await openViewer(this.tree.canvas, host, signal);
     if (signal.aborted) {
@@ -240,7 +242,8 @@ export class Engine {
     this.tree.showPoster(true);
     if (!viewer) return;
     closeViewer(viewer);
-    this.tree.renewCanvas(this.#label());
+    this.tree.renewCanvas();
+    this.relabel();
   }
 
   /** A lost device is no failure as long as another one takes its place. */
@@ -343,13 +346,12 @@ export class Engine {
     this.#panel.show().catch((error: unknown) => this.#warn(failureOf(error)));
   }
 
-  /** `alt` has changed. */
+  /** `alt` or `interaction` has changed. */
   relabel(): void {
-    this.tree.canvas.setAttribute("aria-label", this.#label());
-  }
-
-  #label(): string {
-    return `${this.#element.alt || "3D scene"}. Drag to look around; W, A, S, D and the arrow keys move.`;
+    const { alt, interaction } = this.#element;
+    const name = alt || "3D scene";
+    const takesKeys = interaction !== "none";
+    this.tree.setLabel(takesKeys ? `${name}. Drag to look around; W, A, S, D and the arrow keys move.` : name, takesKeys);
   }
 
   #setProgress(loaded: number, total: number): void {

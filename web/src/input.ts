@@ -1,12 +1,21 @@
 /** Pointer, wheel and keyboard events of a canvas, handed to the viewer in canvas pixels. */
 
+import type { Interaction } from "./attributes.js";
 import type { Viewer } from "./module.js";
 
 /** Calls its argument with the viewer, if there is one to take input. */
 export type WithViewer = (use: (viewer: Viewer) => void) => void;
 
-/** Listens until the signal aborts. */
-export function listen(canvas: HTMLCanvasElement, withViewer: WithViewer, signal: AbortSignal): void {
+/**
+ * Listens until the signal aborts. With `page` the wheel comes closer only with Ctrl or Command, as over maps; that one
+ * finger scrolls, and that with `none` no pointer gets here, is the style sheet's.
+ */
+export function listen(
+  canvas: HTMLCanvasElement,
+  withViewer: WithViewer,
+  interaction: () => Interaction,
+  signal: AbortSignal,
+): void {
   const held = new Set<string>();
   const at = (event: MouseEvent): [number, number] => {
     const box = canvas.getBoundingClientRect();
@@ -42,6 +51,7 @@ export function listen(canvas: HTMLCanvasElement, withViewer: WithViewer, signal
   canvas.addEventListener(
     "wheel",
     (event) => {
+      if (interaction() === "page" && !event.ctrlKey && !event.metaKey) return;
       event.preventDefault();
       // Lines and pages become about as many pixels as browsers scroll for them.
       const unit = [1, 16, 400][event.deltaMode] ?? 1;
@@ -52,7 +62,7 @@ export function listen(canvas: HTMLCanvasElement, withViewer: WithViewer, signal
   canvas.addEventListener(
     "keydown",
     (event) => {
-      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.ctrlKey || event.metaKey || event.altKey || interaction() === "none") return;
       withViewer((viewer) => {
         if (viewer.key(event.code, true)) {
           held.add(event.code);

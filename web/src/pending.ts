@@ -14,7 +14,7 @@ export interface Pending {
   animations?: LightAnimation[];
   /** `play()` was called: how many times. */
   repetitions?: number;
-  /** The measured exposure. */
+  /** The exposure that the scene began with. */
   measured?: number;
 }
 
@@ -28,6 +28,7 @@ export function handOver(viewer: Viewer, { shot, camera, lights, measured }: Pen
 
 /** Hands the attributes on. */
 export function applyAttributes(viewer: Viewer, element: AttributeElement): void {
-  const { exposure, autoExposure, toneMapping, mode, overlay } = element;
-  Object.assign(viewer, { exposure, autoExposure, toneMapping, mode, overlay });
+  const { exposure, autoExposure, toneMapping, mode, overlay, handles, interaction } = element;
+  const gizmos = handles && interaction !== "none";
+  Object.assign(viewer, { exposure, autoExposure, toneMapping, mode, overlay, gizmos });
 }

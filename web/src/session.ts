@@ -1,5 +1,6 @@
 /** A viewer on a canvas, and what happens to it, until it is let go. */
 
+import type { Interaction } from "./attributes.js";
 import { Failure, failureOf } from "./failure.js";
 import { listen, type WithViewer } from "./input.js";
 import { createViewer, type Viewer } from "./module.js";
@@ -14,6 +15,8 @@ export interface SessionHost {
   linked(): void;
   /** Hands input on. */
   withViewer: WithViewer;
+  /** What pointers and keys do. */
+  interaction(): Interaction;
 }
 
 /** Makes a viewer and listens until the signal aborts. Rejects with a `Failure`. */
@@ -21,7 +24,7 @@ export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, s
   const viewer: Viewer = await createViewer(canvas);
   viewer.onchange = () => host.changed();
   viewer.ondevicelost = (message: string) => signal.aborted || host.failed(new Failure("device-lost", message));
-  listen(canvas, host.withViewer, signal);
+  listen(canvas, host.withViewer, () => host.interaction(), signal);
   // A fault inside the wasm that no call of ours is waiting for.
   const stray = (event: Event, error: unknown) => {
     if ((error as { code?: unknown } | null)?.code !== "internal" && !(error instanceof WebAssembly.RuntimeError)) return;

@@ -14,6 +14,12 @@ export interface Stats {
   relights: number;
   /** Lights whose direct light at the points was computed, in all of these times: those that changed. */
   lightsEvaluated: number;
+  /** Shadow-map layers drawn so far. */
+  shadowLayers: number;
+  /** Width of a shadow map, texels. */
+  shadowSize: number;
+  /** Layers of transparent surfaces drawn so far. */
+  blendedLayers: number;
   /** Triangles of the scene. */
   triangles: number;
   /** Basis functions per level, coarsest first. */
@@ -24,7 +30,6 @@ export interface Stats {
   lights: number;
   /** Bytes on the GPU, by what they are for. */
   bytes: Record<string, number>;
-  [figure: string]: unknown;
 }
 
 /** What the GPU counted for the present picture. */

@@ -18,6 +18,8 @@ const CSS = `
 canvas, .poster, .cover { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
 canvas { touch-action: none; cursor: grab; outline: none; visibility: hidden; }
 canvas:active { cursor: grabbing; }
+:host([interaction="page"]) canvas { touch-action: pan-y; }
+:host([interaction="none"]) canvas { touch-action: auto; pointer-events: none; }
 canvas.shown { visibility: visible; }
 canvas:focus-visible { box-shadow: inset 0 0 0 3px var(--accent); }
 .poster { object-fit: cover; }

@@ -24,10 +24,17 @@ export class Tree {
   }
 
   /** Puts a fresh canvas in place of one that a viewer drew on. */
-  renewCanvas(label: string): void {
-    const canvas = make("canvas", { part: "canvas", role: "img", tabindex: "0", "aria-label": label });
+  renewCanvas(): void {
+    const canvas = make("canvas", { part: "canvas", role: "img" });
     this.canvas.replaceWith(canvas);
     this.canvas = canvas;
+  }
+
+  /** What the picture is called, and whether it takes keys. */
+  setLabel(label: string, takesKeys: boolean): void {
+    this.canvas.setAttribute("aria-label", label);
+    if (takesKeys) this.canvas.setAttribute("tabindex", "0");
+    else this.canvas.removeAttribute("tabindex");
   }
 
   /** Puts an element over the picture, under a message. */

@@ -112,7 +112,7 @@ export function statsIn(viewer: Viewer): Stats {
     functions: number[];
     microseconds: Record<string, number>;
     bytes: Record<string, number>;
-    counts: Record<"frames" | "relights" | "lightsEvaluated" | "triangles" | "links" | "lights", number>;
+    counts: Omit<Stats, "adapter" | "scene" | "milliseconds" | "functions" | "bytes">;
   };
   const milliseconds = Object.fromEntries(Object.entries(microseconds).map(([pass, time]) => [pass, time / 1e3]));
   return { adapter: viewer.adapter(), scene: viewer.sceneName(), milliseconds, functions, bytes, ...counts };

@@ -104,7 +104,9 @@ async function contents(harness, context) {
     equal(names(element.attributes).sort().join(), real.attributes.sort().join(), "attributes");
     const missing = names(element.members).filter((name) => !real.members.includes(name));
     equal(missing.join(), "", "members that the element lacks");
-    const silent = [...element.members, ...element.events, ...element.attributes].filter((one) => !one.description);
+    for (const list of ["slots", "cssParts", "cssProperties"]) check(element[list].length >= 3, `${list}: ${names(element[list])}`);
+    const { slots, cssParts, cssProperties } = element;
+    const silent = [...element.members, ...element.events, ...element.attributes, ...slots, ...cssParts, ...cssProperties].filter((one) => !one.description);
     equal(names(silent).join(), "", "entries without a description");
   });
 }

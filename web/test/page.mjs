@@ -10,6 +10,7 @@ import { damaged } from "./page/damaged.mjs";
 import { downloads } from "./page/downloads.mjs";
 import { failures } from "./page/failures.mjs";
 import { hidden } from "./page/hidden.mjs";
+import { input } from "./page/input.mjs";
 import { light } from "./page/light.mjs";
 import { lights } from "./page/lights.mjs";
 import { loading } from "./page/loading.mjs";
@@ -29,7 +30,7 @@ import { text } from "./page/text.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, panel, pictures, state, watch, light,
+  loading, attributes, slots, onScreen, hidden, animation, lights, input, panel, pictures, state, watch, light,
   failures, downloads, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

@@ -8,7 +8,7 @@ import { check, equal } from "./harness.mjs";
 import { serveFolder } from "./serve.mjs";
 
 const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
-const RULES = ["wcag2a", "wcag2aa", "wcag21aa", "best-practice"];
+const RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
 
 /** Runs the tests of the site in a folder. */
 export async function runSiteTests(harness, folder) {

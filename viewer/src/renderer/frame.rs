@@ -56,33 +56,38 @@ impl Renderer {
             } else if self.dirty.display {
                 self.gather(encoder, target, true);
             }
-            if std::mem::take(&mut self.dirty.key) {
-                self.measure_key(encoder, scene, target);
-            }
-            self.shade(encoder, scene, target, 0, true);
+            let blended = self.update_key(encoder, scene, target, true);
+            self.shade(encoder, scene, target, 0, !blended, true);
             self.pictures = 1;
         } else if !self.dirty.present && self.pictures < self.still_pictures {
             self.draw_view(encoder, scene, target, Sample::of(self.pictures), true);
-            self.shade(encoder, scene, target, self.pictures, true);
+            self.shade(encoder, scene, target, self.pictures, true, true);
             self.pictures += 1;
         }
     }
 
-    /// Measures the automatic exposure on what is drawn. Submits what `encoder` holds: the picture's
-    /// own settings must come later.
-    pub(super) fn measure_key(
+    /// Measures the automatic exposure on what is drawn, where it may have changed and is used. Submits what `encoder`
+    /// holds: the picture's own settings must come later. True where it drew blended surfaces as the picture wants them.
+    pub(super) fn update_key(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         scene: &LoadedScene,
         target: &Target,
-    ) {
+        timed: bool,
+    ) -> bool {
+        if !std::mem::take(&mut self.dirty.key) || !self.auto_exposure {
+            return false;
+        }
         let shading = Shading { direct: 1.0, indirect: 1.0, ..self.shading(1.0) };
         self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
-        self.draw_blended(encoder, scene, target, false);
+        self.draw_blended(encoder, scene, target, timed);
         self.pipelines.composite.measure(encoder, &target.picture, self.shadows.group());
         let fresh = self.gpu.device.create_command_encoder(&Default::default());
         self.gpu.queue.submit([std::mem::replace(encoder, fresh).finish()]);
-        self.measured = Some(Readback::buffer(&self.gpu, &self.key.0));
+        if std::mem::take(&mut self.begins) {
+            self.measured = Some(Readback::buffer(&self.gpu, &self.key.0));
+        }
+        self.mode == Mode::All
     }
 
     /// G-buffer and bounced light of one picture of a series.
@@ -133,18 +138,22 @@ impl Renderer {
         self.blended_layers += scene.upload.blended_layers as u64;
     }
 
-    /// Makes picture `picture` of a series of what is drawn, and averages it with those before.
+    /// Makes picture `picture` of a series of what is drawn, and averages it with those before; first it draws blended
+    /// surfaces, where `blended` says so.
     pub(super) fn shade(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         scene: &LoadedScene,
         target: &Target,
         picture: u32,
+        blended: bool,
         timed: bool,
     ) {
         let shading = Shading { enlarge: target.enlarge, ..self.shading(1.0 / (picture + 1) as f32) };
         self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
-        self.draw_blended(encoder, scene, target, timed);
+        if blended {
+            self.draw_blended(encoder, scene, target, timed);
+        }
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|t| t.stamps(Pass::Composite)).map(|s| s.render(true, true));
         self.pipelines.composite.shade(encoder, &target.picture, self.shadows.group(), stamps);

@@ -65,6 +65,8 @@ pub struct Renderer {
     /// The automatic exposure, and who owns it.
     key: (wgpu::Buffer, Scope),
     measured: Option<Readback>,
+    /// The next exposure measured is the one that the scene begins with.
+    begins: bool,
     /// Owns what the last overlay was drawn with.
     over: Option<Scope>,
     timing: Option<Timing>,
@@ -116,6 +118,7 @@ impl Renderer {
             shadows,
             key: (composite::key(&own), own),
             measured: None,
+            begins: true,
             over: None,
             timing,
             scene: None,
@@ -178,6 +181,7 @@ impl Renderer {
         self.shadows.forget();
         self.still = StillLights::default();
         self.dirty = Dirty::ALL;
+        self.rekey();
         self.set_lights(lights)
     }
 
@@ -189,11 +193,6 @@ impl Renderer {
     /// Draws everything again on the next frame, as after a change of the canvas's size.
     pub fn invalidate(&mut self) {
         self.dirty.present = true;
-    }
-
-    /// Measures the automatic exposure again on the next frame.
-    pub fn rekey(&mut self) {
-        self.dirty.key = true;
     }
 
     /// True when [`Renderer::draw`] would draw something new.

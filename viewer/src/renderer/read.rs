@@ -93,10 +93,8 @@ impl Renderer {
         // One submission a picture: their uniforms differ.
         for picture in 0..self.still_pictures {
             self.draw_view(&mut encoder, &scene, &target, Sample::of(picture), false);
-            if std::mem::take(&mut self.dirty.key) {
-                self.measure_key(&mut encoder, &scene, &target);
-            }
-            self.shade(&mut encoder, &scene, &target, picture, false);
+            let blended = self.update_key(&mut encoder, &scene, &target, false);
+            self.shade(&mut encoder, &scene, &target, picture, !blended, false);
             self.gpu.queue.submit([encoder.finish()]);
             encoder = self.gpu.device.create_command_encoder(&Default::default());
         }

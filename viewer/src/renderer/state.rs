@@ -1,6 +1,7 @@
 //! What the renderer is told: camera, lights, exposure, what to show.
 
 use super::Renderer;
+use crate::composite::FIRST_KEY;
 use crate::controls::Stage;
 use crate::controls::gizmo::Handle;
 use crate::error::ViewerError;
@@ -35,7 +36,9 @@ impl Renderer {
                     .into(),
             ));
         }
-        self.dirty.view |= self.camera != camera;
+        let moves = self.camera != camera;
+        self.dirty.view |= moves;
+        self.dirty.key |= moves;
         self.camera = camera;
         Ok(())
     }
@@ -52,7 +55,9 @@ impl Renderer {
     /// there can be shadow maps for.
     pub fn set_lights(&mut self, lights: Vec<Light>) -> Result<(), ViewerError> {
         check_lights(&lights)?;
-        self.dirty.lights |= self.lights != lights;
+        let changes = self.lights != lights;
+        self.dirty.lights |= changes;
+        self.dirty.key |= changes;
         self.lights = lights;
         Ok(())
     }
@@ -75,28 +80,41 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether the exposure is measured when a scene is shown for the first time; else radiance 1 is white at 0 stops.
+    /// Whether the exposure is measured and follows what is shown (key.wgsl); else radiance 1 is white at 0 stops.
     pub fn auto_exposure(&self) -> bool {
         self.auto_exposure
     }
 
     /// Turns the measured exposure on or off.
     pub fn set_auto_exposure(&mut self, on: bool) {
-        self.dirty.shade |= self.auto_exposure != on;
+        let turns = self.auto_exposure != on;
+        self.dirty.shade |= turns;
+        self.dirty.key |= turns;
         self.auto_exposure = on;
     }
 
-    /// Takes over what the measured exposure multiplies radiance with, instead of measuring it on the next frame;
-    /// what is not above 0 changes nothing.
+    /// Measures the exposure that a scene begins with anew on the next frame.
+    pub fn rekey(&mut self) {
+        self.begin_with_key(0.0);
+        self.begins = true;
+    }
+
+    /// Takes over what radiance was multiplied with when the scene was shown first, instead of measuring that on the
+    /// next frame; what is not above 0 changes nothing.
     pub fn set_key(&mut self, key: f32) {
         if key > 0.0 {
-            self.gpu.queue.write_buffer(&self.key.0, 0, bytemuck::bytes_of(&key));
-            self.dirty.key = false;
-            self.dirty.shade = true;
+            self.begin_with_key(key);
+            self.begins = false;
         }
     }
 
-    /// The exposure measured last, on its way to the CPU: a float. Once for every measurement.
+    fn begin_with_key(&mut self, key: f32) {
+        self.gpu.queue.write_buffer(&self.key.0, FIRST_KEY, bytemuck::bytes_of(&key));
+        self.dirty.key = true;
+    }
+
+    /// The exposure that the scene begins with, on its way to the CPU: a float, 0 where nothing was lit. Once for
+    /// every time that it is measured.
     pub fn take_measured(&mut self) -> Option<Readback> {
         self.measured.take()
     }
@@ -186,7 +204,7 @@ pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
     let layers: u32 = lights.iter().map(|light| shadow_fit::layers(&light.source([0.0; 3]))).sum();
     if layers > shadow_fit::MAX_LAYERS {
         return Err(ViewerError::BadArgument(format!(
-            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, others one",
+            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, others one",
             lights.len(),
             shadow_fit::MAX_LAYERS
         )));

@@ -1,14 +1,19 @@
 // The automatic exposure: brings the picture to a middle grey, halfway (as the eye counts) between its
-// mean radiance and its geometric mean: bright spots keep their texture, dark rooms can be seen.
+// mean radiance and its geometric mean: bright spots keep their texture, dark rooms can be seen. From the exposure that a
+// scene begins with it moves only as far as the picture would leave the latitude: a lamp that is turned down
+// looks turned down, and neither a sun nor a night leaves the picture without texture.
 //
-// One thread: it runs once a scene, and threads that wait for each other take a software adapter a quarter of a second
-// to compile.
+// One thread: there is little to add up, and threads that wait for each other take a software adapter a quarter of a
+// second to compile.
 
 // Luminance of evenly spread pixels (look.wgsl), four at a time; negative where there is no surface.
 @group(0) @binding(0) var<storage, read> looked: array<vec4f>;
+// What radiance is multiplied with; the same as the scene began with, 0 while that is not known.
 @group(0) @binding(1) var<storage, read_write> key: array<f32>;
 
 const MIDDLE_GREY = 0.18;
+// Stops that a picture may be brighter or darker than the scene began with.
+const LATITUDE = 1.5;
 // Pixels darker than this share of the mean count as that dark: black corners do not blow up the rest.
 const DARKEST = 0.02;
 
@@ -22,10 +27,19 @@ fn measure() {
     }
     let pixels = max(dot(count, vec4f(1.0)), 1.0);
     let mean = dot(sum, vec4f(1.0)) / pixels;
+    if mean <= 0.0 {
+        key[0] = select(1.0, key[1], key[1] > 0.0);
+        return;
+    }
     var logs = vec4f(0.0);
     for (var k = 0u; k < arrayLength(&looked); k++) {
         logs += step(vec4f(0.0), looked[k]) * log2(max(looked[k], vec4f(mean * DARKEST)) + 1e-30);
     }
     let geometric = exp2(dot(logs, vec4f(1.0)) / pixels);
-    key[0] = select(1.0, MIDDLE_GREY / sqrt(geometric * mean), mean > 0.0);
+    let wanted = MIDDLE_GREY / sqrt(geometric * mean);
+    if key[1] <= 0.0 {
+        key[1] = wanted;
+    }
+    let stops = log2(wanted / key[1]);
+    key[0] = key[1] * exp2(stops - clamp(stops, -LATITUDE, LATITUDE));
 }

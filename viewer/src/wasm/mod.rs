@@ -5,6 +5,7 @@
 mod page;
 mod shared;
 
+use crate::composite::FIRST_KEY;
 use crate::controls::{Controls, PointerButton, Stage};
 use crate::error::ViewerError;
 use crate::oneshot;
@@ -44,7 +45,7 @@ struct Callbacks {
     change: RefCell<Option<js_sys::Function>>,
     lost: RefCell<Option<js_sys::Function>>,
     is_lost: Cell<bool>,
-    /// The automatic exposure as it was read back; 0 before.
+    /// The automatic exposure that the scene began with, as it was read back; 0 before.
     key: Rc<Cell<f32>>,
 }
 
@@ -267,7 +268,7 @@ impl Viewer {
             let key = self.callbacks.key.clone();
             spawn_local(async move {
                 if let Ok(bytes) = measured.wait().await {
-                    key.set(bytemuck::pod_read_unaligned(&bytes[..4]));
+                    key.set(bytemuck::pod_read_unaligned(&bytes[FIRST_KEY as usize..][..4]));
                 }
             });
         }
@@ -341,13 +342,13 @@ impl Viewer {
         self.change(|state| state.renderer.set_exposure(stops as f32))
     }
 
-    /// What the measured exposure multiplies radiance with; 0 while it is not known.
+    /// What the measured exposure multiplied radiance with when the scene was shown first; 0 while that is not known.
     #[wasm_bindgen(getter)]
     pub fn measured(&self) -> f32 {
         self.callbacks.key.get()
     }
 
-    /// Takes a measured exposure over instead of measuring one, as after the loss of a device; 0 changes nothing.
+    /// Takes such an exposure over instead of measuring one, as after the loss of a device; 0 changes nothing.
     #[wasm_bindgen(setter)]
     pub fn set_measured(&self, key: f32) -> Result<(), JsValue> {
         self.callbacks.key.set(key);

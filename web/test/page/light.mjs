@@ -9,7 +9,7 @@ import { open, outcome } from "./open.mjs";
 const SIZE = [256, 144];
 const FINER = 4;
 /** The most that the browser's indirect light may differ from the CPU's, relative RMS. */
-const TOLERANCE = 0.03;
+const TOLERANCE = 0.01;
 
 const CAMERA = { position: [0.4, 2.9, 3.2], target: [-0.2, 2.3, -3], up: [0, 1, 0], yfov_deg: 65 };
 const SPOT = {

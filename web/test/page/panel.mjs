@@ -176,6 +176,16 @@ export async function panel(harness, context) {
     equal(await number("functions"), stats.functions.reduce((a, b) => a + b), "functions");
     equal(await number("lights"), stats.lights, "lights");
     check((await page.getByRole("table", { name: "On the GPU" }).getByRole("row").count()) === Object.keys(stats.bytes).length + 1, "bytes");
+    const passes = Object.values(stats.milliseconds);
+    check(passes.every((ms) => ms >= 0 && ms < 600_000), `milliseconds: ${JSON.stringify(stats.milliseconds)}`);
+    const times = page.getByRole("table", { name: "GPU time per pass" });
+    // Where the device can time passes, those that the first picture needs have run, and the sum stands below them.
+    if (passes.length > 0) check((await times.getByRole("row").count()) >= 6 && passes.length >= 5, `passes: ${passes.length}`);
+    const picture = page.getByRole("table", { name: "In this picture" });
+    await within(60, "what the GPU counted", picture.getByRole("row").first().waitFor());
+    const counts = await page.evaluate(() => viewer.counts());
+    const shown = await picture.textContent();
+    check(shown.includes(counts.kernelEvaluationsPerPixel.toFixed(2).replace(/0$/, "")), `${shown}, not ${JSON.stringify(counts)}`);
     equal(faults.join("\n"), "", "faults");
   });
   await page.close();

@@ -1,0 +1,155 @@
+// Pointers, wheel and keys on the picture: what they do, and what they leave to the page.
+
+import { check, equal, same } from "../harness.mjs";
+import { loaded } from "./open.mjs";
+
+/** A light in the middle of the picture, where its handle is. */
+const middle = (page) =>
+  page.evaluate(async () => {
+    const { target, position } = viewer.camera;
+    const place = target.map((x, i) => position[i] + 0.6 * (x - position[i]));
+    viewer.lights = [{ type: "point", position: place, intensity: 5, color: [1, 1, 1] }];
+    await still();
+    return place;
+  });
+
+/** Drags from the middle of the picture. */
+async function drag(page, [x, y], options) {
+  await page.mouse.move(160, 90);
+  await page.mouse.down(options);
+  await page.mouse.move(160 + x, 90 + y, { steps: 3 });
+  await page.mouse.up(options);
+  await page.evaluate(() => still());
+}
+
+const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+
+/** Runs the tests. */
+export async function input(harness, context) {
+  const { page, faults } = await loaded(context);
+  const camera = () => page.evaluate(() => viewer.camera);
+  const light = () => page.evaluate(() => viewer.lights[0].position);
+  const away = ({ position, target }) => distance(position, target);
+
+  await harness.test(
+    "input::a_handle_drags_its_light_along_the_picture",
+    async () => {
+      const before = await middle(page);
+      const view = await camera();
+      await page.evaluate(() => (events.length = 0));
+      await drag(page, [40, 0]);
+      const after = await light();
+      same(await camera(), view, "the camera");
+      const told = await page.evaluate(() => events.filter(({ type }) => type === "light-change").at(-1).lights[0].position);
+      same(told, after, "the light that was told of");
+      // To the right by as much as the pointer went, and no nearer.
+      const forward = view.target.map((x, i) => x - view.position[i]);
+      const length = Math.hypot(...forward);
+      const moved = after.map((x, i) => x - before[i]);
+      const along = moved.reduce((sum, x, i) => sum + (x * forward[i]) / length, 0);
+      const perPixel = (2 * Math.tan((view.yfov_deg * Math.PI) / 360) * 0.6 * length) / 180;
+      const pixels = Math.hypot(...moved) / perPixel;
+      check(Math.abs(along) < 0.01 * length && Math.abs(pixels - 40) < 2, `${pixels} pixels aside, ${along} away`);
+    },
+  );
+
+  await harness.test(
+    "input::without_handles_the_same_drag_turns_the_view",
+    async () => {
+      await page.evaluate(() => (viewer.handles = false));
+      const [before, view] = [await middle(page), await camera()];
+      await drag(page, [40, 0]);
+      same(await light(), before, "the light");
+      const turned = await camera();
+      check(distance(turned.position, view.position) > 0.01, "the view did not turn");
+      check(Math.abs(away(turned) / away(view) - 1) < 1e-6, "it came closer");
+      await page.evaluate(() => viewer.removeAttribute("handles"));
+    },
+    "attribute handles",
+  );
+
+  await harness.test("input::other_buttons_look_around_and_shift", async () => {
+    await page.evaluate(() => (viewer.lights = []));
+    const before = await camera();
+    await drag(page, [30, 0], { button: "right" });
+    const looked = await camera();
+    same(looked.position, before.position, "where it stands");
+    check(distance(looked.target, before.target) > 0.01, "it did not look around");
+    await drag(page, [0, 30], { button: "middle" });
+    const shifted = await camera();
+    const [a, b] = [distance(shifted.position, looked.position), distance(shifted.target, looked.target)];
+    check(a > 0.01 && Math.abs(a - b) < 1e-6, `shifted by ${a} and ${b}`);
+  });
+
+  await harness.test("input::keys_fly", async () => {
+    const before = await camera();
+    await page.evaluate(() => viewer.focus());
+    await page.keyboard.down("w");
+    await page.evaluate(async (from) => until(() => Math.hypot(...viewer.camera.position.map((x, i) => x - from[i])) > 0.05), before.position);
+    await page.keyboard.up("w");
+    await page.evaluate(() => still());
+    const forward = before.target.map((x, i) => x - before.position[i]);
+    const moved = (await camera()).position.map((x, i) => x - before.position[i]);
+    const cosine = moved.reduce((sum, x, i) => sum + x * forward[i], 0) / (Math.hypot(...moved) * Math.hypot(...forward));
+    check(cosine > 0.99, `it went ${moved}, not ${forward}`);
+  });
+
+  await harness.test(
+    "input::the_wheel_and_a_finger_are_the_pages_where_it_says_so",
+    async () => {
+      // Something to scroll.
+      await page.evaluate(() => {
+        for (const { style } of [document.documentElement, document.body]) [style.overflow, style.height] = ["auto", "auto"];
+        Object.assign(viewer.style, { display: "block", height: "180px" });
+        document.body.append(Object.assign(document.createElement("div"), { style: "height: 4000px" }));
+        scrollTo(0, 0);
+      });
+      const wheel = async (interaction, key) => {
+        await page.evaluate((value) => {
+          viewer.interaction = value;
+          scrollTo(0, 0);
+        }, interaction);
+        const before = away(await camera());
+        await page.mouse.move(160, 90);
+        if (key) await page.keyboard.down(key);
+        await page.mouse.wheel(0, 60);
+        if (key) await page.keyboard.up(key);
+        await page.evaluate(() => pause(300));
+        const scrolled = await page.evaluate(() => scrollY);
+        return { scrolled: scrolled > 0, zoomed: Math.abs(away(await camera()) - before) > 1e-3 };
+      };
+      same(await wheel("all"), { scrolled: false, zoomed: true }, "all");
+      same(await wheel("page"), { scrolled: true, zoomed: false }, "page");
+      same(await wheel("page", "Control"), { scrolled: false, zoomed: true }, "page, with Ctrl");
+      same(await wheel("none"), { scrolled: true, zoomed: false }, "none");
+      const touch = () => page.evaluate(() => getComputedStyle(viewer.shadowRoot.querySelector("canvas")).touchAction);
+      equal(await touch(), "auto", "fingers with none");
+      await page.evaluate(() => ((viewer.interaction = "page"), scrollTo(0, 0)));
+      equal(await touch(), "pan-y", "fingers with page");
+      await page.evaluate(() => (viewer.interaction = "all"));
+      equal(await touch(), "none", "fingers with all");
+    },
+    "attribute interaction",
+  );
+
+  await harness.test("input::with_none_the_picture_is_only_a_picture", async () => {
+    await page.evaluate(() => {
+      viewer.interaction = "none";
+      scrollTo(0, 0);
+    });
+    const before = await middle(page);
+    const view = await camera();
+    await drag(page, [40, 10]);
+    await page.evaluate(() => viewer.focus());
+    await page.keyboard.press("w");
+    await page.evaluate(() => pause(300));
+    same([await light(), await camera()], [before, view], "light and camera");
+    const [tabindex, label] = await page.evaluate(() => {
+      const canvas = viewer.shadowRoot.querySelector("canvas");
+      return [canvas.getAttribute("tabindex"), canvas.getAttribute("aria-label")];
+    });
+    same([tabindex, label], [null, "3D scene"], "tabindex, label");
+    equal(faults.join("\n"), "", "faults");
+  });
+  await page.close();
+}
