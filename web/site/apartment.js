@@ -58,18 +58,13 @@ function clock() {
 function light() {
   const daylight = sun({ ...PLACE, hour: hour.valueAsNumber });
   const height = -daylight.direction[1];
-  const isDay = daylight.intensity > 0;
   find("clock").value = clock();
   hour.setAttribute("aria-valuetext", clock());
   if (auto.checked) for (const box of lamps) box.checked = height < DUSK;
   if (full.length === 0) return;
   const [, ...present] = viewer.lights;
   const lit = present.map((lamp, i) => ({ ...lamp, intensity: lamps[i]?.checked ? full[i] : 0 }));
-  viewer.lights = [isDay ? daylight : MOON, ...lit];
-  // The automatic exposure would make night as bright as noon.
-  const share = isDay ? Math.min(height / DUSK, 1) : 0;
-  const least = lamps.some((box) => box.checked) ? 0.5 : -2.5;
-  viewer.exposure = least + (0.9 - least) * share;
+  viewer.lights = [daylight.intensity > 0 ? daylight : MOON, ...lit];
 }
 
 let last;

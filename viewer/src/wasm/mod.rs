@@ -1,21 +1,26 @@
 //! The browser's class `Viewer`: the renderer on a canvas.
 //!
+//! * here: its life, and frames;
+//! * `settings` – what it is told;
+//! * `input` – pointers, wheel, keys;
+//! * `read` – pictures, counts and figures.
+//!
 //! Every failure is a JavaScript `Error` whose `code` is one of [`ViewerError::code`]'s.
 
+mod input;
 mod page;
+mod read;
+mod settings;
 mod shared;
 
 use crate::composite::FIRST_KEY;
-use crate::controls::{Controls, PointerButton, Stage};
+use crate::controls::Controls;
 use crate::error::ViewerError;
 use crate::oneshot;
 use crate::pace::{Pace, Work};
 use crate::renderer::Renderer;
 use crate::scene::LoadedScene;
-use crate::settings::{Mode, Overlay, ToneMapping};
-use crate::stats::Counts;
-use crate::wire;
-use page::{animation, coded, js_error, promise};
+use page::{coded, js_error, promise};
 use rebounce_shared::rbn;
 use shared::Shared;
 use std::cell::{Cell, RefCell};
@@ -94,30 +99,6 @@ impl Viewer {
         let result = work(&mut self.state.borrow_mut());
         self.callbacks.changed();
         result.map_err(|e| js_error(&e))
-    }
-
-    /// Has the renderer read something.
-    fn read<T>(&self, work: impl FnOnce(&mut Renderer) -> T) -> T {
-        let renderer = &mut self.state.borrow_mut().renderer;
-        let gpu = renderer.gpu().clone();
-        gpu.watch(|| work(renderer))
-    }
-
-    /// Runs input on the controls and tells the page if that changed anything.
-    fn control(&self, work: impl FnOnce(&mut Controls, &mut Stage, [u32; 2], bool)) {
-        let changed = {
-            let mut state = self.state.borrow_mut();
-            let state = &mut *state;
-            let mut stage = state.renderer.stage();
-            let size = [state.config.width, state.config.height];
-            work(&mut state.controls, &mut stage, size, state.renderer.gizmos());
-            state.renderer.apply(stage);
-            state.renderer.set_active(state.controls.dragged());
-            state.renderer.needs_frame()
-        };
-        if changed {
-            self.callbacks.changed();
-        }
     }
 }
 
@@ -285,258 +266,6 @@ impl Viewer {
     #[wasm_bindgen(setter)]
     pub fn set_ondevicelost(&self, callback: Option<js_sys::Function>) {
         *self.callbacks.lost.borrow_mut() = callback;
-    }
-
-    /// The present camera, as [`crate::wire`] lists it.
-    pub fn camera(&self) -> Vec<f64> {
-        wire::camera_numbers(self.state.borrow().renderer.camera())
-    }
-
-    /// The present lights.
-    pub fn lights(&self) -> Vec<f64> {
-        wire::light_numbers(self.state.borrow().renderer.lights())
-    }
-
-    /// Sets the camera.
-    #[wasm_bindgen(js_name = setCamera)]
-    pub fn set_camera(&self, camera: &[f64]) -> Result<(), JsValue> {
-        self.change(|state| {
-            state.renderer.set_camera(wire::camera_of(camera)?)?;
-            state.controls.reset();
-            Ok(())
-        })
-    }
-
-    /// Sets the lights.
-    #[wasm_bindgen(js_name = setLights)]
-    pub fn set_lights(&self, lights: &[f64]) -> Result<(), JsValue> {
-        self.change(|state| state.renderer.set_lights(wire::lights_of(lights)?))
-    }
-
-    /// Sets both, or neither, and measures the exposure again.
-    #[wasm_bindgen(js_name = setShot)]
-    pub fn set_shot(&self, camera: &[f64], lights: &[f64]) -> Result<(), JsValue> {
-        self.change(|state| {
-            let before = state.renderer.lights().to_vec();
-            state.renderer.set_lights(wire::lights_of(lights)?)?;
-            let set = wire::camera_of(camera).and_then(|camera| state.renderer.set_camera(camera));
-            if set.is_err() {
-                state.renderer.set_lights(before)?;
-            }
-            set?;
-            state.renderer.rekey();
-            state.controls.reset();
-            Ok(())
-        })
-    }
-
-    /// Exposure in stops on top of the automatic one.
-    #[wasm_bindgen(getter)]
-    pub fn exposure(&self) -> f64 {
-        self.state.borrow().renderer.exposure() as f64
-    }
-
-    /// Sets the exposure.
-    #[wasm_bindgen(setter)]
-    pub fn set_exposure(&self, stops: f64) -> Result<(), JsValue> {
-        self.change(|state| state.renderer.set_exposure(stops as f32))
-    }
-
-    /// What the measured exposure multiplied radiance with when the scene was shown first; 0 while that is not known.
-    #[wasm_bindgen(getter)]
-    pub fn measured(&self) -> f32 {
-        self.callbacks.key.get()
-    }
-
-    /// Takes such an exposure over instead of measuring one, as after the loss of a device; 0 changes nothing.
-    #[wasm_bindgen(setter)]
-    pub fn set_measured(&self, key: f32) -> Result<(), JsValue> {
-        self.callbacks.key.set(key);
-        self.change(|state| {
-            state.renderer.set_key(key);
-            Ok(())
-        })
-    }
-
-    /// Whether the exposure is measured; else radiance 1 is white at 0 stops.
-    #[wasm_bindgen(getter, js_name = autoExposure)]
-    pub fn auto_exposure(&self) -> bool {
-        self.state.borrow().renderer.auto_exposure()
-    }
-
-    /// Turns the measured exposure on or off.
-    #[wasm_bindgen(setter, js_name = autoExposure)]
-    pub fn set_auto_exposure(&self, on: bool) -> Result<(), JsValue> {
-        self.change(|state| {
-            state.renderer.set_auto_exposure(on);
-            Ok(())
-        })
-    }
-
-    /// How radiance becomes display values: `"neutral"` or `"agx"`.
-    #[wasm_bindgen(getter, js_name = toneMapping)]
-    pub fn tone_mapping(&self) -> String {
-        self.state.borrow().renderer.tone_mapping().name().into()
-    }
-
-    /// Sets how radiance becomes display values.
-    #[wasm_bindgen(setter, js_name = toneMapping)]
-    pub fn set_tone_mapping(&self, name: &str) -> Result<(), JsValue> {
-        self.change(|state| {
-            state.renderer.set_tone_mapping(ToneMapping::parse(name)?);
-            Ok(())
-        })
-    }
-
-    /// `"all"`, `"direct"` or `"indirect"`.
-    #[wasm_bindgen(getter)]
-    pub fn mode(&self) -> String {
-        self.state.borrow().renderer.mode().name().into()
-    }
-
-    /// Sets which light is shown.
-    #[wasm_bindgen(setter)]
-    pub fn set_mode(&self, mode: &str) -> Result<(), JsValue> {
-        self.change(|state| {
-            state.renderer.set_mode(Mode::parse(mode)?);
-            Ok(())
-        })
-    }
-
-    /// `"none"`, `"points"` or `"levels"`.
-    #[wasm_bindgen(getter)]
-    pub fn overlay(&self) -> String {
-        self.state.borrow().renderer.overlay().name().into()
-    }
-
-    /// Sets what is drawn over the picture.
-    #[wasm_bindgen(setter)]
-    pub fn set_overlay(&self, overlay: &str) -> Result<(), JsValue> {
-        self.change(|state| {
-            state.renderer.set_overlay(Overlay::parse(overlay)?);
-            Ok(())
-        })
-    }
-
-    /// Whether the lights' handles are drawn and can be dragged; true at first.
-    #[wasm_bindgen(getter)]
-    pub fn gizmos(&self) -> bool {
-        self.state.borrow().renderer.gizmos()
-    }
-
-    /// Shows or hides the lights' handles.
-    #[wasm_bindgen(setter)]
-    pub fn set_gizmos(&self, on: bool) -> Result<(), JsValue> {
-        self.change(|state| {
-            state.renderer.set_gizmos(on);
-            Ok(())
-        })
-    }
-
-    /// A pointer goes down at (x, y), canvas pixels. `button` is that of a `PointerEvent`.
-    #[wasm_bindgen(js_name = pointerDown)]
-    pub fn pointer_down(
-        &self,
-        id: i32,
-        x: f64,
-        y: f64,
-        button: i32,
-        shift: bool,
-        ctrl: bool,
-    ) -> Result<(), JsValue> {
-        let button = PointerButton::from_event(button, shift, ctrl);
-        self.control(|controls, stage, size, handles| {
-            controls.pointer_down(id, [x, y], button, size, stage, handles);
-        });
-        Ok(())
-    }
-
-    /// A pointer moves to (x, y).
-    #[wasm_bindgen(js_name = pointerMove)]
-    pub fn pointer_move(&self, id: i32, x: f64, y: f64) -> Result<(), JsValue> {
-        self.control(|controls, stage, size, _| controls.pointer_move(id, [x, y], size, stage));
-        Ok(())
-    }
-
-    /// A pointer goes up, or is cancelled.
-    #[wasm_bindgen(js_name = pointerUp)]
-    pub fn pointer_up(&self, id: i32) -> Result<(), JsValue> {
-        self.control(|controls, _, _, _| controls.pointer_up(id));
-        Ok(())
-    }
-
-    /// The wheel turns by `delta_y` pixels over (x, y): dolly.
-    pub fn wheel(&self, _x: f64, _y: f64, delta_y: f64) -> Result<(), JsValue> {
-        self.control(|controls, stage, _, _| controls.wheel(delta_y, stage));
-        Ok(())
-    }
-
-    /// A key, by `KeyboardEvent.code`, goes down or up. True when the viewer uses that key.
-    pub fn key(&self, code: &str, down: bool) -> bool {
-        let used = self.state.borrow_mut().controls.key(code, down);
-        if used {
-            self.callbacks.changed();
-        }
-        used
-    }
-
-    /// The graphics adapter's name.
-    pub fn adapter(&self) -> String {
-        self.state.borrow().renderer.gpu().adapter.clone()
-    }
-
-    /// The scene's name.
-    #[wasm_bindgen(js_name = sceneName)]
-    pub fn scene_name(&self) -> String {
-        self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.scene_name.clone())
-    }
-
-    /// Counts, bytes on the GPU and, where the device can time them, microseconds per pass: JSON, whole numbers.
-    pub fn stats(&self) -> String {
-        self.state.borrow_mut().renderer.stats().json()
-    }
-
-    /// The scene's own animations of lights: a list of `{ name, duration, tracks }`, times and values in typed arrays.
-    #[wasm_bindgen(unchecked_return_type = "Animation[]")]
-    pub fn animations(&self) -> js_sys::Array {
-        let state = self.state.borrow();
-        let animations = state.renderer.scene().map_or(&[][..], |scene| &scene.meta.animations);
-        animations.iter().map(animation).collect()
-    }
-
-    /// How the bounced light of the last picture was looked up: pixels, those that looked functions up, functions looked
-    /// at, kernels evaluated.
-    #[wasm_bindgen(unchecked_return_type = "Promise<Float64Array>")]
-    pub fn counts(&self) -> js_sys::Promise {
-        let begun = self.state.borrow().renderer.read_counts();
-        promise(async move {
-            let (pixels, begun) = begun?;
-            let counts = Counts::new(pixels, &begun.wait().await?);
-            let counts = [counts.pixels, counts.rows, counts.looked_at, counts.evaluated].map(|n| n as f64);
-            Ok(js_sys::Float64Array::from(&counts[..]))
-        })
-    }
-
-    /// The indirect light of the present camera and lights: linear radiance albedo/π·E, RGBA 32-bit
-    /// floats, rows from the top; alpha is the share of the pixel that a surface covers.
-    #[wasm_bindgen(js_name = readIndirect, unchecked_return_type = "Promise<Float32Array>")]
-    pub fn read_indirect(&self, width: u32, height: u32) -> js_sys::Promise {
-        let begun = self.read(|renderer| renderer.read_indirect(width, height));
-        promise(async move {
-            let bytes = begun?.wait().await?;
-            let floats: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-            Ok(js_sys::Float32Array::from(floats.as_slice()))
-        })
-    }
-
-    /// The tone-mapped picture without handles: RGBA bytes, rows from the top.
-    #[wasm_bindgen(js_name = readPixels, unchecked_return_type = "Promise<Uint8Array>")]
-    pub fn read_pixels(&self, width: u32, height: u32) -> js_sys::Promise {
-        let begun = self.read(|renderer| renderer.read_pixels(width, height));
-        promise(async move {
-            let bytes = begun?.wait().await?;
-            Ok(js_sys::Uint8Array::from(bytes.as_slice()))
-        })
     }
 
     /// Frees the viewer and the GPU's memory that it took; with the page's last viewer goes the device.

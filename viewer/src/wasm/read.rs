@@ -1,0 +1,78 @@
+//! What the class [`Viewer`] gives back: pictures, counts, figures, animations.
+
+use super::Viewer;
+use super::page::{animation, promise};
+use crate::renderer::Renderer;
+use crate::stats::Counts;
+use wasm_bindgen::prelude::*;
+
+impl Viewer {
+    /// Has the renderer read something.
+    fn read<T>(&self, work: impl FnOnce(&mut Renderer) -> T) -> T {
+        let renderer = &mut self.state.borrow_mut().renderer;
+        let gpu = renderer.gpu().clone();
+        gpu.watch(|| work(renderer))
+    }
+}
+
+#[wasm_bindgen]
+impl Viewer {
+    /// The graphics adapter's name.
+    pub fn adapter(&self) -> String {
+        self.state.borrow().renderer.gpu().adapter.clone()
+    }
+
+    /// The scene's name.
+    #[wasm_bindgen(js_name = sceneName)]
+    pub fn scene_name(&self) -> String {
+        self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.scene_name.clone())
+    }
+
+    /// Counts, bytes on the GPU and, where the device can time them, microseconds per pass: JSON, whole numbers.
+    pub fn stats(&self) -> String {
+        self.state.borrow_mut().renderer.stats().json()
+    }
+
+    /// The scene's own animations of lights: a list of `{ name, duration, tracks }`, times and values in typed arrays.
+    #[wasm_bindgen(unchecked_return_type = "Animation[]")]
+    pub fn animations(&self) -> js_sys::Array {
+        let state = self.state.borrow();
+        let animations = state.renderer.scene().map_or(&[][..], |scene| &scene.meta.animations);
+        animations.iter().map(animation).collect()
+    }
+
+    /// How the bounced light of the last picture was looked up: pixels, those that looked functions up, functions looked
+    /// at, kernels evaluated.
+    #[wasm_bindgen(unchecked_return_type = "Promise<Float64Array>")]
+    pub fn counts(&self) -> js_sys::Promise {
+        let begun = self.state.borrow().renderer.read_counts();
+        promise(async move {
+            let (pixels, begun) = begun?;
+            let counts = Counts::new(pixels, &begun.wait().await?);
+            let counts = [counts.pixels, counts.rows, counts.looked_at, counts.evaluated].map(|n| n as f64);
+            Ok(js_sys::Float64Array::from(&counts[..]))
+        })
+    }
+
+    /// The indirect light of the present camera and lights: linear radiance albedo/π·E, RGBA 32-bit
+    /// floats, rows from the top; alpha is the share of the pixel that a surface covers.
+    #[wasm_bindgen(js_name = readIndirect, unchecked_return_type = "Promise<Float32Array>")]
+    pub fn read_indirect(&self, width: u32, height: u32) -> js_sys::Promise {
+        let begun = self.read(|renderer| renderer.read_indirect(width, height));
+        promise(async move {
+            let bytes = begun?.wait().await?;
+            let floats: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+            Ok(js_sys::Float32Array::from(floats.as_slice()))
+        })
+    }
+
+    /// The tone-mapped picture without handles: RGBA bytes, rows from the top.
+    #[wasm_bindgen(js_name = readPixels, unchecked_return_type = "Promise<Uint8Array>")]
+    pub fn read_pixels(&self, width: u32, height: u32) -> js_sys::Promise {
+        let begun = self.read(|renderer| renderer.read_pixels(width, height));
+        promise(async move {
+            let bytes = begun?.wait().await?;
+            Ok(js_sys::Uint8Array::from(bytes.as_slice()))
+        })
+    }
+}

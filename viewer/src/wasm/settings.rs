@@ -1,0 +1,155 @@
+//! What the class [`Viewer`] is told: camera, lights, exposure, what to show.
+
+use super::Viewer;
+use crate::settings::{Mode, Overlay, ToneMapping};
+use crate::wire;
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen]
+impl Viewer {
+    /// The present camera, as [`crate::wire`] lists it.
+    pub fn camera(&self) -> Vec<f64> {
+        wire::camera_numbers(self.state.borrow().renderer.camera())
+    }
+
+    /// The present lights.
+    pub fn lights(&self) -> Vec<f64> {
+        wire::light_numbers(self.state.borrow().renderer.lights())
+    }
+
+    /// Sets the camera.
+    #[wasm_bindgen(js_name = setCamera)]
+    pub fn set_camera(&self, camera: &[f64]) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_camera(wire::camera_of(camera)?)?;
+            state.controls.reset();
+            Ok(())
+        })
+    }
+
+    /// Sets the lights.
+    #[wasm_bindgen(js_name = setLights)]
+    pub fn set_lights(&self, lights: &[f64]) -> Result<(), JsValue> {
+        self.change(|state| state.renderer.set_lights(wire::lights_of(lights)?))
+    }
+
+    /// Sets both, or neither, and measures the exposure again.
+    #[wasm_bindgen(js_name = setShot)]
+    pub fn set_shot(&self, camera: &[f64], lights: &[f64]) -> Result<(), JsValue> {
+        self.change(|state| {
+            let before = state.renderer.lights().to_vec();
+            state.renderer.set_lights(wire::lights_of(lights)?)?;
+            let set = wire::camera_of(camera).and_then(|camera| state.renderer.set_camera(camera));
+            if set.is_err() {
+                state.renderer.set_lights(before)?;
+            }
+            set?;
+            state.renderer.rekey();
+            state.controls.reset();
+            Ok(())
+        })
+    }
+
+    /// Exposure in stops on top of the automatic one.
+    #[wasm_bindgen(getter)]
+    pub fn exposure(&self) -> f64 {
+        self.state.borrow().renderer.exposure() as f64
+    }
+
+    /// Sets the exposure.
+    #[wasm_bindgen(setter)]
+    pub fn set_exposure(&self, stops: f64) -> Result<(), JsValue> {
+        self.change(|state| state.renderer.set_exposure(stops as f32))
+    }
+
+    /// What the measured exposure multiplied radiance with when the scene was shown first; 0 while that is not known.
+    #[wasm_bindgen(getter)]
+    pub fn measured(&self) -> f32 {
+        self.callbacks.key.get()
+    }
+
+    /// Takes such an exposure over instead of measuring one, as after the loss of a device; 0 changes nothing.
+    #[wasm_bindgen(setter)]
+    pub fn set_measured(&self, key: f32) -> Result<(), JsValue> {
+        self.callbacks.key.set(key);
+        self.change(|state| {
+            state.renderer.set_key(key);
+            Ok(())
+        })
+    }
+
+    /// Whether the exposure is measured; else radiance 1 is white at 0 stops.
+    #[wasm_bindgen(getter, js_name = autoExposure)]
+    pub fn auto_exposure(&self) -> bool {
+        self.state.borrow().renderer.auto_exposure()
+    }
+
+    /// Turns the measured exposure on or off.
+    #[wasm_bindgen(setter, js_name = autoExposure)]
+    pub fn set_auto_exposure(&self, on: bool) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_auto_exposure(on);
+            Ok(())
+        })
+    }
+
+    /// How radiance becomes display values: `"neutral"` or `"agx"`.
+    #[wasm_bindgen(getter, js_name = toneMapping)]
+    pub fn tone_mapping(&self) -> String {
+        self.state.borrow().renderer.tone_mapping().name().into()
+    }
+
+    /// Sets how radiance becomes display values.
+    #[wasm_bindgen(setter, js_name = toneMapping)]
+    pub fn set_tone_mapping(&self, name: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_tone_mapping(ToneMapping::parse(name)?);
+            Ok(())
+        })
+    }
+
+    /// `"all"`, `"direct"` or `"indirect"`.
+    #[wasm_bindgen(getter)]
+    pub fn mode(&self) -> String {
+        self.state.borrow().renderer.mode().name().into()
+    }
+
+    /// Sets which light is shown.
+    #[wasm_bindgen(setter)]
+    pub fn set_mode(&self, mode: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_mode(Mode::parse(mode)?);
+            Ok(())
+        })
+    }
+
+    /// `"none"`, `"points"` or `"levels"`.
+    #[wasm_bindgen(getter)]
+    pub fn overlay(&self) -> String {
+        self.state.borrow().renderer.overlay().name().into()
+    }
+
+    /// Sets what is drawn over the picture.
+    #[wasm_bindgen(setter)]
+    pub fn set_overlay(&self, overlay: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_overlay(Overlay::parse(overlay)?);
+            Ok(())
+        })
+    }
+
+    /// Whether the lights' handles are drawn and can be dragged; true at first.
+    #[wasm_bindgen(getter)]
+    pub fn gizmos(&self) -> bool {
+        self.state.borrow().renderer.gizmos()
+    }
+
+    /// Shows or hides the lights' handles.
+    #[wasm_bindgen(setter)]
+    pub fn set_gizmos(&self, on: bool) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_gizmos(on);
+            Ok(())
+        })
+    }
+}
