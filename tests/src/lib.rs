@@ -2,5 +2,6 @@
 //! files.
 
 pub mod damage;
+pub mod display;
 pub mod float_picture;
 pub mod small;

@@ -10,6 +10,7 @@ use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::{Alpha, Material};
+use rebounce_tests::display::linear;
 use rebounce_tests::small::settings;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
@@ -47,17 +48,6 @@ fn panes() -> Scene {
     pane(Vec3::new(0.0, 0.0, 0.3), Vec3::X * 0.9, up, [0.1, 0.6, 0.7], 3.0 / 9.0);
     pane(Vec3::new(0.4, 0.1, 0.5), Vec3::new(0.3, 0.0, 0.4), up, [0.7, 0.7, 0.2], 6.0 / 9.0);
     bake(&room, &settings(600), &()).unwrap().0
-}
-
-/// Linear radiance from display values: sRGB, 8 bits, and below its shoulder Khronos PBR Neutral.
-fn linear(rgb: &[u8]) -> Vec3 {
-    let display = Vec3::from_slice(&[rgb[0], rgb[1], rgb[2]].map(|c| {
-        let c = f32::from(c) / 255.0;
-        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-    }));
-    let least = display.min_element();
-    let before = if least < 0.04 { (least / 6.25).sqrt() } else { least + 0.04 };
-    display + (before - least)
 }
 
 /// Whether a pixel and those around it are alike and below the tone curve's shoulder, at `most`: across edges the viewer

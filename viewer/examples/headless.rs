@@ -1,7 +1,9 @@
 //! Renders a .rbn file without a window:
 //!
 //! `headless FILE.rbn [SHOT.json] OUT.png [--size WxH] [--mode MODE] [--overlay OVERLAY] [--shadows TEXELS]
-//! [--compare INDIRECT.exr [--from FLOATS]]`
+//! [--every-pixel] [--compare INDIRECT.exr [--from FLOATS]]`
+//!
+//! `--every-pixel` looks the bounced light up in every pixel, where usually most are interpolated.
 //!
 //! `--compare` prints how far the GPU's bounced light is from a picture made by
 //! `rebounce render FILE.rbn --shot SHOT.json --only indirect`, and writes their difference to OUT.png;
@@ -13,13 +15,17 @@ use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
 use rebounce_viewer::settings::{Mode, Overlay};
 use rebounce_viewer::stats::Counts;
+use screen::screen;
 use std::error::Error;
 use std::time::Instant;
+
+#[path = "../tests/common/screen.rs"]
+mod screen;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut files = Vec::new();
     let (mut mode, mut overlay, mut size) = (Mode::All, Overlay::None, None);
-    let (mut compare, mut from, mut shadows) = (None, None, None);
+    let (mut compare, mut from, mut shadows, mut every_pixel) = (None, None, None, false);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().ok_or("a value is missing");
@@ -29,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--compare" => compare = Some(value()?),
             "--from" => from = Some(value()?),
             "--shadows" => shadows = Some(value()?.parse()?),
+            "--every-pixel" => every_pixel = true,
             "--size" => {
                 let text = value()?;
                 let (w, h) = text.split_once('x').ok_or("--size WxH")?;
@@ -53,6 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let [width, height] = size.unwrap_or(picture_size);
     renderer.set_mode(mode);
+    renderer.set_every_pixel(every_pixel);
     if let Some(size) = shadows {
         renderer.set_largest_shadow_map(size);
     }
@@ -84,16 +92,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     renderer.set_overlay(overlay);
-    let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
+    let target = screen(&gpu, width, height);
     let view = target.create_view(&Default::default());
     let start = Instant::now();
     while renderer.needs_frame() {

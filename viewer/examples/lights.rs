@@ -5,7 +5,11 @@ use rebounce_shared::rbn::Scene;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
+use screen::screen;
 use std::error::Error;
+
+#[path = "../tests/common/screen.rs"]
+mod screen;
 
 /// Frames of which the quickest counts.
 const FRAMES: usize = 24;
@@ -20,16 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [low, high] = loaded.bounds.map(|corner| corner.as_dvec3() + glam::DVec3::from(loaded.meta.origin));
     renderer.install(loaded)?;
     println!("{}, {direct} points, milliseconds of relighting", gpu.adapter);
-    let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 16, height: 16, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
+    let target = screen(&gpu, 16, 16);
     let view = target.create_view(&Default::default());
     for count in [1, 4, 16, 32] {
         // Spot lights, one shadow map each, spread through the scene's box; the last one is off.

@@ -31,6 +31,8 @@ pub enum Slot {
     Sampler,
     /// A comparison sampler.
     Comparison,
+    /// A sampler that does not filter.
+    Unfiltered,
 }
 
 impl Slot {
@@ -61,6 +63,7 @@ impl Slot {
             Self::DepthArray => texture(TextureSampleType::Depth, TextureViewDimension::D2Array),
             Self::Sampler => BindingType::Sampler(SamplerBindingType::Filtering),
             Self::Comparison => BindingType::Sampler(SamplerBindingType::Comparison),
+            Self::Unfiltered => BindingType::Sampler(SamplerBindingType::NonFiltering),
         }
     }
 }

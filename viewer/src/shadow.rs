@@ -34,6 +34,8 @@ pub struct ShadowPipelines {
     /// Layout of [`Shadows::group`].
     pub layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
+    /// What the maps hold, as it is.
+    depths: wgpu::Sampler,
 }
 
 impl ShadowPipelines {
@@ -41,8 +43,8 @@ impl ShadowPipelines {
     pub fn new(gpu: &Gpu, material_layout: &wgpu::BindGroupLayout) -> Self {
         let matrix_layout = layout(gpu, "shadow", ShaderStages::VERTEX, &[Slot::UniformPart(MATRIX)]);
         let stages = ShaderStages::COMPUTE | ShaderStages::FRAGMENT;
-        let layout =
-            layout(gpu, "lights", stages, &[Slot::Read, Slot::Read, Slot::DepthArray, Slot::Comparison]);
+        let slots = [Slot::Read, Slot::Read, Slot::DepthArray, Slot::Comparison, Slot::Unfiltered];
+        let layout = layout(gpu, "lights", stages, &slots);
         let draw = Draw {
             label: "shadow",
             source: shaders::SHADOW,
@@ -62,7 +64,8 @@ impl ShadowPipelines {
             compare: Some(CompareFunction::GreaterEqual),
             ..Default::default()
         });
-        Self { opaque, cut, matrix_layout, layout, sampler }
+        let depths = gpu.device.create_sampler(&Default::default());
+        Self { opaque, cut, matrix_layout, layout, sampler, depths }
     }
 }
 
@@ -242,6 +245,7 @@ impl Records {
             matrices.as_entire_binding(),
             view(&all),
             wgpu::BindingResource::Sampler(&pipelines.sampler),
+            wgpu::BindingResource::Sampler(&pipelines.depths),
         ];
         Self {
             capacity,

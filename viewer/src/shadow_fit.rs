@@ -9,7 +9,7 @@ const WIDEST_COS: f32 = 0.5;
 /// Layers that WebGPU guarantees in a texture.
 pub const MAX_LAYERS: u32 = 256;
 /// Bytes that shadow maps may take.
-const BUDGET: u64 = 128 << 20;
+const BUDGET: u64 = 64 << 20;
 /// Widest shadow map, texels.
 pub const LARGEST: u32 = 2048;
 /// Border around a map for the filter's taps, texels.

@@ -88,6 +88,6 @@ fn fragment(in: Out) -> @location(0) vec4f {
     if shading.indirect > 0.0 {
         bounced = bounced_at(in.local, facing.normal);
     }
-    let light = reflected(surface, color.rgb, in.local, bounced);
+    let light = reflected(surface, color.rgb, in.local, bounced, false);
     return vec4f(alpha * min(light * shading.unit, vec3f(BRIGHTEST)), alpha);
 }

@@ -29,8 +29,9 @@ struct Shading {
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> shading: Shading;
-// RGB radiance. `bounced`: irradiance that has bounced at least once, RGB, and its tilt (tilt.wgsl).
-fn reflected(surface: Surface, albedo: vec3f, position: vec3f, bounced: mat2x3f) -> vec3f {
+// RGB radiance. `bounced`: irradiance that has bounced at least once, RGB, and its tilt (tilt.wgsl). `solid`: it is not
+// blended.
+fn reflected(surface: Surface, albedo: vec3f, position: vec3f, bounced: mat2x3f, solid: bool) -> vec3f {
     var sum = vec3f(0.0);
     if shading.indirect > 0.0 {
         // All of a metal's reflectance, too, is its base colour, as in the bake.
@@ -45,7 +46,7 @@ fn reflected(surface: Surface, albedo: vec3f, position: vec3f, bounced: mat2x3f)
         let to_eye = normalize(frame.eye - position);
         var direct = surface.look.emission;
         for (var i = 0u; i < shading.lights; i++) {
-            let at = lit(lights[i], position, surface.bent, surface.facet, 1, 0.0);
+            let at = lit_softly(lights[i], position, surface.bent, surface.facet, solid);
             if any(at.irradiance > vec3f(0.0)) {
                 direct += at.irradiance * brdf(albedo, surface.look, surface.bent, at.to_light, to_eye);
             }

@@ -50,7 +50,7 @@ fn opaque_radiance(pixel: vec2u) -> vec4f {
         bounced = bounced_irradiance(pixel);
     }
     let position = position_at(frame, vec2f(pixel) + 0.5, depth);
-    return vec4f(reflected(surface, albedo.rgb, position, bounced), 1.0);
+    return vec4f(reflected(surface, albedo.rgb, position, bounced, true), 1.0);
 }
 
 // rgb: radiance; alpha: the share that surfaces cover.

@@ -4,6 +4,12 @@
 @group(LIGHTS) @binding(1) var<storage, read> shadow_matrices: array<mat4x4f>;
 @group(LIGHTS) @binding(2) var shadow_maps: texture_depth_2d_array;
 @group(LIGHTS) @binding(3) var shadow_sampler: sampler_comparison;
+@group(LIGHTS) @binding(4) var depth_sampler: sampler;
+
+// How far off a packed flat normal (gbuffer.wgsl: 8 bits an axis) may be, times the texels that the filter reaches.
+const LOOSE = 0.016;
+// Steepest surface, depth over width.
+const MOST_SLOPE = 32.0;
 
 // The cube's face towards v: +x -x +y -y +z -z.
 fn cube_face(v: vec3f) -> u32 {
@@ -17,64 +23,113 @@ fn cube_face(v: vec3f) -> u32 {
     return select(5u, 4u, v.z > 0.0);
 }
 
-// Share of the light that reaches `position` on a surface with the unit normal `normal`: one bilinear tap
-// (radius 0) or 3 x 3 of them (radius 1). `lift`: how far above the surface the position
-// lies already.
-fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, radius: i32, lift: f32) -> f32 {
-    var layer = light.layer;
+// The layer of the shadow maps that shows `position`.
+fn shadow_layer(light: Light, position: vec3f) -> u32 {
     if light.layers > 1u {
-        layer += cube_face(position - light.position);
+        return light.layer + cube_face(position - light.position);
     }
+    return light.layer;
+}
+
+// Share of the light that reaches `position`, which lies `lift` above a surface with the unit normal `normal`: one
+// bilinear tap.
+fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, lift: f32) -> f32 {
+    let layer = shadow_layer(light, position);
     let clip_from_local = shadow_matrices[layer];
-    // A filter that reaches k texels to the side sees a tilted surface k·tan(angle) texels nearer to
+    // A tap that reaches k texels to the side sees a tilted surface k·tan(angle) texels nearer to
     // the light; to move along the normal by k·sin(angle) texels makes up for exactly that.
     let cosine = dot(normal, to_light);
     let side = select(-1.0, 1.0, cosine >= 0.0);
     let sine = sqrt(saturate(1.0 - cosine * cosine));
-    let w = (clip_from_local * vec4f(position, 1.0)).w;
-    let texel = light.texel * w;
-    let reach = 1.42 * (f32(radius) + 1.0);
-    let moved = position + normal * (side * max(texel * (reach * sine + 0.1) - lift, 0.0));
-    let clip = clip_from_local * vec4f(moved, 1.0);
+    let texel = light.texel * (clip_from_local * vec4f(position, 1.0)).w;
+    let clip = clip_from_local * vec4f(position + normal * (side * max(texel * (1.42 * sine + 0.1) - lift, 0.0)), 1.0);
     let bias = 0.5 * texel;
     var depth = clip.z / max(clip.w - bias, 1e-20);
     if light.kind == DIRECTIONAL {
         depth = clip.z + bias * light.depth_scale;
     }
     let uv = vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5;
-    if radius == 0 {
-        return textureSampleCompareLevel(shadow_maps, shadow_sampler, uv, layer, depth);
-    }
-    // The mean of 3 x 3 bilinear taps, as the 4 x 4 texels under them: four gathers.
+    return textureSampleCompareLevel(shadow_maps, shadow_sampler, uv, layer, depth);
+}
+
+// A position on a shadow map: texels, depth.
+fn on_map(clip_from_local: mat4x4f, size: f32, position: vec3f) -> vec3f {
+    let clip = clip_from_local * vec4f(position, 1.0);
+    return vec3f((vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5) * size, clip.z / clip.w);
+}
+
+// Share of the light that reaches `position` on a surface with the unit normal `normal`: the mean of 3 x 3 bilinear
+// taps, as the 4 x 4 texels under them.
+//
+// Each texel is held against the surface's plane where that texel is, not where the position is: depth is linear over a
+// map, so a surface never shadows itself, however flat the light falls, and needs no offset at which light could
+// creep under what stands on it. A texel far behind the plane looks past the surface's end, and says nothing about it: the line
+// where a floor meets a wall that has no thickness stays dark though light passes just behind. Of a blended surface only a share of the
+// texels hold it; it is not `solid`, and light that passes it tells as much.
+fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, solid: bool) -> f32 {
+    let layer = shadow_layer(light, position);
+    let clip_from_local = shadow_matrices[layer];
     let size = f32(textureDimensions(shadow_maps).x);
-    let at = uv * size - 0.5;
+    let place = on_map(clip_from_local, size, position);
+    let width = light.texel * (clip_from_local * vec4f(position, 1.0)).w;
+    let aside = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(normal.x) > 0.5);
+    let tangent = normalize(cross(normal, aside)) * (4.0 * width);
+    let a = on_map(clip_from_local, size, position + tangent) - place;
+    let b = on_map(clip_from_local, size, position + cross(normal, tangent)) - place;
+    // As much depth as a texel is wide.
+    let unit = light.texel * select(place.z, light.depth_scale, light.kind == DIRECTIONAL);
+    let area = a.x * b.y - a.y * b.x;
+    let tilt = vec2f(a.z * b.y - b.z * a.y, b.z * a.x - a.z * b.x) / select(area, 1e30, abs(area) < 1e-3);
+    let slope = clamp(tilt, vec2f(-MOST_SLOPE * unit), vec2f(MOST_SLOPE * unit));
+    let cosine = dot(normal, to_light);
+    let bias = unit * (0.35 + LOOSE / max(cosine * cosine, 1e-3));
+    let behind = select(1e30, 4.0 * bias, solid);
+    let at = place.xy - 0.5;
     let first = floor(at);
     let share = at - first;
     let low = vec4f(1.0 - share.x, 1.0, 1.0, share.x);
     let high = vec4f(1.0 - share.y, 1.0, 1.0, share.y);
-    let step = 1.0 / size;
-    var sum = 0.0;
+    var known = 0.0;
+    var stopped = 0.0;
     for (var y = 0; y < 2; y++) {
         for (var x = 0; x < 2; x++) {
-            let corner = (first + 2.0 * vec2f(f32(x), f32(y))) * step;
+            let corner = first + 2.0 * vec2f(f32(x), f32(y));
             // Texels in the order (0, 1), (1, 1), (1, 0), (0, 0).
-            let lit = textureGatherCompare(shadow_maps, shadow_sampler, corner, layer, depth);
+            let found = textureGather(shadow_maps, depth_sampler, corner / size, layer);
+            let off = corner - 0.5 - place.xy;
+            let plane = place.z + slope.x * (off.x + vec4f(0.0, 1.0, 1.0, 0.0)) + slope.y * (off.y + vec4f(1.0, 1.0, 0.0, 0.0));
             let across = select(low.xy, low.zw, x == 1);
             let along = select(high.xy, high.zw, y == 1);
-            sum += dot(lit, vec4f(across.x, across.y, across.y, across.x) * along.yyxx);
+            let weight = vec4f(across.x, across.y, across.y, across.x) * along.yyxx;
+            known += dot(weight, step(plane - behind, found));
+            stopped += dot(weight, step(plane + bias, found));
         }
     }
-    return sum / 9.0;
+    // Texels that say nothing make those that stop the light count more.
+    return saturate(1.0 - 9.0 * stopped / max(known * known, 1e-6));
 }
 
-// The light that arrives at a point of a surface: its direction, and the irradiance along the normal. `normal` is the
-// shading normal, `flat_normal` that of the triangle; radius and lift as above.
-fn lit(light: Light, position: vec3f, normal: vec3f, flat_normal: vec3f, radius: i32, lift: f32) -> Incident {
+// The light that arrives at a point of a surface, were nothing in between: its direction, and the irradiance along the
+// normal.
+fn facing_light(light: Light, position: vec3f, normal: vec3f) -> Incident {
     let at = incident(light, position);
-    let cosine = dot(normal, at.to_light);
-    if cosine <= 0.0 || all(at.irradiance <= vec3f(0.0)) {
-        return Incident(at.to_light, vec3f(0.0));
+    return Incident(at.to_light, at.irradiance * max(dot(normal, at.to_light), 0.0));
+}
+
+// The light that arrives at a place which lies `lift` above a surface.
+fn lit(light: Light, position: vec3f, normal: vec3f, lift: f32) -> Incident {
+    var at = facing_light(light, position, normal);
+    if any(at.irradiance > vec3f(0.0)) {
+        at.irradiance *= visibility(light, position, normal, at.to_light, lift);
     }
-    let share = cosine * visibility(light, position, flat_normal, at.to_light, radius, lift);
-    return Incident(at.to_light, at.irradiance * share);
+    return at;
+}
+
+// The same on a surface in a picture, with soft edges; `flat_normal` is the normal of the triangle.
+fn lit_softly(light: Light, position: vec3f, normal: vec3f, flat_normal: vec3f, solid: bool) -> Incident {
+    var at = facing_light(light, position, normal);
+    if any(at.irradiance > vec3f(0.0)) {
+        at.irradiance *= soft_visibility(light, position, flat_normal, at.to_light, solid);
+    }
+    return at;
 }

@@ -13,22 +13,11 @@ use rebounce_shared::rbn::{LinkMatrix, Scene};
 
 #[path = "../device/mod.rs"]
 mod device;
-pub use device::gpu;
-
-/// What an element draws on, and a test reads.
 #[allow(dead_code, reason = "not all tests draw")]
-pub fn screen(gpu: &rebounce_viewer::gpu::Gpu, width: u32, height: u32) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
-}
+mod screen;
+pub use device::gpu;
+#[allow(unused_imports, reason = "not all tests draw")]
+pub use screen::screen;
 
 /// A number in [0, 1) from a seed.
 pub fn random(seed: u32) -> f32 {

@@ -1,0 +1,109 @@
+//! Shadows of the viewer's maps against the CPU's rays: no acne on what is lit, however flat the light falls, and no light
+//! that creeps under what stands on a floor.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use glam::Vec3;
+use rebounce::picture::{Only, expose::Exposure};
+use rebounce::render::render;
+use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
+use rebounce_tests::display::linear;
+use rebounce_tests::small::small;
+use rebounce_viewer::gpu::Gpu;
+use rebounce_viewer::renderer::Renderer;
+use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::settings::Mode;
+
+const SIZE: u32 = 160;
+/// Edges of shadows lie this near to where the CPU's are, pixels: some of them are two texels' filter wide.
+const NEAR: u32 = 3;
+/// Elsewhere pixels agree to this share of what the CPU has, and of the picture's mean.
+const AGREE: [f32; 2] = [0.05, 0.05];
+/// But for one in so many: where a floor meets a wall without thickness, behind which light passes, a texel may lie on
+/// either.
+const ONE_IN: usize = 2000;
+/// What changes by more within that distance, relative to the largest there, is an edge.
+const EDGE: f32 = 0.2;
+
+/// Whether the picture changes at a pixel or up to `NEAR` of them away.
+fn is_near_an_edge(truth: &[Vec3], at: usize) -> bool {
+    let (x, y) = (at as u32 % SIZE, at as u32 / SIZE);
+    let around = |v: u32| v.saturating_sub(NEAR)..(v + NEAR + 1).min(SIZE);
+    let near = || around(y).flat_map(|y| around(x).map(move |x| truth[(y * SIZE + x) as usize]));
+    let least = near().fold(Vec3::INFINITY, Vec3::min);
+    let most = near().fold(Vec3::ZERO, Vec3::max);
+    // Light that falls off across so few pixels changes less.
+    (most - least).max_element() > EDGE * most.max_element()
+}
+
+#[test]
+fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
+    let gpu = match Gpu::headless() {
+        Ok(gpu) => gpu,
+        Err(error) => {
+            println!("skipped: no adapter ({error})");
+            return;
+        }
+    };
+    let scene = small("builtin:cornell-box", 600).unwrap();
+    let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
+    let mut renderer = Renderer::new(gpu.clone()).unwrap();
+    let pipelines = renderer.pipelines();
+    let loaded = LoadedScene::upload(&gpu, &pipelines, scene.clone());
+    renderer.install(pollster::block_on(loaded).unwrap()).unwrap();
+    renderer.set_auto_exposure(false);
+    renderer.set_mode(Mode::Direct);
+    // Down onto the floor and where the blocks stand on it.
+    let floor =
+        Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
+    let color = [1.0; 3];
+    let lights = [
+        ("point", Light::Point { position: [0.2, 4.9, -1.2], intensity: 20.0, color }),
+        ("a flat point", Light::Point { position: [-2.5, 0.35, -0.4], intensity: 20.0, color }),
+        (
+            "a flat spot",
+            Light::Spot {
+                position: [2.4, 0.5, -0.3],
+                direction: [-1.0, -0.1, -0.7],
+                outer_cone_deg: 50.0,
+                inner_cone_deg: Some(49.0),
+                intensity: 40.0,
+                color,
+            },
+        ),
+        ("directional", Light::Directional { direction: [0.5, -0.6, -1.0], intensity: 4.0, color }),
+        ("a flat directional", Light::Directional { direction: [0.3, -0.08, -1.0], intensity: 30.0, color }),
+    ];
+    for (name, light) in lights {
+        let exposure = Exposure { size: [SIZE; 2], samples: 256, seed: 5 };
+        let lights = [light];
+        let truth = render(&scene, &surfaces, &floor, &lights, exposure, Only::Direct, || ()).pixels;
+        let mean = truth.iter().map(|p| p.max_element()).sum::<f32>() / truth.len() as f32;
+        let stops = (0.25 / mean).log2();
+        renderer.set_camera(floor.clone()).unwrap();
+        renderer.set_lights(lights.to_vec()).unwrap();
+        renderer.set_exposure(stops).unwrap();
+        let read = renderer.read_pixels(SIZE, SIZE).unwrap();
+        let bytes = pollster::block_on(read.wait()).unwrap();
+        let ours: Vec<Vec3> = bytes.chunks_exact(4).map(|p| linear(p) * (-stops).exp2()).collect();
+        let most = 0.7 * (-stops).exp2();
+        let compared: Vec<usize> = (0..truth.len())
+            .filter(|at| truth[*at].max_element() < most && !is_near_an_edge(&truth, *at))
+            .collect();
+        let wrong: Vec<usize> = compared
+            .iter()
+            .copied()
+            .filter(|at| {
+                let (a, b) = (ours[*at], truth[*at]);
+                (a - b).abs().max_element() > AGREE[0] * b.max_element() + AGREE[1] * mean
+            })
+            .collect();
+        let dark = compared.iter().filter(|at| truth[**at].max_element() < 0.01 * mean).count();
+        println!("{name}: {} compared, {dark} of them dark, {} differ", compared.len(), wrong.len());
+        assert!(compared.len() > truth.len() / 2 && dark > 200, "{name}: too little to compare");
+        let first = wrong.first().map(|at| (at % SIZE as usize, at / SIZE as usize, truth[*at], ours[*at]));
+        assert!(wrong.len() <= compared.len() / ONE_IN, "{name}: {} differ, such as {first:?}", wrong.len());
+    }
+    gpu.check().unwrap();
+}
