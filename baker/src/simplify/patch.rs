@@ -16,6 +16,8 @@ const NEAR: usize = 16;
 pub const NORMAL: f32 = 0.01;
 pub const UV: f32 = 0.5 / 1024.0;
 pub const COLOR: f32 = 1.0 / 256.0;
+/// The share of that by which what counts as one look may differ.
+const ALIKE: f32 = 0.25;
 
 /// What a corner looks like; neighbours that look alike at an edge go on smoothly there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +27,17 @@ pub struct Look {
     pub uv: Vec2,
     pub color: Vec3,
     pub material: u32,
+}
+
+impl Look {
+    /// Whether two corners at one place look the same but for rounding: normals that were worked out triangle by
+    /// triangle differ by a hair where the surface is flat.
+    fn is_like(&self, other: &Self) -> bool {
+        self.material == other.material
+            && self.normal.distance_squared(other.normal) <= (ALIKE * NORMAL).powi(2)
+            && self.uv.distance_squared(other.uv) <= (ALIKE * UV).powi(2)
+            && self.color.distance_squared(other.color) <= (ALIKE * COLOR).powi(2)
+    }
 }
 
 /// A triangle of a patch.
@@ -80,7 +93,7 @@ impl Patch {
                 let (vertex, look) = (*number as usize, source.look(corner, material));
                 let (latest, count) = &mut last[vertex];
                 let mut known = *latest;
-                while known != NONE && *count <= MOST && patch.looks[known as usize] != look {
+                while known != NONE && *count <= MOST && !patch.looks[known as usize].is_like(&look) {
                     known = before[known as usize];
                 }
                 if known == NONE || *count > MOST {
