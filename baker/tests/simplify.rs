@@ -84,6 +84,35 @@ fn rays_find_what_is_there() {
     }
 }
 
+/// Gives every triangle vertices of its own, with the normal that its corners span, as files without normals have.
+fn facet(scene: &mut Scene) {
+    let (mut positions, mut normals, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
+    for triangle in &mut scene.triangles {
+        let corners = triangle.map(|i| scene.positions[i as usize]);
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or(Vec3::Y);
+        uvs.extend(triangle.map(|i| scene.uvs[i as usize]));
+        *triangle = [0, 1, 2].map(|k| positions.len() as u32 + k);
+        positions.extend(corners);
+        normals.extend([normal; 3]);
+    }
+    (scene.positions, scene.normals, scene.uvs) = (positions, normals, uvs);
+}
+
+#[test]
+fn normals_worked_out_triangle_by_triangle_are_no_seams() {
+    let mut scene = scene::load("builtin:library").unwrap();
+    let before = scene.triangles.len();
+    split(&mut scene, 6);
+    let smooth = simplify(&scene, |_| true, TOGETHER).len();
+    facet(&mut scene);
+    let distinct = scene.normals.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!(distinct > 5 * before, "rounding shows in {distinct} normals only");
+    let faceted = simplify(&scene, |_| true, TOGETHER).len();
+    println!("{before} triangles; cut up {}, of them {smooth} and {faceted} for rays", scene.triangles.len());
+    assert!(10 * faceted < 11 * smooth && faceted < 2 * before, "{faceted}, not {smooth}");
+    assert!(different(&scene, 20_000) < 2e-3);
+}
+
 #[test]
 fn rays_find_what_is_there_in_given_scenes() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");

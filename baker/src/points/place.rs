@@ -25,14 +25,15 @@ pub struct PlaceSettings {
     pub coarse_overlap: f32,
     /// Support over disk radius on the finest level.
     pub fine_overlap: f32,
-    /// Failures in a row that end a level.
-    pub failures: usize,
+    /// A level ends when its last few points took so many candidates each.
+    pub patience: u64,
     /// Seed of all random numbers.
     pub seed: u64,
 }
 
 impl Default for PlaceSettings {
-    /// The paper's numbers.
+    /// The paper's numbers, but for the overlap of the finest level, and `patience`: the paper ends a level after 2,000
+    /// failures in a row, which by chance may come early or late.
     fn default() -> Self {
         Self {
             levels: 6,
@@ -40,7 +41,7 @@ impl Default for PlaceSettings {
             functions: 120_000,
             coarse_overlap: 1.5,
             fine_overlap: 2.0,
-            failures: 2000,
+            patience: 250,
             seed: 1,
         }
     }
@@ -65,6 +66,10 @@ pub enum PlaceError {
 /// Candidates that are sorted out together: on a coarse level most of many would be in each other's way, and whether
 /// they are in a tight place takes rays.
 const THROWN: usize = 1024;
+/// Points by which a level's end is told: so many that chance does not decide.
+const LAST: usize = 16;
+/// Candidates after which a level is left empty.
+const MOST_TRIED: u64 = 1_000_000;
 /// Rays for the harmonic mean distance.
 const HARMONIC_RAYS: u32 = 32;
 
@@ -165,7 +170,9 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
         let finest = l + 1 == settings.levels;
         let mut board = DartBoard::new(disk_radius);
         let fits = |candidate: &SurfacePoint| finest || !is_tight(surfaces, candidate, disk_radius);
-        let mut failures = 0;
+        let mut tried = 0;
+        // How many had been tried when each of the last few points came.
+        let mut lately = [0; LAST];
         let mut batch = std::mem::take(&mut self.pool);
         'level: loop {
             let before = board.len();
@@ -174,20 +181,19 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
                 let hopeful: Vec<bool> =
                     part.par_iter().map(|candidate| board.is_free(candidate) && fits(candidate)).collect();
                 for (candidate, hopeful) in part.iter().zip(hopeful) {
+                    tried += 1;
+                    let last = board.len() % LAST;
                     if hopeful && board.is_free(candidate) {
                         board.insert(*candidate);
-                        failures = 0;
-                    } else {
-                        failures += 1;
-                        if failures >= settings.failures && !board.is_empty() {
-                            break 'level;
-                        }
+                        lately[last] = tried;
+                    } else if tried - lately[last] >= settings.patience * LAST as u64 && !board.is_empty() {
+                        break 'level;
                     }
                 }
             }
             watch.step((board.len() - before) as u64)?;
             self.within_limit(board.len())?;
-            if failures > 1_000_000 {
+            if tried > MOST_TRIED && board.is_empty() {
                 break;
             }
             batch = self.source.batch();

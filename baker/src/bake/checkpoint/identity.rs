@@ -22,7 +22,7 @@ impl Identity {
         // Taken apart in full, so that nothing new is forgotten here.
         let BakeSettings { preset, viewpoint, place, operator, direct_levels } =
             settings.clone().normalised();
-        let PlaceSettings { levels, coarse_radius, functions, coarse_overlap, fine_overlap, failures, seed } =
+        let PlaceSettings { levels, coarse_radius, functions, coarse_overlap, fine_overlap, patience, seed } =
             place;
         let OperatorSettings {
             sender_levels,
@@ -49,7 +49,7 @@ impl Identity {
             ("functions", &functions),
             ("coarse overlap", &coarse_overlap),
             ("fine overlap", &fine_overlap),
-            ("failures", &failures),
+            ("patience", &patience),
             ("seed", &seed),
             ("sender levels", &sender_levels),
             ("epsilon", &epsilon),
