@@ -49,7 +49,7 @@ cargo xtask bench-kernels
 cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
-                     feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint
+                     feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint, simplify
 cargo xtask audit [--offline]
                      vulnerabilities, licences, doubled versions and sources of all dependencies
 cargo xtask damage [--files N] [--seed S]

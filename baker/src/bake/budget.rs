@@ -2,7 +2,7 @@
 //! where it shows after.
 
 use super::{BakeSettings, Preset, assemble};
-use crate::scene::Scene;
+use crate::scene::{Scene, Texture};
 use glam::Vec3;
 use rebounce_shared::link::{LaterLink, Link, Sent};
 use rebounce_shared::rbn::codec::links;
@@ -58,9 +58,9 @@ pub struct Budget {
 const BYTES_A_FUNCTION: f64 = 80.0;
 /// Fewer functions than this on the finest level show nothing.
 const LEAST_FUNCTIONS: usize = 2_000;
-/// Bytes of memory for anything at all, for each triangle and each function of the finest level; on the safe side of
-/// what was measured (docs/performance.md).
-const MEMORY: [f64; 3] = [60e6, 800.0, 2_900.0];
+/// Bytes of memory for anything at all, for each triangle, each texel and each function of the finest level; on the safe
+/// side of what was measured (docs/performance.md). Triangles take the most while the file is read.
+const MEMORY: [f64; 4] = [60e6, 320.0, 6.0, 2_900.0];
 
 /// The coarsest preset that is made for this error or less.
 ///
@@ -93,11 +93,17 @@ pub fn plan(
         functions = functions.min(affordable as usize);
     }
     if let Some(wanted) = budget.memory {
-        let alone = MEMORY[0] + MEMORY[1] * scene.triangles.len() as f64;
-        let affordable = (wanted as f64 - alone) / MEMORY[2];
+        let triangles = MEMORY[1] * scene.triangles.len() as f64;
+        let texels = scene.textures.iter().map(texels).sum::<u64>() as f64;
+        let alone = MEMORY[0] + triangles + MEMORY[2] * texels;
+        let affordable = (wanted as f64 - alone) / MEMORY[3];
         if affordable < LEAST_FUNCTIONS as f64 {
-            let least = (alone + MEMORY[2] * LEAST_FUNCTIONS as f64).ceil() as u64;
-            return Err(BudgetError::Memory { wanted, least, largest: largest_material(scene) });
+            let least = (alone + MEMORY[3] * LEAST_FUNCTIONS as f64).ceil() as u64;
+            let largest = match largest_texture(scene) {
+                Some(texture) if MEMORY[2] * texels > triangles => texture,
+                _ => largest_material(scene),
+            };
+            return Err(BudgetError::Memory { wanted, least, largest });
         }
         functions = functions.min(affordable as usize);
     }
@@ -124,6 +130,19 @@ fn largest_section(scene: &Scene, file: &[u8]) -> Result<String, RbnError> {
         ),
         _ => format!("geometry takes {geometry}; {}", largest_material(scene)),
     })
+}
+
+/// Texels that are decoded for the bake.
+fn texels(texture: &Texture) -> u64 {
+    texture.texels.as_ref().map_or(0, |texels| texels.width as u64 * texels.height as u64)
+}
+
+/// The texture with the most texels, in words.
+fn largest_texture(scene: &Scene) -> Option<String> {
+    let largest = scene.textures.iter().max_by_key(|texture| texels(texture))?;
+    let meta = &largest.meta;
+    let count = scene.textures.len();
+    Some(format!("the largest of {count} textures is {:?}, {} x {}", meta.name, meta.width, meta.height))
 }
 
 /// The material with the most triangles, in words.
@@ -231,6 +250,7 @@ mod tests {
     use super::*;
     use crate::bake::bake;
     use crate::scene;
+    use crate::scene::texture::Texels;
 
     fn small() -> BakeSettings {
         let mut settings = BakeSettings::new(Preset::Draft);
@@ -289,7 +309,30 @@ mod tests {
         let error = plan(Some(10_000), None).unwrap_err().to_string();
         assert!(error.contains("triangles are of material") && error.contains("--max-bytes"), "{error}");
         let error = plan(None, Some(1_000)).unwrap_err().to_string();
-        assert!(error.contains("--max-memory"), "{error}");
+        assert!(error.contains("--max-memory") && error.contains("triangles are of material"), "{error}");
+    }
+
+    #[test]
+    fn memory_goes_to_triangles_and_texels() {
+        let mut settings = BakeSettings::new(Preset::Standard);
+        let mut plan =
+            |scene: &Scene, memory| plan(scene, &mut settings, &Budget { bytes: None, memory: Some(memory) });
+        let mut scene = scene::load("builtin:two-rooms").unwrap();
+        // What a hall of five million triangles was measured to take: 1.7 GB.
+        let some = scene.triangles.clone();
+        scene.triangles = some.iter().copied().cycle().take(5_400_000).collect();
+        scene.triangle_material = vec![0; scene.triangles.len()];
+        assert_eq!(plan(&scene, 4_000_000_000).unwrap(), None);
+        assert!(plan(&scene, 1_000_000_000).is_err());
+        scene.triangles = some;
+        // Only how many texels it has is looked at.
+        let mut texels = Texels::new(1, 1, vec![[0; 4]]);
+        (texels.width, texels.height) = (16_384, 8_192);
+        let meta =
+            rbn::meta::Texture { name: "sky".into(), width: 16_384, height: 8_192, ..Default::default() };
+        scene.textures.push(Texture { meta, bytes: [].into(), texels: Some(texels.into()) });
+        let error = plan(&scene, 500_000_000).unwrap_err().to_string();
+        assert!(error.contains("\"sky\", 16384 x 8192"), "{error}");
     }
 
     #[test]

@@ -12,28 +12,28 @@ const LEAST_SUM: f32 = 0.125;
 /// it adds up to a link. So a row keeps its sum, and what a dropped link would have said is
 /// said by a neighbour: senders that are too small to matter one by one act as one.
 ///
-/// Gives the links for `gathered` less `prediction`; `noise` is the variance of a gathered sum per
-/// unit of it.
-pub fn choose(gathered: &Tally, prediction: Option<&Tally>, epsilon: f32, noise: f32) -> Vec<Link> {
+/// `of` says of a sender's sums what it gives and what coarser receivers expect it to give; the links are for the first
+/// less the second. `noise` is the variance of a gathered sum per unit of it.
+pub fn choose<const N: usize>(
+    tally: &Tally<N>,
+    of: impl Fn([f32; N]) -> (f32, f32),
+    epsilon: f32,
+    noise: f32,
+) -> Vec<Link> {
     let mut row: Vec<Link> = Vec::new();
     let (mut carried, mut seen) = (0f32, 0f32);
     // Place, sender and amount of the last link and of the smallest before it.
     let (mut last, mut smallest) = ((0, 0, 0f32), None::<(usize, u32, f32)>);
     let mut strongest = (0, 0.0);
-    gathered.touched_with(prediction, |sender| {
-        let sum = gathered.get(sender);
-        carried += sum;
+    tally.each(|sender, sums| {
+        let (sum, expected) = of(sums);
+        carried = carried + sum - expected;
         if sum > strongest.1 {
             strongest = (sender, sum);
         }
         // Rays that by chance all miss a small sender say as little as those that by chance hit it often:
         // what coarser receivers expect counts, too.
-        let mut expected = sum.abs();
-        if let Some(prediction) = prediction {
-            let sum = prediction.get(sender);
-            carried -= sum;
-            expected = expected.max(sum.abs());
-        }
+        let expected = sum.abs().max(expected.abs());
         if noise > 0.0 {
             seen += expected;
         }

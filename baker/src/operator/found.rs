@@ -5,7 +5,7 @@
 //! kept by ray, and added up in the order of a receiver's own rays: the sums are those of one receiver alone.
 
 use super::directions::Directions;
-use super::gather::{GatherContext, GatherCost};
+use super::gather::{FOUND, GatherContext, GatherCost};
 use super::hemisphere::{GatherRays, gather_rays};
 use super::tally::Tally;
 use super::tiles::{SenderTiles, Shares};
@@ -181,7 +181,7 @@ impl Found {
     }
 
     /// Adds up what the rays of one of the receivers brought, by sender and by coarse function.
-    pub fn add(&self, receiver: usize, senders: &mut Tally, coarse: &mut Tally) -> GatherCost {
+    pub fn add(&self, receiver: usize, senders: &mut Tally<2>, coarse: &mut Tally<1>) -> GatherCost {
         let mut cost = GatherCost::default();
         let rays = self.first_rays[receiver] as usize..self.first_rays[receiver + 1] as usize;
         for (number, brought) in rays.clone().zip(&self.brought[rays]) {
@@ -190,9 +190,9 @@ impl Found {
             if brought.is_lost() {
                 cost.lost += sum;
             }
-            brought.each(|sender, amount| senders.add(sender, amount));
+            brought.each(|sender, amount| senders.add(FOUND, sender, amount));
             if let Some(brought) = self.coarse.get(number) {
-                brought.each(|sender, amount| coarse.add(sender, amount));
+                brought.each(|sender, amount| coarse.add(0, sender, amount));
             }
         }
         cost

@@ -88,21 +88,20 @@ impl Gathered {
 
 /// A thread's working memory, reused from receiver to receiver.
 pub struct Scratch {
-    senders: Tally,
-    coarse: Tally,
-    prediction: Tally,
+    /// What rays find, and what coarser receivers say: [`FOUND`], [`SAID`].
+    senders: Tally<2>,
+    coarse: Tally<1>,
     found: Found,
 }
+
+/// The place of a sender's sums in a [`Scratch`].
+pub const FOUND: usize = 0;
+const SAID: usize = 1;
 
 impl Scratch {
     /// Working memory for this many senders and coarse points.
     pub fn new(senders: usize, coarse: usize) -> Self {
-        Self {
-            senders: Tally::new(senders),
-            coarse: Tally::new(coarse),
-            prediction: Tally::new(senders),
-            found: Found::default(),
-        }
+        Self { senders: Tally::new(senders), coarse: Tally::new(coarse), found: Found::default() }
     }
 }
 
@@ -124,7 +123,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         // The variance of a mean of rays that either hit a sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
-        let Scratch { senders, coarse, prediction, found } = scratch;
+        let Scratch { senders, coarse, found } = scratch;
         for group in receivers.chunks((TOGETHER / directions.len().max(1)).max(1)) {
             found.cast(self, group, directions);
             for (k, &receiver) in group.iter().enumerate() {
@@ -134,16 +133,15 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
                     gathered.coarse = coarse.row(self.settings.least_irradiance());
                     coarse.clear();
                 }
-                self.predict(receiver, values, prediction);
-                gathered.links = choose(senders, Some(prediction), epsilon, noise);
+                self.predict(receiver, values, senders);
+                gathered.links = choose(senders, |[found, said]| (found, said), epsilon, noise);
                 if level + 1 < self.settings.levels {
                     for link in &gathered.links {
-                        prediction.add(link.sender(), link.amount());
+                        senders.add(SAID, link.sender(), link.amount());
                     }
-                    gathered.value = self.value(level, prediction);
+                    gathered.value = self.value(level, senders);
                 }
                 senders.clear();
-                prediction.clear();
                 done(receiver, gathered)?;
             }
         }
@@ -161,9 +159,9 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         if level + 1 == self.settings.levels {
             return Gathered::default();
         }
-        self.predict(receiver, values, &mut scratch.prediction);
-        let value = self.value(level, &scratch.prediction);
-        scratch.prediction.clear();
+        self.predict(receiver, values, &mut scratch.senders);
+        let value = self.value(level, &scratch.senders);
+        scratch.senders.clear();
         Gathered { value, ..Gathered::default() }
     }
 
@@ -175,15 +173,15 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     }
 
     /// A receiver's value as its children will subtract it.
-    fn value(&self, level: usize, sums: &Tally) -> Vec<Link> {
-        choose(sums, None, VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
+    fn value(&self, level: usize, sums: &Tally<2>) -> Vec<Link> {
+        choose(sums, |[_, said]| (said, 0.0), VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
     }
 
     /// Eq. 17: what the parents' values say at this receiver, as the push will interpolate it.
-    fn predict(&self, receiver: usize, values: &[Vec<Link>], prediction: &mut Tally) {
+    fn predict(&self, receiver: usize, values: &[Vec<Link>], sums: &mut Tally<2>) {
         for (parent, share) in self.parents(receiver) {
             for link in &values[parent] {
-                prediction.add(link.sender(), share * link.amount());
+                sums.add(SAID, link.sender(), share * link.amount());
             }
         }
     }

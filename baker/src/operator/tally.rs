@@ -3,9 +3,10 @@
 /// A receiver's irradiance from senders, ascending.
 pub type IrradianceRow = Vec<(u32, f32)>;
 
-/// Irradiance along the receiver's normal by sender; few are not zero.
-pub struct Tally {
-    sums: Vec<f32>,
+/// `N` sums by sender, of which few are not zero, such as what a receiver gets and what it is expected to get: what is
+/// read together lies together.
+pub struct Tally<const N: usize> {
+    sums: Vec<[f32; N]>,
     /// One bit a sender, so that those touched come in order.
     touched: Vec<u64>,
     /// One bit a word of `touched`: most are empty.
@@ -21,35 +22,30 @@ fn bits(mut word: u64, mut visit: impl FnMut(usize)) {
     }
 }
 
-impl Tally {
+impl<const N: usize> Tally<N> {
     /// For this many senders.
     pub fn new(senders: usize) -> Self {
         let words = senders.div_ceil(64);
-        Self { sums: vec![0.0; senders], touched: vec![0; words], words: vec![0; words.div_ceil(64)] }
+        Self { sums: vec![[0.0; N]; senders], touched: vec![0; words], words: vec![0; words.div_ceil(64)] }
     }
 
-    /// What a sender gave so far.
+    /// Adds to one of a sender's sums.
     #[inline]
-    pub fn get(&self, sender: u32) -> f32 {
-        self.sums[sender as usize]
-    }
-
-    /// Adds to one sender.
-    #[inline]
-    pub fn add(&mut self, sender: usize, amount: f32) {
-        self.sums[sender] += amount;
+    pub fn add(&mut self, which: usize, sender: usize, amount: f32) {
+        self.sums[sender][which] += amount;
         self.touched[sender / 64] |= 1 << (sender % 64);
         self.words[sender / 4096] |= 1 << (sender / 64 % 64);
     }
 
-    /// Visits the senders touched here or there, ascending. `other` is for as many senders.
+    /// Visits the senders that anything was added to, ascending.
     #[inline]
-    pub fn touched_with(&self, other: Option<&Self>, mut visit: impl FnMut(u32)) {
+    pub fn each(&self, mut visit: impl FnMut(u32, [f32; N])) {
         for (i, words) in self.words.iter().enumerate() {
-            bits(words | other.map_or(0, |other| other.words[i]), |j| {
+            bits(*words, |j| {
                 let word = 64 * i + j;
-                bits(self.touched[word] | other.map_or(0, |other| other.touched[word]), |bit| {
-                    visit((64 * word + bit) as u32);
+                bits(self.touched[word], |bit| {
+                    let sender = 64 * word + bit;
+                    visit(sender as u32, self.sums[sender]);
                 });
             });
         }
@@ -60,19 +56,21 @@ impl Tally {
         for (i, words) in self.words.iter_mut().enumerate() {
             bits(std::mem::take(words), |j| {
                 let word = 64 * i + j;
-                bits(std::mem::take(&mut self.touched[word]), |bit| self.sums[64 * word + bit] = 0.0);
+                bits(std::mem::take(&mut self.touched[word]), |bit| self.sums[64 * word + bit] = [0.0; N]);
             });
         }
     }
+}
 
+impl Tally<1> {
     /// The irradiance from each sender. What is not over `least` is carried over to the next sender, as in
     /// [`super::choose`].
     pub fn row(&self, least: f32) -> IrradianceRow {
         let (mut carried, mut first) = (0.0, None);
         let mut row: IrradianceRow = Vec::new();
-        self.touched_with(None, |sender| {
+        self.each(|sender, [sum]| {
             first = first.or(Some(sender));
-            carried += self.sums[sender as usize];
+            carried += sum;
             if carried > least {
                 row.push((sender, std::mem::take(&mut carried)));
             }
@@ -92,21 +90,31 @@ mod tests {
 
     #[test]
     fn a_tally_sums_by_sender_in_order_and_forgets() {
-        let (mut here, mut there) = (Tally::new(10_000), Tally::new(10_000));
+        let (mut two, mut one) = (Tally::<2>::new(10_000), Tally::<1>::new(10_000));
         for round in 0..3 {
+            let amount = 1.0 + round as f32;
             for sender in [9_999, 3, 4_096, 63, 3, 64] {
-                here.add(sender, 1.0 + round as f32);
+                two.add(0, sender, amount);
+                one.add(0, sender, amount);
             }
-            there.add(5_000, 1.0);
+            two.add(1, 5_000, 1.0);
+            two.add(1, 63, 2.0);
             let mut found = Vec::new();
-            here.touched_with(Some(&there), |sender| found.push((sender, here.get(sender))));
-            let one = 1.0 + round as f32;
-            let expected = [(3, 2.0 * one), (63, one), (64, one), (4_096, one), (5_000, 0.0), (9_999, one)];
+            two.each(|sender, sums| found.push((sender, sums)));
+            let a = amount;
+            let expected = [
+                (3, [2.0 * a, 0.0]),
+                (63, [a, 2.0]),
+                (64, [a, 0.0]),
+                (4_096, [a, 0.0]),
+                (5_000, [0.0, 1.0]),
+                (9_999, [a, 0.0]),
+            ];
             assert_eq!(found, expected);
-            assert_eq!(here.row(1e9), [(3, 6.0 * one)]);
-            here.clear();
-            there.clear();
-            here.touched_with(Some(&there), |sender| panic!("{sender} is left"));
+            assert_eq!(one.row(1e9), [(3, 6.0 * a)]);
+            (two.clear(), one.clear());
+            two.each(|sender, _| panic!("{sender} is left"));
+            one.each(|sender, _| panic!("{sender} is left"));
         }
     }
 }

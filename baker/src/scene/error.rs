@@ -65,13 +65,15 @@ pub enum SceneError {
     },
     /// More than any machine could bake.
     #[error(
-        "{file} has too many vertices ({count}, counting each instance); the limit is {}: simplify the scene",
-        super::MOST_VERTICES
+        "{file} has too many {what} ({count}, counting each instance); the limit is {}: simplify the scene",
+        super::MOST
     )]
     TooLarge {
         /// The file.
         file: String,
-        /// Vertices found.
+        /// Vertices or triangles.
+        what: &'static str,
+        /// How many were found.
         count: usize,
     },
     /// No such built-in scene.

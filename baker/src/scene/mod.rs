@@ -21,8 +21,9 @@ use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{Animation, Material};
 use std::path::Path;
 
-/// Vertices of a scene, at most: more would not fit into any machine's memory with what a bake makes of them.
-pub(crate) const MOST_VERTICES: usize = 1 << 28;
+/// Vertices, and triangles, of a scene at most: more would not fit into most machines' memory with what a bake makes of
+/// them, and what rays walk through numbers triangles in 28 bits.
+pub(crate) const MOST: usize = 1 << 28;
 
 /// A scene in memory.
 #[derive(Clone, Debug, Default)]

@@ -2,7 +2,7 @@
 
 use super::mesh::Part;
 use super::source::Source;
-use crate::scene::{MOST_VERTICES, SceneError, WorldMesh};
+use crate::scene::{MOST, SceneError, WorldMesh};
 use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
 
 /// Scene units from the origin beyond which products of lengths leave the range of 32-bit numbers.
@@ -28,9 +28,12 @@ pub(super) fn append(
     let bad = |problem: &str| source.malformed(format!("{} {problem}", part.what));
     let flat = part.normals.is_none();
     let added = if flat { part.triangles.len().saturating_mul(3) } else { part.positions.len() };
-    let count = out.positions.len().saturating_add(added);
-    if count > MOST_VERTICES {
-        return Err(SceneError::TooLarge { file: source.file.clone(), count });
+    let vertices = out.positions.len().saturating_add(added);
+    let triangles = out.triangles.len().saturating_add(part.triangles.len());
+    for (what, count) in [("vertices", vertices), ("triangles", triangles)] {
+        if count > MOST {
+            return Err(SceneError::TooLarge { file: source.file.clone(), what, count });
+        }
     }
     let linear = DMat3::from_mat4(*matrix);
     let mirrored = linear.determinant() < 0.0;
