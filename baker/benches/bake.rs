@@ -1,8 +1,8 @@
 //! How far a whole bake is from casting its rays: `cargo xtask bench-bake`, or
 //! `cargo bench -p rebounce --bench bake -- SCENE PRESET ROUNDS`.
 //!
-//! In turns: a bake with two threads; the rays of its gathers, the same ones in the same order and on as many threads,
-//! with nothing but the walk through the hierarchy to the nearest hit; and a bake with one thread. Medians.
+//! In turns: a bake with two threads; the rays of its gathers, the same ones, one receiver's after another's, on as many
+//! threads, with nothing but the walk through the hierarchy to the nearest hit; and a bake with one thread. Medians.
 
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;

@@ -2,11 +2,15 @@
 //! is as it was.
 #![cfg(unix)]
 
+use program::{names, said};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
+
+#[path = "common/program.rs"]
+mod program;
 
 fn rebounce(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rebounce"));
@@ -28,10 +32,6 @@ fn with_little_room(blocks: u32, command: &Command) -> Output {
     limited.arg(command.get_program()).args(command.get_args()).output().unwrap()
 }
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 /// Asserts that it failed with a sentence that holds these words.
 fn fails(output: &Output, words: &[&str]) {
     assert_eq!(output.status.code(), Some(1), "{}", said(output));
@@ -39,13 +39,6 @@ fn fails(output: &Output, words: &[&str]) {
         assert!(said(output).contains(word), "{word}: {}", said(output));
     }
     assert!(!said(output).contains("panicked"), "{}", said(output));
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).unwrap();
-    let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
 }
 
 #[test]

@@ -1,9 +1,13 @@
 //! The command itself, killed, stopped and short of room: the file before is as it was, and `--resume` goes on.
 #![cfg(unix)]
 
+use program::{names, said, signal, wait_for};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
+
+#[path = "common/program.rs"]
+mod program;
 
 const SCENE: &str = "builtin:two-rooms-door";
 
@@ -26,10 +30,6 @@ fn command(output: &Path, more: &[&str]) -> Command {
     command
 }
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 /// The bytes of an uninterrupted bake, and how long it took.
 fn uninterrupted(folder: &Path) -> (Vec<u8>, Duration) {
     let (path, began) = (folder.join("whole.rbn"), Instant::now());
@@ -37,26 +37,6 @@ fn uninterrupted(folder: &Path) -> (Vec<u8>, Duration) {
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     assert_eq!(names(folder), ["whole.rbn"], "nothing is left beside it");
     (std::fs::read(path).unwrap(), began.elapsed())
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).unwrap();
-    let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
-}
-
-/// Waits until the checkpoint beside this output has this many bytes.
-fn wait_for(child: &mut Child, output: &Path, bytes: u64) {
-    let partial = PathBuf::from(format!("{}.partial", output.display()));
-    while partial.metadata().map_or(0, |m| m.len()) < bytes {
-        assert!(child.try_wait().unwrap().is_none(), "it ended before it kept {bytes} bytes");
-        std::thread::sleep(Duration::from_millis(5));
-    }
-}
-
-fn signal(child: &Child, name: &str) {
-    assert!(Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap().success());
 }
 
 #[test]
@@ -90,7 +70,7 @@ fn signals_stop_it_within_a_second() {
         let mut child = command(&path, &["--resume"]).spawn().unwrap();
         wait_for(&mut child, &path, bytes);
         let asked = Instant::now();
-        signal(&child, name);
+        signal(child.id(), name);
         let output = child.wait_with_output().unwrap();
         assert!(asked.elapsed() < Duration::from_secs(1), "{name}: {:?}", asked.elapsed());
         assert_eq!(output.status.code(), Some(code), "{}", said(&output));

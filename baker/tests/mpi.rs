@@ -2,10 +2,14 @@
 //! `cargo xtask test mpi` runs these.
 #![cfg(unix)]
 
+use program::{partial, said, signal, wait_for};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
+
+#[path = "common/program.rs"]
+mod program;
 
 const BINARY: &str = env!("CARGO_BIN_EXE_rebounce");
 
@@ -35,22 +39,6 @@ fn alone(output: &Path, more: &[&str]) -> Vec<u8> {
     std::fs::read(output).unwrap()
 }
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn partial(output: &Path) -> PathBuf {
-    PathBuf::from(format!("{}.partial", output.display()))
-}
-
-/// Waits until the checkpoint beside this output has this many bytes.
-fn wait_for(child: &mut Child, output: &Path, bytes: u64) {
-    while partial(output).metadata().map_or(0, |m| m.len()) < bytes {
-        assert!(child.try_wait().unwrap().is_none(), "it ended before it kept {bytes} bytes");
-        std::thread::sleep(Duration::from_millis(5));
-    }
-}
-
 /// The processes that mpirun has started, by rank.
 fn members(mpirun: &Child) -> Vec<(usize, u32)> {
     let listed =
@@ -73,10 +61,6 @@ fn all_end(members: &[(usize, u32)]) -> bool {
         std::thread::sleep(Duration::from_millis(20));
     }
     !members.iter().any(is_there)
-}
-
-fn signal(name: &str, pid: u32) {
-    assert!(Command::new("kill").args(["-s", name, &pid.to_string()]).status().unwrap().success());
 }
 
 #[test]
@@ -106,7 +90,7 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
         wait_for(&mut running, &path, bytes);
         let members = members(&running);
         assert_eq!(members.iter().map(|member| member.0).collect::<HashSet<_>>(), (0..4).collect());
-        signal("KILL", members.iter().find(|member| member.0 == lost).unwrap().1);
+        signal(members.iter().find(|member| member.0 == lost).unwrap().1, "KILL");
         let asked = Instant::now();
         let ended = running.wait_with_output().unwrap();
         assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
@@ -138,7 +122,7 @@ fn ctrl_c_ends_all_and_says_how_to_go_on() {
         let mut running = team(2, 1, &path, &rays).spawn().unwrap();
         wait_for(&mut running, &path, kept + more);
         let members = members(&running);
-        signal("INT", running.id());
+        signal(running.id(), "INT");
         let asked = Instant::now();
         let ended = running.wait_with_output().unwrap();
         assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());

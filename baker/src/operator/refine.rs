@@ -176,7 +176,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let (context, l) = (&self.context, self.level);
         let Some(level) = context.points.levels.get(l) else { return Ok(Traffic::default()) };
         let range = level.range();
-        let mut found = Found::new(range.start, range.end);
+        let mut found = KnownRows::new(range.start, range.end);
         let mut traffic = Traffic::default();
         for chunk in 0..found.rows.len() {
             let (first, count) = found.place(chunk);
@@ -289,13 +289,13 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
 }
 
 /// The chunks of one level, as far as they are known.
-struct Found {
+struct KnownRows {
     start: usize,
     end: usize,
     rows: Vec<Option<Vec<Gathered>>>,
 }
 
-impl Found {
+impl KnownRows {
     fn new(start: usize, end: usize) -> Self {
         Self { start, end, rows: vec![None; (end - start).div_ceil(CHUNK)] }
     }

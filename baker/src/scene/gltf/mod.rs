@@ -137,7 +137,7 @@ fn note_odd_triangles(source: &Source, scene: &mut Scene, seen: &BTreeMap<usize,
     let huge: Vec<_> = huge.map(|(i, s)| (*i, format!(" ({:.0} units)", s.longest))).collect();
     if !huge.is_empty() {
         scene.left_out.push(format!(
-            "some exactness: triangles of {} are over {HUGE} times as long as the scene's middle one \
+            "exactness of small triangles: some of {} are over {HUGE} times as long as the scene's middle one \
              ({median:.2e} units), so that small ones are rounded",
             listed(huge)
         ));
