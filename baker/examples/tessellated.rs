@@ -67,6 +67,7 @@ fn main() -> Result<()> {
     let stages = report.seconds.iter().map(|(stage, seconds)| (stage.clone(), (*seconds).into()));
     let line = serde_json::json!({
         "triangles": scene.triangles.len(),
+        "ray_triangles": report.ray_triangles,
         "seconds": report.seconds.iter().map(|stage| stage.1).sum::<f64>(),
         "stages": stages.collect::<serde_json::Map<_, _>>(),
         "peak_bytes": peak_memory_bytes(),

@@ -8,6 +8,8 @@ use std::ops::ControlFlow;
 
 /// A triangle is good enough whose height is this share of its longest side; others must not get worse.
 const ROUND_ENOUGH: f32 = 0.005;
+/// What is off by no more than this is as good as flat and even.
+const EVEN: f32 = 0.02;
 /// Passes over the vertices at most.
 const PASSES: u32 = 40;
 
@@ -75,7 +77,11 @@ pub fn collapse_all(patch: &mut Patch) {
 /// Takes a vertex out, if there is a neighbour that can be in its place in all of its triangles.
 fn collapse(patch: &mut Patch, vertex: u32, ring: &mut Ring) -> Option<()> {
     ring.find(patch, vertex)?;
-    let sectors = sectors(patch, vertex, ring).or_else(|| creased(patch, vertex, ring))?;
+    let sectors = match sectors(patch, vertex, ring) {
+        Some(even) if even.iter().all(|sector| sector.error <= EVEN) => even,
+        // Along a crease that hardly shows nothing of what is allowed is used up.
+        uneven => creased(patch, vertex, ring).or(uneven)?,
+    };
     // A vertex of two seams can only go along them.
     let neighbours = if ring.seams.is_empty() { &ring.ends[..] } else { &ring.seams };
     let least = sectors.iter().map(|sector| sector.roundness).fold(ROUND_ENOUGH, f32::min);
