@@ -80,7 +80,8 @@ fn collapse(patch: &mut Patch, vertex: u32, ring: &mut Ring) -> Option<()> {
     let sectors = match sectors(patch, vertex, ring) {
         Some(even) if even.iter().all(|sector| sector.error <= EVEN) => even,
         // Along a crease that hardly shows nothing of what is allowed is used up.
-        uneven => creased(patch, vertex, ring).or(uneven)?,
+        Some(uneven) => creased(patch, vertex, ring, EVEN).unwrap_or(uneven),
+        None => creased(patch, vertex, ring, 1.0)?,
     };
     // A vertex of two seams can only go along them.
     let neighbours = if ring.seams.is_empty() { &ring.ends[..] } else { &ring.seams };
@@ -140,8 +141,9 @@ fn sectors(patch: &Patch, vertex: u32, ring: &Ring) -> Option<Sectors<Sector>> {
 }
 
 /// The sectors on both sides of a straight crease through the vertex, which then counts as two seams: there the surface
-/// bends, or what it looks like changes in another way from there on. `None` where there is no such crease.
-fn creased(patch: &Patch, vertex: u32, ring: &mut Ring) -> Option<Sectors<Sector>> {
+/// bends, or what it looks like changes in another way from there on. `None` where there is no such crease that leaves
+/// both sides no farther than `most` from what they were.
+fn creased(patch: &Patch, vertex: u32, ring: &mut Ring, most: f32) -> Option<Sectors<Sector>> {
     let count = ring.sides.len();
     if !ring.seams.is_empty() || ring.sectors[..] != [(0, count)] {
         return None;
@@ -161,7 +163,7 @@ fn creased(patch: &Patch, vertex: u32, ring: &mut Ring) -> Option<Sectors<Sector
             ring.seams.extend([ring.sides[0].ends[0], ring.sides[j - i].ends[0]]);
             ring.sectors = smallvec![(0, j - i), (j - i, count)];
             let found = sectors(patch, vertex, ring);
-            if found.is_some() {
+            if found.as_ref().is_some_and(|found| found.iter().all(|sector| sector.error <= most)) {
                 return found;
             }
             ring.sides.rotate_right(i);
