@@ -49,6 +49,10 @@ export class Engine {
     this.tree = new Tree(element);
     this.tree.renewCanvas();
     this.relabel();
+    // A click on what is only a picture is nobody's: it does not give the panel the focus.
+    element.addEventListener("mousedown", (event) => {
+      if (element.interaction === "none" && event.composedPath()[0] === element) event.preventDefault();
+    });
     this.#panel = new PanelSlot(element, this.tree);
     this.#onScreen = new OnScreen(element, () => this.#appear());
     this.#size = new Size(element, (width, height) => this.#resize(width, height));
@@ -351,6 +355,8 @@ export class Engine {
     const { alt, interaction } = this.#element;
     const name = alt || "3D scene";
     const takesKeys = interaction !== "none";
+    // Keys that are held are let go.
+    if (!takesKeys) this.tree.canvas.blur();
     this.tree.setLabel(takesKeys ? `${name}. Drag to look around; W, A, S, D and the arrow keys move.` : name, takesKeys);
   }
 

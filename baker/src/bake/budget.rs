@@ -60,7 +60,7 @@ const BYTES_A_FUNCTION: f64 = 80.0;
 const LEAST_FUNCTIONS: usize = 2_000;
 /// Bytes of memory for anything at all, for each triangle, each texel and each function of the finest level; on the safe
 /// side of what was measured (docs/performance.md). Triangles take the most while the file is read.
-const MEMORY: [f64; 4] = [60e6, 320.0, 6.0, 2_900.0];
+const MEMORY: [f64; 4] = [60e6, 400.0, 8.0, 2_900.0];
 
 /// The coarsest preset that is made for this error or less.
 ///

@@ -16,7 +16,7 @@ const NEAR: usize = 16;
 pub const NORMAL: f32 = 0.01;
 pub const UV: f32 = 0.5 / 1024.0;
 pub const COLOR: f32 = 1.0 / 256.0;
-/// The share of that by which what counts as one look may differ.
+/// The share of that by which what counts as one look may differ; over all rounds that may add up to the whole.
 const ALIKE: f32 = 0.25;
 
 /// What a corner looks like; neighbours that look alike at an edge go on smoothly there.

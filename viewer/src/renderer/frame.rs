@@ -84,7 +84,7 @@ impl Renderer {
         self.pipelines.composite.measure(encoder, &target.picture, self.shadows.group());
         let fresh = self.gpu.device.create_command_encoder(&Default::default());
         self.gpu.queue.submit([std::mem::replace(encoder, fresh).finish()]);
-        if std::mem::take(&mut self.begins) {
+        if self.key_wanted {
             self.measured = Some(Readback::buffer(&self.gpu, &self.key.0));
         }
         self.mode == Mode::All

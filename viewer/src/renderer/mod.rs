@@ -65,8 +65,8 @@ pub struct Renderer {
     /// The automatic exposure, and who owns it.
     key: (wgpu::Buffer, Scope),
     measured: Option<Readback>,
-    /// The next exposure measured is the one that the scene begins with.
-    begins: bool,
+    /// Somebody waits for the exposure that the scene begins with.
+    key_wanted: bool,
     /// Owns what the last overlay was drawn with.
     over: Option<Scope>,
     timing: Option<Timing>,
@@ -118,7 +118,7 @@ impl Renderer {
             shadows,
             key: (composite::key(&own), own),
             measured: None,
-            begins: true,
+            key_wanted: false,
             over: None,
             timing,
             scene: None,

@@ -96,7 +96,6 @@ impl Renderer {
     /// Measures the exposure that a scene begins with anew on the next frame.
     pub fn rekey(&mut self) {
         self.begin_with_key(0.0);
-        self.begins = true;
     }
 
     /// Takes over what radiance was multiplied with when the scene was shown first, instead of measuring that on the
@@ -104,7 +103,6 @@ impl Renderer {
     pub fn set_key(&mut self, key: f32) {
         if key > 0.0 {
             self.begin_with_key(key);
-            self.begins = false;
         }
     }
 
@@ -113,8 +111,13 @@ impl Renderer {
         self.dirty.key = true;
     }
 
-    /// The exposure that the scene begins with, on its way to the CPU: a float, 0 where nothing was lit. Once for
-    /// every time that it is measured.
+    /// Whether [`Self::take_measured`] shall have the exposure that the scene begins with whenever one is measured: until
+    /// it is known, as a scene may begin in the dark.
+    pub fn want_key(&mut self, wanted: bool) {
+        self.key_wanted = wanted;
+    }
+
+    /// What [`crate::composite::key`] holds, on its way to the CPU.
     pub fn take_measured(&mut self) -> Option<Readback> {
         self.measured.take()
     }

@@ -14,15 +14,21 @@
 const MIDDLE_GREY = 0.18;
 // Stops that a picture may be brighter or darker than the scene began with.
 const LATITUDE = 1.5;
+// Where little of a picture is lit, as through a door, that is what counts: it gets no brighter than so many times the
+// middle grey by following.
+const BRIGHTEST = 8.0;
 // Pixels darker than this share of the mean count as that dark: black corners do not blow up the rest.
 const DARKEST = 0.02;
 
 @compute @workgroup_size(1)
 fn measure() {
     var sum = vec4f(0.0);
+    var squares = 0.0;
     var count = vec4f(0.0);
     for (var k = 0u; k < arrayLength(&looked); k++) {
-        sum += max(looked[k], vec4f(0.0));
+        let light = max(looked[k], vec4f(0.0));
+        sum += light;
+        squares += dot(light, light);
         count += step(vec4f(0.0), looked[k]);
     }
     let pixels = max(dot(count, vec4f(1.0)), 1.0);
@@ -41,5 +47,7 @@ fn measure() {
         key[1] = wanted;
     }
     let stops = log2(wanted / key[1]);
-    key[0] = key[1] * exp2(stops - clamp(stops, -LATITUDE, LATITUDE));
+    let followed = key[1] * exp2(stops - clamp(stops, -LATITUDE, LATITUDE));
+    let most = BRIGHTEST * MIDDLE_GREY * dot(sum, vec4f(1.0)) / squares;
+    key[0] = min(followed, max(key[1], most));
 }

@@ -8,6 +8,8 @@
 
 // How far off a packed flat normal (gbuffer.wgsl: 8 bits an axis) may be, times the texels that the filter reaches.
 const LOOSE = 0.016;
+// The share of what a wall at a right angle rises by that is let be: all of it would let light creep under thin walls.
+const RISE = 0.6;
 // Steepest surface, depth over width.
 const MOST_SLOPE = 32.0;
 
@@ -63,7 +65,9 @@ fn on_map(clip_from_local: mat4x4f, size: f32, position: vec3f) -> vec3f {
 //
 // Each texel is held against the surface's plane where that texel is, not where the position is: depth is linear over a
 // map, so a surface never shadows itself, however flat the light falls, and needs no offset at which light could
-// creep under what stands on it. A texel far behind the plane looks past the surface's end, and says nothing about it: the line
+// creep under what stands on it. A surface that rises from the edge of this one is before its plane, too, and stops
+// nothing: a wall that stands on it at a right angle rises, per texel, by its slope and this one's; what rises from here by no more than
+// most of that is let be. A texel far behind the plane looks past the surface's end, and says nothing about it: the line
 // where a floor meets a wall that has no thickness stays dark though light passes just behind. Of a blended surface only a share of the
 // texels hold it; it is not `solid`, and light that passes it tells as much.
 fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, solid: bool) -> f32 {
@@ -84,12 +88,16 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
     let cosine = dot(normal, to_light);
     let bias = unit * (0.35 + LOOSE / max(cosine * cosine, 1e-3));
     let behind = select(1e30, 4.0 * bias, solid);
+    let steep = length(slope) / unit;
+    let rise = RISE * unit * (steep + min(1.0 / max(steep, 1e-3), 3.0));
     let at = place.xy - 0.5;
     let first = floor(at);
     let share = at - first;
     let low = vec4f(1.0 - share.x, 1.0, 1.0, share.x);
     let high = vec4f(1.0 - share.y, 1.0, 1.0, share.y);
     var known = 0.0;
+    // In front of the plane, and by more than what rises from an edge.
+    var before = 0.0;
     var stopped = 0.0;
     for (var y = 0; y < 2; y++) {
         for (var x = 0; x < 2; x++) {
@@ -97,16 +105,22 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
             // Texels in the order (0, 1), (1, 1), (1, 0), (0, 0).
             let found = textureGather(shadow_maps, depth_sampler, corner / size, layer);
             let off = corner - 0.5 - place.xy;
-            let plane = place.z + slope.x * (off.x + vec4f(0.0, 1.0, 1.0, 0.0)) + slope.y * (off.y + vec4f(1.0, 1.0, 0.0, 0.0));
+            let right = off.x + vec4f(0.0, 1.0, 1.0, 0.0);
+            let down = off.y + vec4f(1.0, 1.0, 0.0, 0.0);
+            let plane = place.z + slope.x * right + slope.y * down;
+            let raised = plane + bias + rise * sqrt(right * right + down * down);
             let across = select(low.xy, low.zw, x == 1);
             let along = select(high.xy, high.zw, y == 1);
             let weight = vec4f(across.x, across.y, across.y, across.x) * along.yyxx;
             known += dot(weight, step(plane - behind, found));
-            stopped += dot(weight, step(plane + bias, found));
+            before += dot(weight, step(plane + bias, found));
+            stopped += dot(weight, step(raised, found));
         }
     }
-    // Texels that say nothing make those that stop the light count more.
-    return saturate(1.0 - 9.0 * stopped / max(known * known, 1e-6));
+    // Where the surface ends there is no edge that others rise from, and texels that say nothing make those that stop the
+    // light count more.
+    let all = mix(stopped, before, saturate(0.5 * (9.0 - known)));
+    return saturate(1.0 - 9.0 * all / max(known * known, 1e-6));
 }
 
 // The light that arrives at a point of a surface, were nothing in between: its direction, and the irradiance along the

@@ -162,6 +162,7 @@ impl Viewer {
                 let mut state = state.borrow_mut();
                 let state = &mut *state;
                 state.renderer.install(loaded)?;
+                callbacks.key.set(0.0);
                 state.controls.reset();
             }
             callbacks.changed();
@@ -221,6 +222,7 @@ impl Viewer {
             surface.configure(&gpu.device, &state.config);
             state.configured = true;
         }
+        state.renderer.want_key(self.callbacks.key.get() <= 0.0);
         let texture = match surface.get_current_texture() {
             wgpu::CurrentSurfaceTexture::Success(t) | wgpu::CurrentSurfaceTexture::Suboptimal(t) => t,
             _ => {

@@ -36,6 +36,7 @@ impl Viewer {
     /// Sets both, or neither, and measures the exposure again.
     #[wasm_bindgen(js_name = setShot)]
     pub fn set_shot(&self, camera: &[f64], lights: &[f64]) -> Result<(), JsValue> {
+        let key = self.callbacks.key.clone();
         self.change(|state| {
             let before = state.renderer.lights().to_vec();
             state.renderer.set_lights(wire::lights_of(lights)?)?;
@@ -45,6 +46,7 @@ impl Viewer {
             }
             set?;
             state.renderer.rekey();
+            key.set(0.0);
             state.controls.reset();
             Ok(())
         })
