@@ -327,6 +327,35 @@ fn the_exposure_follows_light_beyond_its_latitude_only() {
 }
 
 #[test]
+fn what_little_is_lit_does_not_burn_out() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut renderer = renderer(&gpu, &common::room(&[3, 6]));
+    renderer.set_mode(Mode::Direct);
+    renderer.want_key(true);
+    // What radiance is multiplied with, now and when the scene was shown first.
+    let mut keys = |outer_cone_deg: f64, intensity: f64| -> [f32; 2] {
+        let [position, direction] = [[0.0; 3], [0.2, -0.1, -1.0]];
+        let color = [1.0; 3];
+        let inner_cone_deg = Some(0.9 * outer_cone_deg);
+        let spot = Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color };
+        renderer.set_lights(vec![spot]).unwrap();
+        pollster::block_on(renderer.read_pixels(96, 72).unwrap().wait()).unwrap();
+        let bytes = pollster::block_on(renderer.take_measured().unwrap().wait()).unwrap();
+        bytemuck::pod_read_unaligned(&bytes[..8])
+    };
+    let [first, begun] = keys(80.0, 1.0);
+    assert_eq!(first, begun, "the first picture sets it");
+    let [narrow, kept] = keys(4.0, 1.0);
+    assert_eq!(kept, begun);
+    // A few pixels are lit, as brightly as before: up to eight times the middle grey, where all of them together would ask for far more.
+    let [dim, _] = keys(4.0, 1e-3);
+    println!("{first}; narrow {narrow}, a thousand times dimmer {dim}");
+    assert!(narrow >= first && narrow < 16.0 * first, "{narrow}, {first}");
+    assert!((dim / narrow - 1000.0).abs() < 50.0, "{dim}, {narrow}: it follows what is lit");
+    gpu.check().unwrap();
+}
+
+#[test]
 fn a_sketch_is_drawn_while_the_view_changes_and_the_whole_picture_after_it() {
     let Some(gpu) = common::gpu() else { return };
     let scene = common::room(&[3, 6]);
