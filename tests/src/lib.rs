@@ -2,6 +2,5 @@
 //! files.
 
 pub mod damage;
-pub mod display;
 pub mod float_picture;
 pub mod small;

@@ -1,6 +1,9 @@
 //! Blended surfaces: the viewer lays them over what is behind, the CPU lets rays through at random. On average the same.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod common;
+
+use common::{mean_and_stops, picture};
 use glam::{Vec2, Vec3};
 use rebounce::bake::bake;
 use rebounce::picture::{Only, expose::Exposure};
@@ -10,11 +13,7 @@ use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::{Alpha, Material};
-use rebounce_tests::display::linear;
 use rebounce_tests::small::settings;
-use rebounce_viewer::gpu::Gpu;
-use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
 use rebounce_viewer::settings::Mode;
 
 const WIDTH: u32 = 48;
@@ -73,20 +72,9 @@ fn difference(ours: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
 
 #[test]
 fn the_viewers_picture_of_panes_is_the_mean_of_the_cpus() {
-    let gpu = match Gpu::headless() {
-        Ok(gpu) => gpu,
-        Err(error) => {
-            println!("skipped: no adapter ({error})");
-            return;
-        }
-    };
     let scene = panes();
     let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
-    let mut renderer = Renderer::new(gpu.clone()).unwrap();
-    let pipelines = renderer.pipelines();
-    let loaded = LoadedScene::upload(&gpu, &pipelines, scene.clone());
-    renderer.install(pollster::block_on(loaded).unwrap()).unwrap();
-    renderer.set_auto_exposure(false);
+    let Some(mut renderer) = common::renderer(&scene) else { return };
     let front = scene.meta.cameras[0].clone();
     // From within, behind the panes.
     let behind =
@@ -107,13 +95,9 @@ fn the_viewers_picture_of_panes_is_the_mean_of_the_cpus() {
         assert!(error < 0.03 && bias.abs() < 0.01, "{name}, bounced light: {error}, bias {bias}");
         for (mode, only) in [(Mode::Direct, Only::Direct), (Mode::All, Only::All)] {
             let truth = truth(only);
-            let mean = truth.iter().map(|p| p.max_element()).sum::<f32>() / truth.len() as f32;
-            let stops = (0.25 / mean).log2();
+            let (_, stops) = mean_and_stops(&truth);
             renderer.set_mode(mode);
-            renderer.set_exposure(stops).unwrap();
-            let read = renderer.read_pixels(WIDTH, HEIGHT).unwrap();
-            let bytes = pollster::block_on(read.wait()).unwrap();
-            let ours: Vec<Vec3> = bytes.chunks_exact(4).map(|p| linear(p) * (-stops).exp2()).collect();
+            let ours = picture(&mut renderer, [WIDTH, HEIGHT], stops);
             let compared: Vec<usize> =
                 (0..truth.len()).filter(|at| is_even(&truth, *at, 0.7 * (-stops).exp2())).collect();
             assert!(compared.len() > truth.len() / 4, "{name}, {only:?}: {} to compare", compared.len());
@@ -124,5 +108,5 @@ fn the_viewers_picture_of_panes_is_the_mean_of_the_cpus() {
             assert!(error < 0.05 && bias.abs() < 0.01, "{name}, {only:?}: {error}, bias {bias}");
         }
     }
-    gpu.check().unwrap();
+    renderer.gpu().check().unwrap();
 }

@@ -2,17 +2,16 @@
 //! that creeps under what stands on a floor, no dark lines where two lit walls meet.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod common;
+
+use common::{mean_and_stops, picture};
 use glam::Vec3;
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
 use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_tests::display::linear;
 use rebounce_tests::small::small;
-use rebounce_viewer::gpu::Gpu;
-use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
 use rebounce_viewer::settings::Mode;
 
 const SIZE: u32 = 160;
@@ -46,20 +45,9 @@ fn is_lit_around(truth: &[Vec3], at: usize, mean: f32) -> bool {
 
 #[test]
 fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
-    let gpu = match Gpu::headless() {
-        Ok(gpu) => gpu,
-        Err(error) => {
-            println!("skipped: no adapter ({error})");
-            return;
-        }
-    };
     let scene = small("builtin:cornell-box", 600).unwrap();
     let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
-    let mut renderer = Renderer::new(gpu.clone()).unwrap();
-    let pipelines = renderer.pipelines();
-    let loaded = LoadedScene::upload(&gpu, &pipelines, scene.clone());
-    renderer.install(pollster::block_on(loaded).unwrap()).unwrap();
-    renderer.set_auto_exposure(false);
+    let Some(mut renderer) = common::renderer(&scene) else { return };
     renderer.set_mode(Mode::Direct);
     // Down onto the floor and where the blocks stand on it.
     let floor =
@@ -86,14 +74,10 @@ fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
         let exposure = Exposure { size: [SIZE; 2], samples: 256, seed: 5 };
         let lights = [light];
         let truth = render(&scene, &surfaces, &floor, &lights, exposure, Only::Direct, || ()).pixels;
-        let mean = truth.iter().map(|p| p.max_element()).sum::<f32>() / truth.len() as f32;
-        let stops = (0.25 / mean).log2();
+        let (mean, stops) = mean_and_stops(&truth);
         renderer.set_camera(floor.clone()).unwrap();
         renderer.set_lights(lights.to_vec()).unwrap();
-        renderer.set_exposure(stops).unwrap();
-        let read = renderer.read_pixels(SIZE, SIZE).unwrap();
-        let bytes = pollster::block_on(read.wait()).unwrap();
-        let ours: Vec<Vec3> = bytes.chunks_exact(4).map(|p| linear(p) * (-stops).exp2()).collect();
+        let ours = picture(&mut renderer, [SIZE; 2], stops);
         let most = 0.7 * (-stops).exp2();
         let compared: Vec<usize> = (0..truth.len())
             .filter(|at| truth[*at].max_element() < most && !is_near_an_edge(&truth, *at))
@@ -110,10 +94,8 @@ fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
         println!("{name}: {} compared, {dark} of them dark, {} differ", compared.len(), wrong.len());
         // Wide texels, and corners of what is lit on both sides.
         renderer.set_largest_shadow_map(256);
-        let read = renderer.read_pixels(SIZE, SIZE).unwrap();
+        let coarse = picture(&mut renderer, [SIZE; 2], stops);
         renderer.set_largest_shadow_map(2048);
-        let bytes = pollster::block_on(read.wait()).unwrap();
-        let coarse: Vec<Vec3> = bytes.chunks_exact(4).map(|p| linear(p) * (-stops).exp2()).collect();
         let lit: Vec<usize> = (0..truth.len())
             .filter(|at| is_lit_around(&truth, *at, mean) && truth[*at].max_element() < most)
             .collect();
@@ -131,5 +113,5 @@ fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
         let first = wrong.first().map(|at| (at % SIZE as usize, at / SIZE as usize, truth[*at], ours[*at]));
         assert!(wrong.len() <= compared.len() / ONE_IN, "{name}: {} differ, such as {first:?}", wrong.len());
     }
-    gpu.check().unwrap();
+    renderer.gpu().check().unwrap();
 }

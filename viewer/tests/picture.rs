@@ -33,6 +33,12 @@ fn indirect(renderer: &mut Renderer) -> Vec<[f32; 4]> {
     bytemuck::pod_collect_to_vec(&bytes)
 }
 
+/// The mean of all that the tone-mapped picture's bytes say but alpha.
+fn brightness(renderer: &mut Renderer) -> f64 {
+    let pixels = pollster::block_on(renderer.read_pixels(WIDTH, HEIGHT).unwrap().wait()).unwrap();
+    pixels.chunks(4).map(|p| p[0] as f64 + p[1] as f64 + p[2] as f64).sum::<f64>() / pixels.len() as f64
+}
+
 /// The bounced light, looked up in every pixel.
 fn exact(gpu: &Gpu, scene: &Scene) -> Vec<[f32; 4]> {
     let mut renderer = renderer(gpu, scene);
@@ -278,8 +284,7 @@ fn pictures_are_lit_and_modes_add_up() {
     renderer.set_still_pictures(1);
     let mut mean = |mode| {
         renderer.set_mode(mode);
-        let pixels = pollster::block_on(renderer.read_pixels(WIDTH, HEIGHT).unwrap().wait()).unwrap();
-        pixels.chunks(4).map(|p| p[0] as f64 + p[1] as f64 + p[2] as f64).sum::<f64>() / pixels.len() as f64
+        brightness(&mut renderer)
     };
     let (all, direct, indirect) = (mean(Mode::All), mean(Mode::Direct), mean(Mode::Indirect));
     assert!(all > direct && all > indirect && direct > 1.0 && indirect > 1.0, "{all} {direct} {indirect}");
@@ -301,8 +306,7 @@ fn the_exposure_follows_light_beyond_its_latitude_only() {
             *intensity *= stops.map_or(0.0, f64::exp2);
         }
         renderer.set_lights(lights).unwrap();
-        let pixels = pollster::block_on(renderer.read_pixels(WIDTH, HEIGHT).unwrap().wait()).unwrap();
-        pixels.chunks(4).map(|p| p[0] as f64 + p[1] as f64 + p[2] as f64).sum::<f64>() / pixels.len() as f64
+        brightness(&mut renderer)
     };
     let first = lit(Some(0.0));
     // As far as a stop and a half it shows what the lamps do.
@@ -319,9 +323,7 @@ fn the_exposure_follows_light_beyond_its_latitude_only() {
     // What is shown anew is exposed anew.
     let dim = lit(Some(-6.0));
     renderer.rekey();
-    let pixels = pollster::block_on(renderer.read_pixels(WIDTH, HEIGHT).unwrap().wait()).unwrap();
-    let anew =
-        pixels.chunks(4).map(|p| p[0] as f64 + p[1] as f64 + p[2] as f64).sum::<f64>() / pixels.len() as f64;
+    let anew = brightness(&mut renderer);
     assert!((anew - first).abs() < 0.5 && anew > 1.2 * dim, "{anew}, not {first}; {dim}");
     gpu.check().unwrap();
 }

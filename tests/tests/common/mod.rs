@@ -1,0 +1,47 @@
+//! The viewer beside the CPU: a renderer of a scene, and what its pictures say about radiance.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use glam::Vec3;
+use rebounce_shared::rbn::Scene;
+use rebounce_viewer::renderer::Renderer;
+use rebounce_viewer::scene::LoadedScene;
+
+#[path = "../../../viewer/tests/device/mod.rs"]
+mod device;
+
+/// A renderer that shows this scene at a fixed exposure; `None` (said aloud) where there is no adapter.
+pub fn renderer(scene: &Scene) -> Option<Renderer> {
+    let gpu = device::gpu()?;
+    let mut renderer = Renderer::new(gpu.clone()).unwrap();
+    let pipelines = renderer.pipelines();
+    let loaded = LoadedScene::upload(&gpu, &pipelines, scene.clone());
+    renderer.install(pollster::block_on(loaded).unwrap()).unwrap();
+    renderer.set_auto_exposure(false);
+    Some(renderer)
+}
+
+/// The mean of the pixels' largest components, and the stops at which pictures show it well below the tone curve's
+/// shoulder.
+pub fn mean_and_stops(truth: &[Vec3]) -> (f32, f32) {
+    let mean = truth.iter().map(|p| p.max_element()).sum::<f32>() / truth.len() as f32;
+    (mean, (0.25 / mean).log2())
+}
+
+/// The radiance that a picture of so many pixels shows at this exposure.
+pub fn picture(renderer: &mut Renderer, [width, height]: [u32; 2], stops: f32) -> Vec<Vec3> {
+    renderer.set_exposure(stops).unwrap();
+    let read = renderer.read_pixels(width, height).unwrap();
+    let bytes = pollster::block_on(read.wait()).unwrap();
+    bytes.chunks_exact(4).map(|p| linear(p) * (-stops).exp2()).collect()
+}
+
+/// Linear radiance from display values: sRGB, 8 bits, and below its shoulder Khronos PBR Neutral.
+fn linear(rgb: &[u8]) -> Vec3 {
+    let display = Vec3::from_slice(&[rgb[0], rgb[1], rgb[2]].map(|c| {
+        let c = f32::from(c) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    }));
+    let least = display.min_element();
+    let before = if least < 0.04 { (least / 6.25).sqrt() } else { least + 0.04 };
+    display + (before - least)
+}
