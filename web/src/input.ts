@@ -62,7 +62,7 @@ export function listen(
   canvas.addEventListener(
     "keydown",
     (event) => {
-      if (event.ctrlKey || event.metaKey || event.altKey || interaction() === "none") return;
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
       withViewer((viewer) => {
         if (viewer.key(event.code, true)) {
           held.add(event.code);

@@ -16,7 +16,7 @@ export interface SessionHost {
   /** Hands input on. */
   withViewer: WithViewer;
   /** What pointers and keys do. */
-  interaction(): Interaction;
+  interaction: () => Interaction;
 }
 
 /** Makes a viewer and listens until the signal aborts. Rejects with a `Failure`. */
@@ -24,7 +24,7 @@ export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, s
   const viewer: Viewer = await createViewer(canvas);
   viewer.onchange = () => host.changed();
   viewer.ondevicelost = (message: string) => signal.aborted || host.failed(new Failure("device-lost", message));
-  listen(canvas, host.withViewer, () => host.interaction(), signal);
+  listen(canvas, host.withViewer, host.interaction, signal);
   // A fault inside the wasm that no call of ours is waiting for.
   const stray = (event: Event, error: unknown) => {
     if ((error as { code?: unknown } | null)?.code !== "internal" && !(error instanceof WebAssembly.RuntimeError)) return;

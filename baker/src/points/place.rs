@@ -172,7 +172,7 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
         let fits = |candidate: &SurfacePoint| finest || !is_tight(surfaces, candidate, disk_radius);
         let mut tried = 0;
         // How many had been tried when each of the last few points came.
-        let (mut lately, mut latest) = ([0; LAST], 0);
+        let mut lately = [0; LAST];
         let mut batch = std::mem::take(&mut self.pool);
         'level: loop {
             let before = board.len();
@@ -182,13 +182,13 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
                     part.par_iter().map(|candidate| board.is_free(candidate) && fits(candidate)).collect();
                 for (candidate, hopeful) in part.iter().zip(hopeful) {
                     tried += 1;
-                    let last = board.len() % LAST;
+                    let oldest = board.len() % LAST;
                     // Of few points, the latest.
-                    let since = if board.len() < LAST { latest } else { lately[last] };
+                    let since = if board.len() < LAST { (oldest + LAST - 1) % LAST } else { oldest };
                     if hopeful && board.is_free(candidate) {
                         board.insert(*candidate);
-                        (lately[last], latest) = (tried, tried);
-                    } else if tried - since >= settings.patience * LAST as u64 && !board.is_empty() {
+                        lately[oldest] = tried;
+                    } else if tried - lately[since] >= settings.patience * LAST as u64 && !board.is_empty() {
                         break 'level;
                     }
                 }

@@ -32,7 +32,8 @@ fn measure() {
         count += step(vec4f(0.0), looked[k]);
     }
     let pixels = max(dot(count, vec4f(1.0)), 1.0);
-    let mean = dot(sum, vec4f(1.0)) / pixels;
+    let total = dot(sum, vec4f(1.0));
+    let mean = total / pixels;
     if mean <= 0.0 {
         key[0] = select(1.0, key[1], key[1] > 0.0);
         return;
@@ -48,6 +49,6 @@ fn measure() {
     }
     let stops = log2(wanted / key[1]);
     let followed = key[1] * exp2(stops - clamp(stops, -LATITUDE, LATITUDE));
-    let most = BRIGHTEST * MIDDLE_GREY * dot(sum, vec4f(1.0)) / squares;
+    let most = BRIGHTEST * MIDDLE_GREY * total / squares;
     key[0] = min(followed, max(key[1], most));
 }

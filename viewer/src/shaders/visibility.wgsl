@@ -54,10 +54,10 @@ fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, lif
     return textureSampleCompareLevel(shadow_maps, shadow_sampler, uv, layer, depth);
 }
 
-// A position on a shadow map: texels, depth.
-fn on_map(clip_from_local: mat4x4f, size: f32, position: vec3f) -> vec3f {
+// A position on a shadow map: texels, depth, distance (1 for a directional light).
+fn on_map(clip_from_local: mat4x4f, size: f32, position: vec3f) -> vec4f {
     let clip = clip_from_local * vec4f(position, 1.0);
-    return vec3f((vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5) * size, clip.z / clip.w);
+    return vec4f((vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5) * size, clip.z / clip.w, clip.w);
 }
 
 // Share of the light that reaches `position` on a surface with the unit normal `normal`: the mean of 3 x 3 bilinear
@@ -75,7 +75,7 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
     let clip_from_local = shadow_matrices[layer];
     let size = f32(textureDimensions(shadow_maps).x);
     let place = on_map(clip_from_local, size, position);
-    let width = light.texel * (clip_from_local * vec4f(position, 1.0)).w;
+    let width = light.texel * place.w;
     let aside = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(normal.x) > 0.5);
     let tangent = normalize(cross(normal, aside)) * (4.0 * width);
     let a = on_map(clip_from_local, size, position + tangent) - place;
