@@ -5,16 +5,17 @@ use crate::basis::Relations;
 use crate::operator::Operator;
 use crate::points::Points;
 use crate::points::round::{power_of_two_under, to_steps};
-use crate::scene::Scene;
+use crate::scene::{Model, Scene};
 use crate::weld::firsts;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::octahedral::pack_rounded;
-use rebounce_shared::rbn::bulk::Vertex;
+use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Meta};
 use rebounce_shared::rbn::{self, LinkMatrix};
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// The contents of the .rbn file.
 pub(super) fn assemble(
@@ -25,8 +26,7 @@ pub(super) fn assemble(
     relations: &Relations,
     operator: &Operator,
 ) -> rbn::Scene {
-    let (draws, mut indices) = draws(scene);
-    let vertices = weld(&vertices(scene), &mut indices);
+    let Geometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let (low, high) = scene.bounds();
     let senders = points.count_on(settings.operator.sender_levels);
@@ -67,6 +67,8 @@ pub(super) fn assemble(
         meta,
         vertices,
         indices,
+        instances,
+        copies,
         texture_bytes,
         points: records,
         cuts,
@@ -78,8 +80,7 @@ pub(super) fn assemble(
 
 /// The scene's look alone: geometry, materials, textures.
 pub(super) fn without_light(scene: &Scene) -> rbn::Scene {
-    let (draws, mut indices) = draws(scene);
-    let vertices = weld(&vertices(scene), &mut indices);
+    let Geometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let (low, high) = scene.bounds();
     let meta = Meta {
@@ -89,7 +90,7 @@ pub(super) fn without_light(scene: &Scene) -> rbn::Scene {
         cameras: vec![camera_at(scene.origin, Vec3::ZERO, low, high)],
         ..Meta::default()
     };
-    rbn::Scene { meta, vertices, indices, texture_bytes, ..rbn::Scene::default() }
+    rbn::Scene { meta, vertices, indices, instances, copies, texture_bytes, ..rbn::Scene::default() }
 }
 
 /// Textures one after another; equal pictures are written once.
@@ -111,7 +112,7 @@ const POSITION_STEPS: f32 = (1u32 << 19) as f32;
 /// Steps of texture coordinates: an eighth of a texel of 4096.
 const UV_STEP: f32 = 1.0 / (1u32 << 15) as f32;
 
-/// The vertices, rounded to what can be seen.
+/// The vertices, rounded to what can be seen; a model's largest copy has the size of its vertices.
 fn vertices(scene: &Scene) -> Vec<Vertex> {
     let (low, high) = scene.bounds();
     let step = power_of_two_under((high - low).max_element() / POSITION_STEPS);
@@ -141,17 +142,48 @@ fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
     welded
 }
 
-/// Triangles grouped by material: opaque ones first, then masked, then blended.
-fn draws(scene: &Scene) -> (Vec<Draw>, Vec<u32>) {
+/// What a scene's surfaces are drawn from.
+struct Geometry {
+    draws: Vec<Draw>,
+    indices: Vec<u32>,
+    vertices: Vec<Vertex>,
+    instances: Vec<Instance>,
+    copies: Vec<Copies>,
+}
+
+/// What stands alone, then models; of each, triangles grouped by material.
+fn geometry(scene: &Scene) -> Geometry {
+    let mut indices = vec![0; 3 * scene.triangles.len()];
+    let first = |model: Option<&Model>| model.map_or(scene.triangles.len(), |m| m.triangles.start as usize);
+    let mut draws = draws(scene, 0..first(scene.models.first()), &mut indices);
+    let (mut instances, mut copies) = (Vec::new(), Vec::new());
+    if !scene.models.is_empty() {
+        copies.resize(draws.len(), Copies::default());
+    }
+    for model in &scene.models {
+        let stands = Copies { first: instances.len() as u32, count: model.local_from_model.len() as u32 };
+        instances.extend(model.local_from_model.iter().map(Instance::from));
+        let range = model.triangles.start as usize..model.triangles.end as usize;
+        draws.extend(self::draws(scene, range, &mut indices));
+        copies.resize(draws.len(), stands);
+    }
+    let vertices = weld(&vertices(scene), &mut indices);
+    Geometry { draws, indices, vertices, instances, copies }
+}
+
+/// Some of the triangles grouped by material, to the same place among the `indices`: opaque ones first, then masked, then
+/// blended.
+fn draws(scene: &Scene, triangles: Range<usize>, indices: &mut [u32]) -> Vec<Draw> {
     let mut counts = vec![0u32; scene.materials.len()];
-    scene.triangle_material.iter().for_each(|material| counts[*material as usize] += 3);
+    let materials = &scene.triangle_material[triangles.clone()];
+    materials.iter().for_each(|material| counts[*material as usize] += 3);
     let mut order: Vec<usize> = (0..counts.len()).filter(|m| counts[*m] > 0).collect();
     order.sort_by_key(|m| match scene.materials[*m].alpha {
         Alpha::Opaque => 0,
         Alpha::Mask { .. } => 1,
         Alpha::Blend => 2,
     });
-    let mut first_index = 0;
+    let mut first_index = 3 * triangles.start as u32;
     let mut draws = Vec::new();
     // Where each material's next triangle goes.
     let mut next = vec![0usize; counts.len()];
@@ -160,13 +192,12 @@ fn draws(scene: &Scene) -> (Vec<Draw>, Vec<u32>) {
         next[material] = first_index as usize;
         first_index += counts[material];
     }
-    let mut indices = vec![0; 3 * scene.triangles.len()];
-    for (corners, material) in scene.triangles.iter().zip(&scene.triangle_material) {
+    for (corners, material) in scene.triangles[triangles].iter().zip(materials) {
         let place = &mut next[*material as usize];
         indices[*place..*place + 3].copy_from_slice(corners);
         *place += 3;
     }
-    (draws, indices)
+    draws
 }
 
 /// A camera at the viewpoint, looking level towards the far side of the scene.

@@ -43,7 +43,7 @@ fn as_json(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Val
     json!({
         "file": file,
         "bytes": bytes,
-        "version": container::VERSION,
+        "version": scene.version(),
         "generator": m.generator,
         "scene": m.scene_name,
         "sections": sections.iter().map(|s| json!({
@@ -52,6 +52,8 @@ fn as_json(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Val
         "origin": m.origin,
         "bounds": [m.bounds_min, m.bounds_max],
         "triangles": scene.indices.len() / 3,
+        "copies": scene.instances.len(),
+        "placed_triangles": scene.triangles_placed(),
         "vertices": scene.vertices.len(),
         "points": scene.points.len(),
         "senders": scene.sender_count(),
@@ -94,12 +96,16 @@ fn as_text(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Str
     let m = &scene.meta;
     let mut out = String::new();
     let mut line = |label: &str, text: String| out += &format!("{label:13} {text}\n");
-    line("file", format!("{file}, {}, format version {}", size(bytes), container::VERSION));
+    line("file", format!("{file}, {}, format version {}", size(bytes), scene.version()));
     line("scene", format!("{:?}, by {}", m.scene_name, m.generator.escape_debug()));
     let [x, y, z] = std::array::from_fn(|i| m.bounds_max[i] - m.bounds_min[i]);
     let [ox, oy, oz] = m.origin;
     line("size", format!("{x:.4} x {y:.4} x {z:.4} around ({ox:.3}, {oy:.3}, {oz:.3})"));
     line("geometry", format!("{} triangles, {} vertices", scene.indices.len() / 3, scene.vertices.len()));
+    if !scene.instances.is_empty() {
+        let copies = scene.instances.len();
+        line("copies", format!("{copies} of models, {} triangles in all", scene.triangles_placed()));
+    }
     line(
         "points",
         format!(

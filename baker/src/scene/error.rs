@@ -65,16 +65,17 @@ pub enum SceneError {
     },
     /// More than any machine could bake.
     #[error(
-        "{file} has too many {what} ({count}, counting each instance); the limit is {}: simplify the scene",
-        super::MOST
+        "{file} has too many {what} ({count}, one for each place of meshes that are in few); the limit is {limit}: simplify the scene"
     )]
     TooLarge {
         /// The file.
         file: String,
-        /// Vertices or triangles.
+        /// Vertices, triangles or copies.
         what: &'static str,
         /// How many were found.
         count: usize,
+        /// How many there may be.
+        limit: usize,
     },
     /// No such built-in scene.
     #[error("there is no built-in scene `{name}`; the built-in scenes are {known}")]

@@ -3,6 +3,7 @@
 //! * [`load`] – from a .gltf or .glb file, or `builtin:NAME`;
 //! * [`builtin`] – the generated scenes;
 //! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal;
+//! * [`model`] – what stands in a scene many times;
 //! * `colours` – colours of vertices.
 
 mod basis;
@@ -10,12 +11,15 @@ pub mod builtin;
 mod colours;
 mod error;
 mod gltf;
+pub mod model;
 pub mod texture;
 
 pub use error::SceneError;
+pub use model::Model;
 pub use texture::Texture;
 
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DAffine3, DVec3, Vec2, Vec3, Vec4};
+use model::WorldModel;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{Animation, Material};
@@ -32,9 +36,9 @@ pub struct Scene {
     pub name: String,
     /// World space = local space + origin: the centre of the world-space bounds.
     pub origin: [f64; 3],
-    /// Vertices, local space.
+    /// Vertices, local space; those of [`Self::models`] come last, in the models' spaces.
     pub positions: Vec<Vec3>,
-    /// Unit shading normals, one per vertex.
+    /// Unit shading normals, one per vertex, in the same space.
     pub normals: Vec<Vec3>,
     /// Texture coordinates of the base-colour texture, its transform applied, one per vertex.
     pub uvs: Vec<Vec2>,
@@ -45,6 +49,8 @@ pub struct Scene {
     /// Linear RGB albedo at each triangle's corners, in place of the material's base colour and multiplied with its
     /// texture's; empty where no vertex has a colour of its own.
     pub corner_colors: Vec<[Vec3; 3]>,
+    /// What stands in the scene more than once, in the order of their vertices and triangles, which are the last ones.
+    pub models: Vec<Model>,
     /// Materials that the triangles use.
     pub materials: Vec<Material>,
     /// Textures that the materials use.
@@ -82,14 +88,35 @@ pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
 }
 
 impl Scene {
-    /// Least and greatest corner, local space; both zero without vertices.
+    /// Least and greatest corner, local space, of models' copies their boxes'; both zero without vertices.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        bounds(&self.positions)
+        let end = self.models.first().map_or(self.positions.len(), |model| model.vertices.start as usize);
+        let alone = (end > 0).then(|| bounds_of(&self.positions[..end]));
+        let copies = self.models.iter().flat_map(Model::boxes);
+        alone.into_iter().chain(copies).reduce(union).unwrap_or_default()
+    }
+
+    /// Number of triangles that stand in the scene, each copy of a model's counted.
+    pub fn triangles_placed(&self) -> u64 {
+        let more = |model: &Model| {
+            model.triangles.len() as u64 * (model.local_from_model.len() as u64).saturating_sub(1)
+        };
+        self.triangles.len() as u64 + self.models.iter().map(more).sum::<u64>()
+    }
+
+    /// Number of the models' copies.
+    pub fn copies(&self) -> usize {
+        self.models.iter().map(|model| model.local_from_model.len()).sum()
     }
 }
 
+/// The least box around two.
+pub(crate) fn union((a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    (a.min(c), b.max(d))
+}
+
 /// Least and greatest corner; both zero without points.
-pub(crate) fn bounds(positions: &[Vec3]) -> (Vec3, Vec3) {
+pub(crate) fn bounds_of(positions: &[Vec3]) -> (Vec3, Vec3) {
     let Some(&first) = positions.first() else {
         return (Vec3::ZERO, Vec3::ZERO);
     };
@@ -106,6 +133,8 @@ struct WorldMesh {
     colors: Vec<Vec4>,
     triangles: Vec<[u32; 3]>,
     triangle_material: Vec<u32>,
+    /// What stands there more than once, besides.
+    models: Vec<WorldModel>,
 }
 
 impl WorldMesh {
@@ -116,23 +145,64 @@ impl WorldMesh {
         ab.cross(ac).length() > 1e-9 * longest
     }
 
+    /// Whether a triangle of this mesh is one.
+    fn is_triangle(&self, t: &[u32; 3]) -> bool {
+        Self::has_area(t.map(|i| self.positions[i as usize]))
+    }
+
+    /// Least and greatest corner of its triangles, those of models left out; `None` without any.
+    fn bounds(&self) -> Option<[DVec3; 2]> {
+        let triangles = self.triangles.iter().filter(|t| self.is_triangle(t));
+        let corners = triangles.flat_map(|t| t.map(|i| self.positions[i as usize]));
+        corners.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
+    }
+
     /// Moves the origin into the middle, where f32 is most exact, and leaves out triangles
     /// without area and vertices that no triangle uses.
-    fn finish(self, scene: &mut Scene) {
-        let mut used = vec![u32::MAX; self.positions.len()];
-        let area = |t: &[u32; 3]| Self::has_area(t.map(|i| self.positions[i as usize]));
-        let mut colors = Vec::new();
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for t in self.triangles.iter().filter(|t| area(t)) {
-            for &i in t {
-                low = low.min(self.positions[i as usize]);
-                high = high.max(self.positions[i as usize]);
-            }
-        }
-        let origin = if low.x <= high.x { (low + high) * 0.5 } else { DVec3::ZERO };
+    fn finish(mut self, scene: &mut Scene) {
+        let mut models = std::mem::take(&mut self.models);
+        models.retain(|model| model.mesh.bounds().is_some());
+        let boxes = models.iter().flat_map(WorldModel::boxes);
+        let bounds = self.bounds().into_iter().chain(boxes);
+        let bounds = bounds.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        let origin = bounds.map_or(DVec3::ZERO, |[low, high]| (low + high) * 0.5);
         scene.origin = origin.to_array();
+        let mut colors = Vec::new();
+        self.append(scene, origin, &mut colors);
+        for WorldModel { mesh, world_from_model } in models {
+            let copies = world_from_model.len().saturating_sub(1);
+            let (first_triangle, first_vertex) = (scene.triangles.len() as u32, scene.positions.len());
+            let degenerate = scene.degenerate_triangles;
+            mesh.append(scene, DVec3::ZERO, &mut colors);
+            scene.degenerate_triangles += copies * (scene.degenerate_triangles - degenerate);
+            let (low, high) = bounds_of(&scene.positions[first_vertex..]);
+            let local = |place: &DAffine3| -> Affine3A {
+                let place = DAffine3 { translation: place.translation - origin, ..*place };
+                let [x, y, z, at] = place.to_cols_array_2d().map(|column| column.map(|x| x as f32));
+                Affine3A::from_cols_array_2d(&[x, y, z, at])
+            };
+            scene.models.push(Model {
+                triangles: first_triangle..scene.triangles.len() as u32,
+                vertices: first_vertex as u32..scene.positions.len() as u32,
+                local_from_model: world_from_model.iter().map(local).collect(),
+                bounds: [low, high],
+            });
+        }
+        scene.repair_normals();
+        if !colors.is_empty() {
+            colors.resize(scene.positions.len(), Vec4::ONE);
+        }
+        colours::apply(scene, &colors);
+    }
+
+    /// Adds its triangles, those of models left out, to a scene.
+    fn append(self, scene: &mut Scene, origin: DVec3, colors: &mut Vec<Vec4>) {
+        let mut used = vec![u32::MAX; self.positions.len()];
+        if !self.colors.is_empty() {
+            colors.resize(scene.positions.len(), Vec4::ONE);
+        }
         for (t, &material) in self.triangles.iter().zip(&self.triangle_material) {
-            if !area(t) {
+            if !self.is_triangle(t) {
                 scene.degenerate_triangles += 1;
                 continue;
             }
@@ -152,8 +222,6 @@ impl WorldMesh {
             scene.triangles.push(local);
             scene.triangle_material.push(material);
         }
-        scene.repair_normals();
-        colours::apply(scene, &colors);
     }
 }
 

@@ -5,7 +5,7 @@
 //! [`TOLERANCE`] of the scene, less than rays are moved off surfaces by, and as far as the file rounds positions; normals,
 //! texture coordinates and colours stay as they were to less than what shows. Seams between materials, textures and
 //! faces stay where they are and are only straightened; so do borders, and what is joined stays joined. Scenes in which
-//! every vertex counts come out as they went in.
+//! every vertex counts come out as they went in. Models are simplified in their own space, where the largest copy has its size.
 //!
 //! * `patch` – some triangles and what they share;
 //! * `ring` – the triangles around a vertex; `collapse` – whether it can go, and where to.
@@ -107,8 +107,12 @@ pub fn simplify(scene: &Scene, is_opaque: impl Fn(usize) -> bool, together: usiz
         is_textured: m.base_color_texture.is_some(),
         is_transparent: !is_opaque(i),
     };
-    // Zero has two signs.
-    let position = |i: u32| (scene.positions[i as usize] + 0.0).to_array().map(f32::to_bits);
+    // Vertices of different models have nothing in common, whatever their numbers. Zero has two signs.
+    let space = |i: u32| scene.models.partition_point(|model| model.vertices.start <= i) as u32;
+    let position = |i: u32| {
+        let [x, y, z] = (scene.positions[i as usize] + 0.0).to_array().map(f32::to_bits);
+        [x, y, z, space(i)]
+    };
     let source = Source {
         scene,
         places: firsts(scene.positions.len(), position),

@@ -1,19 +1,21 @@
 //! What the ray caster needs to know, from a loaded [`Scene`] or a baked file alike.
 
 use crate::scene::texture::{Sampler, Texels};
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Model, Scene, SceneError};
 use crate::simplify::{TOGETHER, simplify};
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::octahedral;
 use rebounce_shared::rbn;
+use rebounce_shared::rbn::bulk::Instance;
 use rebounce_shared::rbn::meta::{Alpha, Material};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A triangle with all it needs for shading.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
-    /// Corners, local space.
+    /// Corners, local space or its model's.
     pub positions: [Vec3; 3],
     /// Unit shading normals at the corners.
     pub normals: [Vec3; 3],
@@ -40,11 +42,22 @@ pub struct Surface {
     pub emission: Vec3,
 }
 
-/// Triangles and materials, local space.
+/// Some of the triangles, in a space of their own, and where they stand.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    /// Which they are.
+    pub triangles: Range<usize>,
+    /// Where their copies stand: none mirrored, all invertible.
+    pub local_from_model: Vec<Affine3A>,
+}
+
+/// Triangles and materials.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    /// All triangles.
+    /// All triangles: first those in local space, then those of [`Self::models`].
     pub triangles: Vec<Triangle>,
+    /// What stands there more than once, in the order of the triangles.
+    pub models: Vec<Placed>,
     /// Linear RGB factors of the albedo at the triangles' corners, in place of the materials'; empty for none.
     pub colors: Vec<[Vec3; 3]>,
     /// All materials.
@@ -105,7 +118,14 @@ impl Geometry {
     pub fn simplified(scene: &Scene) -> Self {
         let surfaces = surfaces(scene);
         let corners = simplify(scene, |i| surfaces[i].alpha == Alpha::Opaque, TOGETHER);
-        Self::of(scene, surfaces, corners.par_iter().copied())
+        // A model's are together as before.
+        let first = |t: u32| corners.partition_point(|corners| corners[0] / 3 < t);
+        let placed = |m: &Model| Placed {
+            triangles: first(m.triangles.start)..first(m.triangles.end),
+            local_from_model: m.local_from_model.clone(),
+        };
+        let models = scene.models.iter().map(placed).collect();
+        Self { models, ..Self::of(scene, surfaces, corners.par_iter().copied()) }
     }
 
     /// Triangles between corners of a scene, each three times a triangle's number and which of its corners.
@@ -128,6 +148,7 @@ impl Geometry {
                 [] => Vec::new(),
                 _ => corners.map(|corners| corners.map(color)).collect(),
             },
+            models: Vec::new(),
             surfaces,
         }
     }
@@ -142,7 +163,12 @@ fn surfaces(scene: &Scene) -> Vec<Surface> {
 impl From<&Scene> for Geometry {
     fn from(scene: &Scene) -> Self {
         let all = (0..scene.triangles.len() as u32).into_par_iter();
-        Self::of(scene, surfaces(scene), all.map(|t| [3 * t, 3 * t + 1, 3 * t + 2]))
+        let placed = |m: &Model| Placed {
+            triangles: m.triangles.start as usize..m.triangles.end as usize,
+            local_from_model: m.local_from_model.clone(),
+        };
+        let models = scene.models.iter().map(placed).collect();
+        Self { models, ..Self::of(scene, surfaces(scene), all.map(|t| [3 * t, 3 * t + 1, 3 * t + 2])) }
     }
 }
 
@@ -177,8 +203,20 @@ impl TryFrom<&rbn::Scene> for Geometry {
             .collect();
         let textures = textures?;
         let texture = |m: &Material| textures[m.base_color_texture? as usize].clone();
-        let mut triangles = Vec::new();
-        for draw in &scene.meta.draws {
+        let (mut triangles, mut models): (Vec<Triangle>, Vec<Placed>) = Default::default();
+        // What stands once, then models, each of draw calls that follow each other.
+        let stands = |draw: usize| scene.copies_of(draw);
+        let draws = || scene.meta.draws.iter().enumerate();
+        let alone = draws().filter(|(draw, _)| stands(*draw).is_empty());
+        let copied = draws().filter(|(draw, _)| !stands(*draw).is_empty());
+        let mut last = 0..0;
+        for (number, draw) in alone.chain(copied) {
+            let (first, copies) = (triangles.len(), stands(number));
+            if copies != last {
+                let local_from_model = scene.instances[copies.clone()].iter().map(Instance::local_from_model);
+                models.push(Placed { triangles: first..first, local_from_model: local_from_model.collect() });
+                last = copies;
+            }
             let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
             triangles.extend(scene.indices[range].as_chunks::<3>().0.iter().map(|t| {
                 let vertices = t.map(|i| scene.vertices[i as usize]);
@@ -189,9 +227,13 @@ impl TryFrom<&rbn::Scene> for Geometry {
                     material: draw.material,
                 }
             }));
+            if let Some(model) = models.last_mut() {
+                model.triangles.end = triangles.len();
+            }
         }
         Ok(Self {
             triangles,
+            models,
             colors: Vec::new(),
             surfaces: scene.meta.materials.iter().map(|m| Surface::new(m, texture(m))).collect(),
         })

@@ -1,8 +1,14 @@
-//! Triangles as [`Surfaces`]: a bounding volume hierarchy over all of them.
+//! Triangles as [`Surfaces`]: a bounding volume hierarchy over all of them, and of [models](crate::scene::Model) one for
+//! each and one over their copies.
 //!
-//! obvhs builds it, [`wide`] makes eight-wide nodes of it. Boxes are padded by some rounding errors, and the triangle
+//! obvhs builds them, `wide` makes eight-wide nodes of them. Boxes are padded by some rounding errors, and the triangle
 //! test has no gaps, so that what is found equals what trying all triangles finds; a test holds that.
+//!
+//! * [`geometry`] – what there is; `triangle` – a ray against one; `wide` – nodes;
+//! * `body` – the triangles of one space; `copies` – where models stand.
 
+mod body;
+mod copies;
 pub mod geometry;
 #[cfg(test)]
 mod tests;
@@ -11,19 +17,14 @@ mod wide;
 
 pub use geometry::Geometry;
 
-use crate::random::{mix, unit};
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Scene, SceneError, union};
 use crate::surface::{Hit, Piece, Pieces, Place, Ray, Spot, Surfaces};
-use geometry::{Surface, Triangle};
-use glam::{Vec2, Vec3, Vec3A};
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
-use rayon::prelude::*;
+use body::{Body, FIRST, Line, TWO_SIDED};
+use copies::{Copies, Copy, Outline};
+use geometry::{Placed, Surface};
+use glam::{Vec2, Vec3};
 use rebounce_shared::rbn;
-use rebounce_shared::rbn::meta::Alpha;
-use std::ops::ControlFlow;
-use triangle::{Corners, Meeting, ShearedRay};
-use wide::{LARGEST_LEAF, WideBvh};
+use triangle::Meeting;
 
 /// Ray origins are moved off surfaces by this share of the scene's diagonal. Local coordinates
 /// are at most half the diagonal, so an f32 is off by 3e-8 of it and a plane distance over the
@@ -31,123 +32,86 @@ use wide::{LARGEST_LEAF, WideBvh};
 const EPSILON: f32 = 3e-6;
 /// Boxes grow by this share of the diagonal, for the rounding of the box test.
 const PADDING: f32 = 5e-7;
-
-/// Marks a triangle's number.
-const TRANSPARENT: u32 = 1 << 31;
-
-/// A triangle's marks: that it reflects on both sides.
-const TWO_SIDED: u8 = 1 << 2;
-/// That its front, the side of its shading normals, is the one from where its corners go clockwise.
-const TURNED: u8 = 1 << 3;
-/// Which corner is across from its longest side: [`Place::at`] counts from there.
-const FIRST: u8 = 3;
-
-/// What a triangle looks like: one cache line, of which the walk reads nothing.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct Look {
-    normals: [Vec3; 3],
-    uvs: [Vec2; 3],
-    material: u32,
-}
+/// Pieces at most: what rays find is worked out beforehand only where there is room for it.
+const MOST_PIECES: u64 = 1 << 25;
 
 /// Triangles with textures and alpha.
 pub struct TriangleSurfaces {
-    bvh: WideBvh,
-    /// In the order of the hierarchy's leaves.
-    corners: Vec<Corners>,
-    /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
-    numbers: Vec<u32>,
-    marks: Vec<u8>,
-    looks: Vec<Look>,
-    /// The vertices' colours, in the same order, or none.
-    colors: Vec<[Vec3; 3]>,
+    /// What stands in the scene once.
+    alone: Body,
+    models: Vec<Body>,
+    copies: Copies,
     surfaces: Vec<Surface>,
     low: Vec3,
     high: Vec3,
     epsilon: f32,
+    /// Triangles, each copy's counted.
+    pieces: u64,
 }
 
-impl From<&Triangle> for Look {
-    fn from(triangle: &Triangle) -> Self {
-        let &Triangle { normals, uvs, material, .. } = triangle;
-        Self { normals, uvs, material }
+/// A triangle somewhere in the scene.
+#[derive(Clone, Copy)]
+struct Found<'a> {
+    body: &'a Body,
+    triangle: usize,
+    /// The copy whose it is.
+    copy: Option<&'a Copy>,
+}
+
+impl Found<'_> {
+    /// A vector across it, on the side of its front, as long as twice its area, local space.
+    #[inline]
+    fn front(&self) -> Vec3 {
+        let spanned = self.body.front(self.triangle);
+        self.copy.map_or(spanned, |copy| copy.across(spanned))
     }
-}
 
-impl Look {
-    /// The shading normal at a place, by the shares of the corners; zero where they cancel out.
+    /// The shading normal at a place, by the shares of the corners, local space; zero where they cancel out.
     #[inline]
     fn normal(&self, [u, v, w]: [f32; 3]) -> Vec3 {
-        (self.normals[0] * u + self.normals[1] * v + self.normals[2] * w).normalize_or_zero()
+        let mut normals = self.body.looks[self.triangle].normals;
+        if let Some(copy) = self.copy {
+            normals = normals.map(|normal| copy.across(normal).normalize_or_zero());
+        }
+        (normals[0] * u + normals[1] * v + normals[2] * w).normalize_or_zero()
     }
 
+    /// A place of its model, local space.
     #[inline]
-    fn uv(&self, [u, v, w]: [f32; 3]) -> Vec2 {
-        self.uvs[0] * u + self.uvs[1] * v + self.uvs[2] * w
-    }
-
-    /// The share of the texture on a unit of area; `spanned` are the [corners'](Corners::spanned).
-    #[inline]
-    fn share(&self, spanned: Vec3) -> f32 {
-        let [p, q, r] = self.uvs;
-        (q - p).perp_dot(r - p).abs() / spanned.length().max(f32::MIN_POSITIVE)
-    }
-}
-
-struct Padded(Aabb);
-
-impl Boundable for Padded {
-    fn aabb(&self) -> Aabb {
-        self.0
+    fn place(&self, position: Vec3) -> Vec3 {
+        self.copy.map_or(position, |copy| copy.place(position))
     }
 }
 
 impl TriangleSurfaces {
     /// Builds the hierarchy.
     pub fn new(geometry: Geometry) -> Self {
-        let least = |(a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)| (a.min(c), b.max(d));
-        let sides = |t: &Triangle| {
-            let [a, b, c] = t.positions;
-            (a.min(b).min(c), a.max(b).max(c))
+        let Geometry { triangles, models, colors, surfaces } = geometry;
+        let end = models.first().map_or(triangles.len(), |model| model.triangles.start);
+        let outline = |model: &Placed| Outline {
+            bounds: body::bounds(&triangles[model.triangles.clone()]),
+            pieces: model.triangles.len() as u64,
         };
-        let (low, high) = geometry.triangles.par_iter().map(sides).reduce_with(least).unwrap_or_default();
+        let outlines: Vec<Outline> = models.iter().map(outline).collect();
+        let alone = (end > 0).then(|| body::bounds(&triangles[..end]));
+        let boxes = models.iter().zip(&outlines).flat_map(|(model, outline)| Copies::boxes(model, outline));
+        let (low, high) = alone.into_iter().chain(boxes).reduce(union).unwrap_or_default();
         let diagonal = (high - low).length();
-        let padding = Vec3A::splat(PADDING * diagonal);
-        let padded = |t: &Triangle| {
-            let (low, high) = sides(t);
-            Padded(Aabb::new(Vec3A::from(low) - padding, Vec3A::from(high) + padding))
+        let padding = PADDING * diagonal;
+        let body = |range: std::ops::Range<usize>, padding: f32| {
+            let colors = colors.get(range.clone()).unwrap_or_default();
+            Body::new(&triangles[range.clone()], colors, range.start as u32, &surfaces, padding)
         };
-        let boxes: Vec<Padded> = geometry.triangles.par_iter().map(padded).collect();
-        let (bvh, order) = if boxes.is_empty() {
-            Default::default()
-        } else {
-            let build = BvhBuildParams { max_prims_per_leaf: LARGEST_LEAF, ..BvhBuildParams::medium_build() };
-            WideBvh::new(&build_bvh2(&boxes, build, &mut Default::default()))
-        };
-        drop(boxes);
-        // In the hierarchy's order.
-        let ordered = || order.par_iter().map(|&i| (i, &geometry.triangles[i as usize]));
-        let surface = |t: &Triangle| &geometry.surfaces[t.material as usize];
-        let marks = |t: &Triangle| {
-            let corners = Corners::new(t.positions);
-            let is_turned = corners.spanned().dot(t.normals.into_iter().sum()) < 0.0;
-            let mark = |is: bool, mark| if is { mark } else { 0 };
-            corners.first() as u8 | mark(surface(t).double_sided, TWO_SIDED) | mark(is_turned, TURNED)
-        };
+        let copied = models.iter().zip(&outlines);
+        let pieces = copied.map(|(model, outline)| outline.pieces * model.local_from_model.len() as u64);
         Self {
-            bvh,
-            corners: ordered().map(|(_, t)| Corners::new(t.positions)).collect(),
-            numbers: ordered()
-                .map(|(i, t)| i | if surface(t).alpha != Alpha::Opaque { TRANSPARENT } else { 0 })
+            alone: body(0..end, padding),
+            copies: Copies::new(&models, &outlines, padding, end as u64),
+            pieces: end as u64 + pieces.sum::<u64>(),
+            models: (models.iter())
+                .map(|model| body(model.triangles.clone(), Copies::padding(model, padding)))
                 .collect(),
-            marks: ordered().map(|(_, t)| marks(t)).collect(),
-            looks: ordered().map(|(_, t)| Look::from(t)).collect(),
-            colors: match geometry.colors[..] {
-                [] => Vec::new(),
-                _ => ordered().map(|(i, _)| geometry.colors[i as usize]).collect(),
-            },
-            surfaces: geometry.surfaces,
+            surfaces,
             low,
             high,
             epsilon: (EPSILON * diagonal).max(f32::MIN_POSITIVE),
@@ -172,53 +136,29 @@ impl TriangleSurfaces {
         Ok(Self::new(Geometry::try_from(scene)?))
     }
 
-    /// Number of triangles.
+    /// Number of triangles, those of a model counted once.
     pub fn triangle_count(&self) -> usize {
-        self.corners.len()
+        self.alone.corners.len() + self.models.iter().map(|model| model.corners.len()).sum::<usize>()
     }
 
-    /// The share of light that a triangle stops at a place.
-    #[inline]
-    fn opacity(&self, triangle: usize, m: Meeting) -> f32 {
-        let look = &self.looks[triangle];
-        self.surfaces[look.material as usize].opacity(look.uv(m.shares()))
+    /// Number of triangles, those of each copy of a model counted.
+    pub fn piece_count(&self) -> u64 {
+        self.pieces
     }
 
-    /// Whether a triangle that may be transparent stops the ray with this seed.
-    fn stops(&self, triangle: usize, m: Meeting, seed: u32) -> bool {
-        let opacity = self.opacity(triangle, m);
-        opacity >= 1.0
-            || (opacity > 0.0 && unit(mix((seed as u64) << 32 | self.numbers[triangle] as u64)) < opacity)
-    }
-
-    /// A vector across a triangle, on the side of its front.
-    #[inline]
-    fn front(&self, triangle: usize) -> Vec3 {
-        let spanned = self.corners[triangle].spanned();
-        if self.marks[triangle] & TURNED == 0 { spanned } else { -spanned }
-    }
-
-    /// The factor of the albedo, by the shares of a triangle's corners.
-    #[inline]
-    fn color(&self, triangle: usize, [u, v, w]: [f32; 3]) -> Vec3 {
-        match self.colors.get(triangle) {
-            Some(c) => c[0] * u + c[1] * v + c[2] * w,
-            None => self.surfaces[self.looks[triangle].material as usize].color,
-        }
-    }
-
-    fn shade(&self, triangle: usize, m: Meeting, ray: &Ray) -> Hit {
+    fn shade(&self, found: Found, m: Meeting, ray: &Ray) -> Hit {
         let direction = ray.direction;
-        let (look, corners) = (&self.looks[triangle], &self.corners[triangle]);
+        let Found { body, triangle, .. } = found;
+        let (look, corners) = (&body.looks[triangle], &body.corners[triangle]);
         let [a, b, c] = corners.positions();
-        let spanned = self.front(triangle);
+        let spanned = found.front();
         let geometric_normal = match spanned.normalize_or_zero() {
             Vec3::ZERO => -direction,
             outwards if outwards.dot(direction) > 0.0 => -outwards,
             outwards => outwards,
         };
         let surface = &self.surfaces[look.material as usize];
-        let mut normal = match look.normal(m.shares()) {
+        let mut normal = match found.normal(m.shares()) {
             Vec3::ZERO => geometric_normal,
             normal => normal,
         };
@@ -229,17 +169,15 @@ impl TriangleSurfaces {
         }
         let (albedo, emission) = if faces {
             let share = look.share(spanned) * (ray.spread * m.distance).powi(2);
-            let color = self.color(triangle, m.shares());
+            let color = body.color(&self.surfaces, triangle, m.shares());
             (surface.albedo(color, look.uv(m.shares()), share), surface.emission)
         } else {
             (Vec3::ZERO, Vec3::ZERO)
         };
-        let position = a + (b - a) * m.v + (c - a) * m.w;
+        let position = found.place(a + (b - a) * m.v + (c - a) * m.w);
         Hit { distance: m.distance, position, geometric_normal, normal, albedo, emission }
     }
-}
 
-impl TriangleSurfaces {
     /// Where a ray meets the nearest surface, and nothing about it: what of [`Surfaces::cast`] is the walk through the
     /// hierarchy.
     #[inline]
@@ -248,74 +186,91 @@ impl TriangleSurfaces {
     }
 
     /// The nearest triangle that stops the ray.
-    #[inline(never)]
-    fn nearest(&self, ray: &Ray, seed: u32) -> Option<(usize, Meeting)> {
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
-        let mut best: Option<(usize, Meeting)> = None;
-        self.bvh.walk(ray.origin, ray.direction, ray.max_distance, |place, limit| {
-            let Some(meeting) = self.corners[place].meet(&sheared, limit) else {
-                return ControlFlow::Continue(limit);
+    #[inline]
+    fn nearest(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, Meeting)> {
+        let line = Line { origin: ray.origin, direction: ray.direction };
+        let alone = self.alone.nearest(&self.surfaces, &line, ray.max_distance, false, seed);
+        if !self.copies.all.is_empty() {
+            let limit = alone.map_or(ray.max_distance, |(_, meeting)| meeting.distance);
+            let find = |copy: &Copy, line: &Line, limit: f32, strictly: bool| {
+                let model = &self.models[copy.model as usize];
+                model.nearest(&self.surfaces, line, limit, strictly, copy.seed(seed))
             };
-            let number = self.numbers[place];
-            // Of two triangles at one place the first counts, in whatever order they are met.
-            let nearer = meeting.distance < limit || best.is_none_or(|(p, _)| number < self.numbers[p]);
-            if nearer && (number & TRANSPARENT == 0 || self.stops(place, meeting, seed)) {
-                best = Some((place, meeting));
-                return ControlFlow::Continue(meeting.distance);
+            if let Some((copy, triangle, meeting)) = self.copies.nearest(&line, limit, alone.is_some(), find) {
+                return Some((self.of_copy(copy, triangle), meeting));
             }
-            ControlFlow::Continue(limit)
-        });
-        best
+        }
+        alone.map(|(triangle, meeting)| (Found { body: &self.alone, triangle, copy: None }, meeting))
+    }
+
+    #[inline]
+    fn of_copy(&self, index: usize, triangle: usize) -> Found<'_> {
+        let copy = &self.copies.all[index];
+        Found { body: &self.models[copy.model as usize], triangle, copy: Some(copy) }
+    }
+
+    /// A piece by number: those that stand alone first, then copy after copy.
+    #[inline]
+    fn found(&self, piece: u32) -> Found<'_> {
+        if (piece as usize) < self.alone.corners.len() {
+            return Found { body: &self.alone, triangle: piece as usize, copy: None };
+        }
+        // Copies have one triangle at least, so that no two begin with the same piece.
+        let index = self.copies.all.partition_point(|copy| copy.first_piece <= piece) - 1;
+        self.of_copy(index, (piece - self.copies.all[index].first_piece) as usize)
     }
 }
 
 impl Pieces for TriangleSurfaces {
     fn count(&self) -> usize {
-        self.corners.len()
+        self.pieces as usize
     }
 
     fn piece(&self, piece: u32) -> Piece {
-        let (corners, piece) = (&self.corners[piece as usize], piece as usize);
-        let first = (self.marks[piece] & FIRST) as usize;
-        let [a, b, c] = corners.positions();
+        let found = self.found(piece);
+        let Found { body, triangle, .. } = found;
+        let first = (body.marks[triangle] & FIRST) as usize;
+        let [a, b, c] = body.corners[triangle].positions().map(|corner| found.place(corner));
         let (at, next, last) = [(a, b, c), (b, c, a), (c, a, b)][first];
         Piece {
             sides: [at.distance(next), at.distance(last)],
-            has_back: self.marks[piece] & TWO_SIDED != 0,
+            has_back: body.marks[triangle] & TWO_SIDED != 0,
             middle: (a + b + c) / 3.0,
-            normal: self.looks[piece].normals.into_iter().sum::<Vec3>().normalize_or_zero(),
-            kind: self.looks[piece].material,
+            normal: found.normal([1.0; 3]),
+            kind: body.looks[triangle].material,
         }
     }
 
     fn spot(&self, place: Place, area: f32) -> Spot {
-        let piece = place.piece as usize;
-        let (look, corners) = (&self.looks[piece], &self.corners[piece]);
+        let found = self.found(place.piece);
+        let Found { body, triangle, .. } = found;
+        let (look, corners) = (&body.looks[triangle], &body.corners[triangle]);
         let [u, v, w] = [1.0 - place.at.x - place.at.y, place.at.x, place.at.y];
-        let shares = match self.marks[piece] & FIRST {
+        let shares = match body.marks[triangle] & FIRST {
             0 => [u, v, w],
             1 => [w, u, v],
             _ => [v, w, u],
         };
         let surface = &self.surfaces[look.material as usize];
-        let spanned = self.front(piece);
-        let normal = match look.normal(shares) {
+        let spanned = found.front();
+        let normal = match found.normal(shares) {
             Vec3::ZERO => spanned.normalize_or_zero(),
             normal => normal,
         };
         let (uv, [a, b, c]) = (look.uv(shares), corners.positions());
+        let color = body.color(&self.surfaces, triangle, shares);
         Spot {
-            position: a * shares[0] + b * shares[1] + c * shares[2],
+            position: found.place(a * shares[0] + b * shares[1] + c * shares[2]),
             normal: if place.is_back { -normal } else { normal },
-            albedo: surface.albedo(self.color(piece, shares), uv, look.share(spanned) * area),
+            albedo: surface.albedo(color, uv, look.share(spanned) * area),
             opacity: surface.opacity(uv),
         }
     }
 
     fn find(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)> {
-        let (piece, meeting) = self.nearest(ray, seed)?;
-        let is_back = self.front(piece).dot(ray.direction) > 0.0;
-        let marks = self.marks[piece];
+        let (found, meeting) = self.nearest(ray, seed)?;
+        let is_back = found.front().dot(ray.direction) > 0.0;
+        let marks = found.body.marks[found.triangle];
         if is_back && marks & TWO_SIDED == 0 {
             return None;
         }
@@ -325,14 +280,15 @@ impl Pieces for TriangleSurfaces {
             1 => Vec2::new(w, u),
             _ => Vec2::new(u, v),
         };
-        Some((Place { piece: piece as u32, at, is_back }, meeting.distance))
+        let first = found.copy.map_or(0, |copy| copy.first_piece);
+        Some((Place { piece: first + found.triangle as u32, at, is_back }, meeting.distance))
     }
 }
 
 impl Surfaces for TriangleSurfaces {
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
-        let (place, meeting) = self.nearest(ray, seed)?;
-        Some(self.shade(place, meeting, ray))
+        let (found, meeting) = self.nearest(ray, seed)?;
+        Some(self.shade(found, meeting, ray))
     }
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
@@ -343,23 +299,13 @@ impl Surfaces for TriangleSurfaces {
         if limit <= 0.0 {
             return 1.0;
         }
-        let direction = offset / length;
-        let sheared = ShearedRay::new(from, direction);
-        let mut left = 1.0f32;
-        self.bvh.walk(from, direction, limit, |place, limit| {
-            if let Some(meeting) = self.corners[place].meet(&sheared, limit) {
-                if self.numbers[place] & TRANSPARENT == 0 {
-                    left = 0.0;
-                } else {
-                    left *= 1.0 - self.opacity(place, meeting);
-                }
-                if left <= 0.0 {
-                    return ControlFlow::Break(());
-                }
-            }
-            ControlFlow::Continue(limit)
-        });
-        left.max(0.0)
+        let line = Line { origin: from, direction: offset / length };
+        let through = |body: &Body, line: &Line, limit: f32| body.transmittance(&self.surfaces, line, limit);
+        let left = through(&self.alone, &line, limit);
+        if left == 0.0 || self.copies.all.is_empty() {
+            return left;
+        }
+        left * self.copies.transmittance(&self.models, &line, limit, through)
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {
@@ -371,6 +317,6 @@ impl Surfaces for TriangleSurfaces {
     }
 
     fn pieces(&self) -> Option<&dyn Pieces> {
-        Some(self)
+        (self.pieces <= MOST_PIECES).then_some(self as &dyn Pieces)
     }
 }

@@ -4,6 +4,8 @@
 //! |---|---|---|
 //! | `VERT` | [`Vertex`] | vertex of the render geometry |
 //! | `INDX` | `u32` | corner of a triangle; triangles are grouped by [`Draw`](super::meta::Draw) |
+//! | `INST` | [`Instance`] | copy of triangles that stand in more than one place |
+//! | `COPY` | [`Copies`] | draw call, of files with copies |
 //! | `TEXD` | bytes | textures as they came, one after another (PNG, JPEG, WebP) |
 //! | `PNTS` | [`Point`] | basis function, level after level |
 //! | `CUTS` | [`Cut`] | plane that ends a basis function's support |
@@ -11,18 +13,65 @@
 //! | `LATL` | `u32`, [`LaterLink`](crate::link::LaterLink) | rows of links for later bounces between coarse points |
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use std::ops::Range;
 
 /// A vertex of the render geometry. 24 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Vertex {
-    /// Local space (world − the file's origin), scene units.
+    /// Local space (world − the file's origin), scene units; of triangles with copies, a space of their own.
     pub position: [f32; 3],
     /// Unit shading normal, octahedral snorm16x2.
     pub normal: u32,
     /// Texture coordinates of the base-colour texture, its transform applied.
     pub uv: [f32; 2],
+}
+
+/// Where a copy of triangles stands. 48 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Instance {
+    /// Rows x, y, z of the matrix that takes the triangles' space to local space: three numbers that positions are
+    /// multiplied with, and one that is added. Not mirrored.
+    pub rows: [[f32; 4]; 3],
+}
+
+impl Instance {
+    /// Where triangles stand whose vertices are in local space.
+    pub const IDENTITY: Self =
+        Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+
+    /// The matrix.
+    pub fn local_from_model(&self) -> Affine3A {
+        let column = |c: usize| Vec3A::new(self.rows[0][c], self.rows[1][c], self.rows[2][c]);
+        Affine3A { matrix3: Mat3A::from_cols(column(0), column(1), column(2)), translation: column(3) }
+    }
+}
+
+impl From<&Affine3A> for Instance {
+    fn from(local_from_model: &Affine3A) -> Self {
+        let Affine3A { matrix3: m, translation } = local_from_model;
+        let row = |r: usize| [m.x_axis[r], m.y_axis[r], m.z_axis[r], translation[r]];
+        Self { rows: [row(0), row(1), row(2)] }
+    }
+}
+
+/// Which instances a draw call's triangles have. 8 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Copies {
+    /// Index of the first one in section `INST`.
+    pub first: u32,
+    /// How many there are; 0 for triangles that stand once, their vertices in local space.
+    pub count: u32,
+}
+
+impl Copies {
+    /// Their indices.
+    pub fn range(&self) -> Range<usize> {
+        self.first as usize..self.first as usize + self.count as usize
+    }
 }
 
 /// A basis function: its point and support. 28 bytes.
@@ -86,7 +135,7 @@ impl Point {
 
     /// Where the support's cuts are in section `CUTS`.
     #[inline]
-    pub fn cuts(&self) -> std::ops::Range<usize> {
+    pub fn cuts(&self) -> Range<usize> {
         let first = (self.cuts >> 11) as usize;
         first..first + (self.cuts & 7) as usize
     }

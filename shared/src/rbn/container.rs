@@ -20,7 +20,6 @@
 //! writer's name where this one has them: so a reader of any version can say who wrote a file.
 
 use super::RbnError;
-use std::cmp::Ordering;
 
 /// XXH32, seed 0: needs no table, and is many times faster in a page than a CRC, which took a tenth of loading.
 fn checksum(bytes: &[u8]) -> u32 {
@@ -36,8 +35,10 @@ fn checksum(bytes: &[u8]) -> u32 {
 
 /// The first eight bytes.
 pub const MAGIC: [u8; 8] = *b"REBOUNCE";
-/// The format version that this code writes and reads.
-pub const VERSION: u32 = 6;
+/// The format's version: this code reads it and [`WITHOUT_COPIES`], the one before.
+pub const VERSION: u32 = 7;
+/// The version that files are written in whose triangles all stand once: it has all they need, and older readers know it.
+pub const WITHOUT_COPIES: u32 = 6;
 /// Sections start at multiples of this many bytes: the strictest buffer-offset alignment of WebGPU.
 pub const ALIGNMENT: usize = 256;
 const HEADER: usize = 32;
@@ -64,8 +65,8 @@ impl Section {
     }
 }
 
-/// Lays out a file from named sections, in this order.
-pub fn write(sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
+/// Lays out a file of this version from named sections, in this order.
+pub fn write(version: u32, sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
     let mut offset = align(HEADER + ROW * sections.len());
     let mut table = Vec::with_capacity(ROW * sections.len());
     let mut end = offset;
@@ -80,7 +81,7 @@ pub fn write(sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
     }
     let mut file = Vec::with_capacity(end);
     file.extend_from_slice(&MAGIC);
-    file.extend_from_slice(&VERSION.to_le_bytes());
+    file.extend_from_slice(&version.to_le_bytes());
     file.extend_from_slice(&(sections.len() as u32).to_le_bytes());
     file.extend_from_slice(&(end as u64).to_le_bytes());
     file.extend_from_slice(&checksum(&table).to_le_bytes());
@@ -96,7 +97,7 @@ pub fn write(sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
 /// Reads the header and the table and checks every checksum.
 ///
 /// # Errors
-/// [`RbnError`] for anything but a whole, undamaged file of this version.
+/// [`RbnError`] for anything but a whole, undamaged file of a version that this code reads.
 pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
     if file.len() < MAGIC.len() || file[..8] != MAGIC {
         return Err(RbnError::NotRbn);
@@ -110,14 +111,11 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
     // First: another version's checksums may be worked out in another way.
     let found = u32_at(8);
     let writer = || writer(file).unwrap_or_else(|| "another Rebounce".to_owned());
-    match found.cmp(&VERSION) {
-        Ordering::Greater => {
-            return Err(RbnError::NewerVersion { writer: writer(), found, supported: VERSION });
-        }
-        Ordering::Less => {
-            return Err(RbnError::OlderVersion { writer: writer(), found, supported: VERSION });
-        }
-        Ordering::Equal => {}
+    if found > VERSION {
+        return Err(RbnError::NewerVersion { writer: writer(), found, supported: VERSION });
+    }
+    if found < WITHOUT_COPIES {
+        return Err(RbnError::OlderVersion { writer: writer(), found, supported: VERSION });
     }
     if u32_at(28) != checksum(&file[..28]) {
         return Err(damaged("header"));
@@ -194,7 +192,7 @@ mod tests {
     use super::*;
 
     fn sample() -> Vec<u8> {
-        write(&[(*b"AAAA", b"hello"), (*b"BBBB", &[]), (*b"CCCC", &[7; 300])])
+        write(VERSION, &[(*b"AAAA", b"hello"), (*b"BBBB", &[]), (*b"CCCC", &[7; 300])])
     }
 
     #[test]
@@ -209,7 +207,7 @@ mod tests {
     #[test]
     fn files_of_other_versions_say_who_wrote_them() {
         let said = |version: u32, meta: &[u8]| {
-            let mut file = write(&[(*b"META", meta), (*b"BBBB", &[])]);
+            let mut file = write(VERSION, &[(*b"META", meta), (*b"BBBB", &[])]);
             file[8..12].copy_from_slice(&version.to_le_bytes());
             read(&file).unwrap_err()
         };
@@ -217,7 +215,7 @@ mod tests {
         assert_eq!(newer.code(), "newer-version");
         let newer = newer.to_string();
         for words in
-            ["rebounce 9.0.0 in format version 9", "this Rebounce is older", "reads version 6", "update"]
+            ["rebounce 9.0.0 in format version 10", "this Rebounce is older", "reads version 7", "update"]
         {
             assert!(newer.contains(words), "{words}: {newer}");
         }
@@ -242,9 +240,9 @@ mod tests {
 
     #[test]
     fn no_section_is_there_twice_and_names_are_printable() {
-        let twice = write(&[(*b"AAAA", b"hello"), (*b"AAAA", b"other")]);
+        let twice = write(VERSION, &[(*b"AAAA", b"hello"), (*b"AAAA", b"other")]);
         assert!(read(&twice).unwrap_err().to_string().contains("section AAAA is invalid: it is there twice"));
-        let odd = read(&write(&[(*b"A\x1b[\n", b"")])).unwrap();
+        let odd = read(&write(VERSION, &[(*b"A\x1b[\n", b"")])).unwrap();
         assert_eq!(odd[0].name(), "A\\x1b[\\n");
     }
 

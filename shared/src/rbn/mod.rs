@@ -17,7 +17,7 @@ mod scene;
 
 pub use check::{LARGEST, MAX_LEVELS, MAX_ROW};
 pub use matrix::LinkMatrix;
-pub use scene::{SECTIONS, Scene};
+pub use scene::{COPY_SECTIONS, SECTIONS, Scene};
 
 /// Why a .rbn file could not be read or written.
 #[derive(Debug, thiserror::Error)]

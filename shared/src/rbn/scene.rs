@@ -1,6 +1,6 @@
 //! A whole .rbn file in memory.
 
-use super::bulk::{Cut, Point, Vertex};
+use super::bulk::{Copies, Cut, Instance, Point, Vertex};
 use super::codec::{Damaged, columns, links};
 use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
@@ -19,6 +19,10 @@ pub struct Scene {
     pub vertices: Vec<Vertex>,
     /// Corners of triangles, three a triangle, grouped by `meta.draws`.
     pub indices: Vec<u32>,
+    /// Where triangles stand that are there more than once.
+    pub instances: Vec<Instance>,
+    /// For each of `meta.draws` which of these its triangles have; empty where everything stands once.
+    pub copies: Vec<Copies>,
     /// Textures in their original compressed bytes, located by `meta.textures`.
     pub texture_bytes: Vec<u8>,
     /// Basis functions, level after level.
@@ -36,6 +40,8 @@ pub struct Scene {
 /// Names of the sections, in file order.
 pub const SECTIONS: [[u8; 4]; 8] =
     [*b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"LINK", *b"LATL", *b"TEXD"];
+/// Those that files with copies have besides, after the others.
+pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
 
 impl Scene {
     /// The points of level `l`.
@@ -98,10 +104,26 @@ impl Scene {
         Ok(())
     }
 
+    /// Which of `instances` the triangles of draw call `i` have; none where they stand once, in local space.
+    pub fn copies_of(&self, i: usize) -> Range<usize> {
+        self.copies.get(i).map_or(0..0, Copies::range)
+    }
+
+    /// Number of triangles that are drawn, those of each copy counted.
+    pub fn triangles_placed(&self) -> u64 {
+        let copies = |i: usize| self.copies_of(i).len().max(1) as u64;
+        (0..).zip(&self.meta.draws).map(|(i, draw)| draw.index_count as u64 / 3 * copies(i)).sum()
+    }
+
     /// The compressed bytes of texture `i`.
     pub fn texture(&self, i: usize) -> &[u8] {
         let t = &self.meta.textures[i];
         &self.texture_bytes[t.offset as usize..(t.offset + t.len) as usize]
+    }
+
+    /// The version of the format that its file has: the least that can hold it.
+    pub fn version(&self) -> u32 {
+        if self.copies.is_empty() { container::WITHOUT_COPIES } else { container::VERSION }
     }
 
     /// The file's bytes.
@@ -120,8 +142,13 @@ impl Scene {
             links::encode(&self.later.offsets, &self.later.links),
         ];
         let contents = packed.iter().map(Vec::as_slice).chain([self.texture_bytes.as_slice()]);
-        let sections: Vec<_> = SECTIONS.into_iter().zip(contents).collect();
-        Ok(container::write(&sections))
+        let mut sections: Vec<_> = SECTIONS.into_iter().zip(contents).collect();
+        if self.copies.is_empty() {
+            return Ok(container::write(self.version(), &sections));
+        }
+        let copied = [columns::encode(&self.instances), columns::encode(&self.copies)];
+        sections.extend(COPY_SECTIONS.into_iter().zip(copied.iter().map(Vec::as_slice)));
+        Ok(container::write(self.version(), &sections))
     }
 
     /// Reads a file: checks checksums, then every length, index and float, so that what is
@@ -138,10 +165,13 @@ impl Scene {
                 .map(|s| &file[s.offset..s.offset + s.len])
                 .ok_or_else(|| RbnError::invalid(&String::from_utf8_lossy(&name), "it is missing"))
         };
+        let has_copies = sections.iter().any(|s| COPY_SECTIONS.contains(&s.name));
         let mut scene = Self {
             meta: meta::decode(bytes(*b"META")?)?,
             vertices: records("VERT", bytes(*b"VERT")?)?,
             indices: records("INDX", bytes(*b"INDX")?)?,
+            instances: if has_copies { records("INST", bytes(*b"INST")?)? } else { Vec::new() },
+            copies: if has_copies { records("COPY", bytes(*b"COPY")?)? } else { Vec::new() },
             points: records("PNTS", bytes(*b"PNTS")?)?,
             cuts: records("CUTS", bytes(*b"CUTS")?)?,
             relations: Relations::default(),

@@ -36,10 +36,10 @@ pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize
                 let changed = mutated(sections[k].1, sections[k].1.len() + 64);
                 let with = |i: usize| if i == k { &changed[..] } else { sections[i].1 };
                 let all: Vec<_> = (0..sections.len()).map(|i| (sections[i].0, with(i))).collect();
-                return container::write(&all);
+                return container::write(container::VERSION, &all);
             }
         }
-        container::write(&sections)
+        container::write(container::VERSION, &sections)
     });
     match damaged.and_then(|file| put(&file, data, max_size)) {
         Some(size) => size,

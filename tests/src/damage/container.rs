@@ -22,7 +22,7 @@ fn sections(file: &[u8]) -> Sections {
 /// A file of these sections; all checksums fit.
 pub fn sealed(sections: &Sections) -> Vec<u8> {
     let parts: Vec<_> = sections.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
-    container::write(&parts)
+    container::write(container::VERSION, &parts)
 }
 
 fn text(name: [u8; 4]) -> String {

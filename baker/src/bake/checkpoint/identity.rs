@@ -3,7 +3,7 @@
 use super::super::BakeSettings;
 use crate::operator::OperatorSettings;
 use crate::points::PlaceSettings;
-use crate::scene::Scene;
+use crate::scene::{Model, Scene};
 use rebounce_shared::rbn::container;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -103,6 +103,7 @@ fn digest(scene: &Scene) -> String {
         triangles,
         triangle_material,
         corner_colors,
+        models,
         materials,
         textures,
         lights,
@@ -122,6 +123,11 @@ fn digest(scene: &Scene) -> String {
     add(bytemuck::cast_slice(triangles));
     add(bytemuck::cast_slice(triangle_material));
     add(bytemuck::cast_slice(corner_colors));
+    for Model { triangles, vertices, local_from_model, bounds } in models {
+        let places: Vec<[f32; 12]> = local_from_model.iter().map(glam::Affine3A::to_cols_array).collect();
+        add(bytemuck::cast_slice(&places));
+        add(format!("{triangles:?} {vertices:?} {bounds:?}").as_bytes());
+    }
     // Debug prints numbers so that they read back the same.
     add(format!("{name:?} {origin:?} {materials:?} {lights:?} {cameras:?} {animations:?}").as_bytes());
     for texture in textures {

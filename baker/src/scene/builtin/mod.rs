@@ -4,6 +4,7 @@ mod apartment;
 mod cornell_box;
 mod furnace;
 mod library;
+mod theatre;
 mod two_rooms;
 
 use super::{Scene, SceneError, WorldMesh};
@@ -11,8 +12,8 @@ use glam::{DVec3, Vec2};
 use rebounce_shared::rbn::meta::Material;
 
 /// The names after `builtin:`.
-pub const NAMES: [&str; 6] =
-    ["apartment", "cornell-box", "furnace", "library", "two-rooms", "two-rooms-door"];
+pub const NAMES: [&str; 7] =
+    ["apartment", "cornell-box", "furnace", "library", "theatre", "two-rooms", "two-rooms-door"];
 
 /// Generates the built-in scene of this name.
 ///
@@ -24,6 +25,7 @@ pub fn load(name: &str) -> Result<Scene, SceneError> {
         "cornell-box" => Ok(cornell_box::scene()),
         "furnace" => Ok(furnace::scene()),
         "library" => Ok(library::scene()),
+        "theatre" => Ok(theatre::scene()),
         "two-rooms" => Ok(two_rooms::scene(false)),
         "two-rooms-door" => Ok(two_rooms::scene(true)),
         _ => {

@@ -23,6 +23,7 @@ mod schema;
 mod source;
 
 use super::{Scene, SceneError, WorldMesh};
+use glam::DMat4;
 use mesh::Part;
 use place::Seen;
 use source::Source;
@@ -54,7 +55,7 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
     let mut mesh = WorldMesh::default();
     let mut left_out = Vec::new();
     let seen = place_all(source, &nodes, &mut materials, &mut mesh, &mut left_out)?;
-    if mesh.triangles.is_empty() {
+    if mesh.triangles.is_empty() && mesh.models.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
     materials.finish(&mut scene)?;
@@ -78,7 +79,8 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-/// Places all meshes, in the order of the nodes. A mesh is read once and kept as long as nodes will need it.
+/// Places all meshes, in the order of the nodes. A mesh is read once and kept as long as nodes will need it; one that stands
+/// in many places becomes a model.
 fn place_all(
     source: &Source,
     nodes: &[node::Placed],
@@ -86,33 +88,44 @@ fn place_all(
     out: &mut WorldMesh,
     left_out: &mut Vec<String>,
 ) -> Result<BTreeMap<usize, Seen>, SceneError> {
-    let mesh_of = |node: &node::Placed| source.root.nodes[node.index].mesh;
-    let mut uses: BTreeMap<usize, usize> = BTreeMap::new();
-    for index in nodes.iter().filter_map(mesh_of) {
-        *uses.entry(index).or_default() += 1;
-    }
-    let mut known: BTreeMap<usize, Vec<Part>> = BTreeMap::new();
-    let mut seen: BTreeMap<usize, Seen> = BTreeMap::new();
+    let mut places: BTreeMap<usize, Vec<DMat4>> = BTreeMap::new();
+    // The mesh of each node that has one, and how many places it adds.
+    let mut placed: Vec<(usize, usize)> = Vec::new();
     for node in nodes {
-        let Some(index) = mesh_of(node) else { continue };
-        let parts = match known.remove(&index) {
-            Some(parts) => parts,
-            None => mesh::read(source, index, materials, left_out)?,
-        };
+        let Some(index) = source.root.nodes[node.index].mesh else { continue };
+        let more = instances::of(source, node)?;
+        placed.push((index, more.len()));
+        places.entry(index).or_default().extend(more);
+    }
+    let mut known: BTreeMap<usize, (Vec<Part>, Alone)> = BTreeMap::new();
+    let mut seen: BTreeMap<usize, Seen> = BTreeMap::new();
+    for (index, count) in placed {
         let seen = seen.entry(index).or_default();
-        for matrix in instances::of(source, node)? {
+        let (parts, mut alone) = match known.remove(&index) {
+            Some(found) => found,
+            None => {
+                let parts = mesh::read(source, index, materials, left_out)?;
+                let places = places.remove(&index).unwrap_or_default();
+                let taken = place::models(source, &parts, &places, out, seen)?;
+                let alone: Vec<Option<DMat4>> =
+                    places.into_iter().zip(taken).map(|(place, taken)| (!taken).then_some(place)).collect();
+                (parts, alone.into_iter())
+            }
+        };
+        for matrix in alone.by_ref().take(count).flatten() {
             for part in &parts {
                 place::append(source, part, &matrix, out, seen)?;
             }
         }
-        let left = uses.entry(index).or_default();
-        *left = left.saturating_sub(1);
-        if *left > 0 {
-            known.insert(index, parts);
+        if alone.len() > 0 {
+            known.insert(index, (parts, alone));
         }
     }
     Ok(seen)
 }
+
+/// The places of a mesh that are still to come; nothing where a model stands there.
+type Alone = std::vec::IntoIter<Option<DMat4>>;
 
 /// Notes triangles that are left out because they have no area, and those that make all others inexact.
 fn note_odd_triangles(source: &Source, scene: &mut Scene, seen: &BTreeMap<usize, Seen>) {

@@ -2,6 +2,7 @@
 
 use super::mesh::Part;
 use super::source::Source;
+use crate::scene::model::{self, Copies, MOST_COPIES, WorldModel};
 use crate::scene::{MOST, SceneError, WorldMesh};
 use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
 
@@ -17,6 +18,67 @@ pub(super) struct Seen {
     pub longest: f64,
 }
 
+/// Makes models of a mesh's parts as far as that is worth it; tells of each place whether a model stands there now.
+pub(super) fn models(
+    source: &Source,
+    parts: &[Part],
+    places: &[DMat4],
+    out: &mut WorldMesh,
+    seen: &mut Seen,
+) -> Result<Vec<bool>, SceneError> {
+    let mut taken = vec![false; places.len()];
+    let triangles = parts.iter().map(|part| part.triangles.len()).sum();
+    let corners = parts.iter().flat_map(|part| &part.positions).copied();
+    let bounds = corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
+    for Copies { model_from_mesh, placed } in model::divide(places, triangles, bounds) {
+        let mut model = WorldModel::default();
+        let mut once = Seen::default();
+        for part in parts {
+            append(source, part, &model_from_mesh, &mut model.mesh, &mut once)?;
+        }
+        seen.degenerate += once.degenerate * placed.len();
+        seen.longest = seen.longest.max(once.longest);
+        for (place, world_from_model) in placed {
+            taken[place] = true;
+            model.world_from_model.push(world_from_model);
+        }
+        if !model.boxes().flatten().all(|p| p.abs().max_element() <= FAR) {
+            return Err(out_of_range(source, &parts[0]));
+        }
+        out.models.push(model);
+        let copies = out.models.iter().map(|model| model.world_from_model.len()).sum();
+        check_counts(source, out, 0, 0)?;
+        if copies > MOST_COPIES {
+            let (file, what) = (source.file.clone(), "copies of meshes");
+            return Err(SceneError::TooLarge { file, what, count: copies, limit: MOST_COPIES });
+        }
+    }
+    Ok(taken)
+}
+
+/// Whether what is there and so much more is not too much.
+fn check_counts(
+    source: &Source,
+    out: &WorldMesh,
+    vertices: usize,
+    triangles: usize,
+) -> Result<(), SceneError> {
+    let all = || out.models.iter().map(|model| &model.mesh).chain([out]);
+    let vertices = all().map(|mesh| mesh.positions.len()).fold(vertices, usize::saturating_add);
+    let triangles = all().map(|mesh| mesh.triangles.len()).fold(triangles, usize::saturating_add);
+    for (what, count) in [("vertices", vertices), ("triangles", triangles)] {
+        if count > MOST {
+            return Err(SceneError::TooLarge { file: source.file.clone(), what, count, limit: MOST });
+        }
+    }
+    Ok(())
+}
+
+fn out_of_range(source: &Source, part: &Part) -> SceneError {
+    let problem = "is placed beyond the range of numbers, 10^12 units from the origin";
+    source.malformed(format!("{} {problem}", part.what))
+}
+
 /// Appends a part, placed by `matrix`.
 pub(super) fn append(
     source: &Source,
@@ -25,21 +87,14 @@ pub(super) fn append(
     out: &mut WorldMesh,
     seen: &mut Seen,
 ) -> Result<(), SceneError> {
-    let bad = |problem: &str| source.malformed(format!("{} {problem}", part.what));
     let flat = part.normals.is_none();
     let added = if flat { part.triangles.len().saturating_mul(3) } else { part.positions.len() };
-    let vertices = out.positions.len().saturating_add(added);
-    let triangles = out.triangles.len().saturating_add(part.triangles.len());
-    for (what, count) in [("vertices", vertices), ("triangles", triangles)] {
-        if count > MOST {
-            return Err(SceneError::TooLarge { file: source.file.clone(), what, count });
-        }
-    }
+    check_counts(source, out, added, part.triangles.len())?;
     let linear = DMat3::from_mat4(*matrix);
     let mirrored = linear.determinant() < 0.0;
     let world: Vec<DVec3> = part.positions.iter().map(|&p| matrix.transform_point3(p)).collect();
     if !world.iter().all(|p| p.abs().max_element() <= FAR) {
-        return Err(bad("is placed beyond the range of numbers, 10^12 units from the origin"));
+        return Err(out_of_range(source, part));
     }
     let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
     for t in &part.triangles {

@@ -2,7 +2,7 @@
 
 mod meta;
 
-use super::bulk::{MAX_ALL_CUTS, MAX_CUTS, Point};
+use super::bulk::{Copies, Instance, MAX_ALL_CUTS, MAX_CUTS, Point};
 use super::codec::links;
 use super::{RbnError, Scene};
 use crate::interpolation::MAX_POINTS;
@@ -60,6 +60,7 @@ impl Scene {
         if drawn > self.indices.len() as u64 {
             return Err(bad("META", "draw calls overlap"));
         }
+        self.check_copies()?;
         if self.indices.iter().any(|&i| i as usize >= self.vertices.len()) {
             return Err(bad("INDX", "an index lies outside section VERT"));
         }
@@ -85,6 +86,33 @@ impl Scene {
         let later = self.later_count();
         check_rows("LINK", &self.links.offsets, &self.links.links, self.points.len(), senders)?;
         check_rows("LATL", &self.later.offsets, &self.later.links, later, later)?;
+        Ok(())
+    }
+}
+
+impl Scene {
+    /// Copies of draw calls that are there, at places that can be inverted and do not mirror.
+    fn check_copies(&self) -> Result<(), RbnError> {
+        if self.copies.is_empty() && self.instances.is_empty() {
+            return Ok(());
+        }
+        if self.copies.len() != self.meta.draws.len() || self.copies.iter().all(|copies| copies.count == 0) {
+            return Err(RbnError::invalid("COPY", "it does not fit the draw calls"));
+        }
+        let end = |copies: &Copies| copies.first as u64 + copies.count as u64;
+        if self.copies.iter().any(|copies| end(copies) > self.instances.len() as u64) {
+            return Err(RbnError::invalid("COPY", "a copy lies outside section INST"));
+        }
+        let sound = |instance: &Instance| {
+            let place = instance.local_from_model();
+            let inverse = place.inverse();
+            all_sane(instance.rows.as_flattened())
+                && place.matrix3.determinant() > 0.0
+                && all_sane(&inverse.to_cols_array())
+        };
+        if !self.instances.iter().all(sound) {
+            return Err(RbnError::invalid("INST", "a copy is mirrored or flat, or far too large or small"));
+        }
         Ok(())
     }
 }

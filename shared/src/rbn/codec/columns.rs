@@ -6,7 +6,7 @@
 
 use super::{Damaged, Reader, Writer};
 use crate::octahedral::NORMAL_STEP;
-use crate::rbn::bulk::{Cut, Point, Vertex};
+use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use bytemuck::Pod;
 
 /// What a 32-bit word of a record is.
@@ -42,6 +42,14 @@ impl Columns for Vertex {
 impl Columns for Point {
     const KINDS: &'static [Kind] =
         &[Kind::Float, Kind::Float, Kind::Float, Kind::Float, Kind::Normal, Kind::Cuts, Kind::Colour];
+}
+
+impl Columns for Instance {
+    const KINDS: &'static [Kind] = &[Kind::Float; 12];
+}
+
+impl Columns for Copies {
+    const KINDS: &'static [Kind] = &[Kind::Number; 2];
 }
 
 impl Columns for Cut {

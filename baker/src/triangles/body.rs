@@ -1,0 +1,229 @@
+//! Triangles in one space: a hierarchy over them, and what they look like.
+
+use super::geometry::{Surface, Triangle};
+use super::triangle::{Corners, Meeting, ShearedRay};
+use super::wide::{LARGEST_LEAF, WideBvh};
+use crate::random::{mix, unit};
+use crate::scene::union;
+use glam::{Vec2, Vec3, Vec3A};
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
+use rayon::prelude::*;
+use rebounce_shared::rbn::meta::Alpha;
+use std::ops::ControlFlow;
+
+/// Marks a triangle's number.
+const TRANSPARENT: u32 = 1 << 31;
+
+/// A triangle's marks: that it reflects on both sides.
+pub(super) const TWO_SIDED: u8 = 1 << 2;
+/// That its front, the side of its shading normals, is the one from where its corners go clockwise.
+const TURNED: u8 = 1 << 3;
+/// Which corner is across from its longest side: [`Place::at`](crate::surface::Place::at) counts from there.
+pub(super) const FIRST: u8 = 3;
+
+/// What a triangle looks like: one cache line, of which the walk reads nothing.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Look {
+    pub normals: [Vec3; 3],
+    uvs: [Vec2; 3],
+    pub material: u32,
+}
+
+impl From<&Triangle> for Look {
+    fn from(triangle: &Triangle) -> Self {
+        let &Triangle { normals, uvs, material, .. } = triangle;
+        Self { normals, uvs, material }
+    }
+}
+
+impl Look {
+    #[inline]
+    pub fn uv(&self, [u, v, w]: [f32; 3]) -> Vec2 {
+        self.uvs[0] * u + self.uvs[1] * v + self.uvs[2] * w
+    }
+
+    /// The share of the texture on a unit of area; `spanned` are the [corners'](Corners::spanned).
+    #[inline]
+    pub fn share(&self, spanned: Vec3) -> f32 {
+        let [p, q, r] = self.uvs;
+        (q - p).perp_dot(r - p).abs() / spanned.length().max(f32::MIN_POSITIVE)
+    }
+}
+
+/// A box of a hierarchy's.
+pub(super) struct Padded(pub Aabb);
+
+impl Padded {
+    pub fn new((low, high): (Vec3, Vec3), padding: f32) -> Self {
+        let padding = Vec3A::splat(padding);
+        Self(Aabb::new(Vec3A::from(low) - padding, Vec3A::from(high) + padding))
+    }
+}
+
+impl Boundable for Padded {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+/// A hierarchy over boxes, with at most so many of them in a leaf, and their order in it.
+pub(super) fn build(boxes: &[Padded], leaf: u32) -> (WideBvh, Vec<u32>) {
+    if boxes.is_empty() {
+        return Default::default();
+    }
+    let build = BvhBuildParams { max_prims_per_leaf: leaf, ..BvhBuildParams::medium_build() };
+    WideBvh::new(&build_bvh2(boxes, build, &mut Default::default()))
+}
+
+/// Least and greatest corner of triangles; both zero without any.
+pub(super) fn bounds(triangles: &[Triangle]) -> (Vec3, Vec3) {
+    triangles.par_iter().map(sides).reduce_with(union).unwrap_or_default()
+}
+
+fn sides(triangle: &Triangle) -> (Vec3, Vec3) {
+    let [a, b, c] = triangle.positions;
+    (a.min(b).min(c), a.max(b).max(c))
+}
+
+/// A ray in the space of some triangles: its direction may have any length, in which distances are counted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub origin: Vec3,
+    pub direction: Vec3,
+}
+
+/// Triangles.
+pub(super) struct Body {
+    bvh: WideBvh,
+    /// In the order of the hierarchy's leaves.
+    pub corners: Vec<Corners>,
+    /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
+    numbers: Vec<u32>,
+    pub marks: Vec<u8>,
+    pub looks: Vec<Look>,
+    /// The vertices' colours, in the same order, or none.
+    colors: Vec<[Vec3; 3]>,
+}
+
+impl Body {
+    /// Builds the hierarchy over these triangles, the first of which has the number `first`. Boxes grow by the `padding`.
+    pub fn new(
+        triangles: &[Triangle],
+        colors: &[[Vec3; 3]],
+        first: u32,
+        surfaces: &[Surface],
+        padding: f32,
+    ) -> Self {
+        let boxes: Vec<Padded> = triangles.par_iter().map(|t| Padded::new(sides(t), padding)).collect();
+        let (bvh, order) = build(&boxes, LARGEST_LEAF);
+        drop(boxes);
+        // In the hierarchy's order.
+        let ordered = || order.par_iter().map(|&i| (i, &triangles[i as usize]));
+        let surface = |t: &Triangle| &surfaces[t.material as usize];
+        let marks = |t: &Triangle| {
+            let corners = Corners::new(t.positions);
+            let is_turned = corners.spanned().dot(t.normals.into_iter().sum()) < 0.0;
+            let mark = |is: bool, mark| if is { mark } else { 0 };
+            corners.first() as u8 | mark(surface(t).double_sided, TWO_SIDED) | mark(is_turned, TURNED)
+        };
+        Self {
+            bvh,
+            corners: ordered().map(|(_, t)| Corners::new(t.positions)).collect(),
+            numbers: ordered()
+                .map(|(i, t)| first + i | if surface(t).alpha != Alpha::Opaque { TRANSPARENT } else { 0 })
+                .collect(),
+            marks: ordered().map(|(_, t)| marks(t)).collect(),
+            looks: ordered().map(|(_, t)| Look::from(t)).collect(),
+            colors: match colors {
+                [] => Vec::new(),
+                _ => ordered().map(|(i, _)| colors[i as usize]).collect(),
+            },
+        }
+    }
+
+    /// The share of light that a triangle stops at a place.
+    #[inline]
+    fn opacity(&self, surfaces: &[Surface], triangle: usize, m: Meeting) -> f32 {
+        let look = &self.looks[triangle];
+        surfaces[look.material as usize].opacity(look.uv(m.shares()))
+    }
+
+    /// Whether a triangle that may be transparent stops the ray with this seed.
+    fn stops(&self, surfaces: &[Surface], triangle: usize, m: Meeting, seed: u32) -> bool {
+        let opacity = self.opacity(surfaces, triangle, m);
+        opacity >= 1.0
+            || (opacity > 0.0 && unit(mix((seed as u64) << 32 | self.numbers[triangle] as u64)) < opacity)
+    }
+
+    /// A vector across a triangle, on the side of its front, as long as twice its area.
+    #[inline]
+    pub fn front(&self, triangle: usize) -> Vec3 {
+        let spanned = self.corners[triangle].spanned();
+        if self.marks[triangle] & TURNED == 0 { spanned } else { -spanned }
+    }
+
+    /// The factor of the albedo, by the shares of a triangle's corners.
+    #[inline]
+    pub fn color(&self, surfaces: &[Surface], triangle: usize, [u, v, w]: [f32; 3]) -> Vec3 {
+        match self.colors.get(triangle) {
+            Some(c) => c[0] * u + c[1] * v + c[2] * w,
+            None => surfaces[self.looks[triangle].material as usize].color,
+        }
+    }
+
+    /// The nearest triangle that stops the ray before `limit` or there; with `strictly`, before it.
+    #[inline(never)]
+    pub fn nearest(
+        &self,
+        surfaces: &[Surface],
+        line: &Line,
+        limit: f32,
+        strictly: bool,
+        seed: u32,
+    ) -> Option<(usize, Meeting)> {
+        let sheared = ShearedRay::new(line.origin, line.direction);
+        let mut best: Option<(usize, Meeting)> = None;
+        self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
+            let Some(meeting) = self.corners[place].meet(&sheared, limit) else {
+                return ControlFlow::Continue(limit);
+            };
+            let number = self.numbers[place];
+            // Of two triangles at one place the first counts, in whatever order they are met.
+            let nearer = meeting.distance < limit
+                || match best {
+                    Some((place, _)) => number < self.numbers[place],
+                    None => !strictly,
+                };
+            if nearer
+                && (number & TRANSPARENT == 0 || self.stops(surfaces, place, meeting, seed))
+            {
+                best = Some((place, meeting));
+                return ControlFlow::Continue(meeting.distance);
+            }
+            ControlFlow::Continue(limit)
+        });
+        best
+    }
+
+    /// The share of light that gets through all triangles before `limit`.
+    pub fn transmittance(&self, surfaces: &[Surface], line: &Line, limit: f32) -> f32 {
+        let sheared = ShearedRay::new(line.origin, line.direction);
+        let mut left = 1.0f32;
+        self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
+            if let Some(meeting) = self.corners[place].meet(&sheared, limit) {
+                if self.numbers[place] & TRANSPARENT == 0 {
+                    left = 0.0;
+                } else {
+                    left *= 1.0 - self.opacity(surfaces, place, meeting);
+                }
+                if left <= 0.0 {
+                    return ControlFlow::Break(());
+                }
+            }
+            ControlFlow::Continue(limit)
+        });
+        left.max(0.0)
+    }
+}

@@ -1,0 +1,148 @@
+//! Copies of models: the upper level of the hierarchy.
+
+use super::body::{Body, Line, Padded, build};
+use super::geometry::Placed;
+use super::triangle::Meeting;
+use super::wide::WideBvh;
+use crate::scene::model::bounds_of_copy;
+use glam::{Affine3A, Mat3A, Vec3};
+use std::ops::ControlFlow;
+
+/// A model somewhere in the scene.
+#[derive(Clone, Debug)]
+pub(super) struct Copy {
+    /// Index of the model.
+    pub model: u32,
+    /// Of two copies at one place that with the smaller number counts.
+    number: u32,
+    /// Number of its first piece.
+    pub first_piece: u32,
+    local_from_model: Affine3A,
+    model_from_local: Affine3A,
+    /// For vectors across surfaces, as long as an area: the cofactors.
+    across: Mat3A,
+}
+
+impl Copy {
+    fn new(model: u32, number: u32, local_from_model: Affine3A) -> Self {
+        let Mat3A { x_axis, y_axis, z_axis } = local_from_model.matrix3;
+        let across = Mat3A::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
+        let model_from_local = local_from_model.inverse();
+        Self { model, number, first_piece: 0, local_from_model, model_from_local, across }
+    }
+
+    /// A ray in the model's space; distances along it are the same.
+    #[inline]
+    pub fn line(&self, line: &Line) -> Line {
+        Line {
+            origin: self.model_from_local.transform_point3(line.origin),
+            direction: self.model_from_local.transform_vector3(line.direction),
+        }
+    }
+
+    /// A place of the model, local space.
+    #[inline]
+    pub fn place(&self, position: Vec3) -> Vec3 {
+        self.local_from_model.transform_point3(position)
+    }
+
+    /// A vector across a surface of the model, as long as an area there, local space.
+    #[inline]
+    pub fn across(&self, spanned: Vec3) -> Vec3 {
+        self.across * spanned
+    }
+
+    /// The seed of what is left to chance: each copy has its own.
+    #[inline]
+    pub fn seed(&self, seed: u32) -> u32 {
+        crate::random::mix((seed as u64) << 32 | self.number as u64) as u32
+    }
+}
+
+/// A model's triangles as they are before they have a hierarchy.
+pub(super) struct Outline {
+    pub bounds: (Vec3, Vec3),
+    pub pieces: u64,
+}
+
+/// All copies, and a hierarchy over their boxes.
+#[derive(Default)]
+pub(super) struct Copies {
+    /// In the order of the hierarchy's leaves.
+    pub all: Vec<Copy>,
+    bvh: WideBvh,
+}
+
+impl Copies {
+    /// The box of each copy of a model.
+    pub fn boxes(model: &Placed, outline: &Outline) -> impl Iterator<Item = (Vec3, Vec3)> {
+        let (low, high) = outline.bounds;
+        model.local_from_model.iter().map(move |place| bounds_of_copy(place, [low, high]))
+    }
+
+    /// How far boxes in a model's space grow where those in local space grow by `padding`.
+    pub fn padding(model: &Placed, padding: f32) -> f32 {
+        let longest = |place: &Affine3A| {
+            let Mat3A { x_axis, y_axis, z_axis } = place.matrix3.inverse();
+            (x_axis.length_squared() + y_axis.length_squared() + z_axis.length_squared()).sqrt()
+        };
+        padding * model.local_from_model.iter().map(longest).fold(1.0, f32::max)
+    }
+
+    /// Builds the hierarchy over all copies. Their pieces have the numbers from `first_piece` on.
+    pub fn new(models: &[Placed], outlines: &[Outline], padding: f32, first_piece: u64) -> Self {
+        let mut boxes = Vec::new();
+        let mut unordered = Vec::new();
+        for ((number, model), outline) in (0u32..).zip(models).zip(outlines) {
+            boxes.extend(Self::boxes(model, outline).map(|sides| Padded::new(sides, padding)));
+            for place in &model.local_from_model {
+                unordered.push(Copy::new(number, unordered.len() as u32, *place));
+            }
+        }
+        let (bvh, order) = build(&boxes, 1);
+        let mut next = first_piece;
+        let mut ordered = |i: &u32| {
+            let copy = unordered[*i as usize].clone();
+            let first_piece = next as u32;
+            next += outlines[copy.model as usize].pieces;
+            Copy { first_piece, ..copy }
+        };
+        Self { all: order.iter().map(&mut ordered).collect(), bvh }
+    }
+
+    /// The nearest triangle that stops the ray before `limit`, with the index of its copy; `strictly` as for
+    /// [`Body::nearest`].
+    #[inline(never)]
+    pub fn nearest(
+        &self,
+        line: &Line,
+        limit: f32,
+        strictly: bool,
+        find: impl Fn(&Copy, &Line, f32, bool) -> Option<(usize, Meeting)>,
+    ) -> Option<(usize, usize, Meeting)> {
+        let mut best: Option<(usize, usize, Meeting)> = None;
+        self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
+            let copy = &self.all[place];
+            let comes_later = best.map_or(strictly, |(other, ..)| self.all[other].number < copy.number);
+            match find(copy, &copy.line(line), limit, comes_later) {
+                Some((triangle, meeting)) => {
+                    best = Some((place, triangle, meeting));
+                    ControlFlow::Continue(meeting.distance)
+                }
+                None => ControlFlow::Continue(limit),
+            }
+        });
+        best
+    }
+
+    /// The share of light that gets through all copies before `limit`.
+    pub fn transmittance(&self, bodies: &[Body], line: &Line, limit: f32, through: impl Fn(&Body, &Line, f32) -> f32) -> f32 {
+        let mut left = 1.0;
+        self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
+            let copy = &self.all[place];
+            left *= through(&bodies[copy.model as usize], &copy.line(line), limit);
+            if left > 0.0 { ControlFlow::Continue(limit) } else { ControlFlow::Break(()) }
+        });
+        left
+    }
+}
