@@ -18,8 +18,8 @@ use crate::gpu::Gpu;
 use crate::scene::LoadedScene;
 use crate::scope::Scope;
 use crate::shaders;
-use crate::shadow::VERTEX;
 use crate::timing::Stamps;
+use crate::upload::VERTEX_BUFFERS;
 use std::cell::OnceCell;
 use wgpu::{BlendFactor, BlendOperation, CompareFunction, ShaderStages, TextureFormat};
 
@@ -91,7 +91,7 @@ impl BlendedPass {
                 label: "blended",
                 source: shaders::BLENDED,
                 layouts: &layouts,
-                buffers: &[Some(VERTEX)],
+                buffers: &VERTEX_BUFFERS,
                 ..Draw::default()
             };
             let depth = Some((CompareFunction::Greater, true));
@@ -181,10 +181,9 @@ fn runs(
     pass.set_pipeline(pipeline);
     pass.set_bind_group(0, own, &[]);
     pass.set_bind_group(2, lights, &[]);
-    pass.set_vertex_buffer(0, scene.upload.vertices.slice(..));
-    pass.set_index_buffer(scene.upload.indices.slice(..), wgpu::IndexFormat::Uint32);
+    scene.upload.bind(pass);
     for run in &scene.upload.blended_runs {
         pass.set_bind_group(1, &scene.materials.groups[run.material as usize], &[]);
-        pass.draw_indexed(run.indices.clone(), 0, 0..1);
+        run.draw(pass);
     }
 }

@@ -1,9 +1,10 @@
 //! What blended surfaces need: which there are, in how many layers they lie, what numbers hold their light. No GPU.
 
-use crate::upload::Run;
-use glam::{Vec3, Vec4};
+use crate::upload::{Run, instances};
+use glam::{Affine3A, Vec3, Vec4};
 use rebounce_shared::light::{Light, LightKind};
 use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::bulk::Instance;
 use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
 
 /// Layers that are drawn at most. What lies behind so many is left out of the picture, not what is opaque behind it.
@@ -11,6 +12,8 @@ pub const MOST_LAYERS: usize = 8;
 /// Vertices that are no further away from a plane than this lie in it; a share of the scene's diagonal. Thin glass must
 /// keep its two faces; a plane that is taken for two only costs passes.
 const FLATNESS: f32 = 1e-6;
+/// Triangles, those of each copy counted, that are looked at for planes: where there are more, all layers are drawn.
+const MOST_LOOKED_AT: usize = 1 << 22;
 /// Typical radiance becomes this to twice this: 16-bit floats then hold a few thousand times as much, and a millionth.
 const MIDDLE: f32 = 16.0;
 
@@ -32,15 +35,25 @@ pub fn layers(scene: &Scene, runs: &[Run]) -> u32 {
     let diagonal = (high - low).length().max(f32::MIN_POSITIVE);
     // Normal, and distance from the origin.
     let mut planes: Vec<Vec4> = Vec::new();
+    let mut looked_at = 0;
     for run in runs {
+        let places: Vec<Affine3A> = instances(scene, run).iter().map(Instance::local_from_model).collect();
         let indices = &scene.indices[run.indices.start as usize..run.indices.end as usize];
         for triangle in indices.as_chunks::<3>().0 {
-            let [a, b, c] = triangle.map(|i| Vec3::from(scene.vertices[i as usize].position) / diagonal);
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            let holds =
-                |plane: &Vec4| [a, b, c].iter().all(|place| plane.dot(place.extend(-1.0)).abs() <= FLATNESS);
-            if normal != Vec3::ZERO && planes.len() < MOST_LAYERS && !planes.iter().any(holds) {
-                planes.push(normal.extend(normal.dot(a)));
+            for place in &places {
+                looked_at += 1;
+                if planes.len() == MOST_LAYERS || looked_at > MOST_LOOKED_AT {
+                    return MOST_LAYERS as u32;
+                }
+                let corner = |i: u32| place.transform_point3(scene.vertices[i as usize].position.into());
+                let [a, b, c] = triangle.map(|i| corner(i) / diagonal);
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                let holds = |plane: &Vec4| {
+                    [a, b, c].iter().all(|place| plane.dot(place.extend(-1.0)).abs() <= FLATNESS)
+                };
+                if normal != Vec3::ZERO && !planes.iter().any(holds) {
+                    planes.push(normal.extend(normal.dot(a)));
+                }
             }
         }
     }
@@ -103,7 +116,7 @@ mod tests {
             }
         }
         let indices = 0..scene.indices.len() as u32;
-        (scene, Run { material: 0, indices, cut: true, blended: true })
+        (scene, Run { material: 0, indices, instances: 0..1, cut: true, blended: true })
     }
 
     #[test]

@@ -4,8 +4,7 @@ use crate::bindings::{Draw, Slot, attachment, depth_attachment, group, layout, o
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
-use crate::shadow::VERTEX;
-use crate::upload::{Run, Upload};
+use crate::upload::{Run, Upload, VERTEX_BUFFERS};
 use std::cell::OnceCell;
 use wgpu::{CompareFunction, ShaderStages, TextureFormat};
 
@@ -57,7 +56,7 @@ impl GBufferPass {
                 source: shaders::GBUFFER,
                 targets: &[opaque(ALBEDO), opaque(SURFACES[detailed as usize])],
                 layouts: &[&self.frame_layout, &self.material_layout],
-                buffers: &[Some(VERTEX)],
+                buffers: &VERTEX_BUFFERS,
                 depth: Some((CompareFunction::Greater, true)),
                 ..Default::default()
             }
@@ -94,14 +93,13 @@ impl GBufferPass {
         }
         pass.set_pipeline(self.pipeline(gpu, target.detailed));
         pass.set_bind_group(0, frame, &[]);
-        pass.set_vertex_buffer(0, upload.vertices.slice(..));
-        pass.set_index_buffer(upload.indices.slice(..), wgpu::IndexFormat::Uint32);
+        upload.bind(&mut pass);
         let mut last: Option<&Run> = None;
         for run in &upload.runs {
             if last.is_none_or(|l| l.material != run.material) {
                 pass.set_bind_group(1, &materials[run.material as usize], &[]);
             }
-            pass.draw_indexed(run.indices.clone(), 0, 0..1);
+            run.draw(&mut pass);
             last = Some(run);
         }
     }

@@ -25,7 +25,7 @@ pub struct LoadedScene {
     pub levels: Vec<Range<u32>>,
     /// Number of links, page marks included.
     pub link_count: usize,
-    /// Number of triangles.
+    /// Number of triangles, those of each copy counted.
     pub triangles: usize,
     /// Support radius of the finest functions, scene units: that which a tenth of them fall short of.
     pub finest_radius: f32,
@@ -64,7 +64,7 @@ impl LoadedScene {
                 .map(|l| scene.level(l).start as u32..scene.level(l).end as u32)
                 .collect(),
             link_count: scene.link_count() + scene.later.links.len(),
-            triangles: scene.indices.len() / 3,
+            triangles: scene.triangles_placed() as usize,
             meta: scene.meta,
             upload,
             materials,

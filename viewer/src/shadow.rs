@@ -5,7 +5,7 @@ use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
 use crate::shadow_fit::{self, Fit, LightRecord};
-use crate::upload::{Run, Upload};
+use crate::upload::{Run, Upload, VERTEX_BUFFERS};
 use glam::Vec3;
 use rebounce_shared::light::LightSource;
 use wgpu::{BufferUsages, CompareFunction, ShaderStages};
@@ -13,17 +13,6 @@ use wgpu::{BufferUsages, CompareFunction, ShaderStages};
 /// Distance of matrices in the uniform buffer, bytes.
 const STRIDE: u64 = 256;
 const MATRIX: u64 = 64;
-
-/// Position, normal and texture coordinates of [`rebounce_shared::rbn::bulk::Vertex`].
-pub const VERTEX: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
-    array_stride: 24,
-    step_mode: wgpu::VertexStepMode::Vertex,
-    attributes: &[
-        wgpu::VertexAttribute { format: wgpu::VertexFormat::Float32x3, offset: 0, shader_location: 0 },
-        wgpu::VertexAttribute { format: wgpu::VertexFormat::Snorm16x2, offset: 12, shader_location: 1 },
-        wgpu::VertexAttribute { format: wgpu::VertexFormat::Float32x2, offset: 16, shader_location: 2 },
-    ],
-};
 
 /// What draws shadow maps and what reads them; depends on no scene.
 #[derive(Clone)]
@@ -51,7 +40,7 @@ impl ShadowPipelines {
             vertex: "opaque",
             fragment: None,
             layouts: &[&matrix_layout, material_layout],
-            buffers: &[Some(VERTEX)],
+            buffers: &VERTEX_BUFFERS,
             depth: Some((CompareFunction::Greater, true)),
             ..Default::default()
         };
@@ -157,8 +146,7 @@ impl Shadows {
         if upload.shadow_runs.is_empty() {
             return;
         }
-        pass.set_vertex_buffer(0, upload.vertices.slice(..));
-        pass.set_index_buffer(upload.indices.slice(..), wgpu::IndexFormat::Uint32);
+        upload.bind(&mut pass);
         pass.set_bind_group(0, &self.records.uniform_group, &[layer * STRIDE as u32]);
         let mut last: Option<&Run> = None;
         for run in &upload.shadow_runs {
@@ -168,7 +156,7 @@ impl Shadows {
             if last.is_none_or(|l| l.material != run.material) {
                 pass.set_bind_group(1, &materials[run.material as usize], &[]);
             }
-            pass.draw_indexed(run.indices.clone(), 0, 0..1);
+            run.draw(&mut pass);
             last = Some(run);
         }
     }

@@ -7,7 +7,8 @@ use crate::gpu::Gpu;
 use crate::scope::Scope;
 use rebounce_shared::link::{Link, Sent};
 use rebounce_shared::rbn::meta::{Alpha, Draw};
-use rebounce_shared::rbn::{LinkMatrix, Scene, bulk::Point};
+use rebounce_shared::rbn::bulk::{Instance, Point};
+use rebounce_shared::rbn::{LinkMatrix, Scene};
 use std::ops::Range;
 use wgpu::BufferUsages;
 
@@ -34,6 +35,20 @@ pub struct LinkBuffers {
     pub chunks: Vec<Chunk>,
 }
 
+/// Position, normal and texture coordinates of [`rebounce_shared::rbn::bulk::Vertex`], and the rows of an [`Instance`].
+pub const VERTEX_BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    Some(wgpu::VertexBufferLayout {
+        array_stride: 24,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x2, 2 => Float32x2],
+    }),
+    Some(wgpu::VertexBufferLayout {
+        array_stride: 48,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4],
+    }),
+];
+
 /// A run of triangles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Run {
@@ -41,10 +56,27 @@ pub struct Run {
     pub material: u32,
     /// Their part of the index buffer.
     pub indices: Range<u32>,
+    /// Their part of the instance buffer, whose first entry is for what stands once.
+    pub instances: Range<u32>,
     /// Whether the material cuts holes, in shadows too where it is blended.
     pub cut: bool,
     /// Whether the material is blended.
     pub blended: bool,
+}
+
+impl Run {
+    /// Draws it, after [`Upload::bind`].
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.draw_indexed(self.indices.clone(), 0, self.instances.clone());
+    }
+}
+
+/// Where a run's triangles stand.
+pub fn instances<'a>(scene: &'a Scene, run: &Run) -> &'a [Instance] {
+    match run.instances.start {
+        0 => &[Instance::IDENTITY],
+        first => &scene.instances[first as usize - 1..run.instances.end as usize - 1],
+    }
 }
 
 /// The scene's sections on the GPU.
@@ -54,6 +86,8 @@ pub struct Upload {
     pub vertices: wgpu::Buffer,
     /// Section `INDX`.
     pub indices: wgpu::Buffer,
+    /// One for what stands once, and section `INST`.
+    pub instances: wgpu::Buffer,
     /// Section `PNTS`.
     pub points: wgpu::Buffer,
     /// Section `CUTS`.
@@ -95,6 +129,7 @@ impl Upload {
         let stored = |name, content: &[u8]| section(name, BufferUsages::STORAGE, content);
         let cast = bytemuck::cast_slice::<u32, u8>;
         let (mut runs, relations) = (runs(scene), &scene.relations);
+        let instances = [&[Instance::IDENTITY], &scene.instances[..]].concat();
         let shadow_runs = merged(&runs);
         let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
@@ -103,6 +138,7 @@ impl Upload {
             later: matrix(stored, "LATL", &scene.later, u64::MAX),
             vertices: section("VERT", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices)),
             indices: section("INDX", BufferUsages::INDEX, cast(&scene.indices)),
+            instances: section("INST", BufferUsages::VERTEX, bytemuck::cast_slice(&instances)),
             points: stored("PNTS", bytemuck::cast_slice(&scene.points)),
             cuts: stored("CUTS", bytemuck::cast_slice(&scene.cuts)),
             lookup: stored("PNTS", cast(&relations.lookup.words)),
@@ -116,6 +152,13 @@ impl Upload {
             shadow_runs,
             own,
         })
+    }
+
+    /// Binds what [`Run`]s are drawn from.
+    pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_vertex_buffer(1, self.instances.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
     }
 
     /// Bytes on the GPU.
@@ -146,6 +189,7 @@ impl Most {
         let sections = [
             ("VERT", self.buffer, size_of_val(&scene.vertices[..])),
             ("INDX", self.buffer, size_of_val(&scene.indices[..])),
+            ("INST", self.buffer, (scene.instances.len() + 1) * size_of::<Instance>()),
             // Light at every point takes four floats.
             ("PNTS", self.binding, scene.points.len() * size_of::<Point>().max(16)),
             ("PNTS", self.binding, size_of_val(&relations.lookup.words[..])),
@@ -206,29 +250,34 @@ fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
 
 /// Draw calls sorted so that opaque ones come first, blended ones last, and equal materials follow each other.
 fn runs(scene: &Scene) -> Vec<Run> {
-    let run = |d: &Draw| {
+    let run = |(number, d): (usize, &Draw)| {
+        let instances = match scene.copies_of(number) {
+            copies if copies.is_empty() => 0..1,
+            copies => copies.start as u32 + 1..copies.end as u32 + 1,
+        };
         let material = &scene.meta.materials[d.material as usize];
         let blended = blended_fit::is_blended(&scene.meta, material);
         Run {
             material: d.material,
             indices: d.first_index..d.first_index + d.index_count,
+            instances,
             cut: blended || matches!(material.alpha, Alpha::Mask { .. }),
             blended,
         }
     };
-    let mut runs: Vec<Run> = scene.meta.draws.iter().filter(|d| d.index_count > 0).map(run).collect();
+    let mut runs: Vec<Run> = scene.meta.draws.iter().enumerate().filter(|(_, d)| d.index_count > 0).map(run).collect();
     runs.sort_unstable_by_key(|run| (run.cut, run.blended, run.material, run.indices.start));
     runs
 }
 
-/// The same triangles in fewer runs: opaque neighbours in the index buffer become one.
+/// The same triangles in fewer runs: opaque neighbours in the index buffer become one, where they stand in the same places.
 fn merged(runs: &[Run]) -> Vec<Run> {
     let mut opaque: Vec<Run> = runs.iter().filter(|r| !r.cut).cloned().collect();
     opaque.sort_unstable_by_key(|run| run.indices.start);
     let mut out: Vec<Run> = Vec::new();
     for run in opaque {
         match out.last_mut() {
-            Some(last) if last.indices.end == run.indices.start => last.indices.end = run.indices.end,
+            Some(last) if last.indices.end == run.indices.start && last.instances == run.instances => last.indices.end = run.indices.end,
             _ => out.push(run),
         }
     }

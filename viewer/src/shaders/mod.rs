@@ -27,11 +27,11 @@ modules! {
     /// Later bounces to finer senders.
     LIFT: "link" "step" "lift";
     /// Shadow maps.
-    SHADOW: "material" "shadow";
+    SHADOW: "material" "model" "shadow";
     /// G-buffer.
-    GBUFFER: "octahedral" "frame" "material" "detail" "mesh" "gbuffer";
+    GBUFFER: "octahedral" "frame" "material" "detail" "model" "mesh" "gbuffer";
     /// Blended surfaces, layer by layer.
-    BLENDED: "octahedral" "frame" "material" "detail" "mesh" "point" "kernel" "cover" "lookup" "lights" "lights_third"
+    BLENDED: "octahedral" "frame" "material" "detail" "model" "mesh" "point" "kernel" "cover" "lookup" "lights" "lights_third"
         "visibility" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
     FIND: "octahedral" "point" "kernel" "cover" "lookup" "frame" "slots" "find";
