@@ -4,7 +4,7 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::{LaterLink, Link};
-use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
+use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use rebounce_shared::rbn::meta::{
     Alpha, Animation, DetailTexture, Draw, Interpolation, Level, Material, Meta, Property, Texture, Track,
 };
@@ -132,6 +132,52 @@ fn every_broken_rule_is_refused_by_its_section() {
     ];
     for (i, (section, damage)) in breaks.into_iter().enumerate() {
         let mut scene = scene();
+        damage(&mut scene);
+        let error = scene.to_bytes().expect_err("refused").to_string();
+        assert!(error.contains(section), "{i}: {error}");
+    }
+}
+
+/// The same, its triangle in two places.
+fn copied() -> Scene {
+    let mut scene = scene();
+    let mut moved = Instance::IDENTITY;
+    moved.rows[1][3] = 0.5;
+    scene.instances = vec![Instance::IDENTITY, moved];
+    scene.copies = vec![Copies { first: 0, count: 2 }];
+    scene
+}
+
+#[test]
+fn only_copies_ask_for_a_newer_version() {
+    let (scene, copied) = (scene(), copied());
+    let version = |bytes: &[u8]| u32::from_le_bytes(bytes[8..12].try_into().unwrap());
+    let (before, now) = (scene.to_bytes().unwrap(), copied.to_bytes().unwrap());
+    assert_eq!((version(&before), version(&now)), (6, 7));
+    assert_eq!(Scene::from_bytes(&now).unwrap(), copied);
+    assert_eq!((scene.triangles_placed(), copied.triangles_placed()), (1, 2));
+    assert_eq!((scene.copies_of(0), copied.copies_of(0)), (0..0, 0..2));
+    let place = copied.instances[1].local_from_model();
+    assert_eq!(place.transform_point3(Vec3::ONE), Vec3::new(1.0, 1.5, 1.0));
+    assert_eq!(Instance::from(&place), copied.instances[1]);
+}
+
+#[test]
+fn copies_that_are_not_there_or_cannot_be_turned_back_are_refused() {
+    type Break = fn(&mut Scene);
+    let breaks: [(&str, Break); 9] = [
+        ("COPY", |s| s.copies.clear()),
+        ("COPY", |s| s.copies[0].count = 0),
+        ("COPY", |s| s.copies[0].count = 3),
+        ("COPY", |s| s.copies[0].first = u32::MAX),
+        ("COPY", |s| s.copies.push(Copies::default())),
+        ("INST", |s| s.instances[1].rows[0][0] = -1.0),
+        ("INST", |s| s.instances[1].rows[2] = [0.0; 4]),
+        ("INST", |s| s.instances[0].rows[2][3] = f32::NAN),
+        ("INST", |s| s.instances[0].rows[0][0] = 1e-20),
+    ];
+    for (i, (section, damage)) in breaks.into_iter().enumerate() {
+        let mut scene = copied();
         damage(&mut scene);
         let error = scene.to_bytes().expect_err("refused").to_string();
         assert!(error.contains(section), "{i}: {error}");

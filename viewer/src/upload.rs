@@ -6,8 +6,8 @@ use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use rebounce_shared::link::{Link, Sent};
-use rebounce_shared::rbn::meta::{Alpha, Draw};
 use rebounce_shared::rbn::bulk::{Instance, Point};
+use rebounce_shared::rbn::meta::{Alpha, Draw};
 use rebounce_shared::rbn::{LinkMatrix, Scene};
 use std::ops::Range;
 use wgpu::BufferUsages;
@@ -265,7 +265,8 @@ fn runs(scene: &Scene) -> Vec<Run> {
             blended,
         }
     };
-    let mut runs: Vec<Run> = scene.meta.draws.iter().enumerate().filter(|(_, d)| d.index_count > 0).map(run).collect();
+    let mut runs: Vec<Run> =
+        scene.meta.draws.iter().enumerate().filter(|(_, d)| d.index_count > 0).map(run).collect();
     runs.sort_unstable_by_key(|run| (run.cut, run.blended, run.material, run.indices.start));
     runs
 }
@@ -277,7 +278,9 @@ fn merged(runs: &[Run]) -> Vec<Run> {
     let mut out: Vec<Run> = Vec::new();
     for run in opaque {
         match out.last_mut() {
-            Some(last) if last.indices.end == run.indices.start && last.instances == run.instances => last.indices.end = run.indices.end,
+            Some(last) if last.indices.end == run.indices.start && last.instances == run.instances => {
+                last.indices.end = run.indices.end
+            }
             _ => out.push(run),
         }
     }

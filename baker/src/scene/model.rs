@@ -74,11 +74,7 @@ pub(super) struct Copies {
 
 /// Divides a mesh's places among models: one for copies, one for mirrored copies, as far as it is worth it. What none has
 /// stands alone. `low` and `high` are the mesh's bounds.
-pub(super) fn divide(
-    world_from_mesh: &[DMat4],
-    triangles: usize,
-    [low, high]: [DVec3; 2],
-) -> Vec<Copies> {
+pub(super) fn divide(world_from_mesh: &[DMat4], triangles: usize, [low, high]: [DVec3; 2]) -> Vec<Copies> {
     let size = |place: &DMat4| {
         let DMat3 { x_axis, y_axis, z_axis } = DMat3::from_mat4(*place);
         x_axis.length().max(y_axis.length()).max(z_axis.length())
@@ -104,7 +100,8 @@ pub(super) fn divide(
         let scale = DVec3::new(if mirrored { -largest } else { largest }, largest, largest);
         let model_from_mesh = DMat4::from_scale(scale) * DMat4::from_translation(-0.5 * (low + high));
         let mesh_from_model = model_from_mesh.inverse();
-        let placed = |(number, place): (usize, &DMat4)| (number, DAffine3::from_mat4(*place * mesh_from_model));
+        let placed =
+            |(number, place): (usize, &DMat4)| (number, DAffine3::from_mat4(*place * mesh_from_model));
         Some(Copies { model_from_mesh, placed: some.into_iter().map(placed).collect() })
     });
     models.collect()

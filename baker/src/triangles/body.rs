@@ -196,9 +196,7 @@ impl Body {
                     Some((place, _)) => number < self.numbers[place],
                     None => !strictly,
                 };
-            if nearer
-                && (number & TRANSPARENT == 0 || self.stops(surfaces, place, meeting, seed))
-            {
+            if nearer && (number & TRANSPARENT == 0 || self.stops(surfaces, place, meeting, seed)) {
                 best = Some((place, meeting));
                 return ControlFlow::Continue(meeting.distance);
             }

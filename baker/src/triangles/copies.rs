@@ -31,6 +31,11 @@ impl Copy {
         Self { model, number, first_piece: 0, local_from_model, model_from_local, across }
     }
 
+    #[cfg(test)]
+    pub fn number(&self) -> u32 {
+        self.number
+    }
+
     /// A ray in the model's space; distances along it are the same.
     #[inline]
     pub fn line(&self, line: &Line) -> Line {
@@ -136,7 +141,13 @@ impl Copies {
     }
 
     /// The share of light that gets through all copies before `limit`.
-    pub fn transmittance(&self, bodies: &[Body], line: &Line, limit: f32, through: impl Fn(&Body, &Line, f32) -> f32) -> f32 {
+    pub fn transmittance(
+        &self,
+        bodies: &[Body],
+        line: &Line,
+        limit: f32,
+        through: impl Fn(&Body, &Line, f32) -> f32,
+    ) -> f32 {
         let mut left = 1.0;
         self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
             let copy = &self.all[place];

@@ -196,7 +196,8 @@ impl TriangleSurfaces {
                 let model = &self.models[copy.model as usize];
                 model.nearest(&self.surfaces, line, limit, strictly, copy.seed(seed))
             };
-            if let Some((copy, triangle, meeting)) = self.copies.nearest(&line, limit, alone.is_some(), find) {
+            if let Some((copy, triangle, meeting)) = self.copies.nearest(&line, limit, alone.is_some(), find)
+            {
                 return Some((self.of_copy(copy, triangle), meeting));
             }
         }

@@ -1,8 +1,12 @@
+mod copies;
+
+use super::geometry::Triangle;
+use super::triangle::{Corners, ShearedRay};
 use super::*;
 use crate::random::Stream;
 use crate::scene::texture::{Sampler, Texels};
 use glam::Vec2;
-use rebounce_shared::rbn::meta::{Material, Wrap};
+use rebounce_shared::rbn::meta::{Alpha, Material, Wrap};
 use std::sync::Arc;
 
 fn triangle(positions: [Vec3; 3], material: u32) -> Triangle {
@@ -18,7 +22,7 @@ fn white() -> Material {
 
 fn surfaces(triangles: Vec<Triangle>, materials: &[Material]) -> TriangleSurfaces {
     let surfaces = materials.iter().map(|m| Surface::new(m, None)).collect();
-    TriangleSurfaces::new(Geometry { triangles, colors: Vec::new(), surfaces })
+    TriangleSurfaces::new(Geometry { triangles, surfaces, ..Geometry::default() })
 }
 
 /// A closed, finely divided, axis-aligned box with a floor that bulges out, and loose triangles of all sizes in it.
@@ -165,7 +169,7 @@ fn two_squares(front: Material, texture: Option<Sampler>) -> TriangleSurfaces {
     };
     let triangles = [square(0.0, 0), square(-1.0, 1)].concat();
     let surfaces = vec![Surface::new(&front, texture), Surface::new(&white(), None)];
-    TriangleSurfaces::new(Geometry { triangles, colors: Vec::new(), surfaces })
+    TriangleSurfaces::new(Geometry { triangles, surfaces, ..Geometry::default() })
 }
 
 fn down(x: f32, y: f32) -> Ray {
@@ -301,7 +305,8 @@ fn a_place_says_what_a_hit_does() {
     let sampler = Sampler { texels: Arc::new(texels), wrap_u, wrap_v, linear_filter };
     for double_sided in [false, true] {
         let surface = Surface::new(&Material { double_sided, ..white() }, Some(sampler.clone()));
-        let geometry = Geometry { triangles: triangles.clone(), colors: Vec::new(), surfaces: vec![surface] };
+        let geometry =
+            Geometry { triangles: triangles.clone(), surfaces: vec![surface], ..Geometry::default() };
         let surfaces = TriangleSurfaces::new(geometry);
         assert_eq!(surfaces.count(), triangles.len());
         let (mut same, mut backs, mut missed) = (0, 0, 0);

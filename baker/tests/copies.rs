@@ -1,0 +1,121 @@
+//! What stands in a scene many times is there once, and gives the light that as many things of their own give.
+
+mod common {
+    pub mod crowd;
+}
+
+use common::crowd::{COPIES, FINE, Said, glb, places};
+use glam::Vec3;
+use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::random::Stream;
+use rebounce::scene::{self, Scene};
+use rebounce::surface::{Ray, Surfaces};
+use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::rbn;
+use rebounce_shared::relight::relight;
+
+fn crowd(said: Said) -> Scene {
+    scene::from_bytes("crowd", &glb(said)).unwrap()
+}
+
+/// The share of rays at which two kinds of surfaces differ, and how many end at material 1's colour.
+fn different(a: &TriangleSurfaces, b: &TriangleSurfaces, shift: Vec3, tolerance: f32) -> (f64, usize) {
+    let mut stream = Stream::new(8, 1);
+    let (mut differ, mut balls) = (0, 0);
+    let (low, high) = a.bounds();
+    for _ in 0..40_000 {
+        let inside = Vec3::new(stream.unit(), stream.unit(), stream.unit());
+        let origin = low + (high - low) * (0.02 + 0.96 * inside);
+        let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
+        let [one, other] = [a.cast(&ray, 0), b.cast(&Ray { origin: origin + shift, ..ray }, 0)];
+        let same = match (one, other) {
+            (Some(one), Some(other)) => {
+                balls += (one.albedo.z > one.albedo.x) as usize;
+                (one.distance - other.distance).abs() < tolerance
+                    && one.position.distance(other.position - shift) < tolerance
+                    && one.normal.dot(other.normal) > 0.999
+                    && one.geometric_normal.dot(other.geometric_normal) > 0.999
+                    && one.albedo == other.albedo
+            }
+            (None, None) => true,
+            _ => false,
+        };
+        differ += !same as usize;
+    }
+    (differ as f64 / 40_000.0, balls)
+}
+
+/// From the local space of one scene to that of another.
+fn shift(from: &Scene, to: &Scene) -> Vec3 {
+    (glam::DVec3::from(from.origin) - glam::DVec3::from(to.origin)).as_vec3()
+}
+
+#[test]
+fn many_copies_are_one_model_and_stand_where_they_stood() {
+    let alone = crowd(Said::Alone);
+    assert!(alone.models.is_empty());
+    let truth = TriangleSurfaces::from_scene(&alone);
+    for said in [Said::Nodes, Said::Instances] {
+        let scene = crowd(said);
+        let copies: Vec<usize> = scene.models.iter().map(|m| m.local_from_model.len()).collect();
+        assert_eq!(copies, COPIES, "{said:?}");
+        // Each has the triangles once; what is flat, or far smaller than the others, stands alone.
+        let sides = 12;
+        let (pole, whole) = (2 * 40, FINE);
+        assert_eq!(scene.triangles.len(), sides + 4 * (whole - pole), "{said:?}");
+        assert_eq!(scene.triangles_placed() as usize, sides + places().len() * (whole - pole));
+        assert_eq!(scene.degenerate_triangles, alone.degenerate_triangles);
+        let shift = shift(&scene, &alone);
+        for (surfaces, name) in [
+            (TriangleSurfaces::from_scene(&scene), "as it is"),
+            (TriangleSurfaces::simplified(&scene), "simplified"),
+        ] {
+            let (differ, balls) = different(&surfaces, &truth, shift, 2e-4);
+            println!("{said:?}, {name}: {differ} differ, {balls} balls");
+            assert!(balls > 10_000 && differ < 2e-3, "{said:?}, {name}: {differ}");
+        }
+    }
+}
+
+/// A bake of a moment.
+fn settings() -> BakeSettings {
+    let mut settings = BakeSettings::new(Preset::Draft);
+    (settings.place.levels, settings.place.functions) = (4, 6000);
+    settings.operator.rays = vec![256];
+    settings.viewpoint = Some([0.0, 3.5, 0.0]);
+    settings.normalised()
+}
+
+/// The light that the surfaces get altogether where they get one unit everywhere, a sum over the functions.
+fn total(scene: &rbn::Scene) -> f32 {
+    let light = relight(scene, vec![Vec3::ONE; scene.direct_count()]);
+    let finest = scene.display();
+    light[finest.clone()].iter().map(|l| l.element_sum()).sum::<f32>() / finest.len() as f32
+}
+
+#[test]
+fn the_bounced_light_and_the_file_are_those_of_a_scene_without_models() {
+    let (scene, alone) = (crowd(Said::Nodes), crowd(Said::Alone));
+    let (baked, report) = bake(&scene, &settings(), &()).unwrap();
+    let (truth, of_alone) = bake(&alone, &settings(), &()).unwrap();
+    assert_eq!((report.copies, of_alone.copies), (110, 0));
+    assert_eq!(report.placed_triangles, scene.triangles_placed());
+    assert!(20 * report.triangles < of_alone.triangles && report.ray_triangles <= report.triangles);
+    let (ours, theirs) = (total(&baked), total(&truth));
+    println!("{ours} of {} functions, {theirs} of {}", report.functions, of_alone.functions);
+    assert!((ours / theirs - 1.0).abs() < 0.02, "{ours}, {theirs}");
+    // The file holds it, and is as much smaller.
+    let (bytes, more) = (baked.to_bytes().unwrap(), truth.to_bytes().unwrap());
+    assert_eq!((baked.version(), truth.version()), (7, 6));
+    let read = rbn::Scene::from_bytes(&bytes).unwrap();
+    assert_eq!(read, baked);
+    assert_eq!(read.triangles_placed(), scene.triangles_placed());
+    assert!(20 * baked.vertices.len() < truth.vertices.len() && bytes.len() < more.len());
+    // Rays find in it what they find in the scene, rounded as positions in files are.
+    let from_file = TriangleSurfaces::from_baked(&read).unwrap();
+    let (differ, _) = different(&from_file, &TriangleSurfaces::from_scene(&scene), Vec3::ZERO, 2e-3);
+    assert!(differ < 0.01, "{differ}");
+    // Whoever works at it.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert!(pool.install(|| bake(&scene, &settings(), &())).unwrap().0 == baked, "one thread");
+}
