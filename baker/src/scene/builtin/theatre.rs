@@ -35,14 +35,7 @@ pub(super) fn scene() -> Scene {
         block(&mut mesh, dvec3(0.0, 0.0, z), dvec3(HALL.x, STEP.x * (row + 1) as f64, end), FLOOR);
     }
     curtain(&mut mesh);
-    let (seat, places) = (seat(), places());
-    let bounds = seat.bounds().unwrap_or_default();
-    for copies in model::divide(&places, seat.triangles.len(), bounds) {
-        let mut model = WorldModel::default();
-        model.mesh.add(&seat, copies.model_from_mesh);
-        model.world_from_model.extend(copies.placed.into_iter().map(|(_, place)| place));
-        mesh.models.push(model);
-    }
+    mesh.stand(&seat(), &places());
     let spot = |x: f64, intensity: f64, color| Light::Spot {
         position: [x, 7.4, 12.0],
         direction: [0.35 * (10.0 - x), -5.4, -9.0],
@@ -73,6 +66,23 @@ pub(super) fn scene() -> Scene {
 }
 
 impl WorldMesh {
+    /// Adds another mesh, which must have no models, at all these places: as a model where that is worth it.
+    fn stand(&mut self, other: &Self, places: &[DMat4]) {
+        let bounds = other.bounds().unwrap_or_default();
+        let mut is_alone = vec![true; places.len()];
+        for copies in model::divide(places, other.triangles.len(), bounds) {
+            let mut model = WorldModel::default();
+            model.mesh.add(other, copies.model_from_mesh);
+            for (number, world_from_model) in copies.placed {
+                is_alone[number] = false;
+                model.world_from_model.push(world_from_model);
+            }
+            self.models.push(model);
+        }
+        let alone = places.iter().zip(is_alone).filter(|(_, is_alone)| *is_alone);
+        alone.for_each(|(place, _)| self.add(other, *place));
+    }
+
     /// Adds another mesh, which must have no models; the matrix may mirror.
     fn add(&mut self, other: &Self, matrix: DMat4) {
         let first = self.positions.len() as u32;
