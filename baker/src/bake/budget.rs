@@ -3,6 +3,7 @@
 
 use super::{BakeSettings, Preset, assemble};
 use crate::scene::{Scene, Texture};
+use crate::triangles::MOST_PIECES;
 use glam::Vec3;
 use rebounce_shared::link::{LaterLink, Link, Sent};
 use rebounce_shared::rbn::codec::links;
@@ -61,6 +62,8 @@ const LEAST_FUNCTIONS: usize = 2_000;
 /// Bytes of memory for anything at all, for each triangle, each texel and each function of the finest level; on the safe
 /// side of what was measured (docs/performance.md). Triangles take the most while the file is read.
 const MEMORY: [f64; 4] = [60e6, 400.0, 8.0, 2_900.0];
+/// And for each copy of a model, and each triangle of one: what the copy finds on it is worked out beforehand, too.
+const COPIED: [f64; 2] = [500.0, 20.0];
 
 /// The coarsest preset that is made for this error or less.
 ///
@@ -93,7 +96,11 @@ pub fn plan(
         functions = functions.min(affordable as usize);
     }
     if let Some(wanted) = budget.memory {
-        let triangles = MEMORY[1] * scene.triangles.len() as f64;
+        let all = scene.triangles_placed();
+        let copied = if all > MOST_PIECES { 0 } else { all - scene.triangles.len() as u64 };
+        let triangles = MEMORY[1] * scene.triangles.len() as f64
+            + COPIED[0] * scene.copies() as f64
+            + COPIED[1] * copied as f64;
         let texels = scene.textures.iter().map(texels).sum::<u64>() as f64;
         let alone = MEMORY[0] + triangles + MEMORY[2] * texels;
         let affordable = (wanted as f64 - alone) / MEMORY[3];
@@ -324,6 +331,10 @@ mod tests {
         scene.triangle_material = vec![0; scene.triangles.len()];
         assert_eq!(plan(&scene, 4_000_000_000).unwrap(), None);
         assert!(plan(&scene, 1_000_000_000).is_err());
+        // And a theatre of six million in copies: 0.41 GB.
+        let theatre = scene::load("builtin:theatre").unwrap();
+        assert_eq!(plan(&theatre, 700_000_000).unwrap(), None);
+        assert!(plan(&theatre, 300_000_000).unwrap().is_some());
         scene.triangles = some;
         // Only how many texels it has is looked at.
         let mut texels = Texels::new(1, 1, vec![[0; 4]]);

@@ -4,6 +4,7 @@
 
 use super::{BakeSettings, Stage};
 use crate::points::expected_counts;
+use crate::triangles::MOST_PIECES;
 
 /// Seconds of one processor for a unit of work: what furnished rooms and halls take, as long as nothing is measured.
 mod cost {
@@ -187,9 +188,9 @@ impl Estimate {
         estimate
     }
 
-    /// So many triangles are left for rays.
-    pub(super) fn found_surfaces(&mut self, settings: &BakeSettings, ray_triangles: usize) {
-        self.ray_triangles = ray_triangles as f64;
+    /// So many triangles are left for rays, those of each copy counted.
+    pub(super) fn found_surfaces(&mut self, settings: &BakeSettings, ray_triangles: u64) {
+        self.ray_triangles = ray_triangles.min(MOST_PIECES) as f64;
         self.expect_points(settings, &expected_counts(&settings.place));
     }
 

@@ -165,7 +165,7 @@ fn run(
     let task = tracker.task(Stage::Prepare, None);
     let surfaces = TriangleSurfaces::simplified(scene);
     report.ray_triangles = surfaces.triangle_count() as u64;
-    tracker.expect(|estimate| estimate.found_surfaces(&settings, surfaces.triangle_count()));
+    tracker.expect(|estimate| estimate.found_surfaces(&settings, surfaces.piece_count()));
     task.step(0)?;
     let viewpoints = choose_viewpoints(scene, &surfaces, &settings)?;
     task.step(0)?;

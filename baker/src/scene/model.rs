@@ -4,8 +4,8 @@ use super::WorldMesh;
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3, Mat3A, Vec3};
 use std::ops::Range;
 
-/// Triangles that further copies of a mesh must spare for it to become a model. A ray takes longer to find its way
-/// through copies that lie in each other's boxes than through one hierarchy over all triangles.
+/// Triangles that further copies of a mesh must spare for it to become a model: half a megabyte of a file. Each model costs
+/// draw calls of its own in every shadow map, which many small ones would not be worth.
 const WORTH_IT: usize = 1 << 16;
 /// The largest copy of a model over the smallest: boxes are padded for the smallest, so smaller ones stand alone.
 const LARGEST_RATIO: f64 = 256.0;

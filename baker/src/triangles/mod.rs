@@ -33,7 +33,7 @@ const EPSILON: f32 = 3e-6;
 /// Boxes grow by this share of the diagonal, for the rounding of the box test.
 const PADDING: f32 = 5e-7;
 /// Pieces at most: what rays find is worked out beforehand only where there is room for it.
-const MOST_PIECES: u64 = 1 << 25;
+pub(crate) const MOST_PIECES: u64 = 1 << 25;
 
 /// Triangles with textures and alpha.
 pub struct TriangleSurfaces {
