@@ -182,6 +182,17 @@ fn copies_that_are_not_there_or_cannot_be_turned_back_are_refused() {
         let error = scene.to_bytes().expect_err("refused").to_string();
         assert!(error.contains(section), "{i}: {error}");
     }
+    // A few bytes that ask for a billion triangles.
+    let mut scene = copied();
+    scene.indices = [0, 1, 2].repeat(1 << 10);
+    scene.meta.draws[0].index_count = 3 << 10;
+    scene.instances = vec![Instance::IDENTITY; 1 << 20];
+    scene.copies[0].count = 1 << 20;
+    scene.to_bytes().unwrap();
+    scene.instances.push(Instance::IDENTITY);
+    scene.copies[0].count += 1;
+    let refused = scene.to_bytes().unwrap_err().to_string();
+    assert!(refused.contains("1073742848 triangles with all copies"), "{refused}");
 }
 
 #[test]

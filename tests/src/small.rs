@@ -4,6 +4,7 @@ use anyhow::Result;
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::scene;
 use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::bulk::{Copies, Instance};
 use rebounce_shared::rbn::meta::{Animation, DetailTexture, Interpolation, Property, Texture, Track};
 
 /// Four pixels.
@@ -26,7 +27,8 @@ pub fn small(name: &str, functions: usize) -> Result<Scene> {
     Ok(bake(&scene::load(name)?, &settings(functions), &())?.0)
 }
 
-/// The Cornell box with something of everything that a file can hold: a picture as colour and as normals, animations.
+/// The Cornell box with something of everything that a file can hold: a picture as colour and as normals, animations, a
+/// wall that stands in two places.
 ///
 /// # Errors
 /// What the bake says.
@@ -56,6 +58,13 @@ pub fn everything(functions: usize) -> Result<Scene> {
     let animation =
         |name: &str| Animation { name: name.to_owned(), duration: 1.0, tracks: vec![track.clone()] };
     m.animations = vec![animation("dim"), animation("bright")];
+    let mut moved = Instance::IDENTITY;
+    moved.rows[2][3] = -0.25;
+    scene.instances = vec![Instance::IDENTITY, moved];
+    scene.copies = vec![Copies::default(); scene.meta.draws.len()];
+    if let Some(last) = scene.copies.last_mut() {
+        *last = Copies { first: 0, count: 2 };
+    }
     Ok(scene)
 }
 

@@ -64,9 +64,7 @@ pub enum SceneError {
         file: String,
     },
     /// More than any machine could bake.
-    #[error(
-        "{file} has too many {what} ({count}, one for each place of meshes that are in few); the limit is {limit}: simplify the scene"
-    )]
+    #[error("{file} has too many {what} ({count}); the limit is {limit}: simplify the scene")]
     TooLarge {
         /// The file.
         file: String,

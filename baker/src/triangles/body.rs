@@ -132,7 +132,7 @@ impl Body {
             bvh,
             corners: ordered().map(|(_, t)| Corners::new(t.positions)).collect(),
             numbers: ordered()
-                .map(|(i, t)| first + i | if surface(t).alpha != Alpha::Opaque { TRANSPARENT } else { 0 })
+                .map(|(i, t)| (first + i) | if surface(t).alpha != Alpha::Opaque { TRANSPARENT } else { 0 })
                 .collect(),
             marks: ordered().map(|(_, t)| marks(t)).collect(),
             looks: ordered().map(|(_, t)| Look::from(t)).collect(),

@@ -15,7 +15,7 @@ fuzz_target!(|bytes: &[u8]| {
     let Some(contents) = Contents::from_bytes(bytes) else { return };
     let sections = contents.packed();
     let sections: Vec<_> = sections.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
-    let file = container::write(&sections);
+    let file = container::write(container::VERSION, &sections);
     let Ok(scene) = bounded(file.len(), 0, || Scene::from_bytes(&file)) else { return };
     keeps_promises(&scene);
 });

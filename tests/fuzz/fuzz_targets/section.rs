@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use rebounce_fuzz::bounded;
 use rebounce_shared::link::{LaterLink, Link};
-use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
+use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use rebounce_shared::rbn::codec::{columns, links};
 use rebounce_shared::rbn::meta;
 
@@ -21,7 +21,7 @@ fn rows<E: links::Beside + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((which, section)) = bytes.split_first() else { return };
-    match which % 7 {
+    match which % 9 {
         0 => {
             let Ok(meta) = bounded(section.len(), 0, || meta::decode(section)) else { return };
             let packed = meta::encode(&meta).expect("it was as small before");
@@ -32,6 +32,8 @@ fuzz_target!(|bytes: &[u8]| {
         3 => records::<Point>(section),
         4 => records::<Cut>(section),
         5 => rows::<Link>(section),
-        _ => rows::<LaterLink>(section),
+        6 => rows::<LaterLink>(section),
+        7 => records::<Instance>(section),
+        _ => records::<Copies>(section),
     }
 });

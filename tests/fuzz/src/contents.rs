@@ -1,13 +1,13 @@
-//! A .rbn file's contents before they are packed, as an input: switches, then eight parts, each after its length. Any
+//! A .rbn file's contents before they are packed, as an input: switches, then ten parts, each after its length. Any
 //! bytes are some contents, so that damage reaches the rules behind the codec.
 
 use crate::{Random, mutated, put};
 use bytemuck::Pod;
 use rebounce_shared::link::{LaterLink, Link, MAX_SENDERS};
-use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
+use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use rebounce_shared::rbn::codec::{columns, links};
 use rebounce_shared::rbn::container::MAGIC;
-use rebounce_shared::rbn::{LinkMatrix, SECTIONS, Scene, meta};
+use rebounce_shared::rbn::{COPY_SECTIONS, LinkMatrix, MAX_TRIANGLES, SECTIONS, Scene, meta};
 
 /// Bytes of a link or later link in an input: the step from the index before, or zero at a row's end; the rest.
 const LINK: usize = 6;
@@ -17,7 +17,7 @@ const MARK: u8 = 0xe0;
 /// Switches and parts, in the order of the sections.
 pub struct Contents {
     switches: u8,
-    parts: [Vec<u8>; 8],
+    parts: [Vec<u8>; 10],
 }
 
 impl Contents {
@@ -27,7 +27,7 @@ impl Contents {
             return Some(Self::of(&Scene::from_bytes(bytes).ok()?));
         }
         let (switches, mut rest) = bytes.split_first().filter(|(first, _)| **first & MARK == MARK)?;
-        let mut parts: [Vec<u8>; 8] = Default::default();
+        let mut parts: [Vec<u8>; 10] = Default::default();
         for part in &mut parts {
             let Some((len, tail)) = rest.split_first_chunk::<4>() else { break };
             let (head, tail) = tail.split_at((u32::from_le_bytes(*len) as usize).min(tail.len()));
@@ -46,6 +46,8 @@ impl Contents {
             steps(&scene.links, |link| (link.0 & (MAX_SENDERS as u32 - 1), link.0)),
             steps(&scene.later, |link| (link.sender, link.colour)),
             scene.texture_bytes.clone(),
+            bytemuck::cast_slice(&scene.instances).to_vec(),
+            bytemuck::cast_slice(&scene.copies).to_vec(),
         ];
         Self { switches: MARK, parts }
     }
@@ -61,12 +63,15 @@ impl Contents {
 
     /// Names and bytes of the sections; numbers of things are made to agree, where no switch says otherwise.
     pub fn packed(&self) -> Vec<([u8; 4], Vec<u8>)> {
-        let [meta_bytes, vertices, indices, points, cuts, links, later, textures] = &self.parts;
+        let [meta_bytes, vertices, indices, points, cuts, links, later, textures, instances, copies] =
+            &self.parts;
         let is_made_to_fit = |bit: u8| self.switches >> bit & 1 == 0;
         let vertices: Vec<Vertex> = records(vertices);
         let mut indices: Vec<u32> = records(indices);
         let mut points: Vec<Point> = records(points);
         let cuts: Vec<Cut> = records(cuts);
+        let instances: Vec<Instance> = records(instances);
+        let mut copies: Vec<Copies> = records(copies);
         if is_made_to_fit(0) {
             indices.truncate(indices.len() / 3 * 3);
             indices.iter_mut().for_each(|i| *i %= vertices.len().max(1) as u32);
@@ -106,6 +111,13 @@ impl Contents {
                     first += count;
                 }
                 meta.draws.retain(|draw| draw.index_count > 0);
+                if !copies.is_empty() {
+                    copies.resize(meta.draws.len(), Copies::default());
+                }
+                for copies in &mut copies {
+                    copies.first %= instances.len() as u32 + 1;
+                    copies.count %= instances.len() as u32 - copies.first + 1;
+                }
             }
             meta_bytes = meta::encode(&meta).unwrap_or(meta_bytes);
         }
@@ -124,7 +136,12 @@ impl Contents {
             links::encode(&later.offsets, &later.links),
             textures.clone(),
         ];
-        SECTIONS.into_iter().zip(packed).collect()
+        let mut sections: Vec<_> = SECTIONS.into_iter().zip(packed).collect();
+        if !(instances.is_empty() && copies.is_empty()) {
+            let copied = [columns::encode(&instances), columns::encode(&copies)];
+            sections.extend(COPY_SECTIONS.into_iter().zip(copied));
+        }
+        sections
     }
 }
 
@@ -197,7 +214,7 @@ pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize
         return libfuzzer_sys::fuzzer_mutate(data, size, max_size);
     };
     // Half of it goes into what says how all else is meant, and into the points.
-    let part = &mut contents.parts[[0, 0, 0, 3, 3, 3, 1, 2, 4, 5, 6, 7][random.below(12)]];
+    let part = &mut contents.parts[[0, 0, 0, 3, 3, 3, 1, 2, 4, 5, 6, 7, 8, 9][random.below(14)]];
     match random.below(8) {
         0 if part.len() >= 4 => {
             let at = 4 * random.below(part.len() / 4);
@@ -226,6 +243,13 @@ pub fn keeps_promises(scene: &Scene) {
         assert!(scene.cuts_of(i).len() <= 4);
         assert!(scene.points[i].normal().is_normalized() && scene.points[i].tint().is_finite());
     }
+    for (i, _) in scene.meta.draws.iter().enumerate() {
+        for instance in &scene.instances[scene.copies_of(i)] {
+            let place = instance.local_from_model();
+            assert!(place.is_finite() && place.inverse().is_finite() && place.matrix3.determinant() > 0.0);
+        }
+    }
+    assert!(scene.triangles_placed() <= MAX_TRIANGLES);
     assert!(scene.indices.iter().all(|&i| (i as usize) < scene.vertices.len()));
     let lookup = &scene.relations.lookup;
     let mut reached = 0;

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use rebounce::bake::{BakeSettings, Checkpoint, Identity, Preset, bake_with_checkpoint};
 use rebounce::scene;
 use rebounce_shared::rbn::container;
-use rebounce_tests::small::{settings, small};
+use rebounce_tests::small::{everything, settings, small};
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
@@ -15,13 +15,21 @@ fn main() -> Result<()> {
             .and_then(|()| std::fs::write(folder.join(name), bytes))
             .with_context(|| folder.display().to_string())
     };
-    for (name, functions) in [("builtin:cornell-box", 12), ("builtin:two-rooms-door", 40)] {
-        let file = small(name, functions)?.to_bytes()?;
-        let short = name.trim_start_matches("builtin:");
+    let seeds = [
+        ("cornell-box", small("builtin:cornell-box", 12)?),
+        ("two-rooms-door", small("builtin:two-rooms-door", 40)?),
+        ("everything", everything(12)?),
+    ];
+    for (short, scene) in seeds {
+        let file = scene.to_bytes()?;
         write("file", short, &file)?;
         write("scene", short, &file)?;
         // The target is told by a byte which section it has.
-        for (which, section) in (0u8..7).zip(container::read(&file)?) {
+        for section in container::read(&file)? {
+            const TOLD: [&[u8; 4]; 9] =
+                [b"META", b"VERT", b"INDX", b"PNTS", b"CUTS", b"LINK", b"LATL", b"INST", b"COPY"];
+            let told = (0u8..).zip(TOLD).find(|(_, name)| **name == section.name);
+            let Some((which, _)) = told else { continue };
             let bytes = &file[section.offset..section.offset + section.len];
             let seed = format!("{short}-{}", section.name());
             write("section", &seed, &[&[which], bytes].concat())?;

@@ -49,7 +49,8 @@ pub fn cut(file: &[u8], random: &mut Random) -> Damaged {
 /// Changes bytes within a section and repairs the checksums.
 pub fn flip_sealed(file: &[u8], random: &mut Random) -> Damaged {
     let mut sections = sections(file);
-    let (name, bytes) = &mut sections[random.below(8)];
+    let at = random.below(sections.len());
+    let (name, bytes) = &mut sections[at];
     let name = text(*name);
     let count = 1 + random.below(8);
     for _ in 0..count.min(8 * bytes.len()) {

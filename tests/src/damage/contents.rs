@@ -14,7 +14,7 @@ pub fn lie(scene: &Scene, random: &mut Random) -> Option<Damaged> {
     let mut scene = scene.clone();
     let mut what = Vec::new();
     for _ in 0..1 + random.below(2) {
-        what.push(match random.below(12) {
+        what.push(match random.below(14) {
             0 => words("vertex", &mut scene.vertices, random),
             1 => words("index", &mut scene.indices, random),
             2 | 3 => words("point", &mut scene.points, random),
@@ -25,6 +25,8 @@ pub fn lie(scene: &Scene, random: &mut Random) -> Option<Damaged> {
             8 => levels(&mut scene, random),
             9 => place(&mut scene, random),
             10 => look(&mut scene, random),
+            11 => words("place of a copy", &mut scene.instances, random),
+            12 => words("copies of a draw call", &mut scene.copies, random),
             _ => light(&mut scene, random),
         });
     }
@@ -36,7 +38,7 @@ pub fn lie(scene: &Scene, random: &mut Random) -> Option<Damaged> {
 
 /// A scene's sections, whatever is in it.
 fn packed(scene: &Scene) -> Option<Sections> {
-    Some(vec![
+    let mut sections = vec![
         (*b"META", meta::encode(&scene.meta).ok()?),
         (*b"VERT", columns::encode(&scene.vertices)),
         (*b"INDX", columns::encode(&scene.indices)),
@@ -45,7 +47,12 @@ fn packed(scene: &Scene) -> Option<Sections> {
         (*b"LINK", links::encode(&scene.links.offsets, &scene.links.links)),
         (*b"LATL", links::encode(&scene.later.offsets, &scene.later.links)),
         (*b"TEXD", scene.texture_bytes.clone()),
-    ])
+    ];
+    if !(scene.instances.is_empty() && scene.copies.is_empty()) {
+        sections.push((*b"INST", columns::encode(&scene.instances)));
+        sections.push((*b"COPY", columns::encode(&scene.copies)));
+    }
+    Some(sections)
 }
 
 /// Puts a hostile number into some words of the records, or takes or adds records.

@@ -5,6 +5,7 @@ use super::source::Source;
 use crate::scene::model::{self, Copies, MOST_COPIES, WorldModel};
 use crate::scene::{MOST, SceneError, WorldMesh};
 use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
+use rebounce_shared::rbn::MAX_TRIANGLES;
 
 /// Scene units from the origin beyond which products of lengths leave the range of 32-bit numbers.
 const FAR: f64 = 1e12;
@@ -48,9 +49,15 @@ pub(super) fn models(
         out.models.push(model);
         let copies = out.models.iter().map(|model| model.world_from_model.len()).sum();
         check_counts(source, out, 0, 0)?;
-        if copies > MOST_COPIES {
-            let (file, what) = (source.file.clone(), "copies of meshes");
-            return Err(SceneError::TooLarge { file, what, count: copies, limit: MOST_COPIES });
+        let triangles = |model: &WorldModel| model.mesh.triangles.len() * model.world_from_model.len();
+        let triangles = out.models.iter().map(triangles).fold(out.triangles.len(), usize::saturating_add);
+        let most = MAX_TRIANGLES as usize;
+        for (what, count, limit) in
+            [("copies of meshes", copies, MOST_COPIES), ("triangles with all copies", triangles, most)]
+        {
+            if count > limit {
+                return Err(SceneError::TooLarge { file: source.file.clone(), what, count, limit });
+            }
         }
     }
     Ok(taken)

@@ -12,6 +12,8 @@ use crate::link::MAX_SENDERS;
 pub const MAX_LEVELS: usize = 32;
 /// Links of one row, at most: one invocation of a shader adds them up.
 pub const MAX_ROW: usize = 1 << 18;
+/// Triangles, those of each copy counted, at most: a small file must not keep a GPU busy for minutes.
+pub const MAX_TRIANGLES: u64 = 1 << 30;
 /// Supports are at least this large, scene units.
 const LEAST_RADIUS: f32 = 1e-15;
 
@@ -102,6 +104,12 @@ impl Scene {
         let end = |copies: &Copies| copies.first as u64 + copies.count as u64;
         if self.copies.iter().any(|copies| end(copies) > self.instances.len() as u64) {
             return Err(RbnError::invalid("COPY", "a copy lies outside section INST"));
+        }
+        if self.triangles_placed() > MAX_TRIANGLES {
+            return Err(RbnError::TooLarge(format!(
+                "{} triangles with all copies; a file holds at most {MAX_TRIANGLES}: simplify the scene",
+                self.triangles_placed()
+            )));
         }
         let sound = |instance: &Instance| {
             let place = instance.local_from_model();
