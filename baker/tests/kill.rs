@@ -2,8 +2,8 @@
 #![cfg(unix)]
 
 use program::{names, said, signal, wait_for};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 #[path = "common/program.rs"]
@@ -118,7 +118,9 @@ fn other_settings_are_refused_by_name() {
     let output = command(&path, &["--resume", "--seed", "2"]).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(said(&output).contains("seed 1, not 2"), "{}", said(&output));
-    assert_eq!(command(&path, &["--what"]).output().unwrap().status.code(), Some(2));
+    for wrong in [&["--what"][..], &["--levels", "0"], &["--levels", "33"]] {
+        assert_eq!(command(&path, wrong).output().unwrap().status.code(), Some(2), "{wrong:?}");
+    }
 }
 
 #[test]
@@ -140,4 +142,36 @@ fn progress_is_json_on_demand() {
         assert!((0.0..=1.0).contains(&number(&pair[0], "fraction")));
     }
     assert!(lines.iter().any(|line| line["rays_per_second"].as_f64().is_some_and(|rate| rate > 0.0)));
+}
+
+/// The last line of standard output.
+fn last_line(output: &Output) -> serde_json::Value {
+    let text = String::from_utf8(output.stdout.clone()).unwrap();
+    serde_json::from_str(text.lines().last().unwrap()).unwrap()
+}
+
+#[test]
+fn json_says_how_a_bake_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.rbn");
+    let mut child = command(&path, &["--json-progress"]).spawn().unwrap();
+    wait_for(&mut child, &path, 1_000);
+    signal(child.id(), "INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+    let (partial, last) = (folder.path().join("room.rbn.partial"), last_line(&output));
+    assert_eq!((&last["stage"], &last["checkpoint"]), (&"stopped".into(), &partial.to_str().unwrap().into()));
+    // Before the bake begins, and at its begin.
+    let missing = folder.path().join("missing.glb");
+    let mut bake = Command::new(env!("CARGO_BIN_EXE_rebounce"));
+    bake.arg("bake").arg(&missing).arg("--json-progress");
+    let refused = command(&path, &["--resume", "--seed", "2", "--json-progress"]);
+    for (mut command, word) in [(bake, "missing.glb"), (refused, "seed 1, not 2")] {
+        let output = command.stdout(Stdio::piped()).stderr(Stdio::piped()).output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        let last = last_line(&output);
+        assert_eq!(last["stage"], "failed");
+        let error = last["error"].as_str().unwrap();
+        assert!(error.contains(word) && said(&output).contains(error), "{error}");
+    }
 }

@@ -1,11 +1,12 @@
 //! `rebounce bake`: a scene in, a .rbn file out.
 
 use super::plain::plain;
-use super::progress::Display;
+use super::progress::{Display, Unfinished};
 use super::stop::Stop;
 use super::team::with_team;
 use super::view::PREVIEW;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
+use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use cpu_time::ProcessTime;
 use rebounce::bake::budget::{self, Budget};
@@ -32,14 +33,14 @@ Exit codes: 0 done; 1 failed; 2 wrong arguments; 130 stopped by Ctrl-C, 143 by S
 
 --json-progress prints objects with stage, level (or null), done and total (units of this stage and level), rays_per_second \
 (or null), seconds (since the bake began), seconds_left, processor_seconds and processor_seconds_left (of all threads together: they do \
-not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\".";
+not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\", or \"failed\" and error, or \"stopped\" and checkpoint, the file to go on from.";
 
 /// Arguments of `rebounce bake`.
 #[derive(Args, Debug)]
 #[command(after_help = AFTER_HELP)]
 pub struct BakeArgs {
-    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:two-rooms-door,
-    /// builtin:two-rooms
+    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
+    /// builtin:two-rooms-door, builtin:two-rooms, builtin:furnace
     scene: String,
     /// Where to write; SCENE.rbn when absent
     #[arg(short, long, value_name = "FILE.rbn")]
@@ -60,7 +61,7 @@ pub struct BakeArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     viewpoint: Option<[f64; 3]>,
     /// Levels of receivers
-    #[arg(long)]
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_LEVELS as u64))]
     levels: Option<usize>,
     /// Levels of senders, the coarsest ones
     #[arg(long)]
@@ -162,9 +163,6 @@ impl BakeArgs {
         s.viewpoint = self.viewpoint;
         s.place.coarse_radius = self.coarse_radius;
         s.operator.bounces = self.bounces;
-        if let Some(levels) = self.levels.filter(|levels| !(1..=MAX_LEVELS).contains(levels)) {
-            bail!("--levels is {levels}; a file has 1 to {MAX_LEVELS}");
-        }
         set(&mut s.place.levels, &self.levels);
         set(&mut s.place.functions, &self.functions);
         set(&mut s.place.coarse_overlap, &self.coarse_overlap);
@@ -195,9 +193,16 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")?;
     }
     with_team(|team| {
+        if team.rank() != 0 {
+            return follow(args, &scene::load(&args.scene)?, team);
+        }
         // Until here, and while this loads, signals end the process at once.
-        let scene = scene::load(&args.scene)?;
-        if team.rank() == 0 { lead(args, &scene, team) } else { follow(args, &scene, team) }
+        let loaded = scene::load(&args.scene).map_err(anyhow::Error::from);
+        let done = loaded.and_then(|scene| lead(args, &scene, team));
+        if let Some(error) = done.as_ref().err().filter(|_| args.json_progress) {
+            Unfinished::Failed { error: plain(&crate::sentence(error)).into_owned() }.print();
+        }
+        done
     })
 }
 
@@ -236,10 +241,13 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
         1 => "stopped",
         _ => "stopped, or ended because another process of this bake was lost",
     };
-    let said = Arc::new(Once::new());
+    let (said, is_json) = (Arc::new(Once::new()), args.json_progress);
     let last_words = move || {
         said.call_once(|| {
-            eprintln!("rebounce: {why}; {kept} has what was done, and --resume goes on from it")
+            eprintln!("rebounce: {why}; {kept} has what was done, and --resume goes on from it");
+            if is_json {
+                Unfinished::Stopped { checkpoint: kept.clone() }.print();
+            }
         });
     };
     let stop = Stop::install(last_words.clone()).context("setting up signals")?;

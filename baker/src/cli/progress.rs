@@ -58,6 +58,29 @@ struct Line<'a> {
     fraction: f64,
 }
 
+/// The last line of `--json-progress` where the bake is not done.
+#[derive(Serialize)]
+#[serde(tag = "stage", rename_all = "lowercase")]
+pub enum Unfinished {
+    /// It failed.
+    Failed {
+        /// What standard error says.
+        error: String,
+    },
+    /// It was stopped, and can be gone on with.
+    Stopped {
+        /// The file that has what was done.
+        checkpoint: String,
+    },
+}
+
+impl Unfinished {
+    /// Prints it.
+    pub fn print(&self) {
+        line(self);
+    }
+}
+
 impl Display {
     /// JSON if that is wanted, a bar on a terminal, lines elsewhere.
     pub fn new(json: bool) -> Self {
@@ -132,7 +155,7 @@ impl Display {
     }
 }
 
-fn line(line: &Line) {
+fn line(line: &impl Serialize) {
     if let Ok(text) = serde_json::to_string(line) {
         // Whoever does not read on need not stop the bake.
         let _ = writeln!(std::io::stdout().lock(), "{text}");

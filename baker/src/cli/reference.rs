@@ -10,8 +10,8 @@ use rebounce::triangles::TriangleSurfaces;
 /// Arguments of `rebounce reference`.
 #[derive(Args, Debug)]
 pub struct ReferenceArgs {
-    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:two-rooms-door,
-    /// builtin:two-rooms
+    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
+    /// builtin:two-rooms-door, builtin:two-rooms, builtin:furnace
     scene: String,
     #[command(flatten)]
     picture: PictureArgs,
