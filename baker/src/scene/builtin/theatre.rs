@@ -1,4 +1,4 @@
-//! A theatre: one seat of ten thousand triangles, hundreds of times.
+//! A theatre: one seat of fourteen thousand triangles, hundreds of times.
 
 use super::super::model::{self, WorldModel};
 use super::super::{Scene, WorldMesh};
@@ -48,13 +48,17 @@ pub(super) fn scene() -> Scene {
     let mut scene = Scene {
         name: "theatre".into(),
         materials: vec![
-            matt("wall", [0.62, 0.55, 0.45]),
-            matt("floor", [0.18, 0.13, 0.11]),
-            matt("velvet", [0.5, 0.06, 0.07]),
-            matt("wood", [0.4, 0.24, 0.12]),
-            matt("curtain", [0.42, 0.05, 0.08]),
+            matt("wall", [0.5, 0.48, 0.44]),
+            matt("floor", [0.16, 0.13, 0.11]),
+            matt("velvet", [0.36, 0.05, 0.06]),
+            matt("wood", [0.34, 0.24, 0.15]),
+            matt("curtain", [0.1, 0.14, 0.34]),
         ],
-        lights: vec![spot(4.0, 900.0, [1.0, 0.85, 0.65]), spot(16.0, 600.0, [0.75, 0.85, 1.0])],
+        lights: vec![
+            spot(4.0, 500.0, [1.0, 0.86, 0.7]),
+            spot(16.0, 400.0, [0.78, 0.88, 1.0]),
+            Light::Point { position: [10.0, 5.5, 17.0], intensity: 60.0, color: [1.0, 0.9, 0.75] },
+        ],
         cameras: vec![
             camera([5.0, 4.6, 23.0], [11.0, 1.6, 6.0]),
             camera([10.0, 2.6, 2.0], [10.0, 2.0, 16.0]),
@@ -148,7 +152,7 @@ fn seat() -> WorldMesh {
     mesh
 }
 
-/// Where seats stand: in bows around the stage, every second one folded a little to the other side.
+/// Where seats stand, a little turned towards the stage; every second one is mirrored.
 fn places() -> Vec<DMat4> {
     let place = |i: usize| {
         let (row, seat) = (i / SEATS, i % SEATS);
