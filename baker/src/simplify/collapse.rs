@@ -177,11 +177,16 @@ fn creased(patch: &Patch, vertex: u32, ring: &mut Ring, most: f32) -> Option<Sec
 /// How far the looks around a vertex are from changing evenly, 1 being all that is allowed: what is between them, however
 /// they are joined by triangles, differs by no more. `place` says where a vertex is from there.
 fn bend(patch: &Patch, sides: &[Side], place: impl Fn(u32) -> Vec3, normal: Vec3) -> Option<f32> {
+    let alike = sides.first()?.looks[0];
+    if sides.iter().all(|side| side.looks == [alike; 3]) {
+        return Some(0.0);
+    }
     let look = |look: u32| &patch.looks[look as usize];
     // What the largest triangle says of the places beyond it.
     let area = |side: &Side| place(side.ends[0]).cross(place(side.ends[1])).dot(normal);
-    let largest = sides.iter().max_by(|p, q| area(p).total_cmp(&area(q)))?;
-    let ([a, b], scale) = (largest.ends.map(&place), 1.0 / area(largest));
+    let areas = sides.iter().map(|side| (area(side), side));
+    let (most, largest) = areas.max_by(|p, q| p.0.total_cmp(&q.0))?;
+    let ([a, b], scale) = (largest.ends.map(&place), 1.0 / most);
     let told = largest.looks.map(look);
     let last = sides.last()?;
     let ends = sides.iter().map(|side| (side.ends[0], side.looks[1])).chain([(last.ends[1], last.looks[2])]);
