@@ -161,7 +161,13 @@ impl WorldMesh {
     /// without area and vertices that no triangle uses.
     fn finish(mut self, scene: &mut Scene) {
         let mut models = std::mem::take(&mut self.models);
-        models.retain(|model| model.mesh.bounds().is_some());
+        models.retain(|model| {
+            let is_seen = model.mesh.bounds().is_some();
+            if !is_seen {
+                scene.degenerate_triangles += model.mesh.triangles.len() * model.world_from_model.len();
+            }
+            is_seen
+        });
         let boxes = models.iter().flat_map(WorldModel::boxes);
         let bounds = self.bounds().into_iter().chain(boxes);
         let bounds = bounds.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
