@@ -63,6 +63,44 @@ function squares(list) {
   });
 }
 
+/** Squares of so many triangles along a side that copies of them are kept once. */
+const FINE = 24;
+
+/** A glTF file of a dark floor and 8 x 8 tiles over it that shine, all of one mesh, every other one turned. */
+function tiles() {
+  const side = [...Array(FINE + 1).keys()].map((i) => (2 * i) / FINE - 1);
+  const grid = new Float32Array([-6, 0, -6, -6, 0, 6, 6, 0, 6, 6, 0, -6, ...side.flatMap((x) => side.flatMap((z) => [x, 0, z]))]);
+  const squares = [...Array(FINE * FINE).keys()].map((i) => Math.floor(i / FINE) * (FINE + 1) + (i % FINE));
+  const indices = new Uint16Array([0, 1, 2, 0, 2, 3, ...squares.flatMap((a) => [a, a + 1, a + FINE + 2, a, a + FINE + 2, a + FINE + 1])]);
+  const bytes = Buffer.concat([Buffer.from(grid.buffer), Buffer.from(indices.buffer)]);
+  const mesh = (k, material) => ({ primitives: [{ attributes: { POSITION: 2 * k }, indices: 2 * k + 1, material }] });
+  const accessors = [[0, 4, 6], [4, (FINE + 1) ** 2, 6 * FINE * FINE]].flatMap(([first, count, corners], k) => [
+    { bufferView: 0, byteOffset: 12 * first, componentType: 5126, count, type: "VEC3", min: [k ? -1 : -6, 0, k ? -1 : -6], max: [k ? 1 : 6, 0, k ? 1 : 6] },
+    { bufferView: 1, byteOffset: 12 * k, componentType: 5123, count: corners, type: "SCALAR" },
+  ]);
+  const nodes = [...Array(64).keys()].map((i) => ({
+    mesh: 1,
+    translation: [(i % 8) - 3.5, 0, Math.floor(i / 8) - 3.5],
+    rotation: i % 2 ? [0, Math.SQRT1_2, 0, Math.SQRT1_2] : [0, 0, 0, 1],
+    scale: [0.3, 1, 0.3],
+  }));
+  const color = (emissiveFactor) => ({ emissiveFactor, doubleSided: true, pbrMetallicRoughness: { baseColorFactor: [0, 0, 0, 1] } });
+  return JSON.stringify({
+    asset: { version: "2.0" },
+    scene: 0,
+    scenes: [{ nodes: [...Array(65).keys()] }],
+    nodes: [{ mesh: 0, translation: [0, -0.5, 0] }, ...nodes],
+    meshes: [mesh(0, 0), mesh(1, 1)],
+    materials: [color([0, 0, 0]), color([0.3, 0.3, 0.3])],
+    accessors,
+    bufferViews: [
+      { buffer: 0, byteLength: grid.byteLength },
+      { buffer: 0, byteOffset: grid.byteLength, byteLength: indices.byteLength },
+    ],
+    buffers: [{ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }],
+  });
+}
+
 /** In a browser of its own: with three more scenes the shared one came to its end before the last test. */
 export async function pictures(harness, shared) {
   const browser = await launch();
@@ -102,6 +140,29 @@ export async function pictures(harness, shared) {
       const off = Math.max(...found.map((c, i) => Math.abs(linear(c) + offset - expected[i])));
       check(off < 0.01, `${where}: ${found.map(linear)}, expected ${expected} less ${offset}`);
     }
+    await page.close();
+  });
+  await harness.test("pictures::copies_of_a_mesh_stand_where_each_of_them_does", async () => {
+    const [gltf, baked] = ["tiles.gltf", "tiles.rbn"].map((name) => path.join(context.work, name));
+    await writeFile(gltf, tiles());
+    await exec(context.rebounce, ["bake", gltf, ...QUICK, "-o", baked]);
+    const body = await readFile(baked);
+    equal(body.readUInt32LE(8), 7, "the format's version, which says that there are copies");
+    const html = '<rebounce-viewer src="tiles.rbn" auto-exposure="off" mode="direct"></rebounce-viewer>';
+    const { page, faults } = await loaded(context, html, { routes: { "**/tiles.rbn": (route) => route.fulfill({ body }) } });
+    const [pixels, triangles] = await page.evaluate(async () => {
+      viewer.camera = { position: [0, 10, 0], target: [0, 0, 0], up: [0, 0, 1], yfov_deg: (2 * Math.atan(0.4) * 180) / Math.PI };
+      return [Array.from(await viewer.readPixels(128, 128)), viewer.stats().triangles];
+    });
+    equal(faults.join("\n"), "", "faults");
+    equal(triangles, 2 + 64 * 2 * FINE * FINE, "triangles, those of each copy counted");
+    // The picture is 8 wide: sixteen pixels for a tile and what is between it and the next.
+    const wrong = [...Array(128 * 128).keys()].filter((i) => {
+      const off = Math.max(...[i % 128, Math.floor(i / 128)].map((x) => Math.abs((x % 16) - 7.5)));
+      const shines = pixels[4 * i] > 60;
+      return off < 4 ? !shines : off > 6 && shines;
+    });
+    equal(wrong.length, 0, `pixels that shine where nothing stands, or do not; the first is ${wrong[0]}`);
     await page.close();
   });
   await browser.close();
