@@ -94,7 +94,7 @@ pub struct Place {
 /// A triangle, flat or curved, that the surfaces are made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Lengths of the two sides that [`Place::at`] counts along, scene units; the third side is the longest.
+    /// Lengths of the two sides that [`Place::at`] counts along, scene units; best where the third side is the longest.
     pub sides: [f32; 2],
     /// Whether its back reflects too.
     pub has_back: bool,

@@ -165,7 +165,9 @@ fn only_copies_ask_for_a_newer_version() {
 #[test]
 fn copies_that_are_not_there_or_cannot_be_turned_back_are_refused() {
     type Break = fn(&mut Scene);
-    let breaks: [(&str, Break); 9] = [
+    let breaks: [(&str, Break); 11] = [
+        ("INST", |s| (0..3).for_each(|i| s.instances[1].rows[i][i] = 1e13)),
+        ("INST", |s| (s.instances[1].rows[0][0], s.vertices[1].position[0]) = (1e8, 1e8)),
         ("COPY", |s| s.copies.clear()),
         ("COPY", |s| s.copies[0].count = 0),
         ("COPY", |s| s.copies[0].count = 3),
@@ -193,6 +195,26 @@ fn copies_that_are_not_there_or_cannot_be_turned_back_are_refused() {
     scene.copies[0].count += 1;
     let refused = scene.to_bytes().unwrap_err().to_string();
     assert!(refused.contains("1073742848 triangles with all copies"), "{refused}");
+    // And one that asks for the same million of places again and again.
+    let mut scene = copied();
+    scene.meta.draws = vec![scene.meta.draws[0]; 6];
+    (0..6).for_each(|d| scene.meta.draws[d].first_index = 3 * d as u32);
+    scene.indices = [0, 1, 2].repeat(6);
+    scene.instances = vec![Instance::IDENTITY; 1 << 20];
+    scene.copies = (0..6).map(|d| Copies { first: d % 2, count: (1 << 20) - 1 }).collect();
+    let refused = scene.to_bytes().unwrap_err().to_string();
+    assert!(refused.contains("6291450 copies"), "{refused}");
+    scene.copies = vec![scene.copies[0]; 6];
+    scene.to_bytes().unwrap();
+}
+
+#[test]
+fn a_file_of_the_version_before_has_no_copies() {
+    let mut bytes = copied().to_bytes().unwrap();
+    bytes[8] = 6;
+    let sum = xxhash_rust::xxh32::xxh32(&bytes[..28], 0);
+    bytes[28..32].copy_from_slice(&sum.to_le_bytes());
+    assert!(Scene::from_bytes(&bytes).unwrap_err().to_string().contains("COPY"));
 }
 
 #[test]

@@ -1,10 +1,9 @@
 //! What blended surfaces need: which there are, in how many layers they lie, what numbers hold their light. No GPU.
 
 use crate::upload::{Run, instances};
-use glam::{Affine3A, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use rebounce_shared::light::{Light, LightKind};
 use rebounce_shared::rbn::Scene;
-use rebounce_shared::rbn::bulk::Instance;
 use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
 
 /// Layers that are drawn at most. What lies behind so many is left out of the picture, not what is opaque behind it.
@@ -37,10 +36,10 @@ pub fn layers(scene: &Scene, runs: &[Run]) -> u32 {
     let mut planes: Vec<Vec4> = Vec::new();
     let mut looked_at = 0;
     for run in runs {
-        let places: Vec<Affine3A> = instances(scene, run).iter().map(Instance::local_from_model).collect();
         let indices = &scene.indices[run.indices.start as usize..run.indices.end as usize];
         for triangle in indices.as_chunks::<3>().0 {
-            for place in &places {
+            for place in instances(scene, run) {
+                let place = place.local_from_model();
                 looked_at += 1;
                 if planes.len() == MOST_LAYERS || looked_at > MOST_LOOKED_AT {
                     return MOST_LAYERS as u32;

@@ -291,6 +291,7 @@ fn merged(runs: &[Run]) -> Vec<Run> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rebounce_shared::rbn::bulk::Copies;
     use rebounce_shared::rbn::meta::Material;
 
     #[test]
@@ -322,6 +323,29 @@ mod tests {
         assert!(text.contains("240 bytes") && text.contains("239"), "{text}");
         let default = Most::of(&wgpu::Limits::default());
         assert_eq!((default.buffer, default.binding), (MAX_BUFFER, MAX_BINDING));
+    }
+
+    #[test]
+    fn copies_keep_to_their_own_runs() {
+        let mut scene = Scene::default();
+        scene.meta.materials = vec![Material::default(), Material::default()];
+        let draw = |material: u32, k: u32| Draw { material, first_index: 3 * k, index_count: 3 };
+        scene.meta.draws = vec![draw(0, 0), draw(1, 1), draw(0, 2), draw(1, 3), draw(0, 4)];
+        let [alone, two, three] = [(0, 0), (0, 2), (2, 3)].map(|(first, count)| Copies { first, count });
+        scene.copies = vec![alone, alone, two, two, three];
+        scene.instances = vec![Instance::IDENTITY; 5];
+        let runs = runs(&scene);
+        let of = |run: &Run| (run.indices.clone(), run.instances.clone());
+        assert_eq!(
+            runs.iter().map(of).collect::<Vec<_>>(),
+            [(0..3, 0..1), (6..9, 1..3), (12..15, 3..6), (3..6, 0..1), (9..12, 1..3),]
+        );
+        assert_eq!(
+            merged(&runs).iter().map(of).collect::<Vec<_>>(),
+            [(0..6, 0..1), (6..12, 1..3), (12..15, 3..6)]
+        );
+        assert_eq!(instances(&scene, &runs[0]), [Instance::IDENTITY]);
+        assert_eq!(instances(&scene, &runs[2]).len(), 3);
     }
 
     #[test]

@@ -96,8 +96,7 @@ pub fn plan(
         functions = functions.min(affordable as usize);
     }
     if let Some(wanted) = budget.memory {
-        let all = scene.triangles_placed();
-        let copied = if all > MOST_PIECES { 0 } else { all - scene.triangles.len() as u64 };
+        let copied = scene.triangles_placed().min(MOST_PIECES).saturating_sub(scene.triangles.len() as u64);
         let triangles = MEMORY[1] * scene.triangles.len() as f64
             + COPIED[0] * scene.copies() as f64
             + COPIED[1] * copied as f64;
@@ -125,7 +124,7 @@ fn largest_section(scene: &Scene, file: &[u8]) -> Result<String, RbnError> {
     let bytes = |names: &[&[u8; 4]]| -> usize {
         sections.iter().filter(|s| names.contains(&&s.name)).map(|s| s.len).sum()
     };
-    let (textures, geometry) = (bytes(&[b"TEXD"]), bytes(&[b"VERT", b"INDX"]));
+    let (textures, geometry) = (bytes(&[b"TEXD"]), bytes(&[b"VERT", b"INDX", b"INST", b"COPY"]));
     let texture = scene.textures.iter().max_by_key(|texture| texture.bytes.len());
     Ok(match texture {
         Some(texture) if textures > geometry => format!(

@@ -33,7 +33,8 @@ Exit codes: 0 done; 1 failed; 2 wrong arguments; 130 stopped by Ctrl-C, 143 by S
 
 --json-progress prints objects with stage, level (or null), done and total (units of this stage and level), rays_per_second \
 (or null), seconds (since the bake began), seconds_left, processor_seconds and processor_seconds_left (of all threads together: they do \
-not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\", or \"failed\" and error, or \"stopped\" and checkpoint, the file to go on from.";
+not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\", or \"failed\" and error, or \"stopped\" and checkpoint, the file to go on from. \
+A signal ends the command at once, and without a last line, while it reads the scene.";
 
 /// Arguments of `rebounce bake`.
 #[derive(Args, Debug)]
@@ -336,7 +337,10 @@ struct Watcher {
 
 impl Observer for Watcher {
     fn progress(&self, progress: &Progress) {
-        self.display.show(progress);
+        // What stops has its own last line.
+        if !self.stop.is_asked() {
+            self.display.show(progress);
+        }
     }
 
     fn is_stopped(&self) -> bool {

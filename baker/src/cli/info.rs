@@ -27,9 +27,9 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     let sections = container::read(&bytes)?;
     let file = args.file.display().to_string();
     let text = if args.json {
-        format!("{:#}\n", as_json(&file, bytes.len(), &sections, &scene))
+        format!("{:#}\n", as_json(&file, &bytes, &sections, &scene))
     } else {
-        as_text(&file, bytes.len(), &sections, &scene)
+        as_text(&file, &bytes, &sections, &scene)
     };
     match std::io::stdout().write_all(plain(&text).as_bytes()) {
         // Whoever reads may stop early, as `head` does.
@@ -38,12 +38,13 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     }
 }
 
-fn as_json(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> Value {
+fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> Value {
     let m = &scene.meta;
+    let (version, bytes) = (container::version(bytes), bytes.len());
     json!({
         "file": file,
         "bytes": bytes,
-        "version": scene.version(),
+        "version": version,
         "generator": m.generator,
         "scene": m.scene_name,
         "sections": sections.iter().map(|s| json!({
@@ -92,11 +93,12 @@ fn material_json(m: &Material) -> Value {
     })
 }
 
-fn as_text(file: &str, bytes: usize, sections: &[Section], scene: &Scene) -> String {
+fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> String {
     let m = &scene.meta;
+    let (version, bytes) = (container::version(bytes).unwrap_or_default(), bytes.len());
     let mut out = String::new();
     let mut line = |label: &str, text: String| out += &format!("{label:13} {text}\n");
-    line("file", format!("{file}, {}, format version {}", size(bytes), scene.version()));
+    line("file", format!("{file}, {}, format version {}", size(bytes), version));
     line("scene", format!("{:?}, by {}", m.scene_name, m.generator.escape_debug()));
     let [x, y, z] = std::array::from_fn(|i| m.bounds_max[i] - m.bounds_min[i]);
     let [ox, oy, oz] = m.origin;

@@ -135,6 +135,8 @@ struct WorldMesh {
     triangle_material: Vec<u32>,
     /// What stands there more than once, besides.
     models: Vec<WorldModel>,
+    /// Vertices and triangles of the models.
+    in_models: (usize, usize),
 }
 
 impl WorldMesh {

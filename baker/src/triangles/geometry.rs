@@ -212,7 +212,7 @@ impl TryFrom<&rbn::Scene> for Geometry {
         let mut last = 0..0;
         for (number, draw) in alone.chain(copied) {
             let (first, copies) = (triangles.len(), stands(number));
-            if copies != last {
+            if !copies.is_empty() && copies != last {
                 let local_from_model = scene.instances[copies.clone()].iter().map(Instance::local_from_model);
                 models.push(Placed { triangles: first..first, local_from_model: local_from_model.collect() });
                 last = copies;

@@ -67,7 +67,11 @@ pub fn glb(said: Said) -> Vec<u8> {
     let mut both = |parts: &[Vec<f32>; 2]| {
         [floats(&mut bin, "VEC3", 3, &parts[0], true), floats(&mut bin, "VEC3", 3, &parts[1], false)]
     };
-    let (ball, room) = (primitive(both(&ball), 1), primitive(both(&room), 0));
+    // Of two materials.
+    let halves =
+        [0, 1].map(|half| ball.each_ref().map(|all| all[half * all.len() / 2..][..all.len() / 2].to_vec()));
+    let ball = [primitive(both(&halves[0]), 1), primitive(both(&halves[1]), 2)];
+    let room = primitive(both(&room), 0);
     let places = places();
     let mut meshes = vec![json!({ "primitives": [room] })];
     let mut nodes = vec![json!({ "mesh": 0 })];
@@ -86,7 +90,7 @@ pub fn glb(said: Said) -> Vec<u8> {
                     })
                     .collect::<serde_json::Map<_, _>>()
                     .into();
-            meshes.push(json!({ "primitives": [ball] }));
+            meshes.push(json!({ "primitives": ball }));
             nodes.push(json!({
                 "mesh": 1, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": attributes } },
             }));
@@ -95,7 +99,7 @@ pub fn glb(said: Said) -> Vec<u8> {
         Said::Nodes | Said::Alone => {
             for [translation, rotation, scale] in &places {
                 if said == Said::Alone || meshes.len() == 1 {
-                    meshes.push(json!({ "primitives": [ball.clone()] }));
+                    meshes.push(json!({ "primitives": ball.clone() }));
                 }
                 nodes.push(json!({
                     "mesh": meshes.len() - 1, "translation": translation, "rotation": rotation, "scale": scale,
@@ -111,7 +115,7 @@ pub fn glb(said: Said) -> Vec<u8> {
         "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
         "nodes": nodes,
         "meshes": meshes,
-        "materials": [color([0.7, 0.7, 0.6, 1.0]), color([0.3, 0.5, 0.7, 1.0])],
+        "materials": [color([0.7, 0.7, 0.6, 1.0]), color([0.3, 0.5, 0.7, 1.0]), color([0.5, 0.2, 0.3, 1.0])],
         "accessors": accessors,
         "bufferViews": views,
         "buffers": [{ "byteLength": bin.len() }],

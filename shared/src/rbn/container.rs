@@ -94,6 +94,13 @@ pub fn write(version: u32, sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
     file
 }
 
+/// The version that a file says it has, if it is one.
+pub fn version(file: &[u8]) -> Option<u32> {
+    let (magic, rest) = file.split_first_chunk()?;
+    let (version, _) = rest.split_first_chunk()?;
+    (*magic == MAGIC).then_some(u32::from_le_bytes(*version))
+}
+
 /// Reads the header and the table and checks every checksum.
 ///
 /// # Errors

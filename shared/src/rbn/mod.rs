@@ -15,7 +15,7 @@ mod matrix;
 pub mod meta;
 mod scene;
 
-pub use check::{LARGEST, MAX_LEVELS, MAX_ROW, MAX_TRIANGLES};
+pub use check::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_ROW, MAX_TRIANGLES};
 pub use matrix::LinkMatrix;
 pub use scene::{COPY_SECTIONS, SECTIONS, Scene};
 

@@ -166,6 +166,10 @@ impl Scene {
                 .ok_or_else(|| RbnError::invalid(&String::from_utf8_lossy(&name), "it is missing"))
         };
         let has_copies = sections.iter().any(|s| COPY_SECTIONS.contains(&s.name));
+        if has_copies && container::version(file) == Some(container::WITHOUT_COPIES) {
+            // Older readers would draw something else.
+            return Err(RbnError::invalid("COPY", "a file of this version has none"));
+        }
         let mut scene = Self {
             meta: meta::decode(bytes(*b"META")?)?,
             vertices: records("VERT", bytes(*b"VERT")?)?,

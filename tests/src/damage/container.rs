@@ -1,7 +1,7 @@
 //! Damage to a file's bytes, its table and its sections.
 
 use super::{Damaged, Outcome, Random, Sections};
-use rebounce_shared::rbn::container;
+use rebounce_shared::rbn::{COPY_SECTIONS, container};
 use std::ops::Range;
 use xxhash_rust::xxh32::xxh32;
 
@@ -22,7 +22,8 @@ fn sections(file: &[u8]) -> Sections {
 /// A file of these sections; all checksums fit.
 pub fn sealed(sections: &Sections) -> Vec<u8> {
     let parts: Vec<_> = sections.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
-    container::write(container::VERSION, &parts)
+    let has_copies = parts.iter().any(|(name, _)| COPY_SECTIONS.contains(name));
+    container::write(if has_copies { container::VERSION } else { container::WITHOUT_COPIES }, &parts)
 }
 
 fn text(name: [u8; 4]) -> String {

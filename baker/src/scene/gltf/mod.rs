@@ -26,6 +26,7 @@ use super::{Scene, SceneError, WorldMesh};
 use glam::DMat4;
 use mesh::Part;
 use place::Seen;
+use rebounce_shared::rbn::{MAX_COPIES, MAX_TRIANGLES};
 use source::Source;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -34,6 +35,9 @@ use std::path::{Path, PathBuf};
 const SIZES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
 /// Triangles so many times as long as the middle one are noted: positions are rounded to a share of the whole.
 const HUGE: f64 = 1e5;
+
+/// Places where meshes stand, at most.
+const MOST_PLACES: usize = MAX_COPIES as usize;
 
 /// Loads a .gltf or .glb file.
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
@@ -64,6 +68,16 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
     if scene.triangles.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
+    let placed = scene.triangles_placed();
+    if placed > MAX_TRIANGLES {
+        let (file, what) = (source.file.clone(), "triangles with all copies");
+        return Err(SceneError::TooLarge {
+            file,
+            what,
+            count: placed as usize,
+            limit: MAX_TRIANGLES as usize,
+        });
+    }
     note_odd_triangles(source, &mut scene, &seen);
     let (low, high) = scene.bounds();
     let size = (high - low).as_dvec3().length();
@@ -91,9 +105,15 @@ fn place_all(
     let mut places: BTreeMap<usize, Vec<DMat4>> = BTreeMap::new();
     // The mesh of each node that has one, and how many places it adds.
     let mut placed: Vec<(usize, usize)> = Vec::new();
+    let mut count = 0;
     for node in nodes {
         let Some(index) = source.root.nodes[node.index].mesh else { continue };
         let more = instances::of(source, node)?;
+        count += more.len();
+        if count > MOST_PLACES {
+            let (file, what) = (source.file.clone(), "places of meshes");
+            return Err(SceneError::TooLarge { file, what, count, limit: MOST_PLACES });
+        }
         placed.push((index, more.len()));
         places.entry(index).or_default().extend(more);
     }

@@ -2,10 +2,9 @@
 
 use super::mesh::Part;
 use super::source::Source;
-use crate::scene::model::{self, Copies, MOST_COPIES, WorldModel};
+use crate::scene::model::{self, Copies, WorldModel};
 use crate::scene::{MOST, SceneError, WorldMesh};
 use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
-use rebounce_shared::rbn::MAX_TRIANGLES;
 
 /// Scene units from the origin beyond which products of lengths leave the range of 32-bit numbers.
 const FAR: f64 = 1e12;
@@ -29,7 +28,11 @@ pub(super) fn models(
 ) -> Result<Vec<bool>, SceneError> {
     let mut taken = vec![false; places.len()];
     let triangles = parts.iter().map(|part| part.triangles.len()).sum();
-    let corners = parts.iter().flat_map(|part| &part.positions).copied();
+    // Vertices that no triangle uses may be anywhere.
+    let used = |part: &Part| {
+        part.triangles.iter().flatten().map(|i| part.positions[*i as usize]).collect::<Vec<_>>()
+    };
+    let corners = parts.iter().flat_map(used);
     let bounds = corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
     for Copies { model_from_mesh, placed } in model::divide(places, triangles, bounds) {
         let mut model = WorldModel::default();
@@ -46,19 +49,10 @@ pub(super) fn models(
         if !model.boxes().flatten().all(|p| p.abs().max_element() <= FAR) {
             return Err(out_of_range(source, &parts[0]));
         }
+        out.in_models.0 += model.mesh.positions.len();
+        out.in_models.1 += model.mesh.triangles.len();
         out.models.push(model);
-        let copies = out.models.iter().map(|model| model.world_from_model.len()).sum();
         check_counts(source, out, 0, 0)?;
-        let triangles = |model: &WorldModel| model.mesh.triangles.len() * model.world_from_model.len();
-        let triangles = out.models.iter().map(triangles).fold(out.triangles.len(), usize::saturating_add);
-        let most = MAX_TRIANGLES as usize;
-        for (what, count, limit) in
-            [("copies of meshes", copies, MOST_COPIES), ("triangles with all copies", triangles, most)]
-        {
-            if count > limit {
-                return Err(SceneError::TooLarge { file: source.file.clone(), what, count, limit });
-            }
-        }
     }
     Ok(taken)
 }
@@ -70,9 +64,8 @@ fn check_counts(
     vertices: usize,
     triangles: usize,
 ) -> Result<(), SceneError> {
-    let all = || out.models.iter().map(|model| &model.mesh).chain([out]);
-    let vertices = all().map(|mesh| mesh.positions.len()).fold(vertices, usize::saturating_add);
-    let triangles = all().map(|mesh| mesh.triangles.len()).fold(triangles, usize::saturating_add);
+    let vertices = vertices.saturating_add(out.positions.len() + out.in_models.0);
+    let triangles = triangles.saturating_add(out.triangles.len() + out.in_models.1);
     for (what, count) in [("vertices", vertices), ("triangles", triangles)] {
         if count > MOST {
             return Err(SceneError::TooLarge { file: source.file.clone(), what, count, limit: MOST });

@@ -7,6 +7,7 @@ use super::codec::links;
 use super::{RbnError, Scene};
 use crate::interpolation::MAX_POINTS;
 use crate::link::MAX_SENDERS;
+use glam::Vec3;
 
 /// Levels of a file, at most: a pixel or a point without a function on a level asks the next coarser one.
 pub const MAX_LEVELS: usize = 32;
@@ -14,6 +15,8 @@ pub const MAX_LEVELS: usize = 32;
 pub const MAX_ROW: usize = 1 << 18;
 /// Triangles, those of each copy counted, at most: a small file must not keep a GPU busy for minutes.
 pub const MAX_TRIANGLES: u64 = 1 << 30;
+/// Copies at most: those of draw calls that follow each other and have the same ones count once.
+pub const MAX_COPIES: u64 = 1 << 22;
 /// Supports are at least this large, scene units.
 const LEAST_RADIUS: f32 = 1e-15;
 
@@ -111,12 +114,24 @@ impl Scene {
                 self.triangles_placed()
             )));
         }
+        let runs = self.copies.chunk_by(|a, b| a == b);
+        let copies: u64 = runs.map(|run| u64::from(run[0].count)).sum();
+        if copies > MAX_COPIES {
+            return Err(RbnError::TooLarge(format!(
+                "{copies} copies; a file holds at most {MAX_COPIES}: simplify the scene"
+            )));
+        }
+        // What is placed has numbers as small as what stands once.
+        let most = (self.vertices.iter()).fold(Vec3::ZERO, |most, v| most.max(Vec3::from(v.position).abs()));
         let sound = |instance: &Instance| {
             let place = instance.local_from_model();
-            let inverse = place.inverse();
+            let determinant = place.matrix3.determinant();
+            let reach = |row: &[f32; 4]| most.dot(Vec3::new(row[0], row[1], row[2]).abs()) + row[3].abs();
             all_sane(instance.rows.as_flattened())
-                && place.matrix3.determinant() > 0.0
-                && all_sane(&inverse.to_cols_array())
+                && determinant > 0.0
+                && determinant.is_normal()
+                && all_sane(&place.inverse().to_cols_array())
+                && instance.rows.iter().all(|row| sane(reach(row)))
         };
         if !self.instances.iter().all(sound) {
             return Err(RbnError::invalid("INST", "a copy is mirrored or flat, or far too large or small"));
