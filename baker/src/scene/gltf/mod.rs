@@ -29,6 +29,7 @@ use place::Seen;
 use rebounce_shared::rbn::{MAX_COPIES, MAX_TRIANGLES};
 use source::Source;
 use std::collections::BTreeMap;
+use std::iter::Zip;
 use std::path::{Path, PathBuf};
 
 /// Sizes of a scene, in its units, that 32-bit numbers are good for.
@@ -127,12 +128,10 @@ fn place_all(
                 let parts = mesh::read(source, index, materials, left_out)?;
                 let places = places.remove(&index).unwrap_or_default();
                 let taken = place::models(source, &parts, &places, out, seen)?;
-                let alone: Vec<Option<DMat4>> =
-                    places.into_iter().zip(taken).map(|(place, taken)| (!taken).then_some(place)).collect();
-                (parts, alone.into_iter())
+                (parts, places.into_iter().zip(taken))
             }
         };
-        for matrix in alone.by_ref().take(count).flatten() {
+        for (matrix, _) in alone.by_ref().take(count).filter(|(_, is_taken)| !is_taken) {
             for part in &parts {
                 place::append(source, part, &matrix, out, seen)?;
             }
@@ -144,8 +143,8 @@ fn place_all(
     Ok(seen)
 }
 
-/// The places of a mesh that are still to come; nothing where a model stands there.
-type Alone = std::vec::IntoIter<Option<DMat4>>;
+/// The places of a mesh that are still to come, and whether a model stands there.
+type Alone = Zip<std::vec::IntoIter<DMat4>, std::vec::IntoIter<bool>>;
 
 /// Notes triangles that are left out because they have no area, and those that make all others inexact.
 fn note_odd_triangles(source: &Source, scene: &mut Scene, seen: &BTreeMap<usize, Seen>) {

@@ -202,3 +202,22 @@ fn a_specular_glossiness_material_keeps_its_diffuse_colour() {
     let both = format!(r#""pbrMetallicRoughness":{{"baseColorFactor":[1,0,0,1],"metallicFactor":0}},{old}"#);
     assert_eq!(textured_with(&both).materials[0].base_color, [1.0, 0.0, 0.0, 1.0]);
 }
+
+#[test]
+fn places_without_end_are_refused() {
+    let node = r#"{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}}"#;
+    let with = |nodes: usize| {
+        parse(&format!(
+            r#"{{"asset":{{"version":"2.0"}},"nodes":[{}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+            "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},
+            {{"componentType":5126,"count":65536,"type":"VEC3"}}],"bufferViews":[{{"buffer":0,"byteLength":36}}],
+            "buffers":[{{"byteLength":36,"uri":"data:;base64,{}"}}]}}"#,
+            vec![node; nodes].join(","),
+            base64(&floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]))
+        ))
+    };
+    let scene = with(2).unwrap();
+    assert_eq!((scene.triangles.len(), scene.copies(), scene.triangles_placed()), (1, 1 << 17, 1 << 17));
+    let error = with(65).unwrap_err().to_string();
+    assert!(error.contains("too many places of meshes (4259840)"), "{error}");
+}
