@@ -110,7 +110,7 @@ fn the_bounced_light_and_the_file_are_those_of_a_scene_without_models() {
     let (scene, alone) = (crowd(Said::Nodes), crowd(Said::Alone));
     let (baked, report) = bake(&scene, &settings(), &()).unwrap();
     let (truth, of_alone) = bake(&alone, &settings(), &()).unwrap();
-    assert_eq!((report.copies, of_alone.copies), (110, 0));
+    assert_eq!((report.instances, of_alone.instances), (110, 0));
     assert_eq!(report.placed_triangles, scene.triangles_placed());
     assert!(20 * report.triangles < of_alone.triangles && report.ray_triangles <= report.triangles);
     let (ours, theirs) = (total(&baked), total(&truth));

@@ -98,7 +98,7 @@ pub fn plan(
     if let Some(wanted) = budget.memory {
         let copied = scene.triangles_placed().min(MOST_PIECES).saturating_sub(scene.triangles.len() as u64);
         let triangles = MEMORY[1] * scene.triangles.len() as f64
-            + COPIED[0] * scene.copies() as f64
+            + COPIED[0] * scene.instances() as f64
             + COPIED[1] * copied as f64;
         let texels = scene.textures.iter().map(texels).sum::<u64>() as f64;
         let alone = MEMORY[0] + triangles + MEMORY[2] * texels;

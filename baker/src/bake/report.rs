@@ -20,8 +20,8 @@ pub struct BakeReport {
     pub promised_error: f64,
     /// Triangles of the scene, those of copies counted once.
     pub triangles: u64,
-    /// Copies of models, which are in memory once each.
-    pub copies: u64,
+    /// Instances of models, which are in memory once each.
+    pub instances: u64,
     /// Triangles that stand in the scene, those of each copy counted.
     pub placed_triangles: u64,
     /// Those that rays are cast at, after [simplifying](crate::simplify); those of copies counted once.
@@ -108,7 +108,7 @@ impl BakeReport {
             preset: settings.preset.name().to_owned(),
             promised_error: settings.preset.promised_error(),
             triangles: scene.triangles.len() as u64,
-            copies: scene.copies() as u64,
+            instances: scene.instances() as u64,
             placed_triangles: scene.triangles_placed(),
             sender_levels: settings.operator.sender_levels as u64,
             epsilon: settings.operator.epsilon,
@@ -175,14 +175,14 @@ pub fn peak_memory_bytes() -> u64 {
 impl fmt::Display for BakeReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mb = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
-        let copies = match self.copies {
+        let instances = match self.instances {
             0 => String::new(),
-            copies => format!(", of models with {copies} copies {} in all", self.placed_triangles),
+            instances => format!(", of models with {instances} instances {} in all", self.placed_triangles),
         };
         writeln!(
             f,
             "scene         {} ({} triangles{}, {} for rays), preset {}",
-            self.scene, self.triangles, copies, self.ray_triangles, self.preset
+            self.scene, self.triangles, instances, self.ray_triangles, self.preset
         )?;
         let levels: Vec<String> = self.levels.iter().map(|l| l.functions.to_string()).collect();
         writeln!(f, "functions     {} on {} levels ({})", self.functions, levels.len(), levels.join(", "))?;

@@ -53,7 +53,7 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> Val
         "origin": m.origin,
         "bounds": [m.bounds_min, m.bounds_max],
         "triangles": scene.indices.len() / 3,
-        "copies": scene.instances.len(),
+        "instances": scene.instances.len(),
         "placed_triangles": scene.triangles_placed(),
         "vertices": scene.vertices.len(),
         "points": scene.points.len(),
@@ -105,8 +105,8 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> Str
     line("size", format!("{x:.4} x {y:.4} x {z:.4} around ({ox:.3}, {oy:.3}, {oz:.3})"));
     line("geometry", format!("{} triangles, {} vertices", scene.indices.len() / 3, scene.vertices.len()));
     if !scene.instances.is_empty() {
-        let copies = scene.instances.len();
-        line("copies", format!("{copies} of models, {} triangles in all", scene.triangles_placed()));
+        let instances = scene.instances.len();
+        line("instances", format!("{instances} of models, {} triangles in all", scene.triangles_placed()));
     }
     line(
         "points",

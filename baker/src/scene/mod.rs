@@ -104,8 +104,8 @@ impl Scene {
         self.triangles.len() as u64 + self.models.iter().map(more).sum::<u64>()
     }
 
-    /// Number of the models' copies.
-    pub fn copies(&self) -> usize {
+    /// Number of the models' instances.
+    pub fn instances(&self) -> usize {
         self.models.iter().map(|model| model.local_from_model.len()).sum()
     }
 }

@@ -5,11 +5,11 @@
 //! test has no gaps, so that what is found equals what trying all triangles finds; a test holds that.
 //!
 //! * [`geometry`] – what there is; `triangle` – a ray against one; `wide` – nodes;
-//! * `body` – the triangles of one space; `copies` – where models stand.
+//! * `body` – the triangles of one space; `instances` – where models stand.
 
 mod body;
-mod copies;
 pub mod geometry;
+mod instances;
 #[cfg(test)]
 mod tests;
 mod triangle;
@@ -20,9 +20,9 @@ pub use geometry::Geometry;
 use crate::scene::{Scene, SceneError, union};
 use crate::surface::{Hit, Piece, Pieces, Place, Ray, Spot, Surfaces};
 use body::{Body, FIRST, Line, TWO_SIDED};
-use copies::{Copies, Copy, Outline};
 use geometry::{Placed, Surface};
 use glam::{Vec2, Vec3};
+use instances::{Instance, Instances, Outline};
 use rebounce_shared::rbn;
 use triangle::Meeting;
 
@@ -40,7 +40,7 @@ pub struct TriangleSurfaces {
     /// What stands in the scene once.
     alone: Body,
     models: Vec<Body>,
-    copies: Copies,
+    instances: Instances,
     surfaces: Vec<Surface>,
     low: Vec3,
     high: Vec3,
@@ -55,7 +55,7 @@ struct Found<'a> {
     body: &'a Body,
     triangle: usize,
     /// The copy whose it is.
-    copy: Option<&'a Copy>,
+    copy: Option<&'a Instance>,
 }
 
 impl Found<'_> {
@@ -94,7 +94,8 @@ impl TriangleSurfaces {
         };
         let outlines: Vec<Outline> = models.iter().map(outline).collect();
         let alone = (end > 0).then(|| body::bounds(&triangles[..end]));
-        let boxes = models.iter().zip(&outlines).flat_map(|(model, outline)| Copies::boxes(model, outline));
+        let boxes =
+            models.iter().zip(&outlines).flat_map(|(model, outline)| Instances::boxes(model, outline));
         let (low, high) = alone.into_iter().chain(boxes).reduce(union).unwrap_or_default();
         let diagonal = (high - low).length();
         let padding = PADDING * diagonal;
@@ -106,10 +107,10 @@ impl TriangleSurfaces {
         let pieces = copied.map(|(model, outline)| outline.pieces * model.local_from_model.len() as u64);
         Self {
             alone: body(0..end, padding),
-            copies: Copies::new(&models, &outlines, padding, end as u64),
+            instances: Instances::new(&models, &outlines, padding, end as u64),
             pieces: end as u64 + pieces.sum::<u64>(),
             models: (models.iter())
-                .map(|model| body(model.triangles.clone(), Copies::padding(model, padding)))
+                .map(|model| body(model.triangles.clone(), Instances::padding(model, padding)))
                 .collect(),
             surfaces,
             low,
@@ -190,13 +191,14 @@ impl TriangleSurfaces {
     fn nearest(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, Meeting)> {
         let line = Line { origin: ray.origin, direction: ray.direction };
         let alone = self.alone.nearest(&self.surfaces, &line, ray.max_distance, false, seed);
-        if !self.copies.all.is_empty() {
+        if !self.instances.all.is_empty() {
             let limit = alone.map_or(ray.max_distance, |(_, meeting)| meeting.distance);
-            let find = |copy: &Copy, line: &Line, limit: f32, strictly: bool| {
+            let find = |copy: &Instance, line: &Line, limit: f32, strictly: bool| {
                 let model = &self.models[copy.model as usize];
                 model.nearest(&self.surfaces, line, limit, strictly, copy.seed(seed))
             };
-            if let Some((copy, triangle, meeting)) = self.copies.nearest(&line, limit, alone.is_some(), find)
+            if let Some((copy, triangle, meeting)) =
+                self.instances.nearest(&line, limit, alone.is_some(), find)
             {
                 return Some((self.of_copy(copy, triangle), meeting));
             }
@@ -206,7 +208,7 @@ impl TriangleSurfaces {
 
     #[inline]
     fn of_copy(&self, index: usize, triangle: usize) -> Found<'_> {
-        let copy = &self.copies.all[index];
+        let copy = &self.instances.all[index];
         Found { body: &self.models[copy.model as usize], triangle, copy: Some(copy) }
     }
 
@@ -216,9 +218,9 @@ impl TriangleSurfaces {
         if (piece as usize) < self.alone.corners.len() {
             return Found { body: &self.alone, triangle: piece as usize, copy: None };
         }
-        // Copies have one triangle at least, so that no two begin with the same piece.
-        let index = self.copies.all.partition_point(|copy| copy.first_piece <= piece) - 1;
-        self.of_copy(index, (piece - self.copies.all[index].first_piece) as usize)
+        // The last one that begins there or before: one without triangles begins where the next does.
+        let index = self.instances.all.partition_point(|copy| copy.first_piece <= piece) - 1;
+        self.of_copy(index, (piece - self.instances.all[index].first_piece) as usize)
     }
 }
 
@@ -303,10 +305,10 @@ impl Surfaces for TriangleSurfaces {
         let line = Line { origin: from, direction: offset / length };
         let through = |body: &Body, line: &Line, limit: f32| body.transmittance(&self.surfaces, line, limit);
         let left = through(&self.alone, &line, limit);
-        if left == 0.0 || self.copies.all.is_empty() {
+        if left == 0.0 || self.instances.all.is_empty() {
             return left;
         }
-        left * self.copies.transmittance(&self.models, &line, limit, through)
+        left * self.instances.transmittance(&self.models, &line, limit, through)
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {

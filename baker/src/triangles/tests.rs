@@ -1,4 +1,4 @@
-mod copies;
+mod instances;
 
 use super::geometry::Triangle;
 use super::triangle::{Corners, ShearedRay};

@@ -217,7 +217,7 @@ fn places_without_end_are_refused() {
         ))
     };
     let scene = with(2).unwrap();
-    assert_eq!((scene.triangles.len(), scene.copies(), scene.triangles_placed()), (1, 1 << 17, 1 << 17));
+    assert_eq!((scene.triangles.len(), scene.instances(), scene.triangles_placed()), (1, 1 << 17, 1 << 17));
     let error = with(65).unwrap_err().to_string();
     assert!(error.contains("too many places of meshes (4259840)"), "{error}");
 }

@@ -1,4 +1,4 @@
-//! Copies of models: what is found among them is what trying all triangles of all copies finds.
+//! Instances of models: what is found among them is what trying all triangles of all copies finds.
 
 use super::*;
 use glam::{Affine3A, Mat3A, Quat};
@@ -51,7 +51,7 @@ fn brute_force(geometry: &Geometry, surfaces: &TriangleSurfaces, ray: &Ray) -> O
         range.filter_map(meet).map(|(i, m)| (i, m.distance)).min_by(|a, b| a.1.total_cmp(&b.1))
     };
     let mut found = vec![nearest(&line, 0..geometry.models[0].triangles.start)];
-    for copy in &surfaces.copies.all {
+    for copy in &surfaces.instances.all {
         let model = &geometry.models[copy.model as usize];
         found.push(nearest(&copy.line(&line), model.triangles.clone()));
     }
@@ -126,7 +126,7 @@ fn of_copies_at_one_place_the_first_counts_and_chance_is_their_own() {
     };
     let two = with(vec![Affine3A::IDENTITY; 2], Alpha::Opaque, 1.0);
     let (found, _) = two.nearest(&down(0.1, 0.1), 0).unwrap();
-    assert!(std::ptr::eq(found.copy.unwrap(), two.copies.all.iter().min_by_key(|c| c.number()).unwrap()));
+    assert!(std::ptr::eq(found.copy.unwrap(), two.instances.all.iter().min_by_key(|c| c.number()).unwrap()));
     let panes = with(vec![Affine3A::IDENTITY, behind], Alpha::Blend, 0.5);
     let (from, to) = (Vec3::new(0.1, 0.1, 1.0), Vec3::new(0.1, 0.1, -2.0));
     assert!((panes.transmittance(from, to) - 0.25).abs() < 1e-6);

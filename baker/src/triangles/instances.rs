@@ -1,4 +1,4 @@
-//! Copies of models: the upper level of the hierarchy.
+//! Instances of models: the upper level of the hierarchy.
 
 use super::body::{Body, Line, Padded, build};
 use super::geometry::Placed;
@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 
 /// A model somewhere in the scene.
 #[derive(Clone, Debug)]
-pub(super) struct Copy {
+pub(super) struct Instance {
     /// Index of the model.
     pub model: u32,
     /// Of two copies at one place that with the smaller number counts.
@@ -23,7 +23,7 @@ pub(super) struct Copy {
     across: Mat3A,
 }
 
-impl Copy {
+impl Instance {
     fn new(model: u32, number: u32, local_from_model: Affine3A) -> Self {
         let Mat3A { x_axis, y_axis, z_axis } = local_from_model.matrix3;
         let across = Mat3A::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
@@ -72,13 +72,13 @@ pub(super) struct Outline {
 
 /// All copies, and a hierarchy over their boxes.
 #[derive(Default)]
-pub(super) struct Copies {
+pub(super) struct Instances {
     /// In the order of the hierarchy's leaves.
-    pub all: Vec<Copy>,
+    pub all: Vec<Instance>,
     bvh: WideBvh,
 }
 
-impl Copies {
+impl Instances {
     /// The box of each copy of a model.
     pub fn boxes(model: &Placed, outline: &Outline) -> impl Iterator<Item = (Vec3, Vec3)> {
         let (low, high) = outline.bounds;
@@ -101,7 +101,7 @@ impl Copies {
         for ((number, model), outline) in (0u32..).zip(models).zip(outlines) {
             boxes.extend(Self::boxes(model, outline).map(|sides| Padded::new(sides, padding)));
             for place in &model.local_from_model {
-                unordered.push(Copy::new(number, unordered.len() as u32, *place));
+                unordered.push(Instance::new(number, unordered.len() as u32, *place));
             }
         }
         let (bvh, order) = build(&boxes, 1);
@@ -110,7 +110,7 @@ impl Copies {
             let copy = unordered[*i as usize].clone();
             let first_piece = next as u32;
             next += outlines[copy.model as usize].pieces;
-            Copy { first_piece, ..copy }
+            Instance { first_piece, ..copy }
         };
         Self { all: order.iter().map(&mut ordered).collect(), bvh }
     }
@@ -123,7 +123,7 @@ impl Copies {
         line: &Line,
         limit: f32,
         strictly: bool,
-        find: impl Fn(&Copy, &Line, f32, bool) -> Option<(usize, Meeting)>,
+        find: impl Fn(&Instance, &Line, f32, bool) -> Option<(usize, Meeting)>,
     ) -> Option<(usize, usize, Meeting)> {
         let mut best: Option<(usize, usize, Meeting)> = None;
         self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
