@@ -6,13 +6,16 @@ mod common {
 
 use common::crowd::{COPIES, FINE, Said, glb, places};
 use glam::Vec3;
-use rebounce::bake::{BakeSettings, Identity, Preset, bake};
+use rebounce::bake::{
+    BakeError, BakeSettings, Checkpoint, Identity, Observer, Preset, bake, bake_with_checkpoint,
+};
 use rebounce::random::Stream;
 use rebounce::scene::{self, Scene};
 use rebounce::surface::{Ray, Surfaces};
 use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::rbn;
 use rebounce_shared::relight::relight;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn crowd(said: Said) -> Scene {
     scene::from_bytes("crowd", &glb(said)).unwrap()
@@ -87,6 +90,35 @@ fn what_is_drawn_once_in_a_file_of_copies_is_there() {
     let after = TriangleSurfaces::from_baked(&baked).unwrap();
     assert_eq!(after.piece_count(), before.piece_count());
     assert_eq!(different(&before, &after, Vec3::ZERO, 1e-6).0, 0.0);
+}
+
+/// Stops a bake when it has been asked so many times whether to.
+struct StopAfter(AtomicUsize, usize);
+
+impl Observer for StopAfter {
+    fn is_stopped(&self) -> bool {
+        self.0.fetch_add(1, Ordering::Relaxed) >= self.1
+    }
+}
+
+#[test]
+fn a_bake_of_copies_that_was_stopped_goes_on_to_the_same_file() {
+    let (scene, settings) = (crowd(Said::Instances), settings());
+    let whole = bake(&scene, &settings, &()).unwrap().0;
+    let folder = tempfile::tempdir().unwrap();
+    let (path, identity) = (folder.path().join("a.partial"), Identity::new(&scene, &settings));
+    let mut stopped = 0;
+    for limit in [60, 150, usize::MAX] {
+        let kept = Checkpoint::resume(&path, &identity).unwrap();
+        let observer = StopAfter(AtomicUsize::new(0), limit);
+        match bake_with_checkpoint(&scene, &settings, &observer, &kept) {
+            Ok((baked, _)) => assert!(baked == whole),
+            Err(BakeError::Stopped) => stopped += 1,
+            Err(error) => panic!("{error}"),
+        }
+    }
+    println!("stopped {stopped} times");
+    assert!(stopped > 0);
 }
 
 /// A bake of a moment.

@@ -140,6 +140,28 @@ fn of_copies_at_one_place_the_first_counts_and_chance_is_their_own() {
 }
 
 #[test]
+fn of_too_many_pieces_none_are_told() {
+    let with = |copies: usize| {
+        let triangles: Vec<Triangle> = scrap(1);
+        let places = (0..copies).map(|i| Affine3A::from_translation(Vec3::new(3.0 * i as f32, 0.0, 0.0)));
+        let models = vec![Placed { triangles: 0..triangles.len(), local_from_model: places.collect() }];
+        let surfaces = vec![Surface::new(&white(), None)];
+        TriangleSurfaces::new(Geometry { triangles, models, surfaces, ..Geometry::default() })
+    };
+    let most = (MOST_PIECES / scrap(1).len() as u64) as usize;
+    let (few, many) = (with(most), with(most + 1));
+    assert!(few.pieces().is_some() && many.pieces().is_none());
+    assert!(many.piece_count() > MOST_PIECES && many.triangle_count() == few.triangle_count());
+    // Both are there all the same, the last copy, too.
+    for surfaces in [few, many] {
+        let last = surfaces.bounds().1.x - 1.0;
+        let ray =
+            Ray { origin: Vec3::new(last, 0.95, 0.0), direction: Vec3::Y, max_distance: 1.0, spread: 0.0 };
+        assert!(surfaces.cast(&ray, 0).is_some());
+    }
+}
+
+#[test]
 fn boxes_hold_their_copies() {
     let mut stream = Stream::new(9, 0);
     for place in places(50) {
