@@ -120,19 +120,16 @@ impl Geometry {
         let corners = simplify(scene, |i| surfaces[i].alpha == Alpha::Opaque, TOGETHER);
         // A model's are together as before.
         let first = |t: u32| corners.partition_point(|corners| corners[0] / 3 < t);
-        let placed = |m: &Model| Placed {
-            triangles: first(m.triangles.start)..first(m.triangles.end),
-            local_from_model: m.local_from_model.clone(),
-        };
-        let models = scene.models.iter().map(placed).collect();
-        Self { models, ..Self::of(scene, surfaces, corners.par_iter().copied()) }
+        Self::of(scene, surfaces, corners.par_iter().copied(), first)
     }
 
     /// Triangles between corners of a scene, each three times a triangle's number and which of its corners.
+    /// `first` says which of them is the first that was one of the scene's triangles from a number on.
     fn of(
         scene: &Scene,
         surfaces: Vec<Surface>,
         corners: impl IndexedParallelIterator<Item = [u32; 3]> + Clone,
+        first: impl Fn(u32) -> usize,
     ) -> Self {
         let vertex = |corner: u32| scene.triangles[corner as usize / 3][corner as usize % 3] as usize;
         let triangle = |corners: [u32; 3]| Triangle {
@@ -141,6 +138,10 @@ impl Geometry {
             uvs: corners.map(|c| scene.uvs[vertex(c)]),
             material: scene.triangle_material[corners[0] as usize / 3],
         };
+        let placed = |m: &Model| Placed {
+            triangles: first(m.triangles.start)..first(m.triangles.end),
+            local_from_model: m.local_from_model.clone(),
+        };
         let color = |c: u32| scene.corner_colors[c as usize / 3][c as usize % 3];
         Self {
             triangles: corners.clone().map(triangle).collect(),
@@ -148,7 +149,7 @@ impl Geometry {
                 [] => Vec::new(),
                 _ => corners.map(|corners| corners.map(color)).collect(),
             },
-            models: Vec::new(),
+            models: scene.models.iter().map(placed).collect(),
             surfaces,
         }
     }
@@ -163,12 +164,7 @@ fn surfaces(scene: &Scene) -> Vec<Surface> {
 impl From<&Scene> for Geometry {
     fn from(scene: &Scene) -> Self {
         let all = (0..scene.triangles.len() as u32).into_par_iter();
-        let placed = |m: &Model| Placed {
-            triangles: m.triangles.start as usize..m.triangles.end as usize,
-            local_from_model: m.local_from_model.clone(),
-        };
-        let models = scene.models.iter().map(placed).collect();
-        Self { models, ..Self::of(scene, surfaces(scene), all.map(|t| [3 * t, 3 * t + 1, 3 * t + 2])) }
+        Self::of(scene, surfaces(scene), all.map(|t| [3 * t, 3 * t + 1, 3 * t + 2]), |t| t as usize)
     }
 }
 

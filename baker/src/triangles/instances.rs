@@ -64,12 +64,6 @@ impl Instance {
     }
 }
 
-/// A model's triangles as they are before they have a hierarchy.
-pub(super) struct Outline {
-    pub bounds: (Vec3, Vec3),
-    pub pieces: u64,
-}
-
 /// All copies, and a hierarchy over their boxes.
 #[derive(Default)]
 pub(super) struct Instances {
@@ -79,9 +73,8 @@ pub(super) struct Instances {
 }
 
 impl Instances {
-    /// The box of each copy of a model.
-    pub fn boxes(model: &Placed, outline: &Outline) -> impl Iterator<Item = (Vec3, Vec3)> {
-        let (low, high) = outline.bounds;
+    /// The box of each copy of a model within these bounds.
+    pub fn boxes(model: &Placed, (low, high): (Vec3, Vec3)) -> impl Iterator<Item = (Vec3, Vec3)> {
         model.local_from_model.iter().map(move |place| bounds_of_copy(place, [low, high]))
     }
 
@@ -94,12 +87,12 @@ impl Instances {
         padding * model.local_from_model.iter().map(longest).fold(1.0, f32::max)
     }
 
-    /// Builds the hierarchy over all copies. Their pieces have the numbers from `first_piece` on.
-    pub fn new(models: &[Placed], outlines: &[Outline], padding: f32, first_piece: u64) -> Self {
+    /// Builds the hierarchy over all copies of models with these bounds. Their pieces have the numbers from `first_piece` on.
+    pub fn new(models: &[Placed], bounds: &[(Vec3, Vec3)], padding: f32, first_piece: u64) -> Self {
         let mut boxes = Vec::new();
         let mut unordered = Vec::new();
-        for ((number, model), outline) in (0u32..).zip(models).zip(outlines) {
-            boxes.extend(Self::boxes(model, outline).map(|sides| Padded::new(sides, padding)));
+        for ((number, model), bounds) in (0u32..).zip(models).zip(bounds) {
+            boxes.extend(Self::boxes(model, *bounds).map(|sides| Padded::new(sides, padding)));
             for place in &model.local_from_model {
                 unordered.push(Instance::new(number, unordered.len() as u32, *place));
             }
@@ -109,7 +102,7 @@ impl Instances {
         let mut ordered = |i: &u32| {
             let copy = unordered[*i as usize].clone();
             let first_piece = next as u32;
-            next += outlines[copy.model as usize].pieces;
+            next += models[copy.model as usize].triangles.len() as u64;
             Instance { first_piece, ..copy }
         };
         Self { all: order.iter().map(&mut ordered).collect(), bvh }

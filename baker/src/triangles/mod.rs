@@ -22,7 +22,7 @@ use crate::surface::{Hit, Piece, Pieces, Place, Ray, Spot, Surfaces};
 use body::{Body, FIRST, Line, TWO_SIDED};
 use geometry::{Placed, Surface};
 use glam::{Vec2, Vec3};
-use instances::{Instance, Instances, Outline};
+use instances::{Instance, Instances};
 use rebounce_shared::rbn;
 use triangle::Meeting;
 
@@ -88,14 +88,10 @@ impl TriangleSurfaces {
     pub fn new(geometry: Geometry) -> Self {
         let Geometry { triangles, models, colors, surfaces } = geometry;
         let end = models.first().map_or(triangles.len(), |model| model.triangles.start);
-        let outline = |model: &Placed| Outline {
-            bounds: body::bounds(&triangles[model.triangles.clone()]),
-            pieces: model.triangles.len() as u64,
-        };
-        let outlines: Vec<Outline> = models.iter().map(outline).collect();
+        let bounds = |model: &Placed| body::bounds(&triangles[model.triangles.clone()]);
+        let bounds: Vec<(Vec3, Vec3)> = models.iter().map(bounds).collect();
         let alone = (end > 0).then(|| body::bounds(&triangles[..end]));
-        let boxes =
-            models.iter().zip(&outlines).flat_map(|(model, outline)| Instances::boxes(model, outline));
+        let boxes = models.iter().zip(&bounds).flat_map(|(model, bounds)| Instances::boxes(model, *bounds));
         let (low, high) = alone.into_iter().chain(boxes).reduce(union).unwrap_or_default();
         let diagonal = (high - low).length();
         let padding = PADDING * diagonal;
@@ -103,12 +99,11 @@ impl TriangleSurfaces {
             let colors = colors.get(range.clone()).unwrap_or_default();
             Body::new(&triangles[range.clone()], colors, range.start as u32, &surfaces, padding)
         };
-        let copied = models.iter().zip(&outlines);
-        let pieces = copied.map(|(model, outline)| outline.pieces * model.local_from_model.len() as u64);
+        let pieces = |model: &Placed| model.triangles.len() as u64 * model.local_from_model.len() as u64;
         Self {
             alone: body(0..end, padding),
-            instances: Instances::new(&models, &outlines, padding, end as u64),
-            pieces: end as u64 + pieces.sum::<u64>(),
+            instances: Instances::new(&models, &bounds, padding, end as u64),
+            pieces: end as u64 + models.iter().map(pieces).sum::<u64>(),
             models: (models.iter())
                 .map(|model| body(model.triangles.clone(), Instances::padding(model, padding)))
                 .collect(),

@@ -13,11 +13,8 @@ fn vertex(
     @location(0) position: vec3f,
     @location(1) normal: vec2f,
     @location(2) uv: vec2f,
-    @location(3) x: vec4f,
-    @location(4) y: vec4f,
-    @location(5) z: vec4f,
+    place: Place,
 ) -> Out {
-    let place = Place(x, y, z);
     let local = placed(place, position);
     let facing = placed_normal(place, octahedral_decode(normal));
     return Out(frame.clip_from_local * vec4f(local, 1.0), local, facing, uv);

@@ -2,9 +2,9 @@
 
 // Rows of the matrix that takes their space to local space.
 struct Place {
-    x: vec4f,
-    y: vec4f,
-    z: vec4f,
+    @location(3) x: vec4f,
+    @location(4) y: vec4f,
+    @location(5) z: vec4f,
 }
 
 fn placed(place: Place, position: vec3f) -> vec3f {

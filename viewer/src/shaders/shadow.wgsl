@@ -8,24 +8,13 @@ struct Out {
 }
 
 @vertex
-fn opaque(
-    @location(0) position: vec3f,
-    @location(3) x: vec4f,
-    @location(4) y: vec4f,
-    @location(5) z: vec4f,
-) -> @builtin(position) vec4f {
-    return clip_from_local * vec4f(placed(Place(x, y, z), position), 1.0);
+fn opaque(@location(0) position: vec3f, place: Place) -> @builtin(position) vec4f {
+    return clip_from_local * vec4f(placed(place, position), 1.0);
 }
 
 @vertex
-fn cutout(
-    @location(0) position: vec3f,
-    @location(2) uv: vec2f,
-    @location(3) x: vec4f,
-    @location(4) y: vec4f,
-    @location(5) z: vec4f,
-) -> Out {
-    return Out(clip_from_local * vec4f(placed(Place(x, y, z), position), 1.0), uv);
+fn cutout(@location(0) position: vec3f, @location(2) uv: vec2f, place: Place) -> Out {
+    return Out(clip_from_local * vec4f(placed(place, position), 1.0), uv);
 }
 
 @fragment
