@@ -17,6 +17,8 @@ use rebounce_shared::octahedral;
 
 /// Rays that are cast before their tiles are looked at, so that one step waits for memory far away once, not once a ray.
 const BATCH: usize = 64;
+/// Rays by which sums are asked for before they are added to.
+const AHEAD: usize = 8;
 /// Cells of directions along each axis of the octahedral map: a power of two.
 const CELLS: u32 = 32;
 
@@ -91,8 +93,13 @@ impl Found {
                     batch.extend(some.iter().filter_map(|&number| {
                         let (ray, seed) = &self.rays.rays[number as usize];
                         let (place, distance) = pieces.find(ray, *seed)?;
-                        Some(Landed { number, place, distance, tile: tiles.senders.number(place, distance) })
+                        tiles.senders.fetch_piece(place.piece);
+                        Some(Landed { number, place, distance, tile: None })
                     }));
+                    for landed in &mut batch {
+                        landed.tile = tiles.senders.number(landed.place, landed.distance);
+                        landed.tile.inspect(|tile| tiles.senders.fetch_shares(*tile));
+                    }
                     for landed in &batch {
                         self.take(context, pieces, tiles, landed);
                     }
@@ -185,6 +192,9 @@ impl Found {
         let mut cost = GatherCost::default();
         let rays = self.first_rays[receiver] as usize..self.first_rays[receiver + 1] as usize;
         for (number, brought) in rays.clone().zip(&self.brought[rays]) {
+            if let Some(soon) = self.brought.get(number + AHEAD) {
+                soon.each(|sender, _| senders.fetch(sender));
+            }
             let sum = brought.sum() as f64;
             cost.seen += sum;
             if brought.is_lost() {

@@ -1,5 +1,7 @@
 //! What a receiver gets, summed by sender while its rays come in.
 
+use crate::processor;
+
 /// A receiver's irradiance from senders, ascending.
 pub type IrradianceRow = Vec<(u32, f32)>;
 
@@ -27,6 +29,12 @@ impl<const N: usize> Tally<N> {
     pub fn new(senders: usize) -> Self {
         let words = senders.div_ceil(64);
         Self { sums: vec![[0.0; N]; senders], touched: vec![0; words], words: vec![0; words.div_ceil(64)] }
+    }
+
+    /// Asks for a sender's sums, which are added to soon.
+    #[inline]
+    pub fn fetch(&self, sender: usize) {
+        processor::fetch(&self.sums, sender);
     }
 
     /// Adds to one of a sender's sums.

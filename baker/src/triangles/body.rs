@@ -2,7 +2,7 @@
 
 use super::geometry::{Surface, Triangle};
 use super::triangle::{Corners, Meeting, ShearedRay};
-use super::wide::{LARGEST_LEAF, WideBvh};
+use super::wide::{LARGEST_LEAF, Visit, WideBvh};
 use crate::random::{mix, unit};
 use crate::scene::union;
 use glam::{Vec2, Vec3, Vec3A};
@@ -184,44 +184,74 @@ impl Body {
         seed: u32,
     ) -> Option<(usize, Meeting)> {
         let sheared = ShearedRay::new(line.origin, line.direction);
-        let mut best: Option<(usize, Meeting)> = None;
-        self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
-            let Some(meeting) = self.corners[place].meet(&sheared, limit) else {
-                return ControlFlow::Continue(limit);
-            };
-            let number = self.numbers[place];
-            // Of two triangles at one place the first counts, in whatever order they are met.
-            let nearer = meeting.distance < limit
-                || match best {
-                    Some((place, _)) => number < self.numbers[place],
-                    None => !strictly,
-                };
-            if nearer && (number & TRANSPARENT == 0 || self.stops(surfaces, place, meeting, seed)) {
-                best = Some((place, meeting));
-                return ControlFlow::Continue(meeting.distance);
-            }
-            ControlFlow::Continue(limit)
-        });
-        best
+        let mut nearest = Nearest { body: self, surfaces, sheared, strictly, seed, best: None };
+        self.bvh.walk(line.origin, line.direction, limit, &mut nearest);
+        nearest.best
     }
 
     /// The share of light that gets through all triangles before `limit`.
     pub fn transmittance(&self, surfaces: &[Surface], line: &Line, limit: f32) -> f32 {
         let sheared = ShearedRay::new(line.origin, line.direction);
-        let mut left = 1.0f32;
-        self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
-            if let Some(meeting) = self.corners[place].meet(&sheared, limit) {
-                if self.numbers[place] & TRANSPARENT == 0 {
-                    left = 0.0;
-                } else {
-                    left *= 1.0 - self.opacity(surfaces, place, meeting);
-                }
-                if left <= 0.0 {
-                    return ControlFlow::Break(());
-                }
+        let mut through = Through { body: self, surfaces, sheared, left: 1.0 };
+        self.bvh.walk(line.origin, line.direction, limit, &mut through);
+        through.left.max(0.0)
+    }
+}
+
+/// Looks for the nearest triangle that stops a ray.
+struct Nearest<'a> {
+    body: &'a Body,
+    surfaces: &'a [Surface],
+    sheared: ShearedRay,
+    strictly: bool,
+    seed: u32,
+    best: Option<(usize, Meeting)>,
+}
+
+impl Visit for Nearest<'_> {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        let body = self.body;
+        let Some(meeting) = body.corners[place].meet(&self.sheared, limit) else {
+            return ControlFlow::Continue(limit);
+        };
+        let number = body.numbers[place];
+        // Of two triangles at one place the first counts, in whatever order they are met.
+        let nearer = meeting.distance < limit
+            || match self.best {
+                Some((place, _)) => number < body.numbers[place],
+                None => !self.strictly,
+            };
+        if nearer && (number & TRANSPARENT == 0 || body.stops(self.surfaces, place, meeting, self.seed)) {
+            self.best = Some((place, meeting));
+            return ControlFlow::Continue(meeting.distance);
+        }
+        ControlFlow::Continue(limit)
+    }
+}
+
+/// Multiplies what the triangles on a ray's way let through.
+struct Through<'a> {
+    body: &'a Body,
+    surfaces: &'a [Surface],
+    sheared: ShearedRay,
+    left: f32,
+}
+
+impl Visit for Through<'_> {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        let body = self.body;
+        if let Some(meeting) = body.corners[place].meet(&self.sheared, limit) {
+            if body.numbers[place] & TRANSPARENT == 0 {
+                self.left = 0.0;
+            } else {
+                self.left *= 1.0 - body.opacity(self.surfaces, place, meeting);
             }
-            ControlFlow::Continue(limit)
-        });
-        left.max(0.0)
+            if self.left <= 0.0 {
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(limit)
     }
 }

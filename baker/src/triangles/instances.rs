@@ -119,7 +119,7 @@ impl Instances {
         find: impl Fn(&Instance, &Line, f32, bool) -> Option<(usize, Meeting)>,
     ) -> Option<(usize, usize, Meeting)> {
         let mut best: Option<(usize, usize, Meeting)> = None;
-        self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
+        self.bvh.walk(line.origin, line.direction, limit, &mut |place: usize, limit: f32| {
             let copy = &self.all[place];
             let comes_later = best.map_or(strictly, |(other, ..)| self.all[other].number < copy.number);
             match find(copy, &copy.line(line), limit, comes_later) {
@@ -142,7 +142,7 @@ impl Instances {
         through: impl Fn(&Body, &Line, f32) -> f32,
     ) -> f32 {
         let mut left = 1.0;
-        self.bvh.walk(line.origin, line.direction, limit, |place, limit| {
+        self.bvh.walk(line.origin, line.direction, limit, &mut |place: usize, limit: f32| {
             let copy = &self.all[place];
             left *= through(&bodies[copy.model as usize], &copy.line(line), limit);
             if left > 0.0 { ControlFlow::Continue(limit) } else { ControlFlow::Break(()) }

@@ -86,7 +86,7 @@ impl Corners {
     }
 
     /// The meeting with a ray at a distance from 0 up to and including `limit`.
-    #[inline]
+    #[inline(always)]
     pub fn meet(&self, ray: &ShearedRay, limit: f32) -> Option<Meeting> {
         let along = |i: usize| self.0[ray.axes[i]] - ray.origin[i];
         let z = along(2);

@@ -9,6 +9,8 @@ use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use smallvec::SmallVec;
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::*;
 use std::ops::{ControlFlow, Range};
 
 /// Children of a node.
@@ -22,7 +24,7 @@ pub(super) const LARGEST_LEAF: u32 = 8;
 /// Steps of a node's extent. One less than there are numbers, so that rounding outwards has room.
 const STEPS: f32 = 254.0;
 /// Nodes that wait for their turn without memory of their own.
-const WAITING: usize = 96;
+const WAITING: usize = 64;
 
 /// A node.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +49,27 @@ struct Walker {
     inverse: [f32; 3],
     /// For each axis whether the ray goes down it, so that a box's high side is its near one.
     down: [usize; 3],
+}
+
+/// The same for all children of a node at once.
+#[cfg(target_arch = "x86_64")]
+struct WideWalker {
+    origin: [__m256; 3],
+    inverse: [__m256; 3],
+    down: [usize; 3],
+}
+
+/// What is done with the triangles that a ray may meet. A closure is one, too, but is called, not inlined.
+pub(super) trait Visit {
+    /// Gets a triangle's place and the ray's present limit; returns a new limit or ends the walk.
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32>;
+}
+
+impl<F: FnMut(usize, f32) -> ControlFlow<(), f32>> Visit for F {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        self(place, limit)
+    }
 }
 
 /// A hierarchy over triangles in [its own order](Self::order).
@@ -89,16 +112,9 @@ impl WideBvh {
         (Self { nodes }, order)
     }
 
-    /// Visits the triangles that a ray may meet before `limit`, near boxes first. `visit` gets a triangle's place and
-    /// the ray's present limit, and returns a new limit or ends the walk.
+    /// Visits the triangles that a ray may meet before `limit`, near boxes first.
     #[inline(always)]
-    pub fn walk(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        limit: f32,
-        visit: impl FnMut(usize, f32) -> ControlFlow<(), f32>,
-    ) {
+    pub fn walk(&self, origin: Vec3, direction: Vec3, limit: f32, visit: &mut impl Visit) {
         if self.nodes.is_empty() {
             return;
         }
@@ -115,48 +131,59 @@ impl WideBvh {
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1,lzcnt")]
     #[inline]
-    fn walk_avx2(&self, walker: &Walker, limit: f32, visit: impl FnMut(usize, f32) -> ControlFlow<(), f32>) {
-        self.walk_by(walker, limit, |node, walker, limit| node.meet_avx2(walker, limit), visit);
+    fn walk_avx2(&self, walker: &Walker, limit: f32, visit: &mut impl Visit) {
+        self.walk_by(&WideWalker::new(walker), limit, |node, walker, limit| node.meet_avx2(walker, limit), visit);
     }
 
     /// The walk, with this test of a node's children.
     #[inline(always)]
-    fn walk_by(
+    fn walk_by<W>(
         &self,
-        walker: &Walker,
+        walker: &W,
         mut limit: f32,
-        meet: impl Fn(&Node, &Walker, f32) -> ([f32; WIDTH], u32),
-        mut visit: impl FnMut(usize, f32) -> ControlFlow<(), f32>,
+        meet: impl Fn(&Node, &W, f32) -> ([f32; WIDTH], u32),
+        visit: &mut impl Visit,
     ) {
-        // Children and how far their boxes are, the nearest last.
-        let mut waiting: SmallVec<[(u32, f32); WAITING]> = SmallVec::new();
+        // Children that wait for their turn, of each node the nearest last; and those that there was no room for.
+        let (mut waiting, mut count) = ([0; WAITING], 0);
+        let mut farther: Vec<u64> = Vec::new();
         let mut next = 0;
         loop {
             if next & LEAF == 0 {
                 let node = &self.nodes[next as usize];
                 let (near, mut met) = meet(node, walker, limit);
                 if met != 0 {
-                    let first = waiting.len();
-                    loop {
+                    let mut take = || {
                         let child = met.trailing_zeros() as usize;
                         met &= met - 1;
-                        let entry = (node.children[child], near[child]);
+                        (entry(node.children[child], near[child]), met != 0)
+                    };
+                    // The nearest child is next, the others wait.
+                    let (mut nearest, mut are_more) = take();
+                    if are_more && count + WIDTH > WAITING {
+                        count = move_half(&mut waiting, &mut farther, count);
+                    }
+                    let from = count;
+                    while are_more {
+                        let another;
+                        (another, are_more) = take();
                         // Few are met: sorted as they come.
-                        let mut place = waiting.len();
-                        waiting.push(entry);
-                        while place > first && waiting[place - 1].1 < entry.1 {
+                        let waits = another.max(nearest);
+                        let mut place = count;
+                        while place > from && waiting[place - 1] < waits {
                             waiting[place] = waiting[place - 1];
                             place -= 1;
                         }
-                        waiting[place] = entry;
-                        if met == 0 {
-                            break;
-                        }
+                        waiting[place] = waits;
+                        count += 1;
+                        nearest = another.min(nearest);
                     }
+                    next = nearest as u32;
+                    continue;
                 }
             } else {
                 for place in places(next) {
-                    match visit(place, limit) {
+                    match visit.visit(place, limit) {
                         ControlFlow::Continue(nearer) => limit = nearer,
                         ControlFlow::Break(()) => return,
                     }
@@ -164,14 +191,41 @@ impl WideBvh {
             }
             // A box whose near side is exactly at the limit must be opened too.
             next = loop {
-                match waiting.pop() {
-                    Some((child, near)) if near <= limit => break child,
-                    Some(_) => {}
-                    None => return,
+                let entry = if count > 0 {
+                    count -= 1;
+                    waiting[count]
+                } else {
+                    let Some(entry) = farther.pop() else { return };
+                    entry
+                };
+                if distance(entry) <= limit {
+                    break entry as u32;
                 }
             };
         }
     }
+}
+
+/// A child and how far its box is, which is not under zero, as one number: the farther, the greater.
+#[inline(always)]
+fn entry(child: u32, near: f32) -> u64 {
+    (near.to_bits() as u64) << 32 | child as u64
+}
+
+/// How far an entry's box is.
+#[inline(always)]
+fn distance(entry: u64) -> f32 {
+    f32::from_bits((entry >> 32) as u32)
+}
+
+/// Makes room by moving half of those that wait to `farther`; how many are left.
+#[cold]
+#[inline(never)]
+fn move_half(waiting: &mut [u64; WAITING], farther: &mut Vec<u64>, count: usize) -> usize {
+    let half = count / 2;
+    farther.extend_from_slice(&waiting[..half]);
+    waiting.copy_within(half..count, 0);
+    count - half
 }
 
 /// The places of a leaf's triangles.
@@ -202,6 +256,16 @@ impl Walker {
     fn new(origin: Vec3, direction: Vec3) -> Self {
         let inverse = direction.to_array().map(inverse);
         Self { origin: origin.to_array(), inverse, down: inverse.map(|x| (x < 0.0) as usize) }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl WideWalker {
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn new(walker: &Walker) -> Self {
+        let all = |of: [f32; 3]| of.map(|x| _mm256_set1_ps(x));
+        Self { origin: all(walker.origin), inverse: all(walker.inverse), down: walker.down }
     }
 }
 
@@ -262,15 +326,15 @@ impl Node {
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     #[inline]
-    fn meet_avx2(&self, ray: &Walker, limit: f32) -> ([f32; WIDTH], u32) {
-        use std::arch::x86_64::*;
+    fn meet_avx2(&self, ray: &WideWalker, limit: f32) -> ([f32; WIDTH], u32) {
         let (mut near, mut far) = (_mm256_setzero_ps(), _mm256_set1_ps(limit));
         let widen = |sides: [u8; WIDTH]| {
             _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(i64::from_le_bytes(sides))))
         };
         for axis in 0..3 {
-            let scale = _mm256_set1_ps(self.step[axis] * ray.inverse[axis]);
-            let start = _mm256_set1_ps((self.origin[axis] - ray.origin[axis]) * ray.inverse[axis]);
+            let scale = _mm256_mul_ps(_mm256_set1_ps(self.step[axis]), ray.inverse[axis]);
+            let offset = _mm256_sub_ps(_mm256_set1_ps(self.origin[axis]), ray.origin[axis]);
+            let start = _mm256_mul_ps(offset, ray.inverse[axis]);
             let sides = &self.sides[axis];
             let along = |sides| _mm256_add_ps(_mm256_mul_ps(widen(sides), scale), start);
             near = _mm256_max_ps(along(sides[ray.down[axis]]), near);

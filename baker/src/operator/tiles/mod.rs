@@ -11,6 +11,7 @@ mod shares;
 pub use shares::Shares;
 
 use crate::basis::Leveled;
+use crate::processor;
 use crate::random::{mix, unit};
 use crate::surface::{Piece, Pieces, Place, Spot};
 use crate::watch::{Stopped, Watch};
@@ -350,6 +351,18 @@ impl Tiles {
         let laid = self.laid[place.piece as usize];
         let back = if place.is_back { laid.count() } else { 0 };
         (laid.columns != 0).then(|| laid.first + back + laid.number(place.at))
+    }
+
+    /// Asks for what [`Self::number`] reads of a piece.
+    #[inline]
+    pub fn fetch_piece(&self, piece: u32) {
+        processor::fetch(&self.laid, piece as usize);
+    }
+
+    /// Asks for what [`Self::shares`] reads.
+    #[inline]
+    pub fn fetch_shares(&self, number: u32) {
+        processor::fetch(&self.tiles, number as usize);
     }
 
     /// What a unit of light that hits a tile gives to the functions; `None` where hits are to be looked at one by one.

@@ -89,7 +89,7 @@ fn eight_boxes_at_once_are_met_as_one_by_one() {
             let one_by_one = node.meet(&walker, limit);
             // SAFETY: the processor has AVX2.
             #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-            let at_once = unsafe { node.meet_avx2(&walker, limit) };
+            let at_once = unsafe { node.meet_avx2(&WideWalker::new(&walker), limit) };
             assert_eq!(one_by_one, at_once);
             met += one_by_one.1.count_ones();
         }
@@ -105,12 +105,12 @@ fn a_walk_visits_every_box_that_a_ray_meets() {
         let mut s = Stream::new(13, i);
         let (origin, direction) = (9.0 * s.sphere() * s.unit(), s.sphere());
         let mut visited = vec![false; order.len()];
-        wide.walk(origin, direction, f32::INFINITY, |place, limit| {
+        wide.walk(origin, direction, f32::INFINITY, &mut |place, limit| {
             visited[order[place] as usize] = true;
             ControlFlow::Continue(limit)
         });
         let mut none = vec![false; order.len()];
-        wide.walk_by(&Walker::new(origin, direction), f32::INFINITY, Node::meet, |place, limit| {
+        wide.walk_by(&Walker::new(origin, direction), f32::INFINITY, Node::meet, &mut |place: usize, limit: f32| {
             none[order[place] as usize] = true;
             ControlFlow::Continue(limit)
         });
