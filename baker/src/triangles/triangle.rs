@@ -96,19 +96,13 @@ impl Corners {
         // weights of a, b and c, up to a factor. A rounded difference of rounded products has
         // the wrong sign never, but may be zero where the exact one is not.
         let mut areas = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
-        if areas.cmpeq(Vec4::ZERO).bitmask() & 7 != 0 {
-            // Products of two f32 are exact in f64.
-            let (x, y): (DVec4, DVec4) = (x.as_dvec4(), y.as_dvec4());
-            let exact = |p: DVec4, q: DVec4| {
-                DVec4::new(p.z * q.y, p.x * q.z, p.y * q.x, 0.0)
-                    - DVec4::new(q.z * p.y, q.x * p.z, q.y * p.x, 0.0)
-            };
-            areas = exact(x, y).as_vec4();
-        }
-        let negative = areas.cmplt(Vec4::ZERO).bitmask() & 7;
-        let positive = areas.cmpgt(Vec4::ZERO).bitmask() & 7;
-        if negative != 0 && positive != 0 {
-            return None;
+        if areas.cmpeq(Vec4::ZERO).bitmask() & 7 == 0 {
+            // All of one sign, or beside the triangle.
+            if !matches!(areas.is_negative_bitmask() & 7, 0 | 7) {
+                return None;
+            }
+        } else {
+            areas = exact_areas(x, y)?;
         }
         let sum = areas.x + areas.y + areas.z;
         let scale = 1.0 / sum;
@@ -119,4 +113,19 @@ impl Corners {
         }
         Some(Meeting { distance, v: areas.y * scale, w: areas.z * scale })
     }
+}
+
+/// The same areas by products that are exact; `None` where the ray is beside the triangle.
+#[cold]
+#[inline(never)]
+fn exact_areas(x: Vec4, y: Vec4) -> Option<Vec4> {
+    // Products of two f32 are exact in f64.
+    let (x, y): (DVec4, DVec4) = (x.as_dvec4(), y.as_dvec4());
+    let exact = |p: DVec4, q: DVec4| {
+        DVec4::new(p.z * q.y, p.x * q.z, p.y * q.x, 0.0) - DVec4::new(q.z * p.y, q.x * p.z, q.y * p.x, 0.0)
+    };
+    let areas = exact(x, y).as_vec4();
+    let negative = areas.cmplt(Vec4::ZERO).bitmask() & 7;
+    let positive = areas.cmpgt(Vec4::ZERO).bitmask() & 7;
+    (negative == 0 || positive == 0).then_some(areas)
 }
