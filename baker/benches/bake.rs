@@ -1,22 +1,26 @@
 //! How far a whole bake is from casting its rays: `cargo xtask bench-bake`, or
 //! `cargo bench -p rebounce --bench bake -- SCENE PRESET ROUNDS`.
 //!
-//! In turns: a bake with two threads; the rays of its gathers, the same ones, one receiver's after another's, on as many
-//! threads, with nothing but the walk through the hierarchy to the nearest hit; and a bake with one thread. Medians.
+//! In turns: a bake with two threads; its rays, the same ones, on as many threads, with nothing but the walk through the
+//! hierarchy; and a bake with one thread. Medians. The rays are those of the gathers, one receiver's after another's, and
+//! those that placing points, looking for walls and reading colours cast, in their order.
 
 use anyhow::{Context, Result, ensure};
+use glam::Vec3;
 use rayon::prelude::*;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_viewpoints};
 use rebounce::operator::OperatorSettings;
 use rebounce::operator::directions::Directions;
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::refine::CHUNK;
-use rebounce::points::{Points, place};
+use rebounce::operator::{reflected::reflected_share, tint::tints};
+use rebounce::points::{Points, cut, footprint, place};
 use rebounce::scene::{self, Scene};
-use rebounce::surface::Surfaces;
+use rebounce::surface::{Hit, Ray, Surfaces};
 use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::rbn;
 use std::hint::black_box;
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// Threads of the bake that is compared with its rays.
@@ -36,7 +40,7 @@ fn main() -> Result<()> {
     let scene = scene::load(spec)?;
     let settings = BakeSettings::new(preset).normalised();
     let (two, one) = (pool(THREADS)?, pool(1)?);
-    let (mut bakes, mut walks, mut alone) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut bakes, mut gathers, mut others, mut alone) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut stages: Vec<(String, Vec<f64>)> = Vec::new();
     let mut rays = None;
     for round in 0..rounds.max(1) {
@@ -50,22 +54,32 @@ fn main() -> Result<()> {
         }
         let rays = match &rays {
             Some(rays) => rays,
-            None => rays.insert(Rays::of(&scene, &settings, &file, &report)?),
+            None => rays.insert(two.install(|| Rays::of(&scene, &settings, &file, &report))?),
         };
-        walks.push(two.install(|| rays.walk()));
+        gathers.push(two.install(|| rays.walk()));
+        others.push(two.install(|| rays.others.walk(&rays.surfaces)));
         alone.push(baked(&scene, &settings, &one)?.0);
         println!(
-            "round {round}: {THREADS} threads {:.2} s, rays alone {:.2} s, one thread {:.2} s",
-            bakes[round], walks[round], alone[round]
+            "round {round}: {THREADS} threads {:.2} s, rays alone {:.2} s in gathers and {:.2} s others, one thread {:.2} s",
+            bakes[round], gathers[round], others[round], alone[round]
         );
     }
-    println!("{:.1} M rays in gathers", rays.map_or(0, |rays| rays.count) as f64 * 1e-6);
-    let (bake, walk, alone) = (median(&mut bakes), median(&mut walks), median(&mut alone));
+    if let Some(rays) = &rays {
+        let millions = |count: u64| count as f64 * 1e-6;
+        println!(
+            "{:.1} M rays in gathers, {:.1} M others",
+            millions(rays.count),
+            millions(rays.others.count())
+        );
+    }
+    let (bake, alone) = (median(&mut bakes), median(&mut alone));
+    let (gather, other) = (median(&mut gathers), median(&mut others));
     for (name, seconds) in &mut stages {
         let seconds = median(seconds);
         println!("{name:>16} {seconds:7.2} s {:5.1}%", 100.0 * seconds / bake);
     }
-    println!("traversal ratio {:.2}, two threads {:.2}", bake / walk, alone / bake);
+    println!("over the rays of gathers alone {:.2}", bake / gather);
+    println!("traversal ratio {:.2}, two threads {:.2}", bake / (gather + other), alone / bake);
     Ok(())
 }
 
@@ -96,6 +110,8 @@ struct Rays {
     receivers: Vec<Vec<usize>>,
     operator: OperatorSettings,
     count: u64,
+    /// All but the gathers'.
+    others: Asked,
 }
 
 impl Rays {
@@ -103,8 +119,15 @@ impl Rays {
     fn of(scene: &Scene, settings: &BakeSettings, file: &rbn::Scene, report: &BakeReport) -> Result<Self> {
         let surfaces = TriangleSurfaces::simplified(scene);
         let viewpoints = choose_viewpoints(scene, &surfaces, settings)?;
-        let points = place(&surfaces, &viewpoints, &settings.place, &())?;
-        ensure!(points.points.len() == file.points.len(), "the same settings placed other points");
+        let recorder = Recorder::new(&surfaces);
+        let mut points = place(&recorder, &viewpoints, &settings.place, &())?;
+        let end = points.points.len();
+        ensure!(end == file.points.len(), "the same settings placed other points");
+        cut(&recorder, &mut points, end, &())?;
+        footprint(&recorder, &mut points, end, &())?;
+        reflected_share(&recorder, &points, settings.operator.seed);
+        tints(&recorder, &points, settings.operator.seed, &())?;
+        let others = recorder.asked();
         let coarse = points.count_on(settings.operator.later_levels);
         let wanted = |i: &usize| {
             let parents = file.relations.push().row(*i);
@@ -118,7 +141,7 @@ impl Rays {
         let on = |(l, receivers): (usize, &Vec<usize>)| receivers.len() as u64 * operator.rays_on(l) as u64;
         let count = receivers.iter().enumerate().map(on).sum();
         ensure!(count == report.rays, "{count} rays are not the bake's {}", report.rays);
-        Ok(Self { surfaces, points, receivers, operator, count })
+        Ok(Self { surfaces, points, receivers, operator, count, others })
     }
 
     /// Seconds that the walks take on all threads of this pool. Making the rays is not counted.
@@ -149,5 +172,85 @@ impl Rays {
             spent += began.elapsed();
         }
         spent
+    }
+}
+
+/// Rays that were cast, by the thread that did, in their order.
+struct Asked(Vec<Vec<Question>>);
+
+/// What a ray asked.
+enum Question {
+    /// For the nearest hit; with its seed.
+    Nearest(Ray, u32),
+    /// For what gets from one place to another.
+    Between(Vec3, Vec3),
+}
+
+impl Asked {
+    fn count(&self) -> u64 {
+        self.0.iter().map(|questions| questions.len() as u64).sum()
+    }
+
+    /// Seconds that the walks take on all threads of this pool.
+    fn walk(&self, surfaces: &TriangleSurfaces) -> f64 {
+        let walk = |questions: &[Question]| {
+            let began = Instant::now();
+            for question in questions {
+                match question {
+                    Question::Nearest(ray, seed) => drop(black_box(surfaces.distance(ray, *seed))),
+                    Question::Between(from, to) => drop(black_box(surfaces.transmittance(*from, *to))),
+                }
+            }
+            began.elapsed()
+        };
+        let chunks = self.0.par_iter().flat_map(|questions| questions.par_chunks(1 << 12));
+        let spent: Duration = chunks.map(walk).sum();
+        spent.as_secs_f64() / rayon::current_num_threads() as f64
+    }
+}
+
+/// Surfaces that remember what they are asked.
+struct Recorder<'a> {
+    surfaces: &'a TriangleSurfaces,
+    by_thread: Vec<Mutex<Vec<Question>>>,
+}
+
+impl<'a> Recorder<'a> {
+    /// For the threads of this pool.
+    fn new(surfaces: &'a TriangleSurfaces) -> Self {
+        let threads = 0..=rayon::current_num_threads();
+        Self { surfaces, by_thread: threads.map(|_| Mutex::default()).collect() }
+    }
+
+    fn asked(self) -> Asked {
+        Asked(self.by_thread.into_iter().filter_map(|questions| questions.into_inner().ok()).collect())
+    }
+
+    fn remember(&self, question: Question) {
+        // The last list is for whoever is no thread of the pool.
+        let list = rayon::current_thread_index().unwrap_or(self.by_thread.len() - 1);
+        if let Ok(mut questions) = self.by_thread[list].lock() {
+            questions.push(question);
+        }
+    }
+}
+
+impl Surfaces for Recorder<'_> {
+    fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+        self.remember(Question::Nearest(*ray, seed));
+        self.surfaces.cast(ray, seed)
+    }
+
+    fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+        self.remember(Question::Between(from, to));
+        self.surfaces.transmittance(from, to)
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        self.surfaces.bounds()
+    }
+
+    fn epsilon(&self) -> f32 {
+        self.surfaces.epsilon()
     }
 }
