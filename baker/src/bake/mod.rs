@@ -2,17 +2,19 @@
 //!
 //! * [`observer`] – what a bake tells, and what it can be told;
 //! * `transport` – the stages in order; `assemble` – the file's contents;
-//! * [`budget`] – what a bake may weigh;
+//! * [`budget`] – what a bake may weigh; [`judge`] – how far its light is from the truth; [`aim`] – what to try next;
 //! * `agree` – whether the members of a team work on the same;
 //! * [`checkpoint`] – what is kept, so that a bake can go on;
 //! * `tracker`, `estimate` – how far it is, and how long the rest takes;
 //! * `preset`, `report` – settings, and figures.
 
 mod agree;
+pub mod aim;
 mod assemble;
 pub mod budget;
 pub mod checkpoint;
 mod estimate;
+pub mod judge;
 pub mod observer;
 mod preset;
 mod report;

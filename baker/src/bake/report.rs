@@ -18,6 +18,8 @@ pub struct BakeReport {
     pub preset: String,
     /// The error against a path tracer that the preset is made for.
     pub promised_error: f64,
+    /// The error that was measured, where one was asked for ([`super::judge`]).
+    pub measured_error: Option<f64>,
     /// Triangles of the scene, those of copies counted once.
     pub triangles: u64,
     /// Instances of models, which are in memory once each.
@@ -212,6 +214,9 @@ impl fmt::Display for BakeReport {
                 sum(|part| part.to_first),
                 sum(|part| part.to_all)
             )?;
+        }
+        if let Some(error) = self.measured_error {
+            writeln!(f, "error         {error:.3} against a path tracer")?;
         }
         writeln!(f, "peak memory   {}", mb(self.peak_memory_bytes))?;
         let sections: Vec<String> =

@@ -132,7 +132,12 @@ impl WideBvh {
     #[target_feature(enable = "avx2,bmi1,lzcnt")]
     #[inline]
     fn walk_avx2(&self, walker: &Walker, limit: f32, visit: &mut impl Visit) {
-        self.walk_by(&WideWalker::new(walker), limit, |node, walker, limit| node.meet_avx2(walker, limit), visit);
+        self.walk_by(
+            &WideWalker::new(walker),
+            limit,
+            |node, walker, limit| node.meet_avx2(walker, limit),
+            visit,
+        );
     }
 
     /// The walk, with this test of a node's children.

@@ -110,10 +110,15 @@ fn a_walk_visits_every_box_that_a_ray_meets() {
             ControlFlow::Continue(limit)
         });
         let mut none = vec![false; order.len()];
-        wide.walk_by(&Walker::new(origin, direction), f32::INFINITY, Node::meet, &mut |place: usize, limit: f32| {
-            none[order[place] as usize] = true;
-            ControlFlow::Continue(limit)
-        });
+        wide.walk_by(
+            &Walker::new(origin, direction),
+            f32::INFINITY,
+            Node::meet,
+            &mut |place: usize, limit: f32| {
+                none[order[place] as usize] = true;
+                ControlFlow::Continue(limit)
+            },
+        );
         assert_eq!(visited, none, "with AVX2 and without");
         // Middles of triangles that the ray passes are among them.
         for (t, visited) in triangles.iter().zip(visited) {

@@ -1,0 +1,183 @@
+//! The arguments of `rebounce bake`.
+
+use anyhow::Result;
+use clap::builder::RangedU64ValueParser;
+use clap::{Args, ValueEnum};
+use rebounce::bake::{BakeSettings, Preset, budget};
+use rebounce_shared::rbn::MAX_LEVELS;
+use std::path::PathBuf;
+
+const AFTER_HELP: &str = "\
+A bake keeps what it has done in FILE.rbn.partial beside its output. When it was stopped or killed, the same command with \
+--resume goes on from there; the result is the same file, to the byte. It is removed when the bake is done. FILE.rbn itself \
+is replaced only then, and at once.
+
+Where it is built with the feature mpi, `mpirun -n 4 rebounce bake ...` shares the work among four processes; the result \
+is the same file, to the byte, and --resume goes on with any number of them.
+
+Exit codes: 0 done; 1 failed; 2 wrong arguments; 3 done, and the file is written, but its error is over --target-error; 130 stopped by Ctrl-C, 143 by SIGTERM, --resume goes on.
+
+--json-progress prints objects with stage, level (or null), done and total (units of this stage and level), rays_per_second \
+(or null), seconds (since the bake began), seconds_left, processor_seconds and processor_seconds_left (of all threads together: they do \
+not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\", or \"failed\" and error, or \"stopped\" and checkpoint, the file to go on from. \
+With --target-error several bakes may follow each other, each from 0 to 1. A signal ends the command at once, and without a last line, while it reads the scene.";
+
+/// Arguments of `rebounce bake`.
+#[derive(Args, Debug)]
+#[command(after_help = AFTER_HELP)]
+pub struct BakeArgs {
+    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
+    /// builtin:two-rooms-door, builtin:two-rooms, builtin:furnace
+    pub(super) scene: String,
+    /// Where to write; SCENE.rbn when absent
+    #[arg(short, long, value_name = "FILE.rbn")]
+    output: Option<PathBuf>,
+    /// How good and how costly
+    #[arg(long, value_enum, default_value = "standard")]
+    preset: PresetName,
+    /// Bakes ever finer until the bounced light is within this error of a path tracer, as in 0.1, in the view of --shot or
+    /// the scene's own camera and lights; without either takes the coarsest preset that is made for it
+    #[arg(long, value_name = "ERROR", conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
+    pub(super) target_error: Option<f64>,
+    /// The camera and lights that --target-error is measured with (docs/SHOT.md); the scene's own when absent
+    #[arg(long, value_name = "SHOT.json", requires = "target_error")]
+    pub(super) shot: Option<PathBuf>,
+    /// Most bytes of the file, as in 8M: fewer functions, then fewer links
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    pub(super) max_bytes: Option<u64>,
+    /// Most bytes of memory, about, as in 2G: fewer functions
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    pub(super) max_memory: Option<u64>,
+    /// A point inside the scene, in its units; found when absent
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    viewpoint: Option<[f64; 3]>,
+    /// Levels of receivers
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_LEVELS as u64))]
+    levels: Option<usize>,
+    /// Levels of senders, the coarsest ones
+    #[arg(long)]
+    sender_levels: Option<usize>,
+    /// Levels at whose points direct light is sampled
+    #[arg(long)]
+    direct_levels: Option<usize>,
+    /// About how many functions the finest level has
+    #[arg(long)]
+    functions: Option<usize>,
+    /// Poisson-disk radius of the coarsest level, scene units; overrides --functions
+    #[arg(long)]
+    coarse_radius: Option<f32>,
+    /// Links weaker than this share of what the scene's surfaces reflect are given to a neighbour
+    #[arg(long)]
+    epsilon: Option<f32>,
+    /// Links under this many standard deviations of their noise are given to a neighbour
+    #[arg(long)]
+    significance: Option<f32>,
+    /// Rays per receiver, coarsest level first; the last number holds for finer levels
+    #[arg(long, value_delimiter = ',')]
+    rays: Option<Vec<u32>>,
+    /// Bounces of light; all that matter when absent
+    #[arg(long)]
+    bounces: Option<u32>,
+    /// Levels that light is gathered on to bounce again, the coarsest ones
+    #[arg(long)]
+    later_levels: Option<usize>,
+    /// Support over disk radius, coarsest level
+    #[arg(long)]
+    coarse_overlap: Option<f32>,
+    /// Support over disk radius, finest level
+    #[arg(long)]
+    fine_overlap: Option<f32>,
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Threads; all cores when absent
+    #[arg(long)]
+    pub(super) threads: Option<usize>,
+    /// Goes on with a bake that was stopped or killed: the same scene, settings and output
+    #[arg(long)]
+    pub(super) resume: bool,
+    /// Writes FILE.preview.rbn, coarse at first and finer as levels are done, for `rebounce view --watch`
+    #[arg(long)]
+    pub(super) preview: bool,
+    /// Prints progress as JSON, one object a line, on standard output, and no summary
+    #[arg(long)]
+    pub(super) json_progress: bool,
+    /// Writes the figures of the closing summary as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub(super) report: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PresetName {
+    /// To look at while arranging a scene: error under 0.15 against a path tracer, in seconds
+    Draft,
+    /// To ship: error under 0.08, in a minute or two for a room on two cores
+    Standard,
+    /// For stills and close looks: error under 0.06, in some minutes
+    Fine,
+}
+
+fn parse_point(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse::<f64>().map_err(|e| e.to_string()))
+        .collect::<Result<_, _>>()?;
+    numbers.try_into().map_err(|_| "three numbers are needed, as in 0,1.5,-2".to_owned())
+}
+
+/// A number with K, M or G behind it: thousands, millions, milliards.
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let (digits, unit) = match text.trim().to_ascii_uppercase().trim_end_matches('B') {
+        text if text.ends_with('K') => (text.trim_end_matches('K').to_owned(), 1e3),
+        text if text.ends_with('M') => (text.trim_end_matches('M').to_owned(), 1e6),
+        text if text.ends_with('G') => (text.trim_end_matches('G').to_owned(), 1e9),
+        text => (text.to_owned(), 1.0),
+    };
+    let number: f64 = digits.trim().parse().map_err(|_| "a number of bytes is needed, as in 8M or 2.5G")?;
+    let bytes = number * unit;
+    if bytes.is_finite() && bytes >= 1.0 { Ok(bytes as u64) } else { Err("more than that".to_owned()) }
+}
+
+impl BakeArgs {
+    /// The preset that is asked for, or made for the error.
+    pub(super) fn preset(&self) -> Result<Preset> {
+        Ok(match (self.target_error, self.preset) {
+            (Some(error), _) => budget::preset_for(error)?,
+            (None, PresetName::Draft) => Preset::Draft,
+            (None, PresetName::Standard) => Preset::Standard,
+            (None, PresetName::Fine) => Preset::Fine,
+        })
+    }
+
+    /// A preset's settings, and what else is told.
+    pub(super) fn settings(&self, preset: Preset) -> BakeSettings {
+        let mut s = BakeSettings::new(preset);
+        fn set<T: Clone>(value: &mut T, given: &Option<T>) {
+            if let Some(given) = given {
+                *value = given.clone();
+            }
+        }
+        s.viewpoint = self.viewpoint;
+        s.place.coarse_radius = self.coarse_radius;
+        s.operator.bounces = self.bounces;
+        set(&mut s.place.levels, &self.levels);
+        set(&mut s.place.functions, &self.functions);
+        set(&mut s.place.coarse_overlap, &self.coarse_overlap);
+        set(&mut s.place.fine_overlap, &self.fine_overlap);
+        set(&mut s.operator.sender_levels, &self.sender_levels);
+        set(&mut s.operator.epsilon, &self.epsilon);
+        set(&mut s.operator.significance, &self.significance);
+        set(&mut s.operator.rays, &self.rays);
+        set(&mut s.operator.later_levels, &self.later_levels);
+        set(&mut s.direct_levels, &self.direct_levels);
+        s.place.seed = self.seed;
+        s.operator.seed = self.seed;
+        s
+    }
+
+    /// Where the file goes.
+    pub(super) fn output(&self) -> PathBuf {
+        let name = || PathBuf::from(self.scene.rsplit([':', '/', '\\']).next().unwrap_or("scene"));
+        self.output.clone().unwrap_or_else(|| name().with_extension("rbn"))
+    }
+}

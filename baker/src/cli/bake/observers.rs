@@ -1,0 +1,50 @@
+//! What a bake tells, and who hears it.
+
+use crate::cli::progress::Display;
+use crate::cli::stop::Stop;
+use rebounce::bake::{Observer, Preview, Progress};
+use rebounce::write::write_whole;
+use std::path::PathBuf;
+
+/// Hands on signals.
+pub struct Follower(pub Stop);
+
+impl Observer for Follower {
+    fn is_stopped(&self) -> bool {
+        self.0.is_asked()
+    }
+}
+
+/// Shows progress, hands on signals, writes previews.
+pub struct Watcher {
+    pub display: Display,
+    pub stop: Stop,
+    /// Where previews are written, if they are.
+    pub previews: Option<PathBuf>,
+}
+
+impl Observer for Watcher {
+    fn progress(&self, progress: &Progress) {
+        // What stops has its own last line.
+        if !self.stop.is_asked() {
+            self.display.show(progress);
+        }
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.is_asked()
+    }
+
+    fn wants_previews(&self) -> bool {
+        self.previews.is_some()
+    }
+
+    fn preview(&self, preview: Preview) {
+        let Some(path) = &self.previews else { return };
+        let written = preview.file.to_bytes().map_err(|error| error.to_string());
+        let written = written.and_then(|bytes| write_whole(path, &bytes).map_err(|error| error.to_string()));
+        if let Err(error) = written {
+            eprintln!("warning: no preview: {error}");
+        }
+    }
+}
