@@ -21,7 +21,7 @@ struct Options {
 }
 
 fn parse(args: &[String]) -> Result<Options> {
-    let mut options = Options { scene: None, preset: "draft".to_owned() };
+    let mut options = Options { scene: None, preset: "standard".to_owned() };
     let mut args = args.iter();
     while let Some(name) = args.next() {
         let mut value = || args.next().with_context(|| format!("{name} needs a value"));
