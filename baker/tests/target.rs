@@ -36,3 +36,16 @@ fn an_error_that_cannot_be_met_has_an_exit_code_and_a_culprit() {
     assert!(report(folder.path())["measured_error"].as_f64().unwrap() > 0.001);
     assert!(folder.path().join("box.rbn").metadata().unwrap().len() <= 500_000);
 }
+
+#[test]
+fn what_is_no_error_is_a_wrong_argument() {
+    let folder = tempfile::tempdir().unwrap();
+    for error in ["0", "-0.1", "NaN", "inf", "small"] {
+        let output = bake(folder.path(), &[&format!("--target-error={error}")]);
+        assert_eq!(output.status.code(), Some(2), "{error}");
+    }
+    let shot = bake(folder.path(), &["--target-error", "0.1", "--shot", "no/such.shot.json"]);
+    assert_eq!(shot.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&shot.stderr).contains("no/such.shot.json"));
+    assert!(!folder.path().join("box.rbn").exists());
+}

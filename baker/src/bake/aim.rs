@@ -4,15 +4,19 @@ use super::{BakeSettings, Preset};
 
 /// Functions and ε of what comes after the presets: twice as many functions, and links down to three quarters.
 const BEYOND: [(usize, f32); 2] = [(500_000, 0.0075), (1_000_000, 0.0056)];
-/// Another try takes at least this share off the error of the last one, or is the last.
+/// Another try takes at least this share off the error of the last one, or is the last. But of the presets each is tried:
+/// from `draft` to `standard` there are more functions, and links are no finer.
 const LEAST_GAIN: f64 = 0.1;
+const PRESETS: usize = 3;
 
 /// The settings from the cheapest to the costliest; `adjust` says what else each is told.
 pub fn tries(adjust: impl Fn(Preset) -> BakeSettings) -> Vec<BakeSettings> {
     let presets = [Preset::Draft, Preset::Standard, Preset::Fine].map(&adjust);
     let beyond = BEYOND.map(|(functions, epsilon)| {
         let mut settings = adjust(Preset::Fine);
-        (settings.place.functions, settings.operator.epsilon) = (functions, epsilon);
+        settings.place.functions = functions;
+        // What is told may be finer.
+        settings.operator.epsilon = settings.operator.epsilon.min(epsilon);
         settings
     });
     presets.into_iter().chain(beyond).collect()
@@ -21,7 +25,7 @@ pub fn tries(adjust: impl Fn(Preset) -> BakeSettings) -> Vec<BakeSettings> {
 /// Whether more of the same would help: errors of the tries so far, the last one last.
 pub fn is_worth_another(errors: &[f64]) -> bool {
     match errors {
-        [.., before, last] => *last < (1.0 - LEAST_GAIN) * before,
+        [.., before, last] if errors.len() >= PRESETS => *last < (1.0 - LEAST_GAIN) * before,
         _ => true,
     }
 }
@@ -34,18 +38,20 @@ mod tests {
     fn each_try_costs_more_and_keeps_what_it_is_told() {
         let told = |preset| {
             let mut settings = BakeSettings::new(preset);
-            settings.operator.bounces = Some(2);
+            (settings.operator.bounces, settings.operator.epsilon) = (Some(2), 0.007);
             settings
         };
         let tries = tries(told);
         assert!(tries.len() > 3 && tries.iter().all(|settings| settings.operator.bounces == Some(2)));
+        assert!(tries.iter().all(|settings| settings.operator.epsilon <= 0.007));
         let cost = |settings: &BakeSettings| settings.place.functions;
         assert!(tries.windows(2).all(|pair| cost(&pair[0]) < cost(&pair[1])));
     }
 
     #[test]
     fn tries_end_where_errors_stay() {
-        assert!(is_worth_another(&[]) && is_worth_another(&[0.3]) && is_worth_another(&[0.3, 0.2]));
-        assert!(!is_worth_another(&[0.3, 0.2, 0.19]) && !is_worth_another(&[0.2, 0.25]));
+        assert!(is_worth_another(&[]) && is_worth_another(&[0.3]) && is_worth_another(&[0.3, 0.31]));
+        assert!(is_worth_another(&[0.3, 0.31, 0.2]) && is_worth_another(&[0.3, 0.2, 0.15, 0.1]));
+        assert!(!is_worth_another(&[0.3, 0.2, 0.19]) && !is_worth_another(&[0.3, 0.2, 0.1, 0.11]));
     }
 }

@@ -43,8 +43,8 @@ pub struct Verdict {
 /// The surfaces with the largest part of an error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worst {
-    /// Their material's name.
-    pub material: String,
+    /// Their material's number and name; it may have none.
+    pub material: (usize, String),
     /// Their part of the error's square; may be over 1 where noise takes from the others.
     pub share: f64,
     /// Where the largest part of that is, world space.
@@ -55,26 +55,48 @@ pub struct Worst {
 pub struct Judge<'a> {
     scene: &'a Scene,
     shot: &'a Shot,
-    surfaces: TriangleSurfaces,
     size: [u32; 2],
     truth: [Picture; 2],
+    /// What is seen in the middle of each pixel: its material and where it is, local space.
+    seen: Vec<Option<(u32, Vec3)>>,
 }
 
 impl<'a> Judge<'a> {
-    /// Traces the view's bounced light, twice. The same scene and shot give the same pictures at any thread count.
-    pub fn new(scene: &'a Scene, shot: &'a Shot) -> Self {
+    /// Traces the view's light after this many bounces, or all, twice. The same scene and shot give the same pictures at any
+    /// thread count. `row_done` is called after each row of the [`Self::rows`], from any thread.
+    ///
+    /// # Errors
+    /// [`JudgeError::Compare`] where no bounced light is seen.
+    pub fn new(
+        scene: &'a Scene,
+        shot: &'a Shot,
+        bounces: Option<u32>,
+        row_done: impl Fn() + Sync,
+    ) -> Result<Self, JudgeError> {
         let surfaces = TriangleSurfaces::from_scene(scene);
+        let size = Self::size(shot);
+        let truth = [1, 2].map(|seed| {
+            let exposure = Exposure { size, samples: TRUE_SAMPLES, seed };
+            // The first one is always there.
+            let settings = Settings { only: Only::Indirect, bounces: bounces.map(|bounces| bounces.max(1)) };
+            path_trace(&surfaces, scene.origin, &shot.camera, &shot.lights, exposure, settings, &row_done)
+        });
+        // As far from itself as its noise, if there is anything.
+        compare(&truth[0], &truth[0], Some(&truth[1]))?;
+        let seen = seen(&surfaces, scene, shot, size);
+        Ok(Self { scene, shot, size, truth, seen })
+    }
+
+    /// Width and height of the pictures, pixels.
+    fn size(shot: &Shot) -> [u32; 2] {
         let size = shot.size.map(|side| side.max(1) as f32);
         let scale = (PIXELS / (size[0] * size[1])).sqrt();
-        let size = size.map(|side| (side * scale).round().max(1.0) as u32);
-        let truth = [1, 2].map(|seed| {
-            let (exposure, settings) = (
-                Exposure { size, samples: TRUE_SAMPLES, seed },
-                Settings { only: Only::Indirect, bounces: None },
-            );
-            path_trace(&surfaces, scene.origin, &shot.camera, &shot.lights, exposure, settings, || ())
-        });
-        Self { scene, shot, surfaces, size, truth }
+        size.map(|side| (side * scale).round().max(1.0) as u32)
+    }
+
+    /// Rows that [`Self::new`] traces.
+    pub fn rows(shot: &Shot) -> u32 {
+        2 * Self::size(shot)[1]
     }
 
     /// How far a baked file of the scene is from it.
@@ -93,32 +115,46 @@ impl<'a> Judge<'a> {
 
     /// The material whose pixels have most of the squared error, and where it is largest.
     fn worst(&self, picture: &Picture) -> Option<Worst> {
-        let pieces = self.surfaces.pieces()?;
         let mut by_material = vec![Blame::default(); self.scene.materials.len()];
-        let frame = self.shot.camera.frame(self.scene.origin);
-        let [width, height] = self.size;
         let mut whole = 0.0;
-        for (pixel, p) in picture.pixels.iter().enumerate() {
+        for (pixel, (p, seen)) in picture.pixels.iter().zip(&self.seen).enumerate() {
             let [a, b] = [0, 1].map(|i| self.truth[i].pixels[pixel].as_dvec3());
             let error = (p.as_dvec3() - a).dot(p.as_dvec3() - b);
             whole += error;
-            let [x, y] = [pixel as u32 % width, pixel as u32 / width].map(|at| at as f32 + 0.5);
-            let direction = frame.direction(x, y, width, height);
-            let ray = Ray { origin: frame.eye, direction, max_distance: f32::INFINITY, spread: 0.0 };
-            let Some((place, distance)) = pieces.find(&ray, pixel as u32) else { continue };
-            if let Some(blame) = by_material.get_mut(pieces.piece(place.piece).kind as usize) {
-                blame.add(error, frame.eye + direction * distance);
+            if let Some((material, place)) = seen
+                && let Some(blame) = by_material.get_mut(*material as usize)
+            {
+                blame.add(error, *place);
             }
         }
         let (material, blame) =
             by_material.iter().enumerate().max_by(|a, b| a.1.error.total_cmp(&b.1.error))?;
         let place = DVec3::from(self.scene.origin) + blame.place.as_dvec3();
         (whole > 0.0 && blame.error > 0.0).then(|| Worst {
-            material: self.scene.materials[material].name.clone(),
+            material: (material, self.scene.materials[material].name.clone()),
             share: blame.error / whole,
             place: place.to_array(),
         })
     }
+}
+
+/// The material and the place in the middle of each pixel; none where the surfaces do not tell their pieces.
+fn seen(
+    surfaces: &TriangleSurfaces,
+    scene: &Scene,
+    shot: &Shot,
+    [width, height]: [u32; 2],
+) -> Vec<Option<(u32, Vec3)>> {
+    let frame = shot.camera.frame(scene.origin);
+    let at = |pixel: u32| {
+        let pieces = surfaces.pieces()?;
+        let [x, y] = [pixel % width, pixel / width].map(|at| at as f32 + 0.5);
+        let direction = frame.direction(x, y, width, height);
+        let ray = Ray { origin: frame.eye, direction, max_distance: f32::INFINITY, spread: 0.0 };
+        let (place, distance) = pieces.find(&ray, pixel)?;
+        Some((pieces.piece(place.piece).kind, frame.eye + direction * distance))
+    };
+    (0..width * height).map(at).collect()
 }
 
 /// One material's part of an error.
@@ -158,7 +194,7 @@ mod tests {
         let scene = scene::load("builtin:cornell-box").unwrap();
         let (camera, lights) = (scene.cameras[0].clone(), scene.lights.clone());
         let shot = Shot { scene: None, size: [64, 64], camera, lights };
-        let judge = Judge::new(&scene, &shot);
+        let judge = Judge::new(&scene, &shot, None, || ()).unwrap();
         let error = |file: &rbn::Scene| judge.verdict(file).unwrap();
         let (coarse, _) = bake(&scene, &small(300), &()).unwrap();
         let (fine, _) = bake(&scene, &small(8_000), &()).unwrap();
@@ -176,7 +212,7 @@ mod tests {
         broken.links = rbn::LinkMatrix::from_rows(&rows);
         let broken = error(&broken);
         let worst = broken.worst.unwrap();
-        assert!(worst.material == "red" && worst.share > 0.5, "{worst:?}");
+        assert!(worst.material.1 == "red" && worst.share > 0.5, "{worst:?}");
         assert!(broken.comparison.error > 2.0 * good.comparison.error);
     }
 
@@ -185,7 +221,11 @@ mod tests {
         let scene = scene::load("builtin:cornell-box").unwrap();
         let camera = scene.cameras[0].clone();
         let shot = Shot { scene: None, size: [16, 16], camera, lights: Vec::new() };
-        let (file, _) = bake(&scene, &small(300), &()).unwrap();
-        assert!(matches!(Judge::new(&scene, &shot).verdict(&file), Err(JudgeError::Compare(_))));
+        let rows = std::sync::atomic::AtomicU32::new(0);
+        let judge = Judge::new(&scene, &shot, None, || {
+            rows.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        });
+        assert!(matches!(judge.err(), Some(JudgeError::Compare(_))));
+        assert_eq!(rows.into_inner(), Judge::rows(&shot));
     }
 }

@@ -57,6 +57,11 @@ impl Stop {
     pub fn hold(&self) {
         self.is_held.store(true, Ordering::Release);
     }
+
+    /// It need wait no longer.
+    pub fn release(&self) {
+        self.is_held.store(false, Ordering::Release);
+    }
 }
 
 /// Lets signals end the process at once, with the codes that shells expect, even where it was started with them ignored:

@@ -23,8 +23,8 @@ const COUNT_SHIFT: u32 = 28;
 pub(super) const LARGEST_LEAF: u32 = 8;
 /// Steps of a node's extent. One less than there are numbers, so that rounding outwards has room.
 const STEPS: f32 = 254.0;
-/// Nodes that wait for their turn without memory of their own.
-const WAITING: usize = 64;
+/// Nodes that wait for their turn without memory of their own; in tests so few that there is often no room.
+const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 64 };
 
 /// A node.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! `rebounce bake --target-error`: each bake is held to a path tracer, and a finer one follows where that is needed.
 
-use crate::cli::picture::shot_or_own;
+use crate::cli::picture::{Rows, shot_or_own};
 use crate::cli::plain::plain;
 use anyhow::{Context, Result};
 use rebounce::bake::aim::is_worth_another;
@@ -11,21 +11,15 @@ use rebounce_shared::rbn;
 use rebounce_shared::shot::Shot;
 use std::path::Path;
 
-/// The error that is wanted, and where it is measured.
-pub struct Aim {
+/// The error that is wanted, where it is measured, and what was found so far.
+pub struct Aim<'a> {
     target: f64,
-    shot: Shot,
-}
-
-/// What is known of the bakes so far.
-pub struct Trials<'a> {
-    aim: &'a Aim,
-    judge: Option<Judge<'a>>,
-    scene: &'a Scene,
+    judge: Judge<'a>,
     errors: Vec<f64>,
 }
 
 /// What a bake's error asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Small enough.
     Met,
@@ -35,64 +29,89 @@ pub enum Outcome {
     Missed,
 }
 
-impl Aim {
-    /// Nothing where there is no camera or no light to measure with.
-    ///
-    /// # Errors
-    /// A shot that cannot be read.
-    pub fn new(target: f64, shot: Option<&Path>, spec: &str, scene: &Scene) -> Result<Option<Self>> {
-        let given = shot.map(shot::read).transpose()?;
-        let is_given = given.is_some();
-        match shot_or_own(given, spec, &scene.cameras, &scene.lights) {
-            Ok(shot) => Ok(Some(Self { target, shot })),
-            Err(error) if is_given => Err(error),
-            Err(error) => {
-                eprintln!(
-                    "note: {error}; the preset is taken that is made for the error, which is not measured"
-                );
-                Ok(None)
-            }
-        }
-    }
+/// Why no finer bake follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Last {
+    /// One does.
+    No,
+    /// There is none.
+    Finest,
+    /// It would be over the budget.
+    Budget,
+}
 
-    /// No bake so far.
-    pub fn trials<'a>(&'a self, scene: &'a Scene) -> Trials<'a> {
-        Trials { aim: self, judge: None, scene, errors: Vec::new() }
+/// A shot to measure with; nothing where there is none, and the scene has no camera or no light.
+///
+/// # Errors
+/// A shot that cannot be read.
+pub fn shot_for(shot: Option<&Path>, spec: &str, scene: &Scene) -> Result<Option<Shot>> {
+    let given = shot.map(shot::read).transpose()?;
+    let is_given = given.is_some();
+    match shot_or_own(given, spec, &scene.cameras, &scene.lights) {
+        Ok(shot) => Ok(Some(shot)),
+        Err(error) if is_given => Err(error),
+        Err(error) => {
+            eprintln!("note: {error}; the preset is taken that is made for the error, which is not measured");
+            Ok(None)
+        }
     }
 }
 
-impl Trials<'_> {
-    /// Measures a bake, says what it found, and returns the error. `is_last`: no finer one can follow.
+impl<'a> Aim<'a> {
+    /// Traces the truth, and says so.
     ///
     /// # Errors
-    /// If the view cannot be measured.
-    pub fn measure(&mut self, baked: &rbn::Scene, name: &str, is_last: bool) -> Result<(f64, Outcome)> {
-        let (scene, Aim { target, shot }) = (self.scene, self.aim);
-        eprintln!("measuring the error");
-        let judge = self.judge.get_or_insert_with(|| Judge::new(scene, shot));
-        let verdict = judge.verdict(baked).context("--target-error")?;
+    /// Where no bounced light is seen in the shot.
+    pub fn new(target: f64, scene: &'a Scene, shot: &'a Shot, bounces: Option<u32>) -> Result<Self> {
+        eprintln!("path tracing the view that --target-error is measured in");
+        let rows = Rows::new(Judge::rows(shot));
+        let judge = Judge::new(scene, shot, bounces, || rows.done()).context("--target-error")?;
+        rows.finish();
+        Ok(Self { target, judge, errors: Vec::new() })
+    }
+
+    /// Measures a bake, says what it found, and returns the error.
+    ///
+    /// # Errors
+    /// If the file cannot be measured.
+    pub fn measure(&mut self, baked: &rbn::Scene, name: &str, last: Last) -> Result<(f64, Outcome)> {
+        let target = self.target;
+        let verdict = self.judge.verdict(baked).context("--target-error")?;
         let error = verdict.comparison.error;
         self.errors.push(error);
-        if error <= *target {
+        if error <= target {
             eprintln!("{name}: error {error:.3}, at most {target} was wanted");
             return Ok((error, Outcome::Met));
         }
-        if !is_last && is_worth_another(&self.errors) {
+        if last == Last::No && is_worth_another(&self.errors) {
             eprintln!("{name}: error {error:.3}, over {target}; a finer bake follows");
             return Ok((error, Outcome::Finer));
         }
-        let why = if is_last { "this is the finest bake there is" } else { "finer bakes hardly help" };
-        let worst = verdict.worst.as_ref().map_or_else(String::new, |worst| blamed(worst));
+        let why = match last {
+            Last::No => "finer bakes hardly help",
+            Last::Finest => "this is the finest bake there is",
+            Last::Budget => "a finer one would be over --max-bytes or --max-memory",
+        };
+        let worst = verdict.worst.as_ref().map_or_else(String::new, blamed);
         eprintln!("warning: {name}: error {error:.3} is over --target-error {target}, and {why}{worst}");
         Ok((error, Outcome::Missed))
+    }
+
+    /// Whether the last bake is nearer than all before.
+    pub fn is_best(&self) -> bool {
+        let best = self.errors.iter().copied().reduce(f64::min);
+        self.errors.last().copied() == best
     }
 }
 
 fn blamed(worst: &Worst) -> String {
     let [x, y, z] = worst.place;
     let share = (100.0 * worst.share).min(100.0);
-    let name = plain(&worst.material);
-    format!("; {share:.0}% of its square is on material {name:?}, most of that around {x:.2}, {y:.2}, {z:.2}")
+    let name = match &worst.material {
+        (number, name) if name.is_empty() => format!("material {number}, which has no name"),
+        (_, name) => format!("material {:?}", plain(name)),
+    };
+    format!("; {share:.0}% of its square is on {name}, most of that around {x:.2}, {y:.2}, {z:.2}")
 }
 
 #[cfg(test)]
@@ -103,11 +122,11 @@ mod tests {
     #[test]
     fn without_camera_or_light_nothing_can_be_measured() {
         let mut scene = scene::load("builtin:two-rooms").unwrap();
-        let aim = |scene: &Scene, shot| Aim::new(0.1, shot, "rooms.glb", scene);
-        assert!(aim(&scene, None).unwrap().is_some());
+        let shot = |scene: &Scene, shot| shot_for(shot, "rooms.glb", scene);
+        assert!(shot(&scene, None).unwrap().is_some());
         scene.lights.clear();
-        assert!(aim(&scene, None).unwrap().is_none());
-        assert!(aim(&scene, Some(Path::new("no/such.json"))).is_err());
+        assert!(shot(&scene, None).unwrap().is_none());
+        assert!(shot(&scene, Some(Path::new("no/such.json"))).is_err());
     }
 
     #[test]

@@ -20,7 +20,11 @@ Exit codes: 0 done; 1 failed; 2 wrong arguments; 3 done, and the file is written
 --json-progress prints objects with stage, level (or null), done and total (units of this stage and level), rays_per_second \
 (or null), seconds (since the bake began), seconds_left, processor_seconds and processor_seconds_left (of all threads together: they do \
 not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\", or \"failed\" and error, or \"stopped\" and checkpoint, the file to go on from. \
-With --target-error several bakes may follow each other, each from 0 to 1. A signal ends the command at once, and without a last line, while it reads the scene.";
+A signal ends the command at once, and without a last line, while it reads the scene.
+
+--target-error bakes a draft, standard, fine, and then twice and four times as many functions, until one is within the error; progress goes from 0 to 1 \
+for each. FILE.rbn always has the best one so far. Before, the view is path-traced, about as long as a standard bake takes; \
+--resume goes on with the bake that was stopped, and knows nothing of the errors before it. Several processes cannot do it.";
 
 /// Arguments of `rebounce bake`.
 #[derive(Args, Debug)]
@@ -37,7 +41,7 @@ pub struct BakeArgs {
     preset: PresetName,
     /// Bakes ever finer until the bounced light is within this error of a path tracer, as in 0.1, in the view of --shot or
     /// the scene's own camera and lights; without either takes the coarsest preset that is made for it
-    #[arg(long, value_name = "ERROR", conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
+    #[arg(long, value_name = "ERROR", value_parser = parse_error, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
     pub(super) target_error: Option<f64>,
     /// The camera and lights that --target-error is measured with (docs/SHOT.md); the scene's own when absent
     #[arg(long, value_name = "SHOT.json", requires = "target_error")]
@@ -77,7 +81,7 @@ pub struct BakeArgs {
     rays: Option<Vec<u32>>,
     /// Bounces of light; all that matter when absent
     #[arg(long)]
-    bounces: Option<u32>,
+    pub(super) bounces: Option<u32>,
     /// Levels that light is gathered on to bounce again, the coarsest ones
     #[arg(long)]
     later_levels: Option<usize>,
@@ -123,6 +127,14 @@ fn parse_point(text: &str) -> Result<[f64; 3], String> {
         .map(|part| part.trim().parse::<f64>().map_err(|e| e.to_string()))
         .collect::<Result<_, _>>()?;
     numbers.try_into().map_err(|_| "three numbers are needed, as in 0,1.5,-2".to_owned())
+}
+
+/// An error that a bake can be within.
+fn parse_error(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(error) if error.is_finite() && error > 0.0 => Ok(error),
+        _ => Err("a number over 0 is needed, as in 0.08".to_owned()),
+    }
 }
 
 /// A number with K, M or G behind it: thousands, millions, milliards.

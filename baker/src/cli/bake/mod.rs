@@ -15,8 +15,8 @@ use super::progress::{Display, Unfinished};
 use super::stop::Stop;
 use super::team::with_team;
 use super::view::PREVIEW;
-use aim::{Aim, Outcome};
-use anyhow::{Context, Result};
+use aim::{Aim, Last, Outcome, shot_for};
+use anyhow::{Context, Result, ensure};
 use cpu_time::ProcessTime;
 use observers::{Follower, Watcher};
 use plan::{Plan, open_checkpoint};
@@ -38,6 +38,10 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")?;
     }
     with_team(|team| {
+        ensure!(
+            team.size() == 1 || args.target_error.is_none(),
+            "--target-error bakes several times and measures in between, which is for one process: give several a --preset"
+        );
         if team.rank() != 0 {
             return follow(args, &scene::load(&args.scene)?, team);
         }
@@ -68,9 +72,12 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     for problem in &scene.left_out {
         eprintln!("warning: left out: {}", plain(problem));
     }
-    let aim = match args.target_error {
-        // In a team only the bakes themselves are shared.
-        Some(target) if team.size() == 1 => Aim::new(target, args.shot.as_deref(), &args.scene, scene)?,
+    let shot = match args.target_error {
+        Some(_) => shot_for(args.shot.as_deref(), &args.scene, scene)?,
+        None => None,
+    };
+    let mut aim = match (args.target_error, &shot) {
+        (Some(target), Some(shot)) => Some(Aim::new(target, scene, shot, args.bounces)?),
         _ => None,
     };
     let plans = match &aim {
@@ -96,7 +103,8 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let previews = args.preview.then(|| output.with_extension(PREVIEW));
     let watcher = Watcher { display: Display::new(args.json_progress), stop: stop.clone(), previews };
     let (began, processors) = (Instant::now(), ProcessTime::now());
-    let mut trials = aim.as_ref().map(|aim| aim.trials(scene));
+    // Of the file that is written.
+    let mut written: Option<BakeReport> = None;
     let mut code = 0;
     for (number, Plan { settings, fewer }) in plans.iter().enumerate().skip(first) {
         if number > first {
@@ -121,6 +129,9 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
             Err(error) => {
                 // It would end the same way again.
                 checkpoint.remove();
+                if written.is_some() {
+                    eprintln!("note: {} has the best of the bakes before", output.display());
+                }
                 return Err(error).context(args.scene.clone());
             }
         };
@@ -132,46 +143,59 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
                 thinned.after, thinned.before
             );
         }
-        if let Some(trials) = &mut trials {
-            let is_last = number + 1 == plans.len() || thinned.is_some();
+        let mut outcome = Outcome::Met;
+        if let Some(aim) = &mut aim {
+            let last = match number + 1 == plans.len() {
+                _ if fewer.is_some() || thinned.is_some() => Last::Budget,
+                true => Last::Finest,
+                false => Last::No,
+            };
             let name = format!("{}, {} functions", settings.preset.name(), report.functions);
-            let (error, outcome) = trials.measure(&baked, &name, is_last)?;
-            report.measured_error = Some(error);
-            match outcome {
-                Outcome::Met => {}
-                Outcome::Finer => continue,
-                Outcome::Missed => code = OVER_TARGET,
+            let measured = aim.measure(&baked, &name, last)?;
+            outcome = measured.1;
+            report.measured_error = Some(measured.0);
+        }
+        // Each bake that is better than those before is written: what follows may fail.
+        if aim.as_ref().is_none_or(Aim::is_best) {
+            let bytes = baked.to_bytes().with_context(|| args.scene.clone())?;
+            stop.hold();
+            write_out(args, &output, &bytes, &mut report, &checkpoint)?;
+            written = Some(report);
+        }
+        match outcome {
+            Outcome::Met => break,
+            Outcome::Finer => stop.release(),
+            Outcome::Missed => {
+                code = OVER_TARGET;
+                break;
             }
         }
-        let bytes = baked.to_bytes().with_context(|| args.scene.clone())?;
-        stop.hold();
-        write_out(args, &output, &bytes, &mut report, checkpoint)?;
-        if let Some(preview) = &watcher.previews {
-            // It may never have been written.
-            let _ = std::fs::remove_file(preview);
-        }
-        watcher.display.finish(began.elapsed().as_secs_f64(), processors.elapsed().as_secs_f64());
-        if !watcher.display.is_json() {
-            println!("{report}");
-            println!("wrote         {}", output.display());
-        }
-        break;
+    }
+    stop.hold();
+    checkpoint.remove();
+    if let Some(preview) = &watcher.previews {
+        // It may never have been written.
+        let _ = std::fs::remove_file(preview);
+    }
+    watcher.display.finish(began.elapsed().as_secs_f64(), processors.elapsed().as_secs_f64());
+    if let Some(report) = written.filter(|_| !watcher.display.is_json()) {
+        println!("{report}");
+        println!("wrote         {}", output.display());
     }
     Ok(code)
 }
 
-/// Writes the file and its report, and removes the checkpoint.
+/// Writes the file and its report.
 fn write_out(
     args: &BakeArgs,
     output: &Path,
     bytes: &[u8],
     report: &mut BakeReport,
-    checkpoint: Checkpoint,
+    checkpoint: &Checkpoint,
 ) -> Result<()> {
     write_whole(output, bytes).with_context(|| {
         format!("the bake is done but not written; {} has it for --resume", checkpoint.path().display())
     })?;
-    checkpoint.remove();
     report.add_file(&container::read(bytes)?, bytes.len() as u64);
     if let Some(path) = &args.report {
         write_whole(path, &serde_json::to_vec_pretty(&report)?)?;
