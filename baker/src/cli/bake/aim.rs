@@ -131,8 +131,10 @@ mod tests {
 
     #[test]
     fn blame_is_in_words() {
-        let worst = Worst { material: "cloth".into(), share: 0.414, place: [1.0, 2.5, -0.104] };
+        let worst = Worst { material: (3, "cloth".into()), share: 0.414, place: [1.0, 2.5, -0.104] };
         let said = blamed(&worst);
+        let unnamed = blamed(&Worst { material: (3, String::new()), ..worst });
+        assert!(unnamed.contains("is on material 3, which has no name"), "{unnamed}");
         assert!(
             said.contains("41% of its square is on material \"cloth\"") && said.contains("1.00, 2.50, -0.10")
         );
