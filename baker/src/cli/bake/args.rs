@@ -113,11 +113,11 @@ pub struct BakeArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum PresetName {
-    /// To look at while arranging a scene: error under 0.15 against a path tracer, in seconds
+    /// To look at while arranging a scene: error under 0.15 against a path tracer in most scenes, in seconds
     Draft,
-    /// To ship: error under 0.08, in a minute or two for a room on two cores
+    /// To ship: error under 0.08 in most scenes (more where a lamp is close to a surface), in half a minute for a room on two cores
     Standard,
-    /// For stills and close looks: error under 0.06, in some minutes
+    /// For stills and close looks: error under 0.06 in most scenes, in some minutes
     Fine,
 }
 
