@@ -23,7 +23,7 @@ not count what else the machine does), fraction (0 to 1); the last one has the s
 A signal ends the command at once, and without a last line, while it reads the scene.
 
 --target-error bakes a draft, standard, fine, and then twice and four times as many functions, until one is within the error; progress goes from 0 to 1 \
-for each. FILE.rbn always has the best one so far. Before, the view is path-traced, about as long as a standard bake takes; \
+for each. FILE.rbn always has the best one so far. Before, the view is path-traced, about half as long as a standard bake takes; \
 --resume goes on with the bake that was stopped, and knows nothing of the errors before it. Several processes cannot do it.";
 
 /// Arguments of `rebounce bake`.
