@@ -145,10 +145,12 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
         }
         let mut outcome = Outcome::Met;
         if let Some(aim) = &mut aim {
-            let last = match number + 1 == plans.len() {
-                _ if fewer.is_some() || thinned.is_some() => Last::Budget,
-                true => Last::Finest,
-                false => Last::No,
+            let last = if fewer.is_some() || thinned.is_some() {
+                Last::Budget
+            } else if number + 1 == plans.len() {
+                Last::Finest
+            } else {
+                Last::No
             };
             let name = format!("{}, {} functions", settings.preset.name(), report.functions);
             let measured = aim.measure(&baked, &name, last)?;
