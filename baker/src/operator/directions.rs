@@ -5,8 +5,12 @@
 //! not left to few rays. They come from the Fibonacci lattice – of R2, jittered strata and this
 //! one it had the least error at every count from 256 to 4096 – sorted so that neighbours in the
 //! list are neighbours on the hemisphere, and shifted per receiver.
+//!
+//! Receivers next to each other are blended in the picture, so their shifts fill the gap between two directions evenly
+//! (the R2 sequence, Roberts 2018, along the curve that points are sorted by): what is far away is seen by all of them
+//! as by one receiver with their rays together.
 
-use crate::random::mix;
+use crate::random::Stream;
 use glam::{Vec2, Vec3, Vec3A};
 
 /// Share β of the cosine-weighted directions.
@@ -17,6 +21,8 @@ const COSINE_SHARE: f32 = 0.8;
 pub struct Directions {
     /// The first coordinate, and cosine and sine of the second one times 2π.
     square: Vec<Vec3>,
+    /// Two short steps from point to point, side by side: between them lie all shifts that differ.
+    steps: [Vec2; 2],
 }
 
 /// A direction to cast, and what it counts.
@@ -33,11 +39,10 @@ pub struct Direction {
 impl Directions {
     /// `count` directions.
     pub fn new(count: u32) -> Self {
-        const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let mut square: Vec<Vec2> = (0..count)
             .map(|i| {
-                let (x, y) = ((i as f64 + 0.5) / count as f64, (i as f64 * GOLDEN).fract());
-                Vec2::new(x as f32, y as f32)
+                let [x, y] = lattice(i, count);
+                Vec2::new((x + 0.5 / count as f64) as f32, y as f32)
             })
             .collect();
         // Rows of about square tiles, back and forth.
@@ -52,7 +57,7 @@ impl Directions {
             let (sin, cos) = (p.y * std::f32::consts::TAU).sin_cos();
             Vec3::new(p.x, cos, sin)
         };
-        Self { square: square.into_iter().map(mapped).collect() }
+        Self { square: square.into_iter().map(mapped).collect(), steps: steps(count) }
     }
 
     /// Number of directions.
@@ -65,10 +70,23 @@ impl Directions {
         self.square.is_empty()
     }
 
-    /// The directions around a unit normal, shifted by a hash of `name`.
-    pub fn around(&self, normal: Vec3, name: u64) -> impl Iterator<Item = Direction> + '_ {
-        let bits = mix(name);
-        let shift = Vec2::new((bits >> 40) as f32, (bits >> 16 & 0xff_ffff) as f32) / (1u32 << 24) as f32;
+    /// How far a receiver's points of the unit square are shifted.
+    fn shift(&self, receiver: usize, seed: u64) -> Vec2 {
+        // 1 / ρ and 1 / ρ² of the plastic number ρ: the sequence with the evenest first n points for every n.
+        const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+        let from = Stream::new(seed, 0).square();
+        let along = |from: f32, part: f64| (from as f64 + receiver as f64 * part).fract() as f32;
+        let [one, other] = self.steps;
+        let shift = one * along(from.x, PLASTIC[0]) + other * along(from.y, PLASTIC[1]);
+        // A shift by a whole is none; rounding may make one of next to nothing below zero.
+        let shift = shift - shift.floor();
+        Vec2::new(shift.x.min(1.0 - f32::EPSILON), shift.y.min(1.0 - f32::EPSILON))
+    }
+
+    /// The directions around a receiver's unit normal. Receivers with numbers next to each other have directions between
+    /// each other's.
+    pub fn around(&self, normal: Vec3, receiver: usize, seed: u64) -> impl Iterator<Item = Direction> + '_ {
+        let shift = self.shift(receiver, seed);
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         let (tangent, bitangent, normal) =
             (Vec3A::from(tangent), Vec3A::from(bitangent), Vec3A::from(normal));
@@ -92,6 +110,29 @@ impl Directions {
     }
 }
 
+/// Point `i` of the Fibonacci lattice of `count` points in the unit square.
+fn lattice(i: u32, count: u32) -> [f64; 2] {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    [i as f64 / count as f64, (i as f64 * GOLDEN).fract()]
+}
+
+/// The shortest step from a lattice point to another, and the shortest one that goes another way.
+fn steps(count: u32) -> [Vec2; 2] {
+    let wrapped = |i: u32| {
+        let [x, y] = lattice(i, count);
+        [x, y - y.round()]
+    };
+    let length = |step: &[f64; 2]| step[0] * step[0] + step[1] * step[1];
+    // Around the whole square there is always a step that goes another way.
+    let mut all: Vec<[f64; 2]> = (1..count).map(wrapped).chain([[0.0, 1.0], [1.0, 0.0]]).collect();
+    all.sort_by(|a, b| length(a).total_cmp(&length(b)));
+    let one = all[0];
+    // The lattice's cells have an area of 1 / count, those of steps along one line none.
+    let is_another = |step: &&[f64; 2]| (one[0] * step[1] - one[1] * step[0]).abs() > 0.5 / count as f64;
+    let other = all.iter().find(is_another).copied().unwrap_or([-one[1], one[0]]);
+    [one, other].map(|step| Vec2::new(step[0] as f32, step[1] as f32))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,10 +141,10 @@ mod tests {
     fn the_mixture_integrates_cosine_and_tangent_exactly_enough() {
         for count in [256, 4096] {
             let directions = Directions::new(count);
-            for name in 0..20 {
+            for receiver in 0..20 {
                 let normal = Vec3::new(0.48, 0.6, -0.64);
                 let (mut cosines, mut vector) = (0.0, Vec3A::ZERO);
-                for d in directions.around(normal, name) {
+                for d in directions.around(normal, receiver, 1) {
                     assert!((d.direction.length() - 1.0).abs() < 1e-4);
                     cosines += d.cosine * d.weight / count as f32;
                     vector += d.direction * (d.weight / count as f32);
@@ -113,5 +154,48 @@ mod tests {
                 assert!((Vec3::from(vector) - normal).length() < 0.05, "{vector}");
             }
         }
+    }
+
+    #[test]
+    fn steps_span_one_cell_of_the_lattice() {
+        for count in [1, 2, 3, 7, 64, 448, 512, 1000, 4096] {
+            let [one, other] = steps(count);
+            let cells = (one.perp_dot(other) * count as f32).abs();
+            assert!((cells - 1.0).abs() < 0.01, "{count}: {cells}");
+            assert!(one.length() <= other.length());
+            // Not slim: shifts along both are about as far. (The lattice of two points is.)
+            assert!(count < 3 || other.length() < 3.0 * one.length(), "{count}: {one} {other}");
+        }
+    }
+
+    #[test]
+    fn neighbours_share_what_is_small_and_far_evenly() {
+        // A lit spot that one receiver has two rays for.
+        let (normal, spot, cosine) = (Vec3::Y, Vec3A::new(0.5, 0.7, -0.3).normalize(), 0.997);
+        let directions = Directions::new(512);
+        let share = |receiver: usize, seed: u64| {
+            let of = |inside: bool| {
+                let some = directions.around(normal, receiver, seed);
+                let some = some.filter(|d| !inside || d.direction.dot(spot) > cosine);
+                some.map(|d| d.cosine * d.weight).sum::<f32>()
+            };
+            of(true) / of(false)
+        };
+        let together = |receivers: &dyn Fn(usize) -> usize, seed| {
+            (0..12).map(|k| share(receivers(k), seed)).sum::<f32>() / 12.0
+        };
+        let spread = |values: &[f32]| {
+            let mean = values.iter().sum::<f32>() / values.len() as f32;
+            (values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / values.len() as f32).sqrt() / mean
+        };
+        let mut stream = Stream::new(9, 9);
+        let (mut near, mut random) = (Vec::new(), Vec::new());
+        for seed in 0..100 {
+            let first = stream.bits() as usize % 100_000;
+            near.push(together(&|k| first + k, seed));
+            let any: Vec<usize> = (0..12).map(|_| stream.bits() as usize % 100_000).collect();
+            random.push(together(&|k| any[k], seed));
+        }
+        assert!(spread(&near) < 0.6 * spread(&random), "{} {}", spread(&near), spread(&random));
     }
 }

@@ -39,7 +39,7 @@ pub fn gather_rays(
     // The square root of the solid angle that each stands for.
     let spread = (std::f32::consts::TAU / directions.len() as f32).sqrt();
     let mut total = 0.0;
-    for (i, d) in directions.around(point.normal, name).enumerate() {
+    for (i, d) in directions.around(point.normal, receiver, seed).enumerate() {
         let share = d.cosine * d.weight;
         total += share;
         let direction = Vec3::from(d.direction);
