@@ -77,10 +77,8 @@ impl Directions {
         let from = Stream::new(seed, 0).square();
         let along = |from: f32, part: f64| (from as f64 + receiver as f64 * part).fract() as f32;
         let [one, other] = self.steps;
-        let shift = one * along(from.x, PLASTIC[0]) + other * along(from.y, PLASTIC[1]);
-        // A shift by a whole is none; rounding may make one of next to nothing below zero.
-        let shift = shift - shift.floor();
-        Vec2::new(shift.x.min(1.0 - f32::EPSILON), shift.y.min(1.0 - f32::EPSILON))
+        // A shift by a whole is none.
+        (one * along(from.x, PLASTIC[0]) + other * along(from.y, PLASTIC[1])).fract_gl()
     }
 
     /// The directions around a receiver's unit normal. Receivers with numbers next to each other have directions between
