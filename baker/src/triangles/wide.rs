@@ -2,7 +2,7 @@
 //!
 //! A node holds its children's boxes side by side, so that all eight are tested at once: with AVX2 where the processor has
 //! it, and by the same arithmetic where not. The boxes are kept as they are: in 256 steps of the node's extent a node was
-//! half as large, but making numbers of the steps took a fifth of a ray's time, in a million triangles, too. (obvhs has
+//! half as large, but making numbers of the steps took a sixth of a ray's time, in a million triangles, too. (obvhs has
 //! such a hierarchy for GPUs, CWBVH; it loses a few hits in a thousand on large scenes.)
 
 use crate::processor;
