@@ -26,7 +26,7 @@ use std::collections::HashMap;
 const WIDTH: f32 = 0.5;
 /// Hits nearer than this many of the smallest tiles' widths are looked at one by one: in a corner the one tile beside it
 /// fills half of what is seen.
-const NEAR: f32 = 0.5;
+const NEAR: f32 = 1.0;
 /// Pieces of more tiles have none: of a plain around a house few tiles are ever hit.
 const MOST: u32 = 1 << 21;
 /// Tiles of all pieces together, for each function and each piece: further pieces have none. Where functions are everywhere,
