@@ -191,7 +191,7 @@ impl WideBvh {
                 }
                 reach = limit * BEYOND;
             }
-            // A box whose near side is exactly at the limit must be opened too.
+            // A box whose near side is exactly there must be opened too.
             next = loop {
                 let entry = if count > 0 {
                     count -= 1;

@@ -41,10 +41,8 @@ fn every_triangle_is_in_one_leaf_and_in_all_boxes_above_it() {
         while let Some((name, above)) = waiting.pop() {
             if name & LEAF == 0 {
                 let node = &wide.nodes[name as usize];
-                for (child, of) in (0..WIDTH).map(|child| (child, child_box(node, child))) {
-                    if of.min.x > of.max.x {
-                        continue;
-                    }
+                let boxes = (0..WIDTH).map(|child| (child, child_box(node, child)));
+                for (child, of) in boxes.filter(|(_, of)| of.valid()) {
                     let mut above = above.clone();
                     above.push(of);
                     waiting.push((node.children[child], above));
