@@ -8,7 +8,7 @@
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_viewpoints};
+use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_vantage};
 use rebounce::operator::OperatorSettings;
 use rebounce::operator::directions::Directions;
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
@@ -118,9 +118,9 @@ impl Rays {
     /// Places the bake's points once more, and finds which of them it gathered for.
     fn of(scene: &Scene, settings: &BakeSettings, file: &rbn::Scene, report: &BakeReport) -> Result<Self> {
         let surfaces = TriangleSurfaces::simplified(scene);
-        let viewpoints = choose_viewpoints(scene, &surfaces, settings)?;
+        let vantage = choose_vantage(scene, &surfaces, settings)?;
         let recorder = Recorder::new(&surfaces);
-        let mut points = place(&recorder, &viewpoints, &settings.place, &())?;
+        let mut points = place(&recorder, &vantage, &settings.place, &())?;
         let end = points.points.len();
         ensure!(end == file.points.len(), "the same settings placed other points");
         cut(&recorder, &mut points, end, &())?;

@@ -6,7 +6,7 @@
 
 use anyhow::Result;
 use criterion::{Criterion, Throughput};
-use rebounce::bake::{BakeSettings, Preset, choose_viewpoints};
+use rebounce::bake::{BakeSettings, Preset, choose_vantage};
 use rebounce::basis::{Relations, relate};
 use rebounce::operator::bounces::{add_later_bounces, column_count};
 use rebounce::operator::directions::Directions;
@@ -15,6 +15,7 @@ use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::refine::{Refiner, Senders};
 use rebounce::operator::tiles::Tiles;
 use rebounce::operator::{Operator, OperatorSettings, tint};
+use rebounce::points::vantage::Vantage;
 use rebounce::points::{PlaceSettings, Points, place};
 use rebounce::scene;
 use rebounce::surface::{Hit, Ray, Surfaces};
@@ -38,7 +39,7 @@ const RAYS: u32 = 512;
 /// What the kernels work on.
 struct Room {
     surfaces: TriangleSurfaces,
-    viewpoints: Vec<glam::Vec3>,
+    vantage: Vantage,
     place: PlaceSettings,
     operator: OperatorSettings,
     points: Points,
@@ -66,8 +67,8 @@ impl Room {
         let settings = settings.normalised();
         let operator = settings.operator.clone();
         let surfaces = TriangleSurfaces::from_scene(&scene);
-        let viewpoints = choose_viewpoints(&scene, &surfaces, &settings)?;
-        let points = place(&surfaces, &viewpoints, &settings.place, &())?;
+        let vantage = choose_vantage(&scene, &surfaces, &settings)?;
+        let points = place(&surfaces, &vantage, &settings.place, &())?;
         let relations = relate(&points, settings.direct_levels)?;
         let tints = tint::tints(&surfaces, &points, operator.seed, &())?;
         let senders = Senders::new(&surfaces, &points, &operator, &tints, &())?;
@@ -88,7 +89,7 @@ impl Room {
             rays: Vec::new(),
             hits: Vec::new(),
             surfaces,
-            viewpoints,
+            vantage,
             operator,
             points,
             relations,
@@ -252,7 +253,7 @@ fn decode_links(room: &Room) -> u64 {
 
 #[inline(never)]
 fn place_points(room: &Room) -> u64 {
-    let points = place(&room.surfaces, &room.viewpoints, &room.place, &());
+    let points = place(&room.surfaces, &room.vantage, &room.place, &());
     points.map_or(0, |points| points.points.len() as u64)
 }
 

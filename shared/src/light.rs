@@ -94,6 +94,14 @@ pub struct Incident {
 }
 
 impl Light {
+    /// Where it is, world space; `None` of one from infinitely far.
+    pub fn position(&self) -> Option<[f64; 3]> {
+        match self {
+            Self::Point { position, .. } | Self::Spot { position, .. } => Some(*position),
+            Self::Directional { .. } => None,
+        }
+    }
+
     /// Whether its numbers are finite and small enough that those of a picture are: places under 1e15 units,
     /// intensities and colours under 1e18.
     pub fn is_usable(&self) -> bool {

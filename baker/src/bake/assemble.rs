@@ -5,6 +5,7 @@ use crate::basis::Relations;
 use crate::operator::Operator;
 use crate::points::Points;
 use crate::points::round::{power_of_two_under, to_steps};
+use crate::points::vantage::Vantage;
 use crate::scene::{Model, Scene};
 use crate::weld::firsts;
 use glam::{DVec3, Vec3};
@@ -21,7 +22,7 @@ use std::ops::Range;
 pub(super) fn assemble(
     scene: &Scene,
     settings: &BakeSettings,
-    viewpoint: Vec3,
+    vantage: &Vantage,
     points: &Points,
     relations: &Relations,
     operator: &Operator,
@@ -32,7 +33,7 @@ pub(super) fn assemble(
     let senders = points.count_on(settings.operator.sender_levels);
     let mut cameras = scene.cameras.clone();
     if cameras.is_empty() {
-        cameras.push(camera_at(scene.origin, viewpoint, low, high));
+        cameras.push(camera_for(scene.origin, vantage, low, high));
     }
     let (mut records, cuts, levels) = points.records();
     let meta = Meta {
@@ -87,7 +88,7 @@ pub(super) fn without_light(scene: &Scene) -> rbn::Scene {
         materials: scene.materials.clone(),
         textures,
         draws,
-        cameras: vec![camera_at(scene.origin, Vec3::ZERO, low, high)],
+        cameras: vec![camera_for(scene.origin, &Vantage::default(), low, high)],
         ..Meta::default()
     };
     rbn::Scene { meta, vertices, indices, instances, copies, texture_bytes, ..rbn::Scene::default() }
@@ -200,16 +201,31 @@ fn draws(scene: &Scene, triangles: Range<usize>, indices: &mut [u32]) -> Vec<Dra
     draws
 }
 
-/// A camera at the viewpoint, looking level towards the far side of the scene.
-fn camera_at(origin: [f64; 3], viewpoint: Vec3, low: Vec3, high: Vec3) -> Camera {
-    let mut towards = 0.5 * (low + high) - viewpoint;
-    towards.y = 0.0;
-    if towards.length() < 0.05 * (high - low).length() {
-        towards = if high.x - low.x > high.z - low.z { Vec3::X } else { Vec3::Z };
-    }
-    let position = DVec3::from(origin) + viewpoint.as_dvec3();
-    let target = position + towards.normalize().as_dvec3() * 0.25 * (high - low).length() as f64;
-    Camera { position: position.to_array(), target: target.to_array(), up: [0.0, 1.0, 0.0], yfov_deg: 60.0 }
+/// Where an open scene is looked at from, seen from its middle: from ahead of it (glTF's objects face +z) and a little
+/// above.
+const AHEAD: Vec3 = Vec3::new(0.45, 0.35, 1.0);
+const YFOV_DEG: f64 = 60.0;
+
+/// A camera for a scene that has none: of a room at its viewpoint, looking level towards the far side; of an open scene
+/// outside, so that all of it is in the picture.
+fn camera_for(origin: [f64; 3], vantage: &Vantage, low: Vec3, high: Vec3) -> Camera {
+    let (middle, diagonal) = (0.5 * (low + high), (high - low).length());
+    let world = |local: Vec3| (DVec3::from(origin) + local.as_dvec3()).to_array();
+    let inside = vantage.viewpoints.first().filter(|_| !vantage.is_open);
+    let (position, target) = match inside {
+        Some(&viewpoint) => {
+            let mut towards = (middle - viewpoint).with_y(0.0);
+            if towards.length() < 0.05 * diagonal {
+                towards = if high.x - low.x > high.z - low.z { Vec3::X } else { Vec3::Z };
+            }
+            (viewpoint, viewpoint + towards.normalize() * 0.25 * diagonal)
+        }
+        None => {
+            let distance = 0.5 * diagonal / (0.5 * YFOV_DEG as f32).to_radians().sin();
+            (middle + AHEAD.normalize() * distance, middle)
+        }
+    };
+    Camera { position: world(position), target: world(target), up: [0.0, 1.0, 0.0], yfov_deg: YFOV_DEG }
 }
 
 #[cfg(test)]

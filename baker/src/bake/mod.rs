@@ -26,13 +26,14 @@ pub use observer::{Observer, Preview, Progress, Stage};
 pub use preset::{BakeSettings, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 
-use crate::points::{PlaceError, candidates::Candidates, viewpoint};
+use crate::points::{PlaceError, candidates::Candidates, vantage::Vantage};
 use crate::scene::Scene;
 use crate::team::{Team, TeamError};
 use crate::triangles::TriangleSurfaces;
 use crate::watch::{Stopped, Watch};
 use estimate::Estimate;
 use glam::{DVec3, Vec3};
+use rebounce_shared::light::Light;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 use rebounce_shared::rbn::{self, RbnError};
 use tracker::Tracker;
@@ -46,7 +47,7 @@ pub enum BakeError {
     Empty,
     /// No viewpoint was given and none was found.
     #[error(
-        "no viewpoint was found from which any surface's reflecting side can be seen: give one inside the scene with --viewpoint x,y,z"
+        "no place was found, inside the scene or around it, from which any surface's reflecting side can be seen: give one with --viewpoint x,y,z (are the surfaces one-sided and facing away?)"
     )]
     NoViewpoint,
     /// Points could not be placed.
@@ -169,36 +170,41 @@ fn run(
     report.ray_triangles = surfaces.triangle_count() as u64;
     tracker.expect(|estimate| estimate.found_surfaces(&settings, surfaces.piece_count()));
     task.step(0)?;
-    let viewpoints = choose_viewpoints(scene, &surfaces, &settings)?;
+    let vantage = choose_vantage(scene, &surfaces, &settings)?;
     task.step(0)?;
     drop(task);
-    report.viewpoint = (DVec3::from(scene.origin) + viewpoints[0].as_dvec3()).to_array();
-    let bake = Transport { scene, surfaces: &surfaces, viewpoints: &viewpoints, observer, team };
+    let world = |local: &Vec3| (DVec3::from(scene.origin) + local.as_dvec3()).to_array();
+    report.viewpoints = vantage.viewpoints.iter().map(world).collect();
+    report.is_open = vantage.is_open;
+    let bake = Transport { scene, surfaces: &surfaces, vantage: &vantage, observer, team };
     if let Some(settings) = sketch {
         bake.sketch(settings, &tracker.task(Stage::Sketch, None))?;
     }
     bake.run(settings, &tracker, checkpoint, report)
 }
 
-/// Where points are placed from, local space: the viewpoint given, or the scene's cameras that see something, or those
-/// that are found; never empty.
+/// Where points are placed from: the viewpoint given, or the scene's cameras that see something, or what is found.
 ///
 /// # Errors
 /// [`BakeError::NoViewpoint`].
-pub fn choose_viewpoints(
+pub fn choose_vantage(
     scene: &Scene,
     surfaces: &TriangleSurfaces,
     settings: &BakeSettings,
-) -> Result<Vec<Vec3>, BakeError> {
+) -> Result<Vantage, BakeError> {
     let local = |world: [f64; 3]| (DVec3::from(world) - DVec3::from(scene.origin)).as_vec3();
-    if let Some(world) = settings.viewpoint {
-        return Ok(vec![local(world)]);
-    }
     let seed = settings.place.seed;
-    let mut viewpoints: Vec<Vec3> = scene.cameras.iter().map(|camera| local(camera.position)).collect();
-    viewpoints.retain(|point| Candidates::new(surfaces, &[*point], seed).batch().len() > 1000);
-    if viewpoints.is_empty() {
-        viewpoints = viewpoint::find(surfaces, seed);
+    if let Some(world) = settings.viewpoint {
+        return Ok(Vantage::at(surfaces, vec![local(world)], seed));
     }
-    if viewpoints.is_empty() { Err(BakeError::NoViewpoint) } else { Ok(viewpoints) }
+    let mut viewpoints: Vec<Vec3> = scene.cameras.iter().map(|camera| local(camera.position)).collect();
+    viewpoints.retain(|point| {
+        let alone = Vantage { viewpoints: vec![*point], is_open: false };
+        Candidates::new(surfaces, &alone, seed).batch().len() > 1000
+    });
+    if !viewpoints.is_empty() {
+        return Ok(Vantage::at(surfaces, viewpoints, seed));
+    }
+    let lamps: Vec<Vec3> = scene.lights.iter().filter_map(Light::position).map(local).collect();
+    Vantage::find(surfaces, &lamps, seed).ok_or(BakeError::NoViewpoint)
 }

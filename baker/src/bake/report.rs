@@ -29,7 +29,9 @@ pub struct BakeReport {
     /// Those that rays are cast at, after [simplifying](crate::simplify); those of copies counted once.
     pub ray_triangles: u64,
     /// Where importance particles started, world space.
-    pub viewpoint: [f64; 3],
+    pub viewpoints: Vec<[f64; 3]>,
+    /// Whether they came from the sky, too: the scene is an object or a landscape, no room.
+    pub is_open: bool,
     /// Levels of points, coarsest first.
     pub levels: Vec<LevelReport>,
     /// Basis functions on all levels.
@@ -183,8 +185,13 @@ impl fmt::Display for BakeReport {
         };
         writeln!(
             f,
-            "scene         {} ({} triangles{}, {} for rays), preset {}",
-            self.scene, self.triangles, instances, self.ray_triangles, self.preset
+            "scene         {} ({} triangles{}, {} for rays{}), preset {}",
+            self.scene,
+            self.triangles,
+            instances,
+            self.ray_triangles,
+            if self.is_open { ", open to the sky" } else { "" },
+            self.preset
         )?;
         let levels: Vec<String> = self.levels.iter().map(|l| l.functions.to_string()).collect();
         writeln!(f, "functions     {} on {} levels ({})", self.functions, levels.len(), levels.join(", "))?;

@@ -9,12 +9,12 @@ use crate::operator::bounces::{add_later_bounces, column_count};
 use crate::operator::journal::Journal;
 use crate::operator::refine::{Refiner, Senders, refine};
 use crate::operator::{Operator, reflected::reflected_share, tint};
+use crate::points::vantage::Vantage;
 use crate::points::{Placer, Points, cut, footprint, place};
 use crate::scene::Scene;
 use crate::team::Team;
 use crate::triangles::TriangleSurfaces;
 use crate::watch::{Stopped, Watch};
-use glam::Vec3;
 use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
@@ -28,7 +28,7 @@ const SKETCH: (usize, usize, u32) = (3_000, 3, 512);
 pub(super) struct Transport<'a> {
     pub scene: &'a Scene,
     pub surfaces: &'a TriangleSurfaces,
-    pub viewpoints: &'a [Vec3],
+    pub vantage: &'a Vantage,
     pub observer: &'a dyn Observer,
     pub team: &'a dyn Team,
 }
@@ -60,7 +60,7 @@ impl Transport<'_> {
     /// Bakes coarsely and hands the result to the observer.
     pub(super) fn sketch(&self, mut settings: BakeSettings, watch: &dyn Watch) -> Result<(), BakeError> {
         let watch = &Uncounted(watch);
-        let mut points = place(self.surfaces, self.viewpoints, &settings.place, watch)?;
+        let mut points = place(self.surfaces, self.vantage, &settings.place, watch)?;
         let end = points.points.len();
         cut(self.surfaces, &mut points, end, watch)?;
         footprint(self.surfaces, &mut points, end, watch)?;
@@ -150,7 +150,7 @@ impl Transport<'_> {
         tracker: &Tracker,
         checkpoint: Option<&Checkpoint>,
     ) -> Result<Points, BakeError> {
-        let mut placer = Placer::new(self.surfaces, self.viewpoints, &settings.place)?;
+        let mut placer = Placer::new(self.surfaces, self.vantage, &settings.place)?;
         for level in 0..settings.place.levels {
             let task = tracker.task(Stage::Points, Some(level));
             if let Some((mark, points)) = checkpoint.and_then(|checkpoint| checkpoint.take_placed(level)) {
@@ -200,6 +200,6 @@ impl Transport<'_> {
         if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
             return Err(BakeError::TooManyCuts);
         }
-        Ok(assemble(self.scene, settings, self.viewpoints[0], points, relations, operator))
+        Ok(assemble(self.scene, settings, self.vantage, points, relations, operator))
     }
 }

@@ -1,7 +1,7 @@
 //! Points: where the basis functions sit (paper, section 2.3).
 //!
 //! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
-//! viewpoint when none is given, [`dart`] throws the candidates as darts into one level's
+//! viewpoint when none is given, [`vantage`] whether the scene is open, [`dart`] throws the candidates as darts into one level's
 //! Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
 //! [`round`] rounds them to what the file keeps, [`cut`] ends supports at walls, [`footprint`] finds
 //! where direct light is sampled.
@@ -13,6 +13,7 @@ mod fill;
 mod footprint;
 pub mod place;
 pub mod round;
+pub mod vantage;
 pub mod viewpoint;
 
 use crate::surface::Hit;

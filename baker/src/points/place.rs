@@ -3,6 +3,7 @@
 use super::candidates::Candidates;
 use super::dart::DartBoard;
 use super::fill::fill;
+use super::vantage::Vantage;
 use super::{PointLevel, Points, SurfacePoint};
 use crate::morton;
 use crate::random::Stream;
@@ -73,17 +74,17 @@ const MOST_TRIED: u64 = 1_000_000;
 /// Rays for the harmonic mean distance.
 const HARMONIC_RAYS: u32 = 32;
 
-/// Places the points of all levels for what is seen from `viewpoints` (local space). A unit of `watch` is a point.
+/// Places the points of all levels for what is seen from a vantage. A unit of `watch` is a point.
 ///
 /// # Errors
 /// [`PlaceError`].
 pub fn place<S: Surfaces + ?Sized>(
     surfaces: &S,
-    viewpoints: &[Vec3],
+    vantage: &Vantage,
     settings: &PlaceSettings,
     watch: &dyn Watch,
 ) -> Result<Points, PlaceError> {
-    let mut placer = Placer::new(surfaces, viewpoints, settings)?;
+    let mut placer = Placer::new(surfaces, vantage, settings)?;
     for _ in 0..settings.levels {
         placer.level(watch)?;
     }
@@ -111,16 +112,16 @@ pub struct Placer<'a, S: Surfaces + ?Sized> {
 }
 
 impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
-    /// Looks at the scene from the `viewpoints` (local space) and chooses the radii.
+    /// Looks at the scene and chooses the radii.
     ///
     /// # Errors
     /// [`PlaceError::NothingSeen`].
     pub fn new(
         surfaces: &'a S,
-        viewpoints: &'a [Vec3],
+        vantage: &'a Vantage,
         settings: &'a PlaceSettings,
     ) -> Result<Self, PlaceError> {
-        let mut source = Candidates::new(surfaces, viewpoints, settings.seed);
+        let mut source = Candidates::new(surfaces, vantage, settings.seed);
         let mut pool = Vec::new();
         for _ in 0..64 {
             pool.extend(source.batch());
@@ -129,7 +130,7 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
             }
         }
         if pool.is_empty() {
-            let first = viewpoints.first().copied().unwrap_or_default();
+            let first = vantage.viewpoints.first().copied().unwrap_or_default();
             return Err(PlaceError::NothingSeen(first.x, first.y, first.z));
         }
         let coarse_radius = settings.coarse_radius.unwrap_or_else(|| coarse_radius_for(&pool, settings));

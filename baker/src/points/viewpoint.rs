@@ -5,7 +5,11 @@
 //! inside a wall or under the floor rays end on backs; outside most rays leave the scene. No
 //! single score tells a furnished room that is open to the sky from the closed hollow under its
 //! floor, so the best of each part of the scene all serve: particles start from each in turn.
+//!
+//! Files often say of all surfaces that both of their sides reflect, and within an object that is hollow every ray ends
+//! on a back; so backs are not looked for first.
 
+use super::candidates::from_viewpoint;
 use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
 use glam::{IVec3, Vec3};
@@ -21,11 +25,21 @@ const GOOD: f32 = 0.5;
 /// Viewpoints at most.
 const MOST: usize = 16;
 
-/// The best of many tries, best first; none when no try sees the reflecting side of any surface.
-pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Vec<Vec3> {
+/// Which sides of surfaces are looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sides {
+    /// Fronts, and next to a lamp backs that reflect.
+    Front,
+    /// All that reflect.
+    Both,
+}
+
+/// The best of many tries, and of these places next to `lights`, best first; none when no try sees such a side of any
+/// surface.
+pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], sides: Sides, seed: u64) -> Vec<Vec3> {
     let (low, high) = surfaces.bounds();
     let extent = high - low;
-    let tries: Vec<(f32, u64, Vec3)> = (0..TRIES)
+    let mut tries: Vec<(f32, u64, Vec3)> = (0..TRIES)
         .into_par_iter()
         .filter_map(|i| {
             let mut stream = Stream::new(seed ^ 0x7669_6577, i);
@@ -50,10 +64,15 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Vec<Vec3> {
                     .map_or(0.25 * extent.length(), |h| h.distance);
                 point = origin + away * (0.5 * free);
             }
-            let score = score(surfaces, point, &mut stream, extent.length());
+            let score = score(surfaces, point, sides, &mut stream);
             (score > 0.0).then_some((score, i, point))
         })
         .collect();
+    tries.extend((TRIES..).zip(lights).filter_map(|(i, &light)| {
+        let mut stream = Stream::new(seed ^ 0x7669_6577, i);
+        let score = score(surfaces, light, Sides::Both, &mut stream);
+        (score > 0.0).then_some((score, i, light))
+    }));
     let part = |p: Vec3| ((p - low) / extent.max(Vec3::splat(f32::MIN_POSITIVE)) * PARTS).floor().as_ivec3();
     let better = |a: &(f32, u64, Vec3), b: &(f32, u64, Vec3)| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1));
     let mut best_of_part: HashMap<IVec3, (f32, u64, Vec3)> = HashMap::new();
@@ -70,30 +89,34 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> Vec<Vec3> {
 }
 
 /// How good a viewpoint is: the share of rays that end on a reflecting side, less those that end
-/// on a back, squared, times the harmonic mean distance. So a room open to the sky beats the
+/// on one that does not, squared, times the harmonic mean distance. So a room open to the sky beats the
 /// hollow of a wall, which is closed but tight, and the outside, where most rays leave.
-fn score<S: Surfaces + ?Sized>(surfaces: &S, point: Vec3, stream: &mut Stream, diagonal: f32) -> f32 {
-    let (mut front, mut back, mut inverse_distance) = (0.0, 0.0, 0.0);
+fn score<S: Surfaces + ?Sized>(surfaces: &S, point: Vec3, sides: Sides, stream: &mut Stream) -> f32 {
+    let (low, high) = surfaces.bounds();
+    let diagonal = (high - low).length();
+    let (mut front, mut dark, mut inverse_distance) = (0.0, 0.0, 0.0);
     for _ in 0..RAYS {
-        let ray = Ray {
-            origin: point,
-            direction: stream.sphere(),
-            max_distance: f32::INFINITY,
-            spread: Ray::BLIND,
+        let ray = from_viewpoint(point, stream);
+        let seed = stream.bits() as u32;
+        let is_back = || {
+            let place = surfaces.pieces().and_then(|pieces| pieces.find(&ray, seed));
+            place.is_some_and(|(place, _)| place.is_back)
         };
-        match surfaces.cast(&ray, stream.bits() as u32) {
+        match surfaces.cast(&ray, seed) {
             Some(hit) if hit.faces(ray.direction) => {
-                front += 1.0;
-                inverse_distance += 1.0 / hit.distance.max(1e-6 * diagonal);
+                if sides == Sides::Both || !is_back() {
+                    front += 1.0;
+                    inverse_distance += 1.0 / hit.distance.max(1e-6 * diagonal);
+                }
             }
-            Some(_) => back += 1.0,
+            Some(_) => dark += 1.0,
             None => {}
         }
     }
     if front == 0.0 {
         return 0.0;
     }
-    let share = ((front - 4.0 * back) / RAYS as f32).max(0.0);
+    let share = ((front - 4.0 * dark) / RAYS as f32).max(0.0);
     let free = (front / inverse_distance) / diagonal;
     if free < 0.002 {
         return 0.0;
