@@ -5,8 +5,9 @@
 //! that the result depends little on where the viewpoint is (paper, section 2.3).
 //!
 //! An object and a landscape are seen from all around, and what leaves them does not come back. There, unlike in
-//! the paper, the sky sends particles, too, and sends back those that leave, from anywhere; candidates are where they come
-//! to from another surface. So all that light bounces to has points, and what faces only the sky has none.
+//! the paper, half of the particles come from the sky, and those that leave are sent back from anywhere around; at each
+//! surface a particle looks for another one a few times before it leaves, and both of them are candidates. So all that
+//! light bounces between has points, and what faces only the sky has none.
 
 use super::SurfacePoint;
 use super::vantage::Vantage;
@@ -19,8 +20,10 @@ use rayon::prelude::*;
 const BOUNCES: u32 = 30;
 /// Particles a batch.
 const PARTICLES: u64 = 1024;
-/// Candidates of an open scene's first batch that are enough not to take what the sky's particles come to first.
-const ENOUGH_BOUNCED: usize = 32;
+/// Directions in which a particle looks for another surface before it leaves an open scene.
+const LOOKS: usize = 8;
+/// Candidates of an open scene's first batch that are enough: of fewer, surfaces count that see no other one, too.
+const ENOUGH_IN_OPEN: usize = 1536;
 
 /// An endless, reproducible source of candidates.
 pub struct Candidates<'a, S: Surfaces + ?Sized> {
@@ -37,7 +40,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     /// one, or none where no surface sees another.
     pub fn new(surfaces: &'a S, vantage: &'a Vantage, seed: u64) -> Self {
         let (dropped_bounces, enough) =
-            if vantage.is_open { (1, ENOUGH_BOUNCED) } else { (3, PARTICLES as usize) };
+            if vantage.is_open { (1, ENOUGH_IN_OPEN) } else { (3, PARTICLES as usize) };
         let mut source = Self { surfaces, vantage, seed, next_particle: 0, dropped_bounces };
         while source.dropped_bounces > 0 {
             let found = source.batch().len();
@@ -48,11 +51,6 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
             source.dropped_bounces -= 1;
         }
         source
-    }
-
-    /// Whether light goes from surface to surface at all.
-    pub fn has_bounces(&self) -> bool {
-        self.dropped_bounces > 0
     }
 
     /// The first particle that has not been traced.
@@ -75,36 +73,71 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     }
 
     fn trace(&self, particle: u64) -> Vec<SurfacePoint> {
-        let mut found = Vec::new();
         let mut stream = Stream::new(self.seed, particle);
-        let Some(mut ray) = self.start(particle, &mut stream) else { return found };
-        // Surfaces that the particle has bounced off since it was sent.
-        let mut bounces = 0;
-        for _ in 0..BOUNCES {
-            let seed = mix(stream.bits()) as u32;
-            let hit = self.surfaces.cast(&ray, seed).filter(|hit| hit.faces(ray.direction));
-            if let Some(hit) = &hit
-                && bounces >= self.dropped_bounces
-            {
-                found.push(SurfacePoint::at(hit, self.surfaces.epsilon()));
-            }
-            match hit.and_then(|hit| bounced(&hit, self.surfaces.epsilon(), &mut stream)) {
-                Some(on) => (ray, bounces) = (on, bounces + 1),
-                None if self.vantage.is_open => (ray, bounces) = (self.from_sky(&mut stream), 0),
-                None => break,
+        let mut found = Vec::new();
+        if self.vantage.is_open {
+            self.trace_in_open(particle, &mut stream, &mut found);
+        } else if let Some(&viewpoint) =
+            self.vantage.viewpoints.get(particle as usize % self.vantage.viewpoints.len().max(1))
+        {
+            let mut ray = from_viewpoint(viewpoint, &mut stream);
+            for bounce in 0..BOUNCES {
+                let Some(hit) = self.cast(&ray, &mut stream) else { break };
+                if bounce >= self.dropped_bounces {
+                    found.push(self.point(&hit));
+                }
+                let Some(on) = bounced(&hit, self.surfaces.epsilon(), &mut stream) else { break };
+                ray = on;
             }
         }
         found
     }
 
-    /// A particle's first ray.
-    fn start(&self, particle: u64, stream: &mut Stream) -> Option<Ray> {
-        let Vantage { viewpoints, is_open } = self.vantage;
-        let places = viewpoints.len() + *is_open as usize;
-        match viewpoints.get((particle % places.max(1) as u64) as usize) {
-            Some(&viewpoint) => Some(from_viewpoint(viewpoint, stream)),
-            None => is_open.then(|| self.from_sky(stream)),
+    /// A particle that comes from a viewpoint or from the sky, and from there again where it leaves.
+    fn trace_in_open(&self, particle: u64, stream: &mut Stream, found: &mut Vec<SurfacePoint>) {
+        let viewpoints = &self.vantage.viewpoints;
+        let mut ray = match viewpoints.get((particle / 2) as usize % viewpoints.len().max(1)) {
+            Some(&viewpoint) if particle % 2 == 1 => from_viewpoint(viewpoint, stream),
+            _ => self.from_sky(stream),
+        };
+        // The surface that it is on, and how many it has bounced off before.
+        let mut here: Option<(Hit, u32)> = None;
+        for _ in 0..BOUNCES {
+            let next = match &here {
+                None => self.cast(&ray, stream).map(|hit| (hit, 0)),
+                Some((hit, bounces)) => self.look(hit, stream).map(|hit| (hit, bounces + 1)),
+            };
+            if let Some((hit, bounces)) = &next {
+                if let Some((first, 0)) = &here
+                    && self.dropped_bounces > 0
+                {
+                    found.push(self.point(first));
+                }
+                if *bounces >= self.dropped_bounces {
+                    found.push(self.point(hit));
+                }
+            } else {
+                ray = self.from_sky(stream);
+            }
+            here = next;
         }
+    }
+
+    /// Another surface that is seen from one.
+    fn look(&self, from: &Hit, stream: &mut Stream) -> Option<Hit> {
+        (0..LOOKS).find_map(|_| {
+            let on = bounced(from, self.surfaces.epsilon(), stream)?;
+            self.cast(&on, stream)
+        })
+    }
+
+    /// The nearest surface, if its side there reflects.
+    fn cast(&self, ray: &Ray, stream: &mut Stream) -> Option<Hit> {
+        self.surfaces.cast(ray, mix(stream.bits()) as u32).filter(|hit| hit.faces(ray.direction))
+    }
+
+    fn point(&self, hit: &Hit) -> SurfacePoint {
+        SurfacePoint::at(hit, self.surfaces.epsilon())
     }
 
     /// A ray towards the scene, as likely through any place as through any other, in any direction.

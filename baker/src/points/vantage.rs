@@ -1,7 +1,7 @@
 //! Where particles start, and whether the scene is open to the sky.
 
 use super::candidates::{Candidates, bounced, from_viewpoint};
-use super::viewpoint::{Sides, find};
+use super::viewpoint;
 use crate::random::{Stream, mix};
 use crate::surface::Surfaces;
 use glam::Vec3;
@@ -9,6 +9,11 @@ use glam::Vec3;
 /// A scene is open if more than this share of what its surfaces send leaves it. Of rooms and courts it is under 0.04, of a
 /// box without a front 0.11; of objects and landscapes 0.3 to 1.
 const OPEN: f32 = 0.2;
+/// Or if fewer of the directions around the viewpoints end on a surface: in rooms 0.87 and more, in whatever is hollow or
+/// thin under 0.7.
+const ALL_AROUND: f32 = 0.75;
+/// Or if surfaces are nearer than so many metres on average: nobody fits in. glTF counts in metres.
+const ROOMY: f32 = 0.4;
 /// Particles that tell, and their bounces.
 const PARTICLES: u64 = 4096;
 const BOUNCES: u32 = 8;
@@ -25,45 +30,57 @@ pub struct Vantage {
 impl Vantage {
     /// These viewpoints, local space.
     pub fn at<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: Vec<Vec3>, seed: u64) -> Self {
-        let is_open = openness(surfaces, &viewpoints, seed) > OPEN;
+        let Outlook { seen, distance, left } = Outlook::new(surfaces, &viewpoints, seed);
+        let is_open = left > OPEN || seen < ALL_AROUND || distance < ROOMY;
         Self { viewpoints, is_open }
     }
 
     /// Found without help. `lights` are the lamps' places, local space, which are inside rooms as a rule. `None` where no
     /// surface's reflecting side can be seen.
     pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> Option<Self> {
-        let outside = Self::at(surfaces, find(surfaces, lights, Sides::Front, seed), seed);
-        if Candidates::new(surfaces, &outside, seed).has_bounces() {
-            return Some(outside);
-        }
-        // No light goes from surface to surface but, if anywhere, between their backs.
-        let viewpoints = find(surfaces, lights, Sides::Both, seed);
-        if !viewpoints.is_empty() {
-            return Some(Self::at(surfaces, viewpoints, seed));
-        }
-        let sees_any = !Candidates::new(surfaces, &outside, seed).batch().is_empty();
-        sees_any.then_some(outside)
+        let vantage = Self::at(surfaces, viewpoint::find(surfaces, lights, seed), seed);
+        let sees_any = !Candidates::new(surfaces, &vantage, seed).batch().is_empty();
+        sees_any.then_some(vantage)
     }
 }
 
-/// The share of what surfaces send to each other and to the sky that leaves the scene; 1 where nothing is seen.
-fn openness<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: &[Vec3], seed: u64) -> f32 {
-    let (mut sent, mut left) = (0u32, 0u32);
-    for (particle, viewpoint) in (0..PARTICLES).zip(viewpoints.iter().cycle()) {
-        let mut stream = Stream::new(seed ^ 0x6f70_656e, particle);
-        let mut ray = from_viewpoint(*viewpoint, &mut stream);
-        for bounce in 0..BOUNCES {
-            let hit = surfaces.cast(&ray, mix(stream.bits()) as u32);
-            if bounce > 0 {
-                sent += 1;
-                left += hit.is_none() as u32;
+/// What is seen from some viewpoints.
+struct Outlook {
+    /// The share of directions in which a reflecting side is.
+    seen: f32,
+    /// How far away that is on average, scene units.
+    distance: f32,
+    /// The share of what surfaces send to each other and to the sky that leaves the scene.
+    left: f32,
+}
+
+impl Outlook {
+    fn new<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: &[Vec3], seed: u64) -> Self {
+        let (mut particles, mut seen, mut distance) = (0u32, 0u32, 0.0);
+        let (mut sent, mut left) = (0u32, 0u32);
+        for (particle, viewpoint) in (0..PARTICLES).zip(viewpoints.iter().cycle()) {
+            let mut stream = Stream::new(seed ^ 0x6f70_656e, particle);
+            let mut ray = from_viewpoint(*viewpoint, &mut stream);
+            for bounce in 0..BOUNCES {
+                let hit = surfaces.cast(&ray, mix(stream.bits()) as u32);
+                if bounce > 0 {
+                    sent += 1;
+                    left += hit.is_none() as u32;
+                }
+                let Some(hit) = hit.filter(|hit| hit.faces(ray.direction)) else { break };
+                if bounce == 0 {
+                    seen += 1;
+                    distance += hit.distance;
+                }
+                let Some(on) = bounced(&hit, surfaces.epsilon(), &mut stream) else { break };
+                ray = on;
             }
-            let on = hit
-                .filter(|hit| hit.faces(ray.direction))
-                .and_then(|hit| bounced(&hit, surfaces.epsilon(), &mut stream));
-            let Some(on) = on else { break };
-            ray = on;
+            particles += 1;
+        }
+        Self {
+            seen: seen as f32 / particles.max(1) as f32,
+            distance: distance / seen.max(1) as f32,
+            left: left as f32 / sent.max(1) as f32,
         }
     }
-    if sent == 0 { 1.0 } else { left as f32 / sent as f32 }
 }

@@ -7,7 +7,7 @@
 //! floor, so the best of each part of the scene all serve: particles start from each in turn.
 //!
 //! Files often say of all surfaces that both of their sides reflect, and within an object that is hollow every ray ends
-//! on a back; so backs are not looked for first.
+//! on a back; so backs count only where a lamp is.
 
 use super::candidates::from_viewpoint;
 use crate::random::Stream;
@@ -25,18 +25,17 @@ const GOOD: f32 = 0.5;
 /// Viewpoints at most.
 const MOST: usize = 16;
 
-/// Which sides of surfaces are looked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sides {
-    /// Fronts, and next to a lamp backs that reflect.
-    Front,
-    /// All that reflect.
+/// Which sides of surfaces count.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sides {
+    Fronts,
+    /// Backs that reflect, too.
     Both,
 }
 
-/// The best of many tries, and of these places next to `lights`, best first; none when no try sees such a side of any
-/// surface.
-pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], sides: Sides, seed: u64) -> Vec<Vec3> {
+/// The best of many tries and of the places of `lights`, local space, best first; none when no try sees the front of any
+/// surface, and no light a reflecting side.
+pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> Vec<Vec3> {
     let (low, high) = surfaces.bounds();
     let extent = high - low;
     let mut tries: Vec<(f32, u64, Vec3)> = (0..TRIES)
@@ -64,7 +63,7 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], sides: Sides, s
                     .map_or(0.25 * extent.length(), |h| h.distance);
                 point = origin + away * (0.5 * free);
             }
-            let score = score(surfaces, point, sides, &mut stream);
+            let score = score(surfaces, point, Sides::Fronts, &mut stream);
             (score > 0.0).then_some((score, i, point))
         })
         .collect();
