@@ -4,6 +4,7 @@ use glam::Vec3;
 use rebounce::basis::relate;
 use rebounce::operator::refine::{Senders, refine};
 use rebounce::operator::{OperatorSettings, tint};
+use rebounce::points::vantage::Vantage;
 use rebounce::points::{PlaceSettings, Points, cut, place};
 use rebounce::scene::{self, Scene};
 use rebounce::surface::{Hit, Ray, Surfaces};
@@ -92,7 +93,7 @@ fn placed(name: &str) -> (Scene, TriangleSurfaces, Points) {
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let settings = PlaceSettings { levels: 4, functions: 3_000, ..PlaceSettings::default() };
     let (low, high) = surfaces.bounds();
-    let mut points = place(&surfaces, &[low.lerp(high, 0.4)], &settings, &()).unwrap();
+    let mut points = place(&surfaces, &Vantage::within(low.lerp(high, 0.4)), &settings, &()).unwrap();
     let count = points.points.len();
     cut(&surfaces, &mut points, count, &()).unwrap();
     (scene, surfaces, points)

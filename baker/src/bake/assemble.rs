@@ -1,6 +1,7 @@
 //! Puts the file's contents together.
 
 use super::BakeSettings;
+use super::stand_in::camera_for;
 use crate::basis::Relations;
 use crate::operator::Operator;
 use crate::points::Points;
@@ -8,9 +9,9 @@ use crate::points::round::{power_of_two_under, to_steps};
 use crate::points::vantage::Vantage;
 use crate::scene::{Model, Scene};
 use crate::weld::firsts;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
 use rebounce_shared::octahedral::pack_rounded;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Meta};
@@ -22,7 +23,7 @@ use std::ops::Range;
 pub(super) fn assemble(
     scene: &Scene,
     settings: &BakeSettings,
-    vantage: &Vantage,
+    (vantage, lights): (&Vantage, Vec<Light>),
     points: &Points,
     relations: &Relations,
     operator: &Operator,
@@ -49,7 +50,7 @@ pub(super) fn assemble(
         materials: scene.materials.clone(),
         textures,
         draws,
-        lights: scene.lights.clone(),
+        lights,
         animations: scene.animations.clone(),
         cameras,
         bake: BakeInfo {
@@ -199,33 +200,6 @@ fn draws(scene: &Scene, triangles: Range<usize>, indices: &mut [u32]) -> Vec<Dra
         *place += 3;
     }
     draws
-}
-
-/// Where an open scene is looked at from, seen from its middle: from ahead of it (glTF's objects face +z) and a little
-/// above.
-const AHEAD: Vec3 = Vec3::new(0.45, 0.35, 1.0);
-const YFOV_DEG: f64 = 60.0;
-
-/// A camera for a scene that has none: of a room at its viewpoint, looking level towards the far side; of an open scene
-/// outside, so that all of it is in the picture.
-fn camera_for(origin: [f64; 3], vantage: &Vantage, low: Vec3, high: Vec3) -> Camera {
-    let (middle, diagonal) = (0.5 * (low + high), (high - low).length());
-    let world = |local: Vec3| (DVec3::from(origin) + local.as_dvec3()).to_array();
-    let inside = vantage.viewpoints.first().filter(|_| !vantage.is_open);
-    let (position, target) = match inside {
-        Some(&viewpoint) => {
-            let mut towards = (middle - viewpoint).with_y(0.0);
-            if towards.length() < 0.05 * diagonal {
-                towards = if high.x - low.x > high.z - low.z { Vec3::X } else { Vec3::Z };
-            }
-            (viewpoint, viewpoint + towards.normalize() * 0.25 * diagonal)
-        }
-        None => {
-            let distance = 0.5 * diagonal / (0.5 * YFOV_DEG as f32).to_radians().sin();
-            (middle + AHEAD.normalize() * distance, middle)
-        }
-    };
-    Camera { position: world(position), target: world(target), up: [0.0, 1.0, 0.0], yfov_deg: YFOV_DEG }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! * [`observer`] – what a bake tells, and what it can be told;
 //! * `transport` – the stages in order; `assemble` – the file's contents;
+//! * `stand_in` – camera and lamp of a scene that has none;
 //! * [`budget`] – what a bake may weigh; [`judge`] – how far its light is from the truth; [`aim`] – what to try next;
 //! * `agree` – whether the members of a team work on the same;
 //! * [`checkpoint`] – what is kept, so that a bake can go on;
@@ -18,6 +19,7 @@ pub mod judge;
 pub mod observer;
 mod preset;
 mod report;
+mod stand_in;
 mod tracker;
 mod transport;
 
@@ -176,6 +178,7 @@ fn run(
     let world = |local: &Vec3| (DVec3::from(scene.origin) + local.as_dvec3()).to_array();
     report.viewpoints = vantage.viewpoints.iter().map(world).collect();
     report.is_open = vantage.is_open;
+    report.lamp_added = scene.lights.is_empty();
     let bake = Transport { scene, surfaces: &surfaces, vantage: &vantage, observer, team };
     if let Some(settings) = sketch {
         bake.sketch(settings, &tracker.task(Stage::Sketch, None))?;
@@ -198,10 +201,7 @@ pub fn choose_vantage(
         return Ok(Vantage::at(surfaces, vec![local(world)], seed));
     }
     let mut viewpoints: Vec<Vec3> = scene.cameras.iter().map(|camera| local(camera.position)).collect();
-    viewpoints.retain(|point| {
-        let alone = Vantage { viewpoints: vec![*point], is_open: false };
-        Candidates::new(surfaces, &alone, seed).batch().len() > 1000
-    });
+    viewpoints.retain(|point| Candidates::new(surfaces, &Vantage::within(*point), seed).batch().len() > 1000);
     if !viewpoints.is_empty() {
         return Ok(Vantage::at(surfaces, viewpoints, seed));
     }

@@ -32,6 +32,8 @@ pub struct BakeReport {
     pub viewpoints: Vec<[f64; 3]>,
     /// Whether they came from the sky, too: the scene is an object or a landscape, no room.
     pub is_open: bool,
+    /// Whether the scene had no light, so that the file got one.
+    pub lamp_added: bool,
     /// Levels of points, coarsest first.
     pub levels: Vec<LevelReport>,
     /// Basis functions on all levels.
@@ -193,6 +195,10 @@ impl fmt::Display for BakeReport {
             if self.is_open { ", open to the sky" } else { "" },
             self.preset
         )?;
+        if self.lamp_added {
+            let what = if self.is_open { "sun" } else { "lamp" };
+            writeln!(f, "light         none in the scene; a {what} was added to the file")?;
+        }
         let levels: Vec<String> = self.levels.iter().map(|l| l.functions.to_string()).collect();
         writeln!(f, "functions     {} on {} levels ({})", self.functions, levels.len(), levels.join(", "))?;
         let rows: Vec<String> = self.levels.iter().map(|l| l.receivers.to_string()).collect();

@@ -2,6 +2,7 @@
 
 use super::agree::agree;
 use super::assemble::assemble;
+use super::stand_in::light_for;
 use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Preview, Stage};
 use crate::basis::{Relations, relate};
@@ -200,6 +201,10 @@ impl Transport<'_> {
         if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
             return Err(BakeError::TooManyCuts);
         }
-        Ok(assemble(self.scene, settings, self.vantage, points, relations, operator))
+        let mut lights = self.scene.lights.clone();
+        if lights.is_empty() {
+            lights.push(light_for(self.scene.origin, self.vantage, self.surfaces));
+        }
+        Ok(assemble(self.scene, settings, (self.vantage, lights), points, relations, operator))
     }
 }

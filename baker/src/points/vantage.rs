@@ -28,6 +28,11 @@ pub struct Vantage {
 }
 
 impl Vantage {
+    /// In a room, local space.
+    pub fn within(viewpoint: Vec3) -> Self {
+        Self { viewpoints: vec![viewpoint], is_open: false }
+    }
+
     /// These viewpoints, local space.
     pub fn at<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: Vec<Vec3>, seed: u64) -> Self {
         let Outlook { seen, distance, left } = Outlook::new(surfaces, &viewpoints, seed);

@@ -52,7 +52,8 @@ pub struct BakeArgs {
     /// Most bytes of memory, about, as in 2G: fewer functions
     #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
     pub(super) max_memory: Option<u64>,
-    /// A point inside the scene, in its units; found when absent
+    /// A place that the scene is looked at from, in its units: within a room. The scene's cameras when absent; without
+    /// any it is found
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     viewpoint: Option<[f64; 3]>,
     /// Levels of receivers

@@ -1,0 +1,175 @@
+//! Scenes that nobody says where to look at from: objects get bounced light on their outsides, rooms within.
+
+use glam::{Vec2, Vec3, vec3};
+use rebounce::bake::judge::Judge;
+use rebounce::bake::{BakeReport, BakeSettings, Preset, bake};
+use rebounce::scene::Scene;
+use rebounce::surface::{Ray, Surfaces};
+use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
+use rebounce_shared::rbn;
+use rebounce_shared::rbn::meta::Material;
+use rebounce_shared::shot::Shot;
+
+/// A closed box whose sides face out, or in.
+#[derive(Clone, Copy)]
+struct Block {
+    low: Vec3,
+    high: Vec3,
+    faces_in: bool,
+}
+
+fn out(low: Vec3, high: Vec3) -> Block {
+    Block { low, high, faces_in: false }
+}
+
+fn inward(low: Vec3, high: Vec3) -> Block {
+    Block { low, high, faces_in: true }
+}
+
+fn scene(blocks: &[Block], double_sided: bool) -> Scene {
+    let mut scene =
+        Scene { materials: vec![Material { double_sided, ..Material::default() }], ..Scene::default() };
+    scene.materials[0].base_color = [0.8, 0.7, 0.6, 1.0];
+    for block in blocks {
+        let (middle, half) = (0.5 * (block.low + block.high), 0.5 * (block.high - block.low));
+        for (axis, sign) in (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+            let normal = Vec3::AXES[axis] * sign;
+            let (across, up) = (Vec3::AXES[(axis + 1) % 3] * sign, Vec3::AXES[(axis + 2) % 3]);
+            let first = scene.positions.len() as u32;
+            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                scene.positions.push(middle + half * (normal + across * x + up * y));
+                scene.normals.push(if block.faces_in { -normal } else { normal });
+                scene.uvs.push(Vec2::ZERO);
+            }
+            for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
+                let [b, c] = if block.faces_in { [c, b] } else { [b, c] };
+                scene.triangles.push([first + a, first + b, first + c]);
+                scene.triangle_material.push(0);
+            }
+        }
+    }
+    scene
+}
+
+/// A shelf: a board with a back, and two blocks on it.
+fn object() -> Vec<Block> {
+    vec![
+        out(vec3(-2.0, 0.0, -1.5), vec3(2.0, 0.2, 1.5)),
+        out(vec3(-1.4, 0.2, -0.9), vec3(-0.4, 1.3, 0.7)),
+        out(vec3(0.2, 0.2, -0.8), vec3(1.3, 0.9, 0.5)),
+    ]
+}
+
+fn furniture() -> Vec<Block> {
+    vec![out(vec3(-1.5, 0.0, -1.5), vec3(-0.3, 1.2, -0.4)), out(vec3(0.3, 0.0, 0.2), vec3(1.6, 0.8, 1.4))]
+}
+
+fn shell(make: fn(Vec3, Vec3) -> Block) -> Block {
+    make(vec3(-2.0, 0.0, -2.0), vec3(2.0, 2.5, 2.0))
+}
+
+fn baked(scene: &Scene) -> (rbn::Scene, BakeReport) {
+    let mut settings = BakeSettings::new(Preset::Draft);
+    (settings.place.levels, settings.place.functions) = (4, 6_000);
+    settings.operator.rays = vec![512];
+    bake(scene, &settings, &()).unwrap()
+}
+
+/// How far the bounced light is from a path tracer's, seen from there.
+fn error(scene: &Scene, baked: &rbn::Scene, from: Vec3) -> f64 {
+    let camera = Camera {
+        position: from.as_dvec3().to_array(),
+        target: [0.0, 0.5, 0.0],
+        up: [0.0, 1.0, 0.0],
+        yfov_deg: 45.0,
+    };
+    let sun = Light::Directional { direction: [-0.4, -1.0, -0.3], intensity: 3.0, color: [1.0; 3] };
+    let lamp = Light::Point { position: [-3.0, 3.0, -3.0], intensity: 30.0, color: [1.0; 3] };
+    let shot = Shot { scene: None, size: [96, 72], camera, lights: vec![sun, lamp] };
+    Judge::new(scene, &shot, None, || ()).unwrap().verdict(baked).unwrap().comparison.error
+}
+
+#[test]
+fn an_object_has_bounced_light_all_around_whatever_its_backs_do() {
+    for double_sided in [false, true] {
+        let scene = scene(&object(), double_sided);
+        let (file, report) = baked(&scene);
+        assert!(report.is_open);
+        for from in [vec3(3.0, 3.0, 4.0), vec3(-4.0, 2.5, -3.0)] {
+            let error = error(&scene, &file, from);
+            println!("two-sided: {double_sided}, from {from}: {error}");
+            assert!(error < 0.12, "two-sided: {double_sided}, from {from}: {error}");
+        }
+    }
+}
+
+#[test]
+fn an_object_without_camera_and_light_is_seen_from_outside_under_a_sun() {
+    let lone = vec![out(Vec3::ZERO, Vec3::ONE)];
+    for (blocks, double_sided) in [(lone.clone(), false), (lone, true), (object(), true)] {
+        let scene = scene(&blocks, double_sided);
+        let (file, report) = baked(&scene);
+        assert!(report.is_open);
+        let frame = file.meta.cameras[0].frame(file.meta.origin);
+        let surfaces = TriangleSurfaces::from_baked(&file).unwrap();
+        let (low, high) = surfaces.bounds();
+        assert!(frame.eye.cmplt(low).any() || frame.eye.cmpgt(high).any(), "{}", frame.eye);
+        let ray = |x, y| Ray {
+            origin: frame.eye,
+            direction: frame.direction(x, y, 100, 100),
+            max_distance: f32::INFINITY,
+            spread: 0.0,
+        };
+        let seen = |x, y| surfaces.cast(&ray(x, y), 0).is_some_and(|hit| hit.faces(ray(x, y).direction));
+        assert!(seen(50.0, 50.0), "in the middle");
+        assert!(matches!(file.meta.lights[..], [Light::Directional { .. }]) && report.lamp_added);
+        // All of it is in the picture.
+        assert!(
+            (0..100)
+                .all(|k| [(0, k), (99, k), (k, 0), (k, 99)].iter().all(|(x, y)| !seen(*x as f32, *y as f32)))
+        );
+    }
+}
+
+#[test]
+fn a_room_is_looked_at_from_within_whichever_way_its_walls_face() {
+    let within = |report: &BakeReport| {
+        report.viewpoints.iter().all(|p| p[0].abs() < 2.0 && p[1] > 0.0 && p[1] < 2.5 && p[2].abs() < 2.0)
+    };
+    for (walls, double_sided) in [(shell(inward), false), (shell(inward), true), (shell(out), true)] {
+        let mut blocks = furniture();
+        blocks.push(walls);
+        let (file, report) = baked(&scene(&blocks, double_sided));
+        // A lamp hangs in a room without one, above where it is looked at from.
+        let [Light::Point { position, .. }] = file.meta.lights[..] else { panic!("{:?}", file.meta.lights) };
+        let viewpoint = report.viewpoints[0];
+        assert!(report.lamp_added && position[1] > viewpoint[1] && position[1] < 2.5, "{position:?}");
+        assert!((position[0] - viewpoint[0]).abs() + (position[2] - viewpoint[2]).abs() < 1e-5);
+        let is_inside = |p: &[f64; 3], block: &Block| {
+            let p = Vec3::from(p.map(|x| x as f32));
+            p.cmpgt(block.low).all() && p.cmplt(block.high).all()
+        };
+        assert!(!report.is_open && within(&report), "{:?}", report.viewpoints);
+        // Not within the furniture, though its backs reflect.
+        let hidden = report.viewpoints.iter().any(|p| furniture().iter().any(|block| is_inside(p, block)));
+        assert!(!hidden, "{:?}", report.viewpoints);
+    }
+    // Nothing but a lamp tells an empty box from an object.
+    let mut empty = scene(&[shell(out)], true);
+    assert!(baked(&empty).1.is_open);
+    empty.lights.push(Light::Point { position: [0.5, 2.0, 0.3], intensity: 10.0, color: [1.0; 3] });
+    let (file, report) = baked(&empty);
+    assert!(!report.lamp_added && file.meta.lights == empty.lights);
+    assert!(!report.is_open && within(&report), "{:?}", report.viewpoints);
+}
+
+#[test]
+fn what_nobody_fits_in_is_an_object() {
+    let mut blocks = furniture();
+    blocks.push(shell(inward));
+    let mut small = scene(&blocks, true);
+    small.positions.iter_mut().for_each(|position| *position *= 0.05);
+    assert!(baked(&small).1.is_open);
+}
