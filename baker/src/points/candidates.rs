@@ -98,7 +98,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         let viewpoints = &self.vantage.viewpoints;
         let mut ray = match viewpoints.get((particle / 2) as usize % viewpoints.len().max(1)) {
             Some(&viewpoint) if particle % 2 == 1 => from_viewpoint(viewpoint, stream),
-            _ => self.from_sky(stream),
+            _ => self.ray_from_sky(stream),
         };
         // The surface that it is on, and how many it has bounced off before.
         let mut here: Option<(Hit, u32)> = None;
@@ -117,7 +117,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
                     found.push(self.point(hit));
                 }
             } else {
-                ray = self.from_sky(stream);
+                ray = self.ray_from_sky(stream);
             }
             here = next;
         }
@@ -141,7 +141,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     }
 
     /// A ray towards the scene, as likely through any place as through any other, in any direction.
-    fn from_sky(&self, stream: &mut Stream) -> Ray {
+    fn ray_from_sky(&self, stream: &mut Stream) -> Ray {
         let (low, high) = self.surfaces.bounds();
         let radius = 0.5 * (high - low).length();
         let direction = stream.sphere();

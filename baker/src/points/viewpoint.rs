@@ -101,15 +101,12 @@ fn score<S: Surfaces + ?Sized>(surfaces: &S, point: Vec3, sides: Sides, stream: 
             let place = surfaces.pieces().and_then(|pieces| pieces.find(&ray, seed));
             place.is_some_and(|(place, _)| place.is_back)
         };
-        match surfaces.cast(&ray, seed) {
-            Some(hit) if hit.faces(ray.direction) => {
-                if sides == Sides::Both || !is_back() {
-                    front += 1.0;
-                    inverse_distance += 1.0 / hit.distance.max(1e-6 * diagonal);
-                }
-            }
-            Some(_) => dark += 1.0,
-            None => {}
+        let Some(hit) = surfaces.cast(&ray, seed) else { continue };
+        if !hit.faces(ray.direction) {
+            dark += 1.0;
+        } else if sides == Sides::Both || !is_back() {
+            front += 1.0;
+            inverse_distance += 1.0 / hit.distance.max(1e-6 * diagonal);
         }
     }
     if front == 0.0 {
