@@ -1,16 +1,16 @@
 //! Puts the file's contents together.
 
 use super::BakeSettings;
-use super::stand_in::camera_for;
+use super::stand_in::Seat;
 use crate::basis::Relations;
 use crate::operator::Operator;
 use crate::points::Points;
 use crate::points::round::{power_of_two_under, to_steps};
-use crate::points::vantage::Vantage;
 use crate::scene::{Model, Scene};
 use crate::weld::firsts;
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::octahedral::pack_rounded;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
@@ -23,7 +23,7 @@ use std::ops::Range;
 pub(super) fn assemble(
     scene: &Scene,
     settings: &BakeSettings,
-    (vantage, lights): (&Vantage, Vec<Light>),
+    (cameras, lights): (Vec<Camera>, Vec<Light>),
     points: &Points,
     relations: &Relations,
     operator: &Operator,
@@ -32,10 +32,6 @@ pub(super) fn assemble(
     let (textures, texture_bytes) = pack_textures(scene);
     let (low, high) = scene.bounds();
     let senders = points.count_on(settings.operator.sender_levels);
-    let mut cameras = scene.cameras.clone();
-    if cameras.is_empty() {
-        cameras.push(camera_for(scene.origin, vantage, low, high));
-    }
     let (mut records, cuts, levels) = points.records();
     let meta = Meta {
         generator: format!("rebounce {}", env!("CARGO_PKG_VERSION")),
@@ -89,7 +85,7 @@ pub(super) fn without_light(scene: &Scene) -> rbn::Scene {
         materials: scene.materials.clone(),
         textures,
         draws,
-        cameras: vec![camera_for(scene.origin, &Vantage::default(), low, high)],
+        cameras: vec![Seat::Outside.camera(scene.origin, low, high)],
         ..Meta::default()
     };
     rbn::Scene { meta, vertices, indices, instances, copies, texture_bytes, ..rbn::Scene::default() }

@@ -1,10 +1,12 @@
 //! Camera and lamp of a scene that has none, so that there is something to see.
 
 use crate::points::vantage::Vantage;
+use crate::random::Stream;
 use crate::surface::{Ray, Surfaces};
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
+use std::collections::HashMap;
 
 /// Where an open scene is looked at from, seen from its middle: from ahead of it (glTF's objects face +z) and a little
 /// above.
@@ -17,41 +19,91 @@ const UP: f32 = 0.75;
 /// The same where nothing is above, over the scene's diagonal.
 const UP_IN_OPEN: f32 = 0.1;
 
-/// A camera for a scene that has none: of a room at its viewpoint, looking level towards the far side; of an open scene
-/// outside, so that all of it is in the picture.
-pub(super) fn camera_for(origin: [f64; 3], vantage: &Vantage, low: Vec3, high: Vec3) -> Camera {
-    let (middle, diagonal) = (0.5 * (low + high), (high - low).length());
-    let world = |local: Vec3| (DVec3::from(origin) + local.as_dvec3()).to_array();
-    let inside = vantage.viewpoints.first().filter(|_| !vantage.is_open);
-    let (position, target) = match inside {
-        Some(&viewpoint) => {
-            let mut towards = (middle - viewpoint).with_y(0.0);
-            if towards.length() < 0.05 * diagonal {
-                towards = if high.x - low.x > high.z - low.z { Vec3::X } else { Vec3::Z };
-            }
-            (viewpoint, viewpoint + towards.normalize() * 0.25 * diagonal)
-        }
-        None => {
-            let distance = 0.5 * diagonal / (0.5 * YFOV_DEG as f32).to_radians().sin();
-            (middle + AHEAD.normalize() * distance, middle)
-        }
-    };
-    Camera { position: world(position), target: world(target), up: [0.0, 1.0, 0.0], yfov_deg: YFOV_DEG }
+/// Level views from each viewpoint, the rays of each, and how many must end on a material for it to be seen.
+const VIEWS: u32 = 8;
+const LOOKS: u64 = 128;
+const NOTICED: usize = 2;
+
+/// Where an open scene is seen from and lit, or where in a room.
+pub(super) enum Seat {
+    Outside,
+    /// A viewpoint, local space, and the unit direction that it is best to look in.
+    Inside(Vec3, Vec3),
 }
 
-/// A light for a scene that has none: of a room a lamp above the viewpoint, of an open scene a sun. Its irradiance is about π,
-/// so that white surfaces have a radiance of 1.
-pub(super) fn light_for<S: Surfaces + ?Sized>(origin: [f64; 3], vantage: &Vantage, surfaces: &S) -> Light {
-    let color = [1.0; 3];
-    let Some(&viewpoint) = vantage.viewpoints.first().filter(|_| !vantage.is_open) else {
-        return Light::Directional { direction: SUN, intensity: std::f64::consts::PI, color };
-    };
-    let (low, high) = surfaces.bounds();
-    let diagonal = (high - low).length();
-    let up = Ray { origin: viewpoint, direction: Vec3::Y, max_distance: f32::INFINITY, spread: Ray::BLIND };
-    let above = surfaces.cast(&up, 0).map_or(UP_IN_OPEN * diagonal, |hit| UP * hit.distance);
-    let place = DVec3::from(origin) + (viewpoint + above * Vec3::Y).as_dvec3();
-    // What is lit is about an eighth of the diagonal away.
-    let distance = 0.125 * diagonal as f64;
-    Light::Point { position: place.to_array(), intensity: std::f64::consts::PI * distance * distance, color }
+impl Seat {
+    /// In a room where most materials are in view.
+    pub fn new<S: Surfaces + ?Sized>(vantage: &Vantage, surfaces: &S) -> Self {
+        let viewpoints = vantage.viewpoints.iter().filter(|_| !vantage.is_open);
+        let views = viewpoints.flat_map(|viewpoint| {
+            (0..VIEWS).map(|view| {
+                let (z, x) = (std::f32::consts::TAU * view as f32 / VIEWS as f32).sin_cos();
+                (*viewpoint, Vec3::new(x, 0.0, z))
+            })
+        });
+        let mut best = (Self::Outside, 0);
+        for (viewpoint, towards) in views {
+            let seen = 1 + materials_seen(surfaces, viewpoint, towards);
+            if seen > best.1 {
+                best = (Self::Inside(viewpoint, towards), seen);
+            }
+        }
+        best.0
+    }
+
+    /// A camera for a scene that has none: in a room looking level; outside, so that all of it is in the
+    /// picture. `low` and `high` are the scene's corners, local space.
+    pub fn camera(&self, origin: [f64; 3], low: Vec3, high: Vec3) -> Camera {
+        let (middle, diagonal) = (0.5 * (low + high), (high - low).length());
+        let world = |local: Vec3| (DVec3::from(origin) + local.as_dvec3()).to_array();
+        let (position, target) = match *self {
+            Self::Inside(viewpoint, towards) => (viewpoint, viewpoint + towards * 0.25 * diagonal),
+            Self::Outside => {
+                let distance = 0.5 * diagonal / (0.5 * YFOV_DEG as f32).to_radians().sin();
+                (middle + AHEAD.normalize() * distance, middle)
+            }
+        };
+        Camera { position: world(position), target: world(target), up: [0.0, 1.0, 0.0], yfov_deg: YFOV_DEG }
+    }
+
+    /// A light for a scene that has none: in a room a lamp above, outside a sun. Its irradiance is about π, so that white surfaces
+    /// have a radiance of 1.
+    pub fn light<S: Surfaces + ?Sized>(&self, origin: [f64; 3], surfaces: &S) -> Light {
+        let color = [1.0; 3];
+        let Self::Inside(viewpoint, _) = *self else {
+            return Light::Directional { direction: SUN, intensity: std::f64::consts::PI, color };
+        };
+        let (low, high) = surfaces.bounds();
+        let diagonal = (high - low).length();
+        let up =
+            Ray { origin: viewpoint, direction: Vec3::Y, max_distance: f32::INFINITY, spread: Ray::BLIND };
+        let above = surfaces.cast(&up, 0).map_or(UP_IN_OPEN * diagonal, |hit| UP * hit.distance);
+        let place = DVec3::from(origin) + (viewpoint + above * Vec3::Y).as_dvec3();
+        // What is lit is about an eighth of the diagonal away.
+        let distance = 0.125 * diagonal as f64;
+        Light::Point {
+            position: place.to_array(),
+            intensity: std::f64::consts::PI * distance * distance,
+            color,
+        }
+    }
+}
+
+/// How many materials are seen from a viewpoint in a level direction.
+fn materials_seen<S: Surfaces + ?Sized>(surfaces: &S, viewpoint: Vec3, towards: Vec3) -> usize {
+    let mut rays: HashMap<u32, usize> = HashMap::new();
+    let right = towards.cross(Vec3::Y);
+    let half = (0.5 * YFOV_DEG as f32).to_radians().tan();
+    for i in 0..LOOKS {
+        let mut stream = Stream::new(0x7365_6174, i);
+        let [x, y] = (2.0 * stream.square() - 1.0).to_array();
+        let direction = (towards + half * (1.5 * x * right + y * Vec3::Y)).normalize();
+        let ray = Ray { origin: viewpoint, direction, max_distance: f32::INFINITY, spread: Ray::BLIND };
+        if let Some(pieces) = surfaces.pieces()
+            && let Some((place, _)) = pieces.find(&ray, stream.bits() as u32)
+        {
+            *rays.entry(pieces.piece(place.piece).kind).or_default() += 1;
+        }
+    }
+    rays.values().filter(|rays| **rays >= NOTICED).count()
 }

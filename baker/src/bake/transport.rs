@@ -2,7 +2,7 @@
 
 use super::agree::agree;
 use super::assemble::assemble;
-use super::stand_in::light_for;
+use super::stand_in::Seat;
 use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Preview, Stage};
 use crate::basis::{Relations, relate};
@@ -201,10 +201,18 @@ impl Transport<'_> {
         if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
             return Err(BakeError::TooManyCuts);
         }
-        let mut lights = self.scene.lights.clone();
-        if lights.is_empty() {
-            lights.push(light_for(self.scene.origin, self.vantage, self.surfaces));
+        let Scene { origin, lights, cameras, .. } = self.scene;
+        let (mut lights, mut cameras) = (lights.clone(), cameras.clone());
+        if lights.is_empty() || cameras.is_empty() {
+            let seat = Seat::new(self.vantage, self.surfaces);
+            if lights.is_empty() {
+                lights.push(seat.light(*origin, self.surfaces));
+            }
+            if cameras.is_empty() {
+                let (low, high) = self.scene.bounds();
+                cameras.push(seat.camera(*origin, low, high));
+            }
         }
-        Ok(assemble(self.scene, settings, (self.vantage, lights), points, relations, operator))
+        Ok(assemble(self.scene, settings, (cameras, lights), points, relations, operator))
     }
 }

@@ -9,8 +9,8 @@ use glam::Vec3;
 /// A scene is open if more than this share of what its surfaces send leaves it. Of rooms and courts it is under 0.04, of a
 /// box without a front 0.11; of objects and landscapes 0.3 to 1.
 const OPEN: f32 = 0.2;
-/// Or if fewer of the directions around the viewpoints end on a surface: in rooms 0.87 and more, in whatever is hollow or
-/// thin under 0.7.
+/// Or if fewer of the directions around the best viewpoints that can be found end on a surface: in rooms 0.87 and more, in
+/// whatever is hollow or thin under 0.7.
 const ALL_AROUND: f32 = 0.75;
 /// Or if surfaces are nearer than so many metres on average: nobody fits in. glTF counts in metres.
 const ROOMY: f32 = 0.4;
@@ -35,15 +35,16 @@ impl Vantage {
 
     /// These viewpoints, local space.
     pub fn at<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: Vec<Vec3>, seed: u64) -> Self {
-        let Outlook { seen, distance, left } = Outlook::new(surfaces, &viewpoints, seed);
-        let is_open = left > OPEN || seen < ALL_AROUND || distance < ROOMY;
+        let is_open = Outlook::new(surfaces, &viewpoints, seed).is_open();
         Self { viewpoints, is_open }
     }
 
     /// Found without help. `lights` are the lamps' places, local space, which are inside rooms as a rule. `None` where no
     /// surface's reflecting side can be seen.
     pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> Option<Self> {
-        let vantage = Self::at(surfaces, viewpoint::find(surfaces, lights, seed), seed);
+        let viewpoints = viewpoint::find(surfaces, lights, seed);
+        let outlook = Outlook::new(surfaces, &viewpoints, seed);
+        let vantage = Self { viewpoints, is_open: outlook.is_open() || outlook.seen < ALL_AROUND };
         let sees_any = !Candidates::new(surfaces, &vantage, seed).batch().is_empty();
         sees_any.then_some(vantage)
     }
@@ -60,6 +61,10 @@ struct Outlook {
 }
 
 impl Outlook {
+    fn is_open(&self) -> bool {
+        self.left > OPEN || self.distance < ROOMY
+    }
+
     fn new<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: &[Vec3], seed: u64) -> Self {
         let (mut particles, mut seen, mut distance) = (0u32, 0u32, 0.0);
         let (mut sent, mut left) = (0u32, 0u32);
