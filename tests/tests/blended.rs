@@ -83,7 +83,7 @@ fn the_viewers_picture_of_panes_is_the_mean_of_the_cpus() {
     let behind =
         Camera { position: [0.4, 2.4, -5.3], target: [0.0, 2.6, 0.0], yfov_deg: 75.0, ..front.clone() };
     for (name, camera) in [("front", front), ("behind", behind)] {
-        let exposure = Exposure { size: [WIDTH, HEIGHT], samples: 576, seed: 3 };
+        let exposure = Exposure { size: [WIDTH, HEIGHT], samples: 1024, seed: 3 };
         let truth =
             |only| render(&scene, &surfaces, &camera, &scene.meta.lights, exposure, only, || ()).pixels;
         renderer.set_camera(camera.clone()).unwrap();
