@@ -32,7 +32,7 @@ pub(super) enum Seat {
 }
 
 impl Seat {
-    /// In a room where most materials are in view.
+    /// In a room where most materials are in view and least of the sky; of such views the widest.
     pub fn new<S: Surfaces + ?Sized>(vantage: &Vantage, surfaces: &S) -> Self {
         let viewpoints = vantage.viewpoints.iter().filter(|_| !vantage.is_open);
         let views = viewpoints.flat_map(|viewpoint| {
@@ -41,11 +41,11 @@ impl Seat {
                 (*viewpoint, Vec3::new(x, 0.0, z))
             })
         });
-        let mut best = (Self::Outside, 0);
+        let mut best = (Self::Outside, None);
         for (viewpoint, towards) in views {
-            let seen = 1 + materials_seen(surfaces, viewpoint, towards);
-            if seen > best.1 {
-                best = (Self::Inside(viewpoint, towards), seen);
+            let view = Some(look(surfaces, viewpoint, towards));
+            if view > best.1 {
+                best = (Self::Inside(viewpoint, towards), view);
             }
         }
         best.0
@@ -89,8 +89,10 @@ impl Seat {
     }
 }
 
-/// How many materials are seen from a viewpoint in a level direction.
-fn materials_seen<S: Surfaces + ?Sized>(surfaces: &S, viewpoint: Vec3, towards: Vec3) -> usize {
+/// How many materials are seen from a viewpoint in a level direction, times the rays that end on a surface; and how far away
+/// these are, a sum over rays.
+fn look<S: Surfaces + ?Sized>(surfaces: &S, viewpoint: Vec3, towards: Vec3) -> (usize, f32) {
+    let mut far = 0.0;
     let mut rays: HashMap<u32, usize> = HashMap::new();
     let right = towards.cross(Vec3::Y);
     let half = (0.5 * YFOV_DEG as f32).to_radians().tan();
@@ -100,10 +102,12 @@ fn materials_seen<S: Surfaces + ?Sized>(surfaces: &S, viewpoint: Vec3, towards: 
         let direction = (towards + half * (1.5 * x * right + y * Vec3::Y)).normalize();
         let ray = Ray { origin: viewpoint, direction, max_distance: f32::INFINITY, spread: Ray::BLIND };
         if let Some(pieces) = surfaces.pieces()
-            && let Some((place, _)) = pieces.find(&ray, stream.bits() as u32)
+            && let Some((place, distance)) = pieces.find(&ray, stream.bits() as u32)
         {
+            far += distance;
             *rays.entry(pieces.piece(place.piece).kind).or_default() += 1;
         }
     }
-    rays.values().filter(|rays| **rays >= NOTICED).count()
+    let materials = rays.values().filter(|rays| **rays >= NOTICED).count();
+    (materials * rays.values().sum::<usize>(), far)
 }
