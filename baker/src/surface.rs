@@ -23,6 +23,11 @@ pub struct Ray {
 impl Ray {
     /// [`Self::spread`] of rays that ask where surfaces are, not what they reflect: that costs no texels.
     pub const BLIND: f32 = f32::INFINITY;
+
+    /// A ray without end that asks where surfaces are.
+    pub fn blind(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, max_distance: f32::INFINITY, spread: Self::BLIND }
+    }
 }
 
 /// Where a ray met a surface.

@@ -53,7 +53,7 @@ fn scene(blocks: &[Block], double_sided: bool) -> Scene {
     scene
 }
 
-/// A shelf: a board with a back, and two blocks on it.
+/// A board with two blocks on it.
 fn object() -> Vec<Block> {
     vec![
         out(vec3(-2.0, 0.0, -1.5), vec3(2.0, 0.2, 1.5)),

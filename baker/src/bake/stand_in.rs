@@ -75,8 +75,7 @@ impl Seat {
         };
         let (low, high) = surfaces.bounds();
         let diagonal = (high - low).length();
-        let up =
-            Ray { origin: viewpoint, direction: Vec3::Y, max_distance: f32::INFINITY, spread: Ray::BLIND };
+        let up = Ray::blind(viewpoint, Vec3::Y);
         let above = surfaces.cast(&up, 0).map_or(UP_IN_OPEN * diagonal, |hit| UP * hit.distance);
         let place = DVec3::from(origin) + (viewpoint + above * Vec3::Y).as_dvec3();
         // What is lit is about an eighth of the diagonal away.
@@ -100,7 +99,7 @@ fn look<S: Surfaces + ?Sized>(surfaces: &S, viewpoint: Vec3, towards: Vec3) -> (
         let mut stream = Stream::new(0x7365_6174, i);
         let [x, y] = (2.0 * stream.square() - 1.0).to_array();
         let direction = (towards + half * (1.5 * x * right + y * Vec3::Y)).normalize();
-        let ray = Ray { origin: viewpoint, direction, max_distance: f32::INFINITY, spread: Ray::BLIND };
+        let ray = Ray::blind(viewpoint, direction);
         if let Some(pieces) = surfaces.pieces()
             && let Some((place, distance)) = pieces.find(&ray, stream.bits() as u32)
         {

@@ -149,13 +149,13 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sin_cos();
         let offset = (across * cos + up * sin) * stream.unit().sqrt() - direction;
         let origin = 0.5 * (low + high) + offset * radius;
-        Ray { origin, direction, max_distance: f32::INFINITY, spread: Ray::BLIND }
+        Ray::blind(origin, direction)
     }
 }
 
 /// A ray from a viewpoint, in any direction.
 pub(super) fn from_viewpoint(viewpoint: Vec3, stream: &mut Stream) -> Ray {
-    Ray { origin: viewpoint, direction: stream.sphere(), max_distance: f32::INFINITY, spread: Ray::BLIND }
+    Ray::blind(viewpoint, stream.sphere())
 }
 
 /// The ray that goes on from where one ended, by the cosine; `None` where the shading normal allows a direction that
@@ -163,6 +163,6 @@ pub(super) fn from_viewpoint(viewpoint: Vec3, stream: &mut Stream) -> Ray {
 pub(super) fn bounced(hit: &Hit, epsilon: f32, stream: &mut Stream) -> Option<Ray> {
     let direction = stream.cosine_hemisphere(hit.normal);
     let origin = hit.offset_origin(direction, epsilon);
-    let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: Ray::BLIND };
+    let ray = Ray::blind(origin, direction);
     (direction.dot(hit.geometric_normal) > 0.0).then_some(ray)
 }

@@ -66,7 +66,7 @@ impl Outlook {
     }
 
     fn new<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: &[Vec3], seed: u64) -> Self {
-        let (mut particles, mut seen, mut distance) = (0u32, 0u32, 0.0);
+        let (mut seen, mut distance) = (0u32, 0.0);
         let (mut sent, mut left) = (0u32, 0u32);
         for (particle, viewpoint) in (0..PARTICLES).zip(viewpoints.iter().cycle()) {
             let mut stream = Stream::new(seed ^ 0x6f70_656e, particle);
@@ -85,10 +85,9 @@ impl Outlook {
                 let Some(on) = bounced(&hit, surfaces.epsilon(), &mut stream) else { break };
                 ray = on;
             }
-            particles += 1;
         }
         Self {
-            seen: seen as f32 / particles.max(1) as f32,
+            seen: seen as f32 / PARTICLES as f32,
             distance: distance / seen.max(1) as f32,
             left: left as f32 / sent.max(1) as f32,
         }

@@ -46,20 +46,12 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> V
             if i % 2 == 1 {
                 // Half of them right in the middle of a free stretch between two surfaces, so
                 // that small rooms in a large scene are tried too.
-                let ray = Ray {
-                    origin: point,
-                    direction: stream.sphere(),
-                    max_distance: f32::INFINITY,
-                    spread: Ray::BLIND,
-                };
+                let ray = Ray::blind(point, stream.sphere());
                 let hit = surfaces.cast(&ray, 0)?;
                 let away = stream.cosine_hemisphere(hit.geometric_normal);
                 let origin = hit.offset_origin(away, surfaces.epsilon());
                 let free = surfaces
-                    .cast(
-                        &Ray { origin, direction: away, max_distance: f32::INFINITY, spread: Ray::BLIND },
-                        0,
-                    )
+                    .cast(&Ray::blind(origin, away), 0)
                     .map_or(0.25 * extent.length(), |h| h.distance);
                 point = origin + away * (0.5 * free);
             }
