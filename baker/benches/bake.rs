@@ -3,7 +3,8 @@
 //!
 //! In turns: a bake with two threads; its rays, the same ones, on as many threads, with nothing but the walk through the
 //! hierarchy; and a bake with one thread. Medians. The rays are those of the gathers, one receiver's after another's, and
-//! those that placing points, looking for walls and reading colours cast, in their order.
+//! those that placing points, looking for walls and reading colours cast, in their order; all one by one. A bake casts
+//! those of its gathers together: what they alone take so is measured, too.
 
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
@@ -11,7 +12,9 @@ use rayon::prelude::*;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_vantage};
 use rebounce::operator::OperatorSettings;
 use rebounce::operator::directions::Directions;
+use rebounce::operator::gather::receivers_together;
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
+use rebounce::operator::order::sort;
 use rebounce::operator::refine::CHUNK;
 use rebounce::operator::{reflected::reflected_share, tint::tints};
 use rebounce::points::{Points, cut, footprint, place};
@@ -40,7 +43,7 @@ fn main() -> Result<()> {
     let scene = scene::load(spec)?;
     let settings = BakeSettings::new(preset).normalised();
     let (two, one) = (pool(THREADS)?, pool(1)?);
-    let (mut bakes, mut gathers, mut others, mut alone) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let [mut bakes, mut gathers, mut together, mut others, mut alone] = [const { Vec::new() }; 5];
     let mut stages: Vec<(String, Vec<f64>)> = Vec::new();
     let mut rays = None;
     for round in 0..rounds.max(1) {
@@ -56,12 +59,14 @@ fn main() -> Result<()> {
             Some(rays) => rays,
             None => rays.insert(two.install(|| Rays::of(&scene, &settings, &file, &report))?),
         };
-        gathers.push(two.install(|| rays.walk()));
+        gathers.push(two.install(|| rays.walk(Rays::walk_for)));
+        together.push(two.install(|| rays.walk(Rays::walk_together_for)));
         others.push(two.install(|| rays.others.walk(&rays.surfaces)));
         alone.push(baked(&scene, &settings, &one)?.0);
         println!(
-            "round {round}: {THREADS} threads {:.2} s, rays alone {:.2} s in gathers and {:.2} s others, one thread {:.2} s",
-            bakes[round], gathers[round], others[round], alone[round]
+            "round {round}: {THREADS} threads {:.2} s, rays alone {:.2} s in gathers ({:.2} together) and {:.2} s others, one \
+             thread {:.2} s",
+            bakes[round], gathers[round], together[round], others[round], alone[round]
         );
     }
     if let Some(rays) = &rays {
@@ -79,6 +84,7 @@ fn main() -> Result<()> {
         println!("{name:>16} {seconds:7.2} s {:5.1}%", 100.0 * seconds / bake);
     }
     println!("over the rays of gathers alone {:.2}", bake / gather);
+    println!("over all rays, those of gathers cast together {:.2}", bake / (median(&mut together) + other));
     println!("traversal ratio {:.2}, two threads {:.2}", bake / (gather + other), alone / bake);
     Ok(())
 }
@@ -144,15 +150,15 @@ impl Rays {
         Ok(Self { surfaces, points, receivers, operator, count, others })
     }
 
-    /// Seconds that the walks take on all threads of this pool. Making the rays is not counted.
-    fn walk(&self) -> f64 {
+    /// Seconds that the walks take on all threads of this pool. Making the rays is not counted, nor is sorting them.
+    fn walk(&self, walk: impl Fn(&Self, &[usize], &Directions) -> Duration + Sync) -> f64 {
         let spent: Duration = self
             .receivers
             .iter()
             .enumerate()
             .map(|(l, receivers)| {
                 let directions = Directions::new(self.operator.rays_on(l));
-                receivers.par_chunks(CHUNK).map(|chunk| self.walk_for(chunk, &directions)).sum::<Duration>()
+                receivers.par_chunks(CHUNK).map(|chunk| walk(self, chunk, &directions)).sum::<Duration>()
             })
             .sum();
         spent.as_secs_f64() / rayon::current_num_threads() as f64
@@ -170,6 +176,28 @@ impl Rays {
                 black_box(self.surfaces.distance(ray, *seed));
             }
             spent += began.elapsed();
+        }
+        spent
+    }
+
+    /// The same in the groups and in the order of a bake.
+    fn walk_together_for(&self, chunk: &[usize], directions: &Directions) -> Duration {
+        let mut rays = GatherRays::default();
+        let (mut order, mut cells, mut found) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spent = Duration::ZERO;
+        for group in chunk.chunks(receivers_together(directions)) {
+            rays.clear();
+            for &i in group {
+                let epsilon = self.surfaces.epsilon();
+                gather_rays(&self.points.points[i], i, self.operator.seed, epsilon, directions, &mut rays);
+            }
+            sort(&rays.rays, &mut order, &mut cells);
+            if let Some(pieces) = self.surfaces.pieces() {
+                let began = Instant::now();
+                pieces.find_all(&rays.rays, &order, &mut found);
+                black_box(&found);
+                spent += began.elapsed();
+            }
         }
         spent
     }

@@ -12,6 +12,7 @@ use rebounce::operator::bounces::{add_later_bounces, column_count};
 use rebounce::operator::directions::Directions;
 use rebounce::operator::gather::{GatherContext, Gathered, Scratch};
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
+use rebounce::operator::order::sort;
 use rebounce::operator::refine::{Refiner, Senders};
 use rebounce::operator::tiles::Tiles;
 use rebounce::operator::{Operator, OperatorSettings, tint};
@@ -35,6 +36,9 @@ const LATER: usize = 2;
 const RECEIVERS: usize = 64;
 /// Rays of each.
 const RAYS: u32 = 512;
+/// Neighbours whose rays are cast together, and in how many places.
+const NEIGHBOURS: usize = 8;
+const PLACES: usize = 16;
 
 /// What the kernels work on.
 struct Room {
@@ -48,6 +52,9 @@ struct Room {
     directions: Directions,
     /// Rays of gathers all over the room, and what they hit.
     rays: Vec<(Ray, u32)>,
+    /// Those of neighbours, which go alike one after another.
+    near: Vec<(Ray, u32)>,
+    order: Vec<u32>,
     hits: Vec<Hit>,
     /// Without later bounces.
     baked: Operator,
@@ -87,6 +94,8 @@ impl Room {
             directions: Directions::new(RAYS),
             place: settings.place,
             rays: Vec::new(),
+            near: Vec::new(),
+            order: Vec::new(),
             hits: Vec::new(),
             surfaces,
             vantage,
@@ -109,6 +118,18 @@ impl Room {
         }
         self.rays = rays.rays;
         self.hits = self.rays.iter().filter_map(|(ray, seed)| self.surfaces.cast(ray, *seed)).collect();
+        let mut order = Vec::new();
+        let finest = self.points.levels[self.finest()].range();
+        for first in finest.clone().step_by(finest.len() / PLACES + 1) {
+            let mut rays = GatherRays::default();
+            for i in (first..finest.end).take(NEIGHBOURS) {
+                let epsilon = self.surfaces.epsilon();
+                gather_rays(&self.points.points[i], i, 1, epsilon, &self.directions, &mut rays);
+            }
+            sort(&rays.rays, &mut order, &mut Vec::new());
+            self.order.extend(order.iter().map(|number| self.near.len() as u32 + number));
+            self.near.extend(rays.rays);
+        }
         let mut parents: Vec<usize> = self
             .receivers(self.finest())
             .flat_map(|i| self.relations.push().row(i).iter().map(|parent| parent.point()))
@@ -167,8 +188,9 @@ struct Kernel {
     run: fn(&Room) -> u64,
 }
 
-const KERNELS: [Kernel; 10] = [
+const KERNELS: [Kernel; 11] = [
     Kernel { name: "walk", unit: "ray, to the nearest hit", run: walk },
+    Kernel { name: "walk_together", unit: "ray, with those that go alike", run: walk_together },
     Kernel { name: "cast", unit: "ray, its hit shaded", run: cast },
     Kernel { name: "cover", unit: "hit, the functions that cover it", run: cover },
     Kernel { name: "lay_tiles", unit: "tile", run: lay_tiles },
@@ -186,6 +208,15 @@ fn walk(room: &Room) -> u64 {
         black_box(room.surfaces.distance(ray, *seed));
     }
     room.rays.len() as u64
+}
+
+#[inline(never)]
+fn walk_together(room: &Room) -> u64 {
+    let Some(pieces) = room.surfaces.pieces() else { return 0 };
+    let mut found = Vec::new();
+    pieces.find_all(&room.near, &room.order, &mut found);
+    black_box(&found);
+    room.order.len() as u64
 }
 
 #[inline(never)]

@@ -1,7 +1,13 @@
-//! How fast rays are cast: `cargo bench -p rebounce --bench rays [-- SCENE]`, one thread,
-//! millions of rays a second. The rays are those of a path tracer after its first bounce.
+//! How fast rays are cast: `cargo bench -p rebounce --bench rays [-- SCENE]`, one thread, millions of rays a second: those
+//! of a path tracer after its first bounce, and those of a bake's gathers, one by one and together.
 
+use anyhow::{Context, Result, ensure};
 use glam::Vec3;
+use rebounce::bake::{BakeSettings, Preset, choose_vantage};
+use rebounce::operator::directions::Directions;
+use rebounce::operator::hemisphere::{GatherRays, gather_rays};
+use rebounce::operator::order::sort;
+use rebounce::points::place;
 use rebounce::random::Stream;
 use rebounce::scene;
 use rebounce::surface::{Ray, Surfaces};
@@ -13,8 +19,12 @@ use std::time::Instant;
 const FEW: usize = 512;
 /// Rounds, of which the best counts.
 const ROUNDS: usize = 8;
+/// Neighbours whose rays a bake casts at once, with the rays of each; of how many such groups one is measured.
+const NEIGHBOURS: usize = 8;
+const DIRECTIONS: u32 = 512;
+const EVERY: usize = 8;
 
-fn main() -> Result<(), scene::SceneError> {
+fn main() -> Result<()> {
     // Cargo passes --bench itself.
     let spec = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or("builtin:cornell-box".into());
     let scene = scene::load(&spec)?;
@@ -46,7 +56,7 @@ fn main() -> Result<(), scene::SceneError> {
         let speed = rays.len() as f64 / best.iter().map(|best| best[k]).sum::<f64>() * 1e-6;
         println!("{name}: {speed:.2} Mrays/s ({} of {} true)", true_for[k], rays.len());
     }
-    Ok(())
+    gathers(&scene, &surfaces)
 }
 
 /// Rays that leave surfaces seen from the middle of the scene, in cosine-distributed directions.
@@ -60,4 +70,44 @@ fn incoherent_rays(surfaces: &TriangleSurfaces, count: u64) -> Vec<Ray> {
         Some(Ray { origin: hit.offset_origin(direction, surfaces.epsilon()), direction, ..eye })
     };
     (0..count).filter_map(leave).collect()
+}
+
+/// Casts the rays of finest receivers at `standard`, in the order in which a bake casts them.
+fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
+    let settings = BakeSettings::new(Preset::Standard).normalised();
+    let vantage = choose_vantage(scene, surfaces, &settings)?;
+    let points = place(surfaces, &vantage, &settings.place, &())?;
+    let finest: Vec<usize> = points.levels.last().map_or(Vec::new(), |level| level.range().collect());
+    let pieces = surfaces.pieces().context("too many triangles")?;
+    let directions = Directions::new(DIRECTIONS);
+    let mut gathered = GatherRays::default();
+    let (mut order, mut cells) = (Vec::new(), Vec::new());
+    let (mut alone, mut together) = (Vec::new(), Vec::new());
+    let mut best = [f64::INFINITY; 2];
+    let mut count = 0;
+    for _ in 0..ROUNDS {
+        count = 0;
+        let mut seconds = [0.0; 2];
+        for some in finest.chunks(NEIGHBOURS).step_by(EVERY) {
+            gathered.clear();
+            for &i in some {
+                gather_rays(&points.points[i], i, 1, surfaces.epsilon(), &directions, &mut gathered);
+            }
+            let rays = &gathered.rays;
+            sort(rays, &mut order, &mut cells);
+            count += order.len();
+            let began = Instant::now();
+            alone.clear();
+            alone.extend(order.iter().map(|&i| pieces.find(&rays[i as usize].0, rays[i as usize].1)));
+            seconds[0] += began.elapsed().as_secs_f64();
+            let began = Instant::now();
+            pieces.find_all(rays, &order, &mut together);
+            seconds[1] += began.elapsed().as_secs_f64();
+            ensure!(alone == together, "rays find something else together");
+        }
+        best = [0, 1].map(|k| best[k].min(seconds[k]));
+    }
+    let speed = best.map(|seconds| count as f64 / seconds * 1e-6);
+    println!("gathers, one by one: {:.2} Mrays/s, together: {:.2} ({count} rays)", speed[0], speed[1]);
+    Ok(())
 }

@@ -28,6 +28,24 @@ impl Ray {
     pub fn blind(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, max_distance: f32::INFINITY, spread: Self::BLIND }
     }
+
+    /// Numbers of [`Self::class`].
+    pub const CLASSES: usize = 24;
+
+    /// A number under [`Self::CLASSES`], the same for directions that go up and down the same axes and most along the same one. In its
+    /// three lowest bits is whether it goes down x, y and z; above them, the axis that it goes along most.
+    #[inline]
+    pub fn class(direction: Vec3) -> u8 {
+        let size = direction.abs();
+        let main = if size.x > size.y && size.x > size.z {
+            0
+        } else if size.y > size.z {
+            1
+        } else {
+            2
+        };
+        main << 3 | direction.is_negative_bitmask() as u8
+    }
 }
 
 /// Where a ray met a surface.
@@ -139,4 +157,14 @@ pub trait Pieces: Sync {
     /// Where the nearest hit is, and how far away, where light is reflected at all: [`Surfaces::cast`] without looking at
     /// what is there. Its side is that of the true surface.
     fn find(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)>;
+
+    /// The same for the rays of these numbers, in their order; quickest where neighbours are of one [class](Ray::class) and
+    /// go alike.
+    fn find_all(&self, rays: &[(Ray, u32)], numbers: &[u32], found: &mut Vec<Option<(Place, f32)>>) {
+        found.clear();
+        found.extend(numbers.iter().map(|&number| {
+            let (ray, seed) = &rays[number as usize];
+            self.find(ray, *seed)
+        }));
+    }
 }

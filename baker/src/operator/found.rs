@@ -7,20 +7,18 @@
 use super::directions::Directions;
 use super::gather::{FOUND, GatherContext, GatherCost};
 use super::hemisphere::{GatherRays, gather_rays};
+use super::order::sort;
 use super::tally::Tally;
 use super::tiles::{SenderTiles, Shares};
 use crate::basis::Leveled;
 use crate::random::{mix, unit};
-use crate::surface::{Pieces, Place, Ray, Surfaces};
-use glam::{Vec2, Vec3, Vec3A};
-use rebounce_shared::octahedral;
+use crate::surface::{Pieces, Place, Surfaces};
+use glam::{Vec3, Vec3A};
 
 /// Rays that are cast before their tiles are looked at, so that one step waits for memory far away once, not once a ray.
 const BATCH: usize = 64;
 /// Rays by which sums are asked for before they are added to.
 const AHEAD: usize = 8;
-/// Cells of directions along each axis of the octahedral map: a power of two.
-const CELLS: u32 = 32;
 
 /// Where a ray ended.
 struct Landed {
@@ -51,6 +49,8 @@ pub struct Found {
     brought: Vec<Shares>,
     /// The same to the coarse functions, of the first rays, which may need it.
     coarse: Vec<Shares>,
+    /// Where the rays of a batch end.
+    places: Vec<Option<(Place, f32)>>,
     /// Rays of a batch that hit something.
     batch: Vec<Landed>,
     /// The functions that cover one hit.
@@ -88,11 +88,12 @@ impl Found {
         match (context.surfaces.pieces(), context.tiles) {
             (Some(pieces), Some(tiles)) => {
                 let mut batch = std::mem::take(&mut self.batch);
+                let mut places = std::mem::take(&mut self.places);
                 for some in order.chunks(BATCH) {
                     batch.clear();
-                    batch.extend(some.iter().filter_map(|&number| {
-                        let (ray, seed) = &self.rays.rays[number as usize];
-                        let (place, distance) = pieces.find(ray, *seed)?;
+                    pieces.find_all(&self.rays.rays, some, &mut places);
+                    batch.extend(some.iter().zip(&places).filter_map(|(&number, place)| {
+                        let (place, distance) = (*place)?;
                         tiles.senders.fetch_piece(place.piece);
                         Some(Landed { number, place, distance, tile: None })
                     }));
@@ -104,7 +105,7 @@ impl Found {
                         self.take(context, pieces, tiles, landed);
                     }
                 }
-                self.batch = batch;
+                (self.batch, self.places) = (batch, places);
             }
             _ => {
                 for &number in &order {
@@ -206,70 +207,5 @@ impl Found {
             }
         }
         cost
-    }
-}
-
-/// Replaces `order` by the rays' numbers in the order of their directions along a curve over the sphere; rays that go
-/// alike keep their order. `cells` is working memory.
-fn sort(rays: &[(Ray, u32)], order: &mut Vec<u32>, cells: &mut Vec<u16>) {
-    cells.clear();
-    cells.extend(rays.iter().map(|(ray, _)| cell(ray.direction)));
-    let mut ends = [0u32; (CELLS * CELLS) as usize];
-    cells.iter().for_each(|cell| ends[*cell as usize] += 1);
-    let mut next = 0;
-    for end in &mut ends {
-        let count = std::mem::replace(end, next);
-        next += count;
-    }
-    order.clear();
-    order.resize(rays.len(), 0);
-    for (number, cell) in (0..).zip(cells) {
-        let place = &mut ends[*cell as usize];
-        order[*place as usize] = number;
-        *place += 1;
-    }
-}
-
-/// The cell of a unit direction, along a Morton curve over the octahedral map.
-#[inline]
-fn cell(direction: Vec3) -> u16 {
-    let place = (octahedral::encode(direction) + Vec2::ONE) * (0.5 * CELLS as f32);
-    let spread = |x: f32| {
-        let x = (x as u32).min(CELLS - 1);
-        let x = (x | x << 4) & 0x0f0f;
-        let x = (x | x << 2) & 0x3333;
-        (x | x << 1) & 0x5555
-    };
-    (spread(place.x) | spread(place.y) << 1) as u16
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::random::Stream;
-
-    #[test]
-    fn rays_that_go_alike_are_cast_together_and_in_their_order() {
-        let mut stream = Stream::new(5, 0);
-        let rays: Vec<(Ray, u32)> = (0..5_000)
-            .map(|i| {
-                let direction = stream.sphere();
-                (Ray { origin: Vec3::ZERO, direction, max_distance: f32::INFINITY, spread: 0.0 }, i)
-            })
-            .collect();
-        let (mut order, mut cells) = (Vec::new(), Vec::new());
-        for some in [&rays[..0], &rays[..1], &rays] {
-            sort(some, &mut order, &mut cells);
-            assert_eq!(order.len(), some.len());
-            let direction = |ray: u32| some[ray as usize].0.direction;
-            let mut far = 0;
-            for pair in order.windows(2) {
-                let key = |ray: u32| (cell(direction(ray)), ray);
-                assert!(key(pair[0]) < key(pair[1]));
-                far += (direction(pair[0]).dot(direction(pair[1])) < 0.8) as usize;
-            }
-            // The curve over the sphere has few jumps.
-            assert!(far * 20 <= order.len(), "{far}");
-        }
     }
 }

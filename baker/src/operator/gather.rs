@@ -43,6 +43,11 @@ const VALUE_EPSILON: f32 = 0.5;
 /// are some, and so few that they stay near.
 const TOGETHER: usize = 1 << 12;
 
+/// Receivers whose rays are cast at once.
+pub fn receivers_together(directions: &Directions) -> usize {
+    (TOGETHER / directions.len().max(1)).max(1)
+}
+
 /// What one gather leaves besides links.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GatherCost {
@@ -124,7 +129,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
         let Scratch { senders, coarse, found } = scratch;
-        for group in receivers.chunks((TOGETHER / directions.len().max(1)).max(1)) {
+        for group in receivers.chunks(receivers_together(directions)) {
             found.cast(self, group, directions);
             for (k, &receiver) in group.iter().enumerate() {
                 let cost = GatherCost { rays: directions.len() as u64, ..found.add(k, senders, coarse) };

@@ -5,6 +5,7 @@
 //! * [`directions`] – the rays of one hemispherical gather;
 //! * [`hemisphere`] – a receiver's rays;
 //! * [`tiles`] – what rays find, worked out beforehand;
+//! * [`order`] – the order in which they are cast;
 //! * `found` – what those of some receivers find;
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`tally`] – what a gather sums up, by sender;
@@ -22,6 +23,7 @@ mod found;
 pub mod gather;
 pub mod hemisphere;
 pub mod journal;
+pub mod order;
 pub mod refine;
 pub mod reflected;
 pub mod tally;

@@ -96,7 +96,7 @@ pub(super) struct Line {
 
 /// Triangles.
 pub(super) struct Body {
-    bvh: WideBvh,
+    pub bvh: WideBvh,
     /// In the order of the hierarchy's leaves.
     pub corners: Vec<Corners>,
     /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
@@ -184,9 +184,10 @@ impl Body {
         seed: u32,
     ) -> Option<(usize, Meeting)> {
         let sheared = ShearedRay::new(line.origin, line.direction);
-        let mut nearest = Nearest { body: self, surfaces, sheared, strictly, seed, best: None };
+        let stop = Stop { body: self, surfaces, strictly, seed, best: None };
+        let mut nearest = Nearest { stop, sheared };
         self.bvh.walk(line.origin, line.direction, limit, &mut nearest);
-        nearest.best
+        nearest.stop.best
     }
 
     /// The share of light that gets through all triangles before `limit`.
@@ -198,23 +199,21 @@ impl Body {
     }
 }
 
-/// Looks for the nearest triangle that stops a ray.
-struct Nearest<'a> {
-    body: &'a Body,
-    surfaces: &'a [Surface],
-    sheared: ShearedRay,
-    strictly: bool,
-    seed: u32,
-    best: Option<(usize, Meeting)>,
+/// Where a ray is stopped, as far as is known.
+pub(super) struct Stop<'a> {
+    pub body: &'a Body,
+    pub surfaces: &'a [Surface],
+    pub strictly: bool,
+    pub seed: u32,
+    /// The place of the triangle, and where it is met.
+    pub best: Option<(usize, Meeting)>,
 }
 
-impl Visit for Nearest<'_> {
+impl Stop<'_> {
+    /// Takes in where the ray, followed so far, meets a triangle; how far to follow it now.
     #[inline(always)]
-    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+    pub fn take(&mut self, place: usize, meeting: Meeting, limit: f32) -> f32 {
         let body = self.body;
-        let Some(meeting) = body.corners[place].meet(&self.sheared, limit) else {
-            return ControlFlow::Continue(limit);
-        };
         let number = body.numbers[place];
         // Of two triangles at one place the first counts, in whatever order they are met.
         let nearer = meeting.distance < limit
@@ -224,9 +223,25 @@ impl Visit for Nearest<'_> {
             };
         if nearer && (number & TRANSPARENT == 0 || body.stops(self.surfaces, place, meeting, self.seed)) {
             self.best = Some((place, meeting));
-            return ControlFlow::Continue(meeting.distance);
+            return meeting.distance;
         }
-        ControlFlow::Continue(limit)
+        limit
+    }
+}
+
+/// Looks for the nearest triangle that stops a ray.
+pub(super) struct Nearest<'a> {
+    pub stop: Stop<'a>,
+    pub sheared: ShearedRay,
+}
+
+impl Visit for Nearest<'_> {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        ControlFlow::Continue(match self.stop.body.corners[place].meet(&self.sheared, limit) {
+            Some(meeting) => self.stop.take(place, meeting, limit),
+            None => limit,
+        })
     }
 }
 

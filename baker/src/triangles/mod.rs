@@ -5,23 +5,29 @@
 //! test has no gaps, so that what is found equals what trying all triangles finds; a test holds that.
 //!
 //! * [`geometry`] – what there is; `triangle` – a ray against one; `wide` – nodes;
-//! * `body` – the triangles of one space; `instances` – where models stand.
+//! * `body` – the triangles of one space; `instances` – where models stand;
+//! * `packet` – rays that go alike; `together` – how they walk; `pieces` – triangles by number.
 
 mod body;
 pub mod geometry;
 mod instances;
+#[cfg(target_arch = "x86_64")]
+mod packet;
+mod pieces;
 #[cfg(test)]
 mod tests;
+#[cfg(target_arch = "x86_64")]
+mod together;
 mod triangle;
 mod wide;
 
 pub use geometry::Geometry;
 
 use crate::scene::{Scene, SceneError, union};
-use crate::surface::{Hit, Piece, Pieces, Place, Ray, Spot, Surfaces};
-use body::{Body, FIRST, Line, TWO_SIDED};
+use crate::surface::{Hit, Pieces, Ray, Surfaces};
+use body::{Body, Line};
 use geometry::{Placed, Surface};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use instances::{Instance, Instances};
 use rebounce_shared::rbn;
 use triangle::Meeting;
@@ -186,6 +192,18 @@ impl TriangleSurfaces {
     fn nearest(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, Meeting)> {
         let line = Line { origin: ray.origin, direction: ray.direction };
         let alone = self.alone.nearest(&self.surfaces, &line, ray.max_distance, false, seed);
+        self.with_copies(ray, seed, alone)
+    }
+
+    /// The same, where of the triangles that stand alone it is known.
+    #[inline]
+    fn with_copies(
+        &self,
+        ray: &Ray,
+        seed: u32,
+        alone: Option<(usize, Meeting)>,
+    ) -> Option<(Found<'_>, Meeting)> {
+        let line = Line { origin: ray.origin, direction: ray.direction };
         if !self.instances.all.is_empty() {
             let limit = alone.map_or(ray.max_distance, |(_, meeting)| meeting.distance);
             let find = |copy: &Instance, line: &Line, limit: f32, strictly: bool| {
@@ -216,70 +234,6 @@ impl TriangleSurfaces {
         // The last one that begins there or before: one without triangles begins where the next does.
         let index = self.instances.all.partition_point(|copy| copy.first_piece <= piece) - 1;
         self.of_copy(index, (piece - self.instances.all[index].first_piece) as usize)
-    }
-}
-
-impl Pieces for TriangleSurfaces {
-    fn count(&self) -> usize {
-        self.pieces as usize
-    }
-
-    fn piece(&self, piece: u32) -> Piece {
-        let found = self.found(piece);
-        let Found { body, triangle, .. } = found;
-        let first = (body.marks[triangle] & FIRST) as usize;
-        let [a, b, c] = body.corners[triangle].positions().map(|corner| found.place(corner));
-        let (at, next, last) = [(a, b, c), (b, c, a), (c, a, b)][first];
-        Piece {
-            sides: [at.distance(next), at.distance(last)],
-            has_back: body.marks[triangle] & TWO_SIDED != 0,
-            middle: (a + b + c) / 3.0,
-            normal: found.normal([1.0; 3]),
-            kind: body.looks[triangle].material,
-        }
-    }
-
-    fn spot(&self, place: Place, area: f32) -> Spot {
-        let found = self.found(place.piece);
-        let Found { body, triangle, .. } = found;
-        let (look, corners) = (&body.looks[triangle], &body.corners[triangle]);
-        let [u, v, w] = [1.0 - place.at.x - place.at.y, place.at.x, place.at.y];
-        let shares = match body.marks[triangle] & FIRST {
-            0 => [u, v, w],
-            1 => [w, u, v],
-            _ => [v, w, u],
-        };
-        let surface = &self.surfaces[look.material as usize];
-        let spanned = found.front();
-        let normal = match found.normal(shares) {
-            Vec3::ZERO => spanned.normalize_or_zero(),
-            normal => normal,
-        };
-        let (uv, [a, b, c]) = (look.uv(shares), corners.positions());
-        let color = body.color(&self.surfaces, triangle, shares);
-        Spot {
-            position: found.place(a * shares[0] + b * shares[1] + c * shares[2]),
-            normal: if place.is_back { -normal } else { normal },
-            albedo: surface.albedo(color, uv, look.share(spanned) * area),
-            opacity: surface.opacity(uv),
-        }
-    }
-
-    fn find(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)> {
-        let (found, meeting) = self.nearest(ray, seed)?;
-        let is_back = found.front().dot(ray.direction) > 0.0;
-        let marks = found.body.marks[found.triangle];
-        if is_back && marks & TWO_SIDED == 0 {
-            return None;
-        }
-        let [u, v, w] = meeting.shares();
-        let at = match marks & FIRST {
-            0 => Vec2::new(v, w),
-            1 => Vec2::new(w, u),
-            _ => Vec2::new(u, v),
-        };
-        let first = found.copy.map_or(0, |copy| copy.first_piece);
-        Some((Place { piece: first + found.triangle as u32, at, is_back }, meeting.distance))
     }
 }
 

@@ -1,10 +1,12 @@
 mod instances;
+mod together;
 
 use super::geometry::Triangle;
 use super::triangle::{Corners, ShearedRay};
 use super::*;
 use crate::random::Stream;
 use crate::scene::texture::{Sampler, Texels};
+use crate::surface::{Piece, Place};
 use glam::Vec2;
 use rebounce_shared::rbn::meta::{Alpha, Material, Wrap};
 use std::sync::Arc;

@@ -6,13 +6,15 @@
 //! hits one of the triangles around it: closed rooms are closed.
 
 use glam::{DVec4, Vec3, Vec4, Vec4Swizzles};
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::*;
 
 /// A ray, sheared: see [`Corners::meet`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShearedRay {
-    axes: [usize; 3],
-    origin: [f32; 3],
-    shear: [f32; 3],
+    pub axes: [usize; 3],
+    pub origin: [f32; 3],
+    pub shear: [f32; 3],
 }
 
 impl ShearedRay {
@@ -30,6 +32,45 @@ impl ShearedRay {
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
         let d = axes.map(|i| direction[i]);
         Self { axes, origin: axes.map(|i| origin[i]), shear: [d[0] / d[2], d[1] / d[2], 1.0 / d[2]] }
+    }
+}
+
+/// Eight rays that go along one axis most, sheared.
+#[cfg(target_arch = "x86_64")]
+pub(super) struct ShearedRays {
+    axes: [usize; 3],
+    origin: [__m256; 3],
+    shear: [__m256; 3],
+}
+
+#[cfg(target_arch = "x86_64")]
+impl ShearedRays {
+    /// Their [`ShearedRay`]s, whose `axes` are the same.
+    #[inline]
+    pub fn new(axes: [usize; 3], origin: [[f32; 8]; 3], shear: [[f32; 8]; 3]) -> Self {
+        let registers = |of: [[f32; 8]; 3]| of.map(bytemuck::cast);
+        Self { axes, origin: registers(origin), shear: registers(shear) }
+    }
+}
+
+/// Where eight rays meet a triangle.
+#[cfg(target_arch = "x86_64")]
+pub(super) struct Meetings {
+    /// A bit for each ray that meets it, or may.
+    pub met: u32,
+    /// A bit for each that may: [`Corners::meet`] says whether it does.
+    pub unclear: u32,
+    distance: [f32; 8],
+    v: [f32; 8],
+    w: [f32; 8],
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Meetings {
+    /// That of a ray that does.
+    #[inline]
+    pub fn of(&self, ray: usize) -> Meeting {
+        Meeting { distance: self.distance[ray], v: self.v[ray], w: self.w[ray] }
     }
 }
 
@@ -106,12 +147,62 @@ impl Corners {
         }
         let sum = areas.x + areas.y + areas.z;
         let scale = 1.0 / sum;
-        let distance = areas.dot(z) * scale * ray.shear[2];
+        // In this order everywhere, so that one ray and eight find the same.
+        let parts = areas * z;
+        let distance = ((parts.x + parts.z) + parts.y) * scale * ray.shear[2];
         // Also false for the NaN of a ray within the plane.
         if !(distance >= 0.0 && distance <= limit) {
             return None;
         }
         Some(Meeting { distance, v: areas.y * scale, w: areas.z * scale })
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Corners {
+    /// [`Self::meet`] for those of eight `rays` that have their bits set, by the same arithmetic in the same order.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    pub fn meet_together(&self, sheared: &ShearedRays, limits: [f32; 8], rays: u32) -> Meetings {
+        let rays = rays as i32;
+        let along = |i: usize, corner: usize| {
+            let at = self.0[sheared.axes[i]].as_ref()[corner];
+            _mm256_sub_ps(_mm256_set1_ps(at), sheared.origin[i])
+        };
+        let z: [__m256; 3] = std::array::from_fn(|corner| along(2, corner));
+        let across = |i: usize| -> [__m256; 3] {
+            let of = |corner| _mm256_sub_ps(along(i, corner), _mm256_mul_ps(sheared.shear[i], z[corner]));
+            std::array::from_fn(of)
+        };
+        let (x, y) = (across(0), across(1));
+        let area = |i: usize, j: usize| _mm256_sub_ps(_mm256_mul_ps(x[i], y[j]), _mm256_mul_ps(y[i], x[j]));
+        let [a, b, c] = [area(2, 1), area(0, 2), area(1, 0)];
+        // Beside the triangle where some areas are negative, but not all.
+        let (any, all) = (_mm256_or_ps(_mm256_or_ps(a, b), c), _mm256_and_ps(_mm256_and_ps(a, b), c));
+        let beside = _mm256_movemask_ps(_mm256_andnot_ps(all, any));
+        let nought = _mm256_setzero_ps();
+        let is_zero = |area| _mm256_cmp_ps::<_CMP_EQ_OQ>(area, nought);
+        let unclear = _mm256_or_ps(_mm256_or_ps(is_zero(a), is_zero(b)), is_zero(c));
+        let unclear = _mm256_movemask_ps(unclear) & rays;
+        let within = rays & !beside;
+        if within | unclear == 0 {
+            return Meetings { met: 0, unclear: 0, distance: [0.0; 8], v: [0.0; 8], w: [0.0; 8] };
+        }
+        let scale = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_add_ps(_mm256_add_ps(a, b), c));
+        let outer = _mm256_add_ps(_mm256_mul_ps(a, z[0]), _mm256_mul_ps(c, z[2]));
+        let sum = _mm256_add_ps(outer, _mm256_mul_ps(b, z[1]));
+        let distance = _mm256_mul_ps(_mm256_mul_ps(sum, scale), sheared.shear[2]);
+        let is_near = _mm256_and_ps(
+            _mm256_cmp_ps::<_CMP_GE_OQ>(distance, nought),
+            _mm256_cmp_ps::<_CMP_LE_OQ>(distance, bytemuck::cast(limits)),
+        );
+        Meetings {
+            met: (within & _mm256_movemask_ps(is_near) | unclear) as u32,
+            unclear: unclear as u32,
+            distance: bytemuck::cast(distance),
+            v: bytemuck::cast(_mm256_mul_ps(b, scale)),
+            w: bytemuck::cast(_mm256_mul_ps(c, scale)),
+        }
     }
 }
 

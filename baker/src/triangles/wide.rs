@@ -15,40 +15,40 @@ use std::arch::x86_64::*;
 use std::ops::{ControlFlow, Range};
 
 /// Children of a node.
-const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = 8;
 /// Marks a child that is a range of triangles: three bits for their number less one, the rest for the first one.
-const LEAF: u32 = 1 << 31;
+pub(super) const LEAF: u32 = 1 << 31;
 /// Where the number of a leaf's triangles begins.
 const COUNT_SHIFT: u32 = 28;
 /// Most triangles of a leaf.
 pub(super) const LARGEST_LEAF: u32 = 8;
 /// Boxes are met so much beyond the limit: where a triangle is slim, a hit's distance is rounded by more than its box's.
-const BEYOND: f32 = 1.0 + 1e-5;
+pub(super) const BEYOND: f32 = 1.0 + 1e-5;
 /// Nodes that wait for their turn without memory of their own; in tests so few that there is often no room.
 const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 64 };
 
 /// A node.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-struct Node {
+pub(super) struct Node {
     /// Low and high sides of the children's boxes along each axis; of children that there are not, such that no ray meets
     /// them.
-    sides: [[[f32; WIDTH]; 2]; 3],
+    pub sides: [[[f32; WIDTH]; 2]; 3],
     /// Nodes, or with [`LEAF`] triangles.
-    children: [u32; WIDTH],
+    pub children: [u32; WIDTH],
 }
 
 /// A ray as nodes are tested against it.
-struct Walker {
-    origin: [f32; 3],
-    inverse: [f32; 3],
+pub(super) struct Walker {
+    pub origin: [f32; 3],
+    pub inverse: [f32; 3],
     /// For each axis whether the ray goes down it, so that a box's high side is its near one.
-    down: [usize; 3],
+    pub down: [usize; 3],
 }
 
 /// The same for all children of a node at once.
 #[cfg(target_arch = "x86_64")]
-struct WideWalker {
+pub(super) struct WideWalker {
     origin: [__m256; 3],
     inverse: [__m256; 3],
     down: [usize; 3],
@@ -70,7 +70,7 @@ impl<F: FnMut(usize, f32) -> ControlFlow<(), f32>> Visit for F {
 /// A hierarchy over triangles in [its own order](Self::order).
 #[derive(Clone, Debug, Default)]
 pub(super) struct WideBvh {
-    nodes: Vec<Node>,
+    pub nodes: Vec<Node>,
 }
 
 impl WideBvh {
@@ -120,7 +120,7 @@ impl WideBvh {
             #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
             return unsafe { self.walk_avx2(&walker, limit, visit) };
         }
-        self.walk_by(&walker, limit, Node::meet, visit);
+        self.walk_by(&walker, 0, limit, Node::meet, visit);
     }
 
     #[cfg(target_arch = "x86_64")]
@@ -129,26 +129,28 @@ impl WideBvh {
     fn walk_avx2(&self, walker: &Walker, limit: f32, visit: &mut impl Visit) {
         self.walk_by(
             &WideWalker::new(walker),
+            0,
             limit,
             |node, walker, limit| node.meet_avx2(walker, limit),
             visit,
         );
     }
 
-    /// The walk, with this test of a node's children.
+    /// The walk from a node on, with this test of a node's children; the limit at its end.
     #[inline(always)]
-    fn walk_by<W>(
+    pub fn walk_by<W>(
         &self,
         walker: &W,
+        from: u32,
         mut limit: f32,
         meet: impl Fn(&Node, &W, f32) -> ([f32; WIDTH], u32),
         visit: &mut impl Visit,
-    ) {
+    ) -> f32 {
         let mut reach = limit * BEYOND;
         // Children that wait for their turn, of each node the nearest last; and those that there was no room for.
         let (mut waiting, mut count) = ([0; WAITING], 0);
         let mut farther: Vec<u64> = Vec::new();
-        let mut next = 0;
+        let mut next = from;
         loop {
             if next & LEAF == 0 {
                 let node = &self.nodes[next as usize];
@@ -186,7 +188,7 @@ impl WideBvh {
                 for place in places(next) {
                     match visit.visit(place, limit) {
                         ControlFlow::Continue(nearer) => limit = nearer,
-                        ControlFlow::Break(()) => return,
+                        ControlFlow::Break(()) => return limit,
                     }
                 }
                 reach = limit * BEYOND;
@@ -197,7 +199,7 @@ impl WideBvh {
                     count -= 1;
                     waiting[count]
                 } else {
-                    let Some(entry) = farther.pop() else { return };
+                    let Some(entry) = farther.pop() else { return limit };
                     entry
                 };
                 if distance(entry) <= reach {
@@ -210,20 +212,20 @@ impl WideBvh {
 
 /// A child and how far its box is, which is not under zero, as one number: the farther, the greater.
 #[inline(always)]
-fn entry(child: u32, near: f32) -> u64 {
+pub(super) fn entry(child: u32, near: f32) -> u64 {
     (near.to_bits() as u64) << 32 | child as u64
 }
 
 /// How far an entry's box is.
 #[inline(always)]
-fn distance(entry: u64) -> f32 {
+pub(super) fn distance(entry: u64) -> f32 {
     f32::from_bits((entry >> 32) as u32)
 }
 
 /// Makes room by moving half of those that wait to `farther`; how many are left.
 #[cold]
 #[inline(never)]
-fn move_half(waiting: &mut [u64; WAITING], farther: &mut Vec<u64>, count: usize) -> usize {
+pub(super) fn move_half<T: Copy>(waiting: &mut [T], farther: &mut Vec<T>, count: usize) -> usize {
     let half = count / 2;
     farther.extend_from_slice(&waiting[..half]);
     waiting.copy_within(half..count, 0);
@@ -232,7 +234,7 @@ fn move_half(waiting: &mut [u64; WAITING], farther: &mut Vec<u64>, count: usize)
 
 /// The places of a leaf's triangles.
 #[inline(always)]
-fn places(leaf: u32) -> Range<usize> {
+pub(super) fn places(leaf: u32) -> Range<usize> {
     let first = (leaf & ((1 << COUNT_SHIFT) - 1)) as usize;
     first..first + ((leaf & !LEAF) >> COUNT_SHIFT) as usize + 1
 }
@@ -255,7 +257,7 @@ fn children<'a>(binary: &'a Bvh2, node: &'a Bvh2Node) -> SmallVec<[&'a Bvh2Node;
 
 impl Walker {
     #[inline(always)]
-    fn new(origin: Vec3, direction: Vec3) -> Self {
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
         let inverse = direction.to_array().map(inverse);
         Self { origin: origin.to_array(), inverse, down: inverse.map(|x| (x < 0.0) as usize) }
     }
@@ -265,7 +267,7 @@ impl Walker {
 impl WideWalker {
     #[target_feature(enable = "avx2")]
     #[inline]
-    fn new(walker: &Walker) -> Self {
+    pub fn new(walker: &Walker) -> Self {
         let all = |of: [f32; 3]| of.map(|x| _mm256_set1_ps(x));
         Self { origin: all(walker.origin), inverse: all(walker.inverse), down: walker.down }
     }
@@ -273,7 +275,7 @@ impl WideWalker {
 
 /// 1/x, never infinite, so that the box test has no 0 · ∞.
 #[inline(always)]
-fn inverse(x: f32) -> f32 {
+pub(super) fn inverse(x: f32) -> f32 {
     if x.abs() < 1e-12 { 1e12f32.copysign(x) } else { 1.0 / x }
 }
 
@@ -296,7 +298,7 @@ impl Node {
 
     /// How far each child's box is along the ray, and a bit for each that is met before the limit.
     #[inline(always)]
-    fn meet(&self, ray: &Walker, limit: f32) -> ([f32; WIDTH], u32) {
+    pub fn meet(&self, ray: &Walker, limit: f32) -> ([f32; WIDTH], u32) {
         let (mut near, mut far) = ([0f32; WIDTH], [limit; WIDTH]);
         for axis in 0..3 {
             let sides = &self.sides[axis];
@@ -315,7 +317,7 @@ impl Node {
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     #[inline]
-    fn meet_avx2(&self, ray: &WideWalker, limit: f32) -> ([f32; WIDTH], u32) {
+    pub fn meet_avx2(&self, ray: &WideWalker, limit: f32) -> ([f32; WIDTH], u32) {
         let (mut near, mut far) = (_mm256_setzero_ps(), _mm256_set1_ps(limit));
         for axis in 0..3 {
             let sides = &self.sides[axis];

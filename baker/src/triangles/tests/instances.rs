@@ -18,7 +18,7 @@ fn places(count: usize) -> Vec<Affine3A> {
 }
 
 /// A closed room, and copies of two models in it: some scrap, and a single triangle.
-fn crowd() -> Geometry {
+pub(super) fn crowd() -> Geometry {
     let mut triangles = scrap(1);
     let alone = triangles.len();
     let mut model: Vec<Triangle> = scrap(7).into_iter().step_by(9).collect();

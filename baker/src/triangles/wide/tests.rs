@@ -108,6 +108,7 @@ fn a_walk_visits_every_box_that_a_ray_meets() {
         let mut none = vec![false; order.len()];
         wide.walk_by(
             &Walker::new(origin, direction),
+            0,
             f32::INFINITY,
             Node::meet,
             &mut |place: usize, limit: f32| {
