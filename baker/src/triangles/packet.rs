@@ -1,7 +1,7 @@
 //! Rays that go alike, as nodes are tested against them: a packet.
 
 use super::triangle::{ShearedRay, ShearedRays};
-use super::wide::{BEYOND, Node, WIDTH, Walker, inverse};
+use super::wide::{BEYOND, Node, SMALL, WIDTH, Walker};
 use crate::surface::Ray;
 use std::arch::x86_64::*;
 
@@ -60,6 +60,17 @@ fn ends(of: &All) -> (__m256, __m256) {
     let (least, most) = (_mm256_min_ps(least, swapped(least)), _mm256_max_ps(most, swapped(most)));
     let swapped = |x| _mm256_permute_ps::<0b10_11_00_01>(x);
     (_mm256_min_ps(least, swapped(least)), _mm256_max_ps(most, swapped(most)))
+}
+
+/// [`wide::inverse`](super::wide::inverse) of each.
+#[target_feature(enable = "avx2")]
+#[inline]
+fn inverses(of: __m256) -> __m256 {
+    let sign = _mm256_set1_ps(-0.0);
+    let size = _mm256_andnot_ps(sign, of);
+    let is_small = _mm256_cmp_ps::<_CMP_LT_OQ>(size, _mm256_set1_ps(SMALL));
+    let largest = _mm256_or_ps(_mm256_set1_ps(1.0 / SMALL), _mm256_and_ps(sign, of));
+    _mm256_blendv_ps(_mm256_div_ps(_mm256_set1_ps(1.0), of), largest, is_small)
 }
 
 impl Limits {
@@ -121,9 +132,10 @@ impl Packet {
             origin[axis][count..].fill(of_origin);
             direction[axis][count..].fill(of_direction);
         }
-        let inverse: [All; 3] = direction.map(|each| bytemuck::cast(each.map(inverse)));
         let origin: [All; 3] = origin.map(bytemuck::cast);
         let direction: [All; 3] = direction.map(bytemuck::cast);
+        let inverse: [All; 3] =
+            std::array::from_fn(|axis| std::array::from_fn(|group| inverses(direction[axis][group])));
 
         let main = (class >> 3) as usize;
         let axes = [(main + 1) % 3, (main + 2) % 3, main];
@@ -133,14 +145,15 @@ impl Packet {
         let one = [_mm256_set1_ps(1.0); GROUPS];
 
         let down: [usize; 3] = std::array::from_fn(|axis| (class >> axis & 1) as usize);
-        let origins: [(__m256, __m256); 3] = std::array::from_fn(|axis| ends(&origin[axis]));
-        let inverses: [(__m256, __m256); 3] = std::array::from_fn(|axis| ends(&inverse[axis]));
-        let lies = |axis: usize, is_high: bool| if is_high { origins[axis].1 } else { origins[axis].0 };
+        let origin_ends: [(__m256, __m256); 3] = std::array::from_fn(|axis| ends(&origin[axis]));
+        let inverse_ends: [(__m256, __m256); 3] = std::array::from_fn(|axis| ends(&inverse[axis]));
+        let lies =
+            |axis: usize, is_high: bool| if is_high { origin_ends[axis].1 } else { origin_ends[axis].0 };
         Self {
             near_origin: std::array::from_fn(|axis| lies(axis, down[axis] == 0)),
             far_origin: std::array::from_fn(|axis| lies(axis, down[axis] == 1)),
-            least_inverse: inverses.map(|(least, _)| least),
-            most_inverse: inverses.map(|(_, most)| most),
+            least_inverse: inverse_ends.map(|(least, _)| least),
+            most_inverse: inverse_ends.map(|(_, most)| most),
             shear: [over(&direction[axes[0]]), over(&direction[axes[1]]), over(&one)],
             limits: Limits::new(limits),
             origin,

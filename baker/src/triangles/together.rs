@@ -104,11 +104,15 @@ impl Together<'_> {
                 let (node, child) = (&nodes[(name >> PLACE_BITS) as usize], name as usize % WIDTH);
                 let rays = node.meet_child(child, &self.packet, next.rays);
                 let next = node.children[child];
-                match rays.count_ones() {
-                    0 => continue,
-                    _ if next & LEAF != 0 => self.leaf(next, rays),
-                    1 => self.alone(next, rays.trailing_zeros() as usize),
-                    _ => break (next, rays),
+                if rays == 0 {
+                    continue;
+                }
+                if next & LEAF != 0 {
+                    self.leaf(next, rays);
+                } else if rays & (rays - 1) != 0 {
+                    break (next, rays);
+                } else {
+                    self.alone(next, rays.trailing_zeros() as usize);
                 }
                 self.packet.limits.look();
             };

@@ -24,6 +24,8 @@ const COUNT_SHIFT: u32 = 28;
 pub(super) const LARGEST_LEAF: u32 = 8;
 /// Boxes are met so much beyond the limit: where a triangle is slim, a hit's distance is rounded by more than its box's.
 pub(super) const BEYOND: f32 = 1.0 + 1e-5;
+/// What is smaller counts as this much where it is divided by.
+pub(super) const SMALL: f32 = 1e-12;
 /// Nodes that wait for their turn without memory of their own; in tests so few that there is often no room.
 const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 64 };
 
@@ -275,8 +277,8 @@ impl WideWalker {
 
 /// 1/x, never infinite, so that the box test has no 0 · ∞.
 #[inline(always)]
-pub(super) fn inverse(x: f32) -> f32 {
-    if x.abs() < 1e-12 { 1e12f32.copysign(x) } else { 1.0 / x }
+fn inverse(x: f32) -> f32 {
+    if x.abs() < SMALL { (1.0 / SMALL).copysign(x) } else { 1.0 / x }
 }
 
 impl Node {
