@@ -3,8 +3,8 @@
 //!
 //! In turns: a bake with two threads; its rays, the same ones, on as many threads, with nothing but the walk through the
 //! hierarchy; and a bake with one thread. Medians. The rays are those of the gathers, one receiver's after another's, and
-//! those that placing points, looking for walls and reading colours cast, in their order; all one by one. A bake casts
-//! those of its gathers together: what they alone take so is measured, too.
+//! those that placing points, looking for walls and reading colours cast, in their order; all one by one. A bake lets
+//! those of its gathers walk together: so they are timed as well.
 
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_vantage};
 use rebounce::operator::OperatorSettings;
 use rebounce::operator::directions::Directions;
+use rebounce::operator::found::BATCH;
 use rebounce::operator::gather::receivers_together;
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::order::sort;
@@ -180,7 +181,7 @@ impl Rays {
         spent
     }
 
-    /// The same in the groups and in the order of a bake.
+    /// The same in the order of a bake, together.
     fn walk_together_for(&self, chunk: &[usize], directions: &Directions) -> Duration {
         let mut rays = GatherRays::default();
         let (mut order, mut cells, mut found) = (Vec::new(), Vec::new(), Vec::new());
@@ -192,12 +193,19 @@ impl Rays {
                 gather_rays(&self.points.points[i], i, self.operator.seed, epsilon, directions, &mut rays);
             }
             sort(&rays.rays, &mut order, &mut cells);
-            if let Some(pieces) = self.surfaces.pieces() {
-                let began = Instant::now();
-                pieces.find_all(&rays.rays, &order, &mut found);
+            // More pieces than are numbered walk one by one in a bake, too.
+            let pieces = self.surfaces.pieces();
+            let began = Instant::now();
+            for some in order.chunks(BATCH) {
+                match pieces {
+                    Some(pieces) => pieces.find_all(&rays.rays, some, &mut found),
+                    None => some.iter().map(|&i| &rays.rays[i as usize]).for_each(|(ray, seed)| {
+                        black_box(self.surfaces.distance(ray, *seed));
+                    }),
+                }
                 black_box(&found);
-                spent += began.elapsed();
             }
+            spent += began.elapsed();
         }
         spent
     }

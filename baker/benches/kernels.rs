@@ -10,6 +10,7 @@ use rebounce::bake::{BakeSettings, Preset, choose_vantage};
 use rebounce::basis::{Relations, relate};
 use rebounce::operator::bounces::{add_later_bounces, column_count};
 use rebounce::operator::directions::Directions;
+use rebounce::operator::found::BATCH;
 use rebounce::operator::gather::{GatherContext, Gathered, Scratch};
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::order::sort;
@@ -19,7 +20,7 @@ use rebounce::operator::{Operator, OperatorSettings, tint};
 use rebounce::points::vantage::Vantage;
 use rebounce::points::{PlaceSettings, Points, place};
 use rebounce::scene;
-use rebounce::surface::{Hit, Ray, Surfaces};
+use rebounce::surface::{Hit, Pieces, Ray, Surfaces};
 use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::link::Link;
 use rebounce_shared::rbn::LinkMatrix;
@@ -54,6 +55,7 @@ struct Room {
     rays: Vec<(Ray, u32)>,
     /// Those of neighbours, which go alike one after another.
     near: Vec<(Ray, u32)>,
+    /// The order in which they are cast.
     order: Vec<u32>,
     hits: Vec<Hit>,
     /// Without later bounces.
@@ -212,10 +214,11 @@ fn walk(room: &Room) -> u64 {
 
 #[inline(never)]
 fn walk_together(room: &Room) -> u64 {
-    let Some(pieces) = room.surfaces.pieces() else { return 0 };
     let mut found = Vec::new();
-    pieces.find_all(&room.near, &room.order, &mut found);
-    black_box(&found);
+    for some in room.order.chunks(BATCH) {
+        room.surfaces.find_all(&room.near, some, &mut found);
+        black_box(&found);
+    }
     room.order.len() as u64
 }
 

@@ -5,6 +5,8 @@ use anyhow::{Context, Result, ensure};
 use glam::Vec3;
 use rebounce::bake::{BakeSettings, Preset, choose_vantage};
 use rebounce::operator::directions::Directions;
+use rebounce::operator::found::BATCH;
+use rebounce::operator::gather::receivers_together;
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::order::sort;
 use rebounce::points::place;
@@ -19,9 +21,7 @@ use std::time::Instant;
 const FEW: usize = 512;
 /// Rounds, of which the best counts.
 const ROUNDS: usize = 8;
-/// Neighbours whose rays a bake casts at once, with the rays of each; of how many such groups one is measured.
-const NEIGHBOURS: usize = 8;
-const DIRECTIONS: u32 = 512;
+/// Of so many groups of receivers one is measured.
 const EVERY: usize = 8;
 
 fn main() -> Result<()> {
@@ -79,16 +79,16 @@ fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
     let points = place(surfaces, &vantage, &settings.place, &())?;
     let finest: Vec<usize> = points.levels.last().map_or(Vec::new(), |level| level.range().collect());
     let pieces = surfaces.pieces().context("too many triangles")?;
-    let directions = Directions::new(DIRECTIONS);
+    let directions = Directions::new(settings.operator.rays_on(points.levels.len() - 1));
     let mut gathered = GatherRays::default();
     let (mut order, mut cells) = (Vec::new(), Vec::new());
-    let (mut alone, mut together) = (Vec::new(), Vec::new());
+    let (mut alone, mut together, mut some_together) = (Vec::new(), Vec::new(), Vec::new());
     let mut best = [f64::INFINITY; 2];
     let mut count = 0;
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
         count = 0;
         let mut seconds = [0.0; 2];
-        for some in finest.chunks(NEIGHBOURS).step_by(EVERY) {
+        for some in finest.chunks(receivers_together(&directions)).step_by(EVERY) {
             gathered.clear();
             for &i in some {
                 gather_rays(&points.points[i], i, 1, surfaces.epsilon(), &directions, &mut gathered);
@@ -96,16 +96,27 @@ fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
             let rays = &gathered.rays;
             sort(rays, &mut order, &mut cells);
             count += order.len();
-            let began = Instant::now();
-            alone.clear();
-            alone.extend(order.iter().map(|&i| pieces.find(&rays[i as usize].0, rays[i as usize].1)));
-            seconds[0] += began.elapsed().as_secs_f64();
-            let began = Instant::now();
-            pieces.find_all(rays, &order, &mut together);
-            seconds[1] += began.elapsed().as_secs_f64();
+            // Who comes second finds nodes and triangles near: first the one, then the other.
+            for way in [round % 2, 1 - round % 2] {
+                let began = Instant::now();
+                if way == 0 {
+                    alone.clear();
+                    alone.extend(order.iter().map(|&i| pieces.find(&rays[i as usize].0, rays[i as usize].1)));
+                } else {
+                    together.clear();
+                    for numbers in order.chunks(BATCH) {
+                        pieces.find_all(rays, numbers, &mut some_together);
+                        together.extend_from_slice(&some_together);
+                    }
+                }
+                let spent = began.elapsed().as_secs_f64();
+                // Only what came first counts.
+                seconds[way] += if way == round % 2 { spent } else { 0.0 };
+            }
             ensure!(alone == together, "rays find something else together");
         }
-        best = [0, 1].map(|k| best[k].min(seconds[k]));
+        let way = round % 2;
+        best[way] = best[way].min(seconds[way]);
     }
     let speed = best.map(|seconds| count as f64 / seconds * 1e-6);
     println!("gathers, one by one: {:.2} Mrays/s, together: {:.2} ({count} rays)", speed[0], speed[1]);

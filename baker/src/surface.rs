@@ -23,28 +23,32 @@ pub struct Ray {
 impl Ray {
     /// [`Self::spread`] of rays that ask where surfaces are, not what they reflect: that costs no texels.
     pub const BLIND: f32 = f32::INFINITY;
+    /// Numbers of [`Self::class`].
+    pub const CLASSES: usize = 24;
 
     /// A ray without end that asks where surfaces are.
     pub fn blind(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, max_distance: f32::INFINITY, spread: Self::BLIND }
     }
 
-    /// Numbers of [`Self::class`].
-    pub const CLASSES: usize = 24;
-
-    /// A number under [`Self::CLASSES`], the same for directions that go up and down the same axes and most along the same one. In its
-    /// three lowest bits is whether it goes down x, y and z; above them, the axis that it goes along most.
+    /// The axis that a direction goes along most: 0, 1 or 2.
     #[inline]
-    pub fn class(direction: Vec3) -> u8 {
+    pub fn main_axis(direction: Vec3) -> usize {
         let size = direction.abs();
-        let main = if size.x > size.y && size.x > size.z {
+        if size.x > size.y && size.x > size.z {
             0
         } else if size.y > size.z {
             1
         } else {
             2
-        };
-        main << 3 | direction.is_negative_bitmask() as u8
+        }
+    }
+
+    /// A number under [`Self::CLASSES`], the same for directions that go up and down the same axes and most along the
+    /// same one. In its three lowest bits is whether they go down x, y and z; above them, the [`Self::main_axis`].
+    #[inline]
+    pub fn class(direction: Vec3) -> u8 {
+        (Self::main_axis(direction) << 3) as u8 | direction.is_negative_bitmask() as u8
     }
 }
 
@@ -159,7 +163,7 @@ pub trait Pieces: Sync {
     fn find(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)>;
 
     /// The same for the rays of these numbers, in their order; quickest where neighbours are of one [class](Ray::class) and
-    /// go alike.
+    /// go alike. Origins and directions are finite, and no [`Ray::max_distance`] is NaN.
     fn find_all(&self, rays: &[(Ray, u32)], numbers: &[u32], found: &mut Vec<Option<(Place, f32)>>) {
         found.clear();
         found.extend(numbers.iter().map(|&number| {

@@ -56,13 +56,16 @@ pub fn run(args: &[String]) -> Result<()> {
 /// `cargo test` of the whole workspace, in the development profile (which is optimised). It builds
 /// the programs that the browser's tests call, too, and the benches, so that they do not rot.
 fn native(options: &[&str]) -> Result<()> {
-    process::run(process::cargo().args(["build", "--locked", "--workspace", "--benches"]))?;
     let mut command = process::cargo();
     command.args(["test", "--locked", "--workspace", "--no-fail-fast"]).args(options);
     if let Some(description) = install::lavapipe() {
         command.env("VK_DRIVER_FILES", description);
     }
-    process::run(&mut command)
+    let tests = process::run(&mut command);
+    if !options.is_empty() {
+        return tests;
+    }
+    tests.and(process::run(process::cargo().args(["build", "--locked", "--workspace", "--benches"])))
 }
 
 /// Bakes over several processes, and the same in one.

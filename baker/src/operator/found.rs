@@ -15,8 +15,9 @@ use crate::random::{mix, unit};
 use crate::surface::{Pieces, Place, Surfaces};
 use glam::{Vec3, Vec3A};
 
-/// Rays that are cast before their tiles are looked at, so that one step waits for memory far away once, not once a ray.
-const BATCH: usize = 64;
+/// Rays that are cast before their tiles are looked at, so that one step waits for memory far away once, not once a ray; as
+/// many as [walk together](Pieces::find_all) at most.
+pub const BATCH: usize = 64;
 /// Rays by which sums are asked for before they are added to.
 const AHEAD: usize = 8;
 

@@ -6,7 +6,7 @@
 //! * [`hemisphere`] – a receiver's rays;
 //! * [`tiles`] – what rays find, worked out beforehand;
 //! * [`order`] – the order in which they are cast;
-//! * `found` – what those of some receivers find;
+//! * [`found`] – what those of some receivers find;
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`tally`] – what a gather sums up, by sender;
 //! * [`choose`] – which of it becomes a link;
@@ -19,7 +19,7 @@ pub mod bounces;
 pub mod bytes;
 mod choose;
 pub mod directions;
-mod found;
+pub mod found;
 pub mod gather;
 pub mod hemisphere;
 pub mod journal;

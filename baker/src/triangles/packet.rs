@@ -78,7 +78,7 @@ impl Limits {
     #[inline]
     fn new(each: Each) -> Self {
         let mut limits = Self { each: bytemuck::cast(each), farthest: _mm256_setzero_ps() };
-        limits.look();
+        limits.find_farthest();
         limits
     }
 
@@ -88,7 +88,7 @@ impl Limits {
         bytemuck::cast_ref::<All, Each>(&self.each)[ray]
     }
 
-    /// Follows a ray so far; [`Self::look`] afterwards.
+    /// Follows a ray so far; [`Self::find_farthest`] afterwards.
     #[inline]
     pub fn set(&mut self, ray: usize, limit: f32) {
         bytemuck::cast_mut::<All, Each>(&mut self.each)[ray] = limit;
@@ -97,7 +97,7 @@ impl Limits {
     /// Finds the farthest.
     #[target_feature(enable = "avx2")]
     #[inline]
-    pub fn look(&mut self) {
+    pub fn find_farthest(&mut self) {
         self.farthest = _mm256_mul_ps(ends(&self.each).1, _mm256_set1_ps(BEYOND));
     }
 
@@ -110,7 +110,7 @@ impl Limits {
 }
 
 impl Packet {
-    /// Of rays of one [class](Ray::class), at least one and at most [`MOST`].
+    /// Of rays of this [class](Ray::class), at least one and at most [`MOST`]. Without NaN: it would be a bound of all.
     #[target_feature(enable = "avx2")]
     #[inline]
     pub fn new<'a>(rays: impl Iterator<Item = &'a Ray>, class: u8) -> Self {
@@ -119,6 +119,8 @@ impl Packet {
         let mut limits = [-1.0; MOST];
         let mut count = 0;
         for (i, ray) in rays.take(MOST).enumerate() {
+            debug_assert!(Ray::class(ray.direction) == class && !ray.max_distance.is_nan());
+            debug_assert!(ray.origin.is_finite() && ray.direction.is_finite());
             for axis in 0..3 {
                 origin[axis][i] = ray.origin[axis];
                 direction[axis][i] = ray.direction[axis];
@@ -126,7 +128,7 @@ impl Packet {
             limits[i] = ray.max_distance;
             count = i + 1;
         }
-        // It counts for no bound either.
+        // It repeats the first ray, so that it widens no bound.
         for axis in 0..3 {
             let (of_origin, of_direction) = (origin[axis][0], direction[axis][0]);
             origin[axis][count..].fill(of_origin);
@@ -177,7 +179,7 @@ impl Packet {
     /// Takes up to [`LANES`] of these `rays` out; which they are, and how triangles are tested against them.
     #[target_feature(enable = "avx2")]
     #[inline]
-    pub fn some(&self, rays: &mut Rays) -> ([usize; LANES], usize, ShearedRays) {
+    pub fn take_eight(&self, rays: &mut Rays) -> ([usize; LANES], usize, ShearedRays) {
         let (mut names, mut count) = ([0; LANES], 0);
         let (mut origin, mut shear) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
         while *rays != 0 && count < LANES {
@@ -243,6 +245,6 @@ impl Node {
             let some = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far));
             met |= (some as u8 as Rays) << (LANES * group);
         }
-        met
+        met & rays
     }
 }

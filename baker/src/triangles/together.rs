@@ -3,7 +3,8 @@
 //! A node's eight children are tested at once against the bounds of all rays; a child that may be met, against each ray,
 //! eight at once; and each triangle in it, against those that meet its box. So what lies in memory is read, and what is
 //! next is decided, once for all of them; a ray that parts from the others goes on alone. Each is tested against the
-//! triangles of the leaves whose boxes it meets, by the arithmetic of a ray that walks alone, so it finds the same.
+//! triangles of the leaves whose boxes it meets, by the arithmetic of a ray that walks alone, though in another order; as no
+//! hit lies before its box by more than rounding, and of two at one place the first triangle counts, it finds the same.
 
 use super::body::{Body, Nearest, Stop};
 use super::geometry::Surface;
@@ -16,7 +17,7 @@ use crate::surface::Ray;
 const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 128 };
 
 /// What each ray meets first: the triangle's place, and where.
-pub(super) type Found = [Option<(usize, Meeting)>; MOST];
+pub(super) type Firsts = [Option<(usize, Meeting)>; MOST];
 
 /// A child that waits.
 #[derive(Clone, Copy, Default)]
@@ -36,7 +37,7 @@ struct Together<'a> {
     surfaces: &'a [Surface],
     packet: Packet,
     seeds: [u32; MOST],
-    found: Found,
+    found: Firsts,
 }
 
 impl Body {
@@ -48,7 +49,7 @@ impl Body {
         surfaces: &[Surface],
         rays: impl Iterator<Item = &'r (Ray, u32)> + Clone,
         class: u8,
-    ) -> Found {
+    ) -> Firsts {
         if self.bvh.nodes.is_empty() {
             return [None; MOST];
         }
@@ -114,7 +115,7 @@ impl Together<'_> {
                 } else {
                     self.alone(next, rays.trailing_zeros() as usize);
                 }
-                self.packet.limits.look();
+                self.packet.limits.find_farthest();
             };
         }
     }
@@ -124,7 +125,7 @@ impl Together<'_> {
     #[inline]
     fn leaf(&mut self, leaf: u32, mut rays: Rays) {
         while rays != 0 {
-            let (names, count, sheared) = self.packet.some(&mut rays);
+            let (names, count, sheared) = self.packet.take_eight(&mut rays);
             let mut limits: [f32; LANES] = names.map(|ray| self.packet.limits.of(ray));
             for place in places(leaf) {
                 let meetings = self.body.corners[place].meet_together(&sheared, limits, (1 << count) - 1);

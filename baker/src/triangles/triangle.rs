@@ -5,6 +5,7 @@
 //! in the plane, and those are exact. A ray through a shared edge or corner therefore always
 //! hits one of the triangles around it: closed rooms are closed.
 
+use crate::surface::Ray;
 use glam::{DVec4, Vec3, Vec4, Vec4Swizzles};
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
@@ -21,14 +22,7 @@ impl ShearedRay {
     /// Prepares a ray; the direction must not be zero.
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        let size = direction.abs();
-        let z = if size.x > size.y && size.x > size.z {
-            0
-        } else if size.y > size.z {
-            1
-        } else {
-            2
-        };
+        let z = Ray::main_axis(direction);
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
         let d = axes.map(|i| direction[i]);
         Self { axes, origin: axes.map(|i| origin[i]), shear: [d[0] / d[2], d[1] / d[2], 1.0 / d[2]] }

@@ -41,6 +41,7 @@ pub(super) struct Node {
 }
 
 /// A ray as nodes are tested against it.
+#[derive(Debug)]
 pub(super) struct Walker {
     pub origin: [f32; 3],
     pub inverse: [f32; 3],

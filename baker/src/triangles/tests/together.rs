@@ -36,6 +36,9 @@ fn bundles(seed: u64, corners: &[Triangle]) -> Vec<(Ray, u32)> {
 fn mixed() -> (Vec<Triangle>, Vec<Material>) {
     let mut triangles = scrap(1);
     triangles.iter_mut().enumerate().for_each(|(i, t)| t.material = i as u32 % 3);
+    // Some twice, of another kind the second time.
+    let again: Vec<Triangle> = triangles.iter().step_by(5).cloned().collect();
+    triangles.extend(again.into_iter().map(|t| Triangle { material: (t.material + 1) % 3, ..t }));
     let half = Material { base_color: [0.5, 0.5, 0.5, 0.4], alpha: Alpha::Blend, ..white() };
     (triangles, vec![white(), half, Material { double_sided: true, ..white() }])
 }
@@ -44,7 +47,13 @@ fn find_the_same(surfaces: &TriangleSurfaces, corners: &[Triangle]) {
     let pieces = surfaces.pieces().unwrap();
     let (mut found, mut ended, mut rays_cast) = (Vec::new(), 0, 0);
     for seed in 0..60 {
-        let rays = bundles(seed, corners);
+        let mut rays = bundles(seed, corners);
+        // Some end exactly where they hit something, or a hair before.
+        for (i, (ray, seed)) in rays.iter_mut().enumerate().filter(|(i, _)| i % 7 < 2) {
+            if let Some((_, distance)) = pieces.find(ray, *seed) {
+                ray.max_distance = if i % 7 == 0 { distance } else { distance.next_down() };
+            }
+        }
         // As they come, in the order of a gather, and every third one.
         let (mut order, mut cells) = (Vec::new(), Vec::new());
         crate::operator::order::sort(&rays, &mut order, &mut cells);
@@ -56,7 +65,10 @@ fn find_the_same(surfaces: &TriangleSurfaces, corners: &[Triangle]) {
             for (number, together) in numbers.iter().zip(&found) {
                 let (ray, seed) = &rays[*number as usize];
                 let alone = pieces.find(ray, *seed);
-                assert_eq!(*together, alone, "{ray:?}");
+                let bits = |found: Option<(Place, f32)>| {
+                    found.map(|(p, d)| (p.piece, p.is_back, [p.at.x, p.at.y, d].map(f32::to_bits)))
+                };
+                assert_eq!(bits(*together), bits(alone), "{ray:?}");
                 ended += alone.is_some() as usize;
                 rays_cast += 1;
             }
@@ -141,7 +153,7 @@ fn eight_rays_meet_a_triangle_as_one_by_one() {
 #[cfg(target_arch = "x86_64")]
 fn what_one_of_them_meets_all_of_them_may() {
     use crate::triangles::packet::{MOST, Packet};
-    use crate::triangles::wide::{BEYOND, WIDTH};
+    use crate::triangles::wide::{BEYOND, WIDTH, Walker};
     if !crate::processor::has_avx2() {
         return;
     }
@@ -161,11 +173,14 @@ fn what_one_of_them_meets_all_of_them_may() {
                 let packet = Packet::new(some.iter(), class);
                 for node in surfaces.alone.bvh.nodes.iter().step_by(5) {
                     let (nearest, any) = node.meet_any(&packet);
-                    let each: [u64; WIDTH] =
-                        std::array::from_fn(|child| node.meet_child(child, &packet, u64::MAX));
+                    let met_by = |asked: u64| -> [u64; WIDTH] {
+                        std::array::from_fn(|child| node.meet_child(child, &packet, asked))
+                    };
                     let mut expected = [0; WIDTH];
                     for (i, ray) in some.iter().enumerate() {
-                        let (walker, _) = packet.alone(i);
+                        let walker = Walker::new(ray.origin, ray.direction);
+                        let sheared = ShearedRay::new(ray.origin, ray.direction);
+                        assert_eq!(format!("{:?}", packet.alone(i)), format!("{:?}", (&walker, sheared)));
                         let (near, alone) = node.meet(&walker, ray.max_distance * BEYOND);
                         for child in (0..WIDTH).filter(|child| alone >> child & 1 != 0) {
                             expected[child] |= 1 << i;
@@ -173,7 +188,9 @@ fn what_one_of_them_meets_all_of_them_may() {
                             met += 1;
                         }
                     }
-                    assert_eq!(each, expected);
+                    assert_eq!(met_by(u64::MAX), expected);
+                    const FEW: u64 = 0x9249_2492_4924_9249;
+                    assert_eq!(met_by(FEW), expected.map(|rays| rays & FEW));
                 }
             }
         }
