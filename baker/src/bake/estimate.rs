@@ -16,7 +16,7 @@ mod cost {
     /// With tiles, for a point and a triangle that rays are cast at.
     pub const COLOUR: [f64; 2] = [9e-6, 1.3e-6];
     /// On the levels that later bounces travel between.
-    pub const COARSE_RAY: f64 = 0.45e-6;
+    pub const COARSE_RAY: f64 = 0.32e-6;
     /// For an entry of the coarse rows and a column.
     pub const BOUNCE: f64 = 1.5e-9;
     /// Putting the file together, and packing and writing it, which follows.
