@@ -13,7 +13,7 @@
 //! * [`bytes`] – what is done, as bytes;
 //! * [`journal`] – where what is done is kept, to go on from;
 //! * [`refine`] – the adaptive queue of Fig. 5: the one-bounce operator T;
-//! * [`bounces`] – later bounces by the Neumann series: S.
+//! * [`bounces`] – later bounces: S, by the [`series`] of bounces between coarse points.
 
 pub mod bounces;
 pub mod bytes;
@@ -26,6 +26,7 @@ pub mod journal;
 pub mod order;
 pub mod refine;
 pub mod reflected;
+pub mod series;
 pub mod tally;
 pub mod tiles;
 pub mod tint;
@@ -53,7 +54,7 @@ pub struct OperatorSettings {
     pub rays: Vec<u32>,
     /// Links under this many standard deviations of their own Monte Carlo noise are dropped.
     pub significance: f32,
-    /// Bounces of light; `None`: until the energy left is negligible.
+    /// Bounces of light; `None`: all.
     pub bounces: Option<u32>,
     /// Light that bounced is gathered and sent on by the functions of this many coarsest levels,
     /// at most the sender levels.
@@ -111,7 +112,7 @@ pub struct Operator {
     pub receivers: u64,
     /// Share of the reflected light that no sender's function covers, and that is lost.
     pub lost_share: f64,
-    /// Bounces that the operator holds.
+    /// Bounces that the operator holds; where all are wanted, those followed until the light settled.
     pub bounces: u32,
 }
 

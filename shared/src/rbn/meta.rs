@@ -289,7 +289,7 @@ pub struct BakeInfo {
     pub seed: u64,
     /// Link threshold ε: irradiance per unit irradiance.
     pub epsilon: f32,
-    /// Bounces of light that the operator holds.
+    /// Bounces of light that the operator holds; where it holds all, those that were followed until the light settled.
     pub bounces: u32,
     /// Rays cast for the operator.
     pub rays: u64,
