@@ -15,7 +15,7 @@ use rebounce::operator::gather::{GatherContext, Gathered, Scratch};
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::order::sort;
 use rebounce::operator::refine::{Refiner, Senders};
-use rebounce::operator::tiles::Tiles;
+use rebounce::operator::tiles::{Layout, Tiles};
 use rebounce::operator::{Operator, OperatorSettings, tint};
 use rebounce::points::vantage::Vantage;
 use rebounce::points::{PlaceSettings, Points, place};
@@ -244,7 +244,8 @@ fn cover(room: &Room) -> u64 {
 #[inline(never)]
 fn lay_tiles(room: &Room) -> u64 {
     let GatherContext { surfaces, senders, duals, settings, .. } = room.context();
-    let tiles = Tiles::new(surfaces, senders, duals, settings.seed, &());
+    let tiles = Layout::new(surfaces, senders, duals.len(), &())
+        .and_then(|layout| Tiles::on(layout, surfaces, senders, duals, settings.seed, &()));
     black_box(tiles).map_or(0, |tiles| tiles.count() as u64)
 }
 

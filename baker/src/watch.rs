@@ -20,6 +20,18 @@ pub trait Watch: Sync {
     fn skip(&self, units: u64) -> Result<(), Stopped> {
         self.step(units)
     }
+
+    /// So many units there are in all, as is known only now that the work has begun; told before the first is done.
+    fn expect(&self, _units: u64) {}
+}
+
+/// Asks whether to go on, and counts nothing: for work that is a small part of another.
+pub struct Uncounted<'a>(pub &'a dyn Watch);
+
+impl Watch for Uncounted<'_> {
+    fn step(&self, _units: u64) -> Result<(), Stopped> {
+        self.0.step(0)
+    }
 }
 
 /// Nobody watches: the work goes on to its end.

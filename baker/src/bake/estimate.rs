@@ -8,26 +8,31 @@ use crate::triangles::MOST_PIECES;
 
 /// Seconds of one processor for a unit of work: what furnished rooms and halls take, as long as nothing is measured.
 mod cost {
-    pub const TRIANGLE: f64 = 1.0e-6;
+    pub const TRIANGLE: f64 = 1.7e-6;
     pub const SKETCH: f64 = 1.5;
-    pub const POINT: f64 = 30e-6;
+    pub const POINT: f64 = 22e-6;
     pub const WALL: f64 = 3e-6;
     pub const RELATION: f64 = 1.2e-6;
-    /// With tiles, for a point and a triangle that rays are cast at.
-    pub const COLOUR: [f64; 2] = [9e-6, 1.3e-6];
-    /// On the levels that later bounces travel between.
-    pub const COARSE_RAY: f64 = 0.32e-6;
+    pub const COLOUR: f64 = 3.3e-6;
+    pub const TILE: f64 = 1.05e-6;
+    /// On the coarsest level.
+    pub const COARSE_RAY: f64 = 0.245e-6;
     /// For an entry of the coarse rows and a column.
-    pub const BOUNCE: f64 = 1.5e-9;
-    /// Putting the file together, and packing and writing it, which follows.
-    pub const ASSEMBLED: [f64; 2] = [0.4e-6, 1.2e-6];
+    pub const BOUNCE: f64 = 0.7e-9;
+    /// Putting the file together, and packing and writing it, which follows: in all, of a triangle, and of a point.
+    pub const ASSEMBLED: [f64; 3] = [0.04, 0.35e-6, 0.9e-6];
 }
 
-/// What a ray of the finer levels costs over one of the levels that later bounces travel between, for which more is
-/// looked up at each hit: with so many functions, and how much more with e times as many, as summing up over more
-/// functions costs both of them more. Measured: 0.64 to 0.69 at `draft`, 0.71 to 0.74 at `standard`.
-const FINE: (f64, f64, f64) = (0.67, 30e3, 0.035);
-
+/// What a ray of the first finer level, which later bounces do not travel from, costs over one of the coarsest, for which
+/// more is looked up at each hit: with so many functions, and how much more with e times as many. Measured: 0.61 to 0.78 at
+/// `draft`, 0.85 to 0.96 at `standard`.
+const FINE: (f64, f64, f64) = (0.72, 30e3, 0.11);
+/// What a ray of a level costs over one of the level before where a point has half as many, as what is done for each of its
+/// links then is, and where it has as many: among the coarse levels, and among the finer ones, whose rays go more alike as
+/// points are half as far apart. Measured: 1.07 to 1.28, 0.9 to 1.1; 0.95 to 1.10, 0.78 to 0.86.
+const NEXT: [[f64; 2]; 2] = [[1.15, 1.02], [1.05, 0.82]];
+/// Tiles of a point, and of a triangle that rays are cast at: 8 to 19 of a point in all.
+const TILES: (f64, f64) = (11.0, 0.4);
 /// How many coarse points one receives from: 100 in an apartment, 360 in an empty room; and the share of them at most.
 const ROW: (f64, f64) = (170.0, 0.25);
 /// What is expected of a part counts like this share of it, and so many seconds more, against what is measured.
@@ -116,6 +121,26 @@ pub(super) struct Left {
     pub processor_seconds: f64,
 }
 
+/// What a ray of each level costs over one of the coarsest level, or, if later bounces do not travel from it, over one of the
+/// first such level.
+fn by_level(settings: &BakeSettings) -> Vec<f64> {
+    let rays = |level: usize| settings.operator.rays_on(level) as f64;
+    let later_levels = settings.operator.later_levels;
+    let mut share = 1.0;
+    let over = |level: usize| {
+        share *= match level {
+            0 => 1.0,
+            level if level == later_levels => 1.0 / share,
+            level => {
+                let [halved, as_many] = NEXT[(level > later_levels) as usize];
+                halved * (as_many / halved).powf((rays(level) / rays(level - 1)).log2() + 1.0)
+            }
+        };
+        share
+    };
+    (0..settings.place.levels).map(over).collect()
+}
+
 /// The parts of a bake, their work, and how fast it goes.
 pub(super) struct Estimate {
     parts: Vec<Part>,
@@ -130,6 +155,8 @@ pub(super) struct Estimate {
     threads: f64,
     /// Triangles that rays are cast at.
     ray_triangles: f64,
+    /// What a ray of each level costs: see [`by_level`].
+    by_level: Vec<f64>,
 }
 
 impl Estimate {
@@ -143,6 +170,7 @@ impl Estimate {
             elapsed: [0.0; 2],
             threads: threads.max(1) as f64,
             ray_triangles: triangles as f64,
+            by_level: by_level(settings),
         };
         let later_levels = settings.operator.later_levels;
         let mut add = |stage, level: Option<usize>| {
@@ -173,7 +201,9 @@ impl Estimate {
             add(Stage::Sketch, None);
         }
         (0..levels).for_each(|level| add(Stage::Points, Some(level)));
-        [Stage::Walls, Stage::Basis, Stage::Colours].into_iter().for_each(|stage| add(stage, None));
+        [Stage::Walls, Stage::Basis, Stage::Colours, Stage::Tiles]
+            .into_iter()
+            .for_each(|stage| add(stage, None));
         for level in 0..levels {
             add(Stage::Links, Some(level));
             if level + 1 == later_levels && settings.operator.bounces != Some(1) {
@@ -183,7 +213,12 @@ impl Estimate {
         add(Stage::Assemble, None);
         estimate.set(Stage::Prepare, None, triangles as f64, cost::TRIANGLE * triangles as f64);
         estimate.set(Stage::Sketch, None, 1.0, cost::SKETCH);
-        estimate.set(Stage::Assemble, None, triangles as f64, cost::ASSEMBLED[0] * triangles as f64);
+        estimate.set(
+            Stage::Assemble,
+            None,
+            triangles as f64,
+            cost::ASSEMBLED[0] + cost::ASSEMBLED[1] * triangles as f64,
+        );
         estimate.expect_points(settings, &expected_counts(&settings.place));
         estimate
     }
@@ -214,23 +249,35 @@ impl Estimate {
             self.expect_rays(level, count * settings.operator.rays_on(level) as f64);
         }
         let triangles = self.units(Stage::Assemble, None);
-        self.set(Stage::Colours, None, all, cost::COLOUR[0] * all + cost::COLOUR[1] * self.ray_triangles);
-        let assembled = cost::ASSEMBLED[0] * triangles + cost::ASSEMBLED[1] * all;
+        self.set(Stage::Colours, None, all, cost::COLOUR * all);
+        let tiles = TILES.0 * all + TILES.1 * self.ray_triangles;
+        self.set(Stage::Tiles, None, tiles, cost::TILE * tiles);
+        let [file, of_triangle, of_point] = cost::ASSEMBLED;
+        let assembled = file + of_triangle * triangles + of_point * all;
         self.set(Stage::Assemble, None, triangles, assembled);
         let coarse: f64 = counts.iter().take(settings.operator.later_levels).sum();
         self.expect_bounces(coarse, coarse * ROW.0.min(ROW.1 * coarse));
     }
 
+    /// So many units a part will have, each of them as much work as was thought.
+    pub(super) fn expect_units(&mut self, (stage, level): (Stage, Option<usize>), units: f64) {
+        if let Some(part) = self.part(stage, level) {
+            let nominal = part.nominal * units / part.units.max(1.0);
+            self.set(stage, level, units, nominal);
+        }
+    }
+
     /// How many rays a level will cast.
     pub(super) fn expect_rays(&mut self, level: usize, rays: f64) {
         let is_coarse = |part: &Part| part.kind == Kind::CoarseLinks && part.level == Some(level);
-        let share = match self.parts.iter().any(is_coarse) {
+        let of_kind = match self.parts.iter().any(is_coarse) {
             true => 1.0,
             false => {
                 let functions = self.units(Stage::Basis, None).max(1.0);
                 (FINE.0 + FINE.2 * (functions / FINE.1).ln()).clamp(0.5, 1.0)
             }
         };
+        let share = of_kind * self.by_level.get(level).copied().unwrap_or(1.0);
         self.set(Stage::Links, Some(level), rays, share * cost::COARSE_RAY * rays);
     }
 
@@ -300,7 +347,7 @@ impl Estimate {
     }
 
     /// Paces of each kind of work: the one expected before the part under way, and with what is measured of that. Where
-    /// nothing is, other kinds say it; points that cost four times as much go with rays that cost twice as much.
+    /// nothing is, other kinds say it: setting up is rays for the most part.
     fn paces(&self) -> [[f64; 2]; 4] {
         let with = |kind: Kind, expected: f64| {
             let is_under_way = |part: &&Part| part.kind == kind && !part.is_over && part.done > part.skipped;
@@ -310,7 +357,7 @@ impl Estimate {
         let of = |kind: Kind, other: f64| with(kind, self.known[kind as usize].unwrap_or(other));
         let trust = TRUST.0 + TRUST.1;
         let set_up = with(Kind::SettingUp, (self.set_up[0] + trust) / (self.set_up[1] + trust));
-        let coarse = of(Kind::CoarseLinks, set_up[1].sqrt());
+        let coarse = of(Kind::CoarseLinks, set_up[1]);
         let fine = of(Kind::FineLinks, coarse[1]);
         let bounces = of(Kind::Bounces, coarse[1].sqrt());
         [set_up, coarse, fine, bounces]

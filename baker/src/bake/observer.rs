@@ -48,6 +48,8 @@ pub enum Stage {
     Basis,
     /// Finding the colours of the points' surfaces. Counts points.
     Colours,
+    /// Working out what rays will find on each small tile of the surfaces. Counts tiles.
+    Tiles,
     /// Computing the one-bounce links. Counts rays.
     Links,
     /// Adding later bounces, once the coarse levels have their links. Counts coarse points.
@@ -66,6 +68,7 @@ impl Stage {
             Stage::Walls => "looking for walls",
             Stage::Basis => "relating points",
             Stage::Colours => "reading colours",
+            Stage::Tiles => "laying tiles",
             Stage::Links => "tracing links",
             Stage::Bounces => "adding bounces",
             Stage::Assemble => "assembling",

@@ -125,6 +125,11 @@ impl Watch for Task<'_> {
         Ok(())
     }
 
+    fn expect(&self, units: u64) {
+        let part = (self.stage, self.level);
+        self.tracker.expect(|estimate| estimate.expect_units(part, units as f64));
+    }
+
     fn skip(&self, units: u64) -> Result<(), Stopped> {
         self.skipped.fetch_add(units, Ordering::Relaxed);
         self.step(units)

@@ -15,7 +15,7 @@ use crate::points::{Placer, Points, cut, footprint, place};
 use crate::scene::Scene;
 use crate::team::Team;
 use crate::triangles::TriangleSurfaces;
-use crate::watch::{Stopped, Watch};
+use crate::watch::{Uncounted, Watch};
 use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
@@ -46,15 +46,6 @@ pub(super) fn sketch_settings(settings: &BakeSettings) -> Option<BakeSettings> {
     sketch.operator.later_levels = 1;
     let is_small = settings.place.functions < 5 * functions || settings.place.levels <= levels;
     (!is_small).then(|| sketch.normalised())
-}
-
-/// Asks whether to go on and counts nothing.
-struct Uncounted<'a>(&'a dyn Watch);
-
-impl Watch for Uncounted<'_> {
-    fn step(&self, _units: u64) -> Result<(), Stopped> {
-        self.0.step(0)
-    }
 }
 
 impl Transport<'_> {
@@ -103,6 +94,8 @@ impl Transport<'_> {
         let tints = tint::tints(self.surfaces, &points, settings.operator.seed, &task)?;
         agree(self.scene, &asked, &points, &tints, self.team, &task)?;
         let told = &settings.operator;
+        drop(task);
+        let task = tracker.task(Stage::Tiles, None);
         let senders = Senders::new(self.surfaces, &points, told, &tints, &task)?;
         drop(task);
         let mut refiner = Refiner::new(self.surfaces, &points, &relations, told, &senders, tints);

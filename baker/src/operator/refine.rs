@@ -7,7 +7,7 @@ use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
 use super::gather::{GatherContext, GatherCost, Gathered, Scratch};
 use super::journal::Journal;
-use super::tiles::{SenderTiles, Tiles};
+use super::tiles::{Layout, SenderTiles, Tiles};
 use super::{Operator, OperatorSettings, tint};
 use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
 use crate::points::Points;
@@ -15,7 +15,7 @@ use crate::random::mix;
 use crate::surface::Surfaces;
 use crate::team::share::{Outbox, Traffic, share};
 use crate::team::{Team, TeamError};
-use crate::watch::{Stopped, Watch};
+use crate::watch::{Stopped, Uncounted, Watch};
 use glam::Vec3A;
 use rayon::prelude::*;
 use rebounce_shared::link::Link;
@@ -36,7 +36,7 @@ pub fn refine<S: Surfaces + ?Sized>(
     watch: &dyn Watch,
 ) -> Result<Operator, TeamError> {
     let tints = tint::tints(surfaces, points, settings.seed, &())?;
-    let senders = Senders::new(surfaces, points, settings, &tints, watch)?;
+    let senders = Senders::new(surfaces, points, settings, &tints, &Uncounted(watch))?;
     let mut refiner = Refiner::new(surfaces, points, relations, settings, &senders, tints);
     for _ in &points.levels {
         refiner.level(watch, &(), &())?;
@@ -55,8 +55,8 @@ pub struct Senders {
 }
 
 impl Senders {
-    /// The senders among these points, with the points' [`tints`](tint::tints), and what rays find of them. `watch` is only
-    /// asked whether to go on.
+    /// The senders among these points, with the points' [`tints`](tint::tints), and what rays find of them. A unit of
+    /// `watch` is a tile.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -73,8 +73,13 @@ impl Senders {
         let duals = tint::duals(tints);
         let coarse = Leveled::new((0..coarse_levels).map(|l| evaluator(points, l)).collect());
         let tiles = surfaces.pieces().map(|pieces| {
-            let tiles = |functions| Tiles::new(pieces, functions, &duals, settings.seed, watch);
-            Ok(SenderTiles { senders: tiles(&all)?, coarse: tiles(&coarse)? })
+            let [senders, of_coarse] =
+                [&all, &coarse].map(|functions| Layout::new(pieces, functions, duals.len(), watch));
+            let (senders, of_coarse) = (senders?, of_coarse?);
+            watch.expect(senders.count() as u64 + of_coarse.count() as u64);
+            let tiles =
+                |layout, functions| Tiles::on(layout, pieces, functions, &duals, settings.seed, watch);
+            Ok(SenderTiles { senders: tiles(senders, &all)?, coarse: tiles(of_coarse, &coarse)? })
         });
         Ok(Self {
             all,

@@ -139,8 +139,8 @@ impl Alike {
     }
 }
 
-/// How all pieces are laid.
-struct AllLaid {
+/// How all pieces are laid with tiles.
+pub struct Layout {
     laid: Vec<Laid>,
     /// Ascending; some have no tiles left.
     groups: Vec<Group>,
@@ -150,64 +150,74 @@ struct AllLaid {
     count: u32,
 }
 
-/// Lays tiles on all pieces; small ones that are neighbours, look alike and face one way share one. `points` is how many
-/// functions there may be.
-fn lay_all(
-    pieces: &dyn Pieces,
-    functions: &Leveled,
-    points: usize,
-    watch: &dyn Watch,
-) -> Result<AllLaid, Stopped> {
-    let width = WIDTH * functions.finest_radius();
-    let mut laid = vec![Laid::default(); pieces.count()];
-    // First, how many tiles each piece adds, and after it, whose tiles those are that add none.
-    let mut leads = vec![0u32; pieces.count()];
-    let chunks = laid.par_chunks_mut(TOGETHER).zip(leads.par_chunks_mut(TOGETHER)).enumerate();
-    let groups = chunks.map(|(chunk, (laid, leads))| {
-        watch.step(0)?;
-        let mut groups: Vec<Group> = Vec::new();
-        let mut known: HashMap<Alike, usize> = HashMap::new();
-        for ((laid, lead), number) in laid.iter_mut().zip(leads).zip((chunk * TOGETHER) as u32..) {
-            let piece = pieces.piece(number);
-            *lead = number;
-            if is_small(&piece, width) {
-                let group = *known.entry(Alike::new(&piece, width)).or_insert(groups.len());
-                if let Some(group) = groups.get_mut(group) {
-                    group.add(number, &piece);
-                    *lead = group.piece;
-                    *laid = Laid { first: 0, columns: 1, rows: 1 };
-                    continue;
+impl Layout {
+    /// Lays tiles on all pieces; small ones that are neighbours, look alike and face one way share one. `points` is how many
+    /// functions there may be. `watch` is only asked.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn new(
+        pieces: &dyn Pieces,
+        functions: &Leveled,
+        points: usize,
+        watch: &dyn Watch,
+    ) -> Result<Self, Stopped> {
+        let width = WIDTH * functions.finest_radius();
+        let mut laid = vec![Laid::default(); pieces.count()];
+        // First, how many tiles each piece adds, and after it, whose tiles those are that add none.
+        let mut leads = vec![0u32; pieces.count()];
+        let chunks = laid.par_chunks_mut(TOGETHER).zip(leads.par_chunks_mut(TOGETHER)).enumerate();
+        let groups = chunks.map(|(chunk, (laid, leads))| {
+            watch.step(0)?;
+            let mut groups: Vec<Group> = Vec::new();
+            let mut known: HashMap<Alike, usize> = HashMap::new();
+            for ((laid, lead), number) in laid.iter_mut().zip(leads).zip((chunk * TOGETHER) as u32..) {
+                let piece = pieces.piece(number);
+                *lead = number;
+                if is_small(&piece, width) {
+                    let group = *known.entry(Alike::new(&piece, width)).or_insert(groups.len());
+                    if let Some(group) = groups.get_mut(group) {
+                        group.add(number, &piece);
+                        *lead = group.piece;
+                        *laid = Laid { first: 0, columns: 1, rows: 1 };
+                        continue;
+                    }
+                    groups.push(Group::new(number, &piece));
                 }
-                groups.push(Group::new(number, &piece));
+                *laid = lay(pieces, number, &piece, functions);
+                laid.first = laid.count() * (1 + piece.has_back as u32);
             }
-            *laid = lay(pieces, number, &piece, functions);
-            laid.first = laid.count() * (1 + piece.has_back as u32);
+            groups.retain(|group| group.pieces > 1);
+            Ok(groups)
+        });
+        let groups = groups.collect::<Result<Vec<Vec<Group>>, Stopped>>()?;
+        // Then, where they begin.
+        let mut owners = Vec::new();
+        let most = MOST_TOGETHER[0] * points + MOST_TOGETHER[1] * pieces.count();
+        let most = most.min(u32::MAX as usize) as u32;
+        let mut count = 0u32;
+        for (piece, lead) in (0u32..).zip(leads) {
+            if lead != piece {
+                laid[piece as usize] = laid[lead as usize];
+                continue;
+            }
+            let laid = &mut laid[piece as usize];
+            let more = laid.first;
+            if more == 0 || count.checked_add(more).is_none_or(|count| count > most) {
+                *laid = Laid::default();
+                continue;
+            }
+            laid.first = count;
+            owners.push(piece);
+            count += more;
         }
-        groups.retain(|group| group.pieces > 1);
-        Ok(groups)
-    });
-    let groups = groups.collect::<Result<Vec<Vec<Group>>, Stopped>>()?;
-    // Then, where they begin.
-    let mut owners = Vec::new();
-    let most = MOST_TOGETHER[0] * points + MOST_TOGETHER[1] * pieces.count();
-    let most = most.min(u32::MAX as usize) as u32;
-    let mut count = 0u32;
-    for (piece, lead) in (0u32..).zip(leads) {
-        if lead != piece {
-            laid[piece as usize] = laid[lead as usize];
-            continue;
-        }
-        let laid = &mut laid[piece as usize];
-        let more = laid.first;
-        if more == 0 || count.checked_add(more).is_none_or(|count| count > most) {
-            *laid = Laid::default();
-            continue;
-        }
-        laid.first = count;
-        owners.push(piece);
-        count += more;
+        Ok(Self { laid, groups: groups.into_iter().flatten().collect(), owners, count })
     }
-    Ok(AllLaid { laid, groups: groups.into_iter().flatten().collect(), owners, count })
+
+    /// Number of tiles.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
 }
 
 /// Four places of a tile, this far from its edges.
@@ -298,22 +308,23 @@ pub struct Tiles {
 }
 
 impl Tiles {
-    /// Lays tiles on all pieces. `duals` say what light gives each of the functions.
+    /// Works out the tiles of a layout of these pieces for these functions. `duals` say what light gives each of the
+    /// functions. A unit of `watch` is a tile.
     ///
     /// # Errors
     /// [`Stopped`].
-    pub fn new(
+    pub fn on(
+        layout: Layout,
         pieces: &dyn Pieces,
         functions: &Leveled,
         duals: &[Vec3A],
         seed: u64,
         watch: &dyn Watch,
     ) -> Result<Self, Stopped> {
-        let AllLaid { laid, groups, owners, count } = lay_all(pieces, functions, duals.len(), watch)?;
+        let Layout { laid, groups, owners, count } = layout;
         let mut tiles = vec![Shares::NOTHING; count as usize];
         let begins = |owner: usize| owners.get(owner).map_or(count, |piece| laid[*piece as usize].first);
         tiles.par_chunks_mut(TOGETHER).enumerate().try_for_each(|(chunk, tiles)| {
-            watch.step(0)?;
             let (weights, together, edges) = Default::default();
             let mut maker = Maker { pieces, functions, duals, seed, weights, together, edges };
             let first = (chunk * TOGETHER) as u32;
@@ -331,7 +342,7 @@ impl Tiles {
                 let group = groups.get(group).filter(|group| group.piece == piece);
                 *tile = maker.tile(piece, group, laid[piece as usize], number);
             }
-            Ok(())
+            watch.step(tiles.len() as u64)
         })?;
         Ok(Self { near: NEAR * WIDTH * functions.finest_radius(), laid, tiles })
     }
