@@ -1,5 +1,5 @@
 //! The command under `mpirun`: the same file as from one process, to the byte; a lost process leaves what was done.
-//! `cargo xtask test mpi` runs these.
+//! `cargo xtask test` runs these, as its part `mpi`.
 #![cfg(unix)]
 
 use program::{partial, said, signal, wait_for};

@@ -7,11 +7,8 @@ use std::path::PathBuf;
 use std::process::Stdio;
 
 /// The parts: tests of the crates, of the viewer as wasm, of the page of `rebounce view`, of the npm
-/// package, and of the site.
-const PARTS: [&str; 5] = ["native", "wasm", "page", "package", "site"];
-
-/// Bakes under mpirun: a part that is run only when it is named, as it needs an MPI.
-const MPI: &str = "mpi";
+/// package, of the site, and of bakes under mpirun.
+const PARTS: [&str; 6] = ["native", "wasm", "page", "package", "site", "mpi"];
 
 /// Runs every test, or one part. All parts run, whatever becomes of the first.
 ///
@@ -19,14 +16,11 @@ const MPI: &str = "mpi";
 /// If something needed is missing, does not compile, or a test fails.
 pub fn run(args: &[String]) -> Result<()> {
     let part = args.first().map(String::as_str);
-    if part == Some(MPI) && args.len() == 1 {
-        return over_mpi();
-    }
     if part.is_some_and(|part| !PARTS.contains(&part)) || args.len() > 1 {
-        bail!(
-            "there are these parts: {}; without a name all of them are run. {MPI} is another one, run by name only",
-            PARTS.join(", ")
-        );
+        bail!("there are these parts: {}; without a name all of them are run", PARTS.join(", "));
+    }
+    if part == Some("mpi") {
+        return over_mpi();
     }
     let wanted = |name| part.is_none() || part == Some(name);
     let in_page = ["page", "package", "site"].map(wanted).contains(&true);
@@ -50,7 +44,12 @@ pub fn run(args: &[String]) -> Result<()> {
         return native;
     }
     let programs = if wanted("wasm") { wasm_tests(toolchain::find()?)? } else { Vec::new() };
-    native.and(browser(&programs, wanted))
+    let browser = browser(&programs, wanted);
+    if let Err(error) = &browser {
+        println!("{error:#}");
+    }
+    let mpi = if wanted("mpi") { over_mpi() } else { Ok(()) };
+    native.and(browser).and(mpi)
 }
 
 /// `cargo test` of the whole workspace, in the development profile (which is optimised). It builds

@@ -8,9 +8,11 @@ use crate::triangles::MOST_PIECES;
 
 /// Seconds of one processor for a unit of work: what furnished rooms and halls take, as long as nothing is measured.
 mod cost {
-    pub const TRIANGLE: f64 = 1.7e-6;
+    /// Preparing: in all, and of a triangle.
+    pub const PREPARED: [f64; 2] = [0.1, 1.6e-6];
     pub const SKETCH: f64 = 1.5;
-    pub const POINT: f64 = 22e-6;
+    /// Of a point on the finest level, and how much more of one on the level above each: it must not be tight there.
+    pub const POINT: [f64; 2] = [17e-6, 1.45];
     pub const WALL: f64 = 3e-6;
     pub const RELATION: f64 = 1.2e-6;
     pub const COLOUR: f64 = 3.3e-6;
@@ -211,7 +213,8 @@ impl Estimate {
             }
         }
         add(Stage::Assemble, None);
-        estimate.set(Stage::Prepare, None, triangles as f64, cost::TRIANGLE * triangles as f64);
+        let prepared = cost::PREPARED[0] + cost::PREPARED[1] * triangles as f64;
+        estimate.set(Stage::Prepare, None, triangles as f64, prepared);
         estimate.set(Stage::Sketch, None, 1.0, cost::SKETCH);
         estimate.set(
             Stage::Assemble,
@@ -245,7 +248,8 @@ impl Estimate {
         self.set(Stage::Walls, None, 2.0 * all, 2.0 * cost::WALL * all);
         self.set(Stage::Basis, None, all, cost::RELATION * all);
         for (level, count) in counts.iter().enumerate() {
-            self.set(Stage::Points, Some(level), *count, cost::POINT * count);
+            let above = (counts.len() - 1 - level) as i32;
+            self.set(Stage::Points, Some(level), *count, cost::POINT[0] * cost::POINT[1].powi(above) * count);
             self.expect_rays(level, count * settings.operator.rays_on(level) as f64);
         }
         let triangles = self.units(Stage::Assemble, None);
@@ -347,7 +351,8 @@ impl Estimate {
     }
 
     /// Paces of each kind of work: the one expected before the part under way, and with what is measured of that. Where
-    /// nothing is, other kinds say it: setting up is rays for the most part.
+    /// nothing is, other kinds say it: setting up is rays for the most part. (Not what is under way of it: the first points of
+    /// a level come fast, the last ones slowly.)
     fn paces(&self) -> [[f64; 2]; 4] {
         let with = |kind: Kind, expected: f64| {
             let is_under_way = |part: &&Part| part.kind == kind && !part.is_over && part.done > part.skipped;
@@ -357,7 +362,7 @@ impl Estimate {
         let of = |kind: Kind, other: f64| with(kind, self.known[kind as usize].unwrap_or(other));
         let trust = TRUST.0 + TRUST.1;
         let set_up = with(Kind::SettingUp, (self.set_up[0] + trust) / (self.set_up[1] + trust));
-        let coarse = of(Kind::CoarseLinks, set_up[1]);
+        let coarse = of(Kind::CoarseLinks, set_up[0]);
         let fine = of(Kind::FineLinks, coarse[1]);
         let bounces = of(Kind::Bounces, coarse[1].sqrt());
         [set_up, coarse, fine, bounces]
