@@ -52,6 +52,8 @@ const HALF_LIFE: (f64, f64) = (2.0, 0.2);
 enum Kind {
     /// And putting the file together.
     SettingUp,
+    /// Rays and little else.
+    Walls,
     CoarseLinks,
     FineLinks,
     /// Nothing that depends on how costly rays are.
@@ -149,7 +151,7 @@ pub(super) struct Estimate {
     /// Costs over those expected of what was done of setting up: seconds, and seconds at pace 1.
     set_up: [f64; 2],
     /// Paces measured, by kind.
-    known: [Option<f64>; 4],
+    known: [Option<f64>; 5],
     /// Seconds of the clock, and those that an idle machine would have taken.
     clock: [f64; 2],
     /// Since the bake began: of the clock, of the processors.
@@ -167,7 +169,7 @@ impl Estimate {
         let mut estimate = Self {
             parts: Vec::new(),
             set_up: [0.0; 2],
-            known: [None; 4],
+            known: [None; 5],
             clock: [0.0; 2],
             elapsed: [0.0; 2],
             threads: threads.max(1) as f64,
@@ -180,6 +182,7 @@ impl Estimate {
                 (Stage::Links, Some(level)) if level < later_levels => Kind::CoarseLinks,
                 (Stage::Links, _) => Kind::FineLinks,
                 (Stage::Bounces, _) => Kind::Bounces,
+                (Stage::Walls, _) => Kind::Walls,
                 _ => Kind::SettingUp,
             };
             let (units, done, skipped, nominal, spent) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -351,9 +354,9 @@ impl Estimate {
     }
 
     /// Paces of each kind of work: the one expected before the part under way, and with what is measured of that. Where
-    /// nothing is, other kinds say it: setting up is rays for the most part. (Not what is under way of it: the first points of
-    /// a level come fast, the last ones slowly.)
-    fn paces(&self) -> [[f64; 2]; 4] {
+    /// nothing is, other kinds say it: links are as costly as looking for walls was. (Before that, as setting up, but for what is
+    /// under way of it: the first points of a level come fast, the last ones slowly.)
+    fn paces(&self) -> [[f64; 2]; 5] {
         let with = |kind: Kind, expected: f64| {
             let is_under_way = |part: &&Part| part.kind == kind && !part.is_over && part.done > part.skipped;
             let part = self.parts.iter().find(is_under_way);
@@ -362,10 +365,11 @@ impl Estimate {
         let of = |kind: Kind, other: f64| with(kind, self.known[kind as usize].unwrap_or(other));
         let trust = TRUST.0 + TRUST.1;
         let set_up = with(Kind::SettingUp, (self.set_up[0] + trust) / (self.set_up[1] + trust));
-        let coarse = of(Kind::CoarseLinks, set_up[0]);
+        let walls = of(Kind::Walls, set_up[0]);
+        let coarse = of(Kind::CoarseLinks, walls[1]);
         let fine = of(Kind::FineLinks, coarse[1]);
         let bounces = of(Kind::Bounces, coarse[1].sqrt());
-        [set_up, coarse, fine, bounces]
+        [set_up, walls, coarse, fine, bounces]
     }
 
     /// What all that is left takes.

@@ -282,7 +282,7 @@ fn what_was_done_before_takes_no_time_and_measures_nothing() {
     let now = estimate.left();
     assert!((now.processor_seconds - (before.processor_seconds - 0.5 * nominal)).abs() < 1e-6 * nominal);
     estimate.end(part.0, part.1);
-    assert_eq!(estimate.known, [None; 4]);
+    assert_eq!(estimate.known, [None; 5]);
 }
 
 #[test]
