@@ -1,0 +1,150 @@
+//! The bakes that a command makes, one after the other, until one is good enough; the best of them is the file.
+
+use super::aim::{Aim, Last, Outcome};
+use super::args::BakeArgs;
+use super::observers::Watcher;
+use super::plan::Plan;
+use anyhow::{Context, Result};
+use rebounce::bake::budget::{self, Thinned};
+use rebounce::bake::{BakeError, BakeReport, Checkpoint, Identity, bake_in_team};
+use rebounce::scene::Scene;
+use rebounce::team::Team;
+use rebounce::write::write_whole;
+use rebounce_shared::rbn::{self, container};
+use std::path::PathBuf;
+
+/// Bakes of a scene by the first process of its team, or by the only one.
+pub struct Tries<'a> {
+    pub args: &'a BakeArgs,
+    pub scene: &'a Scene,
+    pub team: &'a dyn Team,
+    pub watcher: &'a Watcher,
+    /// Where the file goes.
+    pub output: PathBuf,
+    /// What is good enough; `None`: anything.
+    pub aim: Option<Aim<'a>>,
+    /// Of the file that is written.
+    pub written: Option<BakeReport>,
+}
+
+/// How the bakes ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// With a file that is good enough.
+    Met,
+    /// With a file that is not.
+    Missed,
+    /// The team's first process is another.
+    Elsewhere,
+    /// They were stopped; the checkpoint has what was done.
+    Stopped,
+}
+
+impl Tries<'_> {
+    /// Bakes the plans from `first` on, to which the checkpoint belongs. It is removed where it is of no more use. From the
+    /// file on the end waits.
+    ///
+    /// # Errors
+    /// Where a bake fails, or its file cannot be written.
+    pub fn run(&mut self, plans: &[Plan], first: usize, mut checkpoint: Checkpoint) -> Result<Ended> {
+        let mut ended = Ended::Met;
+        for (number, plan) in plans.iter().enumerate().skip(first) {
+            if number > first {
+                let path = checkpoint.path().to_owned();
+                checkpoint.remove();
+                checkpoint = Checkpoint::create(&path, &Identity::new(self.scene, &plan.settings))?;
+            }
+            let (mut baked, mut report) = match self.bake(plan, &checkpoint) {
+                Ok(Some(baked)) => baked,
+                // Nobody but the first process has no result.
+                Ok(None) => return Ok(Ended::Elsewhere),
+                Err(BakeError::Stopped) => return Ok(Ended::Stopped),
+                Err(error @ (BakeError::Checkpoint(_) | BakeError::Apart(_) | BakeError::Team(_))) => {
+                    return Err(error.into());
+                }
+                Err(error) => {
+                    // It would end the same way again.
+                    checkpoint.remove();
+                    if self.written.is_some() {
+                        eprintln!("note: {} has the best of the bakes before", self.output.display());
+                    }
+                    return Err(error).context(self.args.scene.clone());
+                }
+            };
+            let thinned = self.thin(&mut baked)?;
+            let last = match (plan.fewer.is_some() || thinned.is_some(), number + 1 == plans.len()) {
+                (true, _) => Last::Budget,
+                (false, true) => Last::Finest,
+                (false, false) => Last::No,
+            };
+            let outcome = self.measure(plan, &baked, &mut report, last)?;
+            // Each bake that is better than those before is written: what follows may fail.
+            if self.aim.as_ref().is_none_or(Aim::is_best) {
+                self.write(&baked, report, &checkpoint)?;
+            }
+            match outcome {
+                Outcome::Met => break,
+                Outcome::Finer => self.watcher.stop.release(),
+                Outcome::Missed => {
+                    ended = Ended::Missed;
+                    break;
+                }
+            }
+        }
+        self.watcher.stop.hold();
+        checkpoint.remove();
+        Ok(ended)
+    }
+
+    fn bake(
+        &self,
+        Plan { settings, fewer }: &Plan,
+        checkpoint: &Checkpoint,
+    ) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+        if let Some(functions) = fewer {
+            eprintln!("note: about {functions} functions on the finest level, to keep within the budget");
+        }
+        bake_in_team(self.scene, settings, self.watcher, Some(checkpoint), self.team)
+    }
+
+    /// Makes the file as small as it is to be.
+    fn thin(&self, baked: &mut rbn::Scene) -> Result<Option<Thinned>> {
+        let Some(bytes) = self.args.max_bytes else { return Ok(None) };
+        let thinned = budget::fit(baked, bytes).with_context(|| self.args.scene.clone())?;
+        if let Some(Thinned { before, after }) = thinned {
+            eprintln!("note: {after} of {before} links are left, to keep within the budget");
+        }
+        Ok(thinned)
+    }
+
+    /// Whether a bake is good enough; `report` gets its error.
+    fn measure(
+        &mut self,
+        plan: &Plan,
+        baked: &rbn::Scene,
+        report: &mut BakeReport,
+        last: Last,
+    ) -> Result<Outcome> {
+        let Some(aim) = &mut self.aim else { return Ok(Outcome::Met) };
+        let name = format!("{}, {} functions", plan.settings.preset.name(), report.functions);
+        let (error, outcome) = aim.measure(baked, &name, last)?;
+        report.measured_error = Some(error);
+        Ok(outcome)
+    }
+
+    /// Writes the file and its report. The end waits from then on.
+    fn write(&mut self, baked: &rbn::Scene, mut report: BakeReport, checkpoint: &Checkpoint) -> Result<()> {
+        let bytes = baked.to_bytes().with_context(|| self.args.scene.clone())?;
+        self.watcher.stop.hold();
+        write_whole(&self.output, &bytes).with_context(|| {
+            let kept = checkpoint.path().display();
+            format!("the bake is done but not written; {kept} has it for --resume")
+        })?;
+        report.add_file(&container::read(&bytes)?, bytes.len() as u64);
+        if let Some(path) = &self.args.report {
+            write_whole(path, &serde_json::to_vec_pretty(&report)?)?;
+        }
+        self.written = Some(report);
+        Ok(())
+    }
+}
