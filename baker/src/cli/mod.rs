@@ -30,7 +30,7 @@ pub struct Arguments {
 #[derive(Subcommand, Debug)]
 enum Command {
     /// Bakes a scene into a .rbn file
-    Bake(bake::BakeArgs),
+    Bake(Box<bake::BakeArgs>),
     /// Says what is inside a .rbn file, and whether it is whole
     Info(info::InfoArgs),
     /// Takes a picture of a baked scene on the CPU

@@ -19,12 +19,12 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// A bake with these settings, or with fewer functions.
+    /// A bake with these settings, or with fewer functions. `is_judged`: it is measured.
     ///
     /// # Errors
     /// Where the scene alone is over the budget.
-    fn new(args: &BakeArgs, scene: &Scene, mut settings: BakeSettings) -> Result<Self> {
-        let budget = Budget { bytes: args.max_bytes, memory: args.max_memory };
+    fn new(args: &BakeArgs, scene: &Scene, mut settings: BakeSettings, is_judged: bool) -> Result<Self> {
+        let budget = Budget { bytes: args.max_bytes, memory: args.max_memory, is_judged };
         let fewer = budget::plan(scene, &mut settings, &budget).with_context(|| args.scene.clone())?;
         Ok(Self { settings, fewer })
     }
@@ -34,7 +34,7 @@ impl Plan {
     /// # Errors
     /// Where it cannot be within its budget.
     pub fn asked_for(args: &BakeArgs, scene: &Scene) -> Result<Self> {
-        Self::new(args, scene, args.settings(args.preset()?))
+        Self::new(args, scene, args.settings(args.preset()?), false)
     }
 
     /// The bakes that are tried one after the other until one is within its target.
@@ -44,7 +44,7 @@ impl Plan {
     pub fn tries(args: &BakeArgs, scene: &Scene) -> Result<Vec<Self>> {
         let mut plans = Vec::new();
         for settings in aim::tries(|preset| args.settings(preset)) {
-            let plan = Self::new(args, scene, settings)?;
+            let plan = Self::new(args, scene, settings, true)?;
             // What comes after would be lowered to the same number of functions.
             let is_last = plan.fewer.is_some();
             plans.push(plan);
