@@ -25,6 +25,7 @@ use rebounce::bake::{BakeError, Checkpoint, bake_in_team};
 use rebounce::scene::{self, Scene};
 use rebounce::team::Team;
 use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Once};
 use std::time::Instant;
 use tries::{Ended, Tries};
@@ -88,7 +89,8 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let last_words = last_words(&checkpoint, team, args.json_progress);
     let stop = Stop::install(last_words.clone()).context("setting up signals")?;
     let previews = args.preview.then(|| output.with_extension(PREVIEW));
-    let watcher = Watcher { display: Display::new(args.json_progress), stop, previews };
+    let has_file = AtomicBool::new(false);
+    let watcher = Watcher { display: Display::new(args.json_progress), stop, previews, has_file };
     let (began, processors) = (Instant::now(), ProcessTime::now());
     let mut tries = Tries { args, scene, team, watcher: &watcher, output, aim, written: None };
     let code = match tries.run(&plans, first, checkpoint)? {

@@ -5,6 +5,7 @@ use crate::cli::stop::Stop;
 use rebounce::bake::{Observer, Preview, Progress};
 use rebounce::write::write_whole;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Hands on signals.
 pub struct Follower(pub Stop);
@@ -21,6 +22,8 @@ pub struct Watcher {
     pub stop: Stop,
     /// Where previews are written, if they are.
     pub previews: Option<PathBuf>,
+    /// A whole bake is written: previews of the next one would show less than it.
+    pub has_file: AtomicBool,
 }
 
 impl Observer for Watcher {
@@ -36,7 +39,7 @@ impl Observer for Watcher {
     }
 
     fn wants_previews(&self) -> bool {
-        self.previews.is_some()
+        self.previews.is_some() && !self.has_file.load(Ordering::Relaxed)
     }
 
     fn preview(&self, preview: Preview) {
@@ -46,5 +49,21 @@ impl Observer for Watcher {
         if let Err(error) = written {
             eprintln!("warning: no preview: {error}");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_goes_back_from_a_whole_bake_to_a_preview() {
+        let stop = Stop::install(|| ()).unwrap();
+        let path = Some(PathBuf::from("room.preview.rbn"));
+        let watcher =
+            Watcher { display: Display::new(true), stop, previews: path, has_file: AtomicBool::new(false) };
+        assert!(watcher.wants_previews());
+        watcher.has_file.store(true, Ordering::Relaxed);
+        assert!(!watcher.wants_previews());
     }
 }

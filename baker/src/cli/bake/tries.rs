@@ -12,6 +12,7 @@ use rebounce::team::Team;
 use rebounce::write::write_whole;
 use rebounce_shared::rbn::{self, container};
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 /// Bakes of a scene by the first process of its team, or by the only one.
 pub struct Tries<'a> {
@@ -140,6 +141,7 @@ impl Tries<'_> {
             let kept = checkpoint.path().display();
             format!("the bake is done but not written; {kept} has it for --resume")
         })?;
+        self.watcher.has_file.store(true, Ordering::Relaxed);
         report.add_file(&container::read(&bytes)?, bytes.len() as u64);
         if let Some(path) = &self.args.report {
             write_whole(path, &serde_json::to_vec_pretty(&report)?)?;
