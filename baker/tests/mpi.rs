@@ -4,8 +4,8 @@
 
 use program::{partial, said, signal, wait_for};
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 #[path = "common/program.rs"]
