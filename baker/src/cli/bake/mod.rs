@@ -25,7 +25,6 @@ use rebounce::bake::{BakeError, Checkpoint, bake_in_team};
 use rebounce::scene::{self, Scene};
 use rebounce::team::Team;
 use std::process::ExitCode;
-use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Once};
 use std::time::Instant;
 use tries::{Ended, Tries};
@@ -89,27 +88,23 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let last_words = last_words(&checkpoint, team, args.json_progress);
     let stop = Stop::install(last_words.clone()).context("setting up signals")?;
     let previews = args.preview.then(|| output.with_extension(PREVIEW));
-    let has_file = AtomicBool::new(false);
-    let watcher = Watcher { display: Display::new(args.json_progress), stop, previews, has_file };
+    let watcher = Watcher { display: Display::new(args.json_progress), stop, previews };
     let (began, processors) = (Instant::now(), ProcessTime::now());
-    let mut tries = Tries { args, scene, team, watcher: &watcher, output, aim, written: None };
+    let mut tries = Tries { args, scene, team, watcher, output, aim, written: None };
     let code = match tries.run(&plans, first, checkpoint)? {
         Ended::Met => 0,
         Ended::Missed => OVER_TARGET,
         Ended::Elsewhere => return Ok(0),
         Ended::Stopped => {
             last_words();
-            return Ok(watcher.stop.exit_code());
+            return Ok(tries.watcher.stop.exit_code());
         }
     };
-    if let Some(preview) = &watcher.previews {
-        // It may never have been written.
-        let _ = std::fs::remove_file(preview);
-    }
+    let Tries { output, watcher, written, .. } = tries;
     watcher.display.finish(began.elapsed().as_secs_f64(), processors.elapsed().as_secs_f64());
-    if let Some(report) = tries.written.filter(|_| !watcher.display.is_json()) {
+    if let Some(report) = written.filter(|_| !watcher.display.is_json()) {
         println!("{report}");
-        println!("wrote         {}", tries.output.display());
+        println!("wrote         {}", output.display());
     }
     Ok(code)
 }

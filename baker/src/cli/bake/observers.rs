@@ -5,7 +5,6 @@ use crate::cli::stop::Stop;
 use rebounce::bake::{Observer, Preview, Progress};
 use rebounce::write::write_whole;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Hands on signals.
 pub struct Follower(pub Stop);
@@ -22,8 +21,16 @@ pub struct Watcher {
     pub stop: Stop,
     /// Where previews are written, if they are.
     pub previews: Option<PathBuf>,
+}
+
+impl Watcher {
     /// A whole bake is written: previews of the next one would show less than it.
-    pub has_file: AtomicBool,
+    pub fn end_previews(&mut self) {
+        if let Some(preview) = self.previews.take() {
+            // It may never have been written.
+            let _ = std::fs::remove_file(preview);
+        }
+    }
 }
 
 impl Observer for Watcher {
@@ -39,7 +46,7 @@ impl Observer for Watcher {
     }
 
     fn wants_previews(&self) -> bool {
-        self.previews.is_some() && !self.has_file.load(Ordering::Relaxed)
+        self.previews.is_some()
     }
 
     fn preview(&self, preview: Preview) {
@@ -59,11 +66,12 @@ mod tests {
     #[test]
     fn nobody_goes_back_from_a_whole_bake_to_a_preview() {
         let stop = Stop::install(|| ()).unwrap();
-        let path = Some(PathBuf::from("room.preview.rbn"));
-        let watcher =
-            Watcher { display: Display::new(true), stop, previews: path, has_file: AtomicBool::new(false) };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("room.preview.rbn");
+        std::fs::write(&path, "a preview").unwrap();
+        let mut watcher = Watcher { display: Display::new(true), stop, previews: Some(path.clone()) };
         assert!(watcher.wants_previews());
-        watcher.has_file.store(true, Ordering::Relaxed);
-        assert!(!watcher.wants_previews());
+        watcher.end_previews();
+        assert!(!watcher.wants_previews() && !path.exists());
     }
 }

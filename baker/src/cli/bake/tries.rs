@@ -12,14 +12,13 @@ use rebounce::team::Team;
 use rebounce::write::write_whole;
 use rebounce_shared::rbn::{self, container};
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
 
 /// Bakes of a scene by the first process of its team, or by the only one.
 pub struct Tries<'a> {
     pub args: &'a BakeArgs,
     pub scene: &'a Scene,
     pub team: &'a dyn Team,
-    pub watcher: &'a Watcher,
+    pub watcher: Watcher,
     /// Where the file goes.
     pub output: PathBuf,
     /// What is good enough; `None`: anything.
@@ -105,7 +104,7 @@ impl Tries<'_> {
         if let Some(functions) = fewer {
             eprintln!("note: about {functions} functions on the finest level, to keep within the budget");
         }
-        bake_in_team(self.scene, settings, self.watcher, Some(checkpoint), self.team)
+        bake_in_team(self.scene, settings, &self.watcher, Some(checkpoint), self.team)
     }
 
     /// Makes the file as small as it is to be.
@@ -141,7 +140,7 @@ impl Tries<'_> {
             let kept = checkpoint.path().display();
             format!("the bake is done but not written; {kept} has it for --resume")
         })?;
-        self.watcher.has_file.store(true, Ordering::Relaxed);
+        self.watcher.end_previews();
         report.add_file(&container::read(&bytes)?, bytes.len() as u64);
         if let Some(path) = &self.args.report {
             write_whole(path, &serde_json::to_vec_pretty(&report)?)?;
