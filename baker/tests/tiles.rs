@@ -127,7 +127,7 @@ fn small_triangles_share_tiles() {
         let settings = settings(5);
         let senders = Senders::new(surfaces, &points, &settings, &tints, &()).unwrap();
         let relations = relate(&points, 4).unwrap();
-        senders.context(surfaces, &points, &relations, &settings).tiles.unwrap().senders.count()
+        senders.context(surfaces, &points, &relations, &settings).tiles.unwrap().count()
     };
     let many = cut_up(&scene, 64);
     assert!(many.triangle_count() == whole.triangle_count() * 4096);

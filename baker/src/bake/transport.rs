@@ -104,11 +104,6 @@ impl Transport<'_> {
             tracker.expect(|estimate| estimate.expect_rays(level, refiner.rays_ahead() as f64));
             let traffic = refiner.level(&tracker.task(Stage::Links, Some(level)), journal, self.team)?;
             report.add_traffic(Stage::Links, Some(level), traffic);
-            if level + 1 < told.later_levels {
-                let coarse = points.count_on(told.later_levels.min(levels)) as f64;
-                let row = refiner.operator().coarse_row_length();
-                tracker.expect(|estimate| estimate.expect_bounces(coarse, coarse * row));
-            }
             if level + 1 == told.later_levels.min(levels) {
                 let operator = refiner.operator_mut();
                 let entries: usize = operator.coarse.iter().map(Vec::len).sum();

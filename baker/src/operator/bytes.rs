@@ -24,12 +24,9 @@ pub fn put_receivers(out: &mut Vec<u8>, first: usize, found: &[Gathered]) {
     put(out, &found.iter().map(|g| [g.cost.seen, g.cost.lost]).collect::<Vec<_>>());
     put(out, &lengths(found.iter().map(|g| &g.links)));
     put(out, &lengths(found.iter().map(|g| &g.value)));
-    put(out, &lengths(found.iter().map(|g| &g.coarse)));
     for gathered in found {
         put(out, &gathered.links);
         put(out, &gathered.value);
-        put(out, &gathered.coarse.iter().map(|entry| entry.0).collect::<Vec<u32>>());
-        put(out, &gathered.coarse.iter().map(|entry| entry.1).collect::<Vec<f32>>());
     }
 }
 
@@ -80,15 +77,12 @@ impl Reader<'_> {
         let [first, count] = self.one::<[u64; 2]>()?.map(|n| n as usize);
         let rays = self.take::<u64>(count)?;
         let light = self.take::<[f64; 2]>(count)?;
-        let lengths = self.take::<u32>(count)?.into_iter().zip(self.take::<u32>(count)?);
-        let lengths: Vec<_> = lengths.zip(self.take::<u32>(count)?).collect();
+        let lengths: Vec<_> = self.take::<u32>(count)?.into_iter().zip(self.take::<u32>(count)?).collect();
         let mut found = Vec::with_capacity(count);
-        for ((rays, [seen, lost]), ((links, value), coarse)) in rays.into_iter().zip(light).zip(lengths) {
+        for ((rays, [seen, lost]), (links, value)) in rays.into_iter().zip(light).zip(lengths) {
             let links: Vec<Link> = self.take(links as usize)?;
             let value: Vec<Link> = self.take(value as usize)?;
-            let senders = self.take::<u32>(coarse as usize)?;
-            let coarse = senders.into_iter().zip(self.take::<f32>(coarse as usize)?).collect();
-            found.push(Gathered { links, value, coarse, cost: GatherCost { rays, seen, lost } });
+            found.push(Gathered { links, value, cost: GatherCost { rays, seen, lost } });
         }
         Some((first, found))
     }

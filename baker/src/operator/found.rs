@@ -9,8 +9,7 @@ use super::gather::{FOUND, GatherContext, GatherCost};
 use super::hemisphere::{GatherRays, gather_rays};
 use super::order::sort;
 use super::tally::Tally;
-use super::tiles::{SenderTiles, Shares};
-use crate::basis::Leveled;
+use super::tiles::{Shares, Tiles};
 use crate::random::{mix, unit};
 use crate::surface::{Pieces, Place, Surfaces};
 use glam::{Vec3, Vec3A};
@@ -31,12 +30,6 @@ struct Landed {
     tile: Option<u32>,
 }
 
-/// Which functions a hit is to be looked at for.
-struct Asked {
-    senders: bool,
-    coarse: bool,
-}
-
 /// Rays of some receivers, and what they find.
 #[derive(Default)]
 pub struct Found {
@@ -48,8 +41,6 @@ pub struct Found {
     cells: Vec<u16>,
     /// What each ray brings to the senders.
     brought: Vec<Shares>,
-    /// The same to the coarse functions, of the first rays, which may need it.
-    coarse: Vec<Shares>,
     /// Where the rays of a batch end.
     places: Vec<Option<(Place, f32)>>,
     /// Rays of a batch that hit something.
@@ -69,21 +60,14 @@ impl Found {
     ) {
         self.rays.clear();
         self.first_rays.clear();
-        // The first ray that may need coarse functions is known by its receiver: points are ordered by level.
-        let mut coarse_rays = 0;
         for &i in receivers {
             self.first_rays.push(self.rays.rays.len() as u32);
             let (point, epsilon) = (&context.points.points[i], context.surfaces.epsilon());
             gather_rays(point, i, context.settings.seed, epsilon, directions, &mut self.rays);
-            if i < context.coarse_count {
-                coarse_rays = self.rays.rays.len();
-            }
         }
         self.first_rays.push(self.rays.rays.len() as u32);
-        for (brought, count) in [(&mut self.brought, self.rays.rays.len()), (&mut self.coarse, coarse_rays)] {
-            brought.clear();
-            brought.resize(count, Shares::NOTHING);
-        }
+        self.brought.clear();
+        self.brought.resize(self.rays.rays.len(), Shares::NOTHING);
         sort(&self.rays.rays, &mut self.order, &mut self.cells);
         let order = std::mem::take(&mut self.order);
         match (context.surfaces.pieces(), context.tiles) {
@@ -95,12 +79,12 @@ impl Found {
                     pieces.find_all(&self.rays.rays, some, &mut places);
                     batch.extend(some.iter().zip(&places).filter_map(|(&number, place)| {
                         let (place, distance) = (*place)?;
-                        tiles.senders.fetch_piece(place.piece);
+                        tiles.fetch_piece(place.piece);
                         Some(Landed { number, place, distance, tile: None })
                     }));
                     for landed in &mut batch {
-                        landed.tile = tiles.senders.number(landed.place, landed.distance);
-                        landed.tile.inspect(|tile| tiles.senders.fetch_shares(*tile));
+                        landed.tile = tiles.number(landed.place, landed.distance);
+                        landed.tile.inspect(|tile| tiles.fetch_shares(*tile));
                     }
                     for landed in &batch {
                         self.take(context, pieces, tiles, landed);
@@ -114,8 +98,7 @@ impl Found {
                     let hit = context.surfaces.cast(ray, *seed);
                     if let Some(hit) = hit.filter(|hit| hit.albedo != Vec3::ZERO && hit.faces(ray.direction))
                     {
-                        let asked = Asked { senders: true, coarse: (number as usize) < self.coarse.len() };
-                        self.look_at(context, number, asked, hit.position, hit.normal, hit.albedo);
+                        self.look_at(context, number, hit.position, hit.normal, hit.albedo);
                     }
                 }
             }
@@ -129,30 +112,18 @@ impl Found {
         &mut self,
         context: &GatherContext<S>,
         pieces: &dyn Pieces,
-        tiles: &SenderTiles,
+        tiles: &Tiles,
         landed: &Landed,
     ) {
         let &Landed { number, place, distance, tile } = landed;
         let at = number as usize;
-        let is_coarse = at < self.coarse.len();
-        let senders = tile.and_then(|tile| tiles.senders.shares(tile));
-        let coarse = match is_coarse {
-            true => tiles.coarse.number(place, distance).and_then(|tile| tiles.coarse.shares(tile)),
-            false => Some(Shares::NOTHING),
-        };
-        let share = self.rays.shares[at];
-        if let Some(senders) = senders {
-            self.brought[at] = senders.scaled(share);
+        if let Some(shares) = tile.and_then(|tile| tiles.shares(tile)) {
+            self.brought[at] = shares.scaled(self.rays.shares[at]);
+            return;
         }
-        if let Some(coarse) = coarse.filter(|_| is_coarse) {
-            self.coarse[at] = coarse.scaled(share);
-        }
-        if senders.is_none() || coarse.is_none() {
-            let spread = self.rays.rays[at].0.spread;
-            let spot = pieces.spot(place, (spread * distance).powi(2));
-            let asked = Asked { senders: senders.is_none(), coarse: coarse.is_none() };
-            self.look_at(context, number, asked, spot.position, spot.normal, spot.albedo);
-        }
+        let spread = self.rays.rays[at].0.spread;
+        let spot = pieces.spot(place, (spread * distance).powi(2));
+        self.look_at(context, number, spot.position, spot.normal, spot.albedo);
     }
 
     /// Looks for the functions that cover what one ray hits.
@@ -161,7 +132,6 @@ impl Found {
         &mut self,
         context: &GatherContext<S>,
         number: u32,
-        asked: Asked,
         position: Vec3,
         normal: Vec3,
         albedo: Vec3,
@@ -170,27 +140,19 @@ impl Found {
         let arriving = Vec3A::from(albedo * self.rays.shares[number]);
         let chance = unit(mix(self.rays.rays[number].1 as u64));
         let Self { weights, weighed, .. } = self;
-        let mut shares = |functions: &Leveled| {
-            functions.interpolate(position, normal, weights);
-            weighed.clear();
-            // As bright as the light is counted in each sender's tint: the best fit of the one to the other.
-            let light = |f: u32| arriving.dot(context.duals[f as usize]);
-            weighed.extend(weights.iter().map(|&(f, weight)| (f, weight, light(f))));
-            match weighed.is_empty() {
-                true => Shares::lost(arriving.element_sum() / 3.0),
-                false => Shares::of(weighed, chance),
-            }
+        context.senders.interpolate(position, normal, weights);
+        weighed.clear();
+        // As bright as the light is counted in each sender's tint: the best fit of the one to the other.
+        let light = |f: u32| arriving.dot(context.duals[f as usize]);
+        weighed.extend(weights.iter().map(|&(f, weight)| (f, weight, light(f))));
+        self.brought[number] = match weighed.is_empty() {
+            true => Shares::lost(arriving.element_sum() / 3.0),
+            false => Shares::of(weighed, chance),
         };
-        if asked.senders {
-            self.brought[number] = shares(context.senders);
-        }
-        if asked.coarse && !self.brought[number].is_lost() {
-            self.coarse[number] = shares(context.coarse);
-        }
     }
 
-    /// Adds up what the rays of one of the receivers brought, by sender and by coarse function.
-    pub fn add(&self, receiver: usize, senders: &mut Tally<2>, coarse: &mut Tally<1>) -> GatherCost {
+    /// Adds up what the rays of one of the receivers brought, by sender.
+    pub fn add(&self, receiver: usize, senders: &mut Tally<2>) -> GatherCost {
         let mut cost = GatherCost::default();
         let rays = self.first_rays[receiver] as usize..self.first_rays[receiver + 1] as usize;
         for (number, brought) in rays.clone().zip(&self.brought[rays]) {
@@ -203,9 +165,6 @@ impl Found {
                 cost.lost += sum;
             }
             brought.each(|sender, amount| senders.add(FOUND, sender, amount));
-            if let Some(brought) = self.coarse.get(number) {
-                brought.each(|sender, amount| coarse.add(0, sender, amount));
-            }
         }
         cost
     }

@@ -5,8 +5,8 @@ use super::OperatorSettings;
 use super::choose::choose;
 use super::directions::Directions;
 use super::found::Found;
-use super::tally::{IrradianceRow, Tally};
-use super::tiles::SenderTiles;
+use super::tally::Tally;
+use super::tiles::Tiles;
 use crate::basis::{Leveled, Relations};
 use crate::points::Points;
 use crate::surface::Surfaces;
@@ -23,12 +23,10 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
     pub relations: &'a Relations,
     /// The sender levels' functions, coarsest first.
     pub senders: &'a Leveled,
-    /// The functions of the levels that later bounces travel between, coarsest first.
-    pub coarse: &'a Leveled,
-    /// Number of points on those levels.
+    /// Number of points on the levels that later bounces travel between.
     pub coarse_count: usize,
     /// What rays find on each tile of the surfaces, where they tell their pieces.
-    pub tiles: Option<&'a SenderTiles>,
+    pub tiles: Option<&'a Tiles>,
     /// The [duals](super::tint::duals) of the points' tints.
     pub duals: &'a [Vec3A],
     /// Settings.
@@ -64,27 +62,23 @@ pub struct GatherCost {
 pub struct Gathered {
     /// The receiver's links, senders ascending: differences to what coarser receivers say.
     pub links: Vec<Link>,
-    /// The whole value that its links and its ancestors' say, on all levels but the finest.
+    /// The whole value that its links and its ancestors' say, where children or later bounces read it: on all levels but
+    /// the finest, and of points that later bounces travel through.
     pub value: Vec<Link>,
-    /// Of a point that later bounces travel through: its whole irradiance from every other such point.
-    pub coarse: IrradianceRow,
     /// The cost.
     pub cost: GatherCost,
 }
 
 impl Gathered {
-    /// Whether it can be of a scene with so many senders and points of later bounces, whoever says it: indices are
-    /// under these, ascend, and have finite numbers.
-    pub fn fits(&self, senders: usize, coarse: usize) -> bool {
+    /// Whether it can be of a scene with so many senders, whoever says it: indices are under that and ascend, numbers
+    /// are finite.
+    pub fn fits(&self, senders: usize) -> bool {
         let row = |links: &[Link]| {
             links.windows(2).all(|pair| pair[0].sender() < pair[1].sender())
                 && links.last().is_none_or(|last| last.sender() < senders)
         };
         row(&self.links)
             && row(&self.value)
-            && self.coarse.windows(2).all(|pair| pair[0].0 < pair[1].0)
-            && self.coarse.last().is_none_or(|last| (last.0 as usize) < coarse)
-            && self.coarse.iter().all(|entry| entry.1.is_finite())
             && self.cost.rays <= u32::MAX as u64
             && self.cost.seen.is_finite()
             && self.cost.lost.is_finite()
@@ -95,7 +89,6 @@ impl Gathered {
 pub struct Scratch {
     /// What rays find, and what coarser receivers say: [`FOUND`], [`SAID`].
     senders: Tally<2>,
-    coarse: Tally<1>,
     found: Found,
 }
 
@@ -104,9 +97,9 @@ pub const FOUND: usize = 0;
 const SAID: usize = 1;
 
 impl Scratch {
-    /// Working memory for this many senders and coarse points.
-    pub fn new(senders: usize, coarse: usize) -> Self {
-        Self { senders: Tally::new(senders), coarse: Tally::new(coarse), found: Found::default() }
+    /// Working memory for this many senders.
+    pub fn new(senders: usize) -> Self {
+        Self { senders: Tally::new(senders), found: Found::default() }
     }
 }
 
@@ -128,19 +121,15 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         // The variance of a mean of rays that either hit a sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
-        let Scratch { senders, coarse, found } = scratch;
+        let Scratch { senders, found } = scratch;
         for group in receivers.chunks(receivers_together(directions)) {
             found.cast(self, group, directions);
             for (k, &receiver) in group.iter().enumerate() {
-                let cost = GatherCost { rays: directions.len() as u64, ..found.add(k, senders, coarse) };
+                let cost = GatherCost { rays: directions.len() as u64, ..found.add(k, senders) };
                 let mut gathered = Gathered { cost, ..Gathered::default() };
-                if receiver < self.coarse_count {
-                    gathered.coarse = coarse.row(self.settings.least_irradiance());
-                    coarse.clear();
-                }
                 self.predict(receiver, values, senders);
                 gathered.links = choose(senders, |[found, said]| (found, said), epsilon, noise);
-                if level + 1 < self.settings.levels {
+                if self.is_read(receiver, level) {
                     for link in &gathered.links {
                         senders.add(SAID, link.sender(), link.amount());
                     }
@@ -153,6 +142,11 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         Ok(())
     }
 
+    /// Whether anything reads a receiver's whole value.
+    fn is_read(&self, receiver: usize, level: usize) -> bool {
+        level + 1 < self.settings.levels || receiver < self.coarse_count
+    }
+
     /// What is left of a receiver that is not refined: the value that its parents' say.
     pub fn inherit(
         &self,
@@ -161,7 +155,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         values: &[Vec<Link>],
         scratch: &mut Scratch,
     ) -> Gathered {
-        if level + 1 == self.settings.levels {
+        if !self.is_read(receiver, level) {
             return Gathered::default();
         }
         self.predict(receiver, values, &mut scratch.senders);

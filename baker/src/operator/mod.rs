@@ -13,10 +13,12 @@
 //! * [`bytes`] – what is done, as bytes;
 //! * [`journal`] – where what is done is kept, to go on from;
 //! * [`refine`] – the adaptive queue of Fig. 5: the one-bounce operator T;
+//! * [`among`] – what the coarse points get from each other;
 //! * [`bounces`] – later bounces: S, by the [`series`] of bounces between coarse points.
 
 pub mod bounces;
 pub mod bytes;
+mod among;
 mod choose;
 pub mod directions;
 pub mod found;
@@ -32,6 +34,7 @@ pub mod tiles;
 pub mod tint;
 
 use rebounce_shared::link::{LaterLink, Link};
+use among::among;
 use tally::IrradianceRow;
 
 /// How the operator is computed.
@@ -120,11 +123,6 @@ impl Operator {
     /// Number of links of each point of T.
     pub fn link_counts(&self) -> impl Iterator<Item = usize> + '_ {
         self.links.iter().map(Vec::len)
-    }
-
-    /// Entries of a row of [`Self::coarse`], on average of those that are there.
-    pub fn coarse_row_length(&self) -> f64 {
-        self.coarse.iter().map(Vec::len).sum::<usize>() as f64 / self.coarse.len().max(1) as f64
     }
 
     /// Number of links for later bounces.

@@ -7,9 +7,9 @@ use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
 use super::gather::{GatherContext, GatherCost, Gathered, Scratch};
 use super::journal::Journal;
-use super::tiles::{Layout, SenderTiles, Tiles};
-use super::{Operator, OperatorSettings, tint};
-use crate::basis::{Leveled, Relations, evaluator, sender_evaluator};
+use super::tiles::{Layout, Tiles};
+use super::{Operator, OperatorSettings, among, tint};
+use crate::basis::{Leveled, Relations, sender_evaluator};
 use crate::points::Points;
 use crate::random::mix;
 use crate::surface::Surfaces;
@@ -47,10 +47,9 @@ pub fn refine<S: Surfaces + ?Sized>(
 /// The functions that light leaves from.
 pub struct Senders {
     all: Leveled,
-    coarse: Leveled,
     count: usize,
     coarse_count: usize,
-    tiles: Option<SenderTiles>,
+    tiles: Option<Tiles>,
     duals: Vec<Vec3A>,
 }
 
@@ -71,19 +70,13 @@ impl Senders {
         let coarse_levels = settings.later_levels.min(levels);
         let all = Leveled::new((0..levels).map(|l| sender_evaluator(points, l)).collect());
         let duals = tint::duals(tints);
-        let coarse = Leveled::new((0..coarse_levels).map(|l| evaluator(points, l)).collect());
         let tiles = surfaces.pieces().map(|pieces| {
-            let [senders, of_coarse] =
-                [&all, &coarse].map(|functions| Layout::new(pieces, functions, duals.len(), watch));
-            let (senders, of_coarse) = (senders?, of_coarse?);
-            watch.expect(senders.count() as u64 + of_coarse.count() as u64);
-            let tiles =
-                |layout, functions| Tiles::on(layout, pieces, functions, &duals, settings.seed, watch);
-            Ok(SenderTiles { senders: tiles(senders, &all)?, coarse: tiles(of_coarse, &coarse)? })
+            let layout = Layout::new(pieces, &all, duals.len(), watch)?;
+            watch.expect(layout.count() as u64);
+            Tiles::on(layout, pieces, &all, &duals, settings.seed, watch)
         });
         Ok(Self {
             all,
-            coarse,
             count: points.count_on(levels),
             coarse_count: points.count_on(coarse_levels),
             tiles: tiles.transpose()?,
@@ -104,7 +97,6 @@ impl Senders {
             points,
             relations,
             senders: &self.all,
-            coarse: &self.coarse,
             coarse_count: self.coarse_count,
             tiles: self.tiles.as_ref(),
             duals: &self.duals,
@@ -149,12 +141,11 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         }
     }
 
-    /// Whether a receiver of the next level is gathered for: children of receivers that kept a link; those that no
-    /// coarser function reaches; and those that later bounces need, whatever their parents kept.
+    /// Whether a receiver of the next level is gathered for: children of receivers that kept a link, and those that no
+    /// coarser function reaches.
     fn is_wanted(&self, i: usize) -> bool {
         let parents = self.context.relations.push().row(i);
-        i < self.context.coarse_count
-            || parents.is_empty()
+        parents.is_empty()
             || parents.iter().any(|parent| !self.operator.links[parent.point()].is_empty())
     }
 
@@ -186,7 +177,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         for chunk in 0..found.rows.len() {
             let (first, count) = found.place(chunk);
             let fits = |rows: &Vec<Gathered>| {
-                rows.iter().all(|gathered| gathered.fits(self.sender_count, context.coarse_count))
+                rows.iter().all(|gathered| gathered.fits(self.sender_count))
             };
             if let Some(rows) = journal.receivers(first, count).filter(fits) {
                 watch.skip(rows.iter().map(|gathered| gathered.cost.rays).sum())?;
@@ -209,7 +200,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
             let gather_chunk = |&(first, count): &(usize, usize)| {
                 let recycled = pool.lock().ok().and_then(|mut free| free.pop());
                 let mut scratch =
-                    recycled.unwrap_or_else(|| Scratch::new(this.sender_count, context.coarse_count));
+                    recycled.unwrap_or_else(|| Scratch::new(this.sender_count));
                 let (wanted, others): (Vec<usize>, Vec<usize>) =
                     (first..first + count).partition(|i| this.is_wanted(*i));
                 let mut rows = vec![Gathered::default(); count];
@@ -261,6 +252,12 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
             }
         }
         self.operator.lost_share = if self.seen > 0.0 { self.lost / self.seen } else { 0.0 };
+        let context = &self.context;
+        if range.contains(&context.coarse_count.wrapping_sub(1)) {
+            let values = &self.values[..context.coarse_count];
+            let tints = &self.operator.tints[..self.sender_count];
+            self.operator.coarse = among(values, context.relations.push(), tints, context.settings);
+        }
         self.level += 1;
         Ok(traffic)
     }
@@ -270,9 +267,6 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         self.operator.rays += gathered.cost.rays;
         self.seen += gathered.cost.seen;
         self.lost += gathered.cost.lost;
-        if i < self.context.coarse_count {
-            self.operator.coarse.push(gathered.coarse);
-        }
         self.operator.links[i] = gathered.links;
         self.values[i] = gathered.value;
     }
@@ -345,7 +339,6 @@ fn for_others(rows: &[Gathered]) -> Vec<Gathered> {
     let of_one = |row: &Gathered| Gathered {
         links: row.links.first().copied().into_iter().collect(),
         value: row.value.clone(),
-        coarse: row.coarse.clone(),
         cost: GatherCost::default(),
     };
     rows.iter().map(of_one).collect()
@@ -387,7 +380,7 @@ fn join(for_first: &[u8], for_all: &[u8]) -> Option<Vec<(usize, Vec<Gathered>)>>
             return None;
         }
         for (row, more) in rows.iter_mut().zip(more) {
-            (row.value, row.coarse) = (more.value, more.coarse);
+            row.value = more.value;
         }
     }
     Some(whole)

@@ -201,7 +201,6 @@ mod tests {
             Gathered {
                 links: vec![Link::pack(3, 0.5)],
                 value: vec![Link::pack(3, 0.5), Link::pack(9, -0.1)],
-                coarse: vec![(2, 0.25)],
                 cost: GatherCost { rays: 512, seen: 0.7, lost: 1e-9 },
             },
         ];

@@ -45,14 +45,6 @@ const PROBES: u32 = 6;
 /// Pieces or tiles that one thread works out at a time; pieces share none beyond.
 const TOGETHER: usize = 1 << 12;
 
-/// The tiles that gathers read.
-pub struct SenderTiles {
-    /// For the senders.
-    pub senders: Tiles,
-    /// For the functions that later bounces travel between.
-    pub coarse: Tiles,
-}
-
 /// Whether a piece is smaller than a cell, where tiles are so wide.
 fn is_small(piece: &Piece, width: f32) -> bool {
     piece.normal != Vec3::ZERO && piece.sides[0].max(piece.sides[1]) < SHARED * width
