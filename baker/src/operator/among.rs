@@ -25,11 +25,11 @@ pub fn among(
             let share = parent.weight() / total;
             from[parent.point()].iter().for_each(|(j, weight)| tally.add(0, *j as usize, share * weight));
         }
-        from.push(tally.row(0.0));
+        from.push(tally.row(0.0, 0));
         tally.clear();
     }
     let (duals, tints) = (tint::duals(tints), tint::unpack(tints));
-    let row = |tally: &mut Tally<1>, value: &Vec<Link>| {
+    let row = |tally: &mut Tally<1>, (i, value): (usize, &Vec<Link>)| {
         for link in value {
             let sent = link.amount() * tints[link.sender()];
             for (j, weight) in &from[link.sender()] {
@@ -37,9 +37,9 @@ pub fn among(
                 tally.add(0, *j as usize, weight * sent.dot(dual.into()));
             }
         }
-        let row = tally.row(settings.least_irradiance());
+        let row = tally.row(settings.least_irradiance(), i as u64);
         tally.clear();
         row
     };
-    values.par_iter().map_init(|| Tally::<1>::new(count), row).collect()
+    values.par_iter().enumerate().map_init(|| Tally::<1>::new(count), row).collect()
 }

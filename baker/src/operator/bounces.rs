@@ -13,7 +13,7 @@
 use super::bytes::{Reader, put, put_columns};
 use super::journal::{Columns, Journal};
 use super::series::{BATCH, Light, Series};
-use super::tally::IrradianceRow;
+use super::tally::{IrradianceRow, speaks_now};
 use super::{Operator, OperatorSettings};
 use crate::team::share::{Outbox, Traffic, share};
 use crate::team::{Team, TeamError};
@@ -131,7 +131,7 @@ pub fn add_later_bounces(
 }
 
 /// Rows of C + C² + … for some senders, ascending, between so many points. What is not over `least` is carried over to the
-/// next sender.
+/// next sender; who of those that it is from [speaks](speaks_now) for the sum, chance says.
 fn part_of(
     series: &Series,
     senders: &[u32],
@@ -142,8 +142,8 @@ fn part_of(
     let mut deepest = 2;
     let mut kept: Vec<ColourRow> = vec![Vec::new(); count];
     let mut carried = vec![Vec3::ZERO; count];
-    // The last sender that each receiver sees, however little: what is left is given to it.
-    let mut seen = vec![u32::MAX; count];
+    // Who speaks for what is carried.
+    let mut speaks = vec![0; count];
     for batch in senders.chunks(BATCH) {
         let (light, bounces) = series.columns(batch, watch)?;
         deepest = deepest.max(bounces);
@@ -153,20 +153,22 @@ fn part_of(
                 if arriving == Vec3::ZERO {
                     continue;
                 }
-                carried[receiver] += arriving;
-                seen[receiver] = *sender;
-                if carried[receiver].max_element() > least {
-                    kept[receiver].push((*sender, std::mem::take(&mut carried[receiver])));
+                let carried = &mut carried[receiver];
+                *carried += arriving;
+                let name = (receiver as u64) << 32 | *sender as u64;
+                if speaks_now(name, arriving.element_sum(), carried.element_sum()) {
+                    speaks[receiver] = *sender;
+                }
+                if carried.max_element() > least {
+                    kept[receiver].push((speaks[receiver], std::mem::take(carried)));
                 }
             }
         }
         watch.step(batch.len() as u64)?;
     }
-    for ((kept, rest), last) in kept.iter_mut().zip(carried).zip(seen) {
-        match kept.last_mut() {
-            Some((sender, sum)) if *sender == last => *sum += rest,
-            _ if rest != Vec3::ZERO => kept.push((last, rest)),
-            _ => {}
+    for ((kept, rest), sender) in kept.iter_mut().zip(carried).zip(speaks) {
+        if rest != Vec3::ZERO {
+            kept.push((sender, rest));
         }
     }
     Ok(Columns { bounces: deepest, rows: kept })

@@ -1,6 +1,7 @@
 //! What a receiver gets, summed by sender while its rays come in.
 
 use crate::processor;
+use crate::random::{mix, unit};
 
 /// A receiver's irradiance from senders, ascending.
 pub type IrradianceRow = Vec<(u32, f32)>;
@@ -71,25 +72,32 @@ impl<const N: usize> Tally<N> {
 }
 
 impl Tally<1> {
-    /// The irradiance from each sender. What is not over `least` is carried over to the next sender, as in
-    /// [`super::choose`].
-    pub fn row(&self, least: f32) -> IrradianceRow {
-        let (mut carried, mut first) = (0.0, None);
+    /// The irradiance from each sender. What is not over `least` is carried over to the next sender; who of those that it is
+    /// from [speaks](speaks_now) for the sum, chance says, which depends on `name`.
+    pub fn row(&self, least: f32, name: u64) -> IrradianceRow {
+        let (mut carried, mut speaks) = (0.0, 0);
         let mut row: IrradianceRow = Vec::new();
         self.each(|sender, [sum]| {
-            first = first.or(Some(sender));
             carried += sum;
+            if speaks_now(mix(name) ^ sender as u64, sum, carried) {
+                speaks = sender;
+            }
             if carried > least {
-                row.push((sender, std::mem::take(&mut carried)));
+                row.push((speaks, std::mem::take(&mut carried)));
             }
         });
-        match (row.last_mut(), first) {
-            (Some((_, last)), _) => *last += carried,
-            (None, Some(sender)) => row.push((sender, carried)),
-            (None, None) => {}
+        if carried != 0.0 {
+            row.push((speaks, carried));
         }
         row
     }
+}
+
+/// Whether the last of some senders, of `amount` of their `sum`, speaks for all of them: as often as its share of the sum, so
+/// that on the whole each speaks for as much as it gives. If it were always the last one, light would be moved along the
+/// curve: where the curve leads from a lit room to a dark one, it would be said to come from the dark one.
+pub fn speaks_now(name: u64, amount: f32, sum: f32) -> bool {
+    unit(mix(name)) * sum < amount
 }
 
 #[cfg(test)]
@@ -119,7 +127,7 @@ mod tests {
                 (9_999, [a, 0.0]),
             ];
             assert_eq!(found, expected);
-            assert_eq!(one.row(1e9), [(3, 6.0 * a)]);
+            assert_eq!(one.row(0.0, 1), [(3, 6.0 * a)]);
             (two.clear(), one.clear());
             two.each(|sender, _| panic!("{sender} is left"));
             one.each(|sender, _| panic!("{sender} is left"));
