@@ -5,7 +5,7 @@
 
 mod evaluator;
 
-use crate::points::{PointLevel, Points};
+use crate::points::Points;
 pub use evaluator::{Evaluator, Leveled, Support};
 pub use rebounce_shared::basis::Relations;
 use rebounce_shared::rbn::RbnError;
@@ -19,12 +19,6 @@ pub fn relate(points: &Points, direct_levels: usize) -> Result<Relations, RbnErr
     Relations::new(&records, &cuts, &levels, direct_levels)
 }
 
-/// The evaluator of one level.
-pub fn evaluator(points: &Points, level: usize) -> Evaluator {
-    let level = &points.levels[level];
-    with_supports(points, level, level.support_radius)
-}
-
 /// Support over disk radius of a function that takes what a ray finds: narrow, so that the direct
 /// light at its point is blurred little and few functions share a hit.
 const SENDER_OVERLAP: f32 = 1.25;
@@ -32,10 +26,7 @@ const SENDER_OVERLAP: f32 = 1.25;
 /// The evaluator of one level of senders.
 pub fn sender_evaluator(points: &Points, level: usize) -> Evaluator {
     let level = &points.levels[level];
-    with_supports(points, level, SENDER_OVERLAP * level.disk_radius)
-}
-
-fn with_supports(points: &Points, level: &PointLevel, radius: f32) -> Evaluator {
+    let radius = SENDER_OVERLAP * level.disk_radius;
     let support = |i: usize| {
         let p = &points.points[i];
         Support { position: p.position, normal: p.normal, radius, cuts: points.cuts_of(i) }

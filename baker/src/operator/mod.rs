@@ -16,9 +16,9 @@
 //! * [`among`] – what the coarse points get from each other;
 //! * [`bounces`] – later bounces: S, by the [`series`] of bounces between coarse points.
 
+mod among;
 pub mod bounces;
 pub mod bytes;
-mod among;
 mod choose;
 pub mod directions;
 pub mod found;
@@ -33,8 +33,8 @@ pub mod tally;
 pub mod tiles;
 pub mod tint;
 
-use rebounce_shared::link::{LaterLink, Link};
 use among::among;
+use rebounce_shared::link::{LaterLink, Link};
 use tally::IrradianceRow;
 
 /// How the operator is computed.

@@ -145,8 +145,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
     /// coarser function reaches.
     fn is_wanted(&self, i: usize) -> bool {
         let parents = self.context.relations.push().row(i);
-        parents.is_empty()
-            || parents.iter().any(|parent| !self.operator.links[parent.point()].is_empty())
+        parents.is_empty() || parents.iter().any(|parent| !self.operator.links[parent.point()].is_empty())
     }
 
     /// Rays that the next level will cast.
@@ -176,9 +175,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let mut traffic = Traffic::default();
         for chunk in 0..found.rows.len() {
             let (first, count) = found.place(chunk);
-            let fits = |rows: &Vec<Gathered>| {
-                rows.iter().all(|gathered| gathered.fits(self.sender_count))
-            };
+            let fits = |rows: &Vec<Gathered>| rows.iter().all(|gathered| gathered.fits(self.sender_count));
             if let Some(rows) = journal.receivers(first, count).filter(fits) {
                 watch.skip(rows.iter().map(|gathered| gathered.cost.rays).sum())?;
                 found.rows[chunk] = Some(rows);
@@ -199,8 +196,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let work = |outbox: Option<&Outbox>| {
             let gather_chunk = |&(first, count): &(usize, usize)| {
                 let recycled = pool.lock().ok().and_then(|mut free| free.pop());
-                let mut scratch =
-                    recycled.unwrap_or_else(|| Scratch::new(this.sender_count));
+                let mut scratch = recycled.unwrap_or_else(|| Scratch::new(this.sender_count));
                 let (wanted, others): (Vec<usize>, Vec<usize>) =
                     (first..first + count).partition(|i| this.is_wanted(*i));
                 let mut rows = vec![Gathered::default(); count];

@@ -127,10 +127,36 @@ mod tests {
                 (9_999, [a, 0.0]),
             ];
             assert_eq!(found, expected);
-            assert_eq!(one.row(0.0, 1), [(3, 6.0 * a)]);
+            let row = one.row(1e9, round);
+            assert!(
+                row.len() == 1 && row[0].1 == 6.0 * a && expected.iter().any(|e| e.0 == row[0].0),
+                "{row:?}"
+            );
             (two.clear(), one.clear());
             two.each(|sender, _| panic!("{sender} is left"));
             one.each(|sender, _| panic!("{sender} is left"));
+        }
+    }
+
+    #[test]
+    fn rows_keep_their_sum_and_on_the_whole_each_sender_speaks_for_what_it_gives() {
+        // Strong ones after many weak ones, as where the curve goes from far away to near.
+        let gives = |sender: u32| if sender % 10 == 9 { 0.5 } else { 0.1 };
+        let (count, rows) = (100u32, 4_000);
+        let mut tally = Tally::<1>::new(count as usize);
+        (0..count).for_each(|sender| tally.add(0, sender as usize, gives(sender)));
+        let mut spoken = vec![0.0; count as usize];
+        for name in 0..rows {
+            let row = tally.row(1.0, name);
+            assert!(row.len() < 20 && row.windows(2).all(|pair| pair[0].0 < pair[1].0));
+            assert!((row.iter().map(|entry| entry.1).sum::<f32>() - 14.0).abs() < 1e-3);
+            row.iter().for_each(|(sender, amount)| spoken[*sender as usize] += amount / rows as f32);
+        }
+        for (sender, spoken) in (0..count).zip(spoken) {
+            // Four standard deviations of a mean of so many rows.
+            let wanted = gives(sender);
+            let noise = 4.0 * (1.4 * wanted / rows as f32).sqrt();
+            assert!((spoken - wanted).abs() < noise, "{sender}: {spoken}, not {wanted}");
         }
     }
 }
