@@ -159,7 +159,7 @@ impl Room {
     }
 
     fn scratch(&self) -> Scratch {
-        Scratch::new(self.points.points.len(), self.context().coarse_count)
+        Scratch::new(self.points.points.len())
     }
 
     fn gather(&self, receivers: &[usize], level: usize, scratch: &mut Scratch) -> Vec<Gathered> {
