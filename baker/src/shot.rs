@@ -3,6 +3,7 @@
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::shot::Shot;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Largest width or height of a picture.
@@ -44,9 +45,39 @@ pub fn read(path: &Path) -> Result<Shot, ShotError> {
 /// # Errors
 /// What is wrong, in words.
 pub fn parse(text: &str) -> Result<Shot, String> {
+    // Some editors write a byte-order mark.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let shot: Shot = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    check_members(&serde_json::from_str(text).map_err(|e| e.to_string())?)?;
     check(&shot)?;
     Ok(shot)
+}
+
+/// What there can be in a shot, in its camera, and in lights of each type.
+const SHOT: &[&str] = &["scene", "size", "camera", "lights"];
+const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
+const LIGHTS: [(&str, &[&str]); 3] = [
+    ("point", &["type", "position", "intensity", "color"]),
+    ("spot", &["type", "position", "direction", "outer_cone_deg", "inner_cone_deg", "intensity", "color"]),
+    ("directional", &["type", "direction", "intensity", "color"]),
+];
+
+/// Refuses what would be passed over: a name that is spelt wrongly is a value that is not taken.
+fn check_members(shot: &Value) -> Result<(), String> {
+    let check = |value: &Value, what: &str, known: &[&str]| {
+        let members = value.as_object().into_iter().flatten();
+        match members.map(|(name, _)| name).find(|name| !known.contains(&name.as_str())) {
+            Some(name) => Err(format!("{what} has no {name:?}; there can be {}", known.join(", "))),
+            None => Ok(()),
+        }
+    };
+    check(shot, "it", SHOT)?;
+    check(&shot["camera"], "its camera", CAMERA)?;
+    for (i, light) in shot["lights"].as_array().into_iter().flatten().enumerate() {
+        let known = LIGHTS.iter().find(|(kind, _)| light["type"] == **kind);
+        check(light, &format!("light {i}"), known.map_or(&[], |(_, known)| known))?;
+    }
+    Ok(())
 }
 
 fn check(shot: &Shot) -> Result<(), String> {
@@ -60,15 +91,21 @@ fn check(shot: &Shot) -> Result<(), String> {
     if position == target {
         return Err("the camera's position and target are the same".into());
     }
+    if shot.camera.up.iter().all(|&x| x == 0.0) {
+        return Err("the camera's up has no direction".into());
+    }
     if !(*yfov_deg > 0.0 && *yfov_deg < 180.0) {
         return Err("yfov_deg must lie between 0 and 180".into());
     }
     for (i, light) in shot.lights.iter().enumerate() {
         let direction = match light {
             Light::Point { .. } => None,
-            Light::Spot { direction, outer_cone_deg, .. } => {
+            Light::Spot { direction, outer_cone_deg, inner_cone_deg, .. } => {
                 if !(*outer_cone_deg > 0.0 && *outer_cone_deg <= 90.0) {
                     return Err(format!("light {i}: outer_cone_deg is a half angle between 0 and 90"));
+                }
+                if inner_cone_deg.is_some_and(|inner| !(0.0..=*outer_cone_deg).contains(&inner)) {
+                    return Err(format!("light {i}: inner_cone_deg lies between 0 and outer_cone_deg"));
                 }
                 Some(direction)
             }
@@ -76,6 +113,17 @@ fn check(shot: &Shot) -> Result<(), String> {
         };
         if !light.is_usable() {
             return Err(format!("light {i} has a number that is not finite, or far too large"));
+        }
+        let (Light::Point { intensity, color, .. }
+        | Light::Spot { intensity, color, .. }
+        | Light::Directional { intensity, color, .. }) = light;
+        if *intensity < 0.0 {
+            return Err(format!("light {i} has a negative intensity"));
+        }
+        if !color.iter().all(|channel| (0.0..=1.0).contains(channel)) {
+            return Err(format!(
+                "light {i}: color is linear RGB, each from 0 to 1; how bright it is, intensity says"
+            ));
         }
         if direction.is_some_and(|d| d.iter().all(|&x| x == 0.0)) {
             return Err(format!("light {i} has no direction"));
@@ -89,7 +137,36 @@ mod tests {
     use super::*;
 
     fn parse(json: &str) -> Result<(), String> {
-        check(&serde_json::from_str(json).unwrap())
+        super::parse(json).map(drop)
+    }
+
+    #[test]
+    fn what_would_be_passed_over_is_refused_and_all_that_can_be_written_is_known() {
+        let shot = r#"{"scene":"a.glb","size":[9,9],"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,1,0],"yfov_deg":60},
+            "lights":[{"type":"point","position":[0,0,0],"intensity":1,"color":[1,1,1]},
+            {"type":"spot","position":[0,0,0],"direction":[0,0,1],"outer_cone_deg":40,"inner_cone_deg":30,"intensity":1,"color":[1,1,1]},
+            {"type":"directional","direction":[0,0,1],"intensity":1,"color":[1,1,1]}]}"#;
+        assert_eq!(parse(shot), Ok(()));
+        assert_eq!(parse(&format!("\u{feff}{shot}")), Ok(()));
+        // The lists are those of the types themselves.
+        let written = serde_json::to_value(super::parse(shot).unwrap()).unwrap();
+        let names = |value: &Value| value.as_object().unwrap().len();
+        assert_eq!((names(&written), names(&written["camera"])), (SHOT.len(), CAMERA.len()));
+        for (light, (kind, known)) in written["lights"].as_array().unwrap().iter().zip(LIGHTS) {
+            assert!(light["type"] == kind && names(light) == known.len(), "{light}");
+        }
+        for (right, wrong) in [
+            ("\"lights\"", "\"light\""),
+            ("\"yfov_deg\"", "\"fov\""),
+            ("\"color\"", "\"colour\""),
+            ("\"inner_cone_deg\"", "\"inner\""),
+        ] {
+            let said = parse(&shot.replacen(right, wrong, 1)).unwrap_err();
+            assert!(
+                said.contains(&format!("has no {wrong}")) && said.contains(right.trim_matches('"')),
+                "{said}"
+            );
+        }
     }
 
     #[test]
@@ -111,6 +188,26 @@ mod tests {
                     r#"{{{camera},"lights":[{{"type":"directional","direction":[0,0,0],"intensity":1}}]}}"#
                 ),
                 "direction",
+            ),
+            (
+                r#"{"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,0,0]}}"#.into(),
+                "up has no direction",
+            ),
+            (
+                format!(r#"{{{camera},"lights":[{{"type":"point","position":[0,0,0],"intensity":-1}}]}}"#),
+                "negative",
+            ),
+            (
+                format!(
+                    r#"{{{camera},"lights":[{{"type":"point","position":[0,0,0],"intensity":1,"color":[255,255,255]}}]}}"#
+                ),
+                "from 0 to 1",
+            ),
+            (
+                format!(
+                    r#"{{{camera},"lights":[{{"type":"spot","position":[0,0,0],"direction":[0,0,1],"inner_cone_deg":50,"outer_cone_deg":40,"intensity":1}}]}}"#
+                ),
+                "inner_cone_deg",
             ),
         ] {
             assert!(parse(&json).unwrap_err().contains(word), "{json}");

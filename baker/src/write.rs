@@ -7,12 +7,67 @@ use xxhash_rust::xxh32::xxh32;
 
 /// Why a file could not be written. What was at the path before is still there.
 #[derive(Debug, thiserror::Error)]
-#[error("{path}: {source}; the file is as it was before")]
-pub struct WriteError {
-    /// The file that was to be written.
-    pub path: PathBuf,
-    /// What the system said.
-    pub source: std::io::Error,
+pub enum WriteError {
+    /// The system did not let it.
+    #[error("{path}: {source}; the file is as it was before")]
+    Failed {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// There is something else than a file.
+    #[error("{0} is a folder or a device, not a file: give another name")]
+    NotAFile(PathBuf),
+    /// Its folder is missing.
+    #[error("there is no folder {folder} to write {name} to: make it, or give another one")]
+    NoFolder {
+        /// The folder.
+        folder: PathBuf,
+        /// The file's name in it.
+        name: String,
+    },
+    /// Nothing can be written to its folder.
+    #[error("nothing can be written to the folder {folder}: {source}")]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// The folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Whether a file can be written there, as far as can be said before: for before long work.
+///
+/// # Errors
+/// [`WriteError`]; nothing was touched.
+pub fn check_place(path: &Path) -> Result<(), WriteError> {
+    check_kind(path)?;
+    let folder = folder_of(path);
+    if !folder.is_dir() {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        return Err(WriteError::NoFolder { folder: folder.to_owned(), name });
+    }
+    let attempt = tempfile::Builder::new().prefix(&prefix(path)).tempfile_in(folder);
+    attempt.map(drop).map_err(|error| WriteError::Folder {
+        folder: folder.to_owned(),
+        // What it was to be called says nothing to anybody.
+        source: error.raw_os_error().map_or(error, std::io::Error::from_raw_os_error),
+    })
+}
+
+/// Nothing but a file is replaced: not the device that a path names, not a folder.
+fn check_kind(path: &Path) -> Result<(), WriteError> {
+    match path.metadata() {
+        Ok(found) if !found.is_file() => Err(WriteError::NotAFile(path.to_owned())),
+        _ if path.file_name().is_none() => Err(WriteError::NotAFile(path.to_owned())),
+        _ => Ok(()),
+    }
 }
 
 /// Writes `bytes` to a temporary file in the same folder, flushes it to the disk, renames it to `path` and flushes the
@@ -21,8 +76,9 @@ pub struct WriteError {
 /// # Errors
 /// [`WriteError`]; the temporary file is gone and `path` is untouched.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    check_kind(path)?;
     let attempt = || {
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = folder_of(path);
         let prefix = prefix(path);
         remove_stale(folder, &prefix);
         let mut file = tempfile::Builder::new().prefix(&prefix).tempfile_in(folder)?;
@@ -43,7 +99,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         let _ = File::open(folder).and_then(|folder| folder.sync_all());
         Ok(())
     };
-    attempt().map_err(|source| WriteError { path: path.to_owned(), source })
+    attempt().map_err(|source| WriteError::Failed { path: path.to_owned(), source })
 }
 
 /// What the temporary files of a path begin with.
@@ -81,6 +137,21 @@ mod tests {
         assert!(write_whole(folder.path(), b"x").is_err());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
+    #[test]
+    fn places_where_nothing_can_be_written_are_told_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.rbn");
+        assert!(check_place(&path).is_ok());
+        std::fs::write(&path, "old").unwrap();
+        assert!(check_place(&path).is_ok());
+        let refused = |path: &Path| check_place(path).unwrap_err().to_string();
+        assert!(refused(folder.path()).contains("not a file"));
+        assert!(refused(&folder.path().join("none/a.rbn")).contains("no folder"));
+        assert!(refused(Path::new("/")).contains("not a file"));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+    }
+
     #[test]
     fn what_a_killed_process_left_is_removed_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 //! is as it was.
 #![cfg(unix)]
 
-use program::{names, said};
+use program::{names, said, wait_for};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
@@ -45,10 +45,12 @@ fn fails(output: &Output, words: &[&str]) {
 fn a_disk_that_is_full_at_the_last_write_keeps_the_old_file_and_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("room.rbn");
-    // A folder in the file's place: all is done and kept, but the last write.
+    // A folder comes into the file's place: all is done and kept, but the last write.
+    let mut child = bake("builtin:cornell-box", &path, &[]).spawn().unwrap();
+    wait_for(&mut child, &path, 1);
     std::fs::create_dir_all(path.join("inside")).unwrap();
     fails(
-        &bake("builtin:cornell-box", &path, &[]).output().unwrap(),
+        &child.wait_with_output().unwrap(),
         &["the bake is done but not written", "room.rbn.partial has it for --resume"],
     );
     assert!(path.join("inside").is_dir());
@@ -91,12 +93,100 @@ fn a_folder_that_cannot_be_written_is_told_before_the_bake_begins() {
     let open_to_us = std::fs::write(closed.join("probe"), "").is_ok();
     let output = if open_to_us { Path::new("/proc/room.rbn").to_owned() } else { closed.join("room.rbn") };
     let began = Instant::now();
-    fails(&bake("builtin:cornell-box", &output, &[]).output().unwrap(), &["room.rbn.partial"]);
+    fails(
+        &bake("builtin:cornell-box", &output, &[]).output().unwrap(),
+        &["nothing can be written to the folder"],
+    );
     assert!(began.elapsed() < Duration::from_secs(10));
     assert_eq!(std::fs::read(closed.join("room.rbn")).unwrap(), b"the old one");
     let nowhere = folder.path().join("none/room.rbn");
-    fails(&bake("builtin:cornell-box", &nowhere, &[]).output().unwrap(), &["none/room.rbn"]);
+    fails(&bake("builtin:cornell-box", &nowhere, &[]).output().unwrap(), &["there is no folder", "none"]);
     std::fs::set_permissions(&closed, std::fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[test]
+fn results_replace_nothing_that_is_read_and_nothing_but_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let glb = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gltf/plain.glb")).unwrap();
+    // Whatever it is called, and by whatever way.
+    std::fs::write(at("scene.rbn"), &glb).unwrap();
+    std::fs::write(at("scene.glb"), &glb).unwrap();
+    std::os::unix::fs::symlink(at("scene.rbn"), at("link.rbn")).unwrap();
+    std::os::unix::fs::symlink("/dev/null", at("device.rbn")).unwrap();
+    std::fs::create_dir(at("folder.rbn")).unwrap();
+    std::fs::write(at("shot.json"), "{}").unwrap();
+    let before = names(folder.path());
+    let report = at("report.json");
+    let report = report.to_str().unwrap();
+    let shot = at("shot.json");
+    let shot = shot.to_str().unwrap();
+    for (scene, output, more, words) in [
+        ("scene.rbn", "scene.rbn", vec![], "scene.rbn is the scene and would be overwritten"),
+        ("scene.rbn", "link.rbn", vec![], "would be overwritten"),
+        ("scene.glb", "scene.glb", vec![], "ends in .rbn"),
+        ("scene.glb", "scene.png", vec![], "ends in .rbn"),
+        ("scene.glb", "-", vec![], "ends in .rbn"),
+        ("scene.glb", "device.rbn", vec![], "not a file"),
+        ("scene.glb", "folder.rbn", vec![], "not a file"),
+        ("scene.glb", "a.rbn", vec!["--report", "a.rbn"], "ends in .json"),
+        ("scene.glb", "a.rbn", vec!["--report", "/no/such/report.json"], "there is no folder /no/such"),
+        ("scene.glb", "a.rbn", vec!["--report", shot, "--shot", shot, "--target-error", "1"], "is the shot"),
+        ("scene.glb", "a.rbn", vec!["--shot", report], "--target-error"),
+        ("folder.rbn", "a.rbn", vec![], "folder.rbn"),
+    ] {
+        let output = bake(at(scene).to_str().unwrap(), &at(output), &more);
+        // One that is tried for has other arguments.
+        let mut command = rebounce(&["bake"]);
+        let kept = output.get_args().skip(1).filter(|arg| {
+            !more.contains(&"--target-error") || {
+                !["--functions", "200", "--levels", "3"].contains(&arg.to_str().unwrap())
+            }
+        });
+        command.args(kept);
+        fails(&command.output().unwrap(), &[words]);
+        assert_eq!(names(folder.path()), before, "{words}: nothing is left");
+        assert_eq!(std::fs::read(at("scene.rbn")).unwrap(), glb);
+    }
+    // What was baked is no scene.
+    let path = at("room.rbn");
+    assert!(bake("builtin:cornell-box", &path, &[]).status().unwrap().success());
+    fails(&bake(path.to_str().unwrap(), &at("a.rbn"), &[]).output().unwrap(), &["is a baked file"]);
+    let picture = at("none/out.exr");
+    fails(
+        &rebounce(&["reference", "builtin:cornell-box", "-o", picture.to_str().unwrap()]).output().unwrap(),
+        &["there is no folder"],
+    );
+}
+
+#[test]
+fn numbers_that_nothing_can_be_baked_with_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rbn");
+    for (argument, value) in [
+        ("--coarse-radius", "nan"),
+        ("--coarse-radius", "0"),
+        ("--coarse-radius", "1e-9"),
+        ("--coarse-radius", "1e9"),
+        ("--epsilon", "nan"),
+        ("--significance", "inf"),
+        ("--viewpoint", "1,nan,2"),
+        ("--bounces", "0"),
+        ("--coarse-overlap", "0"),
+        ("--fine-overlap", "100"),
+        ("--max-bytes", "none"),
+    ] {
+        let output = bake("builtin:cornell-box", &path, &[argument, value]).output().unwrap();
+        assert!(matches!(output.status.code(), Some(1 | 2)), "{argument} {value}: {}", said(&output));
+        assert!(said(&output).contains(argument), "{argument} {value}: {}", said(&output));
+        assert!(!path.exists());
+    }
+    for (argument, value) in [("--functions", "0"), ("--functions", "999999999999"), ("--rays", "0")] {
+        let scene = "builtin:cornell-box";
+        let output =
+            rebounce(&["bake", scene, "-o", path.to_str().unwrap(), argument, value]).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{argument} {value}: {}", said(&output));
+    }
 }
 
 #[test]

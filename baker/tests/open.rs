@@ -175,3 +175,27 @@ fn what_nobody_fits_in_is_an_object() {
     small.positions.iter_mut().for_each(|position| *position *= 0.05);
     assert!(baked(&small).1.is_open);
 }
+
+#[test]
+fn a_lamp_that_is_added_to_a_room_lights_it_and_is_not_beside_a_wall() {
+    for scale in [0.8, 1.0, 100.0] {
+        let mut scene = scene(&[vec![shell(inward)], furniture()].concat(), false);
+        scene.positions.iter_mut().for_each(|position| *position *= scale);
+        let (file, report) = baked(&scene);
+        assert!(!report.is_open && report.lamp_added && report.camera_added, "{scale}");
+        assert!(!report.is_unlit, "{scale}");
+        let lamp = file.meta.lights[0].position().unwrap();
+        assert!(lamp[0].abs() < 1.8 * scale as f64 && lamp[2].abs() < 1.8 * scale as f64, "{lamp:?}");
+    }
+}
+
+#[test]
+fn lights_that_reach_nothing_are_told() {
+    let mut scene = scene(&[vec![shell(inward)], furniture()].concat(), false);
+    let down = [0.0, -1.0, 0.0];
+    scene.lights = vec![Light::Directional { direction: down, intensity: 3.0, color: [1.0; 3] }];
+    let (_, report) = baked(&scene);
+    println!("{report}");
+    // One-sided walls let no light in; the sun is outside.
+    assert!(report.is_unlit && report.to_string().contains("none reaches"));
+}

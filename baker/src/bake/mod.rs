@@ -35,6 +35,7 @@ use crate::triangles::TriangleSurfaces;
 use crate::watch::{Stopped, Watch};
 use estimate::Estimate;
 use glam::{DVec3, Vec3};
+use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 use rebounce_shared::rbn::{self, RbnError};
@@ -179,11 +180,31 @@ fn run(
     report.viewpoints = vantage.viewpoints.iter().map(world).collect();
     report.is_open = vantage.is_open;
     report.lamp_added = scene.lights.is_empty();
+    report.camera_added = scene.cameras.is_empty();
     let bake = Transport { scene, surfaces: &surfaces, vantage: &vantage, observer, team };
     if let Some(settings) = sketch {
         bake.sketch(settings, &tracker.task(Stage::Sketch, None))?;
     }
     bake.run(settings, &tracker, checkpoint, report)
+}
+
+/// The scene's lights and cameras as its file will have them, world space: where it has none, what a bake adds.
+///
+/// # Errors
+/// [`BakeError::NoViewpoint`], [`BakeError::Empty`].
+pub fn lights_and_cameras(
+    scene: &Scene,
+    settings: &BakeSettings,
+) -> Result<(Vec<Light>, Vec<Camera>), BakeError> {
+    if !scene.lights.is_empty() && !scene.cameras.is_empty() {
+        return Ok((scene.lights.clone(), scene.cameras.clone()));
+    }
+    if scene.triangles.is_empty() {
+        return Err(BakeError::Empty);
+    }
+    let surfaces = TriangleSurfaces::simplified(scene);
+    let vantage = choose_vantage(scene, &surfaces, settings)?;
+    Ok(stand_in::lights_and_cameras(scene, &vantage, &surfaces))
 }
 
 /// Where points are placed from: the viewpoint given, or the scene's cameras that see something, or what is found.

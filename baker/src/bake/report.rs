@@ -34,6 +34,10 @@ pub struct BakeReport {
     pub is_open: bool,
     /// Whether the scene had no light, so that the file got one.
     pub lamp_added: bool,
+    /// Whether the scene had no camera, so that the file got one.
+    pub camera_added: bool,
+    /// Whether no light, as they are at first, reaches any surface that has functions.
+    pub is_unlit: bool,
     /// Levels of points, coarsest first.
     pub levels: Vec<LevelReport>,
     /// Basis functions on all levels.
@@ -198,6 +202,22 @@ impl fmt::Display for BakeReport {
         if self.lamp_added {
             let what = if self.is_open { "sun" } else { "lamp" };
             writeln!(f, "light         none in the scene; a {what} was added to the file")?;
+        }
+        if self.is_unlit {
+            writeln!(
+                f,
+                "light         none reaches a surface that is seen: the picture is black until they move"
+            )?;
+        }
+        if self.camera_added {
+            let place = match self.viewpoints.first() {
+                Some([x, y, z]) if !self.is_open => format!("in a room, found at {x:.2}, {y:.2}, {z:.2}"),
+                _ => "outside".to_owned(),
+            };
+            writeln!(
+                f,
+                "camera        none in the scene; one was added {place} (--viewpoint x,y,z: in the room there)"
+            )?;
         }
         let levels: Vec<String> = self.levels.iter().map(|l| l.functions.to_string()).collect();
         writeln!(f, "functions     {} on {} levels ({})", self.functions, levels.len(), levels.join(", "))?;

@@ -2,7 +2,9 @@
 
 use crate::points::vantage::Vantage;
 use crate::random::Stream;
+use crate::scene::Scene;
 use crate::surface::{Ray, Surfaces};
+use crate::triangles::TriangleSurfaces;
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
@@ -19,10 +21,33 @@ const UP: f32 = 0.75;
 /// The same where nothing is above, over the scene's diagonal.
 const UP_IN_OPEN: f32 = 0.1;
 
+/// How far to its sides a room's lamp wants to be free, over the scene's diagonal.
+const ASIDE: f32 = 0.1;
+
 /// Level views from each viewpoint, the rays of each, and how many must end on a material for it to be seen.
 const VIEWS: u32 = 8;
 const LOOKS: u64 = 128;
 const NOTICED: usize = 2;
+
+/// The scene's lights and cameras, or what takes their place, world space: never none.
+pub(super) fn lights_and_cameras(
+    scene: &Scene,
+    vantage: &Vantage,
+    surfaces: &TriangleSurfaces,
+) -> (Vec<Light>, Vec<Camera>) {
+    let (mut lights, mut cameras) = (scene.lights.clone(), scene.cameras.clone());
+    if lights.is_empty() || cameras.is_empty() {
+        let seat = Seat::new(vantage, surfaces);
+        if lights.is_empty() {
+            lights.push(seat.light(scene.origin, surfaces));
+        }
+        if cameras.is_empty() {
+            let (low, high) = scene.bounds();
+            cameras.push(seat.camera(scene.origin, low, high));
+        }
+    }
+    (lights, cameras)
+}
 
 /// Where an open scene is seen from and lit, or where in a room.
 pub(super) enum Seat {
@@ -77,7 +102,18 @@ impl Seat {
         let diagonal = (high - low).length();
         let up = Ray::blind(viewpoint, Vec3::Y);
         let above = surfaces.cast(&up, 0).map_or(UP_IN_OPEN * diagonal, |hit| UP * hit.distance);
-        let place = DVec3::from(origin) + (viewpoint + above * Vec3::Y).as_dvec3();
+        let mut local = viewpoint + above * Vec3::Y;
+        // Not beside a wall.
+        for axis in [Vec3::X, Vec3::Z] {
+            let free = |way: Vec3| {
+                surfaces
+                    .cast(&Ray::blind(local, way), 0)
+                    .map_or(ASIDE, |hit| hit.distance / diagonal)
+                    .min(ASIDE)
+            };
+            local += 0.5 * (free(axis) - free(-axis)) * diagonal * axis;
+        }
+        let place = DVec3::from(origin) + local.as_dvec3();
         // What is lit is about an eighth of the diagonal away.
         let distance = 0.125 * diagonal as f64;
         Light::Point {

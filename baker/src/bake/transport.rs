@@ -2,10 +2,11 @@
 
 use super::agree::agree;
 use super::assemble::assemble;
-use super::stand_in::Seat;
+use super::stand_in::lights_and_cameras;
 use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Preview, Stage};
 use crate::basis::{Relations, relate};
+use crate::light::direct::at_footprint;
 use crate::operator::bounces::{add_later_bounces, column_count};
 use crate::operator::journal::Journal;
 use crate::operator::refine::{Refiner, Senders, refine};
@@ -16,12 +17,15 @@ use crate::scene::Scene;
 use crate::team::Team;
 use crate::triangles::TriangleSurfaces;
 use crate::watch::{Uncounted, Watch};
+use glam::Vec3;
 use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 
 /// Points whose cuts and samples are kept together.
 const SHAPED: usize = 1 << 15;
+/// Levels whose points tell whether light reaches any.
+const LIT_LEVELS: usize = 4;
 /// Functions on the finest level of a sketch, its levels, and rays to each receiver.
 const SKETCH: (usize, usize, u32) = (3_000, 3, 512);
 
@@ -126,6 +130,7 @@ impl Transport<'_> {
         let task = tracker.task(Stage::Assemble, None);
         report.describe(&points, &operator, &settings);
         let file = self.file(&settings, &points, &relations, &operator)?;
+        report.is_unlit = !self.is_lit(&file);
         task.step(0)?;
         drop(task);
         report.seconds = tracker.seconds();
@@ -178,6 +183,14 @@ impl Transport<'_> {
         Ok(points)
     }
 
+    /// Whether a light reaches any of the points, looked at on the coarsest levels.
+    fn is_lit(&self, file: &rbn::Scene) -> bool {
+        let lights: Vec<_> = file.meta.lights.iter().map(|light| light.source(file.meta.origin)).collect();
+        let coarse: u32 = file.meta.levels.iter().take(LIT_LEVELS).map(|level| level.count).sum();
+        let mut points = file.points.iter().take(coarse as usize);
+        points.any(|point| at_footprint(self.surfaces, &lights, point) != Vec3::ZERO)
+    }
+
     /// The file's contents.
     fn file(
         &self,
@@ -189,18 +202,7 @@ impl Transport<'_> {
         if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
             return Err(BakeError::TooManyCuts);
         }
-        let Scene { origin, lights, cameras, .. } = self.scene;
-        let (mut lights, mut cameras) = (lights.clone(), cameras.clone());
-        if lights.is_empty() || cameras.is_empty() {
-            let seat = Seat::new(self.vantage, self.surfaces);
-            if lights.is_empty() {
-                lights.push(seat.light(*origin, self.surfaces));
-            }
-            if cameras.is_empty() {
-                let (low, high) = self.scene.bounds();
-                cameras.push(seat.camera(*origin, low, high));
-            }
-        }
+        let (lights, cameras) = lights_and_cameras(self.scene, self.vantage, self.surfaces);
         Ok(assemble(self.scene, settings, (cameras, lights), points, relations, operator))
     }
 }

@@ -1,6 +1,7 @@
 //! `rebounce compare`: how far a picture is from its reference.
 
-use super::picture::write_panel;
+use super::number;
+use super::picture::{check_panel, write_panel};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rebounce::picture::compare::{compare, signed_difference};
@@ -29,7 +30,7 @@ pub struct CompareArgs {
     #[arg(long)]
     json: bool,
     /// Fails above this error
-    #[arg(long)]
+    #[arg(long, value_parser = number::at_least_zero)]
     max_error: Option<f64>,
 }
 
@@ -38,6 +39,9 @@ const GAIN: f32 = 4.0;
 
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> Result<()> {
+    for out in [&args.difference, &args.panel].into_iter().flatten() {
+        check_panel(out)?;
+    }
     let (picture, reference) = (exr::read(&args.picture)?, exr::read(&args.reference)?);
     let second = args.second.as_deref().map(exr::read).transpose()?;
     let found = compare(&picture, &reference, second.as_ref())

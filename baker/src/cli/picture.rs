@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::{Only, Picture, check_name, png};
 use rebounce::shot;
-use rebounce::write::write_whole;
+use rebounce::write::{check_place, write_whole};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::shot::Shot;
@@ -62,6 +62,7 @@ impl PictureArgs {
     /// Checks what can be checked before the long work, and sets up the threads.
     pub fn prepare(&self) -> Result<Option<Shot>> {
         check_name(&self.output)?;
+        check_place(&self.output)?;
         if let Some(threads) = self.threads {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
@@ -103,12 +104,17 @@ pub fn shot_or_own(shot: Option<Shot>, spec: &str, cameras: &[Camera], lights: &
     Ok(Shot { scene: None, size: [640, 360], camera: camera.clone(), lights: lights.to_vec() })
 }
 
+/// Whether [`write_panel`] can write there.
+pub fn check_panel(out: &Path) -> Result<()> {
+    if out.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
+        anyhow::bail!("{}: such a picture is a PNG, its name must end in .png", out.display());
+    }
+    Ok(check_place(out)?)
+}
+
 /// Writes a PNG of pictures side by side: those of radiance with the first one's exposure, then those
 /// that are shown as they are.
 pub fn write_panel(out: &Path, radiance: Option<&[&Picture]>, as_they_are: &[&Picture]) -> Result<()> {
-    if out.extension().is_none_or(|e| e != "png") {
-        anyhow::bail!("{}: such a picture is a PNG, its name must end in .png", out.display());
-    }
     let radiance = radiance.unwrap_or_default();
     let exposure = radiance.first().map_or(1.0, |first| png::automatic_exposure(first));
     let developed: Vec<Picture> = radiance.iter().map(|p| png::developed(p, exposure)).collect();

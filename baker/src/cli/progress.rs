@@ -29,6 +29,9 @@ pub enum Display {
 pub struct Last {
     part: Option<(Stage, Option<usize>)>,
     at: Option<Instant>,
+    /// Since the bake began.
+    seconds: f64,
+    fraction: f64,
 }
 
 impl Last {
@@ -40,6 +43,13 @@ impl Last {
             (self.part, self.at) = (part, Some(Instant::now()));
         }
         is_due
+    }
+
+    /// How much is done: never less than what was shown of this bake, though more work may have been found.
+    fn fraction(&mut self, progress: &Progress) -> f64 {
+        let shown = if progress.seconds < self.seconds { 0.0 } else { self.fraction };
+        (self.seconds, self.fraction) = (progress.seconds, progress.fraction().max(shown));
+        self.fraction
     }
 }
 
@@ -122,7 +132,7 @@ impl Display {
                         seconds_left: progress.seconds_left,
                         processor_seconds: progress.processor_seconds,
                         processor_seconds_left: progress.processor_seconds_left,
-                        fraction: progress.fraction(),
+                        fraction: last.fraction(progress),
                     });
                 }
             }
@@ -214,5 +224,11 @@ mod tests {
         assert!(last.is_due(&progress, Duration::ZERO));
         progress.level = Some(2);
         assert!(last.is_due(&progress, long));
+        // Half is done; then more is left than was thought; then another bake begins.
+        assert_eq!(last.fraction(&progress), 0.5);
+        (progress.seconds, progress.seconds_left) = (2.0, 8.0);
+        assert_eq!(last.fraction(&progress), 0.5);
+        progress.seconds = 0.0;
+        assert_eq!(last.fraction(&progress), 0.0);
     }
 }

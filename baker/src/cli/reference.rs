@@ -3,6 +3,7 @@
 use super::picture::{PictureArgs, Rows, shot_or_own};
 use anyhow::Result;
 use clap::Args;
+use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
 use rebounce::path_trace::{Settings, path_trace};
 use rebounce::scene;
 use rebounce::triangles::TriangleSurfaces;
@@ -27,7 +28,18 @@ pub struct ReferenceArgs {
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let shot = args.picture.prepare()?;
     let scene = scene::load(&args.scene)?;
-    let shot = shot_or_own(shot, &args.scene, &scene.cameras, &scene.lights)?;
+    let shot = match shot {
+        Some(shot) => shot,
+        None => {
+            if scene.cameras.is_empty() || scene.lights.is_empty() {
+                eprintln!(
+                    "note: the scene has no camera or no light; it is seen as a bake without --viewpoint shows it"
+                );
+            }
+            let (lights, cameras) = lights_and_cameras(&scene, &BakeSettings::new(Preset::Standard))?;
+            shot_or_own(None, &args.scene, &cameras, &lights)?
+        }
+    };
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let exposure = args.picture.exposure(&shot, args.spp);
     let settings = Settings { only: args.picture.only(), bounces: args.bounces };

@@ -132,7 +132,8 @@ mod tests {
                 row.len() == 1 && row[0].1 == 6.0 * a && expected.iter().any(|e| e.0 == row[0].0),
                 "{row:?}"
             );
-            (two.clear(), one.clear());
+            two.clear();
+            one.clear();
             two.each(|sender, _| panic!("{sender} is left"));
             one.each(|sender, _| panic!("{sender} is left"));
         }

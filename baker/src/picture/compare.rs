@@ -27,6 +27,9 @@ pub enum CompareError {
     /// A pixel of a picture or a reference is not finite.
     #[error("{0} pixels of the pictures are not finite")]
     NotFinite(usize),
+    /// Noise that is the same in both does not cancel.
+    #[error("both references are the same picture: take the second one with another --seed, or leave it out")]
+    SameReferences,
     /// Nothing could be far from it.
     #[error("the reference is black: take it of a place with light")]
     Black,
@@ -42,6 +45,9 @@ pub fn compare(
     reference: &Picture,
     second: Option<&Picture>,
 ) -> Result<Comparison, CompareError> {
+    if second == Some(reference) {
+        return Err(CompareError::SameReferences);
+    }
     let second = second.unwrap_or(reference);
     for other in [reference, second] {
         if (picture.width, picture.height) != (other.width, other.height) {

@@ -57,8 +57,15 @@ pub enum PlaceError {
     )]
     NothingSeen(f32, f32, f32),
     /// More points than a file can hold.
-    #[error("over {MAX_POINTS} basis functions: bake with fewer --levels or a larger --coarse-radius")]
+    #[error(
+        "over {MAX_POINTS} basis functions: bake with fewer --functions, fewer --levels or a larger --coarse-radius"
+    )]
     TooMany,
+    /// Level 0 could have no two points.
+    #[error(
+        "a --coarse-radius of {0} is none for a scene that is {1} across: give one between, or --functions"
+    )]
+    Radius(f32, f32),
     /// Somebody asked for it.
     #[error(transparent)]
     Stopped(#[from] Stopped),
@@ -133,7 +140,10 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
             let first = vantage.viewpoints.first().copied().unwrap_or_default();
             return Err(PlaceError::NothingSeen(first.x, first.y, first.z));
         }
-        let coarse_radius = settings.coarse_radius.unwrap_or_else(|| coarse_radius_for(&pool, settings));
+        let coarse_radius = match settings.coarse_radius {
+            Some(radius) => check_radius(radius, surfaces.bounds(), &pool, settings)?,
+            None => coarse_radius_for(&pool, settings),
+        };
         Ok(Self { surfaces, settings, source, pool, coarse_radius, points: Points::default() })
     }
 
@@ -257,6 +267,27 @@ fn coarse_radius_for(pool: &[SurfacePoint], settings: &PlaceSettings) -> f32 {
     radius_for(pool, count.max(1.0) as usize) * (1u32 << counted) as f32
 }
 
+/// A radius of level 0 that was given: smaller than the scene, and so large that its functions can be held.
+fn check_radius(
+    radius: f32,
+    (low, high): (Vec3, Vec3),
+    pool: &[SurfacePoint],
+    settings: &PlaceSettings,
+) -> Result<f32, PlaceError> {
+    let diagonal = (high - low).length();
+    if !(radius > 0.0 && radius < diagonal) {
+        return Err(PlaceError::Radius(radius, diagonal));
+    }
+    // As many times more functions as their disks are smaller.
+    let few = PlaceSettings { functions: FEW, ..settings.clone() };
+    let times = (coarse_radius_for(pool, &few) as f64 / radius as f64).powi(2);
+    // What is expected is about right: it is left to placing where it is near.
+    if FEW as f64 * times > 4.0 * MAX_POINTS as f64 { Err(PlaceError::TooMany) } else { Ok(radius) }
+}
+
+/// Functions by which the number of others is told.
+const FEW: usize = 10_000;
+
 /// The disk radius at which throwing these candidates leaves about `count` points.
 fn radius_for(pool: &[SurfacePoint], count: usize) -> f32 {
     let (low, high) = pool
@@ -277,6 +308,10 @@ fn radius_for(pool: &[SurfacePoint], count: usize) -> f32 {
     };
     // Bisection of the radius on a logarithmic scale: the count falls as the radius grows.
     let (mut small, mut large) = (diagonal * 1e-3, diagonal);
+    // Where something small lies far away from all else, disks are smaller still.
+    while thrown(small) < count.min(pool.len() / 4) && small > diagonal * 1e-7 {
+        (small, large) = (small * 1e-2, small);
+    }
     for _ in 0..12 {
         let middle = (small * large).sqrt();
         if thrown(middle) > count { small = middle } else { large = middle }

@@ -29,6 +29,12 @@ pub enum SceneError {
         /// What was found instead.
         problem: String,
     },
+    /// The file is what a bake made.
+    #[error("{file} is a baked file, not a scene: give the .glb or .gltf that it was baked from")]
+    Baked {
+        /// The file.
+        file: String,
+    },
     /// The file breaks a rule of glTF.
     #[error("{file}: {problem}; the file is damaged or was written wrongly: export it again")]
     Malformed {

@@ -4,12 +4,14 @@
 //! * [`builtin`] – the generated scenes;
 //! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal;
 //! * [`model`] – what stands in a scene many times;
-//! * `colours` – colours of vertices.
+//! * `colours` – colours of vertices;
+//! * [`far`] – what lies far away from the rest.
 
 mod basis;
 pub mod builtin;
 mod colours;
 mod error;
+pub mod far;
 mod gltf;
 pub mod model;
 pub mod texture;

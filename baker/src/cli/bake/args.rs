@@ -1,11 +1,20 @@
 //! The arguments of `rebounce bake`.
 
-use anyhow::Result;
+use crate::cli::number;
+use anyhow::{Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use rebounce::bake::{BakeSettings, Preset, budget};
+use rebounce::write::check_place;
+use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::rbn::MAX_LEVELS;
-use std::path::PathBuf;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+/// Rays per receiver at most: more than a second each.
+const MOST_RAYS: i64 = 1 << 20;
+/// Support over disk radius: under 1 there are gaps between functions, beyond 4 hundreds of them meet.
+const OVERLAPS: RangeInclusive<f32> = 1.0..=4.0;
 
 const AFTER_HELP: &str = "\
 A bake keeps what it has done in FILE.rbn.partial beside its output. When it was stopped or killed, the same command with \
@@ -41,20 +50,21 @@ pub struct BakeArgs {
     preset: PresetName,
     /// Bakes ever finer until the bounced light is within this error of a path tracer, as in 0.1, in the view of --shot or
     /// the scene's own camera and lights; without either takes the coarsest preset that is made for it
-    #[arg(long, value_name = "ERROR", value_parser = parse_error, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
+    #[arg(long, value_name = "ERROR", value_parser = number::over_zero, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
     pub(super) target_error: Option<f64>,
     /// The camera and lights that --target-error is measured with (docs/SHOT.md); the scene's own when absent
     #[arg(long, value_name = "SHOT.json", requires = "target_error")]
     pub(super) shot: Option<PathBuf>,
     /// Most bytes of the file, as in 8M: fewer functions, then fewer links
-    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    #[arg(long, value_name = "BYTES", value_parser = number::bytes)]
     pub(super) max_bytes: Option<u64>,
     /// Most bytes of memory, about, as in 2G: fewer functions
-    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    #[arg(long, value_name = "BYTES", value_parser = number::bytes)]
     pub(super) max_memory: Option<u64>,
-    /// A place that the scene is looked at from, in its units: within a room. The scene's cameras when absent; without
-    /// any it is found
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    /// A place within the room that matters, in the scene's units: what is seen from there, and what lights that, gets
+    /// functions. The scene's cameras when absent; without any it is found. A camera or lamp that is added to a scene
+    /// without goes there, too
+    #[arg(long, value_name = "X,Y,Z", value_parser = number::place, allow_hyphen_values = true)]
     viewpoint: Option<[f64; 3]>,
     /// Levels of receivers
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_LEVELS as u64))]
@@ -65,32 +75,32 @@ pub struct BakeArgs {
     /// Levels at whose points direct light is sampled
     #[arg(long)]
     direct_levels: Option<usize>,
-    /// About how many functions the finest level has
-    #[arg(long)]
+    /// About how many functions the finest level has, as in 25K
+    #[arg(long, value_parser = |text: &str| number::count(text, MAX_POINTS))]
     functions: Option<usize>,
     /// Poisson-disk radius of the coarsest level, scene units; overrides --functions
-    #[arg(long)]
+    #[arg(long, value_parser = number::over_zero_single)]
     coarse_radius: Option<f32>,
     /// Links weaker than this share of what the scene's surfaces reflect are given to a neighbour
-    #[arg(long)]
+    #[arg(long, value_parser = number::at_least_zero_single)]
     epsilon: Option<f32>,
     /// Links under this many standard deviations of their noise are given to a neighbour
-    #[arg(long)]
+    #[arg(long, value_parser = number::at_least_zero_single)]
     significance: Option<f32>,
     /// Rays per receiver, coarsest level first; the last number holds for finer levels
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=MOST_RAYS))]
     rays: Option<Vec<u32>>,
     /// Bounces of light; all that matter when absent
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) bounces: Option<u32>,
     /// Levels that light is gathered on to bounce again, the coarsest ones
     #[arg(long)]
     later_levels: Option<usize>,
     /// Support over disk radius, coarsest level
-    #[arg(long)]
+    #[arg(long, value_parser = |text: &str| number::within(text, OVERLAPS))]
     coarse_overlap: Option<f32>,
     /// Support over disk radius, finest level
-    #[arg(long)]
+    #[arg(long, value_parser = |text: &str| number::within(text, OVERLAPS))]
     fine_overlap: Option<f32>,
     /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
@@ -122,36 +132,50 @@ enum PresetName {
     Fine,
 }
 
-fn parse_point(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|part| part.trim().parse::<f64>().map_err(|e| e.to_string()))
-        .collect::<Result<_, _>>()?;
-    numbers.try_into().map_err(|_| "three numbers are needed, as in 0,1.5,-2".to_owned())
+/// Whether two names are of one file.
+fn is_same(a: &Path, b: &Path) -> bool {
+    a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
-/// An error that a bake can be within.
-fn parse_error(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(error) if error.is_finite() && error > 0.0 => Ok(error),
-        _ => Err("a number over 0 is needed, as in 0.08".to_owned()),
+/// Whether a file can be written there, under a name with this ending.
+fn check_output(path: &Path, ending: &str, what: &str) -> Result<()> {
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
+        bail!("{}: {what} is a .{ending} file: give a name that ends in .{ending}", path.display());
     }
-}
-
-/// A number with K, M or G behind it: thousands, millions, milliards.
-fn parse_bytes(text: &str) -> Result<u64, String> {
-    let (digits, unit) = match text.trim().to_ascii_uppercase().trim_end_matches('B') {
-        text if text.ends_with('K') => (text.trim_end_matches('K').to_owned(), 1e3),
-        text if text.ends_with('M') => (text.trim_end_matches('M').to_owned(), 1e6),
-        text if text.ends_with('G') => (text.trim_end_matches('G').to_owned(), 1e9),
-        text => (text.to_owned(), 1.0),
-    };
-    let number: f64 = digits.trim().parse().map_err(|_| "a number of bytes is needed, as in 8M or 2.5G")?;
-    let bytes = number * unit;
-    if bytes.is_finite() && bytes >= 1.0 { Ok(bytes as u64) } else { Err("more than that".to_owned()) }
+    Ok(check_place(path)?)
 }
 
 impl BakeArgs {
+    /// Checks what can be checked before long work: where the results go, and that they replace nothing that is read.
+    ///
+    /// # Errors
+    /// What cannot be, in words.
+    pub(super) fn check(&self) -> Result<()> {
+        ensure!(
+            self.shot.is_none() || self.target_error.is_some(),
+            "--shot says where --target-error is measured: give that, too"
+        );
+        let output = self.output();
+        check_output(&output, "rbn", "what is baked")?;
+        if let Some(report) = &self.report {
+            check_output(report, "json", "the report")?;
+        }
+        let read = [
+            Some((Path::new(&self.scene), "the scene")),
+            self.shot.as_deref().map(|shot| (shot, "the shot")),
+        ];
+        for written in [Some(&output), self.report.as_ref()].into_iter().flatten() {
+            for (path, what) in read.into_iter().flatten() {
+                ensure!(
+                    !is_same(path, written),
+                    "{} is {what} and would be overwritten: give another name",
+                    written.display()
+                );
+            }
+        }
+        Ok(())
+    }
+
     /// The preset that is asked for, or made for the error.
     pub(super) fn preset(&self) -> Result<Preset> {
         Ok(match (self.target_error, self.preset) {

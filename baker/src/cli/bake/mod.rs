@@ -46,7 +46,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
             return follow(args, &scene::load(&args.scene)?, team);
         }
         // Until here, and while this loads, signals end the process at once.
-        let loaded = scene::load(&args.scene).map_err(anyhow::Error::from);
+        let loaded = args.check().and_then(|()| Ok(scene::load(&args.scene)?));
         let done = loaded.and_then(|scene| lead(args, &scene, team));
         if let Some(error) = done.as_ref().err().filter(|_| args.json_progress) {
             Unfinished::Failed { error: plain(&crate::sentence(error)).into_owned() }.print();
@@ -71,6 +71,14 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let output = args.output();
     for problem in &scene.left_out {
         eprintln!("warning: left out: {}", plain(problem));
+    }
+    if let Some(far) = scene::far::far_away(scene) {
+        eprintln!("warning: {}", plain(&far));
+    }
+    if scene.lights.is_empty() && scene.materials.iter().any(|material| material.emission != [0.0; 3]) {
+        eprintln!(
+            "note: the scene has no lights; surfaces that shine by themselves are shown, but light nothing: add point, spot or sun lights"
+        );
     }
     let shot = match args.target_error {
         Some(_) => shot_for(args.shot.as_deref(), &args.scene, scene)?,

@@ -81,6 +81,10 @@ impl Tries<'_> {
             // Each bake that is better than those before is written: what follows may fail.
             if self.aim.as_ref().is_none_or(Aim::is_best) {
                 self.write(&baked, report, &checkpoint)?;
+                if let Err(error) = self.write_report() {
+                    checkpoint.remove();
+                    return Err(error);
+                }
             }
             match outcome {
                 Outcome::Met => break,
@@ -132,7 +136,7 @@ impl Tries<'_> {
         Ok(outcome)
     }
 
-    /// Writes the file and its report. The end waits from then on.
+    /// Writes the file. The end waits from then on.
     fn write(&mut self, baked: &rbn::Scene, mut report: BakeReport, checkpoint: &Checkpoint) -> Result<()> {
         let bytes = baked.to_bytes().with_context(|| self.args.scene.clone())?;
         self.watcher.stop.hold();
@@ -142,10 +146,14 @@ impl Tries<'_> {
         })?;
         self.watcher.end_previews();
         report.add_file(&container::read(&bytes)?, bytes.len() as u64);
-        if let Some(path) = &self.args.report {
-            write_whole(path, &serde_json::to_vec_pretty(&report)?)?;
-        }
         self.written = Some(report);
         Ok(())
+    }
+
+    /// Writes the report of the file that is written.
+    fn write_report(&self) -> Result<()> {
+        let (Some(path), Some(report)) = (&self.args.report, &self.written) else { return Ok(()) };
+        let write = || -> Result<()> { Ok(write_whole(path, &serde_json::to_vec_pretty(report)?)?) };
+        write().with_context(|| format!("{} is written, its report is not", self.output.display()))
     }
 }

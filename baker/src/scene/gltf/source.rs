@@ -4,6 +4,7 @@ use super::container::{base64_decoded, percent_decoded, split_glb};
 use super::meshopt;
 use super::schema::Root;
 use crate::scene::SceneError;
+use rebounce_shared::rbn::container::MAGIC;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -31,6 +32,9 @@ impl Source {
     /// The same from bytes; files that it names are looked for in `dir`.
     pub fn parse(file: String, dir: PathBuf, bytes: &[u8]) -> Result<Self, SceneError> {
         let not_gltf = |problem: String| SceneError::NotGltf { file: file.clone(), problem };
+        if bytes.starts_with(&MAGIC) {
+            return Err(SceneError::Baked { file });
+        }
         let (json, chunk) = if bytes.starts_with(b"glTF") {
             split_glb(bytes).map_err(not_gltf)?
         } else {

@@ -1,0 +1,143 @@
+//! Numbers of arguments, which must be such that something can be made with them.
+
+use std::ops::RangeInclusive;
+
+/// A finite number, of which `is_fine` is true.
+fn number(text: &str, wanted: &str, is_fine: impl Fn(f64) -> bool) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() && is_fine(number) => Ok(number),
+        _ => Err(format!("{wanted} is needed")),
+    }
+}
+
+/// A number over 0, as in 0.08.
+///
+/// # Errors
+/// What is needed.
+pub fn over_zero(text: &str) -> Result<f64, String> {
+    number(text, "a number over 0, as in 0.08,", |number| number > 0.0)
+}
+
+/// 0 or more.
+///
+/// # Errors
+/// What is needed.
+pub fn at_least_zero(text: &str) -> Result<f64, String> {
+    number(text, "a number, 0 or more,", |number| number >= 0.0)
+}
+
+/// The same in single precision, which keeps it over 0.
+///
+/// # Errors
+/// What is needed.
+pub fn over_zero_single(text: &str) -> Result<f32, String> {
+    let single = over_zero(text)? as f32;
+    if single.is_normal() {
+        Ok(single)
+    } else {
+        Err("a number that is neither tiny nor huge is needed".to_owned())
+    }
+}
+
+/// 0 or more, in single precision.
+///
+/// # Errors
+/// What is needed.
+pub fn at_least_zero_single(text: &str) -> Result<f32, String> {
+    let single = at_least_zero(text)? as f32;
+    if single.is_finite() { Ok(single) } else { Err("a smaller number is needed".to_owned()) }
+}
+
+/// Between two numbers.
+///
+/// # Errors
+/// What is needed.
+pub fn within(text: &str, range: RangeInclusive<f32>) -> Result<f32, String> {
+    let wanted = format!("a number from {} to {}", range.start(), range.end());
+    Ok(number(text, &wanted, |number| range.contains(&(number as f32)))? as f32)
+}
+
+/// Three numbers of a place, as in `0,1.5,-2`.
+///
+/// # Errors
+/// What is needed.
+pub fn place(text: &str) -> Result<[f64; 3], String> {
+    let wanted = "three numbers, as in 0,1.5,-2,";
+    let numbers: Vec<f64> =
+        text.split(',').map(|part| number(part, wanted, |x| x.abs() < 1e15)).collect::<Result<_, _>>()?;
+    numbers.try_into().map_err(|_| format!("{wanted} is needed"))
+}
+
+/// A number of bytes, of which K, M and G behind it make thousands, millions and milliards; KiB, MiB and GiB are 1024 times
+/// each other.
+///
+/// # Errors
+/// What is needed.
+pub fn bytes(text: &str) -> Result<u64, String> {
+    match with_unit(text.trim().trim_end_matches(['b', 'B'])) {
+        Some(bytes) if bytes >= 1.0 && bytes < u64::MAX as f64 => Ok(bytes as u64),
+        _ => Err("a number of bytes is needed, as in 8M or 2.5G".to_owned()),
+    }
+}
+
+/// How many, as in 25000, 25K or 1e4.
+///
+/// # Errors
+/// What is needed.
+pub fn count(text: &str, most: usize) -> Result<usize, String> {
+    match with_unit(text.trim()) {
+        Some(count) if count.fract() == 0.0 && (1.0..=most as f64).contains(&count) => Ok(count as usize),
+        _ => Err(format!("a whole number from 1 to {most} is needed, as in 25000 or 25K")),
+    }
+}
+
+/// A number with K, M or G behind it, or Ki, Mi or Gi.
+fn with_unit(text: &str) -> Option<f64> {
+    let (text, base) = match text.strip_suffix(['i', 'I']) {
+        Some(text) => (text, 1024.0f64),
+        None => (text, 1000.0),
+    };
+    let power = match text.chars().next_back()?.to_ascii_uppercase() {
+        'K' => 1,
+        'M' => 2,
+        'G' => 3,
+        _ if base == 1024.0 => return None,
+        _ => 0,
+    };
+    let digits = if power > 0 { &text[..text.len() - 1] } else { text };
+    digits
+        .trim()
+        .parse::<f64>()
+        .ok()
+        .filter(|number| number.is_finite())
+        .map(|number| number * base.powi(power))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_nothing_can_be_made_with_are_refused() {
+        for text in ["nan", "inf", "-1", "", "x", "1e400"] {
+            assert!(over_zero(text).is_err() && at_least_zero(text).is_err(), "{text}");
+            assert!(over_zero_single(text).is_err() && within(text, 0.5..=4.0).is_err(), "{text}");
+            assert!(bytes(text).is_err() && count(text, 100).is_err(), "{text}");
+            assert!(place(&format!("0,{text},1")).is_err() || text == "-1", "{text}");
+        }
+        assert!(over_zero("0").is_err() && at_least_zero("0") == Ok(0.0));
+        assert!(over_zero_single("1e-60").is_err() && over_zero_single("1e60").is_err());
+        assert!(place("1,2").is_err() && place("1,2,3,4").is_err() && place("1,2,1e300").is_err());
+        assert_eq!(place("0, 1.5,-2"), Ok([0.0, 1.5, -2.0]));
+        assert_eq!(within("1.5", 1.0..=4.0), Ok(1.5));
+    }
+
+    #[test]
+    fn units_are_thousands_or_1024s() {
+        let found = ["8M", "2.5g", "8MB", "8MiB", "1 KiB", "12"].map(|text| bytes(text).unwrap());
+        assert_eq!(found, [8_000_000, 2_500_000_000, 8_000_000, 8 << 20, 1024, 12]);
+        assert!(bytes("8i").is_err() && bytes("0.5").is_err() && bytes("M").is_err());
+        assert_eq!(["25K", "1e4", "7"].map(|text| count(text, 1 << 20).unwrap()), [25_000, 10_000, 7]);
+        assert!(count("0", 9).is_err() && count("10", 9).is_err() && count("1.5", 9).is_err());
+    }
+}
