@@ -57,7 +57,7 @@ pub fn check_place(path: &Path) -> Result<(), WriteError> {
     attempt.map(drop).map_err(|error| WriteError::Folder {
         folder: folder.to_owned(),
         // What it was to be called says nothing to anybody.
-        source: error.raw_os_error().map_or(error, std::io::Error::from_raw_os_error),
+        source: error.kind().into(),
     })
 }
 
