@@ -141,5 +141,5 @@ fn an_error_is_said_once_and_ends_all() {
     let path = folder.path().join("none/room.rbn");
     let ended = team(3, 1, &path, &[]).output().unwrap();
     assert!(!ended.status.success());
-    assert_eq!(said(&ended).matches("No such file or directory").count(), 1, "{}", said(&ended));
+    assert_eq!(said(&ended).matches("there is no folder").count(), 1, "{}", said(&ended));
 }
