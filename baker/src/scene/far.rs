@@ -1,6 +1,6 @@
 //! What lies far away from all the rest of a scene, most likely by mistake.
 
-use super::{Scene, bounds_of, union};
+use super::{Scene, bounds_of};
 use glam::{DVec3, Vec3};
 
 /// Surfaces that are looked at; of more, one in so many.
@@ -42,10 +42,8 @@ pub fn far_away(scene: &Scene) -> Option<String> {
         return None;
     }
     let centre = 0.5 * (low + high);
-    let away = |bounds: (Vec3, Vec3)| {
-        let (low, high) = union(bounds, bounds);
-        (low - centre).length_squared().max((high - centre).length_squared())
-    };
+    let away =
+        |(low, high): (Vec3, Vec3)| (low - centre).length_squared().max((high - centre).length_squared());
     let parts = triangles().map(|(corners, material)| (box_of(corners), *material)).chain(copies());
     let (bounds, material) = parts.max_by(|a, b| away(a.0).total_cmp(&away(b.0)))?;
     let [x, y, z] = (DVec3::from(scene.origin) + middle(bounds).as_dvec3()).to_array();
@@ -59,7 +57,7 @@ pub fn far_away(scene: &Scene) -> Option<String> {
     ))
 }
 
-/// The box around places but for the few percent of their weight that lie at its ends.
+/// The box around places but for the few thousandths of their weight that lie at its ends.
 fn without_ends(mut places: Vec<(Vec3, f64)>) -> Option<(Vec3, Vec3)> {
     let total: f64 = places.iter().map(|place| place.1).sum();
     let (mut low, mut high) = (*places.first()?, *places.first()?);
