@@ -266,7 +266,7 @@ fn bounces(room: &Room) -> u64 {
         tints: room.baked.tints.clone(),
         ..Operator::default()
     };
-    let entries: usize = operator.coarse.iter().map(Vec::len).sum();
+    let entries: usize = operator.coarse_count();
     // Nobody stops it, and a team of one garbles nothing.
     let done = add_later_bounces(&mut operator, &room.operator, &(), &(), &());
     assert!(done.is_ok() && operator.later_count() > 0, "no later bounces");

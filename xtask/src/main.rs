@@ -58,9 +58,10 @@ cargo xtask soak [--minutes N]
                      moves lights and camera in headless Chromium and watches memory; an hour when absent
 cargo xtask kill-bake [--times N] [--each] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
-cargo xtask plot-estimate [[--preset NAME] SCENE or LOG.jsonl ...]
+cargo xtask plot-estimate [--record] [[--preset NAME] SCENE or LOG.jsonl ...]
                      bakes, and draws into docs/estimate.svg how right the time left was; a log of
-                     `rebounce bake --json-progress` is read instead. Ten bakes when nothing is named
+                     `rebounce bake --json-progress` is read instead. Ten bakes when nothing is named.
+                     --record: writes the courses that the estimate's tests replay
 cargo xtask install  installs what the others need, and says what";
 
 fn main() -> ExitCode {

@@ -2,6 +2,8 @@
 //!
 //! In seconds of the processors, of one thread: what else the machine does is no fault of the estimate.
 
+mod record;
+
 use crate::fidelity::given;
 use crate::process;
 use anyhow::{Context, Result, bail};
@@ -28,8 +30,24 @@ const GIVEN: [(&str, &str); 7] = [
 #[derive(Debug, Deserialize)]
 struct Line {
     stage: String,
+    level: Option<usize>,
+    total: u64,
     processor_seconds: f64,
     processor_seconds_left: f64,
+}
+
+/// The lines of a bake that was done.
+///
+/// # Errors
+/// If it is something else.
+fn lines(log: &Path) -> Result<Vec<Line>> {
+    let text = std::fs::read_to_string(log).with_context(|| log.display().to_string())?;
+    let lines = text.lines().map(serde_json::from_str).collect::<Result<Vec<Line>, _>>();
+    let lines = lines.with_context(|| log.display().to_string())?;
+    if lines.last().is_none_or(|last| last.stage != "done") {
+        bail!("{} is not the log of a bake that was done", log.display());
+    }
+    Ok(lines)
 }
 
 /// One bake: shares of its time that were over, and what was then estimated to be left over what was.
@@ -61,17 +79,21 @@ struct Wanted {
     preset: String,
 }
 
-fn parse(args: &[String]) -> Result<Vec<Wanted>> {
-    let (mut wanted, mut preset) = (Vec::new(), "standard".to_owned());
+/// What to bake, and whether what is baked shall be recorded for the tests.
+fn parse(args: &[String]) -> Result<(Vec<Wanted>, bool)> {
+    let (mut wanted, mut preset, mut records) = (Vec::new(), "standard".to_owned(), false);
     let mut args = args.iter();
     while let Some(arg) = args.next() {
         match arg.as_str() {
             "--preset" => preset = args.next().context("--preset needs a value")?.clone(),
-            option if option.starts_with('-') => bail!("there is no option {option}; there is --preset"),
+            "--record" => records = true,
+            option if option.starts_with('-') => {
+                bail!("there is no option {option}; there are --preset and --record")
+            }
             scene => wanted.push(Wanted { scene: scene.to_owned(), preset: preset.clone() }),
         }
     }
-    Ok(wanted)
+    Ok((wanted, records))
 }
 
 /// Bakes scenes, or reads logs of bakes, draws docs/estimate.svg and prints a table.
@@ -79,7 +101,7 @@ fn parse(args: &[String]) -> Result<Vec<Wanted>> {
 /// # Errors
 /// If a step fails.
 pub fn run(args: &[String]) -> Result<()> {
-    let mut wanted = parse(args)?;
+    let (mut wanted, records) = parse(args)?;
     if wanted.is_empty() {
         let of = |scene: String, preset: &str| Wanted { scene, preset: preset.to_owned() };
         wanted.extend(SCENES.iter().map(|(scene, preset)| of((*scene).to_owned(), preset)));
@@ -87,19 +109,20 @@ pub fn run(args: &[String]) -> Result<()> {
             GIVEN.map(|(scene, preset)| of(folder.join(scene).display().to_string(), preset))
         }));
     }
-    let mut courses = Vec::new();
+    let mut logs = Vec::new();
     for wanted in &wanted {
         let is_log = wanted.scene.ends_with(".jsonl");
-        courses.push(read(&if is_log { PathBuf::from(&wanted.scene) } else { bake(wanted)? })?);
+        logs.push(if is_log { PathBuf::from(&wanted.scene) } else { bake(wanted)? });
     }
+    let courses = logs.iter().map(|log| read(log)).collect::<Result<Vec<_>>>()?;
     println!("{}", table(&courses));
     let out = process::root().join("docs/estimate.svg");
     plot(&courses, &out)?;
     println!("wrote {}", out.display());
-    Ok(())
+    if records { record::write(&logs) } else { Ok(()) }
 }
 
-/// Bakes a scene with one thread; the log of its progress.
+/// Bakes a scene with one thread; the log of its progress, beside which lies its report.
 fn bake(wanted: &Wanted) -> Result<PathBuf> {
     process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce"]))?;
     let work = process::target().join("estimate");
@@ -107,7 +130,7 @@ fn bake(wanted: &Wanted) -> Result<PathBuf> {
     let name = wanted.scene.rsplit([':', '/', '\\']).next().unwrap_or("scene");
     let name = name.trim_end_matches(".glb").trim_end_matches(".gltf");
     let file = |end: &str| work.join(format!("{name}-{}.{end}", wanted.preset));
-    let (log, output) = (file("jsonl"), file("rbn"));
+    let (log, output, report) = (file("jsonl"), file("rbn"), file("json"));
     let mut command = Command::new(process::target().join("release/rebounce"));
     command.args([
         "bake",
@@ -119,23 +142,15 @@ fn bake(wanted: &Wanted) -> Result<PathBuf> {
         "--json-progress",
         "-o",
     ]);
-    command.arg(&output).stdin(Stdio::null());
+    command.arg(&output).arg("--report").arg(&report).stdin(Stdio::null());
     process::run(command.stdout(File::create(&log).with_context(|| log.display().to_string())?))?;
     std::fs::remove_file(&output).with_context(|| output.display().to_string())?;
     Ok(log)
 }
 
 fn read(log: &Path) -> Result<Course> {
-    let text = std::fs::read_to_string(log).with_context(|| log.display().to_string())?;
-    let lines: Vec<Line> = text
-        .lines()
-        .map(serde_json::from_str)
-        .collect::<Result<_, _>>()
-        .with_context(|| log.display().to_string())?;
-    let end = match lines.last() {
-        Some(last) if last.stage == "done" => last.processor_seconds,
-        _ => bail!("{} is not the log of a bake that was done", log.display()),
-    };
+    let lines = lines(log)?;
+    let end = lines.last().map_or(0.0, |last| last.processor_seconds);
     let before = lines.iter().filter(|line| line.processor_seconds < 0.995 * end);
     let of = |line: &Line| {
         (line.processor_seconds / end, line.processor_seconds_left / (end - line.processor_seconds))
@@ -209,8 +224,9 @@ mod tests {
         let wanted = |scene: &str, preset: &str| Wanted { scene: scene.into(), preset: preset.into() };
         assert_eq!(
             parse(&words("a.glb --preset draft b.glb")).unwrap(),
-            [wanted("a.glb", "standard"), wanted("b.glb", "draft")]
+            (vec![wanted("a.glb", "standard"), wanted("b.glb", "draft")], false)
         );
+        assert!(parse(&words("--record")).unwrap().1);
         assert!(parse(&words("--preset")).is_err() && parse(&words("--threads 2")).is_err());
     }
 
@@ -221,7 +237,7 @@ mod tests {
         let log = folder.join("room.jsonl");
         let line = |stage: &str, seconds: f64, left: f64| {
             format!(
-                "{{\"stage\":\"{stage}\",\"level\":null,\"processor_seconds\":{seconds},\
+                "{{\"stage\":\"{stage}\",\"level\":null,\"total\":1,\"processor_seconds\":{seconds},\
                  \"processor_seconds_left\":{left}}}\n"
             )
         };

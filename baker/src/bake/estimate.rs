@@ -12,33 +12,35 @@ mod cost {
     pub const PREPARED: [f64; 2] = [0.1, 1.6e-6];
     pub const SKETCH: f64 = 1.5;
     /// Of a point on the finest level, and how much more of one on the level above each: it must not be tight there.
-    pub const POINT: [f64; 2] = [17e-6, 1.45];
-    pub const WALL: f64 = 3e-6;
+    pub const POINT: [f64; 2] = [23.5e-6, 1.45];
+    pub const WALL: f64 = 2.65e-6;
     pub const RELATION: f64 = 1.2e-6;
     pub const COLOUR: f64 = 3.3e-6;
-    pub const TILE: f64 = 1.05e-6;
+    pub const TILE: f64 = 0.9e-6;
     /// On the coarsest level.
-    pub const COARSE_RAY: f64 = 0.245e-6;
+    pub const COARSE_RAY: f64 = 0.166e-6;
+    /// For a ray of the coarse levels, whose hits are put together by coarse point.
+    pub const AMONG: f64 = 0.018e-6;
     /// For an entry of the coarse rows and a column.
-    pub const BOUNCE: f64 = 0.7e-9;
+    pub const BOUNCE: f64 = 0.6e-9;
     /// Putting the file together, and packing and writing it, which follows: in all, of a triangle, and of a point.
     pub const ASSEMBLED: [f64; 3] = [0.04, 0.35e-6, 0.9e-6];
 }
 
-/// What a ray of the first finer level, which later bounces do not travel from, costs over one of the coarsest, for which
-/// more is looked up at each hit: with so many functions, and how much more with e times as many. Measured: 0.61 to 0.78 at
-/// `draft`, 0.85 to 0.96 at `standard`.
-const FINE: (f64, f64, f64) = (0.72, 30e3, 0.11);
+/// What a ray of the first finer level, which later bounces do not travel from, costs over one of the coarsest, whose few points
+/// have few senders each: with so many functions, and how much more with e times as many. Measured: 0.96 to 1.12 at `draft`,
+/// 1.18 to 1.34 at `standard`.
+const FINE: (f64, f64, f64) = (1.03, 30e3, 0.106);
 /// What a ray of a level costs over one of the level before where a point has half as many, as what is done for each of its
 /// links then is, and where it has as many: among the coarse levels, and among the finer ones, whose rays go more alike as
-/// points are half as far apart. Measured: 1.07 to 1.28, 0.9 to 1.1; 0.95 to 1.10, 0.78 to 0.86.
-const NEXT: [[f64; 2]; 2] = [[1.15, 1.02], [1.05, 0.82]];
+/// points are half as far apart. Measured: 1.10 to 1.25, 0.95 to 1.02; 0.94 to 1.08, 0.77 to 0.83.
+const NEXT: [[f64; 2]; 2] = [[1.15, 1.02], [1.04, 0.85]];
 /// Tiles of a point, and of a triangle that rays are cast at: 8 to 19 of a point in all.
 const TILES: (f64, f64) = (11.0, 0.4);
 /// How many coarse points one receives from: 100 in an apartment, 360 in an empty room; and the share of them at most.
 const ROW: (f64, f64) = (170.0, 0.25);
 /// What is expected of a part counts like this share of it, and so many seconds more, against what is measured.
-const TRUST: (f64, f64) = (0.1, 0.1);
+const TRUST: (f64, f64) = (0.055, 0.025);
 /// How much a part counts in what is expected of the next one of its kind, against those before.
 const MEMORY: f64 = 0.6;
 /// Seconds at full speed that a stretch of time counts against.
@@ -56,7 +58,7 @@ enum Kind {
     Walls,
     CoarseLinks,
     FineLinks,
-    /// Nothing that depends on how costly rays are.
+    /// No rays: what they found.
     Bounces,
 }
 
@@ -181,7 +183,7 @@ impl Estimate {
             let kind = match (stage, level) {
                 (Stage::Links, Some(level)) if level < later_levels => Kind::CoarseLinks,
                 (Stage::Links, _) => Kind::FineLinks,
-                (Stage::Bounces, _) => Kind::Bounces,
+                (Stage::Among | Stage::Bounces, _) => Kind::Bounces,
                 (Stage::Walls, _) => Kind::Walls,
                 _ => Kind::SettingUp,
             };
@@ -212,6 +214,7 @@ impl Estimate {
         for level in 0..levels {
             add(Stage::Links, Some(level));
             if level + 1 == later_levels && settings.operator.bounces != Some(1) {
+                add(Stage::Among, None);
                 add(Stage::Bounces, None);
             }
         }
@@ -263,6 +266,9 @@ impl Estimate {
         let assembled = file + of_triangle * triangles + of_point * all;
         self.set(Stage::Assemble, None, triangles, assembled);
         let coarse: f64 = counts.iter().take(settings.operator.later_levels).sum();
+        let rays = |(level, count): (usize, &f64)| count * settings.operator.rays_on(level) as f64;
+        let coarse_rays: f64 = counts.iter().enumerate().take(settings.operator.later_levels).map(rays).sum();
+        self.set(Stage::Among, None, coarse, cost::AMONG * coarse_rays);
         self.expect_bounces(coarse, coarse * ROW.0.min(ROW.1 * coarse));
     }
 
@@ -281,7 +287,7 @@ impl Estimate {
             true => 1.0,
             false => {
                 let functions = self.units(Stage::Basis, None).max(1.0);
-                (FINE.0 + FINE.2 * (functions / FINE.1).ln()).clamp(0.5, 1.0)
+                (FINE.0 + FINE.2 * (functions / FINE.1).ln()).clamp(0.5, 2.0)
             }
         };
         let share = of_kind * self.by_level.get(level).copied().unwrap_or(1.0);
@@ -368,7 +374,7 @@ impl Estimate {
         let walls = of(Kind::Walls, set_up[0]);
         let coarse = of(Kind::CoarseLinks, walls[1]);
         let fine = of(Kind::FineLinks, coarse[1]);
-        let bounces = of(Kind::Bounces, coarse[1].sqrt());
+        let bounces = of(Kind::Bounces, coarse[1]);
         [set_up, walls, coarse, fine, bounces]
     }
 

@@ -52,6 +52,9 @@ pub enum Stage {
     Tiles,
     /// Computing the one-bounce links. Counts rays.
     Links,
+    /// Finding what coarse points get from each other, once they have their links: of that later bounces are made. Counts
+    /// coarse points.
+    Among,
     /// Adding later bounces, once the coarse levels have their links. Counts coarse points.
     Bounces,
     /// Putting the file together.
@@ -70,6 +73,7 @@ impl Stage {
             Stage::Colours => "reading colours",
             Stage::Tiles => "laying tiles",
             Stage::Links => "tracing links",
+            Stage::Among => "relating bounces",
             Stage::Bounces => "adding bounces",
             Stage::Assemble => "assembling",
         }

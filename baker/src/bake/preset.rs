@@ -69,7 +69,7 @@ impl BakeSettings {
                 epsilon,
                 reflected: 1.0,
                 rays,
-                significance: 0.4,
+                significance: 0.2,
                 bounces: None,
                 later_levels: 3,
                 levels,

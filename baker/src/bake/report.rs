@@ -52,6 +52,8 @@ pub struct BakeReport {
     pub links: u64,
     /// Links kept for light that bounces again.
     pub later_links: u64,
+    /// Entries of the rows between coarse points that those are made of.
+    pub coarse_entries: u64,
     /// Senders times receivers.
     pub potential_links: u64,
     /// Links kept over potential links.
@@ -147,6 +149,7 @@ impl BakeReport {
             self.levels.iter().take(settings.operator.sender_levels).map(|level| level.functions).sum();
         self.links = self.levels.iter().map(|level| level.links).sum();
         self.later_links = operator.later_count() as u64;
+        self.coarse_entries = operator.coarse_count() as u64;
         self.potential_links = senders * self.functions;
         self.link_share = self.links as f64 / self.potential_links.max(1) as f64;
         self.rays = operator.rays;

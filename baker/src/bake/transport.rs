@@ -108,9 +108,10 @@ impl Transport<'_> {
             tracker.expect(|estimate| estimate.expect_rays(level, refiner.rays_ahead() as f64));
             let traffic = refiner.level(&tracker.task(Stage::Links, Some(level)), journal, self.team)?;
             report.add_traffic(Stage::Links, Some(level), traffic);
-            if level + 1 == told.later_levels.min(levels) {
+            if level + 1 == told.later_levels.min(levels) && told.bounces != Some(1) {
+                refiner.relate_coarse(&tracker.task(Stage::Among, None))?;
                 let operator = refiner.operator_mut();
-                let entries: usize = operator.coarse.iter().map(Vec::len).sum();
+                let entries = operator.coarse_count();
                 let columns = column_count(operator, told);
                 tracker.expect(|estimate| estimate.expect_bounces(columns as f64, entries as f64));
                 let task = tracker.task(Stage::Bounces, None);

@@ -2,19 +2,24 @@
 
 use super::tally::{IrradianceRow, Tally};
 use super::{OperatorSettings, tint};
+use crate::watch::{Stopped, Watch};
 use rayon::prelude::*;
 use rebounce_shared::interpolation::Rows;
 use rebounce_shared::link::{Link, Sent};
 
 /// The irradiance of each coarse point from every other. `values` are what the coarse points get from all senders (F);
 /// light that bounced leaves a finer sender as its parents' does, `push`, and so on up to the coarse points (P). A row says
-/// it in the tint of the coarse point that the light is from; `tints` are the senders'.
+/// it in the tint of the coarse point that the light is from; `tints` are the senders'. A unit of `watch` is a row.
+///
+/// # Errors
+/// [`Stopped`].
 pub fn among(
     values: &[Vec<Link>],
     push: Rows,
     tints: &[u32],
     settings: &OperatorSettings,
-) -> Vec<IrradianceRow> {
+    watch: &dyn Watch,
+) -> Result<Vec<IrradianceRow>, Stopped> {
     let count = values.len();
     let mut from: Vec<IrradianceRow> = (0..count.min(tints.len())).map(|i| vec![(i as u32, 1.0)]).collect();
     let mut tally = Tally::<1>::new(count);
@@ -39,7 +44,8 @@ pub fn among(
         }
         let row = tally.row(settings.least_irradiance(), i as u64);
         tally.clear();
-        row
+        watch.step(1)?;
+        Ok(row)
     };
     values.par_iter().enumerate().map_init(|| Tally::<1>::new(count), row).collect()
 }

@@ -129,4 +129,9 @@ impl Operator {
     pub fn later_count(&self) -> usize {
         self.later.iter().map(Vec::len).sum()
     }
+
+    /// Number of entries that later bounces are made of: those of [`coarse`](Self::coarse).
+    pub fn coarse_count(&self) -> usize {
+        self.coarse.iter().map(Vec::len).sum()
+    }
 }

@@ -41,6 +41,7 @@ pub fn refine<S: Surfaces + ?Sized>(
     for _ in &points.levels {
         refiner.level(watch, &(), &())?;
     }
+    refiner.relate_coarse(&Uncounted(watch))?;
     Ok(refiner.finish())
 }
 
@@ -248,14 +249,21 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
             }
         }
         self.operator.lost_share = if self.seen > 0.0 { self.lost / self.seen } else { 0.0 };
-        let context = &self.context;
-        if range.contains(&context.coarse_count.wrapping_sub(1)) {
-            let values = &self.values[..context.coarse_count];
-            let tints = &self.operator.tints[..self.sender_count];
-            self.operator.coarse = among(values, context.relations.push(), tints, context.settings);
-        }
         self.level += 1;
         Ok(traffic)
+    }
+
+    /// Once the coarse levels are computed: what their points get from each other, for later bounces. A unit of `watch` is such a
+    /// point.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn relate_coarse(&mut self, watch: &dyn Watch) -> Result<(), Stopped> {
+        let context = &self.context;
+        let values = &self.values[..context.coarse_count];
+        let tints = &self.operator.tints[..self.sender_count];
+        self.operator.coarse = among(values, context.relations.push(), tints, context.settings, watch)?;
+        Ok(())
     }
 
     fn take_in(&mut self, i: usize, gathered: Gathered) {
