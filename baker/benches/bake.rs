@@ -10,19 +10,19 @@ use anyhow::{Context, Result, ensure};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_vantage};
+use rebounce::basis::relate;
 use rebounce::operator::OperatorSettings;
 use rebounce::operator::directions::Directions;
 use rebounce::operator::found::BATCH;
 use rebounce::operator::gather::receivers_together;
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::order::sort;
-use rebounce::operator::refine::CHUNK;
+use rebounce::operator::refine::{CHUNK, Refiner, Senders};
 use rebounce::operator::{reflected::reflected_share, tint::tints};
 use rebounce::points::{Points, cut, footprint, place};
 use rebounce::scene::{self, Scene};
 use rebounce::surface::{Hit, Ray, Surfaces};
 use rebounce::triangles::TriangleSurfaces;
-use rebounce_shared::rbn;
 use std::hint::black_box;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -48,7 +48,7 @@ fn main() -> Result<()> {
     let mut stages: Vec<(String, Vec<f64>)> = Vec::new();
     let mut rays = None;
     for round in 0..rounds.max(1) {
-        let (seconds, file, report) = baked(&scene, &settings, &two)?;
+        let (seconds, report) = baked(&scene, &settings, &two)?;
         bakes.push(seconds);
         for (name, seconds) in &report.seconds {
             match stages.iter_mut().find(|stage| stage.0 == *name) {
@@ -58,7 +58,7 @@ fn main() -> Result<()> {
         }
         let rays = match &rays {
             Some(rays) => rays,
-            None => rays.insert(two.install(|| Rays::of(&scene, &settings, &file, &report))?),
+            None => rays.insert(two.install(|| Rays::of(&scene, &settings, &report))?),
         };
         gathers.push(two.install(|| rays.walk(Rays::walk_for)));
         together.push(two.install(|| rays.walk(Rays::walk_together_for)));
@@ -94,14 +94,10 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool> {
     Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?)
 }
 
-fn baked(
-    scene: &Scene,
-    settings: &BakeSettings,
-    pool: &rayon::ThreadPool,
-) -> Result<(f64, rbn::Scene, BakeReport)> {
+fn baked(scene: &Scene, settings: &BakeSettings, pool: &rayon::ThreadPool) -> Result<(f64, BakeReport)> {
     let began = Instant::now();
-    let (file, report) = pool.install(|| bake(scene, settings, &()))?;
-    Ok((began.elapsed().as_secs_f64(), file, report))
+    let (_, report) = pool.install(|| bake(scene, settings, &()))?;
+    Ok((began.elapsed().as_secs_f64(), report))
 }
 
 fn median(seconds: &mut [f64]) -> f64 {
@@ -122,31 +118,28 @@ struct Rays {
 }
 
 impl Rays {
-    /// Places the bake's points once more, and finds which of them it gathered for.
-    fn of(scene: &Scene, settings: &BakeSettings, file: &rbn::Scene, report: &BakeReport) -> Result<Self> {
+    /// Places the bake's points once more, and finds its links, for they say which receivers it gathered for.
+    fn of(scene: &Scene, settings: &BakeSettings, report: &BakeReport) -> Result<Self> {
         let surfaces = TriangleSurfaces::simplified(scene);
         let vantage = choose_vantage(scene, &surfaces, settings)?;
         let recorder = Recorder::new(&surfaces);
         let mut points = place(&recorder, &vantage, &settings.place, &())?;
         let end = points.points.len();
-        ensure!(end == file.points.len(), "the same settings placed other points");
         cut(&recorder, &mut points, end, &())?;
         footprint(&recorder, &mut points, end, &())?;
-        reflected_share(&recorder, &points, settings.operator.seed);
-        tints(&recorder, &points, settings.operator.seed, &())?;
+        let mut operator = settings.operator.clone();
+        operator.reflected = reflected_share(&recorder, &points, operator.seed);
+        let tints = tints(&recorder, &points, operator.seed, &())?;
         let others = recorder.asked();
-        let coarse = points.count_on(settings.operator.later_levels);
-        let wanted = |i: &usize| {
-            let parents = file.relations.push().row(*i);
-            *i < coarse
-                || parents.is_empty()
-                || parents.iter().any(|parent| !file.links.row(parent.point()).is_empty())
-        };
-        let receivers: Vec<Vec<usize>> =
-            points.levels.iter().map(|level| level.range().filter(wanted).collect()).collect();
-        let operator = settings.operator.clone();
-        let on = |(l, receivers): (usize, &Vec<usize>)| receivers.len() as u64 * operator.rays_on(l) as u64;
-        let count = receivers.iter().enumerate().map(on).sum();
+        let relations = relate(&points, settings.direct_levels)?;
+        let senders = Senders::new(&surfaces, &points, &operator, &tints, &())?;
+        let mut refiner = Refiner::new(&surfaces, &points, &relations, &operator, &senders, tints);
+        let mut receivers = Vec::new();
+        for _ in &points.levels {
+            receivers.push(refiner.receivers_ahead());
+            refiner.level(&(), &(), &())?;
+        }
+        let count = refiner.finish().rays;
         ensure!(count == report.rays, "{count} rays are not the bake's {}", report.rays);
         Ok(Self { surfaces, points, receivers, operator, count, others })
     }

@@ -86,6 +86,7 @@ impl Room {
             for _ in 0..operator.later_levels {
                 refiner.level(&(), &(), &())?;
             }
+            refiner.relate_coarse(&())?;
             refiner.finish()
         };
         let links = LinkMatrix::from_rows(&baked.links);

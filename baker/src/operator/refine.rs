@@ -149,11 +149,15 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         parents.is_empty() || parents.iter().any(|parent| !self.operator.links[parent.point()].is_empty())
     }
 
+    /// Receivers of the next level that are gathered for, ascending.
+    pub fn receivers_ahead(&self) -> Vec<usize> {
+        let level = self.context.points.levels.get(self.level).map_or(0..0, |level| level.range());
+        level.into_par_iter().filter(|i| self.is_wanted(*i)).collect()
+    }
+
     /// Rays that the next level will cast.
     pub fn rays_ahead(&self) -> u64 {
-        let Some(level) = self.context.points.levels.get(self.level) else { return 0 };
-        let wanted = level.range().into_par_iter().filter(|i| self.is_wanted(*i)).count();
-        wanted as u64 * self.context.settings.rays_on(self.level) as u64
+        self.receivers_ahead().len() as u64 * self.context.settings.rays_on(self.level) as u64
     }
 
     /// Computes the next level together with the team. A unit of `watch` is a ray. What the first member's `journal` has
