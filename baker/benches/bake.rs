@@ -177,7 +177,7 @@ impl Rays {
     /// The same in the order of a bake, together.
     fn walk_together_for(&self, chunk: &[usize], directions: &Directions) -> Duration {
         let mut rays = GatherRays::default();
-        let (mut order, mut cells, mut found) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut order, mut found) = (Vec::new(), Vec::new());
         let mut spent = Duration::ZERO;
         for group in chunk.chunks(receivers_together(directions)) {
             rays.clear();
@@ -185,7 +185,7 @@ impl Rays {
                 let epsilon = self.surfaces.epsilon();
                 gather_rays(&self.points.points[i], i, self.operator.seed, epsilon, directions, &mut rays);
             }
-            sort(&rays.rays, &mut order, &mut cells);
+            sort(&rays.cells, &mut order);
             // More pieces than are numbered walk one by one in a bake, too.
             let pieces = self.surfaces.pieces();
             let began = Instant::now();

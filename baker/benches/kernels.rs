@@ -129,7 +129,7 @@ impl Room {
                 let epsilon = self.surfaces.epsilon();
                 gather_rays(&self.points.points[i], i, 1, epsilon, &self.directions, &mut rays);
             }
-            sort(&rays.rays, &mut order, &mut Vec::new());
+            sort(&rays.cells, &mut order);
             self.order.extend(order.iter().map(|number| self.near.len() as u32 + number));
             self.near.extend(rays.rays);
         }

@@ -81,7 +81,7 @@ fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
     let pieces = surfaces.pieces().context("too many triangles")?;
     let directions = Directions::new(settings.operator.rays_on(points.levels.len() - 1));
     let mut gathered = GatherRays::default();
-    let (mut order, mut cells) = (Vec::new(), Vec::new());
+    let mut order = Vec::new();
     let (mut alone, mut together, mut some_together) = (Vec::new(), Vec::new(), Vec::new());
     let mut best = [f64::INFINITY; 2];
     let mut count = 0;
@@ -94,7 +94,7 @@ fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
                 gather_rays(&points.points[i], i, 1, surfaces.epsilon(), &directions, &mut gathered);
             }
             let rays = &gathered.rays;
-            sort(rays, &mut order, &mut cells);
+            sort(&gathered.cells, &mut order);
             count += order.len();
             // Who comes second finds nodes and triangles near: first the one, then the other.
             for way in [round % 2, 1 - round % 2] {

@@ -7,7 +7,7 @@
 use glam::{Vec2, Vec3};
 
 /// A ray in local space.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where it starts. Casting ignores nothing near the origin: offset it by [`Hit::offset_origin`].
     pub origin: Vec3,

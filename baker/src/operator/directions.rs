@@ -11,16 +11,22 @@
 //! as by one receiver with their rays together.
 
 use crate::random::Stream;
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{Vec2, Vec3};
 
 /// Share β of the cosine-weighted directions.
 const COSINE_SHARE: f32 = 0.8;
 
+/// Directions that are worked out side by side.
+pub const LANES: usize = 8;
+/// A number of each of them.
+pub type Lanes = [f32; LANES];
+
 /// Points of the unit square, to be shifted and mapped to hemispheres.
 #[derive(Clone, Debug)]
 pub struct Directions {
-    /// The first coordinate, and cosine and sine of the second one times 2π.
-    square: Vec<Vec3>,
+    /// The first coordinate, and cosine and sine of the second one times 2π; the last ones are filled up with zeros.
+    square: Vec<[Lanes; 3]>,
+    count: usize,
     /// Two short steps from point to point, side by side: between them lie all shifts that differ.
     steps: [Vec2; 2],
 }
@@ -29,11 +35,50 @@ pub struct Directions {
 #[derive(Clone, Copy, Debug)]
 pub struct Direction {
     /// Unit, local space.
-    pub direction: Vec3A,
-    /// Weight per ray, before the division by the sum of cosine times weight.
-    pub weight: f32,
-    /// Cosine to the normal.
-    pub cosine: f32,
+    pub direction: Vec3,
+    /// Cosine to the normal times the weight of a ray, before the division by the sum of that.
+    pub share: f32,
+}
+
+/// Some directions side by side.
+pub struct Block {
+    /// By axis; unit, local space.
+    pub direction: [Lanes; 3],
+    /// As [`Direction::share`].
+    pub share: Lanes,
+    /// How many there are.
+    pub len: usize,
+}
+
+/// How the unit square is mapped to a receiver's hemisphere.
+struct Frame {
+    tangent: Vec3,
+    bitangent: Vec3,
+    normal: Vec3,
+    shift: f32,
+}
+
+impl Frame {
+    #[inline(always)]
+    fn block(&self, [x, cos, sin]: &[Lanes; 3], len: usize) -> Block {
+        const B: f32 = COSINE_SHARE;
+        let mut block = Block { direction: [[0.0; LANES]; 3], share: [0.0; LANES], len };
+        for i in 0..LANES {
+            let x = x[i] + self.shift;
+            let x = if x >= 1.0 { x - 1.0 } else { x };
+            // The cosine's distribution function is βz² + (1 − β)z.
+            let cosine = (((1.0 - B) * (1.0 - B) + 4.0 * B * x).sqrt() - (1.0 - B)) / (2.0 * B);
+            let cosine = cosine.clamp(1e-4, 1.0);
+            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+            let (along, across) = (sine * cos[i], sine * sin[i]);
+            for axis in 0..3 {
+                block.direction[axis][i] =
+                    self.tangent[axis] * along + self.bitangent[axis] * across + self.normal[axis] * cosine;
+            }
+            block.share[i] = cosine * (2.0 / (2.0 * B * cosine + 1.0 - B));
+        }
+        block
+    }
 }
 
 impl Directions {
@@ -53,21 +98,29 @@ impl Directions {
             (row, if row.is_multiple_of(2) { column } else { u32::MAX - column })
         };
         square.sort_by_key(order);
-        let mapped = |p: Vec2| {
-            let (sin, cos) = (p.y * std::f32::consts::TAU).sin_cos();
-            Vec3::new(p.x, cos, sin)
+        let side_by_side = |some: &[Vec2]| {
+            let mut lanes = [[0.0; LANES]; 3];
+            for (i, p) in some.iter().enumerate() {
+                let (sin, cos) = (p.y * std::f32::consts::TAU).sin_cos();
+                (lanes[0][i], lanes[1][i], lanes[2][i]) = (p.x, cos, sin);
+            }
+            lanes
         };
-        Self { square: square.into_iter().map(mapped).collect(), steps: steps(count) }
+        Self {
+            count: square.len(),
+            square: square.chunks(LANES).map(side_by_side).collect(),
+            steps: steps(count),
+        }
     }
 
     /// Number of directions.
     pub fn len(&self) -> usize {
-        self.square.len()
+        self.count
     }
 
     /// True if there is none.
     pub fn is_empty(&self) -> bool {
-        self.square.is_empty()
+        self.count == 0
     }
 
     /// How far a receiver's points of the unit square are shifted.
@@ -81,29 +134,28 @@ impl Directions {
         (one * along(from.x, PLASTIC[0]) + other * along(from.y, PLASTIC[1])).fract_gl()
     }
 
-    /// The directions around a receiver's unit normal. Receivers with numbers next to each other have directions between
-    /// each other's.
-    pub fn around(&self, normal: Vec3, receiver: usize, seed: u64) -> impl Iterator<Item = Direction> + '_ {
+    /// The directions around a receiver's unit normal, block by block. Receivers with numbers next to each other have
+    /// directions between each other's.
+    #[inline(always)]
+    pub fn blocks(&self, normal: Vec3, receiver: usize, seed: u64) -> impl Iterator<Item = Block> + '_ {
         let shift = self.shift(receiver, seed);
         let (tangent, bitangent) = normal.any_orthonormal_pair();
-        let (tangent, bitangent, normal) =
-            (Vec3A::from(tangent), Vec3A::from(bitangent), Vec3A::from(normal));
         // A shift of the second coordinate turns the hemisphere.
         let (sin, cos) = (shift.y * std::f32::consts::TAU).sin_cos();
         let (tangent, bitangent) = (tangent * cos + bitangent * sin, bitangent * cos - tangent * sin);
-        self.square.iter().map(move |p| {
-            let x = p.x + shift.x;
-            let x = if x >= 1.0 { x - 1.0 } else { x };
-            const B: f32 = COSINE_SHARE;
-            // The cosine's distribution function is βz² + (1 − β)z.
-            let cosine = (((1.0 - B) * (1.0 - B) + 4.0 * B * x).sqrt() - (1.0 - B)) / (2.0 * B);
-            let cosine = cosine.clamp(1e-4, 1.0);
-            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-            Direction {
-                direction: tangent * (sine * p.y) + bitangent * (sine * p.z) + normal * cosine,
-                weight: 2.0 / (2.0 * B * cosine + 1.0 - B),
-                cosine,
-            }
+        let frame = Frame { tangent, bitangent, normal, shift: shift.x };
+        let first = (0..self.count).step_by(LANES);
+        self.square
+            .iter()
+            .zip(first)
+            .map(move |(lanes, first)| frame.block(lanes, LANES.min(self.count - first)))
+    }
+
+    /// The same, one by one.
+    pub fn around(&self, normal: Vec3, receiver: usize, seed: u64) -> impl Iterator<Item = Direction> + '_ {
+        self.blocks(normal, receiver, seed).flat_map(|block| {
+            let Block { direction: [x, y, z], share, len } = block;
+            (0..len).map(move |i| Direction { direction: Vec3::new(x[i], y[i], z[i]), share: share[i] })
         })
     }
 }
@@ -137,19 +189,21 @@ mod tests {
 
     #[test]
     fn the_mixture_integrates_cosine_and_tangent_exactly_enough() {
-        for count in [256, 4096] {
+        for count in [250, 256, 4096] {
             let directions = Directions::new(count);
             for receiver in 0..20 {
                 let normal = Vec3::new(0.48, 0.6, -0.64);
-                let (mut cosines, mut vector) = (0.0, Vec3A::ZERO);
+                let (mut cosines, mut vector, mut some) = (0.0, Vec3::ZERO, 0);
                 for d in directions.around(normal, receiver, 1) {
                     assert!((d.direction.length() - 1.0).abs() < 1e-4);
-                    cosines += d.cosine * d.weight / count as f32;
-                    vector += d.direction * (d.weight / count as f32);
+                    cosines += d.share / count as f32;
+                    vector += d.direction * (d.share / d.direction.dot(normal) / count as f32);
+                    some += 1;
                 }
+                assert_eq!(some, count);
                 // ∫ ω dω / π over the hemisphere is the normal.
                 assert!((cosines - 1.0).abs() < 0.01, "{cosines}");
-                assert!((Vec3::from(vector) - normal).length() < 0.05, "{vector}");
+                assert!((vector - normal).length() < 0.05, "{vector}");
             }
         }
     }
@@ -169,13 +223,13 @@ mod tests {
     #[test]
     fn neighbours_share_what_is_small_and_far_evenly() {
         // A lit spot that one receiver has two rays for.
-        let (normal, spot, cosine) = (Vec3::Y, Vec3A::new(0.5, 0.7, -0.3).normalize(), 0.997);
+        let (normal, spot, cosine) = (Vec3::Y, Vec3::new(0.5, 0.7, -0.3).normalize(), 0.997);
         let directions = Directions::new(512);
         let share = |receiver: usize, seed: u64| {
             let of = |inside: bool| {
                 let some = directions.around(normal, receiver, seed);
                 let some = some.filter(|d| !inside || d.direction.dot(spot) > cosine);
-                some.map(|d| d.cosine * d.weight).sum::<f32>()
+                some.map(|d| d.share).sum::<f32>()
             };
             of(true) / of(false)
         };

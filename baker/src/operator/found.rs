@@ -38,7 +38,6 @@ pub struct Found {
     first_rays: Vec<u32>,
     /// The rays in the order that they are cast.
     order: Vec<u32>,
-    cells: Vec<u16>,
     /// What each ray brings to the senders.
     brought: Vec<Shares>,
     /// Where the rays of a batch end.
@@ -68,7 +67,7 @@ impl Found {
         self.first_rays.push(self.rays.rays.len() as u32);
         self.brought.clear();
         self.brought.resize(self.rays.rays.len(), Shares::NOTHING);
-        sort(&self.rays.rays, &mut self.order, &mut self.cells);
+        sort(&self.rays.cells, &mut self.order);
         let order = std::mem::take(&mut self.order);
         match (context.surfaces.pieces(), context.tiles) {
             (Some(pieces), Some(tiles)) => {

@@ -43,6 +43,16 @@ fn mixed() -> (Vec<Triangle>, Vec<Material>) {
     (triangles, vec![white(), half, Material { double_sided: true, ..white() }])
 }
 
+/// The cells of the rays' directions.
+fn cells(rays: &[(Ray, u32)]) -> Vec<u16> {
+    let of_some = |some: &[(Ray, u32)]| {
+        let axis =
+            |axis: usize| std::array::from_fn(|i| some.get(i).map_or(1.0, |ray| ray.0.direction[axis]));
+        crate::operator::order::cells(&[axis(0), axis(1), axis(2)])
+    };
+    rays.chunks(8).flat_map(of_some).take(rays.len()).collect()
+}
+
 fn find_the_same(surfaces: &TriangleSurfaces, corners: &[Triangle]) {
     let pieces = surfaces.pieces().unwrap();
     let (mut found, mut ended, mut rays_cast) = (Vec::new(), 0, 0);
@@ -55,8 +65,8 @@ fn find_the_same(surfaces: &TriangleSurfaces, corners: &[Triangle]) {
             }
         }
         // As they come, in the order of a gather, and every third one.
-        let (mut order, mut cells) = (Vec::new(), Vec::new());
-        crate::operator::order::sort(&rays, &mut order, &mut cells);
+        let mut order = Vec::new();
+        crate::operator::order::sort(&cells(&rays), &mut order);
         let as_they_come: Vec<u32> = (0..rays.len() as u32).collect();
         let thirds: Vec<u32> = as_they_come.iter().copied().step_by(3).collect();
         for numbers in [&order, &as_they_come, &thirds, &as_they_come[..1].to_vec(), &Vec::new()] {
