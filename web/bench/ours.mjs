@@ -49,5 +49,18 @@ window.bench = {
     await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     return Array.from(await viewer.readIndirect(width, height));
   },
+  /** The whole picture, once the view stands still: what the GPU counted for it, and bytes that it holds. */
+  async still() {
+    viewer.shot = { camera, lights };
+    let frames;
+    // A sketch is followed by the picture that it stands for; then nothing is drawn.
+    do {
+      frames = viewer.stats().frames;
+      for (let i = 0; i < 3; i += 1) await new Promise(requestAnimationFrame);
+      await device.queue.onSubmittedWorkDone();
+    } while (viewer.stats().frames !== frames);
+    const counts = await viewer.counts();
+    return { counts, bytes: Object.values(viewer.stats().bytes).reduce((sum, some) => sum + some, 0) };
+  },
   stats: () => viewer.stats(),
 };

@@ -90,6 +90,7 @@ try {
           results.ours.loaded = await page.evaluate(() => globalThis.bench.loadedAt);
           results.ours.lit = await page.evaluate(() => globalThis.bench.litAt);
           results.ours.stats = await page.evaluate(() => globalThis.bench.stats());
+          results.ours.still = await within(300, "a still picture", page.evaluate(() => globalThis.bench.still()));
         }
         if (round === 0 && which !== "three") results[which].error = await error(page, work, which);
       } catch (failure) {

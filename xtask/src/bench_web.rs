@@ -113,6 +113,16 @@ fn table(results: &Value) -> Result<String> {
     if let Some(lit) = results["ours"]["lit"].as_f64() {
         lines.push(format!("first lit frame {:.1} s after navigation", lit / 1e3));
     }
+    let still = &results["ours"]["still"];
+    let counted = |name: &str| still["counts"][name].as_f64();
+    if let (Some(kernels), Some(functions), Some(bytes)) =
+        (counted("kernelEvaluationsPerPixel"), counted("functionsLookedAtPerPixel"), still["bytes"].as_f64())
+    {
+        lines.push(format!(
+            "a still picture: {kernels:.1} kernel evaluations a pixel, {functions:.1} functions looked at, {:.0} MB on the GPU",
+            bytes / 1e6
+        ));
+    }
     lines.push(format!("\nframe ratio {:.2}", median("ours")? / median("three")?));
     Ok(lines.join("\n"))
 }
@@ -132,13 +142,24 @@ mod tests {
     #[test]
     fn the_table_ends_with_the_ratio() {
         let results = serde_json::json!({
-            "ours": { "median": 600.0, "error": { "error": 0.07, "bias": -0.01 } },
+            "ours": {
+                "median": 600.0,
+                "error": { "error": 0.07, "bias": -0.01 },
+                "still": {
+                    "counts": { "kernelEvaluationsPerPixel": 5.25, "functionsLookedAtPerPixel": 17.0 },
+                    "bytes": 150_400_000,
+                },
+            },
             "three": { "median": 400.0 },
             "vxgi": {},
         });
         let table = table(&results).unwrap();
         assert!(table.ends_with("frame ratio 1.50"), "{table}");
         assert!(table.contains("| 0.60 | 0.070 | -0.010 |"), "{table}");
+        assert!(
+            table.contains("5.2 kernel evaluations a pixel, 17.0 functions looked at, 150 MB"),
+            "{table}"
+        );
         assert!(super::table(&serde_json::json!({})).is_err());
     }
 }
