@@ -39,61 +39,61 @@ pub fn gather_rays(
     directions: &Directions,
     out: &mut GatherRays,
 ) {
+    let gather = Gather { point, receiver, seed, epsilon, directions };
     #[cfg(target_arch = "x86_64")]
     if processor::has_avx2() {
         // SAFETY: the processor has AVX2.
         #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-        return unsafe { gather_avx2(point, receiver, seed, epsilon, directions, out) };
+        return unsafe { gather.rays_avx2(out) };
     }
-    gather(point, receiver, seed, epsilon, directions, out);
+    gather.rays(out);
 }
 
-/// Eight at a time.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn gather_avx2(
-    point: &SurfacePoint,
+/// What [`gather_rays`] is told.
+struct Gather<'a> {
+    point: &'a SurfacePoint,
     receiver: usize,
     seed: u64,
     epsilon: f32,
-    directions: &Directions,
-    out: &mut GatherRays,
-) {
-    gather(point, receiver, seed, epsilon, directions, out);
+    directions: &'a Directions,
 }
 
-#[inline(always)]
-fn gather(
-    point: &SurfacePoint,
-    receiver: usize,
-    seed: u64,
-    epsilon: f32,
-    directions: &Directions,
-    out: &mut GatherRays,
-) {
-    let origin = point.position + point.geometric_normal * epsilon;
-    let name = mix(seed) ^ (receiver as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let first = out.shares.len();
-    // The square root of the solid angle that each stands for.
-    let spread = (std::f32::consts::TAU / directions.len() as f32).sqrt();
-    let mut total = 0.0;
-    let mut names = 0u64..;
-    for block in directions.blocks(point.normal, receiver, seed) {
-        let [x, y, z] = block.direction;
-        let cells = cells(&block.direction);
-        for ((i, share), name_of_ray) in (0..block.len).zip(block.share).zip(&mut names) {
-            total += share;
-            let direction = Vec3::new(x[i], y[i], z[i]);
-            if direction.dot(point.geometric_normal) > 0.0 {
-                let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread };
-                out.rays.push((ray, mix(name ^ name_of_ray) as u32));
-                out.shares.push(share);
-                out.cells.push(cells[i]);
+impl Gather<'_> {
+    /// Eight at a time.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn rays_avx2(&self, out: &mut GatherRays) {
+        self.rays(out);
+    }
+
+    #[inline(always)]
+    fn rays(&self, out: &mut GatherRays) {
+        let Self { point, directions, .. } = *self;
+        let origin = point.position + point.geometric_normal * self.epsilon;
+        let name = mix(self.seed) ^ (self.receiver as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let first = out.shares.len();
+        // The square root of the solid angle that each stands for.
+        let spread = (std::f32::consts::TAU / directions.len() as f32).sqrt();
+        let mut total = 0.0;
+        let mut number = 0;
+        for block in directions.blocks(point.normal, self.receiver, self.seed) {
+            let [x, y, z] = block.direction;
+            let cells = cells(&block.direction);
+            for i in 0..block.len {
+                let (direction, share) = (Vec3::new(x[i], y[i], z[i]), block.share[i]);
+                total += share;
+                if direction.dot(point.geometric_normal) > 0.0 {
+                    let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread };
+                    out.rays.push((ray, mix(name ^ number) as u32));
+                    out.shares.push(share);
+                    out.cells.push(cells[i]);
+                }
+                number += 1;
             }
         }
+        // Dividing by this sum instead of the number of rays makes a closed white room exact.
+        out.shares[first..].iter_mut().for_each(|share| *share /= total);
     }
-    // Dividing by this sum instead of the number of rays makes a closed white room exact.
-    out.shares[first..].iter_mut().for_each(|share| *share /= total);
 }
 
 #[cfg(test)]
@@ -111,7 +111,8 @@ mod tests {
             let point = SurfacePoint { position: stream.sphere(), normal, geometric_normal };
             let (mut told, mut plain) = (GatherRays::default(), GatherRays::default());
             gather_rays(&point, receiver, 7, 0.01, &directions, &mut told);
-            gather(&point, receiver, 7, 0.01, &directions, &mut plain);
+            let point = &point;
+            Gather { point, receiver, seed: 7, epsilon: 0.01, directions: &directions }.rays(&mut plain);
             assert_eq!(told, plain);
             assert!(told.rays.len() <= count as usize && (count < 8 || !told.rays.is_empty()));
         }
