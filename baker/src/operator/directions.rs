@@ -31,20 +31,11 @@ pub struct Directions {
     steps: [Vec2; 2],
 }
 
-/// A direction to cast, and what it counts.
-#[derive(Clone, Copy, Debug)]
-pub struct Direction {
-    /// Unit, local space.
-    pub direction: Vec3,
-    /// Cosine to the normal times the weight of a ray, before the division by the sum of that.
-    pub share: f32,
-}
-
 /// Some directions side by side.
 pub struct Block {
     /// By axis; unit, local space.
     pub direction: [Lanes; 3],
-    /// As [`Direction::share`].
+    /// Cosine to the normal times the weight of a ray, before the division by the sum of that.
     pub share: Lanes,
     /// How many there are.
     pub len: usize,
@@ -150,14 +141,6 @@ impl Directions {
             .zip(first)
             .map(move |(lanes, first)| frame.block(lanes, LANES.min(self.count - first)))
     }
-
-    /// The same, one by one.
-    pub fn around(&self, normal: Vec3, receiver: usize, seed: u64) -> impl Iterator<Item = Direction> + '_ {
-        self.blocks(normal, receiver, seed).flat_map(|block| {
-            let Block { direction: [x, y, z], share, len } = block;
-            (0..len).map(move |i| Direction { direction: Vec3::new(x[i], y[i], z[i]), share: share[i] })
-        })
-    }
 }
 
 /// Point `i` of the Fibonacci lattice of `count` points in the unit square.
@@ -186,6 +169,22 @@ fn steps(count: u32) -> [Vec2; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A direction to cast, and what it counts: as in a [`Block`].
+    struct Direction {
+        direction: Vec3,
+        share: f32,
+    }
+
+    impl Directions {
+        /// The blocks' directions, one by one.
+        fn around(&self, normal: Vec3, receiver: usize, seed: u64) -> impl Iterator<Item = Direction> + '_ {
+            self.blocks(normal, receiver, seed).flat_map(|block| {
+                let Block { direction: [x, y, z], share, len } = block;
+                (0..len).map(move |i| Direction { direction: Vec3::new(x[i], y[i], z[i]), share: share[i] })
+            })
+        }
+    }
 
     #[test]
     fn the_mixture_integrates_cosine_and_tangent_exactly_enough() {
