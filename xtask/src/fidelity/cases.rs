@@ -17,14 +17,14 @@ pub struct Case {
     pub size: Option<&'static str>,
     /// Two references of bounced light with independent noise.
     pub references: [PathBuf; 2],
-    /// Where another renderer made the references, the project's own.
-    pub own: Option<[PathBuf; 2]>,
+    /// Where another renderer made the references: the same picture by the project's own path tracer.
+    pub traced: Option<PathBuf>,
 }
 
 /// Samples a pixel of each reference that is made here.
 const SAMPLES: u32 = 256;
-/// And of those that stand beside given ones.
-const OWN_SAMPLES: u32 = 64;
+/// Samples a pixel of the path tracer's picture beside given references.
+const TRACED_SAMPLES: u32 = 64;
 
 impl Case {
     /// The file name of its picture.
@@ -32,11 +32,11 @@ impl Case {
         format!("{}.png", self.name)
     }
 
-    /// Path-traces the references that are missing.
-    fn take(&self, tool: &Tool, references: &[PathBuf; 2], samples: u32) -> Result<()> {
-        for (seed, reference) in (11..).zip(references) {
-            if !reference.exists() {
-                tool.reference(self, seed, samples, reference)?;
+    /// Path-traces the pictures that are missing, each with a seed of its own.
+    fn trace(&self, tool: &Tool, pictures: &[PathBuf], samples: u32) -> Result<()> {
+        for (seed, picture) in (11..).zip(pictures) {
+            if !picture.exists() {
+                tool.reference(self, seed, samples, picture)?;
             }
         }
         Ok(())
@@ -67,9 +67,9 @@ pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
                 shot: None,
                 size: Some(size),
                 references,
-                own: None,
+                traced: None,
             };
-            case.take(tool, &case.references, SAMPLES)?;
+            case.trace(tool, &case.references, SAMPLES)?;
             Ok(case)
         })
         .collect()
@@ -103,13 +103,13 @@ pub fn in_folder(tool: &Tool, folder: &Path) -> Result<Vec<Case>> {
             ["a", "b"].map(|which| folder.join("references").join(format!("{name}.indirect.{which}.exr")));
         let scene = shots.join(shot.get("scene")?.as_str()?).display().to_string();
         let complete = references.iter().all(|file| file.exists());
-        complete.then(|| Case { name, scene, shot: Some(file.clone()), size: None, references, own: None })
+        complete.then(|| Case { name, scene, shot: Some(file.clone()), size: None, references, traced: None })
     };
     let mut cases: Vec<Case> = files.iter().filter_map(case).collect();
     for case in &mut cases {
-        let own = ["a", "b"].map(|which| tool.file(&format!("{}.own.{which}.exr", case.name)));
-        case.take(tool, &own, OWN_SAMPLES)?;
-        case.own = Some(own);
+        let traced = tool.file(&format!("{}.traced.exr", case.name));
+        case.trace(tool, std::slice::from_ref(&traced), TRACED_SAMPLES)?;
+        case.traced = Some(traced);
     }
     Ok(cases)
 }

@@ -34,8 +34,8 @@ pub struct Measured {
     pub preset: String,
     pub report: Report,
     pub comparison: Comparison,
-    /// Against the project's own path tracer, where `comparison` is with another renderer.
-    pub own: Option<Comparison>,
+    /// Whether the scene is one that the project generates.
+    pub is_generated: bool,
 }
 
 /// The command `rebounce`, and a folder to work in.
@@ -102,12 +102,8 @@ impl Tool {
             panel.extend(["--panel".into(), shown.as_os_str().to_owned()]);
         }
         let [a, b] = &case.references;
-        let own = match &case.own {
-            Some([a, b]) => Some(self.compare(&picture, a, Some(b), &[])?),
-            None => None,
-        };
         Ok(Measured {
-            own,
+            is_generated: case.traced.is_none(),
             scene: case.name.clone(),
             preset: preset.to_owned(),
             report: serde_json::from_slice(&std::fs::read(&report)?).context("the bake's report")?,

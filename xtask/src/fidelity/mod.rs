@@ -56,7 +56,7 @@ pub fn run(args: &[String]) -> Result<()> {
     for case in &cases {
         for preset in &options.presets {
             // Pictures of scenes that are not the project's own stay out of its documentation.
-            let shown = if case.own.is_some() {
+            let shown = if case.traced.is_some() {
                 tool.file(&case.picture_name())
             } else {
                 pictures.join(case.picture_name())
@@ -64,9 +64,9 @@ pub fn run(args: &[String]) -> Result<()> {
             let shown = (Some(preset) == options.presets.last()).then_some(shown);
             page.scenes.push(tool.measure(case, preset, &[], shown.as_deref())?);
         }
-        if let Some([own, _]) = &case.own {
+        if let Some(traced) = &case.traced {
             let [a, b] = &case.references;
-            page.tracer.push((case.name.clone(), tool.compare(own, a, Some(b), &[])?));
+            page.tracer.push((case.name.clone(), tool.compare(traced, a, Some(b), &[])?));
         }
     }
     for preset in &options.presets {
