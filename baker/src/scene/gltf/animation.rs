@@ -1,10 +1,13 @@
 //! Keyframes of nodes and lights to keyframes of the scene's lights, in world space.
 
+use super::light;
 use super::node::{Placed, Pose, placement};
-use super::schema;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DMat4, DQuat};
+use gltf::json::accessor::Type;
+use gltf::json::animation::{Interpolation as Kind, Sampler};
+use gltf::json::validation::Checked;
 use rebounce_shared::rbn::LARGEST;
 use rebounce_shared::rbn::meta::{Animation, Interpolation, Property, Track};
 
@@ -21,29 +24,23 @@ struct Curve<const W: usize> {
     values: Vec<[f64; W]>,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Step,
-    Linear,
-    Spline,
-}
-
 impl<const W: usize> Curve<W> {
-    fn read(source: &Source, sampler: &schema::AnimationSampler, what: &str) -> Result<Self, SceneError> {
-        let kind = match sampler.interpolation.as_deref().unwrap_or("LINEAR") {
-            "STEP" => Kind::Step,
-            "LINEAR" => Kind::Linear,
-            "CUBICSPLINE" => Kind::Spline,
-            other => return Err(source.malformed(format!("{what} has the unknown interpolation {other:?}"))),
+    fn read(source: &Source, sampler: &Sampler, what: &str) -> Result<Self, SceneError> {
+        let kind = match sampler.interpolation {
+            Checked::Valid(kind) => kind,
+            Checked::Invalid => {
+                let known = "glTF has STEP, LINEAR and CUBICSPLINE";
+                return Err(source.malformed(format!("{what} has an unknown interpolation: {known}")));
+            }
         };
-        let times = source.read::<1>(sampler.input, "SCALAR", &format!("input of {what}"))?;
-        let shape = ["", "SCALAR", "VEC2", "VEC3", "VEC4"][W];
-        let values = source.read::<W>(sampler.output, shape, &format!("output of {what}"))?;
+        let times = source.read::<1>(sampler.input.value(), Type::Scalar, &format!("input of {what}"))?;
+        let shape = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][W - 1];
+        let values = source.read::<W>(sampler.output.value(), shape, &format!("output of {what}"))?;
         let times: Vec<f64> = times.into_iter().map(|[t]| t).collect();
         let largest = f64::from(LARGEST);
         let finite = times.iter().chain(values.iter().flatten()).all(|x| x.abs() < largest);
         let ordered = times.windows(2).all(|t| t[0] < t[1]) && times.first().is_some_and(|t| *t >= 0.0);
-        let each = if kind == Kind::Spline { 3 } else { 1 };
+        let each = if kind == Kind::CubicSpline { 3 } else { 1 };
         if !finite || !ordered || values.len() != each * times.len() {
             return Err(source.malformed(format!(
                 "{what} has keys that are out of order, missing, not finite or far too large"
@@ -54,7 +51,7 @@ impl<const W: usize> Curve<W> {
 
     /// The value at a time; before the first key the first, after the last the last (glTF 2.0, 3.11).
     fn at(&self, time: f64, between: impl Fn([f64; W], [f64; W], f64) -> [f64; W]) -> [f64; W] {
-        let value = |k: usize| self.values[if self.kind == Kind::Spline { 3 * k + 1 } else { k }];
+        let value = |k: usize| self.values[if self.kind == Kind::CubicSpline { 3 * k + 1 } else { k }];
         let next = self.times.partition_point(|&t| t <= time);
         if next == 0 || next == self.times.len() {
             return value(next.saturating_sub(1));
@@ -65,7 +62,7 @@ impl<const W: usize> Curve<W> {
             Kind::Step => value(k),
             Kind::Linear => between(value(k), value(next), s),
             // glTF 2.0, appendix C.5.
-            Kind::Spline => {
+            Kind::CubicSpline => {
                 let (leaving, arriving) = (self.values[3 * k + 2], self.values[3 * next]);
                 let (a, b) = (value(k), value(next));
                 let (s2, s3) = (s * s, s * s * s);
@@ -120,32 +117,30 @@ pub(super) fn animations(
     left_out: &mut Vec<String>,
 ) -> Result<Vec<Animation>, SceneError> {
     // Lights in the order in which the scene lists them: their nodes, and the glTF light.
-    let lights: Vec<(usize, usize)> = nodes
-        .iter()
-        .enumerate()
-        .filter_map(|(place, node)| {
-            Some((place, source.root.nodes[node.index].extensions.light.as_ref()?.light))
-        })
-        .collect();
+    let mut lights: Vec<(usize, usize)> = Vec::new();
+    for (place, node) in nodes.iter().enumerate() {
+        lights.extend(light::index(source, node.index)?.map(|light| (place, light)));
+    }
     let mut out = Vec::new();
     for (a, animation) in source.root.animations.iter().enumerate() {
-        let name = if animation.name.is_empty() { format!("animation {a}") } else { animation.name.clone() };
+        let name = animation.name.clone().filter(|name| !name.is_empty());
+        let name = name.unwrap_or_else(|| format!("animation {a}"));
         let mut motions: Vec<Motion> = nodes.iter().map(|_| Motion::default()).collect();
         let mut tracks = Vec::new();
-        for (c, channel) in animation.channels.iter().enumerate() {
+        let targets = source.exact.animations[a].channels.iter().map(|channel| &channel.target);
+        for (c, (channel, target)) in animation.channels.iter().zip(targets).enumerate() {
             let what = format!("channel {c} of {name:?}");
-            let sampler = animation.samplers.get(channel.sampler);
+            let sampler = animation.samplers.get(channel.sampler.value());
             let sampler = sampler.ok_or_else(|| source.malformed(format!("{what} has no sampler")))?;
-            if let Some(pointer) = &channel.target.extensions.pointer {
+            if let Some(pointer) = &target.extensions.pointer {
                 of_light(source, &pointer.pointer, sampler, &what, &lights, &mut tracks)?;
                 continue;
             }
-            let Some(place) = channel.target.node.and_then(|n| nodes.iter().position(|p| p.index == n))
-            else {
+            let Some(place) = target.node.and_then(|n| nodes.iter().position(|p| p.index == n)) else {
                 continue;
             };
             let motion = &mut motions[place];
-            match channel.target.path.as_str() {
+            match target.path.as_str() {
                 "translation" => motion.translation = Some(Curve::read(source, sampler, &what)?),
                 "rotation" => motion.rotation = Some(Curve::read(source, sampler, &what)?),
                 "scale" => motion.scale = Some(Curve::read(source, sampler, &what)?),
@@ -193,18 +188,15 @@ fn way(
         .iter()
         .map(|&time| {
             chain.iter().rev().fold(DMat4::IDENTITY, |parent, &p| {
-                let node = &source.root.nodes[nodes[p].index];
+                let rest = source.exact.nodes[nodes[p].index];
                 let still = motions[p].curves().next().is_none();
-                let local = match node.matrix {
-                    Some(matrix) if still => DMat4::from_cols_array(&matrix),
-                    _ => motions[p].pose(Pose::of(node), time).matrix(),
-                };
+                let local = if still { rest.local() } else { motions[p].pose(rest.pose(), time).matrix() };
                 parent * local
             })
         })
         .collect();
     let interpolation = if step { Interpolation::Step } else { Interpolation::Linear };
-    let kind = source.root.extensions.lights.lights.get(kind).map_or("", |l| l.kind.as_str());
+    let kind = source.lights.get(kind).map_or("", |l| l.kind.as_str());
     let track = |property, value: fn(&DMat4) -> [f64; 3]| {
         let values: Vec<f32> = worlds.iter().flat_map(|world| value(world).map(|x| x as f32)).collect();
         let moves = values.as_chunks::<3>().0.windows(2).any(|v| v[0] != v[1]);
@@ -221,7 +213,7 @@ fn way(
 fn of_light(
     source: &Source,
     pointer: &str,
-    sampler: &schema::AnimationSampler,
+    sampler: &Sampler,
     what: &str,
     lights: &[(usize, usize)],
     tracks: &mut Vec<Track>,
@@ -250,7 +242,7 @@ fn keys<const W: usize>(
     curve: &Curve<W>,
 ) -> (Property, Interpolation, Vec<f32>, Vec<f32>) {
     let mut times = curve.times.clone();
-    if curve.kind == Kind::Spline {
+    if curve.kind == Kind::CubicSpline {
         fill(&mut times);
     }
     // A spline may swing below zero, a light cannot.

@@ -1,24 +1,38 @@
 //! KHR_draco_mesh_compression: a primitive's numbers in one compressed piece.
 
 use super::accessor::value_of_normalized;
-use super::schema;
 use super::source::Source;
 use crate::scene::SceneError;
 use draco_core::{DataType, DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
+use gltf::json::accessor::ComponentType;
+use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// Bytes that one primitive may become: more than any exporter writes.
 const MOST_BYTES: u64 = 2 << 30;
 
-/// A decompressed primitive.
-pub(super) struct Decoded<'a> {
-    mesh: Mesh,
+/// The extension's name.
+pub(super) const NAME: &str = "KHR_draco_mesh_compression";
+
+/// A compressed primitive.
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Draco {
+    pub buffer_view: usize,
     /// Draco's own numbers of the attributes.
-    attributes: &'a std::collections::BTreeMap<String, u32>,
+    pub attributes: BTreeMap<String, u32>,
 }
 
-impl<'a> Decoded<'a> {
+/// A decompressed primitive.
+pub(super) struct Decoded {
+    mesh: Mesh,
+    /// Draco's own numbers of the attributes.
+    attributes: BTreeMap<String, u32>,
+}
+
+impl Decoded {
     /// Decompresses a primitive; `what` names it in errors.
-    pub fn new(source: &Source, packed: &'a schema::Draco, what: &str) -> Result<Self, SceneError> {
+    pub fn new(source: &Source, packed: Draco, what: &str) -> Result<Self, SceneError> {
         let bad = |problem: String| source.malformed(format!("{what} (compressed by Draco) {problem}"));
         let (bytes, _) = source.view(packed.buffer_view)?;
         let most = MOST_BYTES / 12;
@@ -28,7 +42,7 @@ impl<'a> Decoded<'a> {
         MeshDecoder::new()
             .decode(&mut buffer, &mut mesh)
             .map_err(|error| bad(format!("cannot be decompressed ({error})")))?;
-        Ok(Self { mesh, attributes: &packed.attributes })
+        Ok(Self { mesh, attributes: packed.attributes })
     }
 
     /// Vertices of the triangles, one after another.
@@ -48,12 +62,12 @@ impl<'a> Decoded<'a> {
             return None;
         }
         let kind = match attribute.data_type() {
-            DataType::Int8 => 5120,
-            DataType::Uint8 => 5121,
-            DataType::Int16 => 5122,
-            DataType::Uint16 => 5123,
-            DataType::Uint32 => 5125,
-            _ => 5126,
+            DataType::Int8 => ComponentType::I8,
+            DataType::Uint8 => ComponentType::U8,
+            DataType::Int16 => ComponentType::I16,
+            DataType::Uint16 => ComponentType::U16,
+            DataType::Uint32 => ComponentType::U32,
+            _ => ComponentType::F32,
         };
         let value = |x: f32| if normalized { value_of_normalized(x as f64, kind) } else { x as f64 };
         let numbers = attribute.read_f32s(self.mesh.num_points(), N);

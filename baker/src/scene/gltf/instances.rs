@@ -1,26 +1,36 @@
 //! Where a node's mesh stands: once, or at every place of EXT_mesh_gpu_instancing.
 
-use super::node::{Placed, Pose};
-use super::schema::Node;
+use super::node::{self, Placed, Pose};
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::DMat4;
+use gltf::json::accessor::Type;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Instances {
+    attributes: BTreeMap<String, usize>,
+}
 
 /// The world-space transforms of a node's mesh.
 pub(super) fn of(source: &Source, node: &Placed) -> Result<Vec<DMat4>, SceneError> {
-    let what = &source.root.nodes[node.index];
-    let Some(instances) = &what.extensions.instances else {
+    let of = &source.root.nodes[node.index];
+    let instances: Option<Instances> =
+        source.read_extension(of, &["EXT_mesh_gpu_instancing"], format_args!("node {}", node.index))?;
+    let Some(instances) = instances else {
         return Ok(vec![node.world]);
     };
-    let name = format!("the instances of node {} ({:?})", node.index, what.name);
+    let name = format!("the instances of {}", node::name(source, node.index));
     let attribute = |key: &str| instances.attributes.get(key).copied();
     let vectors = |key: &str| match attribute(key) {
-        Some(a) => source.read::<3>(a, "VEC3", &format!("{key} of {name}")).map(Some),
+        Some(a) => source.read::<3>(a, Type::Vec3, &format!("{key} of {name}")).map(Some),
         None => Ok(None),
     };
     let (translations, scales) = (vectors("TRANSLATION")?, vectors("SCALE")?);
     let rotations = match attribute("ROTATION") {
-        Some(a) => Some(source.read::<4>(a, "VEC4", &format!("ROTATION of {name}"))?),
+        Some(a) => Some(source.read::<4>(a, Type::Vec4, &format!("ROTATION of {name}"))?),
         None => None,
     };
     let counts = [
@@ -35,7 +45,7 @@ pub(super) fn of(source: &Source, node: &Placed) -> Result<Vec<DMat4>, SceneErro
     if counts.into_iter().flatten().any(|c| c != count) {
         return Err(source.malformed(format!("{name} have attributes of different lengths")));
     }
-    let rest = Pose::of(&Node::default());
+    let rest = Pose::default();
     let matrices = (0..count).map(|i| {
         let pose = Pose {
             translation: translations.as_ref().map_or(rest.translation, |t| t[i]),

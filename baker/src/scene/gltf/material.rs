@@ -1,21 +1,23 @@
 //! Materials and their textures. Only what the triangles use is kept and decoded.
 
 use super::picture::{check_sizes, image_index, picture, sampled};
-use super::schema;
 use super::source::Source;
+use super::texture_info::{TextureInfo, UvSource};
 use crate::scene::{Scene, SceneError};
-use glam::{DMat3, DVec3};
+use glam::DMat3;
+use gltf::json::material::AlphaMode;
+use gltf::json::validation::Checked;
 use rayon::prelude::*;
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
 
-/// How a material reads its texture coordinates.
-#[derive(Clone, Copy)]
-pub(super) struct UvSource {
-    /// Number of the TEXCOORD attribute.
-    pub set: usize,
-    /// From (u, v, 1) of the attribute.
-    pub matrix: DMat3,
+/// What a surface looks like, whichever way the file says it.
+struct Surface {
+    base_color: [f32; 4],
+    base_color_texture: Option<TextureInfo>,
+    metallic: f32,
+    roughness: f32,
+    metallic_roughness_texture: Option<TextureInfo>,
 }
 
 /// Collects the materials in the order of their first use.
@@ -60,59 +62,48 @@ impl<'a> Materials<'a> {
     fn convert(
         &mut self,
         index: usize,
-        m: &schema::Material,
+        m: &gltf::json::Material,
     ) -> Result<(Material, Option<UvSource>), SceneError> {
-        let converted;
-        let pbr = match &m.extensions.glossiness {
-            Some(old) if m.pbr_metallic_roughness.has_no_colour() => {
-                converted = old.as_metallic_roughness();
-                if old.specular_glossiness_texture.is_some() {
-                    let what = format!("the specular-glossiness texture of material {:?}", m.name);
-                    self.left_out.push(format!("{what}: its diffuse colour and its factors are taken"));
-                }
-                &converted
-            }
-            _ => &m.pbr_metallic_roughness,
-        };
+        let source = self.source;
+        let name = m.name.clone().unwrap_or_default();
+        let extensions = m.extensions.as_ref();
+        let pbr = self.surface(m, &name);
         let usable = |x: &f32| x.abs() < rbn::LARGEST;
-        let base_color = pbr.base_color_factor.unwrap_or([1.0; 4]);
-        let strength = m.extensions.emissive.as_ref().and_then(|e| e.emissive_strength).unwrap_or(1.0);
-        let emission = m.emissive_factor.map(|e| e * strength);
+        let base_color = pbr.base_color;
+        let strength = extensions.and_then(|e| e.emissive_strength.as_ref());
+        let strength = strength.map_or(1.0, |e| e.emissive_strength.0);
+        let emission = m.emissive_factor.0.map(|e| e * strength);
         if !base_color.iter().chain(&emission).all(usable) {
-            let problem =
-                format!("material {index} ({:?}) has a colour that is not finite, or far too large", m.name);
-            return Err(self.source.malformed(problem));
+            let problem = "has a colour that is not finite, or far too large";
+            return Err(source.malformed(format!("material {index} ({name:?}) {problem}")));
         }
-        let shine = [pbr.metallic_factor, pbr.roughness_factor].map(|factor| factor.unwrap_or(1.0));
-        let specular = m.extensions.specular.as_ref().and_then(|s| s.specular_factor).unwrap_or(1.0);
-        let normal_scale = m.normal_texture.as_ref().and_then(|t| t.scale).unwrap_or(1.0);
-        let cutoff = m.alpha_cutoff.unwrap_or(0.5);
+        let shine = [pbr.metallic, pbr.roughness];
+        let specular = extensions.and_then(|e| e.specular.as_ref());
+        let specular = specular.map_or(1.0, |s| s.specular_factor.0);
+        let normal_scale = m.normal_texture.as_ref().map_or(1.0, |t| t.scale);
+        let cutoff = m.alpha_cutoff.unwrap_or_default().0;
         if !shine.iter().chain([&specular, &normal_scale, &cutoff]).all(usable) {
-            let problem =
-                format!("material {index} ({:?}) has a factor that is not finite, or far too large", m.name);
-            return Err(self.source.malformed(problem));
+            let problem = "has a factor that is not finite, or far too large";
+            return Err(source.malformed(format!("material {index} ({name:?}) {problem}")));
         }
-        let base_color_texture =
-            pbr.base_color_texture.as_ref().map(|info| self.texture_index(info.index, false));
+        let read = |problem: String| source.malformed(format!("material {index} ({name:?}) {problem}"));
+        let normal = m.normal_texture.as_ref().map(TextureInfo::of_normals).transpose().map_err(read)?;
+        let emissive = m.emissive_texture.as_ref().map(TextureInfo::new);
+        let [base, shiny] = [pbr.base_color_texture, pbr.metallic_roughness_texture];
+        let base_color_texture = base.as_ref().map(|info| self.texture_index(info.index, false));
         // A vertex has one pair of coordinates: the first texture's.
-        let textures = [
-            &pbr.base_color_texture,
-            &m.normal_texture,
-            &pbr.metallic_roughness_texture,
-            &m.emissive_texture,
-        ];
-        let uv = textures.into_iter().flatten().next().map(uv_source);
-        let emission_texture = self.detail(&m.name, uv, m.emissive_texture.as_ref(), false);
-        let metallic_roughness_texture =
-            self.detail(&m.name, uv, pbr.metallic_roughness_texture.as_ref(), true);
-        let normal_texture = self.detail(&m.name, uv, m.normal_texture.as_ref(), true);
-        let alpha = match m.alpha_mode.as_deref().unwrap_or("OPAQUE") {
-            "MASK" => Alpha::Mask { cutoff },
-            "BLEND" => Alpha::Blend,
-            _ => Alpha::Opaque,
+        let uv = [&base, &normal, &shiny, &emissive].into_iter().flatten().next().map(TextureInfo::uv_source);
+        let emission_texture = self.detail(&name, uv, emissive.as_ref(), false);
+        let metallic_roughness_texture = self.detail(&name, uv, shiny.as_ref(), true);
+        let normal_texture = self.detail(&name, uv, normal.as_ref(), true);
+        let alpha = match m.alpha_mode {
+            Checked::Valid(AlphaMode::Mask) => Alpha::Mask { cutoff },
+            Checked::Valid(AlphaMode::Blend) => Alpha::Blend,
+            Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Alpha::Opaque,
         };
+        let is_unlit = extensions.is_some_and(|e| e.unlit.is_some());
         let material = Material {
-            name: m.name.clone(),
+            name,
             // An albedo over 1 would make energy out of nothing.
             base_color: base_color.map(|c| c.clamp(0.0, 1.0)),
             base_color_texture,
@@ -123,11 +114,41 @@ impl<'a> Materials<'a> {
             metallic: shine[0].clamp(0.0, 1.0),
             roughness: shine[1].clamp(0.0, 1.0),
             metallic_roughness_texture,
-            specular: if m.extensions.unlit.is_some() { 0.0 } else { specular.clamp(0.0, 1.0) },
+            specular: if is_unlit { 0.0 } else { specular.clamp(0.0, 1.0) },
             normal_texture,
             normal_scale,
         };
         Ok((material, uv))
+    }
+
+    /// The surface's colour and shine, which an older extension may say where nothing else does.
+    fn surface(&mut self, m: &gltf::json::Material, name: &str) -> Surface {
+        let pbr = &m.pbr_metallic_roughness;
+        let older = m.extensions.as_ref().and_then(|e| e.pbr_specular_glossiness.as_ref());
+        let has_colour = pbr.base_color_factor.0 != [1.0; 4] || pbr.base_color_texture.is_some();
+        match older.filter(|_| !has_colour) {
+            Some(older) => {
+                if older.specular_glossiness_texture.is_some() {
+                    let what = format!("the specular-glossiness texture of material {name:?}");
+                    self.left_out.push(format!("{what}: its diffuse colour and its factors are taken"));
+                }
+                // The diffuse colour is that of what is not metal.
+                Surface {
+                    base_color: older.diffuse_factor.0,
+                    base_color_texture: older.diffuse_texture.as_ref().map(TextureInfo::new),
+                    metallic: 0.0,
+                    roughness: 1.0 - older.glossiness_factor.0,
+                    metallic_roughness_texture: None,
+                }
+            }
+            None => Surface {
+                base_color: pbr.base_color_factor.0,
+                base_color_texture: pbr.base_color_texture.as_ref().map(TextureInfo::new),
+                metallic: pbr.metallic_factor.0,
+                roughness: pbr.roughness_factor.0,
+                metallic_roughness_texture: pbr.metallic_roughness_texture.as_ref().map(TextureInfo::new),
+            },
+        }
     }
 
     /// Our index for a glTF texture.
@@ -144,11 +165,11 @@ impl<'a> Materials<'a> {
         &mut self,
         material: &str,
         uv: Option<UvSource>,
-        info: Option<&schema::TextureInfo>,
+        info: Option<&TextureInfo>,
         data: bool,
     ) -> Option<DetailTexture> {
         let (info, uv) = (info?, uv?);
-        let own = uv_source(info);
+        let own = info.uv_source();
         if own.set != uv.set {
             self.left_out.push(format!(
                 "texture {} of material {material:?}: its coordinates are TEXCOORD_{}, those of the material's \
@@ -225,24 +246,5 @@ impl<'a> Materials<'a> {
         scene.materials = self.out;
         scene.left_out = self.left_out;
         Ok(())
-    }
-}
-
-/// The texture coordinates of KHR_texture_transform: scale, then rotate counter-clockwise as the
-/// picture is seen (v points down), then offset.
-fn uv_source(info: &schema::TextureInfo) -> UvSource {
-    let Some(t) = &info.extensions.transform else {
-        return UvSource { set: info.tex_coord, matrix: DMat3::IDENTITY };
-    };
-    let (sin, cos) = (t.rotation as f64).sin_cos();
-    let [sx, sy] = t.scale.unwrap_or([1.0; 2]).map(f64::from);
-    let [x, y] = t.offset.map(f64::from);
-    UvSource {
-        set: t.tex_coord.unwrap_or(info.tex_coord),
-        matrix: DMat3::from_cols(
-            DVec3::new(cos * sx, -sin * sx, 0.0),
-            DVec3::new(sin * sy, cos * sy, 0.0),
-            DVec3::new(x, y, 1.0),
-        ),
     }
 }

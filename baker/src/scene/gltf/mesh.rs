@@ -2,10 +2,12 @@
 
 use super::material::Materials;
 use super::primitive::Numbers;
-use super::schema::Primitive;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DVec2, DVec3, Vec2, Vec4};
+use gltf::json::accessor::Type;
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
 use rebounce_shared::rbn::LARGEST;
 
 /// A primitive's triangles in its mesh's space.
@@ -25,8 +27,8 @@ pub(super) struct Part {
 
 /// What errors call a mesh.
 pub(super) fn name(source: &Source, index: usize) -> String {
-    let name = source.root.meshes.get(index).map_or("", |mesh| mesh.name.as_str());
-    format!("mesh {index} ({name:?})")
+    let name = source.root.meshes.get(index).and_then(|mesh| mesh.name.as_deref());
+    format!("mesh {index} ({:?})", name.unwrap_or_default())
 }
 
 /// The parts of mesh `index`. Points and lines are left out, and so noted; a skinned or morphed mesh is taken as it
@@ -43,10 +45,14 @@ pub(super) fn read(
     let mut thin = 0;
     for (p, primitive) in mesh.primitives.iter().enumerate() {
         let what = format!("{}, primitive {p}", name(source, index));
-        match primitive.mode.unwrap_or(4) {
-            4..=6 => parts.extend(part(source, primitive, what, materials, left_out)?),
-            0..=3 => thin += 1,
-            mode => return Err(source.malformed(format!("{what} has the unknown mode {mode}"))),
+        match primitive.mode {
+            Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => {
+                parts.extend(part(source, primitive, what, materials, left_out)?);
+            }
+            Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => thin += 1,
+            Checked::Invalid => {
+                return Err(source.malformed(format!("{what} has an unknown mode: glTF has 0 to 6")));
+            }
         }
     }
     if thin > 0 {
@@ -63,7 +69,7 @@ fn part(
     left_out: &mut Vec<String>,
 ) -> Result<Option<Part>, SceneError> {
     let numbers = Numbers::new(source, primitive, &what)?;
-    let Some(positions) = numbers.read::<3>("POSITION", "VEC3")? else {
+    let Some(positions) = numbers.read::<3>(&Semantic::Positions, Type::Vec3)? else {
         left_out.push(format!("{what}: it has no positions"));
         return Ok(None);
     };
@@ -72,14 +78,14 @@ fn part(
     }
     let count = positions.len();
     let mut unusable = 0;
-    let normals = numbers.read::<3>("NORMAL", "VEC3")?;
+    let normals = numbers.read::<3>(&Semantic::Normals, Type::Vec3)?;
     let normals: Option<Vec<DVec3>> = normals.map(|normals| {
         let finite = |n: [f64; 3]| Some(DVec3::from(n)).filter(|n| n.is_finite());
         normals.into_iter().map(|n| finite(n).unwrap_or_else(|| counted(&mut unusable))).collect()
     });
-    let (material, uv_source) = materials.index(primitive.material)?;
+    let (material, uv_source) = materials.index(primitive.material.map(|m| m.value()))?;
     let uvs = match uv_source {
-        Some(u) => numbers.read::<2>(&format!("TEXCOORD_{}", u.set), "VEC2")?.map(|uvs| (u, uvs)),
+        Some(u) => numbers.read::<2>(&Semantic::TexCoords(u.set), Type::Vec2)?.map(|uvs| (u, uvs)),
         None => None,
     };
     let uvs: Vec<Vec2> = match uvs {
@@ -117,11 +123,11 @@ fn counted<T: Default>(count: &mut usize) -> T {
 
 /// The vertices' colours, where they are not all white.
 fn colors(numbers: &Numbers, unusable: &mut usize) -> Result<Option<Vec<Vec4>>, SceneError> {
-    let read = if numbers.is("COLOR_0", "VEC3") {
+    let read = if numbers.is(&Semantic::Colors(0), Type::Vec3) {
         let opaque = |rgb: Vec<[f64; 3]>| rgb.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
-        numbers.read::<3>("COLOR_0", "VEC3")?.map(opaque)
+        numbers.read::<3>(&Semantic::Colors(0), Type::Vec3)?.map(opaque)
     } else {
-        numbers.read::<4>("COLOR_0", "VEC4")?
+        numbers.read::<4>(&Semantic::Colors(0), Type::Vec4)?
     };
     let Some(read) = read else {
         return Ok(None);

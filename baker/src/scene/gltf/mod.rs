@@ -1,17 +1,21 @@
 //! glTF 2.0 to [`Scene`].
 //!
-//! * `schema` – the JSON; `container`, `source` – the bytes; `accessor` – the numbers;
+//! * `document`, `exact`, `repair` – the JSON, as the `gltf` crate has it and what it has not; `container`, `source` –
+//!   the bytes; `accessor` – the numbers;
 //! * `meshopt`, `draco` – compressed numbers; `extensions` – what is refused;
-//! * `material` – materials and textures; `picture` – which image of a texture is taken;
+//! * `material`, `texture_info` – materials and textures; `picture` – which image of a texture is taken;
 //! * `primitive`, `mesh` – triangles in their own space; `instances`, `place` – in the world;
-//! * `node` – transforms, lights and cameras; `animation` – how lights move.
+//! * `node` – transforms and cameras; `light` – lights; `animation` – how lights move.
 
 mod accessor;
 mod animation;
 mod container;
+mod document;
 mod draco;
+mod exact;
 mod extensions;
 mod instances;
+mod light;
 mod material;
 mod mesh;
 mod meshopt;
@@ -19,8 +23,9 @@ mod node;
 mod picture;
 mod place;
 mod primitive;
-mod schema;
+mod repair;
 mod source;
+mod texture_info;
 
 use super::{Scene, SceneError, WorldMesh};
 use glam::DMat4;
@@ -87,7 +92,7 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
         return Err(source.malformed(problem));
     }
     for node in &nodes {
-        scene.lights.extend(node::light(source, node)?);
+        scene.lights.extend(light::of(source, node)?);
         scene.cameras.extend(node::camera(source, node, scene.origin, size)?);
     }
     scene.animations = animation::animations(source, &nodes, &mut scene.left_out)?;
@@ -109,6 +114,7 @@ fn place_all(
     let mut count = 0;
     for node in nodes {
         let Some(index) = source.root.nodes[node.index].mesh else { continue };
+        let index = index.value();
         let more = instances::of(source, node)?;
         count += more.len();
         if count > MOST_PLACES {

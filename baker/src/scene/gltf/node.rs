@@ -1,11 +1,11 @@
-//! The node tree: transforms, lights, cameras.
+//! The node tree: transforms, cameras.
 
-use super::schema::Node;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DMat4, DQuat, DVec3};
+use gltf::json::{Index, Node};
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::Light;
+use serde::Deserialize;
 
 /// A node of the scene with its transform to world space.
 pub(super) struct Placed {
@@ -18,11 +18,11 @@ pub(super) struct Placed {
 /// All visible nodes of the file's scene, parents before children.
 pub(super) fn flatten(source: &Source) -> Result<Vec<Placed>, SceneError> {
     let root = &source.root;
-    let roots: Vec<usize> = match root.scenes.get(root.scene.unwrap_or(0)) {
-        Some(scene) => scene.nodes.clone(),
+    let roots: Vec<usize> = match root.scenes.get(root.scene.map_or(0, |scene| scene.value())) {
+        Some(scene) => scene.nodes.iter().map(Index::value).collect(),
         None => {
             let mut is_child = vec![false; root.nodes.len()];
-            for &child in root.nodes.iter().flat_map(|n| &n.children) {
+            for child in root.nodes.iter().flat_map(children) {
                 if let Some(slot) = is_child.get_mut(child) {
                     *slot = true;
                 }
@@ -37,26 +37,48 @@ pub(super) fn flatten(source: &Source) -> Result<Vec<Placed>, SceneError> {
         let node =
             root.nodes.get(index).ok_or_else(|| source.malformed(format!("there is no node {index}")))?;
         if std::mem::replace(&mut seen[index], true) {
-            let problem = format!("node {index} ({:?}) has two parents or is its own ancestor", node.name);
+            let problem = format!("{} has two parents or is its own ancestor", name(source, index));
             return Err(source.malformed(problem));
         }
-        if !node.extensions.visibility.visible {
+        let visibility: Option<Visibility> =
+            source.read_extension(node, &["KHR_node_visibility"], format_args!("node {index}"))?;
+        if visibility.is_some_and(|v| !v.visible) {
             continue;
         }
-        let world = parent.map_or(DMat4::IDENTITY, |p: usize| out[p].world) * local_matrix(node);
+        let local = source.exact.nodes.get(index).copied().unwrap_or_default().local();
+        let world = parent.map_or(DMat4::IDENTITY, |p: usize| out[p].world) * local;
         if !world.is_finite() {
-            return Err(source
-                .malformed(format!("node {index} ({:?}) has a transform that is not finite", node.name)));
+            let problem = format!("{} has a transform that is not finite", name(source, index));
+            return Err(source.malformed(problem));
         }
         let place = Some(out.len());
-        stack.extend(node.children.iter().rev().map(|&child| (child, place)));
+        stack.extend(children(node).rev().map(|child| (child, place)));
         out.push(Placed { index, parent, world });
     }
     Ok(out)
 }
 
-fn local_matrix(node: &Node) -> DMat4 {
-    node.matrix.map_or_else(|| Pose::of(node).matrix(), |m| DMat4::from_cols_array(&m))
+/// What errors call a node.
+pub(super) fn name(source: &Source, index: usize) -> String {
+    let name = source.root.nodes.get(index).and_then(|node| node.name.as_deref());
+    format!("node {index} ({:?})", name.unwrap_or_default())
+}
+
+fn children(node: &Node) -> impl DoubleEndedIterator<Item = usize> {
+    node.children.iter().flatten().map(Index::value)
+}
+
+/// KHR_node_visibility.
+#[derive(Deserialize)]
+#[serde(default)]
+struct Visibility {
+    visible: bool,
+}
+
+impl Default for Visibility {
+    fn default() -> Self {
+        Self { visible: true }
+    }
 }
 
 /// A node's transform in parts; each of them may be animated.
@@ -67,16 +89,13 @@ pub(super) struct Pose {
     pub scale: [f64; 3],
 }
 
-impl Pose {
-    /// As the file has it.
-    pub fn of(node: &Node) -> Self {
-        Self {
-            translation: node.translation.unwrap_or([0.0; 3]),
-            rotation: node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
-            scale: node.scale.unwrap_or([1.0; 3]),
-        }
+impl Default for Pose {
+    fn default() -> Self {
+        Self { translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] }
     }
+}
 
+impl Pose {
     pub fn matrix(&self) -> DMat4 {
         let rotation = DQuat::from_array(self.rotation);
         let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
@@ -86,40 +105,6 @@ impl Pose {
             DVec3::from(self.translation),
         )
     }
-}
-
-/// The node's KHR_lights_punctual light.
-pub(super) fn light(source: &Source, node: &Placed) -> Result<Option<Light>, SceneError> {
-    let Some(reference) = &source.root.nodes[node.index].extensions.light else {
-        return Ok(None);
-    };
-    let lights = &source.root.extensions.lights.lights;
-    let light = lights
-        .get(reference.light)
-        .ok_or_else(|| source.malformed(format!("there is no light {}", reference.light)))?;
-    let (position, direction) = placement(&node.world);
-    let (color, intensity) = (light.color, light.intensity);
-    let light = match light.kind.as_str() {
-        "point" => Light::Point { position, intensity, color },
-        "directional" => Light::Directional { direction, intensity, color },
-        "spot" => Light::Spot {
-            position,
-            direction,
-            outer_cone_deg: light.spot.outer_cone_angle.to_degrees(),
-            inner_cone_deg: Some(light.spot.inner_cone_angle.to_degrees()),
-            intensity,
-            color,
-        },
-        other => {
-            let problem = format!("light {} is of the unknown type {other:?}", reference.light);
-            return Err(source.malformed(problem));
-        }
-    };
-    if light.is_usable() {
-        return Ok(Some(light));
-    }
-    let problem = "has a place, cone or intensity that is not finite, or far too large";
-    Err(source.malformed(format!("light {} {problem}", reference.light)))
 }
 
 /// Position and direction of a light or camera with this transform.
@@ -139,11 +124,9 @@ pub(super) fn camera(
     let Some(index) = source.root.nodes[node.index].camera else {
         return Ok(None);
     };
-    let camera = source
-        .root
-        .cameras
-        .get(index)
-        .ok_or_else(|| source.malformed(format!("there is no camera {index}")))?;
+    let index = index.value();
+    let camera = source.exact.cameras.get(index);
+    let camera = camera.ok_or_else(|| source.malformed(format!("there is no camera {index}")))?;
     let position = node.world.w_axis.truncate();
     let forward = (-node.world.z_axis.truncate()).try_normalize().unwrap_or(DVec3::NEG_Z);
     let up = node.world.y_axis.truncate().try_normalize().unwrap_or(DVec3::Y);

@@ -1,17 +1,37 @@
 //! Which image of a texture is taken, its bytes, and its sampler.
 
-use super::schema::Image;
 use super::source::Source;
 use crate::scene::texture::{check_together, texels_said};
 use crate::scene::{SceneError, Texture};
+use gltf::json::Image;
+use gltf::json::texture::{MagFilter, WrappingMode};
+use gltf::json::validation::Checked;
 use rebounce_shared::rbn::meta::{self, Wrap};
+use serde::Deserialize;
+
+/// The extensions of pictures besides PNG and JPEG.
+const OTHERS: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
+/// What a texture without a PNG or JPEG has in the crate's document.
+const NONE: usize = u32::MAX as usize;
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Other {
+    source: Option<usize>,
+}
 
 /// The image of a texture: PNG or JPEG where there is one, else WebP, else Basis Universal.
 pub(super) fn image_index(source: &Source, texture: usize) -> Result<usize, SceneError> {
     let known = source.root.textures.get(texture);
     let known = known.ok_or_else(|| source.malformed(format!("there is no texture {texture}")))?;
-    let others = [&known.extensions.webp, &known.extensions.basisu];
-    let image = known.source.or_else(|| others.into_iter().flatten().find_map(|other| other.source));
+    let mut image = Some(known.source.value()).filter(|image| *image != NONE);
+    for name in OTHERS {
+        if image.is_none() {
+            let other: Option<Other> =
+                source.read_extension(known, &[name], format_args!("texture {texture}"))?;
+            image = other.and_then(|other| other.source);
+        }
+    }
     image.ok_or_else(|| SceneError::Texture {
         file: source.file.clone(),
         texture: texture.to_string(),
@@ -25,7 +45,7 @@ fn image(source: &Source, index: usize) -> Result<(&Image, Vec<u8>), SceneError>
     let image = image.ok_or_else(|| source.malformed(format!("there is no image {index}")))?;
     let bytes = match (&image.uri, image.buffer_view) {
         (Some(uri), _) => source.uri(uri)?,
-        (None, Some(view)) => source.view(view)?.0.to_vec(),
+        (None, Some(view)) => source.view(view.value())?.0.to_vec(),
         (None, None) => return Err(source.malformed(format!("image {index} has no data"))),
     };
     Ok((image, bytes))
@@ -47,7 +67,7 @@ pub(super) fn check_sizes(source: &Source, images: &[(usize, bool)]) -> Result<(
 pub(super) fn picture(source: &Source, index: usize, decoded: bool) -> Result<Texture, SceneError> {
     let (image, bytes) = image(source, index)?;
     let file_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")).unwrap_or("");
-    let name = [&image.name, file_name].into_iter().find(|n| !n.is_empty());
+    let name = [image.name.as_deref().unwrap_or_default(), file_name].into_iter().find(|n| !n.is_empty());
     let name = name.map_or_else(|| index.to_string(), str::to_owned);
     Texture::new(&source.file, meta::Texture { name, ..meta::Texture::default() }, bytes, decoded)
 }
@@ -55,19 +75,19 @@ pub(super) fn picture(source: &Source, index: usize, decoded: bool) -> Result<Te
 /// A texture: its picture with its sampler. The index has been checked.
 pub(super) fn sampled(source: &Source, index: usize, data: bool, picture: &Texture) -> Texture {
     let texture = &source.root.textures[index];
-    let sampler = texture.sampler.and_then(|s| source.root.samplers.get(s));
-    let wrap = |code: Option<u32>| match code {
-        Some(33071) => Wrap::ClampToEdge,
-        Some(33648) => Wrap::MirroredRepeat,
+    let sampler = texture.sampler.and_then(|s| source.root.samplers.get(s.value()));
+    let wrap = |mode: Option<Checked<WrappingMode>>| match mode {
+        Some(Checked::Valid(WrappingMode::ClampToEdge)) => Wrap::ClampToEdge,
+        Some(Checked::Valid(WrappingMode::MirroredRepeat)) => Wrap::MirroredRepeat,
         _ => Wrap::Repeat,
     };
     let mut out = picture.clone();
-    if !texture.name.is_empty() {
-        out.meta.name = texture.name.clone();
+    if let Some(name) = texture.name.as_ref().filter(|name| !name.is_empty()) {
+        out.meta.name = name.clone();
     }
-    out.meta.wrap_u = wrap(sampler.and_then(|s| s.wrap_s));
-    out.meta.wrap_v = wrap(sampler.and_then(|s| s.wrap_t));
+    out.meta.wrap_u = wrap(sampler.map(|s| s.wrap_s));
+    out.meta.wrap_v = wrap(sampler.map(|s| s.wrap_t));
     out.meta.data = data;
-    out.meta.linear_filter = sampler.and_then(|s| s.mag_filter) != Some(9728);
+    out.meta.linear_filter = sampler.and_then(|s| s.mag_filter) != Some(Checked::Valid(MagFilter::Nearest));
     out
 }

@@ -1,10 +1,16 @@
 //! The bytes of a glTF file: buffers, their views, data URIs and files beside it.
 
 use super::container::{base64_decoded, percent_decoded, split_glb};
-use super::meshopt;
-use super::schema::Root;
+use super::document::{Document, Extensible};
+use super::exact::Exact;
+use super::light::{self, PunctualLight};
+use super::meshopt::{self, Meshopt};
 use crate::scene::SceneError;
+use gltf::json::Root;
+use gltf::json::validation::USize64;
 use rebounce_shared::rbn::container::MAGIC;
+use serde::de::DeserializeOwned;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -14,6 +20,10 @@ pub(super) struct Source {
     pub file: String,
     dir: PathBuf,
     pub root: Root,
+    /// What `root` rounds or cannot hold.
+    pub exact: Exact,
+    /// Of KHR_lights_punctual.
+    pub lights: Vec<PunctualLight>,
     /// A buffer that only stands for decompressed bytes has none.
     buffers: Vec<Vec<u8>>,
     /// By buffer view; the compressed ones, as soon as something reads them.
@@ -41,17 +51,17 @@ impl Source {
             // A byte-order mark is not JSON, but some exporters write one.
             (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
         };
-        let root: Root = serde_json::from_slice(json).map_err(|e| not_gltf(e.to_string()))?;
-        if !root.asset.version.starts_with("2.") {
-            return Err(not_gltf(format!("its asset version is {:?}", root.asset.version)));
-        }
+        let Document { root, exact } = Document::parse(json).map_err(not_gltf)?;
         super::extensions::check(&file, &root.extensions_required)?;
         let unpacked = root.buffer_views.iter().map(|_| OnceLock::new()).collect();
-        let mut source = Self { file, dir, root, buffers: Vec::new(), unpacked };
+        let (lights, buffers) = (Vec::new(), Vec::new());
+        let mut source = Self { file, dir, root, exact, lights, buffers, unpacked };
+        source.lights = light::all(&source)?;
         for i in 0..source.root.buffers.len() {
             let buffer = &source.root.buffers[i];
-            let meshopt = &buffer.extensions;
-            if meshopt.meshopt.fallback || meshopt.meshopt_before_khronos.fallback {
+            let meshopt: Option<meshopt::Fallback> =
+                source.read_extension(buffer, &meshopt::NAMES, format_args!("buffer {i}"))?;
+            if meshopt.is_some_and(|m| m.fallback) {
                 // It stands for what is compressed elsewhere.
                 source.buffers.push(Vec::new());
                 continue;
@@ -61,9 +71,9 @@ impl Source {
                 (None, Some(chunk)) if i == 0 => chunk.to_vec(),
                 _ => return Err(source.malformed(format!("buffer {i} has no data"))),
             };
-            if bytes.len() < buffer.byte_length {
+            if bytes.len() < length(buffer.byte_length) {
                 let problem =
-                    format!("buffer {i} should have {} bytes, has {}", buffer.byte_length, bytes.len());
+                    format!("buffer {i} should have {} bytes, has {}", buffer.byte_length.0, bytes.len());
                 return Err(source.malformed(problem));
             }
             source.buffers.push(bytes);
@@ -115,16 +125,19 @@ impl Source {
         let view = self.root.buffer_views.get(index);
         let view = view.ok_or_else(|| self.malformed(format!("there is no buffer view {index}")))?;
         let outside = || bad("lies outside its buffer");
-        let meshopt = &view.extensions;
-        let Some(packed) = meshopt.meshopt.as_ref().or(meshopt.meshopt_before_khronos.as_ref()) else {
-            let bytes = self.slice(view.buffer, view.byte_offset, view.byte_length).ok_or_else(outside)?;
-            return Ok((bytes, view.byte_stride));
+        let packed: Option<Meshopt> =
+            self.read_extension(view, &meshopt::NAMES, format_args!("buffer view {index}"))?;
+        let Some(packed) = packed else {
+            let (buffer, from, len) =
+                (view.buffer.value(), offset(view.byte_offset), length(view.byte_length));
+            let bytes = self.slice(buffer, from, len).ok_or_else(outside)?;
+            return Ok((bytes, view.byte_stride.map(|stride| stride.0)));
         };
         let cell = &self.unpacked[index];
         if cell.get().is_none() {
             let bytes =
                 self.slice(packed.buffer, packed.byte_offset, packed.byte_length).ok_or_else(outside)?;
-            let bytes = meshopt::decode(packed, bytes)
+            let bytes = meshopt::decode(&packed, bytes)
                 .map_err(|problem| bad(&format!("(compressed by meshopt) {problem}")))?;
             cell.get_or_init(|| bytes);
         }
@@ -132,7 +145,30 @@ impl Source {
         Ok((cell.get().map_or(&[], Vec::as_slice), stride))
     }
 
+    /// The first of these extensions that a part of the file has; `what` names the part in errors.
+    pub fn read_extension<T: DeserializeOwned>(
+        &self,
+        of: &impl Extensible,
+        names: &[&str],
+        what: impl Display,
+    ) -> Result<Option<T>, SceneError> {
+        let read = names.iter().map(|name| of.extension(name));
+        let found = read.collect::<Result<Vec<_>, _>>();
+        let found = found.map_err(|problem| self.malformed(format!("{what} {problem}")))?;
+        Ok(found.into_iter().flatten().next())
+    }
+
     fn slice(&self, buffer: usize, offset: usize, len: usize) -> Option<&[u8]> {
         self.buffers.get(buffer)?.get(offset..offset.checked_add(len)?)
     }
+}
+
+/// A count or a length as this machine has them; one that it cannot have is one that nothing is long enough for.
+pub(super) fn length(size: USize64) -> usize {
+    usize::try_from(size.0).unwrap_or(usize::MAX)
+}
+
+/// The same of an offset, which is zero where none is given.
+pub(super) fn offset(size: Option<USize64>) -> usize {
+    size.map_or(0, length)
 }

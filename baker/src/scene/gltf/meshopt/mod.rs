@@ -13,7 +13,30 @@ mod indices;
 #[cfg(test)]
 mod known;
 
-use super::schema::Meshopt;
+use serde::Deserialize;
+
+/// The extension's names: Khronos', and the one before it.
+pub(super) const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
+
+/// A packed buffer view.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Meshopt {
+    pub buffer: usize,
+    pub byte_offset: usize,
+    pub byte_length: usize,
+    pub byte_stride: usize,
+    pub count: usize,
+    pub mode: String,
+    pub filter: Option<String>,
+}
+
+/// A buffer that stands for decompressed bytes may have no data.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Fallback {
+    pub fallback: bool,
+}
 
 /// The bytes of a packed buffer view, `count` elements of `byte_stride` bytes; an error says what is wrong with it.
 pub(super) fn decode(view: &Meshopt, packed: &[u8]) -> Result<Vec<u8>, String> {

@@ -1,0 +1,97 @@
+//! What the `gltf` crate's document rounds or cannot hold, read from the same JSON: transforms and fields of view in 64
+//! bits, and what animations move.
+
+use super::node::Pose;
+use glam::DMat4;
+use serde::Deserialize;
+
+/// Parts of the document, in the file's order.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Exact {
+    pub nodes: Vec<Transform>,
+    pub cameras: Vec<Camera>,
+    pub animations: Vec<Animation>,
+}
+
+/// A node's transform: a matrix or its parts.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Transform {
+    pub matrix: Option<[f64; 16]>,
+    translation: Option<[f64; 3]>,
+    rotation: Option<[f64; 4]>,
+    scale: Option<[f64; 3]>,
+}
+
+impl Transform {
+    /// Its parts, as far as the file gives them.
+    pub fn pose(&self) -> Pose {
+        let rest = Pose::default();
+        Pose {
+            translation: self.translation.unwrap_or(rest.translation),
+            rotation: self.rotation.unwrap_or(rest.rotation),
+            scale: self.scale.unwrap_or(rest.scale),
+        }
+    }
+
+    /// From the node's space to its parent's.
+    pub fn local(&self) -> DMat4 {
+        self.matrix.map_or_else(|| self.pose().matrix(), |m| DMat4::from_cols_array(&m))
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Camera {
+    pub perspective: Option<Perspective>,
+    pub orthographic: Option<Orthographic>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Perspective {
+    /// Radians.
+    pub yfov: f64,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Orthographic {
+    /// Half the height of the view, scene units.
+    pub ymag: f64,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Animation {
+    pub channels: Vec<Channel>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Channel {
+    pub target: Target,
+}
+
+/// What a channel moves: a part of a node's transform, or whatever a pointer names.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Target {
+    pub node: Option<usize>,
+    pub path: String,
+    pub extensions: TargetExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct TargetExtensions {
+    #[serde(rename = "KHR_animation_pointer")]
+    pub pointer: Option<Pointer>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Pointer {
+    pub pointer: String,
+}
