@@ -2,6 +2,7 @@
 
 use super::material::Materials;
 use super::primitive::Numbers;
+use super::rest::Rest;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DVec2, DVec3, Vec2, Vec4};
@@ -31,11 +32,11 @@ pub(super) fn name(source: &Source, index: usize) -> String {
     format!("mesh {index} ({:?})", name.unwrap_or_default())
 }
 
-/// The parts of mesh `index`. Points and lines are left out, and so noted; a skinned or morphed mesh is taken as it
-/// rests.
+/// The parts of mesh `index`, deformed. Points and lines are left out, and so noted.
 pub(super) fn read(
     source: &Source,
     index: usize,
+    rest: &Rest,
     materials: &mut Materials,
     left_out: &mut Vec<String>,
 ) -> Result<Vec<Part>, SceneError> {
@@ -47,7 +48,7 @@ pub(super) fn read(
         let what = format!("{}, primitive {p}", name(source, index));
         match primitive.mode {
             Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => {
-                parts.extend(part(source, primitive, what, materials, left_out)?);
+                parts.extend(part(source, primitive, what, rest, materials, left_out)?);
             }
             Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => thin += 1,
             Checked::Invalid => {
@@ -65,6 +66,7 @@ fn part(
     source: &Source,
     primitive: &Primitive,
     what: String,
+    rest: &Rest,
     materials: &mut Materials,
     left_out: &mut Vec<String>,
 ) -> Result<Option<Part>, SceneError> {
@@ -79,7 +81,7 @@ fn part(
     let count = positions.len();
     let mut unusable = 0;
     let normals = numbers.read::<3>(&Semantic::Normals, Type::Vec3)?;
-    let normals: Option<Vec<DVec3>> = normals.map(|normals| {
+    let mut normals: Option<Vec<DVec3>> = normals.map(|normals| {
         let finite = |n: [f64; 3]| Some(DVec3::from(n)).filter(|n| n.is_finite());
         normals.into_iter().map(|n| finite(n).unwrap_or_else(|| counted(&mut unusable))).collect()
     });
@@ -110,8 +112,11 @@ fn part(
             "{unusable} normals, texture coordinates or colours of {what}: they are not finite numbers"
         ));
     }
-    let triangles = numbers.triangles(count)?;
-    let positions = positions.into_iter().map(DVec3::from).collect();
+    let mut triangles = numbers.triangles(count)?;
+    let mut positions: Vec<DVec3> = positions.into_iter().map(DVec3::from).collect();
+    if rest.apply(source, primitive, &numbers, &mut positions, normals.as_deref_mut())? {
+        triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
     Ok(Some(Part { what, positions, normals, uvs, colors, triangles, material }))
 }
 

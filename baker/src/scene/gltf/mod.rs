@@ -4,7 +4,8 @@
 //!   the bytes; `accessor` – the numbers;
 //! * `meshopt`, `draco` – compressed numbers; `extensions` – what is refused;
 //! * `material`, `texture_info` – materials and textures; `picture` – which image of a texture is taken;
-//! * `primitive`, `mesh` – triangles in their own space; `instances`, `place` – in the world;
+//! * `primitive`, `mesh` – triangles in their own space; `rest` – morph targets and skins;
+//! * `instances`, `place` – in the world;
 //! * `node` – transforms and cameras; `light` – lights; `animation` – how lights move.
 
 mod accessor;
@@ -24,6 +25,7 @@ mod picture;
 mod place;
 mod primitive;
 mod repair;
+mod rest;
 mod source;
 mod texture_info;
 
@@ -32,6 +34,7 @@ use glam::DMat4;
 use mesh::Part;
 use place::Seen;
 use rebounce_shared::rbn::{MAX_COPIES, MAX_TRIANGLES};
+use rest::Rest;
 use source::Source;
 use std::collections::BTreeMap;
 use std::iter::Zip;
@@ -99,8 +102,11 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-/// Places all meshes, in the order of the nodes. A mesh is read once and kept as long as nodes will need it; one that stands
-/// in many places becomes a model.
+/// What is placed: a mesh, and the node that deforms it where one does.
+type Shape = (usize, Option<usize>);
+
+/// Places all meshes, in the order of the nodes. A mesh is read once for each way in which nodes deform it, and kept as long
+/// as nodes will need it; one that stands in many places becomes a model.
 fn place_all(
     source: &Source,
     nodes: &[node::Placed],
@@ -108,31 +114,45 @@ fn place_all(
     out: &mut WorldMesh,
     left_out: &mut Vec<String>,
 ) -> Result<BTreeMap<usize, Seen>, SceneError> {
-    let mut places: BTreeMap<usize, Vec<DMat4>> = BTreeMap::new();
-    // The mesh of each node that has one, and how many places it adds.
-    let mut placed: Vec<(usize, usize)> = Vec::new();
+    let mut places: BTreeMap<Shape, Vec<DMat4>> = BTreeMap::new();
+    let mut rests: BTreeMap<usize, Rest> = BTreeMap::new();
+    // The shape of each node that has one, and how many places it adds.
+    let mut placed: Vec<(Shape, usize)> = Vec::new();
     let mut count = 0;
     for node in nodes {
         let Some(index) = source.root.nodes[node.index].mesh else { continue };
         let index = index.value();
-        let more = instances::of(source, node)?;
+        let mut more = instances::of(source, node)?;
+        let rest = Rest::of_node(source, node.index, index, node.world)?;
+        if rest.as_ref().is_some_and(Rest::is_skinned) {
+            if more.len() > 1 {
+                let problem = "it has a skin, whose joints place it once";
+                left_out.push(format!("{} instances of node {}: {problem}", more.len() - 1, node.index));
+            }
+            more = vec![DMat4::IDENTITY];
+        }
         count += more.len();
         if count > MOST_PLACES {
             let (file, what) = (source.file.clone(), "places of meshes");
             return Err(SceneError::TooLarge { file, what, count, limit: MOST_PLACES });
         }
-        placed.push((index, more.len()));
-        places.entry(index).or_default().extend(more);
+        let shape = (index, rest.is_some().then_some(node.index));
+        rests.extend(rest.map(|rest| (node.index, rest)));
+        placed.push((shape, more.len()));
+        places.entry(shape).or_default().extend(more);
     }
-    let mut known: BTreeMap<usize, (Vec<Part>, Alone)> = BTreeMap::new();
+    let mut known: BTreeMap<Shape, (Vec<Part>, Alone)> = BTreeMap::new();
     let mut seen: BTreeMap<usize, Seen> = BTreeMap::new();
-    for (index, count) in placed {
+    for (shape, count) in placed {
+        let (index, deforming) = shape;
         let seen = seen.entry(index).or_default();
-        let (parts, mut alone) = match known.remove(&index) {
+        let (parts, mut alone) = match known.remove(&shape) {
             Some(found) => found,
             None => {
-                let parts = mesh::read(source, index, materials, left_out)?;
-                let places = places.remove(&index).unwrap_or_default();
+                let rest = deforming.and_then(|node| rests.remove(&node));
+                let rest = rest.unwrap_or_else(|| Rest::of_mesh(source, index));
+                let parts = mesh::read(source, index, &rest, materials, left_out)?;
+                let places = places.remove(&shape).unwrap_or_default();
                 let taken = place::models(source, &parts, &places, out, seen)?;
                 (parts, places.into_iter().zip(taken))
             }
@@ -143,7 +163,7 @@ fn place_all(
             }
         }
         if alone.len() > 0 {
-            known.insert(index, (parts, alone));
+            known.insert(shape, (parts, alone));
         }
     }
     Ok(seen)

@@ -1,6 +1,7 @@
 //! A mesh's parts to world-space triangles.
 
 use super::mesh::Part;
+use super::rest::normals_along;
 use super::source::Source;
 use crate::scene::model::{self, Copies, WorldModel};
 use crate::scene::{MOST, SceneError, WorldMesh};
@@ -114,14 +115,8 @@ pub(super) fn append(
     }
     match &part.normals {
         Some(normals) => {
-            let cofactor = DMat3::from_cols(
-                linear.y_axis.cross(linear.z_axis),
-                linear.z_axis.cross(linear.x_axis),
-                linear.x_axis.cross(linear.y_axis),
-            );
-            // The inverse transpose is the cofactor matrix over the determinant; only its sign counts.
-            let sign = if mirrored { -1.0 } else { 1.0 };
-            let unit = |&n: &DVec3| (cofactor * n * sign).try_normalize().unwrap_or(DVec3::ZERO).as_vec3();
+            let turn = normals_along(linear);
+            let unit = |&n: &DVec3| (turn * n).try_normalize().unwrap_or(DVec3::ZERO).as_vec3();
             out.normals.extend(normals.iter().map(unit));
             out.positions.extend(world);
             out.uvs.extend(&part.uvs);

@@ -32,6 +32,11 @@ impl<'a> Numbers<'a> {
         Ok(numbers)
     }
 
+    /// What errors call the primitive.
+    pub fn what(&self) -> &'a str {
+        self.what
+    }
+
     fn index(&self, name: &Semantic) -> Option<usize> {
         self.primitive.attributes.get(&Checked::Valid(name.clone())).map(Index::value)
     }

@@ -1,4 +1,5 @@
 mod meshes;
+mod rest;
 
 use super::*;
 use crate::surface::{Ray, Surfaces};

@@ -1,0 +1,247 @@
+//! Meshes at rest: morph targets by their default weights (glTF 2.0, 3.7.2.2), then skins by their joints (3.7.3.3).
+
+use super::primitive::Numbers;
+use super::source::Source;
+use crate::scene::SceneError;
+use glam::{DMat3, DMat4, DVec3};
+use gltf::json::accessor::Type;
+use gltf::json::mesh::{Primitive, Semantic};
+
+/// How a node deforms its mesh.
+#[derive(Debug, Default)]
+pub(super) struct Rest {
+    /// Of the morph targets, in the file's order; targets beyond the end have weight 0.
+    weights: Vec<f64>,
+    skin: Option<Skin>,
+}
+
+/// Linear blend skinning.
+#[derive(Debug)]
+struct Skin {
+    /// World from mesh space, by joint: the joint's global transform after its inverse bind matrix.
+    world_from_mesh: Vec<DMat4>,
+    /// The node's own transform, which counts for primitives without joints alone.
+    world_from_node: DMat4,
+}
+
+impl Rest {
+    /// The deformation that a mesh has wherever a node says nothing else.
+    pub fn of_mesh(source: &Source, mesh: usize) -> Self {
+        let weights = source.root.meshes.get(mesh).and_then(|mesh| mesh.weights.as_deref());
+        Self { weights: wide(weights.unwrap_or_default()), skin: None }
+    }
+
+    /// The deformation of a node's mesh where the node has a skin or weights of its own.
+    ///
+    /// # Errors
+    /// Skins, joints or matrices that are not there, or not finite.
+    pub fn of_node(
+        source: &Source,
+        node: usize,
+        mesh: usize,
+        world_from_node: DMat4,
+    ) -> Result<Option<Self>, SceneError> {
+        let found = &source.root.nodes[node];
+        if found.skin.is_none() && found.weights.is_none() {
+            return Ok(None);
+        }
+        let mut rest = Self::of_mesh(source, mesh);
+        if let Some(weights) = &found.weights {
+            rest.weights = wide(weights);
+        }
+        if let Some(skin) = found.skin {
+            rest.skin = Some(Skin { world_from_mesh: joints(source, skin.value())?, world_from_node });
+        }
+        Ok(Some(rest))
+    }
+
+    /// Whether deformed positions are in world space instead of the mesh's.
+    pub fn is_skinned(&self) -> bool {
+        self.skin.is_some()
+    }
+
+    /// Deforms a primitive's vertices. True where that turns the triangles inside out.
+    ///
+    /// # Errors
+    /// Targets or joints that are missing, of another length, or not finite.
+    pub fn apply(
+        &self,
+        source: &Source,
+        primitive: &Primitive,
+        numbers: &Numbers,
+        positions: &mut [DVec3],
+        normals: Option<&mut [DVec3]>,
+    ) -> Result<bool, SceneError> {
+        let mut normals = normals;
+        self.morph(source, primitive, numbers, positions, normals.as_deref_mut())?;
+        let is_mirrored = match &self.skin {
+            Some(skin) => skin.apply(source, numbers, positions, normals)?,
+            None => false,
+        };
+        if positions.iter().all(|p| p.is_finite()) {
+            return Ok(is_mirrored);
+        }
+        Err(source.malformed(format!("{} is not finite once it is deformed", numbers.what())))
+    }
+
+    fn morph(
+        &self,
+        source: &Source,
+        primitive: &Primitive,
+        numbers: &Numbers,
+        positions: &mut [DVec3],
+        mut normals: Option<&mut [DVec3]>,
+    ) -> Result<(), SceneError> {
+        let targets = primitive.targets.as_deref().unwrap_or_default();
+        for (t, (target, &weight)) in targets.iter().zip(&self.weights).enumerate() {
+            if weight == 0.0 {
+                continue;
+            }
+            let add = |accessor: usize, of: &mut [DVec3], name: &str| {
+                let what = format!("{name} of morph target {t} of {}", numbers.what());
+                let moves = source.read::<3>(accessor, Type::Vec3, &what)?;
+                if moves.len() != of.len() {
+                    return Err(source.malformed(format!("{what} has another length than {name}")));
+                }
+                of.iter_mut().zip(moves).for_each(|(at, by)| *at += weight * DVec3::from(by));
+                Ok(())
+            };
+            if let Some(accessor) = target.positions {
+                add(accessor.value(), positions, "POSITION")?;
+            }
+            if let Some((accessor, normals)) = target.normals.zip(normals.as_deref_mut()) {
+                add(accessor.value(), normals, "NORMAL")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Skin {
+    fn apply(
+        &self,
+        source: &Source,
+        numbers: &Numbers,
+        positions: &mut [DVec3],
+        normals: Option<&mut [DVec3]>,
+    ) -> Result<bool, SceneError> {
+        let blended = self.blended(source, numbers, positions.len())?;
+        for (position, matrix) in positions.iter_mut().zip(&blended) {
+            *position = matrix.transform_point3(*position);
+        }
+        let linear = || blended.iter().map(|matrix| DMat3::from_mat4(*matrix));
+        for (normal, linear) in normals.into_iter().flatten().zip(linear()) {
+            *normal = (normals_along(linear) * *normal).try_normalize().unwrap_or(DVec3::ZERO);
+        }
+        // Mirrored are triangles by all three corners; where corners differ, most of a primitive decides.
+        let mirrored = linear().filter(|linear| linear.determinant() < 0.0).count();
+        Ok(2 * mirrored > blended.len())
+    }
+
+    /// Each vertex's matrix: the mean of its joints' by weight.
+    fn blended(&self, source: &Source, numbers: &Numbers, count: usize) -> Result<Vec<DMat4>, SceneError> {
+        let mut sums = vec![(DMat4::ZERO, 0.0); count];
+        let mut first = Vec::new();
+        for set in 0.. {
+            let joints = numbers.read::<4>(&Semantic::Joints(set), Type::Vec4)?;
+            let weights = numbers.read::<4>(&Semantic::Weights(set), Type::Vec4)?;
+            let Some((joints, weights)) = joints.zip(weights) else { break };
+            if joints.len() != count || weights.len() != count {
+                let what = numbers.what();
+                return Err(source.malformed(format!("{what} has attributes of different lengths")));
+            }
+            for ((sum, joints), weights) in sums.iter_mut().zip(&joints).zip(&weights) {
+                for (&joint, &weight) in joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0) {
+                    let matrix = self.matrix(joint).ok_or_else(|| self.no_joint(source, numbers, joint))?;
+                    *sum = (sum.0 + matrix * weight, sum.1 + weight);
+                }
+            }
+            if set == 0 {
+                first = joints;
+            }
+        }
+        if first.is_empty() {
+            return Ok(vec![self.world_from_node; count]);
+        }
+        let of_vertex = |((sum, total), joints): ((DMat4, f64), [f64; 4])| {
+            if total > 0.0 {
+                return Ok(sum * (1.0 / total));
+            }
+            // Without weights a vertex follows its first joint.
+            self.matrix(joints[0]).ok_or_else(|| self.no_joint(source, numbers, joints[0]))
+        };
+        sums.into_iter().zip(first).map(of_vertex).collect()
+    }
+
+    fn matrix(&self, joint: f64) -> Option<DMat4> {
+        self.world_from_mesh.get(joint as usize).copied()
+    }
+
+    fn no_joint(&self, source: &Source, numbers: &Numbers, joint: f64) -> SceneError {
+        let count = self.world_from_mesh.len();
+        source.malformed(format!("{} has the joint {joint}, but its skin {count}", numbers.what()))
+    }
+}
+
+/// The inverse transpose but for its scale, which takes normals along: the cofactor matrix by the determinant's sign.
+pub(super) fn normals_along(linear: DMat3) -> DMat3 {
+    let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    DMat3::from_cols(
+        linear.y_axis.cross(linear.z_axis),
+        linear.z_axis.cross(linear.x_axis),
+        linear.x_axis.cross(linear.y_axis),
+    ) * sign
+}
+
+/// World from mesh space, by joint of a skin.
+fn joints(source: &Source, index: usize) -> Result<Vec<DMat4>, SceneError> {
+    let skin = source.root.skins.get(index);
+    let skin = skin.ok_or_else(|| source.malformed(format!("there is no skin {index}")))?;
+    let what = format!("the inverse bind matrices of skin {index}");
+    let binds = match skin.inverse_bind_matrices {
+        Some(accessor) => Some(source.read::<16>(accessor.value(), Type::Mat4, &what)?),
+        None => None,
+    };
+    if binds.as_ref().is_some_and(|binds| binds.len() < skin.joints.len()) {
+        return Err(source.malformed(format!("{what} are fewer than its joints")));
+    }
+    let parents = parents(source);
+    let of_joint = |(j, joint): (usize, usize)| {
+        let bind = binds.as_ref().map_or(DMat4::IDENTITY, |binds| DMat4::from_cols_array(&binds[j]));
+        let matrix = global(source, &parents, joint)? * bind;
+        let problem = || source.malformed(format!("joint {j} of skin {index} is not finite"));
+        if matrix.is_finite() { Ok(matrix) } else { Err(problem()) }
+    };
+    skin.joints.iter().map(|joint| joint.value()).enumerate().map(of_joint).collect()
+}
+
+/// The parent of every node, in whatever scene it is.
+fn parents(source: &Source) -> Vec<Option<usize>> {
+    let mut parents = vec![None; source.root.nodes.len()];
+    for (i, node) in source.root.nodes.iter().enumerate() {
+        for child in node.children.iter().flatten() {
+            if let Some(parent) = parents.get_mut(child.value()) {
+                *parent = Some(i);
+            }
+        }
+    }
+    parents
+}
+
+/// A node's transform to world space, by the chain of its parents.
+fn global(source: &Source, parents: &[Option<usize>], node: usize) -> Result<DMat4, SceneError> {
+    let mut matrix = DMat4::IDENTITY;
+    let mut at = Some(node);
+    for _ in 0..=parents.len() {
+        let Some(node) = at else { return Ok(matrix) };
+        let transform = source.exact.nodes.get(node);
+        let transform = transform.ok_or_else(|| source.malformed(format!("there is no node {node}")))?;
+        matrix = transform.local() * matrix;
+        at = parents[node];
+    }
+    Err(source.malformed(format!("joint node {node} is its own ancestor")))
+}
+
+fn wide(weights: &[f32]) -> Vec<f64> {
+    weights.iter().map(|&weight| f64::from(weight)).collect()
+}
