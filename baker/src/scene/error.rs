@@ -29,6 +29,17 @@ pub enum SceneError {
         /// What was found instead.
         problem: String,
     },
+    /// The file is of an older glTF.
+    #[error(
+        "{file} is glTF {version}, and what is read is glTF 2.0: convert it, as `npx gltf-pipeline -i OLD.gltf -o NEW.glb` \
+         does, or export the scene again"
+    )]
+    Old {
+        /// The file.
+        file: String,
+        /// Its version.
+        version: String,
+    },
     /// The file is what a bake made.
     #[error("{file} is a baked file, not a scene: give the .glb or .gltf that it was baked from")]
     Baked {

@@ -4,7 +4,7 @@
 //! * [`builtin`] – the generated scenes;
 //! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal;
 //! * [`model`] – what stands in a scene many times;
-//! * `colours` – colours of vertices;
+//! * `colours` – colours of vertices; `notes` – what is said about a file;
 //! * [`far`] – what lies far away from the rest.
 
 mod basis;
@@ -14,6 +14,7 @@ mod error;
 pub mod far;
 mod gltf;
 pub mod model;
+mod notes;
 pub mod texture;
 
 pub use error::SceneError;
@@ -65,6 +66,8 @@ pub struct Scene {
     pub animations: Vec<Animation>,
     /// What of the file is not taken over because it cannot be used; each names what and why.
     pub left_out: Vec<String>,
+    /// What of the file is read otherwise than it is written, or is likely not meant; each names what and why.
+    pub notes: Vec<String>,
     /// Triangles without area that were left out.
     pub degenerate_triangles: usize,
 }

@@ -72,6 +72,9 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     for problem in &scene.left_out {
         eprintln!("warning: left out: {}", plain(problem));
     }
+    for note in &scene.notes {
+        eprintln!("warning: {}", plain(note));
+    }
     if let Some(far) = scene::far::far_away(scene) {
         eprintln!("warning: {}", plain(&far));
     }

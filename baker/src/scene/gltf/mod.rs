@@ -1,7 +1,7 @@
 //! glTF 2.0 to [`Scene`].
 //!
-//! * `document`, `exact`, `repair` – the JSON, as the `gltf` crate has it and what it has not; `container`, `source` –
-//!   the bytes; `accessor` – the numbers;
+//! * `document`, `exact`, `repair` – the JSON, as the `gltf` crate has it and what it has not; `container`, `source`,
+//!   `beside` – the bytes; `accessor` – the numbers;
 //! * `meshopt`, `draco` – compressed numbers; `extensions` – what is refused;
 //! * `material`, `texture_info` – materials and textures; `picture` – which image of a texture is taken;
 //! * `primitive`, `mesh` – triangles in their own space; `instances`, `place` – in the world;
@@ -9,6 +9,7 @@
 
 mod accessor;
 mod animation;
+mod beside;
 mod container;
 mod document;
 mod draco;
@@ -27,6 +28,7 @@ mod repair;
 mod source;
 mod texture_info;
 
+use super::notes::grouped;
 use super::{Scene, SceneError, WorldMesh};
 use glam::DMat4;
 use mesh::Part;
@@ -96,6 +98,9 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
         scene.cameras.extend(node::camera(source, node, scene.origin, size)?);
     }
     scene.animations = animation::animations(source, &nodes, &mut scene.left_out)?;
+    scene.notes.extend(source.notes());
+    scene.left_out = grouped(scene.left_out);
+    scene.notes = grouped(scene.notes);
     Ok(scene)
 }
 

@@ -1,3 +1,4 @@
+mod lenient;
 mod meshes;
 
 use super::*;
