@@ -54,6 +54,30 @@ pub enum SceneError {
         /// What is wrong and where.
         problem: String,
     },
+    /// The file has no such scene.
+    #[error(
+        "{file} has no scene `{wanted}`: give --scene one of its own, by number or name; they are {known}"
+    )]
+    NoScene {
+        /// The file.
+        file: String,
+        /// The scene asked for.
+        wanted: String,
+        /// The scenes there are.
+        known: String,
+    },
+    /// The default scene is empty and several others are not.
+    #[error(
+        "{file}: {scene}, its default, has no mesh, and others have: give --scene one of them; they are {known}"
+    )]
+    EmptyScene {
+        /// The file.
+        file: String,
+        /// The default scene.
+        scene: String,
+        /// The scenes with meshes.
+        known: String,
+    },
     /// The file needs extensions that this program does not know.
     #[error("{file} requires glTF extensions that are not supported; {advice}")]
     Extension {

@@ -2,6 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+/// What is said while a file is read.
+#[derive(Debug, Default)]
+pub(super) struct Told {
+    /// What of the file is not taken over.
+    pub left_out: Vec<String>,
+    /// What is taken over otherwise than it is written, or is likely not meant.
+    pub notes: Vec<String>,
+}
+
 /// Alike notes that are said one by one.
 const FEW: usize = 3;
 

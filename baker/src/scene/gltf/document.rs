@@ -103,7 +103,9 @@ macro_rules! extensible {
 extensible!(
     Root,
     gltf::json::Buffer,
+    gltf::json::Material,
     gltf::json::Node,
+    gltf::json::Scene,
     gltf::json::Texture,
     gltf::json::buffer::View,
     gltf::json::material::NormalTexture,

@@ -5,14 +5,16 @@
 //! * `meshopt`, `draco` – compressed numbers; `extensions` – what is refused;
 //! * `material`, `texture_info` – materials and textures; `picture` – which image of a texture is taken;
 //! * `primitive`, `mesh` – triangles in their own space; `instances`, `place` – in the world;
-//! * `node` – transforms and cameras; `light` – lights; `animation` – how lights move.
+//! * `choice` – which scene; `node` – transforms and cameras; `light`, `enclosed` – lights, and those that are walled in; `animation` – how lights move.
 
 mod accessor;
 mod animation;
 mod beside;
+mod choice;
 mod container;
 mod document;
 mod draco;
+mod enclosed;
 mod exact;
 mod extensions;
 mod instances;
@@ -28,8 +30,9 @@ mod repair;
 mod source;
 mod texture_info;
 
-use super::notes::grouped;
-use super::{Scene, SceneError, WorldMesh};
+use super::notes::{Told, grouped};
+use super::{LoadOptions, Scene, SceneError, UNUSED_ALBEDO, WorldMesh};
+use enclosed::Lamps;
 use glam::DMat4;
 use mesh::Part;
 use place::Seen;
@@ -48,10 +51,10 @@ const HUGE: f64 = 1e5;
 const MOST_PLACES: usize = MAX_COPIES as usize;
 
 /// Loads a .gltf or .glb file.
-pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let source = Source::open(path)?;
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    convert(&source, name)
+    convert_with(&source, name, options)
 }
 
 /// Loads a file's bytes.
@@ -61,17 +64,30 @@ pub(super) fn from_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> 
 }
 
 fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
+    convert_with(source, name, &LoadOptions::default())
+}
+
+fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<Scene, SceneError> {
     let mut scene = Scene { name, ..Scene::default() };
-    let nodes = node::flatten(source)?;
-    let mut materials = material::Materials::new(source);
+    let mut told = Told { left_out: extensions::unread(&source.root), notes: Vec::new() };
+    let roots = choice::roots(source, options.scene.as_deref(), &mut told)?;
+    let nodes = node::flatten(source, roots)?;
+    let lights = light::placed(source, &nodes, &mut told)?;
+    for &(place, index) in &lights {
+        scene.lights.push(light::of(source, &nodes[place], index, &mut told)?);
+    }
+    let mut lamps = Lamps::new(lights.iter().map(|(_, index)| *index).zip(&scene.lights));
+    let mut materials = material::Materials::new(source, options.albedo);
     let mut mesh = WorldMesh::default();
-    let mut left_out = Vec::new();
-    let seen = place_all(source, &nodes, &mut materials, &mut mesh, &mut left_out)?;
+    let seen = place_all(source, &nodes, &mut materials, &mut lamps, &mut mesh, &mut told)?;
     if mesh.triangles.is_empty() && mesh.models.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
+    if options.albedo.is_some() && !materials.has_default() {
+        told.notes.push(UNUSED_ALBEDO.to_owned());
+    }
     materials.finish(&mut scene)?;
-    scene.left_out.extend(left_out);
+    scene.left_out.append(&mut told.left_out);
     mesh.finish(&mut scene);
     if scene.triangles.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
@@ -94,13 +110,13 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
         return Err(source.malformed(problem));
     }
     for node in &nodes {
-        scene.lights.extend(light::of(source, node)?);
         scene.cameras.extend(node::camera(source, node, scene.origin, size)?);
     }
-    scene.animations = animation::animations(source, &nodes, &mut scene.left_out)?;
-    scene.notes.extend(source.notes());
+    scene.animations = animation::animations(source, &nodes, &lights, &mut scene.left_out)?;
+    told.notes.extend(lamps.enclosed.iter().filter_map(|lamp| lamp.note(source, size)));
+    told.notes.extend(source.notes());
     scene.left_out = grouped(scene.left_out);
-    scene.notes = grouped(scene.notes);
+    scene.notes = grouped(told.notes);
     Ok(scene)
 }
 
@@ -110,8 +126,9 @@ fn place_all(
     source: &Source,
     nodes: &[node::Placed],
     materials: &mut material::Materials,
+    lamps: &mut Lamps,
     out: &mut WorldMesh,
-    left_out: &mut Vec<String>,
+    told: &mut Told,
 ) -> Result<BTreeMap<usize, Seen>, SceneError> {
     let mut places: BTreeMap<usize, Vec<DMat4>> = BTreeMap::new();
     // The mesh of each node that has one, and how many places it adds.
@@ -136,8 +153,11 @@ fn place_all(
         let (parts, mut alone) = match known.remove(&index) {
             Some(found) => found,
             None => {
-                let parts = mesh::read(source, index, materials, left_out)?;
+                let parts = mesh::read(source, index, materials, told)?;
                 let places = places.remove(&index).unwrap_or_default();
+                let opaque: Vec<&Part> =
+                    parts.iter().filter(|part| materials.is_opaque(part.material)).collect();
+                lamps.look(index, &opaque, &places);
                 let taken = place::models(source, &parts, &places, out, seen)?;
                 (parts, places.into_iter().zip(taken))
             }

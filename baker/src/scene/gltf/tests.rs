@@ -1,5 +1,6 @@
 mod lenient;
 mod meshes;
+mod told;
 
 use super::*;
 use crate::surface::{Ray, Surfaces};

@@ -106,7 +106,7 @@ fn files_beside_are_found_by_bent_names_and_that_is_said() {
     let load_with = |uri: &str| {
         let path = dir.join("scene.gltf");
         std::fs::write(&path, file(&format!(r#""uri":"{uri}""#))).unwrap();
-        load(&path)
+        load(&path, &LoadOptions::default())
     };
     for (uri, said) in [
         (r"geometry%20data/Square.bin", false),
@@ -118,12 +118,8 @@ fn files_beside_are_found_by_bent_names_and_that_is_said() {
     ] {
         let scene = load_with(uri).unwrap_or_else(|error| panic!("{uri}: {error}"));
         assert!(is_the_square(&scene) && scene.left_out.is_empty(), "{uri}");
-        assert_eq!(scene.notes.len(), usize::from(said), "{uri}: {:?}", scene.notes);
-        assert!(
-            scene.notes.iter().all(|note| note.to_lowercase().contains(".bin, read as ")),
-            "{:?}",
-            scene.notes
-        );
+        let notes = scene.notes.iter().filter(|note| note.to_lowercase().contains(".bin, read as "));
+        assert_eq!(notes.count(), usize::from(said), "{uri}: {:?}", scene.notes);
     }
     for (uri, says) in [("gone.bin", "refers to"), ("https://example.com/gone.bin", "on the network")] {
         let error = load_with(uri).unwrap_err().to_string();
@@ -184,7 +180,8 @@ fn the_cases_of_other_programs_are_read() {
         return;
     }
     for (name, notes) in [("backslash", 1), ("stride0", 0), ("nulls", 0)] {
-        let scene = load(&cases.join(name).join(format!("{name}.gltf"))).unwrap_or_else(|e| panic!("{e}"));
+        let scene = load(&cases.join(name).join(format!("{name}.gltf")), &LoadOptions::default())
+            .unwrap_or_else(|e| panic!("{e}"));
         assert!(scene.triangles.len() >= 12 && scene.lights.len() == 1 && scene.cameras.len() == 1, "{name}");
         assert_eq!((scene.notes.len(), scene.left_out.len()), (notes, 0), "{name}: {:?}", scene.notes);
     }
