@@ -4,6 +4,7 @@ pub mod bake;
 pub mod compare;
 mod http;
 pub mod info;
+mod load;
 mod number;
 mod picture;
 pub mod plain;

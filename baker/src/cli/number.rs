@@ -68,6 +68,20 @@ pub fn place(text: &str) -> Result<[f64; 3], String> {
     numbers.try_into().map_err(|_| format!("{wanted} is needed"))
 }
 
+/// What a surface reflects, as in `0.8` or `0.8,0.7,0.6`: each from 0 to 1.
+///
+/// # Errors
+/// What is needed.
+pub fn albedo(text: &str) -> Result<[f32; 3], String> {
+    let wanted = "one number or three from 0 to 1, as in 0.8 or 0.8,0.7,0.6,";
+    let part = |part: &str| number(part, wanted, |x| (0.0..=1.0).contains(&x)).map(|x| x as f32);
+    match text.split(',').map(part).collect::<Result<Vec<_>, _>>()?[..] {
+        [grey] => Ok([grey; 3]),
+        [r, g, b] => Ok([r, g, b]),
+        _ => Err(format!("{wanted} is needed")),
+    }
+}
+
 /// A number of bytes, of which K, M and G behind it make thousands, millions and milliards; KiB, MiB and GiB are 1024 times
 /// each other.
 ///
@@ -124,6 +138,10 @@ mod tests {
             assert!(over_zero_single(text).is_err() && within(text, 0.5..=4.0).is_err(), "{text}");
             assert!(bytes(text).is_err() && count(text, 100).is_err(), "{text}");
             assert!(place(&format!("0,{text},1")).is_err() || text == "-1", "{text}");
+        }
+        assert_eq!((albedo("0.5"), albedo("0,0.5,1")), (Ok([0.5; 3]), Ok([0.0, 0.5, 1.0])));
+        for text in ["1.5", "-0.1", "0.5,0.5", "", "0,0,0,0", "red"] {
+            assert!(albedo(text).is_err(), "{text}");
         }
         assert!(over_zero("0").is_err() && at_least_zero("0") == Ok(0.0));
         assert!(over_zero_single("1e-60").is_err() && over_zero_single("1e60").is_err());

@@ -1,11 +1,11 @@
 //! `rebounce reference`: a scene path-traced by brute force.
 
+use super::load::{LoadArgs, warn};
 use super::picture::{PictureArgs, Rows, shot_or_own};
 use anyhow::Result;
 use clap::Args;
 use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
 use rebounce::path_trace::{Settings, path_trace};
-use rebounce::scene;
 use rebounce::triangles::TriangleSurfaces;
 
 /// Arguments of `rebounce reference`.
@@ -14,6 +14,8 @@ pub struct ReferenceArgs {
     /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
     /// builtin:two-rooms-door, builtin:two-rooms, builtin:furnace
     scene: String,
+    #[command(flatten)]
+    load: LoadArgs,
     #[command(flatten)]
     picture: PictureArgs,
     /// Samples per pixel
@@ -27,7 +29,8 @@ pub struct ReferenceArgs {
 /// Runs the command.
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let shot = args.picture.prepare()?;
-    let scene = scene::load(&args.scene)?;
+    let scene = args.load.load(&args.scene)?;
+    warn(&scene);
     let shot = match shot {
         Some(shot) => shot,
         None => {

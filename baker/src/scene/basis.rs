@@ -1,9 +1,8 @@
 //! Pictures of Basis Universal (ETC1S and UASTC in KTX2), which no browser decodes by itself: they become PNG.
 
+use super::foreign;
 use super::texture::check_size;
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
-use image::ImageEncoder;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 
 /// Whether these are the first bytes of a KTX2 file.
 pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
@@ -29,16 +28,5 @@ pub(super) fn to_png(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let rgba = picture
         .transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE)
         .map_err(|e| damaged(&format!("{e:?}")))?;
-    let (width, height) = (width as u32, height as u32);
-    let mut png = Vec::new();
-    let encoder = PngEncoder::new_with_quality(&mut png, CompressionType::Default, FilterType::Adaptive);
-    let texels = rgba.as_chunks::<4>().0;
-    let written = if texels.iter().all(|t| t[3] == 255) {
-        let rgb: Vec<u8> = texels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-        encoder.write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)
-    } else {
-        encoder.write_image(&rgba, width, height, image::ExtendedColorType::Rgba8)
-    };
-    written.map_err(|e| damaged(&e.to_string()))?;
-    Ok(png)
+    foreign::png(&rgba, width as u32, height as u32).map_err(|e| damaged(&e.to_string()))
 }

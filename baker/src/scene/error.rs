@@ -29,6 +29,17 @@ pub enum SceneError {
         /// What was found instead.
         problem: String,
     },
+    /// The file is of an older glTF.
+    #[error(
+        "{file} is glTF {version}, and what is read is glTF 2.0: convert it, as `npx gltf-pipeline -i OLD.gltf -o NEW.glb` \
+         does, or export the scene again"
+    )]
+    Old {
+        /// The file.
+        file: String,
+        /// Its version.
+        version: String,
+    },
     /// The file is what a bake made.
     #[error("{file} is a baked file, not a scene: give the .glb or .gltf that it was baked from")]
     Baked {
@@ -42,6 +53,30 @@ pub enum SceneError {
         file: String,
         /// What is wrong and where.
         problem: String,
+    },
+    /// The file has no such scene.
+    #[error(
+        "{file} has no scene `{wanted}`: give --scene one of its own, by number or name; they are {known}"
+    )]
+    NoScene {
+        /// The file.
+        file: String,
+        /// The scene asked for.
+        wanted: String,
+        /// The scenes there are.
+        known: String,
+    },
+    /// The default scene is empty and several others are not.
+    #[error(
+        "{file}: {scene}, its default, has no mesh, and others have: give --scene one of them; they are {known}"
+    )]
+    EmptyScene {
+        /// The file.
+        file: String,
+        /// The default scene.
+        scene: String,
+        /// The scenes with meshes.
+        known: String,
     },
     /// The file needs extensions that this program does not know.
     #[error("{file} requires glTF extensions that are not supported; {advice}")]

@@ -2,9 +2,10 @@
 //!
 //! * [`load`] – from a .gltf or .glb file, or `builtin:NAME`;
 //! * [`builtin`] – the generated scenes;
-//! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal;
+//! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal; `foreign` – those
+//!   of formats that glTF does not have;
 //! * [`model`] – what stands in a scene many times;
-//! * `colours` – colours of vertices;
+//! * `colours` – colours of vertices; `notes` – what is said about a file;
 //! * [`far`] – what lies far away from the rest.
 
 mod basis;
@@ -12,8 +13,10 @@ pub mod builtin;
 mod colours;
 mod error;
 pub mod far;
+mod foreign;
 mod gltf;
 pub mod model;
+mod notes;
 pub mod texture;
 
 pub use error::SceneError;
@@ -65,6 +68,8 @@ pub struct Scene {
     pub animations: Vec<Animation>,
     /// What of the file is not taken over because it cannot be used; each names what and why.
     pub left_out: Vec<String>,
+    /// What of the file is read otherwise than it is written, or is likely not meant; each names what and why.
+    pub notes: Vec<String>,
     /// Triangles without area that were left out.
     pub degenerate_triangles: usize,
 }
@@ -74,11 +79,36 @@ pub struct Scene {
 /// # Errors
 /// [`SceneError`], which names the file and says what to do.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
-    match spec.strip_prefix("builtin:") {
-        Some(name) => builtin::load(name),
-        None => gltf::load(Path::new(spec)),
-    }
+    load_with(spec, &LoadOptions::default())
 }
+
+/// What of a file is loaded, and how.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadOptions {
+    /// The glTF scene that is taken, by its name or number; the file's default when absent.
+    pub scene: Option<String>,
+    /// Linear RGB albedo of meshes without a material; glTF's default, 1, when absent.
+    pub albedo: Option<[f32; 3]>,
+}
+
+/// [`load`] with options. A built-in scene is one scene, and all its meshes have materials.
+///
+/// # Errors
+/// [`SceneError`], which names the file and says what to do.
+pub fn load_with(spec: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+    let Some(name) = spec.strip_prefix("builtin:") else {
+        return gltf::load(Path::new(spec), options);
+    };
+    if let Some(wanted) = options.scene.clone() {
+        return Err(SceneError::NoScene { file: spec.to_owned(), wanted, known: "none".to_owned() });
+    }
+    let mut scene = builtin::load(name)?;
+    scene.notes.extend(options.albedo.map(|_| UNUSED_ALBEDO.to_owned()));
+    Ok(scene)
+}
+
+/// Said where an albedo for meshes without a material is given and none is used.
+const UNUSED_ALBEDO: &str = "--albedo changes nothing: all meshes have materials";
 
 /// Loads a scene from the bytes of a .gltf or .glb file. `name` is what errors call it, and what the scene is called;
 /// files that it refers to are looked for in the working directory.

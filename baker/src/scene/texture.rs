@@ -1,6 +1,6 @@
 //! Textures: the picture that came with the scene and its decoded texels.
 
-use super::{SceneError, basis};
+use super::{SceneError, basis, foreign};
 use glam::{Vec2, Vec3};
 use rebounce_shared::rbn::meta::{self, Wrap};
 use std::sync::{Arc, LazyLock, OnceLock};
@@ -45,7 +45,7 @@ pub struct Texels {
 pub struct Texture {
     /// Name, picture type, size and wrapping; `offset` and `len` are not set before writing a file.
     pub meta: meta::Texture,
-    /// The picture as it came, PNG, JPEG or WebP; one of Basis Universal as PNG.
+    /// The picture as it came, PNG, JPEG or WebP; one of another format as PNG.
     pub bytes: Arc<[u8]>,
     /// The picture decoded; only base colours are.
     pub texels: Option<Arc<Texels>>,
@@ -113,6 +113,8 @@ pub(super) fn check_size(width: u64, height: u64, len: usize) -> Result<(), Stri
 pub(super) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
     let size = match (basis::is_ktx2(bytes), decoded) {
         (true, _) => basis::size(bytes),
+        // These are decoded in any case.
+        (false, _) if foreign::format(bytes).is_some() => foreign::size(bytes),
         (false, true) => dimensions(bytes).ok().map(|(width, height)| (width as u64, height as u64)),
         (false, false) => None,
     };
@@ -308,7 +310,11 @@ impl Texture {
             texture: meta.name.clone(),
             problem,
         };
-        let bytes = if basis::is_ktx2(&bytes) { basis::to_png(&bytes).map_err(bad)? } else { bytes };
+        let bytes = match foreign::format(&bytes) {
+            _ if basis::is_ktx2(&bytes) => basis::to_png(&bytes).map_err(bad)?,
+            Some(format) => foreign::to_png(&bytes, format).map_err(bad)?,
+            None => bytes,
+        };
         let texels = if decoded { Some(Arc::new(Texels::decode(&bytes).map_err(bad)?)) } else { None };
         let size = match &texels {
             Some(texels) => (texels.width, texels.height),

@@ -110,6 +110,7 @@ fn digest(scene: &Scene) -> String {
         cameras,
         animations,
         left_out: _,
+        notes: _,
         degenerate_triangles: _,
     } = scene;
     let mut hash = Sha256::new();

@@ -1,5 +1,6 @@
 //! The arguments of `rebounce bake`.
 
+use crate::cli::load::LoadArgs;
 use crate::cli::number;
 use anyhow::{Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
@@ -42,6 +43,8 @@ pub struct BakeArgs {
     /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
     /// builtin:two-rooms-door, builtin:two-rooms, builtin:furnace
     pub(super) scene: String,
+    #[command(flatten)]
+    pub(super) load: LoadArgs,
     /// Where to write; SCENE.rbn when absent
     #[arg(short, long, value_name = "FILE.rbn")]
     output: Option<PathBuf>,

@@ -11,6 +11,7 @@ mod tries;
 
 pub use args::BakeArgs;
 
+use super::load::warn;
 use super::plain::plain;
 use super::progress::{Display, Unfinished};
 use super::stop::Stop;
@@ -43,10 +44,10 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
             "--target-error bakes several times and measures in between, which is for one process: give several a --preset"
         );
         if team.rank() != 0 {
-            return follow(args, &scene::load(&args.scene)?, team);
+            return follow(args, &args.load.load(&args.scene)?, team);
         }
         // Until here, and while this loads, signals end the process at once.
-        let loaded = args.check().and_then(|()| Ok(scene::load(&args.scene)?));
+        let loaded = args.check().and_then(|()| args.load.load(&args.scene));
         let done = loaded.and_then(|scene| lead(args, &scene, team));
         if let Some(error) = done.as_ref().err().filter(|_| args.json_progress) {
             Unfinished::Failed { error: plain(&crate::sentence(error)).into_owned() }.print();
@@ -69,9 +70,7 @@ fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
 /// The first process's part, or all of it.
 fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let output = args.output();
-    for problem in &scene.left_out {
-        eprintln!("warning: left out: {}", plain(problem));
-    }
+    warn(scene);
     if let Some(far) = scene::far::far_away(scene) {
         eprintln!("warning: {}", plain(&far));
     }

@@ -1,6 +1,5 @@
 //! Keyframes of nodes and lights to keyframes of the scene's lights, in world space.
 
-use super::light;
 use super::node::{Placed, Pose, placement};
 use super::source::Source;
 use crate::scene::SceneError;
@@ -110,17 +109,14 @@ impl Motion {
     }
 }
 
-/// The animations that move lights. What else they move stays where it is: the bake holds still geometry.
+/// The animations that move `lights`, which are listed as the scene has them: their nodes, and the glTF light. What else they
+/// move stays where it is: the bake holds still geometry.
 pub(super) fn animations(
     source: &Source,
     nodes: &[Placed],
+    lights: &[(usize, usize)],
     left_out: &mut Vec<String>,
 ) -> Result<Vec<Animation>, SceneError> {
-    // Lights in the order in which the scene lists them: their nodes, and the glTF light.
-    let mut lights: Vec<(usize, usize)> = Vec::new();
-    for (place, node) in nodes.iter().enumerate() {
-        lights.extend(light::index(source, node.index)?.map(|light| (place, light)));
-    }
     let mut out = Vec::new();
     for (a, animation) in source.root.animations.iter().enumerate() {
         let name = animation.name.clone().filter(|name| !name.is_empty());
@@ -133,7 +129,7 @@ pub(super) fn animations(
             let sampler = animation.samplers.get(channel.sampler.value());
             let sampler = sampler.ok_or_else(|| source.malformed(format!("{what} has no sampler")))?;
             if let Some(pointer) = &target.extensions.pointer {
-                of_light(source, &pointer.pointer, sampler, &what, &lights, &mut tracks)?;
+                of_light(source, &pointer.pointer, sampler, &what, lights, &mut tracks)?;
                 continue;
             }
             let Some(place) = target.node.and_then(|n| nodes.iter().position(|p| p.index == n)) else {

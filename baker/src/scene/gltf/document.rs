@@ -15,17 +15,63 @@ pub(super) struct Document {
 impl Document {
     /// Parses the JSON; an error says what is wrong with it and where. Indices are not checked here but where they are
     /// followed, so that a broken part that nothing uses does no harm.
-    pub fn parse(json: &[u8]) -> Result<Self, String> {
-        let mut value: Value = serde_json::from_slice(json).map_err(|e| e.to_string())?;
-        let version = value.pointer("/asset/version").and_then(Value::as_str).unwrap_or_default();
-        if !version.starts_with("2.") {
-            return Err(format!("its asset version is {version:?}"));
-        }
+    pub fn parse(json: &str) -> Result<Self, Refused> {
+        let mut value: Value = serde_json::from_str(json).map_err(|e| e.to_string())?;
+        check_version(&mut value)?;
         repair::mend(&mut value);
         let exact = serde_path_to_error::deserialize(&value).map_err(|e| e.to_string())?;
         repair::complete(&mut value);
         let root = serde_path_to_error::deserialize(value).map_err(|e| e.to_string())?;
         Ok(Self { root, exact })
+    }
+}
+
+/// Why a file is refused.
+pub(super) enum Refused {
+    /// It is glTF of this version.
+    Old(String),
+    /// It is not glTF 2.0; says what it is.
+    Not(String),
+}
+
+impl From<String> for Refused {
+    fn from(problem: String) -> Self {
+        Self::Not(problem)
+    }
+}
+
+/// Refuses all versions but 2.x, before anything else is looked at.
+fn check_version(root: &mut Value) -> Result<(), Refused> {
+    // Some exporters write numbers.
+    for member in ["version", "minVersion"] {
+        if let Some(version) = root.get_mut("asset").and_then(|asset| asset.get_mut(member)) {
+            if version.is_number() {
+                *version = Value::String(version.to_string());
+            }
+        }
+    }
+    let asset = |member: &str| root.get("asset").and_then(|asset| asset.get(member)?.as_str());
+    let major = |version: &str| version.trim().split('.').next().and_then(|n| n.parse::<u32>().ok());
+    let Some(version) = asset("version") else {
+        // Before 2.0 all was kept by names instead of in lists.
+        let by_name =
+            ["nodes", "meshes", "accessors"].iter().any(|list| root.get(list).is_some_and(Value::is_object));
+        return Err(match by_name || root.get("techniques").is_some() {
+            true => Refused::Old("1.0".to_owned()),
+            false => Refused::Not("it does not say its version (asset.version)".to_owned()),
+        });
+    };
+    match major(version) {
+        Some(2) => {}
+        Some(0 | 1) => return Err(Refused::Old(version.trim().to_owned())),
+        _ => return Err(Refused::Not(format!("its asset version is {version:?}"))),
+    }
+    match asset("minVersion").map(str::trim) {
+        None | Some("2" | "2.0") => Ok(()),
+        Some(least) if major(least).is_some_and(|major| major < 2) => Ok(()),
+        Some(least) => Err(Refused::Not(format!(
+            "it is meant for readers of glTF {least} and newer alone (asset.minVersion)"
+        ))),
     }
 }
 
@@ -57,7 +103,9 @@ macro_rules! extensible {
 extensible!(
     Root,
     gltf::json::Buffer,
+    gltf::json::Material,
     gltf::json::Node,
+    gltf::json::Scene,
     gltf::json::Texture,
     gltf::json::buffer::View,
     gltf::json::material::NormalTexture,

@@ -1,6 +1,9 @@
 //! Which required extensions are fine, and what to do about the others.
 
+use super::document::Extensible;
 use crate::scene::SceneError;
+use gltf::json::Root;
+use std::collections::BTreeSet;
 
 /// Extensions that a file may require: those that are supported, and those that change only how
 /// a surface shines, which a Lambertian surface ignores.
@@ -27,6 +30,44 @@ const FINE: [&str; 21] = [
     "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
+
+/// Those of them that are ignored.
+const IGNORED: [&str; 6] = [
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
+];
+
+/// The extensions that a file uses and that are not read, each kind with what is lost by it.
+pub(super) fn unread(root: &Root) -> Vec<String> {
+    let raw = [root.raw()].into_iter().chain(root.scenes.iter().map(Extensible::raw));
+    let raw = raw.chain(root.nodes.iter().map(Extensible::raw));
+    let raw = raw.chain(root.materials.iter().map(Extensible::raw));
+    let raw = raw.flatten().flat_map(|extensions| extensions.keys());
+    let used: BTreeSet<&str> = root.extensions_used.iter().chain(raw).map(String::as_str).collect();
+    let (ignored, used): (Vec<_>, Vec<_>) = used.into_iter().partition(|name| IGNORED.contains(name));
+    let used = used.into_iter().filter(|name| !FINE.contains(name));
+    let (lights, others): (Vec<_>, Vec<_>) = used.partition(|name| name.to_lowercase().contains("light"));
+    let mut out: Vec<String> = Vec::new();
+    for name in lights {
+        out.push(format!(
+            "{name} is not read, and the light that it gives is missing: lamps are read from KHR_lights_punctual"
+        ));
+    }
+    if !others.is_empty() {
+        out.push(format!("{}: not read; what such extensions add or change is missing", others.join(", ")));
+    }
+    if !ignored.is_empty() {
+        out.push(format!(
+            "{}: they change how surfaces shine, which a bake does not hold",
+            ignored.join(", ")
+        ));
+    }
+    out
+}
 
 /// Refuses the required extensions that are not supported, all of them in one error.
 pub(super) fn check(file: &str, required: &[String]) -> Result<(), SceneError> {

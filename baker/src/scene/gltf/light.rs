@@ -6,6 +6,7 @@
 use super::node::{Placed, placement};
 use super::source::Source;
 use crate::scene::SceneError;
+use crate::scene::notes::Told;
 use rebounce_shared::light::Light;
 use serde::Deserialize;
 
@@ -15,6 +16,7 @@ const NAME: &str = "KHR_lights_punctual";
 #[derive(Debug, Deserialize)]
 #[serde(default)]
 pub(super) struct PunctualLight {
+    name: Option<String>,
     #[serde(rename = "type")]
     pub kind: String,
     pub color: [f64; 3],
@@ -25,7 +27,7 @@ pub(super) struct PunctualLight {
 
 impl Default for PunctualLight {
     fn default() -> Self {
-        Self { kind: String::new(), color: [1.0; 3], intensity: 1.0, spot: Spot::default() }
+        Self { name: None, kind: String::new(), color: [1.0; 3], intensity: 1.0, spot: Spot::default() }
     }
 }
 
@@ -61,25 +63,55 @@ pub(super) fn all(source: &Source) -> Result<Vec<PunctualLight>, SceneError> {
 }
 
 /// Which light a node places.
-pub(super) fn index(source: &Source, node: usize) -> Result<Option<usize>, SceneError> {
+fn index(source: &Source, node: usize) -> Result<Option<usize>, SceneError> {
     let light: Option<NodeLight> =
         source.read_extension(&source.root.nodes[node], &[NAME], format_args!("node {node}"))?;
     Ok(light.map(|light| light.light))
 }
 
-/// The node's KHR_lights_punctual light.
-pub(super) fn of(source: &Source, node: &Placed) -> Result<Option<Light>, SceneError> {
-    let Some(index) = index(source, node.index)? else {
-        return Ok(None);
-    };
+/// What errors call a light.
+pub(super) fn name(source: &Source, index: usize) -> String {
+    let name = source.lights.get(index).and_then(|light| light.name.as_deref());
+    format!("light {index} ({:?})", name.unwrap_or_default())
+}
+
+/// The lights that nodes place, in the order of `nodes`: each node's place there, and the light's index. Lights of types
+/// that are not known are left out, and so noted.
+pub(super) fn placed(
+    source: &Source,
+    nodes: &[Placed],
+    told: &mut Told,
+) -> Result<Vec<(usize, usize)>, SceneError> {
+    let mut out = Vec::new();
+    for (place, node) in nodes.iter().enumerate() {
+        let Some(index) = index(source, node.index)? else { continue };
+        let light =
+            source.lights.get(index).ok_or_else(|| source.malformed(format!("there is no light {index}")))?;
+        if ["point", "directional", "spot"].contains(&light.kind.as_str()) {
+            out.push((place, index));
+        } else {
+            let (name, kind) = (name(source, index), &light.kind);
+            told.left_out.push(format!("{name} of the type {kind:?}: lights are point, spot or directional"));
+        }
+    }
+    Ok(out)
+}
+
+/// A light as a node places it. A light cannot be less than dark: negative numbers count as 0, and so noted.
+pub(super) fn of(source: &Source, node: &Placed, index: usize, told: &mut Told) -> Result<Light, SceneError> {
     let light =
         source.lights.get(index).ok_or_else(|| source.malformed(format!("there is no light {index}")))?;
+    if light.intensity < 0.0 || light.color.iter().any(|c| *c < 0.0) {
+        let name = name(source, index);
+        told.notes
+            .push(format!("{name}: its intensity or colour is negative, which no lamp is; it counts as 0"));
+    }
+    let (color, intensity) = (light.color.map(|c| c.max(0.0)), light.intensity.max(0.0));
     let (position, direction) = placement(&node.world);
-    let (color, intensity) = (light.color, light.intensity);
     let light = match light.kind.as_str() {
         "point" => Light::Point { position, intensity, color },
         "directional" => Light::Directional { direction, intensity, color },
-        "spot" => Light::Spot {
+        _ => Light::Spot {
             position,
             direction,
             outer_cone_deg: light.spot.outer_cone_angle.to_degrees(),
@@ -87,14 +119,10 @@ pub(super) fn of(source: &Source, node: &Placed) -> Result<Option<Light>, SceneE
             intensity,
             color,
         },
-        other => {
-            let problem = format!("light {index} is of the unknown type {other:?}");
-            return Err(source.malformed(problem));
-        }
     };
     if light.is_usable() {
-        return Ok(Some(light));
+        return Ok(light);
     }
     let problem = "has a place, cone or intensity that is not finite, or far too large";
-    Err(source.malformed(format!("light {index} {problem}")))
+    Err(source.malformed(format!("{} {problem}", name(source, index))))
 }

@@ -29,14 +29,37 @@ pub(super) struct Materials<'a> {
     textures: Vec<(usize, bool)>,
     out: Vec<Material>,
     uv: Vec<Option<UvSource>>,
+    /// Linear RGB of what has no material.
+    default: Option<[f32; 3]>,
     /// What of the file is not taken over.
     left_out: Vec<String>,
 }
 
 impl<'a> Materials<'a> {
-    pub fn new(source: &'a Source) -> Self {
+    /// `default` is the linear RGB albedo of what has no material, glTF's white when absent.
+    pub fn new(source: &'a Source, default: Option<[f32; 3]>) -> Self {
         let (used, textures, out, uv, left_out) = Default::default();
-        Self { source, used, textures, out, uv, left_out }
+        Self { source, used, textures, out, uv, default, left_out }
+    }
+
+    /// Whether what has no material is white.
+    pub fn has_white_default(&self) -> bool {
+        self.default.is_none()
+    }
+
+    /// Whether something has no material.
+    pub fn has_default(&self) -> bool {
+        self.used.contains(&None)
+    }
+
+    /// The name of one of our materials.
+    pub fn name(&self, material: u32) -> &str {
+        self.out.get(material as usize).map_or("", |m| &m.name)
+    }
+
+    /// Whether one of our materials lets no light through.
+    pub fn is_opaque(&self, material: u32) -> bool {
+        self.out.get(material as usize).is_some_and(|m| m.alpha == Alpha::Opaque)
     }
 
     /// Our index for a glTF material, and where its texture coordinates come from.
@@ -46,7 +69,10 @@ impl<'a> Materials<'a> {
         }
         let source = self.source;
         let (converted, uv) = match material {
-            None => (Material { base_color: [1.0; 4], ..Material::default() }, None),
+            None => {
+                let [r, g, b] = self.default.unwrap_or([1.0; 3]);
+                (Material { base_color: [r, g, b, 1.0], ..Material::default() }, None)
+            }
             Some(i) => {
                 let known = source.root.materials.get(i);
                 let m = known.ok_or_else(|| source.malformed(format!("there is no material {i}")))?;

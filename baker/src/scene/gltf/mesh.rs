@@ -5,6 +5,7 @@ use super::primitive::Numbers;
 use super::rest::Rest;
 use super::source::Source;
 use crate::scene::SceneError;
+use crate::scene::notes::Told;
 use glam::{DVec2, DVec3, Vec2, Vec4};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -38,7 +39,7 @@ pub(super) fn read(
     index: usize,
     rest: &Rest,
     materials: &mut Materials,
-    left_out: &mut Vec<String>,
+    told: &mut Told,
 ) -> Result<Vec<Part>, SceneError> {
     let mesh = source.root.meshes.get(index);
     let mesh = mesh.ok_or_else(|| source.malformed(format!("there is no mesh {index}")))?;
@@ -48,7 +49,7 @@ pub(super) fn read(
         let what = format!("{}, primitive {p}", name(source, index));
         match primitive.mode {
             Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => {
-                parts.extend(part(source, primitive, what, rest, materials, left_out)?);
+                parts.extend(part(source, primitive, what, rest, materials, told)?);
             }
             Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => thin += 1,
             Checked::Invalid => {
@@ -57,7 +58,7 @@ pub(super) fn read(
         }
     }
     if thin > 0 {
-        left_out.push(format!("{thin} primitives of {}: they are points or lines", name(source, index)));
+        told.left_out.push(format!("{thin} primitives of {}: they are points or lines", name(source, index)));
     }
     Ok(parts)
 }
@@ -68,11 +69,11 @@ fn part(
     what: String,
     rest: &Rest,
     materials: &mut Materials,
-    left_out: &mut Vec<String>,
+    told: &mut Told,
 ) -> Result<Option<Part>, SceneError> {
     let numbers = Numbers::new(source, primitive, &what)?;
     let Some(positions) = numbers.read::<3>(&Semantic::Positions, Type::Vec3)? else {
-        left_out.push(format!("{what}: it has no positions"));
+        told.left_out.push(format!("{what}: it has no positions"));
         return Ok(None);
     };
     if !positions.iter().flatten().all(|x| x.is_finite()) {
@@ -97,9 +98,27 @@ fn part(
                 .map(|uv| if uv.abs().max_element() < LARGEST { uv } else { counted(&mut unusable) })
                 .collect()
         }
-        None => vec![Vec2::ZERO; count],
+        None => {
+            // Without coordinates all of them are zero, as in browsers.
+            let uv = uv_source.map(|u| u.matrix.transform_point2(DVec2::ZERO).as_vec2());
+            if let Some(u) = uv_source {
+                let name = materials.name(material);
+                told.notes.push(format!(
+                    "{what} has no TEXCOORD_{}, which its material {name:?} asks for: its textures are one colour, \
+                     that of one texel",
+                    u.set
+                ));
+            }
+            vec![uv.filter(|uv| uv.abs().max_element() < LARGEST).unwrap_or(Vec2::ZERO); count]
+        }
     };
     let colors = colors(&numbers, &mut unusable)?;
+    if primitive.material.is_none() && colors.is_none() && materials.has_white_default() {
+        told.notes.push(format!(
+            "{what} has no material: such surfaces are white in glTF, with an albedo of 1, which is that of no real one; \
+             --albedo 0.8 gives them another"
+        ));
+    }
     let same = |len: usize| len == count;
     if !same(uvs.len())
         || !normals.as_ref().is_none_or(|n| same(n.len()))
@@ -108,7 +127,7 @@ fn part(
         return Err(source.malformed(format!("{what} has attributes of different lengths")));
     }
     if unusable > 0 {
-        left_out.push(format!(
+        told.left_out.push(format!(
             "{unusable} normals, texture coordinates or colours of {what}: they are not finite numbers"
         ));
     }

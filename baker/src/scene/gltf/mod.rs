@@ -1,18 +1,21 @@
 //! glTF 2.0 to [`Scene`].
 //!
-//! * `document`, `exact`, `repair` – the JSON, as the `gltf` crate has it and what it has not; `container`, `source` –
-//!   the bytes; `accessor` – the numbers;
+//! * `document`, `exact`, `repair` – the JSON, as the `gltf` crate has it and what it has not; `container`, `source`,
+//!   `beside` – the bytes; `accessor` – the numbers;
 //! * `meshopt`, `draco` – compressed numbers; `extensions` – what is refused;
 //! * `material`, `texture_info` – materials and textures; `picture` – which image of a texture is taken;
 //! * `primitive`, `mesh` – triangles in their own space; `rest` – morph targets and skins;
-//! * `instances`, `place` – in the world;
-//! * `node` – transforms and cameras; `light` – lights; `animation` – how lights move.
+//! * `instances`, `place` – in the world; `choice` – which scene; `node` – transforms and cameras;
+//! * `light`, `enclosed` – lights, and those that are walled in; `animation` – how lights move.
 
 mod accessor;
 mod animation;
+mod beside;
+mod choice;
 mod container;
 mod document;
 mod draco;
+mod enclosed;
 mod exact;
 mod extensions;
 mod instances;
@@ -29,7 +32,9 @@ mod rest;
 mod source;
 mod texture_info;
 
-use super::{Scene, SceneError, WorldMesh};
+use super::notes::{Told, grouped};
+use super::{LoadOptions, Scene, SceneError, UNUSED_ALBEDO, WorldMesh};
+use enclosed::Lamps;
 use glam::DMat4;
 use mesh::Part;
 use place::Seen;
@@ -49,10 +54,10 @@ const HUGE: f64 = 1e5;
 const MOST_PLACES: usize = MAX_COPIES as usize;
 
 /// Loads a .gltf or .glb file.
-pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let source = Source::open(path)?;
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    convert(&source, name)
+    convert_with(&source, name, options)
 }
 
 /// Loads a file's bytes.
@@ -62,17 +67,30 @@ pub(super) fn from_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> 
 }
 
 fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
+    convert_with(source, name, &LoadOptions::default())
+}
+
+fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<Scene, SceneError> {
     let mut scene = Scene { name, ..Scene::default() };
-    let nodes = node::flatten(source)?;
-    let mut materials = material::Materials::new(source);
+    let mut told = Told { left_out: extensions::unread(&source.root), notes: Vec::new() };
+    let roots = choice::roots(source, options.scene.as_deref(), &mut told)?;
+    let nodes = node::flatten(source, roots)?;
+    let lights = light::placed(source, &nodes, &mut told)?;
+    for &(place, index) in &lights {
+        scene.lights.push(light::of(source, &nodes[place], index, &mut told)?);
+    }
+    let mut lamps = Lamps::new(lights.iter().map(|(_, index)| *index).zip(&scene.lights));
+    let mut materials = material::Materials::new(source, options.albedo);
     let mut mesh = WorldMesh::default();
-    let mut left_out = Vec::new();
-    let seen = place_all(source, &nodes, &mut materials, &mut mesh, &mut left_out)?;
+    let seen = place_all(source, &nodes, &mut materials, &mut lamps, &mut mesh, &mut told)?;
     if mesh.triangles.is_empty() && mesh.models.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
+    if options.albedo.is_some() && !materials.has_default() {
+        told.notes.push(UNUSED_ALBEDO.to_owned());
+    }
     materials.finish(&mut scene)?;
-    scene.left_out.extend(left_out);
+    scene.left_out.append(&mut told.left_out);
     mesh.finish(&mut scene);
     if scene.triangles.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
@@ -95,10 +113,13 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
         return Err(source.malformed(problem));
     }
     for node in &nodes {
-        scene.lights.extend(light::of(source, node)?);
         scene.cameras.extend(node::camera(source, node, scene.origin, size)?);
     }
-    scene.animations = animation::animations(source, &nodes, &mut scene.left_out)?;
+    scene.animations = animation::animations(source, &nodes, &lights, &mut scene.left_out)?;
+    told.notes.extend(lamps.enclosed.iter().filter_map(|lamp| lamp.note(source, size)));
+    told.notes.extend(source.notes());
+    scene.left_out = grouped(scene.left_out);
+    scene.notes = grouped(told.notes);
     Ok(scene)
 }
 
@@ -111,8 +132,9 @@ fn place_all(
     source: &Source,
     nodes: &[node::Placed],
     materials: &mut material::Materials,
+    lamps: &mut Lamps,
     out: &mut WorldMesh,
-    left_out: &mut Vec<String>,
+    told: &mut Told,
 ) -> Result<BTreeMap<usize, Seen>, SceneError> {
     let mut places: BTreeMap<Shape, Vec<DMat4>> = BTreeMap::new();
     let mut rests: BTreeMap<usize, Rest> = BTreeMap::new();
@@ -127,7 +149,7 @@ fn place_all(
         if rest.as_ref().is_some_and(Rest::is_skinned) {
             if more.len() > 1 {
                 let problem = "it has a skin, whose joints place it once";
-                left_out.push(format!("{} instances of node {}: {problem}", more.len() - 1, node.index));
+                told.left_out.push(format!("{} instances of node {}: {problem}", more.len() - 1, node.index));
             }
             more = vec![DMat4::IDENTITY];
         }
@@ -151,8 +173,11 @@ fn place_all(
             None => {
                 let rest = deforming.and_then(|node| rests.remove(&node));
                 let rest = rest.unwrap_or_else(|| Rest::of_mesh(source, index));
-                let parts = mesh::read(source, index, &rest, materials, left_out)?;
+                let parts = mesh::read(source, index, &rest, materials, told)?;
                 let places = places.remove(&shape).unwrap_or_default();
+                let opaque: Vec<&Part> =
+                    parts.iter().filter(|part| materials.is_opaque(part.material)).collect();
+                lamps.look(index, &opaque, &places);
                 let taken = place::models(source, &parts, &places, out, seen)?;
                 (parts, places.into_iter().zip(taken))
             }

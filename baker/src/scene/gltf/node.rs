@@ -15,21 +15,9 @@ pub(super) struct Placed {
     pub world: DMat4,
 }
 
-/// All visible nodes of the file's scene, parents before children.
-pub(super) fn flatten(source: &Source) -> Result<Vec<Placed>, SceneError> {
+/// All visible nodes at and below `roots`, parents before children.
+pub(super) fn flatten(source: &Source, roots: Vec<usize>) -> Result<Vec<Placed>, SceneError> {
     let root = &source.root;
-    let roots: Vec<usize> = match root.scenes.get(root.scene.map_or(0, |scene| scene.value())) {
-        Some(scene) => scene.nodes.iter().map(Index::value).collect(),
-        None => {
-            let mut is_child = vec![false; root.nodes.len()];
-            for child in root.nodes.iter().flat_map(children) {
-                if let Some(slot) = is_child.get_mut(child) {
-                    *slot = true;
-                }
-            }
-            (0..root.nodes.len()).filter(|&i| !is_child[i]).collect()
-        }
-    };
     let mut seen = vec![false; root.nodes.len()];
     let mut out: Vec<Placed> = Vec::new();
     let mut stack: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|i| (i, None)).collect();

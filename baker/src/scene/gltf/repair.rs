@@ -5,25 +5,23 @@
 
 use serde_json::{Value, json};
 
-/// Members that are the index of something, or −1 where exporters mean none.
-const INDICES: [&str; 16] = [
-    "buffer",
+/// Members that are the index of something and may be left out, or −1 where exporters mean none.
+const OPTIONAL: [&str; 12] = [
     "bufferView",
     "camera",
-    "index",
     "indices",
-    "input",
     "inverseBindMatrices",
     "material",
     "mesh",
     "node",
-    "output",
     "sampler",
     "scene",
     "skeleton",
     "skin",
     "source",
 ];
+/// Members that are the index of something and are needed.
+const REQUIRED: [&str; 4] = ["buffer", "index", "input", "output"];
 /// Members that are lists of indices of nodes.
 const LISTS: [&str; 3] = ["children", "joints", "nodes"];
 /// The largest number below which all whole numbers are exact in 64 bits.
@@ -41,7 +39,8 @@ fn walk(name: &str, value: &mut Value) {
             members.retain(|key, member| key == "extras" || !is_none(name, key, member));
             for (key, member) in members.iter_mut().filter(|(key, _)| *key != "extras") {
                 walk(key, member);
-                if name == "attributes" || INDICES.contains(&key.as_str()) {
+                let key = key.as_str();
+                if name == "attributes" || OPTIONAL.contains(&key) || REQUIRED.contains(&key) {
                     bound(member);
                 }
             }
@@ -71,7 +70,7 @@ fn walk(name: &str, value: &mut Value) {
 fn is_none(of: &str, key: &str, member: &Value) -> bool {
     let inner = |index: &str| member.get(index).is_some_and(is_minus_one);
     member.is_null()
-        || (of == "attributes" || INDICES.contains(&key)) && is_minus_one(member)
+        || (of == "attributes" || OPTIONAL.contains(&key)) && is_minus_one(member)
         || key.ends_with("Texture") && inner("index")
         || key == "KHR_lights_punctual" && inner("light")
 }

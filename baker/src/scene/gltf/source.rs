@@ -1,7 +1,8 @@
 //! The bytes of a glTF file: buffers, their views, data URIs and files beside it.
 
-use super::container::{base64_decoded, percent_decoded, split_glb};
-use super::document::{Document, Extensible};
+use super::beside;
+use super::container::{base64_decoded, percent_decoded, split_glb, text};
+use super::document::{Document, Extensible, Refused};
 use super::exact::Exact;
 use super::light::{self, PunctualLight};
 use super::meshopt::{self, Meshopt};
@@ -12,7 +13,7 @@ use rebounce_shared::rbn::container::MAGIC;
 use serde::de::DeserializeOwned;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// A parsed glTF file with the bytes of its buffers.
 pub(super) struct Source {
@@ -28,6 +29,7 @@ pub(super) struct Source {
     buffers: Vec<Vec<u8>>,
     /// By buffer view; the compressed ones, as soon as something reads them.
     unpacked: Vec<OnceLock<Vec<u8>>>,
+    notes: Mutex<Vec<String>>,
 }
 
 impl Source {
@@ -46,16 +48,22 @@ impl Source {
             return Err(SceneError::Baked { file });
         }
         let (json, chunk) = if bytes.starts_with(b"glTF") {
+            if bytes.get(4..8) == Some(&[1, 0, 0, 0]) {
+                return Err(SceneError::Old { file, version: "1.0".to_owned() });
+            }
             split_glb(bytes).map_err(not_gltf)?
         } else {
-            // A byte-order mark is not JSON, but some exporters write one.
-            (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
+            (bytes, None)
         };
-        let Document { root, exact } = Document::parse(json).map_err(not_gltf)?;
+        let document = Document::parse(&text(json)).map_err(|refused| match refused {
+            Refused::Old(version) => SceneError::Old { file: file.clone(), version },
+            Refused::Not(problem) => not_gltf(problem),
+        });
+        let Document { root, exact } = document?;
         super::extensions::check(&file, &root.extensions_required)?;
         let unpacked = root.buffer_views.iter().map(|_| OnceLock::new()).collect();
-        let (lights, buffers) = (Vec::new(), Vec::new());
-        let mut source = Self { file, dir, root, exact, lights, buffers, unpacked };
+        let (lights, buffers, notes) = Default::default();
+        let mut source = Self { file, dir, root, exact, lights, buffers, unpacked, notes };
         source.lights = light::all(&source)?;
         for i in 0..source.root.buffers.len() {
             let buffer = &source.root.buffers[i];
@@ -66,7 +74,8 @@ impl Source {
                 source.buffers.push(Vec::new());
                 continue;
             }
-            let bytes = match (&buffer.uri, chunk) {
+            let uri = buffer.uri.as_ref().filter(|uri| !uri.is_empty());
+            let bytes = match (uri, chunk) {
                 (Some(uri), _) => source.uri(uri)?,
                 (None, Some(chunk)) if i == 0 => chunk.to_vec(),
                 _ => return Err(source.malformed(format!("buffer {i} has no data"))),
@@ -98,20 +107,32 @@ impl Source {
                 Ok(body.into_owned())
             };
         }
-        if uri.contains("://") {
-            return Err(
-                self.malformed(format!("{uri} is on the network: download it and pack it into a .glb"))
-            );
+        match beside::read(&self.dir, uri) {
+            Ok(found) => {
+                if let Some(place) = found.elsewhere {
+                    self.note(format!("{uri}, read as {place}: no file is where the scene's file says"));
+                }
+                Ok(found.bytes)
+            }
+            Err(_) if beside::is_on_network(uri) => {
+                Err(self.malformed(format!("{uri} is on the network: download it and pack it into a .glb")))
+            }
+            Err(source) => Err(SceneError::Beside {
+                file: self.file.clone(),
+                path: self.dir.join(beside::name(uri)).display().to_string(),
+                source,
+            }),
         }
-        let read = |name: &str| std::fs::read(self.dir.join(name));
-        let decoded = percent_decoded(uri);
-        let name = String::from_utf8_lossy(&decoded);
-        // Some exporters forget to encode; a name that holds % as it stands is the second guess.
-        read(&name).or_else(|e| read(uri).map_err(|_| e)).map_err(|source| SceneError::Beside {
-            file: self.file.clone(),
-            path: self.dir.join(name.as_ref()).display().to_string(),
-            source,
-        })
+    }
+
+    /// Keeps what is to be said about the file.
+    fn note(&self, note: String) {
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
+    }
+
+    /// What is to be said about the file as far as it has been read.
+    pub fn notes(&self) -> Vec<String> {
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Bytes of all buffers together: what a count can be measured by that has no bytes of its own.
@@ -131,7 +152,9 @@ impl Source {
             let (buffer, from, len) =
                 (view.buffer.value(), offset(view.byte_offset), length(view.byte_length));
             let bytes = self.slice(buffer, from, len).ok_or_else(outside)?;
-            return Ok((bytes, view.byte_stride.map(|stride| stride.0)));
+            // Browsers take zero for none.
+            let stride = view.byte_stride.map(|stride| stride.0).filter(|stride| *stride > 0);
+            return Ok((bytes, stride));
         };
         let cell = &self.unpacked[index];
         if cell.get().is_none() {

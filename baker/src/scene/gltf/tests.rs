@@ -1,5 +1,7 @@
+mod lenient;
 mod meshes;
 mod rest;
+mod told;
 
 use super::*;
 use crate::surface::{Ray, Surfaces};

@@ -120,7 +120,8 @@ fn exported_skins_and_morphs_are_what_applying_them_makes() {
         if !folder.join(name).exists() {
             continue;
         }
-        let [deformed, applied] = [name, applied].map(|file| load(&folder.join(file)).unwrap());
+        let [deformed, applied] =
+            [name, applied].map(|file| load(&folder.join(file), &LoadOptions::default()).unwrap());
         assert_near(&corners(&deformed), &corners(&applied));
         let alike = deformed.normals.iter().zip(&applied.normals).all(|(a, b)| a.distance(*b) < 1e-4);
         assert!(alike && deformed.normals.len() == applied.normals.len(), "{name}");

@@ -1,0 +1,39 @@
+//! How a scene's file is read, for each verb that reads one.
+
+use super::number;
+use super::plain::plain;
+use anyhow::Result;
+use clap::Args;
+use rebounce::scene::{LoadOptions, Scene, load_with};
+
+/// Arguments about the scene's file.
+#[derive(Args, Debug)]
+pub struct LoadArgs {
+    /// The scene of the glTF file, by its name or number, where there are several; its default when absent
+    #[arg(long = "scene", value_name = "N|NAME")]
+    choice: Option<String>,
+    /// What meshes without a material reflect, from 0 to 1, as in 0.8 or 0.8,0.7,0.6 (linear red, green, blue); all light
+    /// when absent, as glTF has it
+    #[arg(long, value_name = "ALBEDO", value_parser = number::albedo)]
+    albedo: Option<[f32; 3]>,
+}
+
+impl LoadArgs {
+    /// Loads a scene.
+    ///
+    /// # Errors
+    /// What is wrong with its file.
+    pub fn load(&self, spec: &str) -> Result<Scene> {
+        Ok(load_with(spec, &LoadOptions { scene: self.choice.clone(), albedo: self.albedo })?)
+    }
+}
+
+/// Says what of a scene's file is not in the scene, or otherwise than it is written.
+pub fn warn(scene: &Scene) {
+    for problem in &scene.left_out {
+        eprintln!("warning: left out: {}", plain(problem));
+    }
+    for note in &scene.notes {
+        eprintln!("warning: {}", plain(note));
+    }
+}
