@@ -31,12 +31,20 @@ modules! {
     /// G-buffer.
     GBUFFER: "octahedral" "frame" "material" "detail" "model" "mesh" "gbuffer";
     /// Blended surfaces, layer by layer.
-    BLENDED: "octahedral" "frame" "material" "detail" "model" "mesh" "point" "kernel" "cover" "lookup" "lights" "lights_third"
+    BLENDED: "octahedral" "frame" "material" "detail" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "lights" "lights_third"
         "visibility" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
-    FIND: "octahedral" "point" "kernel" "cover" "lookup" "frame" "slots" "find";
+    FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place" "slots" "find";
     /// From functions to pixels.
     GATHER: "frame" "slots" "tilt" "gather";
+    /// Where functions may be seen.
+    QUADS: "octahedral" "point" "kernel" "frame" "level" "quads";
+    /// How bright splats are.
+    BRIGHTEST: "brightest";
+    /// From functions to sums in pixels.
+    SPLAT: "octahedral" "point" "kernel" "cuts" "frame" "place" "slots" "tilt" "level" "atlas" "fullscreen" "splat";
+    /// From sums to pixels.
+    RESOLVE: "octahedral" "kernel" "frame" "place" "slots" "tilt" "level" "atlas" "resolve";
     /// The tone-mapped picture.
     COMPOSITE: "octahedral" "frame" "lights" "lights_second" "visibility" "slots" "tilt" "surface" "brdf" "reflect" "shade" "fullscreen" "composite";
     /// Luminance of some pixels.
