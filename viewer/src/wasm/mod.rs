@@ -8,6 +8,7 @@
 //! Every failure is a JavaScript `Error` whose `code` is one of [`ViewerError::code`]'s.
 
 mod input;
+mod math;
 mod page;
 mod read;
 mod settings;
