@@ -41,20 +41,21 @@ struct Level {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 struct Draws {
-    /// The level's quads where something is open.
-    quads: [u32; 4],
+    /// The level's quads over pixels with slots of their own and over blocks, where something is open.
+    quads: [[u32; 4]; 2],
     /// One triangle where something is open.
     mask: [u32; 4],
-    /// All quads in view.
-    seen: [u32; 4],
-    /// Workgroups of resolve.wgsl.
+    /// All quads in view, likewise.
+    all: [[u32; 4]; 2],
+    /// Workgroups of resolve.wgsl, and the number of functions in view.
     resolve: [u32; 4],
 }
 
 /// Offsets in [`Draws`], bytes.
-const MASK: u64 = 16;
-const SEEN: u64 = 32;
-const RESOLVE: u64 = 48;
+const MASK: u64 = 32;
+const ALL: u64 = 48;
+const RESOLVE: u64 = 80;
+const SEEN: u64 = 92;
 
 /// The pipelines.
 pub struct SplatPass {
@@ -141,7 +142,15 @@ impl SplatPass {
             quads: kernel(
                 "quads_of_level",
                 shaders::QUADS,
-                &[Slot::Uniform, Slot::Uniform, Slot::Read, Slot::Write, Slot::Write],
+                &[
+                    Slot::Uniform,
+                    Slot::Uniform,
+                    Slot::Read,
+                    Slot::Write,
+                    Slot::Write,
+                    Slot::Depth,
+                    Slot::Read,
+                ],
             ),
             brightest: kernel("brightest", shaders::BRIGHTEST, &[Slot::Read, Slot::Write]),
             drawn: Default::default(),
@@ -171,7 +180,6 @@ impl SplatPass {
             let splat = Draw {
                 label: "splat",
                 targets: &[sums.clone(), sums.clone()][..1 + tilts as usize],
-                strip: true,
                 depth: Some((CompareFunction::Greater, false)),
                 ..draw
             };
@@ -197,7 +205,7 @@ impl SplatPass {
         let tilts = bumpy.then(|| texture("tilts", SUMS));
         let points: u32 = scene.levels.iter().map(|level| level.len() as u32).sum();
         let storage = BufferUsages::STORAGE;
-        let quads = empty_buffer(&own, "quads", storage, 16 * points as u64);
+        let quads = empty_buffer(&own, "quads", storage, 32 * points as u64);
         let usage = storage | BufferUsages::COPY_DST;
         let brightest_bits = empty_buffer(&own, "brightest", usage, 4);
         let usage = usage | BufferUsages::INDIRECT | BufferUsages::COPY_SRC;
@@ -221,10 +229,11 @@ impl SplatPass {
             };
             let of = buffer(&own, "level", BufferUsages::UNIFORM, bytemuck::bytes_of(&of));
             let one = finest as u32;
+            let none = [[0, 1, 0, 0], [0, 1, 6 * points, 0]];
             template.push(Draws {
-                quads: [4, 0, 0, 0],
-                mask: [3, one, 0, 0],
-                seen: [4, 0, 0, 0],
+                quads: none,
+                mask: [3 * one, 1, 0, 0],
+                all: none,
                 resolve: [one * width.div_ceil(TILE), height.div_ceil(TILE), 1, 0],
             });
             let common = [
@@ -242,6 +251,8 @@ impl SplatPass {
                 scene.upload.points.as_entire_binding(),
                 quads.as_entire_binding(),
                 draws[index].as_entire_binding(),
+                view(&gbuffer.depth),
+                slots.by_pixel.as_entire_binding(),
             ];
             let coarser = index.checked_sub(1).map_or(&spare, |coarser| &draws[coarser]);
             levels.push(LevelTarget {
@@ -319,7 +330,7 @@ impl SplatPass {
         }
         drop(pass);
         if let Some(finest) = target.levels.first() {
-            encoder.copy_buffer_to_buffer(&finest.draws, SEEN + 4, &slots.counts, 4, 4);
+            encoder.copy_buffer_to_buffer(&finest.draws, SEEN, &slots.counts, 4, 4);
         }
     }
 
@@ -361,12 +372,12 @@ impl SplatPass {
             pass.set_pipeline(&target.pipelines[0]);
             pass.draw_indirect(&level.draws, MASK);
             pass.set_pipeline(&target.pipelines[1]);
-            let quads = if finest { SEEN } else { 0 };
+            let quads = if finest { ALL } else { 0 };
             pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
             pass.draw_indirect(&level.draws, quads);
             // The middle of a block's texel is that of its first pixel.
             pass.set_viewport(0.25, height + 0.25, 0.5 * width, 0.5 * height, 0.0, 1.0);
-            pass.draw_indirect(&level.draws, quads);
+            pass.draw_indirect(&level.draws, quads + 16);
             drop(pass);
             let last = i + 1 == target.levels.len();
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {

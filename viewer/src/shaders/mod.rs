@@ -1,4 +1,4 @@
-//! The WGSL modules, each put together from its parts when it is used; build.rs takes out the comments.
+//! The WGSL modules, each put together from its parts when it is used; build.rs shortens them (minify.rs).
 
 /// A module's parts, in order.
 pub type Source = &'static [&'static str];
@@ -64,7 +64,48 @@ modules! {
 }
 
 #[cfg(test)]
+#[path = "../../minify.rs"]
+mod minify;
+
+#[cfg(test)]
 mod tests {
+    use super::minify::minified;
+
+    #[test]
+    fn shortened_shaders_keep_what_others_call_and_what_the_language_has() {
+        let source = "
+            override LANES = 1u; // Threads.
+            struct Place { position: vec3f, xy: f32, distance: f32 }
+            @group(0) @binding(0) var<storage, read> places: array<Place, 3>;
+            @vertex
+            fn main(@builtin(position) position: vec4f) -> @location(0) @interpolate(flat) f32 {
+                let a = places[LANES].distance - -1.5e-3;
+                var sum: array<f32, 2> = array<f32, 2>(a, .5);
+                return distance(position.xyz, places[0x1eu].position) + sum[0] * helper(position.xy);
+            }";
+        let other = "fn helper(position: vec2f) -> f32 { return position.x; }";
+        let short = minified(&[source.to_owned(), other.to_owned()]);
+        let [source, other] = [&short[0], &short[1]];
+        for kept in [
+            "override LANES=1u",
+            "fn main(@builtin(position)",
+            "@interpolate(flat)",
+            "distance(",
+            ".xyz",
+            "- -1.5e-3",
+            "> =array",
+            "0x1eu",
+            ".5)",
+        ] {
+            assert!(source.contains(kept), "{kept}: {source}");
+        }
+        for gone in ["helper", "places", "Place", "Threads", "sum"] {
+            assert!(!source.contains(gone) && !other.contains(gone), "{gone}: {source}{other}");
+        }
+        let name = other.strip_prefix("fn ").unwrap().split('(').next().unwrap();
+        assert!(source.contains(&format!("*{name}(")), "one name in all: {source}{other}");
+    }
+
     #[test]
     fn every_module_validates() {
         for (name, parts) in super::ALL {

@@ -3,13 +3,23 @@
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(2) var<storage, read> points: array<Point>;
-// From the level's first point on: the quads of those in view, in any order. x, y: opposite corners in the picture, -1 to
-// 1 in 16 bits; z: the greatest value of the depth buffer in the support, a float; w: the function.
+// Quads of the functions that may reach pixels with slots of their own, from the level's first point on, and of those that
+// may reach blocks, as much further on as there are points; in any order. x, y: opposite corners in the picture, -1 to 1
+// in 16 bits; z: the greatest value of the depth buffer in the support, a float; w: the function.
 @group(0) @binding(3) var<storage, read_write> quads: array<vec4u>;
-// How the level is drawn (display/splat.rs): word SEEN counts its quads.
+// How the level is drawn (display/splat.rs): words PIXELS and BLOCKS count the vertices of the two lists, SEEN the
+// functions in one of them or in both.
 @group(0) @binding(4) var<storage, read_write> draws: array<atomic<u32>>;
+@group(0) @binding(5) var depth_texture: texture_depth_2d;
+// The slot of every pixel that has one of its own, else 0.
+@group(0) @binding(6) var<storage, read> slots: array<u32>;
 
-const SEEN = 9u;
+const PIXELS = 12u;
+const BLOCKS = 16u;
+const SEEN = 23u;
+
+// Quads of no more pixels than these are drawn only where one of them is seen and wanted.
+const MOST_PIXELS = 16u;
 
 // cos and sin of 30 degrees: pixels face the eye, and functions reach normals up to 60 degrees from theirs, so what faces
 // away by more than 150 degrees reaches no pixel.
@@ -73,6 +83,34 @@ fn quad(centre: vec3f, normal: vec3f, radius: f32) -> vec4u {
     return vec4u(pack2x16snorm(corners.xy), pack2x16snorm(corners.zw), bitcast<u32>(depth), 1u);
 }
 
+// Whether a quad reaches pixels with slots of their own, and blocks.
+fn reaches(found: vec4u) -> vec2<bool> {
+    let size = vec2f(frame.width, frame.height);
+    let low = unpack2x16snorm(found.x);
+    let high = unpack2x16snorm(found.y);
+    // From the first pixel whose middle it holds to before this one.
+    let first = vec2u(ceil((vec2f(low.x, -high.y) * 0.5 + 0.5) * size - 0.5));
+    let end = vec2u(clamp(floor((vec2f(high.x, -low.y) * 0.5 + 0.5) * size + 0.5), vec2f(0.0), size));
+    if any(first >= end) {
+        return vec2<bool>(false);
+    }
+    if (end.x - first.x) * (end.y - first.y) > MOST_PIXELS {
+        return vec2<bool>(true);
+    }
+    var found_pixels = false;
+    var found_blocks = false;
+    for (var y = first.y; y < end.y; y++) {
+        for (var x = first.x; x < end.x; x++) {
+            let depth = textureLoad(depth_texture, vec2u(x, y), 0);
+            if depth > 0.0 && depth < bitcast<f32>(found.z) {
+                found_pixels |= slots[y * u32(frame.width) + x] != 0u;
+                found_blocks |= ((x | y) & 1u) == 0u;
+            }
+        }
+    }
+    return vec2<bool>(found_pixels, found_blocks);
+}
+
 @compute @workgroup_size(64)
 fn quads_of_level(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
     let i = (group.y * 65535u + group.x) * 64u + thread;
@@ -82,7 +120,18 @@ fn quads_of_level(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
     let function = level.first + i;
     let p = points[function];
     let found = quad(point_position(p), unpack_normal(p.normal), p.radius);
-    if found.w != 0u {
-        quads[level.first + atomicAdd(&draws[SEEN], 1u)] = vec4u(found.xyz, function);
+    if found.w == 0u {
+        return;
+    }
+    let reached = reaches(found);
+    let entry = vec4u(found.xyz, function);
+    if reached.x {
+        quads[level.first + atomicAdd(&draws[PIXELS], 6u) / 6u] = entry;
+    }
+    if reached.y {
+        quads[arrayLength(&quads) / 2u + level.first + atomicAdd(&draws[BLOCKS], 6u) / 6u] = entry;
+    }
+    if any(reached) {
+        atomicAdd(&draws[SEEN], 1u);
     }
 }

@@ -8,11 +8,13 @@
 // How the next coarser level is drawn (display/splat.rs).
 @group(0) @binding(9) var<storage, read_write> draws: array<atomic<u32>>;
 
-// Words of `draws`: quads to draw, and all that are in view; triangles of the mask; workgroups of this shader in x.
-const QUADS = 1u;
-const MASK = 5u;
-const SEEN = 9u;
-const GROUPS = 12u;
+// Words of `draws`: vertices of the quads to draw, and so many further on of all that are in view; of the mask; workgroups
+// of this shader in x.
+const PIXELS = 0u;
+const BLOCKS = 4u;
+const ALL = 12u;
+const MASK = 8u;
+const GROUPS = 20u;
 
 @compute @workgroup_size(8, 8)
 fn resolve(@builtin(global_invocation_id) id: vec3u) {
@@ -32,8 +34,9 @@ fn resolve(@builtin(global_invocation_id) id: vec3u) {
     let open = level.index > 0u && textureLoad(depth_texture, atlas_pixel(id.xy), 0) > 0.0;
     light[slot] = vec4f(0.0, 0.0, 0.0, select(0.0, OPEN, open));
     if open {
-        atomicStore(&draws[QUADS], atomicLoad(&draws[SEEN]));
-        atomicStore(&draws[MASK], 1u);
+        atomicStore(&draws[PIXELS], atomicLoad(&draws[PIXELS + ALL]));
+        atomicStore(&draws[BLOCKS], atomicLoad(&draws[BLOCKS + ALL]));
+        atomicStore(&draws[MASK], 3u);
         atomicStore(&draws[GROUPS], (u32(frame.width) + 7u) / 8u);
     }
 }
