@@ -4,7 +4,7 @@ use crate::bindings::{
     Draw, Slot, WORKGROUP, attachment, bilinear, blended, buffer, compute, empty_buffer, group, layout,
     opaque, target, view,
 };
-use crate::display::DisplayTarget;
+use crate::display::SlotBuffers;
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
@@ -94,7 +94,7 @@ pub struct Sources<'a> {
     /// What is not blended.
     pub gbuffer: &'a GBuffer,
     /// Its bounced light.
-    pub display: &'a DisplayTarget,
+    pub slots: &'a SlotBuffers,
     /// What is blended, if anything is.
     pub veil: Option<&'a wgpu::TextureView>,
     /// `Look` of surface.wgsl, one a material.
@@ -176,10 +176,10 @@ impl CompositePass {
             view(&from.gbuffer.albedo),
             view(&from.gbuffer.surface),
             view(&from.gbuffer.depth),
-            from.display.light.as_entire_binding(),
+            from.slots.light.as_entire_binding(),
             from.looks.as_entire_binding(),
             from.key.as_entire_binding(),
-            from.display.slots.as_entire_binding(),
+            from.slots.by_pixel.as_entire_binding(),
             // Without blended surfaces nothing is read from it.
             view(from.veil.unwrap_or(&from.gbuffer.albedo)),
         ];

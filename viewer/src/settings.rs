@@ -1,103 +1,101 @@
-//! What of the picture is shown.
+//! What of the picture is shown, and how it is made.
 
 use crate::error::ViewerError;
 
-/// Which light the picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
+/// Which of these names it is.
+fn index(what: &str, names: &[&str], given: &str) -> Result<usize, ViewerError> {
+    names.iter().position(|name| *name == given).ok_or_else(|| {
+        let names = names.join("\", \"");
+        ViewerError::BadArgument(format!("{what} \"{given}\": it must be one of \"{names}\""))
+    })
+}
+
+/// An enum whose values have names.
+macro_rules! named {
+    ($(#[$doc:meta])* $type:ident, $what:literal: $($(#[$value_doc:meta])* $value:ident $name:literal),+) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub enum $type { $($(#[$value_doc])* $value),+ }
+
+        impl $type {
+            const NAMES: &[&str] = &[$($name),+];
+
+            /// From its name.
+            ///
+            /// # Errors
+            /// [`ViewerError::BadArgument`].
+            pub fn parse(name: &str) -> Result<Self, ViewerError> {
+                index($what, Self::NAMES, name).map(|i| [$(Self::$value),+][i])
+            }
+
+            /// Its name.
+            pub fn name(self) -> &'static str {
+                Self::NAMES[self as usize]
+            }
+        }
+    };
+}
+
+named! {
+    /// Which light the picture shows.
+    Mode, "mode":
     /// Direct and bounced light.
     #[default]
-    All,
+    All "all",
     /// Direct light alone.
-    Direct,
+    Direct "direct",
     /// Bounced light alone.
-    Indirect,
+    Indirect "indirect"
 }
 
-impl Mode {
-    /// From its name: `all`, `direct` or `indirect`.
-    ///
-    /// # Errors
-    /// [`ViewerError::BadArgument`].
-    pub fn parse(name: &str) -> Result<Self, ViewerError> {
-        [Self::All, Self::Direct, Self::Indirect].into_iter().find(|m| m.name() == name).ok_or_else(|| {
-            ViewerError::BadArgument(format!(
-                "mode \"{name}\": it must be \"all\", \"direct\" or \"indirect\""
-            ))
-        })
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::All => "all",
-            Self::Direct => "direct",
-            Self::Indirect => "indirect",
-        }
-    }
-}
-
-/// What is drawn over the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Overlay {
+named! {
+    /// What is drawn over the picture.
+    Overlay, "overlay":
     /// Nothing.
     #[default]
-    None,
+    None "none",
     /// The points of the finest level.
-    Points,
+    Points "points",
     /// The points of all levels, each level in its colour.
-    Levels,
+    Levels "levels"
 }
 
-impl Overlay {
-    /// From its name: `none`, `points` or `levels`.
-    ///
-    /// # Errors
-    /// [`ViewerError::BadArgument`].
-    pub fn parse(name: &str) -> Result<Self, ViewerError> {
-        [Self::None, Self::Points, Self::Levels].into_iter().find(|m| m.name() == name).ok_or_else(|| {
-            ViewerError::BadArgument(format!(
-                "overlay \"{name}\": it must be \"none\", \"points\" or \"levels\""
-            ))
-        })
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Points => "points",
-            Self::Levels => "levels",
-        }
-    }
-}
-
-/// How radiance becomes display values.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ToneMapping {
+named! {
+    /// How radiance becomes display values.
+    ToneMapping, "tone mapping":
     /// Khronos PBR Neutral: colours stay what they are.
     #[default]
-    Neutral,
+    Neutral "neutral",
     /// AgX: softer, bright colours fade to white.
-    Agx,
+    Agx "agx"
 }
 
-impl ToneMapping {
-    /// From its name: `neutral` or `agx`.
-    ///
-    /// # Errors
-    /// [`ViewerError::BadArgument`].
-    pub fn parse(name: &str) -> Result<Self, ViewerError> {
-        [Self::Neutral, Self::Agx].into_iter().find(|t| t.name() == name).ok_or_else(|| {
-            ViewerError::BadArgument(format!("tone mapping \"{name}\": it must be \"neutral\" or \"agx\""))
-        })
-    }
+named! {
+    /// How light gets from functions to pixels: see [`crate::display`].
+    Display, "display":
+    /// In the way that is faster, which is measured.
+    #[default]
+    Auto "auto",
+    /// Pixels look functions up.
+    Lookup "lookup",
+    /// Functions are splatted.
+    Splat "splat"
+}
 
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Neutral => "neutral",
-            Self::Agx => "agx",
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_have_names_and_others_are_refused_with_those_that_there_are() {
+        for name in ["auto", "lookup", "splat"] {
+            assert_eq!(Display::parse(name).unwrap().name(), name);
         }
+        assert_eq!(Mode::parse("all").unwrap(), Mode::default());
+        let error = ToneMapping::parse("filmic").unwrap_err().to_string();
+        assert!(
+            error.contains("tone mapping \"filmic\"") && error.contains("\"neutral\", \"agx\""),
+            "{error}"
+        );
     }
 }

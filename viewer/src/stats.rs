@@ -10,6 +10,8 @@ pub struct Stats {
     pub adapter: String,
     /// The scene's name.
     pub scene: String,
+    /// How the last picture's light got from functions to pixels: `lookup` or `splat`.
+    pub display: &'static str,
     /// Milliseconds per pass when it last ran; all absent where the device cannot time passes.
     pub milliseconds: Milliseconds,
     /// Pictures drawn so far.
@@ -37,7 +39,7 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// All numbers as JSON, whole ones: milliseconds as microseconds. The two names are left out.
+    /// All numbers as JSON, whole ones: milliseconds as microseconds. Names are left out.
     pub fn json(&self) -> String {
         use std::fmt::Write;
         let mut json = String::from("{\"functions\":[");
@@ -97,17 +99,17 @@ impl Stats {
     }
 }
 
-/// How the bounced light of a picture was looked up.
+/// How the bounced light of a picture was looked up, or splatted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Counts {
     /// Pixels of the picture.
     pub pixels: u64,
-    /// Pixels that looked functions up; the others are interpolated.
+    /// Pixels that have slots; the others are interpolated.
     pub rows: u64,
-    /// Functions whose sphere was tested.
+    /// Functions whose sphere was tested; by splatting, quads of the finest level.
     pub looked_at: u64,
-    /// Kernels evaluated.
+    /// Kernels evaluated; not known of splatting.
     pub evaluated: u64,
 }
 

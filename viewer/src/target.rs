@@ -3,7 +3,7 @@
 use crate::bindings::empty_buffer;
 use crate::blended::{BlendedTarget, Veil};
 use crate::composite::{self, Picture, Sources};
-use crate::display::DisplayTarget;
+use crate::display::{self, DisplayTarget, Way};
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
 use crate::pipelines::Pipelines;
@@ -43,26 +43,29 @@ pub struct Wanted<'a> {
     pub size: [u32; 2],
     /// Pixels of the screen across one of the picture.
     pub enlarge: u32,
-    /// Bounced light is looked up in every pixel.
+    /// Every pixel has a slot of its own for bounced light.
     pub every_pixel: bool,
+    /// How slots get it.
+    pub way: Way,
 }
 
 impl Target {
     /// Makes all of it.
     pub fn new(gpu: &Gpu, pipelines: &Pipelines, wanted: &Wanted<'_>) -> Self {
-        let &Wanted { scene, key, size, enlarge, every_pixel } = wanted;
+        let &Wanted { scene, key, size, enlarge, every_pixel, way } = wanted;
         let own = Scope::new(gpu);
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = empty_buffer(&own, "frame", usage, size_of::<Frame>() as u64);
         let gbuffer = GBuffer::new(&own, size[0], size[1], scene.materials.detailed);
-        let display = pipelines.display.target(&own, &frame, &gbuffer, scene, size, every_pixel);
+        let from = display::Sources { scene, frame: &frame, gbuffer: &gbuffer };
+        let display = pipelines.display.target(&own, from, size, every_pixel, way);
         let shading = composite::shading(&own);
         let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size));
         let sources = Sources {
             frame: &frame,
             shading: &shading,
             gbuffer: &gbuffer,
-            display: &display,
+            slots: &display.slots,
             veil: veil.as_ref().map(|veil| &veil.texture),
             looks: &scene.materials.looks,
             key,
@@ -83,8 +86,19 @@ impl Target {
         }
     }
 
+    /// Fills the slots in another way from the next picture of a view on.
+    pub fn set_way(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &LoadedScene, way: Way) {
+        let from = display::Sources { scene, frame: &self.frame, gbuffer: &self.gbuffer };
+        pipelines.display.set_way(gpu, &mut self.display, from, way);
+    }
+
+    /// Pixels of the screen that it covers.
+    pub fn screen_pixels(&self) -> u64 {
+        self.size.iter().map(|side| (side * self.enlarge) as u64).product()
+    }
+
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
-        self.own.bytes()
+        self.own.bytes() + self.display.bytes()
     }
 }

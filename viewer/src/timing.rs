@@ -1,5 +1,6 @@
 //! Milliseconds per pass, where the device has timestamp queries.
 
+use crate::display::Way;
 use crate::gpu::Gpu;
 use crate::oneshot::{self, Receiver};
 use crate::scope::Scope;
@@ -14,7 +15,7 @@ pub enum Pass {
     Relight,
     /// G-buffer.
     GBuffer,
-    /// Which functions cover which pixels.
+    /// Which functions may reach which pixels.
     Find,
     /// Their light.
     Gather,
@@ -37,7 +38,7 @@ pub struct Milliseconds {
     pub relight: Option<f64>,
     /// G-buffer.
     pub g_buffer: Option<f64>,
-    /// Which functions cover which pixels; only where the camera has moved.
+    /// Which functions may reach which pixels; only where the camera has moved.
     pub find: Option<f64>,
     /// From functions to pixels.
     pub gather: Option<f64>,
@@ -64,12 +65,12 @@ impl<'a> Stamps<'a> {
         }
     }
 
-    /// For a compute pass.
-    pub fn compute(self) -> wgpu::ComputePassTimestampWrites<'a> {
+    /// For a compute pass, likewise.
+    pub fn compute(self, begin: bool, end: bool) -> wgpu::ComputePassTimestampWrites<'a> {
         wgpu::ComputePassTimestampWrites {
             query_set: self.set,
-            beginning_of_pass_write_index: Some(self.first),
-            end_of_pass_write_index: Some(self.first + 1),
+            beginning_of_pass_write_index: begin.then_some(self.first),
+            end_of_pass_write_index: end.then_some(self.first + 1),
         }
     }
 }
@@ -80,7 +81,8 @@ pub struct Timing {
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: wgpu::Buffer,
-    pending: Option<(Receiver<bool>, [bool; PASSES])>,
+    pending: Option<(Receiver<bool>, [bool; PASSES], Option<Way>)>,
+    displayed: Option<(Way, f64)>,
     used: [bool; PASSES],
     last: Milliseconds,
     period_ns: f64,
@@ -110,6 +112,7 @@ impl Timing {
             resolved: buffer(BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC),
             staging: buffer(BufferUsages::COPY_DST | BufferUsages::MAP_READ),
             pending: None,
+            displayed: None,
             used: [false; PASSES],
             last: Milliseconds::default(),
             period_ns: gpu.queue.get_timestamp_period() as f64,
@@ -138,13 +141,19 @@ impl Timing {
         }
     }
 
-    /// Call after the frame is submitted.
-    pub fn submitted(&mut self) {
+    /// Call after the frame is submitted; with how it filled the slots, if that is new.
+    pub fn submitted(&mut self, way: Option<Way>) {
         if self.pending.is_none() && self.used.contains(&true) {
             let (sender, receiver) = oneshot::channel();
             self.staging.slice(..).map_async(wgpu::MapMode::Read, move |result| sender.send(result.is_ok()));
-            self.pending = Some((receiver, std::mem::take(&mut self.used)));
+            self.pending = Some((receiver, std::mem::take(&mut self.used), way));
         }
+    }
+
+    /// What the choice between the ways goes by, once for each frame that filled the slots anew: the milliseconds of a
+    /// frame in which the camera moves and of one in which light moves, together.
+    pub fn take_displayed(&mut self) -> Option<(Way, f64)> {
+        self.displayed.take()
     }
 
     /// The latest results.
@@ -153,8 +162,8 @@ impl Timing {
         let _ = gpu.device.poll(wgpu::PollType::Poll);
         #[cfg(target_arch = "wasm32")]
         let _ = gpu;
-        let Some((receiver, used)) = &self.pending else { return self.last };
-        let used = *used;
+        let Some((receiver, used, way)) = &self.pending else { return self.last };
+        let (used, way) = (*used, *way);
         let Some(mapped) = receiver.try_take() else { return self.last };
         if mapped && let Ok(view) = self.staging.slice(..).get_mapped_range() {
             let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&view);
@@ -170,6 +179,9 @@ impl Timing {
                     _ => &mut self.last.composite,
                 };
                 *slot = Some(ms);
+            }
+            if let (Some(way), Some(find), Some(gather)) = (way, self.last.find, self.last.gather) {
+                self.displayed = Some((way, find + 2.0 * gather));
             }
         }
         if mapped {

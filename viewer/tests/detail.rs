@@ -12,7 +12,7 @@ use rebounce_shared::rbn::{LinkMatrix, Scene};
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
-use rebounce_viewer::settings::{Mode, ToneMapping};
+use rebounce_viewer::settings::{Display, Mode, ToneMapping};
 
 const SIZE: u32 = 33;
 /// The wall in the middle of the picture: inward normal +z, u along x, v along y.
@@ -75,14 +75,23 @@ fn value(gpu: &Gpu, scene: &Scene, mode: Mode) -> f32 {
     middle(&mut renderer(gpu, scene, mode))
 }
 
+/// The bounced light, made in this way.
+fn bounced(gpu: &Gpu, scene: &Scene, way: Display) -> f32 {
+    let mut renderer = renderer(gpu, scene, Mode::Indirect);
+    renderer.set_display(way);
+    middle(&mut renderer)
+}
+
 #[test]
 fn a_flat_normal_map_changes_nothing() {
     let Some(gpu) = common::gpu() else { return };
     let mut plain = common::room(&[3, 6]);
     plain.meta.lights = vec![Light::Point { position: [0.3, 0.4, 0.2], intensity: 0.7, color: [1.0; 3] }];
     let flat = bumped(&plain, Vec3::Z);
-    for mode in [Mode::Direct, Mode::Indirect] {
-        let (plain, flat) = (value(&gpu, &plain, mode), value(&gpu, &flat, mode));
+    let direct = [&plain, &flat].map(|scene| value(&gpu, scene, Mode::Direct));
+    let [lookup, splat] =
+        [Display::Lookup, Display::Splat].map(|way| [&plain, &flat].map(|scene| bounced(&gpu, scene, way)));
+    for [plain, flat] in [direct, lookup, splat] {
         assert!((plain - flat).abs() < 0.02 * plain, "{plain} {flat}");
     }
     gpu.check().unwrap();
@@ -131,9 +140,9 @@ fn bounced_light_follows_bent_normals_to_where_it_comes_from() {
         let mut plain = renderer(&gpu, &scene, Mode::Indirect);
         let way = (scene.points[sender as usize].position() - place(&plain)).normalize();
         let flat = middle(&mut plain);
-        for (texel, bent) in bends() {
+        for ((texel, bent), display) in bends().zip([Display::Lookup, Display::Splat].into_iter().cycle()) {
             let expected = way.dot(bent) / way.z;
-            let ratio = value(&gpu, &bumped(&scene, texel), Mode::Indirect) / flat;
+            let ratio = bounced(&gpu, &bumped(&scene, texel), display) / flat;
             if sides.len() == 1 {
                 assert!((ratio - expected).abs() < 0.06 * expected, "{bent}: {ratio}, expected {expected}");
             } else {

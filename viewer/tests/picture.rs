@@ -1,4 +1,4 @@
-//! The GPU's picture of the bounced light against a direct evaluation on the CPU, and what is drawn when.
+//! The GPU's picture of the bounced light, made in either way, against a direct evaluation on the CPU, and what is drawn when.
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -15,7 +15,7 @@ use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
-use rebounce_viewer::settings::Mode;
+use rebounce_viewer::settings::{Display, Mode};
 use rebounce_viewer::view::Sample;
 
 const WIDTH: u32 = 48;
@@ -39,11 +39,27 @@ fn brightness(renderer: &mut Renderer) -> f64 {
     pixels.chunks(4).map(|p| p[0] as f64 + p[1] as f64 + p[2] as f64).sum::<f64>() / pixels.len() as f64
 }
 
-/// The bounced light, looked up in every pixel.
-fn exact(gpu: &Gpu, scene: &Scene) -> Vec<[f32; 4]> {
+/// Both ways from functions to pixels: whatever holds of the picture holds of both.
+const WAYS: [Display; 2] = [Display::Lookup, Display::Splat];
+
+/// The bounced light, made in this way in every pixel.
+fn exact(gpu: &Gpu, scene: &Scene, way: Display) -> Vec<[f32; 4]> {
     let mut renderer = renderer(gpu, scene);
     renderer.set_every_pixel(true);
-    indirect(&mut renderer)
+    renderer.set_display(way);
+    let picture = indirect(&mut renderer);
+    assert_eq!(renderer.stats().display, way.name());
+    gpu.check().unwrap();
+    picture
+}
+
+/// Root of the mean square of the difference between two pictures, relative to the second.
+fn apart(ours: &[[f32; 4]], other: &[[f32; 4]]) -> f64 {
+    let channels = || ours.iter().zip(other).flat_map(|(a, b)| (0..3).map(|c| (a[c] as f64, b[c] as f64)));
+    let error: f64 = channels().map(|(a, b)| (a - b).powi(2)).sum();
+    let power: f64 = channels().map(|(_, b)| b * b).sum();
+    assert!(power > 0.0 && ours.len() == other.len(), "nothing to compare");
+    (error / power).sqrt()
 }
 
 /// Where a ray from inside the cube [-1, 1]³ leaves it, and the wall's inward normal and material.
@@ -139,10 +155,12 @@ fn difference(scene: &Scene, ours: &[[f32; 4]]) -> f64 {
 fn pixels_are_the_basis_evaluated_in_every_pixel() {
     let Some(gpu) = common::gpu() else { return };
     let scene = common::room(&[3, 6, 12]);
-    let ours = exact(&gpu, &scene);
-    let difference = difference(&scene, &ours);
-    // 8-bit albedo, shadow maps at the walls' corners and edges between walls remain.
-    assert!(difference < 0.01, "{difference}");
+    for way in WAYS {
+        let difference = difference(&scene, &exact(&gpu, &scene, way));
+        println!("{way:?}: {difference}");
+        // 8-bit albedo, shadow maps at the walls' corners and edges between walls remain.
+        assert!(difference < 0.01, "{way:?}: {difference}");
+    }
 }
 
 #[test]
@@ -153,13 +171,14 @@ fn light_between_looked_up_pixels_is_nearly_the_same() {
     for point in &mut scene.points {
         point.cuts &= !7;
     }
-    let [ours, exact] = [indirect(&mut renderer(&gpu, &scene)), exact(&gpu, &scene)];
-    let channels = || ours.iter().zip(&exact).flat_map(|(a, b)| (0..3).map(|c| (a[c] as f64, b[c] as f64)));
-    let error: f64 = channels().map(|(a, b)| (a - b).powi(2)).sum();
-    let power: f64 = channels().map(|(_, b)| b * b).sum();
-    assert!(error > 0.0, "nothing was interpolated");
-    // Neighbouring functions know nothing of each other here: light cannot be rougher.
-    assert!((error / power).sqrt() < 0.03, "{}", (error / power).sqrt());
+    for way in WAYS {
+        let mut interpolated = renderer(&gpu, &scene);
+        interpolated.set_display(way);
+        let error = apart(&indirect(&mut interpolated), &exact(&gpu, &scene, way));
+        assert!(error > 1e-3, "nothing was interpolated");
+        // Neighbouring functions know nothing of each other here: light cannot be rougher.
+        assert!(error < 0.03, "{way:?}: {error}");
+    }
 }
 
 #[test]
@@ -168,9 +187,10 @@ fn the_units_of_light_do_not_matter() {
     let mut scene = common::room(&[3, 6, 12]);
     let rebounce_shared::light::Light::Point { intensity, .. } = &mut scene.meta.lights[0] else { panic!() };
     *intensity = 3e7;
-    let ours = exact(&gpu, &scene);
-    let difference = difference(&scene, &ours);
-    assert!(difference < 0.01, "{difference}");
+    for way in WAYS {
+        let difference = difference(&scene, &exact(&gpu, &scene, way));
+        assert!(difference < 0.01, "{way:?}: {difference}");
+    }
 }
 
 #[test]
@@ -183,10 +203,13 @@ fn holes_take_the_next_coarser_level() {
             scene.points[i].radius = radius;
         }
     }
-    let ours = exact(&gpu, &scene);
-    let dark = ours.iter().filter(|p| p[0] + p[1] + p[2] == 0.0).count();
-    let difference = difference(&scene, &ours);
-    assert!(difference < 0.02, "{difference}, {dark} dark pixels");
+    for way in WAYS {
+        let ours = exact(&gpu, &scene, way);
+        let dark = ours.iter().filter(|p| p[0] + p[1] + p[2] == 0.0).count();
+        let difference = difference(&scene, &ours);
+        println!("{way:?}: {difference}");
+        assert!(difference < 0.02, "{way:?}: {difference}, {dark} dark pixels");
+    }
 }
 
 #[test]
@@ -201,23 +224,21 @@ fn light_is_linear() {
     scene.links = LinkMatrix::from_rows(&rows);
     scene.meta.later_levels = 0;
     scene.later = LinkMatrix::default();
-    let mut renderer = renderer(&gpu, &scene);
     let lamps = [common::lamp([0.3, 0.4, 0.2]), common::lamp([-0.5, -0.3, -0.4])];
-    let mut picture = |lights: &[rebounce_shared::light::Light]| {
-        renderer.set_lights(lights.to_vec()).unwrap();
-        indirect(&mut renderer)
-    };
-    let (both, first, second) = (picture(&lamps), picture(&lamps[..1]), picture(&lamps[1..]));
-    let dark = picture(&[]);
-    assert!(dark.iter().all(|p| p[..3] == [0.0; 3]), "no light, no light");
-    let (mut error, mut power) = (0.0, 0.0);
-    for i in 0..both.len() {
-        for c in 0..3 {
-            error += (both[i][c] - first[i][c] - second[i][c]).powi(2);
-            power += both[i][c].powi(2);
-        }
+    for way in WAYS {
+        let mut renderer = renderer(&gpu, &scene);
+        renderer.set_display(way);
+        let mut picture = |lights: &[rebounce_shared::light::Light]| {
+            renderer.set_lights(lights.to_vec()).unwrap();
+            indirect(&mut renderer)
+        };
+        let (both, first, second) = (picture(&lamps), picture(&lamps[..1]), picture(&lamps[1..]));
+        let dark = picture(&[]);
+        assert!(dark.iter().all(|p| p[..3] == [0.0; 3]), "no light, no light");
+        let sum: Vec<_> = first.iter().zip(&second).map(|(a, b)| [0, 1, 2, 3].map(|c| a[c] + b[c])).collect();
+        let error = apart(&sum, &both);
+        assert!(error < 1e-3, "{way:?}: {error}");
     }
-    assert!(power > 0.0 && (error / power).sqrt() < 1e-3, "{}", (error / power).sqrt());
 }
 
 #[test]

@@ -31,20 +31,33 @@ async function timed(change) {
   return performance.now() - start;
 }
 
+const moved = (shift) => {
+  const [x, y, z] = lights[0].position;
+  return [{ ...lights[0], position: [x + shift, y, z] }, ...lights.slice(1)];
+};
+
+/** Waits for the whole picture: a sketch is followed by the picture that it stands for; then nothing is drawn. */
+async function rest() {
+  let frames;
+  do {
+    frames = viewer.stats().frames;
+    for (let i = 0; i < 3; i += 1) await new Promise(requestAnimationFrame);
+    await device.queue.onSubmittedWorkDone();
+  } while (viewer.stats().frames !== frames);
+}
+
 window.bench = {
   loadedAt,
   litAt,
   /** A frame with the light moved. */
-  frame(shift) {
-    const [x, y, z] = lights[0].position;
-    return timed(() => (viewer.lights = [{ ...lights[0], position: [x + shift, y, z] }, ...lights.slice(1)]));
-  },
+  frame: (shift) => timed(() => (viewer.lights = moved(shift))),
   /** A frame with the camera moved and the light as it is. */
   turn(shift) {
     const [x, y, z] = camera.position;
     return timed(() => (viewer.camera = { ...camera, position: [x, y + shift, z] }));
   },
-  async indirect(width, height) {
+  async indirect(width, height, way = "auto") {
+    viewer.display = way;
     viewer.shot = { camera, lights };
     await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     return Array.from(await viewer.readIndirect(width, height));
@@ -52,15 +65,21 @@ window.bench = {
   /** The whole picture, once the view stands still: what the GPU counted for it, and bytes that it holds. */
   async still() {
     viewer.shot = { camera, lights };
-    let frames;
-    // A sketch is followed by the picture that it stands for; then nothing is drawn.
-    do {
-      frames = viewer.stats().frames;
-      for (let i = 0; i < 3; i += 1) await new Promise(requestAnimationFrame);
-      await device.queue.onSubmittedWorkDone();
-    } while (viewer.stats().frames !== frames);
+    await rest();
     const counts = await viewer.counts();
     return { counts, bytes: Object.values(viewer.stats().bytes).reduce((sum, some) => sum + some, 0) };
+  },
+  /** What it took to fill the pixels' slots in this way, in the whole picture of a new view: milliseconds by pass; and a
+   * frame with the light moved. */
+  async way(name, shift) {
+    viewer.display = name;
+    const [x, y, z] = camera.position;
+    viewer.shot = { camera: { ...camera, position: [x, y + shift, z] }, lights };
+    await rest();
+    const light = await timed(() => (viewer.lights = moved(-shift)));
+    await rest();
+    const { display, milliseconds } = viewer.stats();
+    return { display, find: milliseconds.find, gather: milliseconds.gather, light };
   },
   stats: () => viewer.stats(),
 };

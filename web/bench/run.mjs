@@ -3,52 +3,20 @@
 // OUT as JSON. REFERENCE.indirect.a.exr and .b.exr are path-traced pictures of the shot's bounced light, or "-".
 
 import { execFile } from "node:child_process";
-import { createReadStream } from "node:fs";
 import { mkdtemp, readFile, writeFile } from "node:fs/promises";
-import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { promisify } from "node:util";
 import { launch, within } from "../test/browser.mjs";
+import { median, openPage, serve } from "./pages.mjs";
 
 const SIZE = { width: 1280, height: 720 };
 const PICTURE = [320, 180];
 const ROUNDS = 5;
 
 const [compare, glb, rbn, shot, reference, out] = process.argv.slice(2);
-const web = path.join(import.meta.dirname, "..");
-const TYPES = { ".html": "text/html", ".mjs": "text/javascript", ".js": "text/javascript", ".wasm": "application/wasm" };
-const FILES = { "/scene.glb": glb, "/scene.rbn": rbn, "/shot.json": shot };
-const FOLDERS = { "/three/": "bench/node_modules/three", "/dist/": "dist", "/bench/": "bench" };
-
-function fileOf(url) {
-  if (FILES[url]) return FILES[url];
-  const prefix = Object.keys(FOLDERS).find((folder) => url.startsWith(folder));
-  return prefix && !url.includes("..") ? path.join(web, FOLDERS[prefix], url.slice(prefix.length)) : undefined;
-}
-
-const server = createServer((request, response) => {
-  const file = fileOf(new URL(request.url, "http://localhost").pathname);
-  if (!file) return response.writeHead(404).end();
-  const stream = createReadStream(file);
-  stream.on("error", () => response.writeHead(404).end());
-  stream.on("open", () => {
-    response.writeHead(200, { "content-type": TYPES[path.extname(file)] ?? "application/octet-stream" });
-    stream.pipe(response);
-  });
-});
-await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
-const address = `http://127.0.0.1:${server.address().port}/bench/`;
-
-/** Opens a page and waits until it can be measured. */
-async function open(browser, name) {
-  const page = await browser.newPage({ viewport: SIZE });
-  page.setDefaultTimeout(600_000);
-  page.on("pageerror", (error) => console.error(`${name}: ${error}`));
-  await page.goto(address + name);
-  await within(300, name, page.waitForFunction(() => globalThis.bench));
-  return page;
-}
+const server = await serve({ "/scene.glb": glb, "/scene.rbn": rbn, "/shot.json": shot });
+const open = (browser, name) => openPage(browser, `${server.address}${name}`, SIZE);
 
 /** The light goes back and forth; every frame has a place of its own. */
 const frames = async (page, count, first) => {
@@ -59,8 +27,6 @@ const frames = async (page, count, first) => {
   }
   return times;
 };
-
-const median = (numbers) => [...numbers].sort((a, b) => a - b)[Math.floor(numbers.length / 2)];
 
 /** Relative error and bias of a picture against the reference, as `rebounce compare` measures them. */
 async function error(page, work, name) {

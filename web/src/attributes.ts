@@ -10,11 +10,14 @@ export type Overlay = "none" | "points" | "levels";
 export type Interaction = "all" | "page" | "none";
 /** How radiance becomes colours of the screen. */
 export type ToneMapping = "neutral" | "agx";
+/** How light gets from functions to pixels: pixels look functions up, functions are splatted, or whichever is faster. */
+export type Display = "auto" | "lookup" | "splat";
 
 const MODES: readonly Mode[] = ["all", "direct", "indirect"];
 const OVERLAYS: readonly Overlay[] = ["none", "points", "levels"];
 const INTERACTIONS: readonly Interaction[] = ["all", "page", "none"];
 const TONE_MAPPINGS: readonly ToneMapping[] = ["neutral", "agx"];
+const DISPLAYS: readonly Display[] = ["auto", "lookup", "splat"];
 
 /** An element that has them; what they do is its heir's. */
 export class AttributeElement extends ElementBase {
@@ -29,6 +32,7 @@ export class AttributeElement extends ElementBase {
     "tone-mapping",
     "mode",
     "overlay",
+    "display",
     "handles",
     "interaction",
     "controls",
@@ -118,6 +122,14 @@ export class AttributeElement extends ElementBase {
   }
   set overlay(overlay: Overlay) {
     this.setAttribute("overlay", overlay);
+  }
+
+  /** How light gets from functions to pixels; the picture is the same. */
+  get display(): Display {
+    return among(DISPLAYS, this.getAttribute("display"));
+  }
+  set display(way: Display) {
+    this.setAttribute("display", way);
   }
 
   /** Whether lights have handles in the picture. */

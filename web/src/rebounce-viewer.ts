@@ -16,7 +16,7 @@ import type { Counts, Stats } from "./stats.js";
 import { cameraIn, cameraNumbers, countsIn, lightNumbers, lightsIn, statsIn } from "./wire.js";
 
 export type { AnimatedProperty, LightAnimation, LightTrack } from "./animation.js";
-export type { Interaction, Mode, Overlay, ToneMapping } from "./attributes.js";
+export type { Display, Interaction, Mode, Overlay, ToneMapping } from "./attributes.js";
 export type { RebounceEventMap } from "./events.js";
 export type { PlayOptions } from "./player.js";
 export type { Camera, DirectionalLight, Light, PointLight, Shot, SpotLight, Triple } from "./shot.js";

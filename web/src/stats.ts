@@ -6,6 +6,8 @@ export interface Stats {
   adapter: string;
   /** The scene's name. */
   scene: string;
+  /** How the last picture's light got from functions to pixels. */
+  display: "lookup" | "splat";
   /** Milliseconds of each pass when it last ran; absent where the device cannot time. */
   milliseconds: Record<string, number>;
   /** Pictures drawn so far. */
@@ -36,10 +38,10 @@ export interface Stats {
 export interface Counts {
   /** Pixels of the picture. */
   pixels: number;
-  /** Pixels that looked functions up; the others are interpolated. */
+  /** Pixels that looked functions up, or were splatted to; the others are interpolated. */
   pixelsLookedUp: number;
-  /** Functions of which a pixel tested whether they reach it, on average over all pixels. */
+  /** Functions of which a pixel tested whether they reach it, on average over all pixels; of splatting, quads of the finest level. */
   functionsLookedAtPerPixel: number;
-  /** Kernels evaluated for a pixel, on average over all pixels. */
+  /** Kernels evaluated for a pixel, on average over all pixels; of splatting 0: not counted. */
   kernelEvaluationsPerPixel: number;
 }

@@ -112,8 +112,9 @@ export function statsIn(viewer: Viewer): Stats {
     functions: number[];
     microseconds: Record<string, number>;
     bytes: Record<string, number>;
-    counts: Omit<Stats, "adapter" | "scene" | "milliseconds" | "functions" | "bytes">;
+    counts: Omit<Stats, "adapter" | "scene" | "display" | "milliseconds" | "functions" | "bytes">;
   };
   const milliseconds = Object.fromEntries(Object.entries(microseconds).map(([pass, time]) => [pass, time / 1e3]));
-  return { adapter: viewer.adapter(), scene: viewer.sceneName(), milliseconds, functions, bytes, ...counts };
+  const display = viewer.displayed() as Stats["display"];
+  return { adapter: viewer.adapter(), scene: viewer.sceneName(), display, milliseconds, functions, bytes, ...counts };
 }

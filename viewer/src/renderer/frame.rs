@@ -36,7 +36,8 @@ impl Renderer {
         let choice = self.still.choose(self.shadows.lights());
         scene.relight.set_lights(&self.gpu, &choice);
         self.lights_evaluated += choice.count() as u64;
-        let stamps = self.timing.as_mut().and_then(|t| t.stamps(Pass::Relight)).map(|s| s.compute());
+        let stamps =
+            self.timing.as_mut().and_then(|t| t.stamps(Pass::Relight)).map(|s| s.compute(true, true));
         scene.relight.encode(encoder, &self.pipelines.relight, Some(self.shadows.group()), stamps);
         self.relights += 1;
     }
@@ -46,7 +47,7 @@ impl Renderer {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         scene: &LoadedScene,
-        target: &Target,
+        target: &mut Target,
     ) {
         let moved = self.dirty.view || self.dirty.display;
         if moved || self.dirty.shade || self.dirty.key {
@@ -95,10 +96,15 @@ impl Renderer {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         scene: &LoadedScene,
-        target: &Target,
+        target: &mut Target,
         sample: Sample,
         timed: bool,
     ) {
+        // Pictures that are read may have any size.
+        let way = if timed { self.choice.of_size(target.screen_pixels()) } else { self.choice.way() };
+        target.set_way(&self.gpu, &self.pipelines, scene, way);
+        self.way = target.display.way();
+        self.viewed |= timed;
         let camera = self.camera.frame(scene.meta.origin);
         let frame = Frame::new(&camera, scene.near, target.size, sample);
         self.gpu.queue.write_buffer(&target.frame, 0, bytemuck::bytes_of(&frame));
@@ -114,13 +120,15 @@ impl Renderer {
             stamps,
         );
         let timing = self.timing.as_mut().filter(|_| timed);
-        self.pipelines.display.find(encoder, &target.display, timing.and_then(|t| t.stamps(Pass::Find)));
+        let stamps = timing.and_then(|t| t.stamps(Pass::Find));
+        self.pipelines.display.find(&self.gpu, encoder, &target.display, stamps);
         self.gather(encoder, target, timed);
     }
 
     fn gather(&mut self, encoder: &mut wgpu::CommandEncoder, target: &Target, timed: bool) {
         let timing = self.timing.as_mut().filter(|_| timed);
-        self.pipelines.display.gather(encoder, &target.display, timing.and_then(|t| t.stamps(Pass::Gather)));
+        let stamps = timing.and_then(|t| t.stamps(Pass::Gather));
+        self.pipelines.display.gather(&self.gpu, encoder, &target.display, stamps);
     }
 
     /// Draws the layers of blended surfaces, as the picture's settings say; without such surfaces nothing happens.

@@ -11,6 +11,8 @@ mod state;
 
 use crate::composite;
 use crate::controls::gizmo::Handle;
+use crate::display::Way;
+use crate::display::choice::Choice;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::pipelines::Pipelines;
@@ -81,6 +83,11 @@ pub struct Renderer {
     overlay: Overlay,
     gizmos: bool,
     every_pixel: bool,
+    choice: Choice,
+    /// How the last picture's slots were filled.
+    way: Way,
+    /// The frame that is being drawn has a picture of a view, whose time counts for the choice.
+    viewed: bool,
     active: Option<Handle>,
     dirty: Dirty,
     /// Pictures averaged so far, and how many are wanted.
@@ -113,6 +120,7 @@ impl Renderer {
         let own = Scope::new(&gpu);
         let timing = Timing::new(&gpu);
         Self {
+            choice: Choice::new(gpu.software),
             gpu,
             pipelines,
             shadows,
@@ -137,6 +145,8 @@ impl Renderer {
             overlay: Overlay::None,
             gizmos: true,
             every_pixel: false,
+            way: Way::default(),
+            viewed: false,
             active: None,
             dirty: Dirty::ALL,
             pictures: 0,
@@ -233,7 +243,7 @@ impl Renderer {
         self.still_pictures = count.max(1);
     }
 
-    /// Looks up the bounced light in every pixel instead of interpolating it where a surface goes on; for
+    /// Gives every pixel bounced light of its own instead of interpolating it where a surface goes on; for
     /// measurements.
     pub fn set_every_pixel(&mut self, on: bool) {
         self.every_pixel = on;
@@ -247,14 +257,19 @@ impl Renderer {
         self.dirty.lights = true;
     }
 
+    /// How the last picture's light got from functions to pixels: `lookup` or `splat`.
+    pub fn displayed(&self) -> &'static str {
+        self.way.name()
+    }
+
     /// Counts, bytes and times.
     pub fn stats(&mut self) -> Stats {
-        let milliseconds =
-            self.timing.as_mut().map_or(Milliseconds::default(), |timing| timing.collect(&self.gpu));
+        let milliseconds = self.collect_times();
         let scene = self.scene.as_deref();
         Stats {
             adapter: self.gpu.adapter.clone(),
             scene: scene.map_or(String::new(), |s| s.meta.scene_name.clone()),
+            display: self.displayed(),
             milliseconds,
             frames: self.frames,
             relights: self.relights,
@@ -307,18 +322,17 @@ impl Renderer {
             (true, false) => SKETCH,
             (false, _) => 1,
         };
-        let target = match before.filter(|t| t.enlarge == enlarge) {
+        let mut target = match before.filter(|t| t.enlarge == enlarge) {
             Some(target) => target,
             None => {
                 self.dirty.view = true;
                 self.new_target(&scene, sized(enlarge), enlarge)
             }
         };
-        if let Some(timing) = &mut self.timing {
-            timing.collect(&self.gpu);
-        }
+        self.collect_times();
+        self.viewed = false;
         self.update_lights(&mut encoder, &scene);
-        self.update_picture(&mut encoder, &scene, &target);
+        self.update_picture(&mut encoder, &scene, &mut target);
         self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture, view, format);
         self.draw_overlay(&mut encoder, &scene, &target, view, format, full);
         if let Some(timing) = &mut self.timing {
@@ -326,12 +340,33 @@ impl Renderer {
         }
         self.gpu.queue.submit([encoder.finish()]);
         if let Some(timing) = &mut self.timing {
-            timing.submitted();
+            timing.submitted(self.viewed.then_some(self.way));
         }
         self.frames += 1;
         self.target = Some(target);
         self.dirty = Dirty::default();
         Ok(())
+    }
+
+    /// What the GPU took lately, of which the choice hears, too.
+    fn collect_times(&mut self) -> Milliseconds {
+        let Some(timing) = &mut self.timing else { return Milliseconds::default() };
+        let milliseconds = timing.collect(&self.gpu);
+        if let Some((way, time)) = timing.take_displayed() {
+            self.choice.add(way, time);
+        }
+        milliseconds
+    }
+
+    /// How the frame that was just drawn filled the slots, if that is new and no pass was timed: then give its time to
+    /// [`Self::add_time`].
+    pub fn untimed(&self) -> Option<Way> {
+        (self.viewed && self.timing.is_none()).then_some(self.way)
+    }
+
+    /// Milliseconds of a frame that was drawn in this way: see [`Self::untimed`].
+    pub fn add_time(&mut self, way: Way, milliseconds: f64) {
+        self.choice.add(way, milliseconds);
     }
 
     fn check_size(&self, width: u32, height: u32) -> Result<(), ViewerError> {
@@ -352,7 +387,8 @@ impl Renderer {
     }
 
     fn new_target(&self, scene: &LoadedScene, size: [u32; 2], enlarge: u32) -> Target {
-        let wanted = Wanted { scene, key: &self.key.0, size, enlarge, every_pixel: self.every_pixel };
+        let (every_pixel, way) = (self.every_pixel, self.choice.way());
+        let wanted = Wanted { scene, key: &self.key.0, size, enlarge, every_pixel, way };
         Target::new(&self.gpu, &self.pipelines, &wanted)
     }
 }

@@ -36,7 +36,7 @@ impl Renderer {
         let limit = self.gpu.device.limits().max_texture_dimension_2d;
         let fits = 2 * width.max(height) <= limit && 4 * width as u64 * height as u64 <= MOST_PIXELS;
         let scale = if fits { 2 } else { 1 };
-        let target = self.new_target(&scene, [width * scale, height * scale], 1);
+        let mut target = self.new_target(&scene, [width * scale, height * scale], 1);
         let own = Scope::new(&self.gpu);
         let average = |label| texture_target(&own, label, TextureFormat::Rgba32Float, width, height);
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
@@ -45,7 +45,7 @@ impl Renderer {
         // One submission a picture: their uniforms differ.
         for picture in 0..PICTURES {
             std::mem::swap(&mut before, &mut out);
-            self.draw_view(&mut encoder, &scene, &target, Sample::of_count(picture, PICTURES), false);
+            self.draw_view(&mut encoder, &scene, &mut target, Sample::of_count(picture, PICTURES), false);
             // Lambertian surfaces, as the CPU's picture has them.
             let shading = self.shading(1.0 / (picture + 1) as f32);
             let flags = shading.flags & !composite::DETAILED;
@@ -73,7 +73,7 @@ impl Renderer {
     /// [`ViewerError::NoScene`] before a picture is drawn.
     pub fn read_counts(&self) -> Result<([u32; 2], Readback), ViewerError> {
         let target = self.target.as_ref().ok_or(ViewerError::NoScene)?;
-        Ok((target.size, Readback::buffer(&self.gpu, &target.display.counts)))
+        Ok((target.size, Readback::buffer(&self.gpu, &target.display.slots.counts)))
     }
 
     /// Begins to read the tone-mapped picture at this size, without handles: RGBA bytes.
@@ -83,7 +83,7 @@ impl Renderer {
     pub fn read_pixels(&mut self, width: u32, height: u32) -> Result<Readback, ViewerError> {
         let scene = self.scene.clone().ok_or(ViewerError::NoScene)?;
         self.check_size(width, height)?;
-        let target = self.new_target(&scene, [width, height], 1);
+        let mut target = self.new_target(&scene, [width, height], 1);
         let format = TextureFormat::Rgba8Unorm;
         let own = Scope::new(&self.gpu);
         let out = texture_target(&own, "pixels", format, width, height);
@@ -92,7 +92,7 @@ impl Renderer {
         self.update_lights(&mut encoder, &scene);
         // One submission a picture: their uniforms differ.
         for picture in 0..self.still_pictures {
-            self.draw_view(&mut encoder, &scene, &target, Sample::of(picture), false);
+            self.draw_view(&mut encoder, &scene, &mut target, Sample::of(picture), false);
             let blended = self.update_key(&mut encoder, &scene, &target, false);
             self.shade(&mut encoder, &scene, &target, picture, !blended, false);
             self.gpu.queue.submit([encoder.finish()]);

@@ -6,7 +6,7 @@ use crate::controls::Stage;
 use crate::controls::gizmo::Handle;
 use crate::error::ViewerError;
 use crate::readback::Readback;
-use crate::settings::{Mode, Overlay, ToneMapping};
+use crate::settings::{Display, Mode, Overlay, ToneMapping};
 use crate::shadow_fit;
 use rebounce_shared::{camera::Camera, light::Light};
 
@@ -153,6 +153,16 @@ impl Renderer {
     pub fn set_overlay(&mut self, overlay: Overlay) {
         self.dirty.present |= self.overlay != overlay;
         self.overlay = overlay;
+    }
+
+    /// How light gets from functions to pixels.
+    pub fn display(&self) -> Display {
+        self.choice.wanted()
+    }
+
+    /// Sets how light gets from functions to pixels.
+    pub fn set_display(&mut self, display: Display) {
+        self.dirty.view |= self.choice.set(display);
     }
 
     /// Whether the lights' handles are drawn.

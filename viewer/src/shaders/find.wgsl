@@ -1,10 +1,10 @@
 // Finds the functions that cover the pixels: rows of indices and weights, which hold until the camera moves
 // (paper, section 4.1, turned around: a pixel collects its functions, and nothing is splatted).
 
-@group(0) @binding(0) var<uniform> frame: Frame;
+// Off where functions are splatted (splat.wgsl): then pixels get slots only.
+override ROWS = true;
+
 @group(0) @binding(1) var<uniform> slot_layout: Slots;
-@group(0) @binding(2) var depth_texture: texture_depth_2d;
-@group(0) @binding(3) var surface_texture: texture_2d<u32>;
 @group(0) @binding(7) var<storage, read_write> rows: array<u32>;
 // The slot of every pixel that has a row of its own, else 0.
 @group(0) @binding(8) var<storage, read_write> slots: array<u32>;
@@ -18,21 +18,6 @@ const SAME_NORMAL = 0.99;
 // Functions looked at by this workgroup, and kernels evaluated.
 var<workgroup> looked_at: atomic<u32>;
 var<workgroup> evaluated: atomic<u32>;
-
-struct Place {
-    position: vec3f,
-    normal: vec3f,
-    present: bool,
-}
-
-fn place_at(pixel: vec2u) -> Place {
-    let depth = textureLoad(depth_texture, pixel, 0);
-    if depth <= 0.0 {
-        return Place(vec3f(0.0), vec3f(0.0), false);
-    }
-    let normal = unpack_normal(textureLoad(surface_texture, pixel, 0).x);
-    return Place(position_at(frame, vec2f(pixel) + 0.5, depth), normal, true);
-}
 
 // In place of the row's smallest weight, where that is smaller.
 fn replace_smallest(slot: u32, entry: u32) {
@@ -134,10 +119,10 @@ fn edges(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_ind
                 if !same {
                     let blocks = slots_blocks(frame);
                     slot = blocks.x * blocks.y + atomicAdd(&counts[0], 1u);
-                    if slot < slot_layout.capacity {
-                        write_row(slot, place);
-                    } else {
+                    if slot >= slot_layout.capacity {
                         slot = 0u;
+                    } else if ROWS {
+                        write_row(slot, place);
                     }
                 }
             }

@@ -2,6 +2,8 @@
 
 const SQUASH = 2.0;
 const LEAST_COSINE = 0.5;
+// A level whose weights sum to no more than this does not cover a place.
+const LEAST_TOTAL = 1e-6;
 
 fn falloff(t: f32) -> f32 {
     return select(1.0 + t * t * (2.0 * t - 3.0), 0.0, t >= 1.0);

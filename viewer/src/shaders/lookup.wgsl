@@ -1,5 +1,7 @@
 // Which functions may cover a place; made by lookup.rs.
 
+@group(0) @binding(6) var<storage, read> lookup: array<u32>;
+
 const LEVEL_WORDS = 3u;
 
 fn cell_hash(cell: vec3i) -> u32 {

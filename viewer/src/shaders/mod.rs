@@ -1,4 +1,4 @@
-//! The WGSL modules, each put together from its parts when it is used; build.rs takes out the comments.
+//! The WGSL modules, each put together from its parts when it is used; build.rs shortens them (minify.rs).
 
 /// A module's parts, in order.
 pub type Source = &'static [&'static str];
@@ -31,12 +31,20 @@ modules! {
     /// G-buffer.
     GBUFFER: "octahedral" "frame" "material" "detail" "model" "mesh" "gbuffer";
     /// Blended surfaces, layer by layer.
-    BLENDED: "octahedral" "frame" "material" "detail" "model" "mesh" "point" "kernel" "cover" "lookup" "lights" "lights_third"
+    BLENDED: "octahedral" "frame" "material" "detail" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "lights" "lights_third"
         "visibility" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
-    FIND: "octahedral" "point" "kernel" "cover" "lookup" "frame" "slots" "find";
+    FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place" "slots" "find";
     /// From functions to pixels.
     GATHER: "frame" "slots" "tilt" "gather";
+    /// Where functions may be seen.
+    QUADS: "octahedral" "point" "kernel" "frame" "level" "quads";
+    /// How bright splats are.
+    BRIGHTEST: "brightest";
+    /// From functions to sums in pixels.
+    SPLAT: "octahedral" "point" "kernel" "cuts" "frame" "place" "slots" "tilt" "level" "atlas" "fullscreen" "splat";
+    /// From sums to pixels.
+    RESOLVE: "octahedral" "kernel" "frame" "place" "slots" "tilt" "level" "atlas" "resolve";
     /// The tone-mapped picture.
     COMPOSITE: "octahedral" "frame" "lights" "lights_second" "visibility" "slots" "tilt" "surface" "brdf" "reflect" "shade" "fullscreen" "composite";
     /// Luminance of some pixels.
@@ -56,7 +64,48 @@ modules! {
 }
 
 #[cfg(test)]
+#[path = "../../minify.rs"]
+mod minify;
+
+#[cfg(test)]
 mod tests {
+    use super::minify::minified;
+
+    #[test]
+    fn shortened_shaders_keep_what_others_call_and_what_the_language_has() {
+        let source = "
+            override LANES = 1u; // Threads.
+            struct Place { position: vec3f, xy: f32, distance: f32 }
+            @group(0) @binding(0) var<storage, read> places: array<Place, 3>;
+            @vertex
+            fn main(@builtin(position) position: vec4f) -> @location(0) @interpolate(flat) f32 {
+                let a = places[LANES].distance - -1.5e-3;
+                var sum: array<f32, 2> = array<f32, 2>(a, .5);
+                return distance(position.xyz, places[0x1eu].position) + sum[0] * helper(position.xy);
+            }";
+        let other = "fn helper(position: vec2f) -> f32 { return position.x; }";
+        let short = minified(&[source.to_owned(), other.to_owned()]);
+        let [source, other] = [&short[0], &short[1]];
+        for kept in [
+            "override LANES=1u",
+            "fn main(@builtin(position)",
+            "@interpolate(flat)",
+            "distance(",
+            ".xyz",
+            "- -1.5e-3",
+            "> =array",
+            "0x1eu",
+            ".5)",
+        ] {
+            assert!(source.contains(kept), "{kept}: {source}");
+        }
+        for gone in ["helper", "places", "Place", "Threads", "sum"] {
+            assert!(!source.contains(gone) && !other.contains(gone), "{gone}: {source}{other}");
+        }
+        let name = other.strip_prefix("fn ").unwrap().split('(').next().unwrap();
+        assert!(source.contains(&format!("*{name}(")), "one name in all: {source}{other}");
+    }
+
     #[test]
     fn every_module_validates() {
         for (name, parts) in super::ALL {

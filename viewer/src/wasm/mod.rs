@@ -8,6 +8,7 @@
 //! Every failure is a JavaScript `Error` whose `code` is one of [`ViewerError::code`]'s.
 
 mod input;
+mod math;
 mod page;
 mod read;
 mod settings;
@@ -238,9 +239,14 @@ impl Viewer {
         let (sender, finished) = oneshot::channel();
         gpu.queue.on_submitted_work_done(move || sender.send(()));
         let (errors, callbacks) = (gpu.clone(), Rc::downgrade(&self.callbacks));
+        let (untimed, held) = (state.renderer.untimed(), Rc::downgrade(&self.state));
         spawn_local(async move {
             finished.await;
-            done(js_sys::Date::now() - start);
+            let taken = js_sys::Date::now() - start;
+            done(taken);
+            if let (Some(way), Some(state)) = (untimed, held.upgrade()) {
+                state.borrow_mut().renderer.add_time(way, taken);
+            }
             // What was refused is known by now, and the next frame says so, wanted for itself or not.
             if let Some(callbacks) = callbacks.upgrade().filter(|_| errors.has_error()) {
                 callbacks.changed();

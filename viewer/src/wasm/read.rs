@@ -28,6 +28,11 @@ impl Viewer {
         self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.scene_name.clone())
     }
 
+    /// How the last picture's light got from functions to pixels: `"lookup"` or `"splat"`.
+    pub fn displayed(&self) -> String {
+        self.state.borrow().renderer.displayed().into()
+    }
+
     /// Counts, bytes on the GPU and, where the device can time them, microseconds per pass: JSON, whole numbers.
     pub fn stats(&self) -> String {
         self.state.borrow_mut().renderer.stats().json()
@@ -42,7 +47,7 @@ impl Viewer {
     }
 
     /// How the bounced light of the last picture was looked up: pixels, those that looked functions up, functions looked
-    /// at, kernels evaluated.
+    /// at, kernels evaluated. Of splatting: quads instead of functions looked at, and no kernels.
     #[wasm_bindgen(unchecked_return_type = "Promise<Float64Array>")]
     pub fn counts(&self) -> js_sys::Promise {
         let begun = self.state.borrow().renderer.read_counts();

@@ -1,7 +1,7 @@
 //! What the class [`Viewer`] is told: camera, lights, exposure, what to show.
 
 use super::Viewer;
-use crate::settings::{Mode, Overlay, ToneMapping};
+use crate::settings::{Display, Mode, Overlay, ToneMapping};
 use crate::wire;
 use wasm_bindgen::prelude::*;
 
@@ -136,6 +136,21 @@ impl Viewer {
     pub fn set_overlay(&self, overlay: &str) -> Result<(), JsValue> {
         self.change(|state| {
             state.renderer.set_overlay(Overlay::parse(overlay)?);
+            Ok(())
+        })
+    }
+
+    /// `"auto"`, `"lookup"` or `"splat"`.
+    #[wasm_bindgen(getter)]
+    pub fn display(&self) -> String {
+        self.state.borrow().renderer.display().name().into()
+    }
+
+    /// Sets how light gets from functions to pixels.
+    #[wasm_bindgen(setter)]
+    pub fn set_display(&self, display: &str) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_display(Display::parse(display)?);
             Ok(())
         })
     }

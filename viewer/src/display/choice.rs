@@ -1,0 +1,115 @@
+//! Which [way](Way) to take: the one that is asked for, or the faster of the two. Both are measured on the pictures that are
+//! drawn anyway, which look the same.
+
+use super::Way;
+use crate::settings::Display;
+
+/// Pictures of each way that are measured. The first one, for which things are made, does not count.
+const PICTURES: u32 = 4;
+
+/// The choice, and what has been measured for it.
+#[derive(Debug)]
+pub struct Choice {
+    wanted: Display,
+    /// The adapter is the processor itself, which is slow at quads: not measured.
+    software: bool,
+    /// Pixels of the pictures that are measured.
+    pixels: u64,
+    /// By way: pictures measured, and the least time of any.
+    measured: [(u32, f64); 2],
+}
+
+impl Choice {
+    /// For an adapter.
+    pub fn new(software: bool) -> Self {
+        Self { wanted: Display::Auto, software, pixels: 0, measured: NONE }
+    }
+
+    /// What is asked for.
+    pub fn wanted(&self) -> Display {
+        self.wanted
+    }
+
+    /// Asks for a way; whether that is another one than before.
+    pub fn set(&mut self, wanted: Display) -> bool {
+        std::mem::replace(&mut self.wanted, wanted) != wanted
+    }
+
+    /// The way for the next picture, of so many pixels. Where they are twice as many as those measured, or half as many, the
+    /// measurement begins anew.
+    pub fn of_size(&mut self, pixels: u64) -> Way {
+        if pixels >= 2 * self.pixels || 2 * pixels <= self.pixels {
+            (self.pixels, self.measured) = (pixels, NONE);
+        }
+        self.way()
+    }
+
+    /// The way for a picture of any size.
+    pub fn way(&self) -> Way {
+        match self.wanted {
+            Display::Lookup => Way::Lookup,
+            Display::Splat => Way::Splat,
+            Display::Auto if self.software => Way::Lookup,
+            Display::Auto => {
+                let [(lookups, lookup), (splats, splat)] = self.measured;
+                let splats = if lookups < PICTURES { false } else { splats < PICTURES || splat < lookup };
+                if splats { Way::Splat } else { Way::Lookup }
+            }
+        }
+    }
+
+    /// What a picture took in this way, in any unit of time.
+    pub fn add(&mut self, way: Way, time: f64) {
+        let (pictures, least) = &mut self.measured[way as usize];
+        if *pictures > 0 {
+            *least = least.min(time);
+        }
+        *pictures = (*pictures + 1).min(PICTURES);
+    }
+}
+
+const NONE: [(u32, f64); 2] = [(0, f64::INFINITY); 2];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Draws pictures until both ways are measured, and some more; the ways they were drawn in.
+    fn draw(choice: &mut Choice, pixels: u64, [lookup, splat]: [f64; 2]) -> Vec<Way> {
+        let mut ways = Vec::new();
+        for picture in 0..12 {
+            let way = choice.of_size(pixels);
+            // The first of each is slow, and now and then another.
+            let slow = if picture % 4 == 0 { 100.0 } else { 0.0 };
+            choice.add(way, slow + if way == Way::Lookup { lookup } else { splat });
+            ways.push(way);
+        }
+        ways
+    }
+
+    #[test]
+    fn both_are_measured_and_the_faster_is_kept() {
+        for (times, kept) in [([2.0, 1.0], Way::Splat), ([1.0, 2.0], Way::Lookup)] {
+            let mut choice = Choice::new(false);
+            let ways = draw(&mut choice, 1000, times);
+            assert_eq!(ways, [[Way::Lookup; 4], [Way::Splat; 4], [kept; 4]].concat());
+            // A window that is made a little larger changes nothing; a much larger one is measured anew.
+            assert_eq!(choice.of_size(1900), kept);
+            assert_eq!(choice.of_size(2000), Way::Lookup);
+            assert_eq!(draw(&mut choice, 2000, [times[1], times[0]]).last() == Some(&kept), false);
+        }
+    }
+
+    #[test]
+    fn what_is_asked_for_is_done_and_software_looks_up() {
+        for software in [false, true] {
+            let mut choice = Choice::new(software);
+            for (wanted, way) in [(Display::Splat, Way::Splat), (Display::Lookup, Way::Lookup)] {
+                assert!(choice.set(wanted) && !choice.set(wanted));
+                assert_eq!(draw(&mut choice, 1000, [1.0, 2.0]), [way; 12]);
+                assert_eq!(choice.wanted(), wanted);
+            }
+        }
+        assert_eq!(draw(&mut Choice::new(true), 1000, [2.0, 1.0]), [Way::Lookup; 12]);
+    }
+}
