@@ -59,8 +59,8 @@ impl Record {
             alpha_mode,
             cutoff,
             double_sided: material.double_sided as u32,
-            // The G-buffer keeps 16 bits.
-            index: index.min(0xffff) as u32,
+            // The G-buffer keeps 16 bits: a file has no more (rbn::MAX_MATERIALS).
+            index: index as u32,
             metallic: material.metallic,
             roughness: material.roughness,
             normal_scale: material.normal_scale,
@@ -130,7 +130,7 @@ impl Materials {
             roughness: m.roughness,
             pad: [0.0; 2],
         };
-        let looks: Vec<Look> = materials.iter().take(0x10000).map(look).collect();
+        let looks: Vec<Look> = materials.iter().map(look).collect();
         let looks = buffer(&own, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&looks));
         let plain = Texture { linear_filter: true, ..Default::default() };
         let texture = |index: Option<u32>| match index {

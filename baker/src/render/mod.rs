@@ -68,6 +68,10 @@ impl Relit {
         let Some(hit) = surfaces.cast(ray, stream.bits() as u32) else {
             return Vec3::ZERO;
         };
+        let tint = surfaces.tint(ray, hit.distance);
+        if hit.is_unlit {
+            return if only == Only::All { tint * hit.emission } else { Vec3::ZERO };
+        }
         let mut irradiance = Vec3::ZERO;
         if hit.albedo != Vec3::ZERO {
             if only != Only::Indirect {
@@ -78,7 +82,7 @@ impl Relit {
             }
         }
         let emission = if only == Only::All { hit.emission } else { Vec3::ZERO };
-        hit.albedo * FRAC_1_PI * irradiance + emission
+        tint * (hit.albedo * FRAC_1_PI * irradiance + emission)
     }
 }
 

@@ -4,7 +4,7 @@
 //! * [`builtin`] – the generated scenes;
 //! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal;
 //! * [`model`] – what stands in a scene many times;
-//! * `colours` – colours of vertices;
+//! * `colours` – colours of vertices; `merge` – materials that look alike;
 //! * [`far`] – what lies far away from the rest.
 
 mod basis;
@@ -13,6 +13,7 @@ mod colours;
 mod error;
 pub mod far;
 mod gltf;
+mod merge;
 pub mod model;
 pub mod texture;
 

@@ -3,11 +3,15 @@
 use super::picture::{check_sizes, image_index, picture, sampled};
 use super::schema;
 use super::source::Source;
+use super::transmission::Numbers;
 use crate::scene::{Scene, SceneError};
+use crate::triangles::glass::textures as textures_of_light;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use rebounce_shared::rbn;
+use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
+use std::collections::{HashMap, HashSet};
 
 /// How a material reads its texture coordinates.
 #[derive(Clone, Copy)]
@@ -21,8 +25,8 @@ pub(super) struct UvSource {
 /// Collects the materials in the order of their first use.
 pub(super) struct Materials<'a> {
     source: &'a Source,
-    /// glTF materials in our order; `None` is glTF's default material.
-    used: Vec<Option<usize>>,
+    /// Our indices of glTF materials; `None` is glTF's default material.
+    used: HashMap<Option<usize>, u32>,
     /// glTF textures in our order, and whether they hold numbers instead of colours.
     textures: Vec<(usize, bool)>,
     out: Vec<Material>,
@@ -39,8 +43,8 @@ impl<'a> Materials<'a> {
 
     /// Our index for a glTF material, and where its texture coordinates come from.
     pub fn index(&mut self, material: Option<usize>) -> Result<(u32, Option<UvSource>), SceneError> {
-        if let Some(i) = self.used.iter().position(|m| *m == material) {
-            return Ok((i as u32, self.uv[i]));
+        if let Some(&i) = self.used.get(&material) {
+            return Ok((i, self.uv[i as usize]));
         }
         let source = self.source;
         let (converted, uv) = match material {
@@ -51,7 +55,7 @@ impl<'a> Materials<'a> {
                 self.convert(i, m)?
             }
         };
-        self.used.push(material);
+        self.used.insert(material, self.out.len() as u32);
         self.out.push(converted);
         self.uv.push(uv);
         Ok((self.out.len() as u32 - 1, uv))
@@ -100,6 +104,7 @@ impl<'a> Materials<'a> {
             &m.normal_texture,
             &pbr.metallic_roughness_texture,
             &m.emissive_texture,
+            m.extensions.transmission.as_ref().map_or(&None, |t| &t.transmission_texture),
         ];
         let uv = textures.into_iter().flatten().next().map(uv_source);
         let emission_texture = self.detail(&m.name, uv, m.emissive_texture.as_ref(), false);
@@ -111,6 +116,12 @@ impl<'a> Materials<'a> {
             "BLEND" => Alpha::Blend,
             _ => Alpha::Opaque,
         };
+        let is_unlit = m.extensions.unlit.is_some();
+        let extras = if is_unlit {
+            Extras { unlit: true, ..Extras::default() }
+        } else {
+            self.light_through(index, m, uv)?
+        };
         let material = Material {
             name: m.name.clone(),
             // An albedo over 1 would make energy out of nothing.
@@ -118,16 +129,57 @@ impl<'a> Materials<'a> {
             base_color_texture,
             alpha,
             double_sided: m.double_sided,
-            emission,
-            emission_texture,
+            emission: if is_unlit { [0.0; 3] } else { emission },
+            emission_texture: emission_texture.filter(|_| !is_unlit),
             metallic: shine[0].clamp(0.0, 1.0),
             roughness: shine[1].clamp(0.0, 1.0),
             metallic_roughness_texture,
-            specular: if m.extensions.unlit.is_some() { 0.0 } else { specular.clamp(0.0, 1.0) },
+            specular: if is_unlit { 0.0 } else { specular.clamp(0.0, 1.0) },
             normal_texture,
             normal_scale,
+            extras,
         };
         Ok((material, uv))
+    }
+
+    /// What a material lets through.
+    fn light_through(
+        &mut self,
+        index: usize,
+        m: &schema::Material,
+        uv: Option<UvSource>,
+    ) -> Result<Extras, SceneError> {
+        let mut numbers = Numbers::default();
+        let mut texture = None;
+        let mut left_out = Vec::new();
+        if let Some(t) = &m.extensions.transmission {
+            numbers.transmission = t.transmission_factor;
+            texture = t.transmission_texture.as_ref();
+        }
+        if let Some(volume) = &m.extensions.volume {
+            numbers.thickness = volume.thickness_factor;
+            numbers.attenuation_distance = volume.attenuation_distance.unwrap_or(f32::INFINITY);
+            numbers.attenuation_color = volume.attenuation_color.unwrap_or([1.0; 3]);
+            left_out.push((volume.thickness_texture.is_some(), "thickness"));
+        }
+        if let Some(d) = &m.extensions.diffuse_transmission {
+            numbers.scattered = d.diffuse_transmission_factor;
+            numbers.scattered_color = d.diffuse_transmission_color_factor.unwrap_or([1.0; 3]);
+            left_out.push((d.diffuse_transmission_texture.is_some(), "diffuse transmission"));
+            left_out.push((d.diffuse_transmission_color_texture.is_some(), "diffuse transmission colour"));
+        }
+        if !numbers.are_usable() {
+            let problem = format!("material {index} ({:?}) has a transmission that is not a number", m.name);
+            return Err(self.source.malformed(problem));
+        }
+        let extras = numbers.extras();
+        if !extras.lets_through() {
+            return Ok(Extras::default());
+        }
+        for (_, what) in left_out.into_iter().filter(|(is_there, _)| *is_there) {
+            self.left_out.push(format!("the {what} texture of material {:?}: its factor is taken", m.name));
+        }
+        Ok(Extras { transmission_texture: self.detail(&m.name, uv, texture, true), ..extras })
     }
 
     /// Our index for a glTF texture.
@@ -166,15 +218,15 @@ impl<'a> Materials<'a> {
         Some(DetailTexture { texture, uv_from_vertex: [rows.x_axis.into(), rows.y_axis.into()] })
     }
 
-    /// The materials and their textures; textures with one image share it. Only base colours are decoded: the rest
-    /// is for pictures, which do without what cannot be read.
+    /// The materials and their textures; textures with one image share it. Only those that light needs are decoded: the
+    /// rest is for pictures, which do without what cannot be read.
     pub fn finish(mut self, scene: &mut Scene) -> Result<(), SceneError> {
         let source = self.source;
-        let is_base = |out: &[Material], t: usize| out.iter().any(|m| m.base_color_texture == Some(t as u32));
+        let needed: HashSet<u32> = self.out.iter().flat_map(textures_of_light).collect();
         let mut images: Vec<(usize, bool)> = Vec::new();
         let mut of_image = Vec::new();
         for (t, &(texture, _)) in self.textures.iter().enumerate() {
-            let base = is_base(&self.out, t);
+            let base = needed.contains(&(t as u32));
             let image = match image_index(source, texture) {
                 Ok(image) => image,
                 Err(error) if base => return Err(error),
@@ -217,6 +269,7 @@ impl<'a> Materials<'a> {
                 &mut material.emission_texture,
                 &mut material.metallic_roughness_texture,
                 &mut material.normal_texture,
+                &mut material.extras.transmission_texture,
             ];
             for detail in details {
                 *detail = detail.and_then(|d| Some(DetailTexture { texture: place(d.texture)?, ..d }));

@@ -2,7 +2,7 @@
 //!
 //! * `schema` – the JSON; `container`, `source` – the bytes; `accessor` – the numbers;
 //! * `meshopt`, `draco` – compressed numbers; `extensions` – what is refused;
-//! * `material` – materials and textures; `picture` – which image of a texture is taken;
+//! * `material` – materials and textures; `transmission` – light that goes through; `picture` – which image of a texture is taken;
 //! * `primitive`, `mesh` – triangles in their own space; `instances`, `place` – in the world;
 //! * `node` – transforms, lights and cameras; `animation` – how lights move.
 
@@ -21,7 +21,9 @@ mod place;
 mod primitive;
 mod schema;
 mod source;
+mod transmission;
 
+use super::merge::merge;
 use super::{Scene, SceneError, WorldMesh};
 use glam::DMat4;
 use mesh::Part;
@@ -64,6 +66,7 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
     materials.finish(&mut scene)?;
+    merge(&mut scene, &mut mesh, &source.file)?;
     scene.left_out.extend(left_out);
     mesh.finish(&mut scene);
     if scene.triangles.is_empty() {

@@ -27,6 +27,37 @@ pub(in super::super) struct MaterialExtensions {
     pub unlit: Option<Unlit>,
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
     pub glossiness: Option<SpecularGlossiness>,
+    #[serde(rename = "KHR_materials_transmission")]
+    pub transmission: Option<Transmission>,
+    #[serde(rename = "KHR_materials_volume")]
+    pub volume: Option<Volume>,
+    #[serde(rename = "KHR_materials_diffuse_transmission")]
+    pub diffuse_transmission: Option<DiffuseTransmission>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(in super::super) struct Transmission {
+    pub transmission_factor: f32,
+    pub transmission_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(in super::super) struct Volume {
+    pub thickness_factor: f32,
+    pub thickness_texture: Option<TextureInfo>,
+    pub attenuation_distance: Option<f32>,
+    pub attenuation_color: Option<[f32; 3]>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(in super::super) struct DiffuseTransmission {
+    pub diffuse_transmission_factor: f32,
+    pub diffuse_transmission_texture: Option<TextureInfo>,
+    pub diffuse_transmission_color_factor: Option<[f32; 3]>,
+    pub diffuse_transmission_color_texture: Option<TextureInfo>,
 }
 
 /// What came before metallic-roughness.
