@@ -57,13 +57,13 @@ impl Target {
         let gbuffer = GBuffer::new(&own, size[0], size[1], scene.materials.detailed);
         let display = pipelines.display.target(&own, &frame, &gbuffer, scene, size, every_pixel);
         let shading = composite::shading(&own);
-        let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size));
+        let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size, scene.upload.tinted));
         let sources = Sources {
             frame: &frame,
             shading: &shading,
             gbuffer: &gbuffer,
             display: &display,
-            veil: veil.as_ref().map(|veil| &veil.texture),
+            veil: veil.as_ref(),
             looks: &scene.materials.looks,
             key,
         };

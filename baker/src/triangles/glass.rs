@@ -39,7 +39,7 @@ impl Detail {
 impl Glass {
     /// Of a material that lets light through. `texture` gives textures by number, those of [`textures`] at least.
     pub fn new(material: &Material, texture: &impl Fn(u32) -> Option<Sampler>) -> Option<Box<Self>> {
-        material.extras.lets_through().then(|| {
+        material.is_glass().then(|| {
             Box::new(Self {
                 extras: material.extras,
                 metallic: material.metallic,
@@ -61,7 +61,7 @@ impl Glass {
 /// The textures that light needs of a material: that of its base colour, and where it lets light through, those of
 /// transmission and metalness.
 pub(crate) fn textures(material: &Material) -> impl Iterator<Item = u32> {
-    let through = material.extras.lets_through();
+    let through = material.is_glass();
     let details = [&material.extras.transmission_texture, &material.metallic_roughness_texture];
     let details = details.map(|detail| detail.as_ref().filter(|_| through).map(|d| d.texture));
     details.into_iter().chain([material.base_color_texture]).flatten()

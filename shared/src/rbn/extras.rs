@@ -52,11 +52,6 @@ pub struct Passage {
 }
 
 impl Extras {
-    /// Whether any light goes through.
-    pub fn lets_through(&self) -> bool {
-        self.transmission > 0.0 || self.scattered > 0.0
-    }
-
     /// What becomes of light where the material has this base colour, alpha and metalness, and its transmission texture
     /// this red; all from 0 to 1.
     pub fn passage(&self, base: Vec3, alpha: f32, metallic: f32, red: f32) -> Passage {

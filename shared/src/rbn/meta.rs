@@ -140,6 +140,13 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Whether any light goes through because of what the material is, not of alpha.
+    pub fn is_glass(&self) -> bool {
+        let e = &self.extras;
+        let is_metal = self.metallic >= 1.0 && self.metallic_roughness_texture.is_none();
+        (e.transmission > 0.0 || e.scattered > 0.0) && !is_metal
+    }
+
     /// Textures of detail that it has: emission, roughness and metalness, normals, transmission.
     pub fn details(&self) -> [Option<&DetailTexture>; 4] {
         let (shine, through) = (&self.metallic_roughness_texture, &self.extras.transmission_texture);

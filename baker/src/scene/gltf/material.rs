@@ -173,7 +173,7 @@ impl<'a> Materials<'a> {
             return Err(self.source.malformed(problem));
         }
         let extras = numbers.extras();
-        if !extras.lets_through() {
+        if extras.transmission <= 0.0 && extras.scattered <= 0.0 {
             return Ok(Extras::default());
         }
         for (_, what) in left_out.into_iter().filter(|(is_there, _)| *is_there) {
