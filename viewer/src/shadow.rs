@@ -1,6 +1,8 @@
 //! Shadow maps: a depth texture array, one layer a view. Only what changed is drawn again.
 
-use crate::bindings::{Draw, Slot, bilinear, blended, depth_attachment, empty_buffer, group, layout, part, view};
+use crate::bindings::{
+    Draw, Slot, bilinear, blended, depth_attachment, empty_buffer, group, layout, part, view,
+};
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
@@ -159,9 +161,8 @@ impl Shadows {
         let size = shadow_fit::size(layers, glass).min(self.largest);
         let fit = shadow_fit::fit(lights, bounds, near, size);
         let held = self.maps.layers.len() as u32;
-        let replaced = self.maps.texture.width() != size
-            || held < layers.max(1)
-            || self.maps.tints.is_empty() == glass;
+        let replaced =
+            self.maps.texture.width() != size || held < layers.max(1) || self.maps.tints.is_empty() == glass;
         if replaced {
             self.maps = Maps::new(gpu, size, layers.max(1), glass);
         }

@@ -152,6 +152,11 @@ impl TriangleSurfaces {
         self.pieces
     }
 
+    /// Whether pictures show some of them as they are.
+    pub fn has_unlit(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.is_unlit)
+    }
+
     fn shade(&self, found: Found, m: Meeting, ray: &Ray) -> Hit {
         let direction = ray.direction;
         let Found { body, triangle, .. } = found;

@@ -22,7 +22,13 @@ impl Renderer {
         self.dirty.display = true;
         let sources: Vec<_> = self.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
         let near = 0.1 * scene.near;
-        let changed = self.shadows.set_lights(&self.gpu, &sources, scene.bounds, near, !scene.upload.glass_runs.is_empty());
+        let changed = self.shadows.set_lights(
+            &self.gpu,
+            &sources,
+            scene.bounds,
+            near,
+            !scene.upload.glass_runs.is_empty(),
+        );
         for (i, &layer) in changed.iter().enumerate() {
             let stamps = self.timing.as_mut().filter(|_| i == 0 || i + 1 == changed.len());
             let stamps = stamps.and_then(|t| t.stamps(Pass::Shadows));
