@@ -270,7 +270,7 @@ impl Surfaces for Recorder<'_> {
         self.surfaces.cast(ray, seed)
     }
 
-    fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+    fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         self.remember(Question::Between(from, to));
         self.surfaces.transmittance(from, to)
     }

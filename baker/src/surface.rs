@@ -68,6 +68,8 @@ pub struct Hit {
     pub albedo: Vec3,
     /// Linear RGB radiance sent by the surface itself towards the ray's origin.
     pub emission: Vec3,
+    /// Whether pictures show the emission in place of all that the surface reflects.
+    pub is_unlit: bool,
 }
 
 impl Hit {
@@ -87,13 +89,19 @@ impl Hit {
 
 /// Something that rays can be cast at. All space is local (world − the scene's origin).
 pub trait Surfaces: Sync {
-    /// The nearest hit. Partly transparent surfaces let a ray through with the probability
-    /// 1 − alpha, decided by `seed` alone: the same ray and seed give the same hit.
+    /// The nearest hit. Partly transparent surfaces let a ray through with the mean over the channels of what they let
+    /// through as probability, decided by `seed` alone: the same ray and seed give the same hit.
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit>;
 
-    /// The share of light that gets from `from` to `to`, 0 to 1: the product of 1 − alpha over
-    /// all surfaces in between. `to` may be far outside the scene.
-    fn transmittance(&self, from: Vec3, to: Vec3) -> f32;
+    /// The share of light that gets from `from` to `to`, linear RGB, 0 to 1: the product of what all surfaces in between
+    /// let through. `to` may be far outside the scene.
+    fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3;
+
+    /// The colour of the light that a ray let through on its way to a hit this far away brings, linear RGB: the product of
+    /// what each surface in between lets through over the probability of [`Self::cast`]. White where none is coloured.
+    fn tint(&self, _ray: &Ray, _distance: f32) -> Vec3 {
+        Vec3::ONE
+    }
 
     /// Least and greatest corner of everything that can be hit.
     fn bounds(&self) -> (Vec3, Vec3);

@@ -37,13 +37,14 @@ impl Surfaces for Squares {
                     normal: front,
                     albedo: if faces { Vec3::splat(square.albedo) } else { Vec3::ZERO },
                     emission: Vec3::ZERO,
+                    is_unlit: false,
                 }
             })
         };
         self.0.iter().filter_map(meet).min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
-    fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+    fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         let way = to - from;
         let ray = Ray {
             origin: from,
@@ -51,7 +52,7 @@ impl Surfaces for Squares {
             max_distance: way.length() * 0.9999,
             spread: 0.0,
         };
-        if self.cast(&ray, 0).is_some() { 0.0 } else { 1.0 }
+        if self.cast(&ray, 0).is_some() { Vec3::ZERO } else { Vec3::ONE }
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {

@@ -24,7 +24,7 @@ impl Surfaces for HitByHit<'_> {
         self.0.cast(ray, seed)
     }
 
-    fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+    fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         self.0.transmittance(from, to)
     }
 

@@ -71,7 +71,7 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 #[test]
 fn every_broken_rule_is_refused_by_its_section() {
     type Break = fn(&mut Scene);
-    let breaks: [(&str, Break); 53] = [
+    let breaks: [(&str, Break); 54] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
         ("META", |s| s.meta.levels[1].first = 7),
@@ -121,6 +121,7 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("META", |s| s.meta.materials[0].emission[0] = 1e16),
         ("META", |s| s.meta.materials[0].alpha = Alpha::Mask { cutoff: f32::NAN }),
         ("META", |s| s.meta.materials[0].base_color_texture = Some(0)),
+        ("META", |s| s.meta.materials = vec![Material::default(); 65_536]),
         ("META", |s| s.meta.textures = vec![Texture { offset: u64::MAX, len: 1, ..Texture::default() }]),
         ("META", |s| s.meta.animations[0].tracks[0].values[4] = 1e16),
         ("VERT", |s| s.vertices[2].position[1] = 1e16),

@@ -12,6 +12,7 @@ use rebounce::scene;
 use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::Scene;
+use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, Material};
 use rebounce_tests::small::settings;
 use rebounce_viewer::settings::Mode;
@@ -20,7 +21,8 @@ const WIDTH: u32 = 80;
 const HEIGHT: u32 = 80;
 
 /// The Cornell box with panes: one across the left half, one behind it across the whole, and one that crosses both.
-fn panes() -> Scene {
+/// Two of them are glass, where that is asked for.
+fn panes(glass: bool) -> Scene {
     let mut room = scene::load("builtin:cornell-box").unwrap();
     let (low, high) = room.bounds();
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -35,9 +37,14 @@ fn panes() -> Scene {
         room.triangle_material.extend([material; 2]);
         let [r, g, b] = color;
         let base_color = [r, g, b, alpha];
+        let extras = match glass && alpha > 0.4 {
+            true => Extras { transmission: 1.0 - 0.5 * alpha, ..Extras::default() },
+            false => Extras::default(),
+        };
         room.materials.push(Material {
             base_color,
-            alpha: Alpha::Blend,
+            extras,
+            alpha: if extras == Extras::default() { Alpha::Blend } else { Alpha::Opaque },
             double_sided: true,
             ..Default::default()
         });
@@ -75,7 +82,16 @@ fn difference(ours: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
 
 #[test]
 fn the_viewers_picture_of_panes_is_the_mean_of_the_cpus() {
-    let scene = panes();
+    compare(false);
+}
+
+#[test]
+fn the_viewers_picture_of_glass_is_the_mean_of_the_cpus() {
+    compare(true);
+}
+
+fn compare(glass: bool) {
+    let scene = panes(glass);
     let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
     let Some(mut renderer) = common::renderer(&scene) else { return };
     let front = scene.meta.cameras[0].clone();

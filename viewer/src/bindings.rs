@@ -27,6 +27,8 @@ pub enum Slot {
     Depth,
     /// An array of depth textures.
     DepthArray,
+    /// An array of float textures that is sampled with filtering.
+    TextureArray,
     /// A filtering sampler.
     Sampler,
     /// A comparison sampler.
@@ -61,6 +63,9 @@ impl Slot {
             Self::TextureUint => texture(TextureSampleType::Uint, d2),
             Self::Depth => texture(TextureSampleType::Depth, d2),
             Self::DepthArray => texture(TextureSampleType::Depth, TextureViewDimension::D2Array),
+            Self::TextureArray => {
+                texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2Array)
+            }
             Self::Sampler => BindingType::Sampler(SamplerBindingType::Filtering),
             Self::Comparison => BindingType::Sampler(SamplerBindingType::Comparison),
             Self::Unfiltered => BindingType::Sampler(SamplerBindingType::NonFiltering),
@@ -154,6 +159,7 @@ pub fn target(
         format,
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT
             | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_DST
             | wgpu::TextureUsages::COPY_SRC,
         view_formats: &[],
     })

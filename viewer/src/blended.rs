@@ -10,6 +10,9 @@
 //! exact for boxes, for folds of curtains and for panes that cross, need no sorting, and cost passes instead: two a layer,
 //! at most twice [`MOST_LAYERS`](crate::blended_fit::MOST_LAYERS). Deeper ones, of which the least is seen, are left out.
 //!
+//! Where layers have colours (glass), light and coverage do not suffice: what goes through is a colour, each layer's light
+//! is multiplied with that of the layers in front before it is added, and the product is copied from layer to layer.
+//!
 //! The bounced light is looked up anew in each picture and at each place: rows of functions, as `display` keeps them for
 //! the G-buffer, would be needed for every layer.
 
@@ -30,8 +33,8 @@ const VEIL: TextureFormat = TextureFormat::Rgba16Float;
 pub struct BlendedPass {
     materials: wgpu::BindGroupLayout,
     lights: wgpu::BindGroupLayout,
-    /// Made when a scene first has blended surfaces.
-    made: OnceCell<Made>,
+    /// Made when a scene first has blended surfaces, without and with colours.
+    made: [OnceCell<Made>; 2],
 }
 
 struct Made {
@@ -45,8 +48,20 @@ struct Made {
 pub struct Veil {
     /// Radiance times the [`unit`](crate::blended_fit::unit), as much of it as is seen, and the share that is covered.
     pub texture: wgpu::TextureView,
+    /// Where layers have colours.
+    pub tints: Option<Tints>,
     /// Reversed depth of two layers, in turns; 0 where there is none.
     depths: [wgpu::TextureView; 2],
+}
+
+/// What layers with colours need besides: linear RGB.
+pub struct Tints {
+    /// The share of light that goes through all layers.
+    pub through: (wgpu::Texture, wgpu::TextureView),
+    /// The same without the last layer: no pass reads what it writes.
+    before: (wgpu::Texture, wgpu::TextureView),
+    /// What they show whatever the light.
+    pub shine: (wgpu::Texture, wgpu::TextureView),
 }
 
 /// Blended surfaces of a picture of one size.
@@ -57,24 +72,32 @@ pub struct BlendedTarget {
 }
 
 impl Veil {
-    /// Of this size, pixels.
-    pub fn new(scope: &Scope, [width, height]: [u32; 2]) -> Self {
-        let make =
-            |label, format| target(scope, label, format, width, height).create_view(&Default::default());
-        let depth = || make("layer depth", TextureFormat::Depth32Float);
-        Self { texture: make("veil", VEIL), depths: [depth(), depth()] }
+    /// Of this size, pixels; for layers that are `tinted` or not.
+    pub fn new(scope: &Scope, [width, height]: [u32; 2], tinted: bool) -> Self {
+        let make = |label, format| {
+            let texture = target(scope, label, format, width, height);
+            let view = texture.create_view(&Default::default());
+            (texture, view)
+        };
+        let depth = || make("layer depth", TextureFormat::Depth32Float).1;
+        let tints = tinted.then(|| Tints {
+            through: make("through", VEIL),
+            before: make("through before", VEIL),
+            shine: make("shine", VEIL),
+        });
+        Self { texture: make("veil", VEIL).1, tints, depths: [depth(), depth()] }
     }
 }
 
 impl BlendedPass {
     /// Without pipelines yet; from the layouts of a material's bind group and of the lights'.
     pub fn new(materials: &wgpu::BindGroupLayout, lights: &wgpu::BindGroupLayout) -> Self {
-        Self { materials: materials.clone(), lights: lights.clone(), made: OnceCell::new() }
+        Self { materials: materials.clone(), lights: lights.clone(), made: Default::default() }
     }
 
-    fn made(&self, gpu: &Gpu) -> &Made {
-        self.made.get_or_init(|| {
-            let slots = [
+    fn made(&self, gpu: &Gpu, tinted: bool) -> &Made {
+        self.made[tinted as usize].get_or_init(|| {
+            let mut slots = vec![
                 Slot::Uniform,
                 Slot::Uniform,
                 Slot::Read,
@@ -85,6 +108,7 @@ impl BlendedPass {
                 Slot::Depth,
                 Slot::Depth,
             ];
+            slots.extend(tinted.then_some(Slot::TextureLoad));
             let layout = layout(gpu, "blended", ShaderStages::VERTEX_FRAGMENT, &slots);
             let layouts = [&layout, &self.materials, &self.lights];
             let draw = Draw {
@@ -103,8 +127,15 @@ impl BlendedPass {
                 dst_factor: BlendFactor::One,
                 operation: BlendOperation::Add,
             };
-            let targets = [blended(VEIL, wgpu::BlendState { color: under, alpha: under })];
-            let shade = Draw { targets: &targets, ..draw }.pipeline(gpu);
+            let veil = |color| blended(VEIL, wgpu::BlendState { color, alpha: under });
+            let by = |src_factor, dst_factor| wgpu::BlendComponent { src_factor, dst_factor, ..under };
+            let sum = by(BlendFactor::One, BlendFactor::One);
+            let product = by(BlendFactor::Zero, BlendFactor::Src);
+            let (fragment, targets) = match tinted {
+                false => ("fragment", vec![veil(under)]),
+                true => ("tinted_layer", vec![veil(sum), veil(product), veil(sum)]),
+            };
+            let shade = Draw { fragment: Some(fragment), targets: &targets, ..draw }.pipeline(gpu);
             Made { layout, peel, shade }
         })
     }
@@ -121,7 +152,7 @@ impl BlendedPass {
         opaque: &wgpu::TextureView,
     ) -> BlendedTarget {
         let bind = |depth: &wgpu::TextureView| {
-            let resources = [
+            let mut resources = vec![
                 frame.as_entire_binding(),
                 shading.as_entire_binding(),
                 scene.materials.looks.as_entire_binding(),
@@ -132,7 +163,8 @@ impl BlendedPass {
                 view(opaque),
                 view(depth),
             ];
-            group(gpu, "blended", &self.made(gpu).layout, &resources)
+            resources.extend(veil.tints.iter().map(|tints| view(&tints.before.1)));
+            group(gpu, "blended", &self.made(gpu, veil.tints.is_some()).layout, &resources)
         };
         BlendedTarget { groups: [bind(&veil.depths[0]), bind(&veil.depths[1])], veil }
     }
@@ -147,7 +179,14 @@ impl BlendedPass {
         lights: &wgpu::BindGroup,
         stamps: Option<Stamps<'_>>,
     ) {
-        let made = self.made(gpu);
+        let tints = target.veil.tints.as_ref();
+        let made = self.made(gpu, tints.is_some());
+        if let Some(tints) = tints {
+            drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[cleared(&tints.before.1, wgpu::Color::WHITE)],
+                ..Default::default()
+            }));
+        }
         let count = scene.upload.blended_layers as usize;
         for layer in 0..count {
             let [own, other] = [layer % 2, (layer + 1) % 2];
@@ -159,15 +198,34 @@ impl BlendedPass {
             });
             runs(&mut pass, &made.peel[(layer > 0) as usize], &target.groups[other], scene, lights);
             drop(pass);
+            let mut attachments = vec![attachment(&target.veil.texture, layer == 0)];
+            if let Some(tints) = tints {
+                attachments.push(match layer {
+                    0 => cleared(&tints.through.1, wgpu::Color::WHITE),
+                    _ => attachment(&tints.through.1, false),
+                });
+                attachments.push(attachment(&tints.shine.1, layer == 0));
+            }
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("layer"),
-                color_attachments: &[attachment(&target.veil.texture, layer == 0)],
+                color_attachments: &attachments,
                 timestamp_writes: stamps.filter(|_| layer + 1 == count).map(|s| s.render(false, true)),
                 ..Default::default()
             });
             runs(&mut pass, &made.shade, &target.groups[own], scene, lights);
+            drop(pass);
+            if let Some(tints) = tints.filter(|_| layer + 1 < count) {
+                let [from, to] = [&tints.through.0, &tints.before.0].map(wgpu::Texture::as_image_copy);
+                encoder.copy_texture_to_texture(from, to, tints.through.0.size());
+            }
         }
     }
+}
+
+/// An attachment that is cleared to a colour.
+fn cleared(view: &wgpu::TextureView, color: wgpu::Color) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(color), store: wgpu::StoreOp::Store };
+    attachment(view, true).map(|attachment| wgpu::RenderPassColorAttachment { ops, ..attachment })
 }
 
 /// Draws all blended surfaces of the scene.

@@ -16,14 +16,22 @@ const MOST_LOOKED_AT: usize = 1 << 22;
 /// Typical radiance becomes this to twice this: 16-bit floats then hold a few thousand times as much, and a millionth.
 const MIDDLE: f32 = 16.0;
 
-/// Whether a material is drawn by blending. Many exporters mark opaque ones so: those are opaque here whose alpha is 1
+/// Whether a material is drawn by blending: glass, and what alpha says. Many exporters mark opaque ones so: those are opaque here whose alpha is 1
 /// and whose picture is a JPEG, which has none, or that have no picture.
 pub fn is_blended(meta: &Meta, material: &Material) -> bool {
     let clear = |texture: u32| {
         meta.textures.get(texture as usize).is_some_and(|texture| texture.mime != "image/jpeg")
     };
-    material.alpha == Alpha::Blend
-        && (material.base_color[3] < 1.0 || material.base_color_texture.is_some_and(clear))
+    material.is_glass()
+        || material.alpha == Alpha::Blend
+            && (material.base_color[3] < 1.0 || material.base_color_texture.is_some_and(clear))
+}
+
+/// Whether layers need colours for what goes through them, and for what they show whatever the light: where any of
+/// these runs is glass, or unlit.
+pub fn are_tinted(meta: &Meta, runs: &[Run]) -> bool {
+    let material = |run: &Run| &meta.materials[run.material as usize];
+    runs.iter().map(material).any(|m| m.is_glass() || m.extras.unlit)
 }
 
 /// Layers in which these runs are drawn: a ray meets a plane once, so there are no more than the planes that their
@@ -115,7 +123,7 @@ mod tests {
             }
         }
         let indices = 0..scene.indices.len() as u32;
-        (scene, Run { material: 0, indices, instances: 0..1, cut: true, blended: true })
+        (scene, Run { material: 0, indices, instances: 0..1, cut: true, blended: true, glass: false })
     }
 
     #[test]

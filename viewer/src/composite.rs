@@ -4,6 +4,7 @@ use crate::bindings::{
     Draw, Slot, WORKGROUP, attachment, bilinear, blended, buffer, compute, empty_buffer, group, layout,
     opaque, target, view,
 };
+use crate::blended::Veil;
 use crate::display::SlotBuffers;
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
@@ -32,7 +33,7 @@ pub struct Shading {
     pub blend: f32,
     /// Pixels across one output pixel of [`CompositePass::indirect`].
     pub scale: u32,
-    /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`].
+    /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`], [`TINTED`], [`UNLIT`].
     pub flags: u32,
     /// Pixels of the screen across one of the picture.
     pub enlarge: u32,
@@ -50,6 +51,10 @@ pub const AGX: u32 = 2;
 pub const MANUAL: u32 = 4;
 /// There are blended surfaces.
 pub const VEILED: u32 = 8;
+/// They have colours.
+pub const TINTED: u32 = 16;
+/// Some surfaces are unlit.
+pub const UNLIT: u32 = 32;
 
 /// The pipelines.
 pub struct CompositePass {
@@ -96,7 +101,7 @@ pub struct Sources<'a> {
     /// Its bounced light.
     pub slots: &'a SlotBuffers,
     /// What is blended, if anything is.
-    pub veil: Option<&'a wgpu::TextureView>,
+    pub veil: Option<&'a Veil>,
     /// `Look` of surface.wgsl, one a material.
     pub looks: &'a wgpu::Buffer,
     /// The exposure, which [`key`] makes.
@@ -127,6 +132,8 @@ impl CompositePass {
                 Slot::Read,
                 key,
                 Slot::Read,
+                Slot::TextureLoad,
+                Slot::TextureLoad,
                 Slot::TextureLoad,
             ]
         };
@@ -170,6 +177,7 @@ impl CompositePass {
         let texture = target(scope, "picture", PICTURE, size[0], size[1]);
         let texture = texture.create_view(&Default::default());
         let looked = empty_buffer(scope, "looked", BufferUsages::STORAGE, 4 * LOOKED as u64);
+        let (unread, tints) = (&from.gbuffer.albedo, from.veil.and_then(|veil| veil.tints.as_ref()));
         let mut resources = [
             from.frame.as_entire_binding(),
             from.shading.as_entire_binding(),
@@ -180,8 +188,10 @@ impl CompositePass {
             from.looks.as_entire_binding(),
             from.key.as_entire_binding(),
             from.slots.by_pixel.as_entire_binding(),
-            // Without blended surfaces nothing is read from it.
-            view(from.veil.unwrap_or(&from.gbuffer.albedo)),
+            // Without blended surfaces nothing is read from these.
+            view(from.veil.map_or(unread, |veil| &veil.texture)),
+            view(tints.map_or(unread, |tints| &tints.through.1)),
+            view(tints.map_or(unread, |tints| &tints.shine.1)),
         ];
         let shade = group(scope, "shade", &self.layout, &resources);
         resources[7] = looked.as_entire_binding();

@@ -8,6 +8,7 @@ use crate::pipelines::Pipelines;
 use crate::scope::Scope;
 use crate::textures;
 use bytemuck::{Pod, Zeroable};
+use rebounce_shared::glam::Vec3;
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::{Alpha, Material, Texture, Wrap};
 use std::num::NonZeroU64;
@@ -32,8 +33,12 @@ struct Record {
     normal_scale: f32,
     details: u32,
     wide: u32,
-    pad: [u32; 3],
-    uv_from_vertex: [[f32; 4]; 6],
+    glass: u32,
+    transmission: f32,
+    scattered: f32,
+    uv_from_vertex: [[f32; 4]; 8],
+    transmission_tint: [f32; 4],
+    scattered_color: [f32; 4],
 }
 
 /// `Look` in surface.wgsl.
@@ -44,7 +49,8 @@ struct Look {
     specular: f32,
     metallic: f32,
     roughness: f32,
-    pad: [f32; 2],
+    unlit: f32,
+    pad: f32,
 }
 
 impl Record {
@@ -59,14 +65,18 @@ impl Record {
             alpha_mode,
             cutoff,
             double_sided: material.double_sided as u32,
-            // The G-buffer keeps 16 bits.
-            index: index.min(0xffff) as u32,
+            // The G-buffer keeps 16 bits: a file has no more (rbn::MAX_MATERIALS).
+            index: index as u32,
             metallic: material.metallic,
             roughness: material.roughness,
             normal_scale: material.normal_scale,
             details: (0..).zip(material.details()).map(|(i, d)| (d.is_some() as u32) << i).sum(),
             wide: wide as u32,
-            pad: [0; 3],
+            glass: material.is_glass() as u32,
+            transmission: material.extras.transmission,
+            scattered: material.extras.scattered,
+            transmission_tint: Vec3::from(material.extras.transmission_tint).extend(0.0).to_array(),
+            scattered_color: Vec3::from(material.extras.scattered_color).extend(0.0).to_array(),
             uv_from_vertex: std::array::from_fn(|row| {
                 let detail = material.details()[row / 2];
                 detail.map_or([0.0; 4], |d| {
@@ -81,7 +91,7 @@ impl Record {
 /// The layout of a material's bind group.
 pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     let mut slots = vec![Slot::Uniform, Slot::Texture, Slot::Sampler, Slot::Sampler, Slot::Sampler];
-    slots.extend([Slot::Texture, Slot::Sampler].repeat(3));
+    slots.extend([Slot::Texture, Slot::Sampler].repeat(4));
     layout(gpu, "material", ShaderStages::FRAGMENT, &slots)
 }
 
@@ -91,8 +101,10 @@ pub struct Materials {
     pub groups: Vec<wgpu::BindGroup>,
     /// `Look` of surface.wgsl, one a material.
     pub looks: wgpu::Buffer,
-    /// Whether any of them has textures besides the base colour's.
+    /// Whether any of them has textures besides the base colour's and that of transmission.
     pub detailed: bool,
+    /// Whether any of them is unlit.
+    pub unlit: bool,
     own: Scope,
 }
 
@@ -115,7 +127,7 @@ impl Materials {
     ) -> Self {
         let white = textures::white(&own);
         let materials = &scene.meta.materials;
-        let detailed = materials.iter().any(|m| m.details().iter().any(Option::is_some));
+        let detailed = materials.iter().any(|m| m.details()[..3].iter().any(Option::is_some));
         let mut records = vec![0u8; STRIDE as usize * scene.meta.materials.len()];
         for (i, material) in scene.meta.materials.iter().enumerate() {
             let record = Record::new(i, material, detailed, blended_fit::is_blended(&scene.meta, material));
@@ -128,9 +140,10 @@ impl Materials {
             specular: m.specular,
             metallic: m.metallic,
             roughness: m.roughness,
-            pad: [0.0; 2],
+            unlit: m.extras.unlit as u32 as f32,
+            pad: 0.0,
         };
-        let looks: Vec<Look> = materials.iter().take(0x10000).map(look).collect();
+        let looks: Vec<Look> = materials.iter().map(look).collect();
         let looks = buffer(&own, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&looks));
         let plain = Texture { linear_filter: true, ..Default::default() };
         let texture = |index: Option<u32>| match index {
@@ -161,7 +174,8 @@ impl Materials {
             group(&own, "material", layout, &resources)
         };
         let groups = materials.iter().enumerate().map(bind).collect();
-        Self { groups, looks, detailed, own }
+        let unlit = materials.iter().any(|m| m.extras.unlit);
+        Self { groups, looks, detailed, unlit, own }
     }
 
     /// Bytes on the GPU.

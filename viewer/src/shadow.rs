@@ -1,6 +1,8 @@
 //! Shadow maps: a depth texture array, one layer a view. Only what changed is drawn again.
 
-use crate::bindings::{Draw, Slot, depth_attachment, empty_buffer, group, layout, part, view};
+use crate::bindings::{
+    Draw, Slot, bilinear, blended, depth_attachment, empty_buffer, group, layout, part, view,
+};
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
@@ -8,11 +10,15 @@ use crate::shadow_fit::{self, Fit, LightRecord};
 use crate::upload::{Run, Upload, VERTEX_BUFFERS};
 use glam::Vec3;
 use rebounce_shared::light::LightSource;
-use wgpu::{BufferUsages, CompareFunction, ShaderStages};
+use std::cell::OnceCell;
+use std::rc::Rc;
+use wgpu::{BlendFactor, BlendOperation, BufferUsages, CompareFunction, ShaderStages, TextureFormat};
 
 /// Distance of matrices in the uniform buffer, bytes.
 const STRIDE: u64 = 256;
 const MATRIX: u64 = 64;
+/// Colours behind glass; alpha is the depth of the nearest.
+const TINTS: TextureFormat = TextureFormat::Rgba16Float;
 
 /// What draws shadow maps and what reads them; depends on no scene.
 #[derive(Clone)]
@@ -20,11 +26,15 @@ pub struct ShadowPipelines {
     opaque: wgpu::RenderPipeline,
     cut: wgpu::RenderPipeline,
     matrix_layout: wgpu::BindGroupLayout,
+    /// Made when a scene first has glass, and the layout of what it reads.
+    tint: Rc<OnceCell<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>>,
+    material_layout: wgpu::BindGroupLayout,
     /// Layout of [`Shadows::group`].
     pub layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
     /// What the maps hold, as it is.
     depths: wgpu::Sampler,
+    tints: wgpu::Sampler,
 }
 
 impl ShadowPipelines {
@@ -32,7 +42,15 @@ impl ShadowPipelines {
     pub fn new(gpu: &Gpu, material_layout: &wgpu::BindGroupLayout) -> Self {
         let matrix_layout = layout(gpu, "shadow", ShaderStages::VERTEX, &[Slot::UniformPart(MATRIX)]);
         let stages = ShaderStages::COMPUTE | ShaderStages::FRAGMENT;
-        let slots = [Slot::Read, Slot::Read, Slot::DepthArray, Slot::Comparison, Slot::Unfiltered];
+        let slots = [
+            Slot::Read,
+            Slot::Read,
+            Slot::DepthArray,
+            Slot::Comparison,
+            Slot::Unfiltered,
+            Slot::TextureArray,
+            Slot::Sampler,
+        ];
         let layout = layout(gpu, "lights", stages, &slots);
         let draw = Draw {
             label: "shadow",
@@ -54,7 +72,43 @@ impl ShadowPipelines {
             ..Default::default()
         });
         let depths = gpu.device.create_sampler(&Default::default());
-        Self { opaque, cut, matrix_layout, layout, sampler, depths }
+        Self {
+            opaque,
+            cut,
+            matrix_layout,
+            tint: Rc::default(),
+            material_layout: material_layout.clone(),
+            layout,
+            sampler,
+            depths,
+            tints: bilinear(gpu),
+        }
+    }
+
+    fn tint(&self, gpu: &Gpu) -> &(wgpu::RenderPipeline, wgpu::BindGroupLayout) {
+        self.tint.get_or_init(|| {
+            let slots = [Slot::UniformPart(MATRIX), Slot::Depth];
+            let layout = layout(gpu, "tint", ShaderStages::VERTEX_FRAGMENT, &slots);
+            let product = wgpu::BlendComponent {
+                src_factor: BlendFactor::Zero,
+                dst_factor: BlendFactor::Src,
+                operation: BlendOperation::Add,
+            };
+            let nearest = wgpu::BlendComponent {
+                src_factor: BlendFactor::One,
+                dst_factor: BlendFactor::One,
+                operation: BlendOperation::Max,
+            };
+            let draw = Draw {
+                label: "tint",
+                source: shaders::TINT,
+                targets: &[blended(TINTS, wgpu::BlendState { color: product, alpha: nearest })],
+                layouts: &[&layout, &self.material_layout],
+                buffers: &VERTEX_BUFFERS,
+                ..Default::default()
+            };
+            (draw.pipeline(gpu), layout)
+        })
     }
 }
 
@@ -73,7 +127,7 @@ pub struct Shadows {
 impl Shadows {
     /// Without lights.
     pub fn new(gpu: &Gpu, pipelines: &ShadowPipelines) -> Self {
-        let maps = Maps::new(gpu, 1, 1);
+        let maps = Maps::new(gpu, 1, 1, false);
         Self {
             pipelines: pipelines.clone(),
             records: Records::new(gpu, pipelines, &maps, 1),
@@ -94,21 +148,23 @@ impl Shadows {
         &self.fit.lights
     }
 
-    /// Takes new lights; returns the layers that must be drawn.
+    /// Takes new lights, of a scene with or without `glass`; returns the layers that must be drawn.
     pub fn set_lights(
         &mut self,
         gpu: &Gpu,
         lights: &[LightSource],
         bounds: [Vec3; 2],
         near: f32,
+        glass: bool,
     ) -> Vec<u32> {
         let layers: u32 = lights.iter().map(shadow_fit::layers).sum();
-        let size = shadow_fit::size(layers).min(self.largest);
+        let size = shadow_fit::size(layers, glass).min(self.largest);
         let fit = shadow_fit::fit(lights, bounds, near, size);
         let held = self.maps.layers.len() as u32;
-        let replaced = self.maps.texture.width() != size || held < layers.max(1);
+        let replaced =
+            self.maps.texture.width() != size || held < layers.max(1) || self.maps.tints.is_empty() == glass;
         if replaced {
-            self.maps = Maps::new(gpu, size, layers.max(1));
+            self.maps = Maps::new(gpu, size, layers.max(1), glass);
         }
         if replaced || self.records.capacity < layers {
             let capacity = layers.max(1).next_power_of_two();
@@ -130,6 +186,7 @@ impl Shadows {
     /// Draws one layer.
     pub fn draw(
         &mut self,
+        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         upload: &Upload,
         materials: &[wgpu::BindGroup],
@@ -143,9 +200,6 @@ impl Shadows {
             timestamp_writes: timestamps,
             ..Default::default()
         });
-        if upload.shadow_runs.is_empty() {
-            return;
-        }
         upload.bind(&mut pass);
         pass.set_bind_group(0, &self.records.uniform_group, &[layer * STRIDE as u32]);
         let mut last: Option<&Run> = None;
@@ -158,6 +212,29 @@ impl Shadows {
             }
             run.draw(&mut pass);
             last = Some(run);
+        }
+        drop(pass);
+        let Some(tints) = self.maps.tints.get(layer as usize) else { return };
+        let (pipeline, layout) = self.pipelines.tint(gpu);
+        let resources = [part(&self.records.uniforms, MATRIX), view(&self.maps.layers[layer as usize])];
+        let group = group(gpu, "tint", layout, &resources);
+        let clear = wgpu::LoadOp::Clear(wgpu::Color { a: 0.0, ..wgpu::Color::WHITE });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("tint"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: tints,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: clear, store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        upload.bind(&mut pass);
+        pass.set_bind_group(0, &group, &[layer * STRIDE as u32]);
+        for run in &upload.glass_runs {
+            pass.set_bind_group(1, &materials[run.material as usize], &[]);
+            run.draw(&mut pass);
         }
     }
 
@@ -177,30 +254,44 @@ struct Maps {
     own: Scope,
     texture: wgpu::Texture,
     layers: Vec<wgpu::TextureView>,
+    /// Colours behind glass, of half the size; a texel where there is none, and then no view of a layer.
+    tint: wgpu::Texture,
+    tints: Vec<wgpu::TextureView>,
 }
 
 impl Maps {
-    fn new(gpu: &Gpu, size: u32, layers: u32) -> Self {
+    fn new(gpu: &Gpu, size: u32, layers: u32, glass: bool) -> Self {
         let own = Scope::new(gpu);
-        let texture = own.texture(&wgpu::TextureDescriptor {
-            label: Some("shadow maps"),
-            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Depth32Float,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        let layer = |base_array_layer| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2),
-                base_array_layer,
-                array_layer_count: Some(1),
-                ..Default::default()
+        let array = |label, format, size: u32, layers| {
+            own.texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
             })
         };
-        Self { layers: (0..layers).map(layer).collect(), texture, own }
+        let texture = array("shadow maps", TextureFormat::Depth32Float, size, layers);
+        let tint = match glass {
+            true => array("tint maps", TINTS, (size / 2).max(2), layers),
+            false => array("no tint maps", TINTS, 1, 1),
+        };
+        let views = |texture: &wgpu::Texture, layers| -> Vec<wgpu::TextureView> {
+            let layer = |base_array_layer| {
+                texture.create_view(&wgpu::TextureViewDescriptor {
+                    dimension: Some(wgpu::TextureViewDimension::D2),
+                    base_array_layer,
+                    array_layer_count: Some(1),
+                    ..Default::default()
+                })
+            };
+            (0..layers).map(layer).collect()
+        };
+        let tints = views(&tint, if glass { layers } else { 0 });
+        Self { layers: views(&texture, layers), texture, tints, tint, own }
     }
 }
 
@@ -224,16 +315,21 @@ impl Records {
         let uniforms = make("shadow matrices", BufferUsages::UNIFORM, STRIDE);
         let lights = make("lights", BufferUsages::STORAGE, size_of::<LightRecord>() as u64);
         let matrices = make("light matrices", BufferUsages::STORAGE, MATRIX);
-        let all = maps.texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
+        let all = |texture: &wgpu::Texture| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..Default::default()
+            })
+        };
+        let [depths, tints] = [&maps.texture, &maps.tint].map(all);
         let resources = [
             lights.as_entire_binding(),
             matrices.as_entire_binding(),
-            view(&all),
+            view(&depths),
             wgpu::BindingResource::Sampler(&pipelines.sampler),
             wgpu::BindingResource::Sampler(&pipelines.depths),
+            view(&tints),
+            wgpu::BindingResource::Sampler(&pipelines.tints),
         ];
         Self {
             capacity,

@@ -58,10 +58,13 @@ pub fn layers(light: &LightSource) -> u32 {
     }
 }
 
-/// The side of a shadow map when there are so many layers: as large as the budget allows.
-pub fn size(layers: u32) -> u32 {
+/// The side of a shadow map when there are so many layers, in a scene with or without `glass`: as large as the budget
+/// allows.
+pub fn size(layers: u32, glass: bool) -> u32 {
+    // The colours behind glass take eight bytes for four texels.
+    let texel = if glass { 6 } else { 4 };
     let mut size = LARGEST;
-    while size > 256 && size as u64 * size as u64 * 4 * layers as u64 > BUDGET {
+    while size > 256 && size as u64 * size as u64 * texel * layers as u64 > BUDGET {
         size /= 2;
     }
     size
@@ -220,7 +223,10 @@ mod tests {
     #[test]
     fn maps_stay_within_their_budget() {
         for layers in 1..=MAX_LAYERS {
-            assert!(size(layers) == 256 || (size(layers) as u64).pow(2) * 4 * layers as u64 <= BUDGET);
+            for (glass, texel) in [(false, 4), (true, 6)] {
+                let size = u64::from(size(layers, glass));
+                assert!(size == 256 || size.pow(2) * texel * u64::from(layers) <= BUDGET);
+            }
         }
     }
 }

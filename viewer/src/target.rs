@@ -60,13 +60,13 @@ impl Target {
         let from = display::Sources { scene, frame: &frame, gbuffer: &gbuffer };
         let display = pipelines.display.target(&own, from, size, every_pixel, way);
         let shading = composite::shading(&own);
-        let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size));
+        let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size, scene.upload.tinted));
         let sources = Sources {
             frame: &frame,
             shading: &shading,
             gbuffer: &gbuffer,
             slots: &display.slots,
-            veil: veil.as_ref().map(|veil| &veil.texture),
+            veil: veil.as_ref(),
             looks: &scene.materials.looks,
             key,
         };

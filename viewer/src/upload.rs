@@ -62,6 +62,8 @@ pub struct Run {
     pub cut: bool,
     /// Whether the material is blended.
     pub blended: bool,
+    /// Whether it lets light through in a colour: then shadow maps do not hold it.
+    pub glass: bool,
 }
 
 impl Run {
@@ -112,8 +114,12 @@ pub struct Upload {
     pub blended_runs: Vec<Run>,
     /// Layers in which these are drawn: see [`blended_fit::layers`].
     pub blended_layers: u32,
-    /// Draw calls where the material does not matter: neighbouring opaque runs are one.
+    /// Whether these have colours: see [`blended_fit::are_tinted`].
+    pub tinted: bool,
+    /// Draw calls where the material does not matter, without glass: neighbouring opaque runs are one.
     pub shadow_runs: Vec<Run>,
+    /// Draw calls of glass.
+    pub glass_runs: Vec<Run>,
 }
 
 impl Upload {
@@ -147,6 +153,8 @@ impl Upload {
             pull_offsets: stored("PNTS", cast(&relations.pull_offsets)),
             pull_entries: stored("PNTS", bytemuck::cast_slice(&relations.pull_entries)),
             blended_layers: blended_fit::layers(scene, &blended_runs),
+            tinted: blended_fit::are_tinted(&scene.meta, &blended_runs),
+            glass_runs: blended_runs.iter().filter(|run| run.glass).cloned().collect(),
             runs,
             blended_runs,
             shadow_runs,
@@ -263,6 +271,7 @@ fn runs(scene: &Scene) -> Vec<Run> {
             instances,
             cut: blended || matches!(material.alpha, Alpha::Mask { .. }),
             blended,
+            glass: material.is_glass(),
         }
     };
     let mut runs: Vec<Run> =
@@ -284,7 +293,7 @@ fn merged(runs: &[Run]) -> Vec<Run> {
             _ => out.push(run),
         }
     }
-    out.extend(runs.iter().filter(|r| r.cut).cloned());
+    out.extend(runs.iter().filter(|r| r.cut && !r.glass).cloned());
     out
 }
 

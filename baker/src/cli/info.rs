@@ -90,6 +90,8 @@ fn material_json(m: &Material) -> Value {
     json!({
         "name": m.name, "base_color": m.base_color, "base_color_texture": m.base_color_texture,
         "alpha_mode": mode, "alpha_cutoff": cutoff, "double_sided": m.double_sided, "emission": m.emission,
+        "unlit": m.extras.unlit, "transmission": m.extras.transmission,
+        "diffuse_transmission": m.extras.scattered,
     })
 }
 

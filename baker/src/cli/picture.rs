@@ -5,9 +5,11 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::{Only, Picture, check_name, png};
+use rebounce::render::unlit::{developed, unlit};
 use rebounce::shot;
+use rebounce::triangles::TriangleSurfaces;
 use rebounce::write::{check_place, write_whole};
-use rebounce_shared::camera::Camera;
+use rebounce_shared::camera::{Camera, CameraFrame};
 use rebounce_shared::light::Light;
 use rebounce_shared::shot::Shot;
 use std::io::IsTerminal;
@@ -84,8 +86,22 @@ impl PictureArgs {
         Exposure { size: self.size.unwrap_or(shot.size), samples, seed: self.seed }
     }
 
-    pub fn write(&self, picture: &Picture) -> Result<()> {
-        picture.write(&self.output)?;
+    /// Writes the picture of these surfaces from a camera; some of them may be unlit, which a PNG shows as they are.
+    pub fn write(
+        &self,
+        picture: &Picture,
+        surfaces: &TriangleSurfaces,
+        camera: &CameraFrame,
+        exposure: Exposure,
+    ) -> Result<()> {
+        let is_png = self.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        if is_png && surfaces.has_unlit() && self.only() == Only::All {
+            let shown = developed(picture, &unlit(surfaces, camera, exposure));
+            let bytes = png::encode_display(&shown).map_err(anyhow::Error::msg)?;
+            write_whole(&self.output, &bytes)?;
+        } else {
+            picture.write(&self.output)?;
+        }
         eprintln!("wrote {}", self.output.display());
         Ok(())
     }

@@ -50,5 +50,5 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let picture =
         path_trace(&surfaces, scene.origin, &shot.camera, &shot.lights, exposure, settings, || rows.done());
     rows.finish();
-    args.picture.write(&picture)
+    args.picture.write(&picture, &surfaces, &shot.camera.frame(scene.origin), exposure)
 }

@@ -33,5 +33,5 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let only = args.picture.only();
     let picture = render(&scene, &surfaces, &shot.camera, &shot.lights, exposure, only, || rows.done());
     rows.finish();
-    args.picture.write(&picture)
+    args.picture.write(&picture, &surfaces, &shot.camera.frame(scene.meta.origin), exposure)
 }

@@ -57,7 +57,7 @@ fn sum(
             position + to_light * beyond
         };
         let visible = surfaces.transmittance(origin(to_light), to);
-        total += irradiance * (cosine * visible);
+        total += irradiance * (visible * cosine);
     }
     total
 }

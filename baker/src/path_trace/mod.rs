@@ -55,8 +55,12 @@ pub fn radiance(
     let mut throughput = Vec3::ONE;
     let mut depth = 0;
     while let Some(hit) = surfaces.cast(&ray, stream.bits() as u32) {
+        throughput *= surfaces.tint(&ray, hit.distance);
         if depth == 0 && settings.only == Only::All {
-            total += hit.emission;
+            total += throughput * hit.emission;
+        }
+        if depth == 0 && hit.is_unlit {
+            break;
         }
         throughput *= hit.albedo;
         if throughput == Vec3::ZERO {

@@ -42,7 +42,8 @@ pub fn fill<S: Surfaces + ?Sized>(
             let mut stream = Stream::new(seed ^ 0x6669_6c6c, i as u64);
             let normal = point.geometric_normal;
             let above = point.position + normal * (LIFT * disk_radius);
-            if surfaces.transmittance(point.position + normal * surfaces.epsilon(), above) < 0.5 {
+            if surfaces.transmittance(point.position + normal * surfaces.epsilon(), above).element_sum() < 1.5
+            {
                 return Ok(Vec::new());
             }
             let mut found: Vec<SurfacePoint> = (0..ACROSS)
@@ -80,7 +81,7 @@ fn across<S: Surfaces + ?Sized>(
     let distance = disk_radius * (1.0 + 3.0 * stream.unit()).sqrt();
     let offset = (tangent * cos + bitangent * sin) * distance;
     if !board.is_free(&SurfacePoint { position: point.position + offset, ..*point })
-        || surfaces.transmittance(above, above + offset) < 0.5
+        || surfaces.transmittance(above, above + offset).element_sum() < 1.5
     {
         return None;
     }

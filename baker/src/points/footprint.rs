@@ -40,7 +40,8 @@ fn samples_of<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, i: usize, rad
     let belongs = |sample: u32| {
         let offset = offset(sample, point.normal, radius);
         let place = point.position + offset;
-        if cuts.iter().any(|cut| cut.ends(offset)) || surfaces.transmittance(above, place) < 0.5 {
+        if cuts.iter().any(|cut| cut.ends(offset)) || surfaces.transmittance(above, place).element_sum() < 1.5
+        {
             return false;
         }
         let down = Ray {

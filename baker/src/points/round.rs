@@ -43,6 +43,7 @@ mod tests {
                 normal,
                 albedo: Vec3::ONE,
                 emission: Vec3::ZERO,
+                is_unlit: false,
             };
             let (p, n) = rounded(&hit(position, normal), epsilon);
             assert!(p.distance(position) < 0.5 * epsilon && n.dot(normal) > 0.999_998, "{position} {normal}");

@@ -5,6 +5,8 @@
 //! evaluated exactly: `E(x, n) = max(0, n · Σ w_j V_j / Σ w_j)` (paper, Eq. 6 and 8), reflected
 //! with albedo / π.
 
+pub mod unlit;
+
 use crate::basis::{Evaluator, Leveled, Support};
 use crate::light::direct;
 use crate::picture::expose::{Exposure, expose};
@@ -68,6 +70,10 @@ impl Relit {
         let Some(hit) = surfaces.cast(ray, stream.bits() as u32) else {
             return Vec3::ZERO;
         };
+        let tint = surfaces.tint(ray, hit.distance);
+        if hit.is_unlit {
+            return if only == Only::All { tint * hit.emission } else { Vec3::ZERO };
+        }
         let mut irradiance = Vec3::ZERO;
         if hit.albedo != Vec3::ZERO {
             if only != Only::Indirect {
@@ -78,7 +84,7 @@ impl Relit {
             }
         }
         let emission = if only == Only::All { hit.emission } else { Vec3::ZERO };
-        hit.albedo * FRAC_1_PI * irradiance + emission
+        tint * (hit.albedo * FRAC_1_PI * irradiance + emission)
     }
 }
 

@@ -116,6 +116,21 @@ pub enum SceneError {
         /// How many there may be.
         limit: usize,
     },
+    /// More materials than pictures tell apart.
+    #[error(
+        "{file} has {count} different materials; the limit is {limit} (the first one beyond is {name:?}): give objects \
+         that look alike one material, or put their colours into a texture"
+    )]
+    TooManyMaterials {
+        /// The file.
+        file: String,
+        /// How many there are, equal ones counted once.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
+        /// The name of the first one beyond the limit.
+        name: String,
+    },
     /// No such built-in scene.
     #[error("there is no built-in scene `{name}`; the built-in scenes are {known}")]
     UnknownBuiltin {

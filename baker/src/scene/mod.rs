@@ -5,7 +5,7 @@
 //! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal; `foreign` – those
 //!   of formats that glTF does not have;
 //! * [`model`] – what stands in a scene many times;
-//! * `colours` – colours of vertices; `notes` – what is said about a file;
+//! * `colours` – colours of vertices; `merge` – materials that look alike; `notes` – what is said about a file;
 //! * [`far`] – what lies far away from the rest.
 
 mod basis;
@@ -15,6 +15,7 @@ mod error;
 pub mod far;
 mod foreign;
 mod gltf;
+mod merge;
 pub mod model;
 mod notes;
 pub mod texture;

@@ -9,7 +9,6 @@ use glam::{Vec2, Vec3, Vec3A};
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rayon::prelude::*;
-use rebounce_shared::rbn::meta::Alpha;
 use std::ops::ControlFlow;
 
 /// Marks a triangle's number.
@@ -132,7 +131,7 @@ impl Body {
             bvh,
             corners: ordered().map(|(_, t)| Corners::new(t.positions)).collect(),
             numbers: ordered()
-                .map(|(i, t)| (first + i) | if surface(t).alpha != Alpha::Opaque { TRANSPARENT } else { 0 })
+                .map(|(i, t)| (first + i) | if !surface(t).is_opaque() { TRANSPARENT } else { 0 })
                 .collect(),
             marks: ordered().map(|(_, t)| marks(t)).collect(),
             looks: ordered().map(|(_, t)| Look::from(t)).collect(),
@@ -143,16 +142,19 @@ impl Body {
         }
     }
 
-    /// The share of light that a triangle stops at a place.
+    /// The share of light that a triangle lets through at a place, linear RGB.
     #[inline]
-    fn opacity(&self, surfaces: &[Surface], triangle: usize, m: Meeting) -> f32 {
+    fn through(&self, surfaces: &[Surface], triangle: usize, m: Meeting) -> Vec3 {
         let look = &self.looks[triangle];
-        surfaces[look.material as usize].opacity(look.uv(m.shares()))
+        let color = self.color(surfaces, triangle, m.shares());
+        surfaces[look.material as usize].through(color, look.uv(m.shares()))
     }
 
     /// Whether a triangle that may be transparent stops the ray with this seed.
     fn stops(&self, surfaces: &[Surface], triangle: usize, m: Meeting, seed: u32) -> bool {
-        let opacity = self.opacity(surfaces, triangle, m);
+        let look = &self.looks[triangle];
+        let color = self.color(surfaces, triangle, m.shares());
+        let opacity = surfaces[look.material as usize].opacity(color, look.uv(m.shares()));
         opacity >= 1.0
             || (opacity > 0.0 && unit(mix((seed as u64) << 32 | self.numbers[triangle] as u64)) < opacity)
     }
@@ -190,12 +192,32 @@ impl Body {
         nearest.stop.best
     }
 
-    /// The share of light that gets through all triangles before `limit`.
-    pub fn transmittance(&self, surfaces: &[Surface], line: &Line, limit: f32) -> f32 {
+    /// The share of light that gets through all triangles before `limit`, linear RGB.
+    pub fn transmittance(&self, surfaces: &[Surface], line: &Line, limit: f32) -> Vec3 {
         let sheared = ShearedRay::new(line.origin, line.direction);
-        let mut through = Through { body: self, surfaces, sheared, left: 1.0 };
+        let mut through = Through { body: self, surfaces, sheared, left: Vec3::ONE };
         self.bvh.walk(line.origin, line.direction, limit, &mut through);
-        through.left.max(0.0)
+        through.left.max(Vec3::ZERO)
+    }
+
+    /// The product over all triangles before `limit` of what each lets through over its mean, linear RGB.
+    pub fn tint(&self, surfaces: &[Surface], line: &Line, limit: f32) -> Vec3 {
+        let sheared = ShearedRay::new(line.origin, line.direction);
+        let mut tint = Vec3::ONE;
+        let mut visit = |place: usize, limit: f32| {
+            // What lies at the limit itself stopped the ray.
+            if self.numbers[place] & TRANSPARENT != 0
+                && let Some(meeting) = self.corners[place].meet(&sheared, limit)
+                && meeting.distance < limit
+            {
+                let through = self.through(surfaces, place, meeting);
+                let mean = through.element_sum() / 3.0;
+                tint *= if mean > 0.0 { through / mean } else { Vec3::ONE };
+            }
+            ControlFlow::Continue(limit)
+        };
+        self.bvh.walk(line.origin, line.direction, limit, &mut visit);
+        tint
     }
 }
 
@@ -250,7 +272,7 @@ struct Through<'a> {
     body: &'a Body,
     surfaces: &'a [Surface],
     sheared: ShearedRay,
-    left: f32,
+    left: Vec3,
 }
 
 impl Visit for Through<'_> {
@@ -259,11 +281,11 @@ impl Visit for Through<'_> {
         let body = self.body;
         if let Some(meeting) = body.corners[place].meet(&self.sheared, limit) {
             if body.numbers[place] & TRANSPARENT == 0 {
-                self.left = 0.0;
+                self.left = Vec3::ZERO;
             } else {
-                self.left *= 1.0 - body.opacity(self.surfaces, place, meeting);
+                self.left *= body.through(self.surfaces, place, meeting);
             }
-            if self.left <= 0.0 {
+            if self.left.max_element() <= 0.0 {
                 return ControlFlow::Break(());
             }
         }

@@ -1,5 +1,6 @@
 //! What the ray caster needs to know, from a loaded [`Scene`] or a baked file alike.
 
+use super::glass::{self, Glass};
 use crate::scene::texture::{Sampler, Texels};
 use crate::scene::{Model, Scene, SceneError};
 use crate::simplify::{TOGETHER, simplify};
@@ -9,6 +10,7 @@ use rebounce_shared::octahedral;
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::bulk::Instance;
 use rebounce_shared::rbn::meta::{Alpha, Material};
+use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -40,6 +42,10 @@ pub struct Surface {
     pub double_sided: bool,
     /// Linear RGB radiance sent out by itself.
     pub emission: Vec3,
+    /// Whether pictures show the albedo as it is.
+    pub is_unlit: bool,
+    /// Where it lets light through besides what alpha does.
+    pub glass: Option<Box<Glass>>,
 }
 
 /// Some of the triangles, in a space of their own, and where they stand.
@@ -65,9 +71,11 @@ pub struct Geometry {
 }
 
 impl Surface {
-    /// Prepares a material. `texture` is its base-colour texture.
-    pub fn new(material: &Material, texture: Option<Sampler>) -> Self {
+    /// Prepares a material. `texture` gives its textures by number.
+    pub fn new(material: &Material, texture: impl Fn(u32) -> Option<Sampler>) -> Self {
         let [r, g, b, a] = material.base_color;
+        let glass = Glass::new(material, &texture);
+        let texture = material.base_color_texture.and_then(texture);
         // Many exporters mark opaque surfaces as BLEND or MASK: see whether any texel is not opaque.
         let least = |s: &Sampler| s.texels.rgba.iter().map(|t| t[3]).min().unwrap_or(255) as f32 / 255.0;
         let alpha = match material.alpha {
@@ -88,22 +96,43 @@ impl Surface {
             alpha,
             double_sided: material.double_sided,
             emission: Vec3::from(material.emission),
+            is_unlit: material.extras.unlit,
+            glass,
         }
     }
 
-    /// Linear RGB reflectance around a texture coordinate, over about this share of the texture; `color` is the factor,
-    /// [`Self::color`] or the vertices'.
+    /// Whether it stops all light everywhere.
+    pub fn is_opaque(&self) -> bool {
+        self.alpha == Alpha::Opaque && self.glass.is_none()
+    }
+
+    /// The base colour around a texture coordinate.
     #[inline]
-    pub fn albedo(&self, color: Vec3, uv: Vec2, share: f32) -> Vec3 {
+    fn base(&self, color: Vec3, uv: Vec2, share: f32) -> Vec3 {
         match &self.texture {
             Some(texture) => color * texture.color(uv, share, self.alpha != Alpha::Opaque),
             None => color,
         }
     }
 
-    /// The share of light that the surface stops at a texture coordinate: 1 where opaque.
+    /// Linear RGB reflectance around a texture coordinate, over about this share of the texture, of what does not let a ray
+    /// through; `color` is the factor, [`Self::color`] or the vertices'.
     #[inline]
-    pub fn opacity(&self, uv: Vec2) -> f32 {
+    pub fn albedo(&self, color: Vec3, uv: Vec2, share: f32) -> Vec3 {
+        let base = self.base(color, uv, share);
+        match &self.glass {
+            None => base,
+            // What it reflects comes from the rays that it stops.
+            Some(glass) => {
+                let passage = glass.passage(self.base(color, uv, 0.0), self.cover(uv), uv);
+                (base * (passage.reflected / stopped(passage.through).max(1e-6))).min(Vec3::ONE)
+            }
+        }
+    }
+
+    /// Alpha, 1 where it does not matter.
+    #[inline]
+    fn cover(&self, uv: Vec2) -> f32 {
         let alpha = || self.alpha_factor * self.texture.as_ref().map_or(1.0, |t| t.alpha(uv));
         match self.alpha {
             Alpha::Opaque => 1.0,
@@ -111,13 +140,37 @@ impl Surface {
             Alpha::Blend => alpha(),
         }
     }
+
+    /// The share of light that goes through at a texture coordinate, linear RGB.
+    #[inline]
+    pub fn through(&self, color: Vec3, uv: Vec2) -> Vec3 {
+        match &self.glass {
+            None => Vec3::splat(1.0 - self.cover(uv)),
+            Some(glass) => glass.passage(self.base(color, uv, 0.0), self.cover(uv), uv).through,
+        }
+    }
+
+    /// The share of light that the surface stops at a texture coordinate, as the mean over the channels: 1 where opaque.
+    #[inline]
+    pub fn opacity(&self, color: Vec3, uv: Vec2) -> f32 {
+        match &self.glass {
+            None => self.cover(uv),
+            Some(_) => stopped(self.through(color, uv)),
+        }
+    }
+}
+
+/// The share that is stopped where so much goes through.
+#[inline]
+fn stopped(through: Vec3) -> f32 {
+    1.0 - through.element_sum() / 3.0
 }
 
 impl Geometry {
     /// A scene's surfaces of as few triangles as they need: [`simplify`].
     pub fn simplified(scene: &Scene) -> Self {
         let surfaces = surfaces(scene);
-        let corners = simplify(scene, |i| surfaces[i].alpha == Alpha::Opaque, TOGETHER);
+        let corners = simplify(scene, |i| surfaces[i].is_opaque(), TOGETHER);
         // A model's are together as before.
         let first = |t: u32| corners.partition_point(|corners| corners[0] / 3 < t);
         Self::of(scene, surfaces, corners.par_iter().copied(), first)
@@ -157,8 +210,8 @@ impl Geometry {
 
 /// The materials of a scene.
 fn surfaces(scene: &Scene) -> Vec<Surface> {
-    let texture = |m: &Material| scene.textures[m.base_color_texture? as usize].sampler();
-    scene.materials.iter().map(|m| Surface::new(m, texture(m))).collect()
+    let texture = |t: u32| scene.textures[t as usize].sampler();
+    scene.materials.iter().map(|m| Surface::new(m, texture)).collect()
 }
 
 impl From<&Scene> for Geometry {
@@ -171,16 +224,16 @@ impl From<&Scene> for Geometry {
 impl TryFrom<&rbn::Scene> for Geometry {
     type Error = SceneError;
 
-    /// Decodes the base-colour textures of a baked file.
+    /// Decodes the textures of a baked file that light needs.
     ///
     /// # Errors
     /// [`SceneError::Texture`] where a picture cannot be decoded.
     fn try_from(scene: &rbn::Scene) -> Result<Self, SceneError> {
-        let used = |i: usize| scene.meta.materials.iter().any(|m| m.base_color_texture == Some(i as u32));
+        let used: HashSet<u32> = scene.meta.materials.iter().flat_map(glass::textures).collect();
         let textures: Result<Vec<Option<Sampler>>, SceneError> = (0..scene.meta.textures.len())
             .into_par_iter()
             .map(|i| {
-                if !used(i) {
+                if !used.contains(&(i as u32)) {
                     return Ok(None);
                 }
                 let meta = &scene.meta.textures[i];
@@ -198,7 +251,7 @@ impl TryFrom<&rbn::Scene> for Geometry {
             })
             .collect();
         let textures = textures?;
-        let texture = |m: &Material| textures[m.base_color_texture? as usize].clone();
+        let texture = |t: u32| textures[t as usize].clone();
         let (mut triangles, mut models): (Vec<Triangle>, Vec<Placed>) = Default::default();
         // What stands once, then models, each of draw calls that follow each other.
         let stands = |draw: usize| scene.copies_of(draw);
@@ -231,7 +284,7 @@ impl TryFrom<&rbn::Scene> for Geometry {
             triangles,
             models,
             colors: Vec::new(),
-            surfaces: scene.meta.materials.iter().map(|m| Surface::new(m, texture(m))).collect(),
+            surfaces: scene.meta.materials.iter().map(|m| Surface::new(m, texture)).collect(),
         })
     }
 }

@@ -133,19 +133,19 @@ impl Instances {
         best
     }
 
-    /// The share of light that gets through all copies before `limit`.
-    pub fn transmittance(
+    /// The product of what `through` says of each copy before `limit`, linear RGB.
+    pub fn product(
         &self,
         bodies: &[Body],
         line: &Line,
         limit: f32,
-        through: impl Fn(&Body, &Line, f32) -> f32,
-    ) -> f32 {
-        let mut left = 1.0;
+        through: impl Fn(&Body, &Line, f32) -> Vec3,
+    ) -> Vec3 {
+        let mut left = Vec3::ONE;
         self.bvh.walk(line.origin, line.direction, limit, &mut |place: usize, limit: f32| {
             let copy = &self.all[place];
             left *= through(&bodies[copy.model as usize], &copy.line(line), limit);
-            if left > 0.0 { ControlFlow::Continue(limit) } else { ControlFlow::Break(()) }
+            if left.max_element() > 0.0 { ControlFlow::Continue(limit) } else { ControlFlow::Break(()) }
         });
         left
     }

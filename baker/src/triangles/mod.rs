@@ -4,12 +4,13 @@
 //! obvhs builds them, `wide` makes eight-wide nodes of them. Boxes are padded by some rounding errors, and the triangle
 //! test has no gaps, so that what is found equals what trying all triangles finds; a test holds that.
 //!
-//! * [`geometry`] – what there is; `triangle` – a ray against one; `wide` – nodes;
+//! * [`geometry`] – what there is; `glass` – what lets light through; `triangle` – a ray against one; `wide` – nodes;
 //! * `body` – the triangles of one space; `instances` – where models stand;
 //! * `packet` – rays that go alike; `together` – how they walk; `pieces` – triangles by number.
 
 mod body;
 pub mod geometry;
+pub(crate) mod glass;
 mod instances;
 #[cfg(target_arch = "x86_64")]
 mod packet;
@@ -48,6 +49,8 @@ pub struct TriangleSurfaces {
     models: Vec<Body>,
     instances: Instances,
     surfaces: Vec<Surface>,
+    /// Whether some of them let light through in a colour.
+    has_glass: bool,
     low: Vec3,
     high: Vec3,
     epsilon: f32,
@@ -113,6 +116,7 @@ impl TriangleSurfaces {
             models: (models.iter())
                 .map(|model| body(model.triangles.clone(), Instances::padding(model, padding)))
                 .collect(),
+            has_glass: surfaces.iter().any(|surface| surface.glass.is_some()),
             surfaces,
             low,
             high,
@@ -148,6 +152,11 @@ impl TriangleSurfaces {
         self.pieces
     }
 
+    /// Whether pictures show some of them as they are.
+    pub fn has_unlit(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.is_unlit)
+    }
+
     fn shade(&self, found: Found, m: Meeting, ray: &Ray) -> Hit {
         let direction = ray.direction;
         let Found { body, triangle, .. } = found;
@@ -172,12 +181,14 @@ impl TriangleSurfaces {
         let (albedo, emission) = if faces {
             let share = look.share(spanned) * (ray.spread * m.distance).powi(2);
             let color = body.color(&self.surfaces, triangle, m.shares());
-            (surface.albedo(color, look.uv(m.shares()), share), surface.emission)
+            let albedo = surface.albedo(color, look.uv(m.shares()), share);
+            (albedo, if surface.is_unlit { albedo } else { surface.emission })
         } else {
             (Vec3::ZERO, Vec3::ZERO)
         };
         let position = found.place(a + (b - a) * m.v + (c - a) * m.w);
-        Hit { distance: m.distance, position, geometric_normal, normal, albedo, emission }
+        let is_unlit = surface.is_unlit;
+        Hit { distance: m.distance, position, geometric_normal, normal, albedo, emission, is_unlit }
     }
 
     /// Where a ray meets the nearest surface, and nothing about it: what of [`Surfaces::cast`] is the walk through the
@@ -243,21 +254,31 @@ impl Surfaces for TriangleSurfaces {
         Some(self.shade(found, meeting, ray))
     }
 
-    fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+    fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         let offset = to - from;
         let length = offset.length();
         // A light may touch a surface: what is there does not hide it.
         let limit = length - self.epsilon;
         if limit <= 0.0 {
-            return 1.0;
+            return Vec3::ONE;
         }
         let line = Line { origin: from, direction: offset / length };
         let through = |body: &Body, line: &Line, limit: f32| body.transmittance(&self.surfaces, line, limit);
         let left = through(&self.alone, &line, limit);
-        if left == 0.0 || self.instances.all.is_empty() {
+        if left == Vec3::ZERO || self.instances.all.is_empty() {
             return left;
         }
-        left * self.instances.transmittance(&self.models, &line, limit, through)
+        left * self.instances.product(&self.models, &line, limit, through)
+    }
+
+    fn tint(&self, ray: &Ray, distance: f32) -> Vec3 {
+        if !self.has_glass {
+            return Vec3::ONE;
+        }
+        let line = Line { origin: ray.origin, direction: ray.direction };
+        let tint = |body: &Body, line: &Line, limit: f32| body.tint(&self.surfaces, line, limit);
+        let alone = tint(&self.alone, &line, distance);
+        alone * self.instances.product(&self.models, &line, distance, tint)
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {

@@ -54,7 +54,7 @@ impl Pieces for TriangleSurfaces {
             position: found.place(a * shares[0] + b * shares[1] + c * shares[2]),
             normal: if place.is_back { -normal } else { normal },
             albedo: surface.albedo(color, uv, look.share(spanned) * area),
-            opacity: surface.opacity(uv),
+            opacity: surface.opacity(color, uv),
         }
     }
 

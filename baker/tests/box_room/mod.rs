@@ -33,13 +33,14 @@ impl Surfaces for BoxRoom {
             normal,
             albedo: self.albedo,
             emission: Vec3::ZERO,
+            is_unlit: false,
         })
     }
 
-    fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+    fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         // A box is convex: what its inside does not hold is behind a wall.
         let holds = |p: Vec3| p.cmpge(self.low).all() && p.cmple(self.high).all();
-        if holds(from) && holds(to) { 1.0 } else { 0.0 }
+        if holds(from) && holds(to) { Vec3::ONE } else { Vec3::ZERO }
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {

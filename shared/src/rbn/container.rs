@@ -35,9 +35,12 @@ fn checksum(bytes: &[u8]) -> u32 {
 
 /// The first eight bytes.
 pub const MAGIC: [u8; 8] = *b"REBOUNCE";
-/// The format's version: this code reads it and [`WITHOUT_COPIES`], the one before.
-pub const VERSION: u32 = 7;
-/// The version that files are written in whose triangles all stand once: it has all they need, and older readers know it.
+/// The format's version: this code reads it and those before down to [`WITHOUT_COPIES`]. Files are written in the least
+/// version that has all they need, which older readers know.
+pub const VERSION: u32 = 8;
+/// The version of files with triangles that stand in several places, without materials that have [extras](super::extras).
+pub const WITHOUT_EXTRAS: u32 = 7;
+/// The version of files whose triangles all stand once, too.
 pub const WITHOUT_COPIES: u32 = 6;
 /// Sections start at multiples of this many bytes: the strictest buffer-offset alignment of WebGPU.
 pub const ALIGNMENT: usize = 256;
@@ -222,7 +225,7 @@ mod tests {
         assert_eq!(newer.code(), "newer-version");
         let newer = newer.to_string();
         for words in
-            ["rebounce 9.0.0 in format version 10", "this Rebounce is older", "reads version 7", "update"]
+            ["rebounce 9.0.0 in format version 10", "this Rebounce is older", "reads version 8", "update"]
         {
             assert!(newer.contains(words), "{words}: {newer}");
         }

@@ -1,8 +1,9 @@
 //! The small metadata of a .rbn file: section `META`, bincode 2 standard configuration.
 //!
-//! bincode is used in this module alone, and never for more than [`MAX_BYTES`].
+//! bincode is used here and in [`extras`](super::extras) alone, and never for more than [`MAX_BYTES`].
 
 use super::RbnError;
+use super::extras::Extras;
 use crate::{camera::Camera, light::Light};
 use bincode::{Decode, Encode};
 
@@ -112,6 +113,8 @@ pub struct Material {
     pub normal_texture: Option<DetailTexture>,
     /// What the normal texture's x and y are multiplied with.
     pub normal_scale: f32,
+    /// What few materials have; not in section `META`.
+    pub extras: Extras,
 }
 
 impl Default for Material {
@@ -131,14 +134,23 @@ impl Default for Material {
             specular: 0.0,
             normal_texture: None,
             normal_scale: 1.0,
+            extras: Extras::default(),
         }
     }
 }
 
 impl Material {
-    /// Textures of detail that it has: emission, roughness and metalness, normals.
-    pub fn details(&self) -> [Option<&DetailTexture>; 3] {
-        [&self.emission_texture, &self.metallic_roughness_texture, &self.normal_texture].map(Option::as_ref)
+    /// Whether any light goes through because of what the material is, not of alpha.
+    pub fn is_glass(&self) -> bool {
+        let e = &self.extras;
+        let is_metal = self.metallic >= 1.0 && self.metallic_roughness_texture.is_none();
+        (e.transmission > 0.0 || e.scattered > 0.0) && !is_metal
+    }
+
+    /// Textures of detail that it has: emission, roughness and metalness, normals, transmission.
+    pub fn details(&self) -> [Option<&DetailTexture>; 4] {
+        let (shine, through) = (&self.metallic_roughness_texture, &self.extras.transmission_texture);
+        [&self.emission_texture, shine, &self.normal_texture, through].map(Option::as_ref)
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);
+//! * [`extras`] – what few materials have;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – how the sections are packed in the file;
 //! * [`LinkMatrix`] – transport links by receiver;
@@ -11,13 +12,14 @@ pub mod bulk;
 mod check;
 pub mod codec;
 pub mod container;
+pub mod extras;
 mod matrix;
 pub mod meta;
 mod scene;
 
-pub use check::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_ROW, MAX_TRIANGLES};
+pub use check::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_MATERIALS, MAX_ROW, MAX_TRIANGLES};
 pub use matrix::LinkMatrix;
-pub use scene::{COPY_SECTIONS, SECTIONS, Scene};
+pub use scene::{COPY_SECTIONS, EXTRAS_SECTION, SECTIONS, Scene};
 
 /// Why a .rbn file could not be read or written.
 #[derive(Debug, thiserror::Error)]

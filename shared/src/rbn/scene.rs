@@ -4,7 +4,7 @@ use super::bulk::{Copies, Cut, Instance, Point, Vertex};
 use super::codec::{Damaged, columns, links};
 use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
-use super::{RbnError, container};
+use super::{RbnError, container, extras};
 use crate::basis::Relations;
 use crate::interpolation::Rows;
 use crate::link::{LaterLink, Link};
@@ -42,6 +42,8 @@ pub const SECTIONS: [[u8; 4]; 8] =
     [*b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"LINK", *b"LATL", *b"TEXD"];
 /// Those that files with copies have besides, after the others.
 pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
+/// The one that files have besides, last, where a material has [extras].
+pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
 
 impl Scene {
     /// The points of level `l`.
@@ -123,7 +125,12 @@ impl Scene {
 
     /// The version of the format that its file has: the least that can hold it.
     pub fn version(&self) -> u32 {
-        if self.copies.is_empty() { container::WITHOUT_COPIES } else { container::VERSION }
+        let has_extras = self.meta.materials.iter().any(|m| m.extras != extras::Extras::default());
+        match (has_extras, self.copies.is_empty()) {
+            (true, _) => container::VERSION,
+            (false, false) => container::WITHOUT_EXTRAS,
+            (false, true) => container::WITHOUT_COPIES,
+        }
     }
 
     /// The file's bytes.
@@ -143,11 +150,12 @@ impl Scene {
         ];
         let contents = packed.iter().map(Vec::as_slice).chain([self.texture_bytes.as_slice()]);
         let mut sections: Vec<_> = SECTIONS.into_iter().zip(contents).collect();
-        if self.copies.is_empty() {
-            return Ok(container::write(self.version(), &sections));
-        }
         let copied = [columns::encode(&self.instances), columns::encode(&self.copies)];
-        sections.extend(COPY_SECTIONS.into_iter().zip(copied.iter().map(Vec::as_slice)));
+        if !self.copies.is_empty() {
+            sections.extend(COPY_SECTIONS.into_iter().zip(copied.iter().map(Vec::as_slice)));
+        }
+        let extras = extras::encode(&self.meta.materials)?;
+        sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
     }
 
@@ -166,9 +174,14 @@ impl Scene {
                 .ok_or_else(|| RbnError::invalid(&String::from_utf8_lossy(&name), "it is missing"))
         };
         let has_copies = sections.iter().any(|s| COPY_SECTIONS.contains(&s.name));
-        if has_copies && container::version(file) == Some(container::WITHOUT_COPIES) {
-            // Older readers would draw something else.
+        let has_extras = sections.iter().any(|s| s.name == EXTRAS_SECTION);
+        // Older readers would draw something else.
+        let version = container::version(file).unwrap_or_default();
+        if has_copies && version < container::WITHOUT_EXTRAS {
             return Err(RbnError::invalid("COPY", "a file of this version has none"));
+        }
+        if has_extras && version < container::VERSION {
+            return Err(RbnError::invalid("MATX", "a file of this version has none"));
         }
         let mut scene = Self {
             meta: meta::decode(bytes(*b"META")?)?,
@@ -183,6 +196,9 @@ impl Scene {
             later: matrix("LATL", bytes(*b"LATL")?)?,
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
+        if has_extras {
+            extras::decode(bytes(EXTRAS_SECTION)?, &mut scene.meta.materials)?;
+        }
         scene.check()?;
         scene.relate()?;
         Ok(scene)

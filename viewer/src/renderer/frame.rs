@@ -22,12 +22,18 @@ impl Renderer {
         self.dirty.display = true;
         let sources: Vec<_> = self.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
         let near = 0.1 * scene.near;
-        let changed = self.shadows.set_lights(&self.gpu, &sources, scene.bounds, near);
+        let changed = self.shadows.set_lights(
+            &self.gpu,
+            &sources,
+            scene.bounds,
+            near,
+            !scene.upload.glass_runs.is_empty(),
+        );
         for (i, &layer) in changed.iter().enumerate() {
             let stamps = self.timing.as_mut().filter(|_| i == 0 || i + 1 == changed.len());
             let stamps = stamps.and_then(|t| t.stamps(Pass::Shadows));
             let stamps = stamps.map(|s| s.render(i == 0, i + 1 == changed.len()));
-            self.shadows.draw(encoder, &scene.upload, &scene.materials.groups, layer, stamps);
+            self.shadows.draw(&self.gpu, encoder, &scene.upload, &scene.materials.groups, layer, stamps);
         }
         if sources.iter().all(|light| light.intensity == glam::Vec3::ZERO) {
             scene.relight.clear(encoder);
@@ -171,6 +177,7 @@ impl Renderer {
         let flag = |on: bool, bit| if on { bit } else { 0 };
         let scene = self.scene.as_deref();
         let detailed = scene.is_some_and(|scene| scene.materials.detailed);
+        let unlit = self.mode == Mode::All && scene.is_some_and(|scene| scene.materials.unlit);
         let veiled = scene.filter(|scene| scene.upload.blended_layers > 0);
         Shading {
             direct: (self.mode != Mode::Indirect) as u32 as f32,
@@ -182,7 +189,9 @@ impl Renderer {
             flags: flag(detailed, composite::DETAILED)
                 | flag(self.tone_mapping == ToneMapping::Agx, composite::AGX)
                 | flag(!self.auto_exposure, composite::MANUAL)
-                | flag(veiled.is_some(), composite::VEILED),
+                | flag(veiled.is_some(), composite::VEILED)
+                | flag(veiled.is_some_and(|scene| scene.upload.tinted), composite::TINTED)
+                | flag(unlit, composite::UNLIT),
             enlarge: 1,
             unit: veiled.map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lights, scene.bounds)),
             pad: [0; 3],

@@ -8,6 +8,8 @@
 @group(0) @binding(7) var opaque_depth: texture_depth_2d;
 // For `next` that of the layer before, for `fragment` that of the layer itself.
 @group(0) @binding(8) var layer_depth: texture_depth_2d;
+// What the layers in front let through.
+@group(0) @binding(9) var through_before: texture_2d<f32>;
 
 // Half a step of 8 bits: what covers less is no layer.
 const LEAST_ALPHA = 0.002;
@@ -21,7 +23,7 @@ fn layer_at(in: Out) -> f32 {
 // The depth of a surface in front of what is opaque and behind `before`. It is written as it is compared, so that no
 // rounding in the depth test makes a surface come twice.
 fn peeled(in: Out, before: f32) -> f32 {
-    let alpha = mesh_color(in.uv).a;
+    let alpha = cover_of(mesh_color(in.uv).a);
     let depth = in.position.z;
     if alpha < LEAST_ALPHA || depth >= before || depth <= textureLoad(opaque_depth, vec2u(in.position.xy), 0) {
         discard;
@@ -63,8 +65,18 @@ fn bounced_at(position: vec3f, normal: vec3f) -> mat2x3f {
     return mat2x3f();
 }
 
-@fragment
-fn fragment(in: Out) -> @location(0) vec4f {
+struct Layer {
+    // Radiance that it adds to what is seen through it, times `shading.unit`.
+    light: vec3f,
+    alpha: f32,
+    // RGB share of the light behind it that is seen.
+    through: vec3f,
+    // What it shows whatever the light.
+    shine: vec3f,
+}
+
+// Called for all pixels alike: derivatives are taken.
+fn layer(in: Out) -> Layer {
     // Derivatives and filtered samples first.
     let color = mesh_color(in.uv);
     let facing = mesh_facing(in);
@@ -76,18 +88,56 @@ fn fragment(in: Out) -> @location(0) vec4f {
         surface.look.roughness = seen.roughness;
         surface.look.emission *= seen.emission;
     }
-    // Nothing, and no discard, after which some implementations go on with all that follows.
+    let nothing = Layer(vec3f(0.0), 0.0, vec3f(1.0), vec3f(0.0));
+    // No discard, after which some implementations go on with all that follows.
     if in.position.z != layer_at(in) {
-        return vec4f(0.0);
+        return nothing;
     }
-    let alpha = saturate(color.a);
+    let alpha = cover_of(color.a);
+    var albedo = color.rgb;
+    var out = nothing;
+    out.alpha = alpha;
+    out.through = vec3f(1.0 - alpha);
+    if material.glass != 0u {
+        let passed = passage(albedo, in.uv);
+        out.through += alpha * passed.through;
+        out.alpha = 1.0 - dot(out.through, vec3f(1.0 / 3.0));
+        albedo *= passed.reflected;
+    }
     if !facing.reflects {
-        return vec4f(0.0, 0.0, 0.0, alpha);
+        return out;
+    }
+    if surface.look.unlit > 0.0 {
+        if shading.direct > 0.0 && shading.indirect > 0.0 {
+            out.shine = alpha * albedo;
+        }
+        return out;
     }
     var bounced = mat2x3f();
     if shading.indirect > 0.0 {
         bounced = bounced_at(in.local, facing.normal);
     }
-    let light = reflected(surface, color.rgb, in.local, bounced, false);
-    return vec4f(alpha * min(light * shading.unit, vec3f(BRIGHTEST)), alpha);
+    let light = reflected(surface, albedo, in.local, bounced, false);
+    out.light = alpha * min(light * shading.unit, vec3f(BRIGHTEST));
+    return out;
+}
+
+@fragment
+fn fragment(in: Out) -> @location(0) vec4f {
+    let seen = layer(in);
+    return vec4f(seen.light, seen.alpha);
+}
+
+// The same where layers have colours: the first and last add up, what goes through is multiplied.
+struct Tinted {
+    @location(0) veil: vec4f,
+    @location(1) through: vec4f,
+    @location(2) shine: vec4f,
+}
+
+@fragment
+fn tinted_layer(in: Out) -> Tinted {
+    let seen = layer(in);
+    let before = textureLoad(through_before, vec2u(in.position.xy), 0).rgb;
+    return Tinted(vec4f(before * seen.light, seen.alpha), vec4f(seen.through, 1.0), vec4f(before * seen.shine, 1.0));
 }

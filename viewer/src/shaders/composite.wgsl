@@ -44,8 +44,12 @@ fn neutral(linear: vec3f) -> vec3f {
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let automatic = select(key[0], 1.0, (shading.flags & MANUAL) != 0u);
     let light = radiance(vec2u(position.xy)).rgb * (automatic * shading.exposure);
+    var shown = neutral(light);
     if (shading.flags & AGX) != 0u {
-        return vec4f(agx(light), shading.blend);
+        shown = agx(light);
     }
-    return vec4f(neutral(light), shading.blend);
+    if (shading.flags & UNLIT) != 0u {
+        shown += unlit(vec2u(position.xy));
+    }
+    return vec4f(shown, shading.blend);
 }

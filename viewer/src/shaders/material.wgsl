@@ -13,12 +13,19 @@ struct Material {
     metallic: f32,
     roughness: f32,
     normal_scale: f32,
-    // Which of the textures below there are: 1 emission, 2 metalness and roughness, 4 normals.
+    // Which of the textures below there are: 1 emission, 2 metalness and roughness, 4 normals, 8 transmission.
     details: u32,
-    // 1 where any material of the scene has one of them.
+    // 1 where any material of the scene has one of the first three.
     wide: u32,
+    // 1 where light goes through besides what alpha says.
+    glass: u32,
+    transmission: f32,
+    scattered: f32,
     // Their coordinates from the vertex's (u, v, 1), two rows each.
-    uv_from_vertex: array<vec4f, 6>,
+    uv_from_vertex: array<vec4f, 8>,
+    // Colours of what goes through: passage.wgsl.
+    transmission_tint: vec3f,
+    scattered_color: vec3f,
 }
 
 @group(1) @binding(0) var<uniform> material: Material;

@@ -28,10 +28,12 @@ modules! {
     LIFT: "link" "step" "lift";
     /// Shadow maps.
     SHADOW: "material" "model" "shadow";
+    /// Colours of the lights behind glass.
+    TINT: "octahedral" "material" "detail" "passage" "model" "tint";
     /// G-buffer.
     GBUFFER: "octahedral" "frame" "material" "detail" "model" "mesh" "gbuffer";
     /// Blended surfaces, layer by layer.
-    BLENDED: "octahedral" "frame" "material" "detail" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "lights" "lights_third"
+    BLENDED: "octahedral" "frame" "material" "detail" "passage" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "lights" "lights_third"
         "visibility" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
     FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place" "slots" "find";

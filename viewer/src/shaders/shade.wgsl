@@ -11,6 +11,9 @@
 @group(0) @binding(8) var<storage, read> slots: array<u32>;
 // What blended surfaces send, times `shading.unit`, and the share that they cover; any texture where there are none.
 @group(0) @binding(9) var veil_texture: texture_2d<f32>;
+// Where these have colours, the share of light that goes through them, and what they show whatever the light.
+@group(0) @binding(10) var through_texture: texture_2d<f32>;
+@group(0) @binding(11) var shine_texture: texture_2d<f32>;
 
 // Irradiance that has bounced at least once, RGB, and its tilt.
 fn bounced_irradiance(pixel: vec2u) -> mat2x3f {
@@ -44,6 +47,9 @@ fn opaque_radiance(pixel: vec2u) -> vec4f {
     }
     let texel = textureLoad(surface_texture, pixel, 0);
     let material = looks[min(texel.y >> 16u, arrayLength(&looks) - 1u)];
+    if material.unlit > 0.0 {
+        return vec4f(0.0);
+    }
     let surface = surface_unpack(texel, material, (shading.flags & DETAILED) != 0u);
     var bounced = mat2x3f();
     if shading.indirect > 0.0 {
@@ -60,5 +66,26 @@ fn radiance(pixel: vec2u) -> vec4f {
         return behind;
     }
     let veil = textureLoad(veil_texture, pixel, 0);
-    return behind * (1.0 - veil.a) + vec4f(veil.rgb / shading.unit, veil.a);
+    var out = behind * (1.0 - veil.a) + vec4f(veil.rgb / shading.unit, veil.a);
+    if (shading.flags & TINTED) != 0u {
+        out = vec4f(behind.rgb * textureLoad(through_texture, pixel, 0).rgb + veil.rgb / shading.unit, out.a);
+    }
+    return out;
+}
+
+// What a picture shows besides, whatever the light and the exposure.
+fn unlit(pixel: vec2u) -> vec3f {
+    var sum = vec3f(0.0);
+    let texel = textureLoad(surface_texture, pixel, 0);
+    let albedo = textureLoad(albedo_texture, pixel, 0);
+    if textureLoad(depth_texture, pixel, 0) > 0.0 && albedo.a > 0.5 {
+        sum = albedo.rgb * looks[min(texel.y >> 16u, arrayLength(&looks) - 1u)].unlit;
+    }
+    if (shading.flags & TINTED) != 0u {
+        return sum * textureLoad(through_texture, pixel, 0).rgb + textureLoad(shine_texture, pixel, 0).rgb;
+    }
+    if (shading.flags & VEILED) != 0u {
+        sum *= 1.0 - textureLoad(veil_texture, pixel, 0).a;
+    }
+    return sum;
 }

@@ -7,7 +7,9 @@ struct Look {
     specular: f32,
     metallic: f32,
     roughness: f32,
-    pad: vec2f,
+    // 1 where the picture shows the albedo as it is.
+    unlit: f32,
+    pad: f32,
 }
 
 struct Surface {

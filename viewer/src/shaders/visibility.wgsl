@@ -5,6 +5,9 @@
 @group(LIGHTS) @binding(2) var shadow_maps: texture_depth_2d_array;
 @group(LIGHTS) @binding(3) var shadow_sampler: sampler_comparison;
 @group(LIGHTS) @binding(4) var depth_sampler: sampler;
+// Colour behind glass, and the depth of the nearest (tint.wgsl); one texel wide where there is none.
+@group(LIGHTS) @binding(5) var tint_maps: texture_2d_array<f32>;
+@group(LIGHTS) @binding(6) var tint_sampler: sampler;
 
 // How far off a packed flat normal (gbuffer.wgsl: 8 bits an axis) may be, times the texels that the filter reaches.
 const LOOSE = 0.016;
@@ -123,6 +126,19 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
     return saturate(1.0 - 9.0 * all / max(known * known, 1e-6));
 }
 
+// Share of the light, RGB, that glass in front of `position` lets through.
+fn tinted(light: Light, position: vec3f) -> vec3f {
+    if textureDimensions(tint_maps).x < 2u {
+        return vec3f(1.0);
+    }
+    let layer = shadow_layer(light, position);
+    let clip = shadow_matrices[layer] * vec4f(position, 1.0);
+    let tint = textureSampleLevel(tint_maps, tint_sampler, vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5, layer, 0.0);
+    // 16-bit floats round by a 2000th: what is nearer to the glass is not behind it.
+    let depth = clip.z / clip.w;
+    return select(vec3f(1.0), tint.rgb, tint.a > depth + 0.0015 * select(depth, 1.0, light.kind == DIRECTIONAL));
+}
+
 // The light that arrives at a point of a surface, were nothing in between: its direction, and the irradiance along the
 // normal.
 fn facing_light(light: Light, position: vec3f, normal: vec3f) -> Incident {
@@ -134,7 +150,7 @@ fn facing_light(light: Light, position: vec3f, normal: vec3f) -> Incident {
 fn lit(light: Light, position: vec3f, normal: vec3f, lift: f32) -> Incident {
     var at = facing_light(light, position, normal);
     if any(at.irradiance > vec3f(0.0)) {
-        at.irradiance *= visibility(light, position, normal, at.to_light, lift);
+        at.irradiance *= visibility(light, position, normal, at.to_light, lift) * tinted(light, position);
     }
     return at;
 }
@@ -143,7 +159,7 @@ fn lit(light: Light, position: vec3f, normal: vec3f, lift: f32) -> Incident {
 fn lit_softly(light: Light, position: vec3f, normal: vec3f, flat_normal: vec3f, solid: bool) -> Incident {
     var at = facing_light(light, position, normal);
     if any(at.irradiance > vec3f(0.0)) {
-        at.irradiance *= soft_visibility(light, position, flat_normal, at.to_light, solid);
+        at.irradiance *= soft_visibility(light, position, flat_normal, at.to_light, solid) * tinted(light, position);
     }
     return at;
 }

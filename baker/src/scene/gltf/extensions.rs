@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 /// Extensions that a file may require: those that are supported, and those that change only how
 /// a surface shines, which a Lambertian surface ignores.
-const FINE: [&str; 21] = [
+const FINE: [&str; 24] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -16,6 +16,7 @@ const FINE: [&str; 21] = [
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -23,7 +24,9 @@ const FINE: [&str; 21] = [
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",

@@ -1,15 +1,20 @@
 //! Materials and their textures. Only what the triangles use is kept and decoded.
 
+use super::document::Extensible;
 use super::picture::{check_sizes, image_index, picture, sampled};
 use super::source::Source;
 use super::texture_info::{TextureInfo, UvSource};
+use super::transmission::{self, DiffuseTransmission, Numbers};
 use crate::scene::{Scene, SceneError};
+use crate::triangles::glass::textures as textures_of_light;
 use glam::DMat3;
 use gltf::json::material::AlphaMode;
 use gltf::json::validation::Checked;
 use rayon::prelude::*;
 use rebounce_shared::rbn;
+use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
+use std::collections::{HashMap, HashSet};
 
 /// What a surface looks like, whichever way the file says it.
 struct Surface {
@@ -23,8 +28,8 @@ struct Surface {
 /// Collects the materials in the order of their first use.
 pub(super) struct Materials<'a> {
     source: &'a Source,
-    /// glTF materials in our order; `None` is glTF's default material.
-    used: Vec<Option<usize>>,
+    /// Our indices of glTF materials; `None` is glTF's default material.
+    used: HashMap<Option<usize>, u32>,
     /// glTF textures in our order, and whether they hold numbers instead of colours.
     textures: Vec<(usize, bool)>,
     out: Vec<Material>,
@@ -49,7 +54,7 @@ impl<'a> Materials<'a> {
 
     /// Whether something has no material.
     pub fn has_default(&self) -> bool {
-        self.used.contains(&None)
+        self.used.contains_key(&None)
     }
 
     /// The name of one of our materials.
@@ -64,8 +69,8 @@ impl<'a> Materials<'a> {
 
     /// Our index for a glTF material, and where its texture coordinates come from.
     pub fn index(&mut self, material: Option<usize>) -> Result<(u32, Option<UvSource>), SceneError> {
-        if let Some(i) = self.used.iter().position(|m| *m == material) {
-            return Ok((i as u32, self.uv[i]));
+        if let Some(&i) = self.used.get(&material) {
+            return Ok((i, self.uv[i as usize]));
         }
         let source = self.source;
         let (converted, uv) = match material {
@@ -79,7 +84,7 @@ impl<'a> Materials<'a> {
                 self.convert(i, m)?
             }
         };
-        self.used.push(material);
+        self.used.insert(material, self.out.len() as u32);
         self.out.push(converted);
         self.uv.push(uv);
         Ok((self.out.len() as u32 - 1, uv))
@@ -118,7 +123,10 @@ impl<'a> Materials<'a> {
         let [base, shiny] = [pbr.base_color_texture, pbr.metallic_roughness_texture];
         let base_color_texture = base.as_ref().map(|info| self.texture_index(info.index, false));
         // A vertex has one pair of coordinates: the first texture's.
-        let uv = [&base, &normal, &shiny, &emissive].into_iter().flatten().next().map(TextureInfo::uv_source);
+        let shone_through = extensions.and_then(|e| e.transmission.as_ref());
+        let shone_through = shone_through.and_then(|t| t.transmission_texture.as_ref()).map(TextureInfo::new);
+        let uv = [&base, &normal, &shiny, &emissive, &shone_through].into_iter().flatten().next();
+        let uv = uv.map(TextureInfo::uv_source);
         let emission_texture = self.detail(&name, uv, emissive.as_ref(), false);
         let metallic_roughness_texture = self.detail(&name, uv, shiny.as_ref(), true);
         let normal_texture = self.detail(&name, uv, normal.as_ref(), true);
@@ -128,6 +136,14 @@ impl<'a> Materials<'a> {
             Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Alpha::Opaque,
         };
         let is_unlit = extensions.is_some_and(|e| e.unlit.is_some());
+        let extras = if is_unlit {
+            Extras { unlit: true, ..Extras::default() }
+        } else {
+            let extras = self.light_through(index, m, &name)?;
+            let lets_through = extras.transmission > 0.0 || extras.scattered > 0.0;
+            let texture = shone_through.as_ref().filter(|_| lets_through);
+            Extras { transmission_texture: self.detail(&name, uv, texture, true), ..extras }
+        };
         let material = Material {
             name,
             // An albedo over 1 would make energy out of nothing.
@@ -135,14 +151,15 @@ impl<'a> Materials<'a> {
             base_color_texture,
             alpha,
             double_sided: m.double_sided,
-            emission,
-            emission_texture,
+            emission: if is_unlit { [0.0; 3] } else { emission },
+            emission_texture: emission_texture.filter(|_| !is_unlit),
             metallic: shine[0].clamp(0.0, 1.0),
             roughness: shine[1].clamp(0.0, 1.0),
             metallic_roughness_texture,
             specular: if is_unlit { 0.0 } else { specular.clamp(0.0, 1.0) },
             normal_texture,
             normal_scale,
+            extras,
         };
         Ok((material, uv))
     }
@@ -175,6 +192,47 @@ impl<'a> Materials<'a> {
                 metallic_roughness_texture: pbr.metallic_roughness_texture.as_ref().map(TextureInfo::new),
             },
         }
+    }
+
+    /// What a material lets through, but for its texture.
+    fn light_through(
+        &mut self,
+        index: usize,
+        m: &gltf::json::Material,
+        name: &str,
+    ) -> Result<Extras, SceneError> {
+        let extensions = m.extensions.as_ref();
+        let mut numbers = Numbers::default();
+        let mut left_out = Vec::new();
+        if let Some(t) = extensions.and_then(|e| e.transmission.as_ref()) {
+            numbers.transmission = t.transmission_factor.0;
+        }
+        if let Some(volume) = extensions.and_then(|e| e.volume.as_ref()) {
+            numbers.thickness = volume.thickness_factor.0;
+            numbers.attenuation_distance = volume.attenuation_distance.0;
+            numbers.attenuation_color = volume.attenuation_color.0;
+            left_out.push((volume.thickness_texture.is_some(), "thickness"));
+        }
+        let bad = |problem: String| self.source.malformed(format!("material {index} ({name:?}) {problem}"));
+        let diffuse = m.extension::<DiffuseTransmission>(transmission::DIFFUSE).map_err(bad)?;
+        if let Some(diffuse) = diffuse {
+            numbers.scattered = diffuse.diffuse_transmission_factor;
+            numbers.scattered_color = diffuse.diffuse_transmission_color_factor;
+            left_out.push((diffuse.diffuse_transmission_texture.is_some(), "diffuse transmission"));
+            left_out
+                .push((diffuse.diffuse_transmission_color_texture.is_some(), "diffuse transmission colour"));
+        }
+        if !numbers.are_usable() {
+            return Err(bad("has a transmission that is not a number".into()));
+        }
+        let extras = numbers.extras();
+        if extras.transmission <= 0.0 && extras.scattered <= 0.0 {
+            return Ok(Extras::default());
+        }
+        for (_, what) in left_out.into_iter().filter(|(is_there, _)| *is_there) {
+            self.left_out.push(format!("the {what} texture of material {name:?}: its factor is taken"));
+        }
+        Ok(extras)
     }
 
     /// Our index for a glTF texture.
@@ -213,15 +271,15 @@ impl<'a> Materials<'a> {
         Some(DetailTexture { texture, uv_from_vertex: [rows.x_axis.into(), rows.y_axis.into()] })
     }
 
-    /// The materials and their textures; textures with one image share it. Only base colours are decoded: the rest
-    /// is for pictures, which do without what cannot be read.
+    /// The materials and their textures; textures with one image share it. Only those that light needs are decoded: the
+    /// rest is for pictures, which do without what cannot be read.
     pub fn finish(mut self, scene: &mut Scene) -> Result<(), SceneError> {
         let source = self.source;
-        let is_base = |out: &[Material], t: usize| out.iter().any(|m| m.base_color_texture == Some(t as u32));
+        let needed: HashSet<u32> = self.out.iter().flat_map(textures_of_light).collect();
         let mut images: Vec<(usize, bool)> = Vec::new();
         let mut of_image = Vec::new();
         for (t, &(texture, _)) in self.textures.iter().enumerate() {
-            let base = is_base(&self.out, t);
+            let base = needed.contains(&(t as u32));
             let image = match image_index(source, texture) {
                 Ok(image) => image,
                 Err(error) if base => return Err(error),
@@ -264,6 +322,7 @@ impl<'a> Materials<'a> {
                 &mut material.emission_texture,
                 &mut material.metallic_roughness_texture,
                 &mut material.normal_texture,
+                &mut material.extras.transmission_texture,
             ];
             for detail in details {
                 *detail = detail.and_then(|d| Some(DetailTexture { texture: place(d.texture)?, ..d }));

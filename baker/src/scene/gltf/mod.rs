@@ -3,7 +3,8 @@
 //! * `document`, `exact`, `repair` – the JSON, as the `gltf` crate has it and what it has not; `container`, `source`,
 //!   `beside` – the bytes; `accessor` – the numbers;
 //! * `meshopt`, `draco` – compressed numbers; `extensions` – what is refused;
-//! * `material`, `texture_info` – materials and textures; `picture` – which image of a texture is taken;
+//! * `material`, `texture_info`, `transmission` – materials, their textures, light that goes through;
+//!   `picture` – which image of a texture is taken;
 //! * `primitive`, `mesh` – triangles in their own space; `rest` – morph targets and skins;
 //! * `instances`, `place` – in the world; `choice` – which scene; `node` – transforms and cameras;
 //! * `light`, `enclosed` – lights, and those that are walled in; `animation` – how lights move.
@@ -31,7 +32,9 @@ mod repair;
 mod rest;
 mod source;
 mod texture_info;
+mod transmission;
 
+use super::merge::merge;
 use super::notes::{Told, grouped};
 use super::{LoadOptions, Scene, SceneError, UNUSED_ALBEDO, WorldMesh};
 use enclosed::Lamps;
@@ -90,6 +93,7 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
         told.notes.push(UNUSED_ALBEDO.to_owned());
     }
     materials.finish(&mut scene)?;
+    merge(&mut scene, &mut mesh, &source.file)?;
     scene.left_out.append(&mut told.left_out);
     mesh.finish(&mut scene);
     if scene.triangles.is_empty() {

@@ -31,7 +31,7 @@ pub(super) fn crowd() -> Geometry {
         Placed { triangles: end..end + 1, local_from_model: places(7) },
     ];
     let materials = [white(), Material { double_sided: true, ..white() }];
-    let surfaces = materials.iter().map(|m| Surface::new(m, None)).collect();
+    let surfaces = materials.iter().map(|m| Surface::new(m, |_| None)).collect();
     Geometry { triangles, models, surfaces, ..Geometry::default() }
 }
 
@@ -80,7 +80,11 @@ fn hits_among_copies_equal_brute_force() {
         let straight = Ray { direction: (to - ray.origin) / length, ..ray };
         let hidden =
             brute_force(&geometry, &surfaces, &straight).is_some_and(|e| e.1 <= length - surfaces.epsilon());
-        assert_eq!(surfaces.transmittance(ray.origin, to), if hidden { 0.0 } else { 1.0 }, "ray {k}");
+        assert_eq!(
+            surfaces.transmittance(ray.origin, to),
+            Vec3::splat(if hidden { 0.0 } else { 1.0 }),
+            "ray {k}"
+        );
     }
     println!("{of_copies} of 20000 rays end at copies");
     assert!((4_000..16_000).contains(&of_copies));
@@ -121,7 +125,7 @@ fn of_copies_at_one_place_the_first_counts_and_chance_is_their_own() {
     let with = |places: Vec<Affine3A>, alpha: Alpha, opacity: f32| {
         let material = Material { base_color: [0.5, 0.5, 0.5, opacity], alpha, ..white() };
         let models = vec![Placed { triangles: 0..1, local_from_model: places }];
-        let surfaces = vec![Surface::new(&material, None)];
+        let surfaces = vec![Surface::new(&material, |_| None)];
         TriangleSurfaces::new(Geometry { triangles: vec![flat], models, surfaces, ..Geometry::default() })
     };
     let two = with(vec![Affine3A::IDENTITY; 2], Alpha::Opaque, 1.0);
@@ -129,7 +133,7 @@ fn of_copies_at_one_place_the_first_counts_and_chance_is_their_own() {
     assert!(std::ptr::eq(found.copy.unwrap(), two.instances.all.iter().min_by_key(|c| c.number()).unwrap()));
     let panes = with(vec![Affine3A::IDENTITY, behind], Alpha::Blend, 0.5);
     let (from, to) = (Vec3::new(0.1, 0.1, 1.0), Vec3::new(0.1, 0.1, -2.0));
-    assert!((panes.transmittance(from, to) - 0.25).abs() < 1e-6);
+    assert!((panes.transmittance(from, to).x - 0.25).abs() < 1e-6);
     // Half the rays stop at the first pane; of the others half at the second.
     let stops = |z: f32| {
         let stops = |seed: &u32| panes.cast(&down(0.1, 0.1), *seed).is_some_and(|h| h.position.z == z);
@@ -145,7 +149,7 @@ fn of_too_many_pieces_none_are_told() {
         let triangles: Vec<Triangle> = scrap(1);
         let places = (0..copies).map(|i| Affine3A::from_translation(Vec3::new(3.0 * i as f32, 0.0, 0.0)));
         let models = vec![Placed { triangles: 0..triangles.len(), local_from_model: places.collect() }];
-        let surfaces = vec![Surface::new(&white(), None)];
+        let surfaces = vec![Surface::new(&white(), |_| None)];
         TriangleSurfaces::new(Geometry { triangles, models, surfaces, ..Geometry::default() })
     };
     let most = (MOST_PIECES / scrap(1).len() as u64) as usize;

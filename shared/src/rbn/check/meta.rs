@@ -2,7 +2,7 @@
 
 use super::super::RbnError;
 use super::super::meta::{Alpha, Animation, Material, Meta, Track};
-use super::{MAX_LEVELS, all_sane, sane};
+use super::{MAX_LEVELS, MAX_MATERIALS, all_sane, sane};
 
 /// Checks the metadata of a file of so many points and bytes of textures; section INDX is compared elsewhere.
 pub(super) fn check(m: &Meta, points: u64, texture_bytes: u64) -> Result<(), RbnError> {
@@ -16,6 +16,9 @@ pub(super) fn check(m: &Meta, points: u64, texture_bytes: u64) -> Result<(), Rbn
         return bad(format!("light {light} has a number that is not finite, or far too large"));
     }
     check_levels(m, points)?;
+    if m.materials.len() > MAX_MATERIALS {
+        return bad(format!("{} materials, more than {MAX_MATERIALS}", m.materials.len()));
+    }
     for material in &m.materials {
         if !is_sound(material, m.textures.len()) {
             return bad(format!("material \"{}\"", material.name));
@@ -64,14 +67,16 @@ fn check_levels(m: &Meta, points: u64) -> Result<(), RbnError> {
 fn is_sound(material: &Material, textures: usize) -> bool {
     let details = material.details().into_iter().flatten();
     let mut used = details.clone().map(|d| d.texture).chain(material.base_color_texture);
-    let shares = [material.metallic, material.roughness, material.specular];
+    let e = &material.extras;
+    let shares = [material.metallic, material.roughness, material.specular, e.transmission, e.scattered];
+    let colours = [e.transmission_tint, e.scattered_color];
     let share = |x: &f32| (0.0..=1.0).contains(x);
     let cutoff = match material.alpha {
         Alpha::Mask { cutoff } => cutoff,
         Alpha::Opaque | Alpha::Blend => 0.0,
     };
     used.all(|t| (t as usize) < textures)
-        && material.base_color.iter().chain(&shares).all(share)
+        && material.base_color.iter().chain(&shares).chain(colours.as_flattened()).all(share)
         && all_sane(&material.emission)
         && sane(material.normal_scale)
         && sane(cutoff)

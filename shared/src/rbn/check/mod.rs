@@ -17,6 +17,8 @@ pub const MAX_ROW: usize = 1 << 18;
 pub const MAX_TRIANGLES: u64 = 1 << 30;
 /// Copies at most: those of draw calls that follow each other and have the same ones count once.
 pub const MAX_COPIES: u64 = 1 << 22;
+/// Materials at most: a pixel keeps its material's number in 16 bits.
+pub const MAX_MATERIALS: usize = 0xffff;
 /// Supports are at least this large, scene units.
 const LEAST_RADIUS: f32 = 1e-15;
 

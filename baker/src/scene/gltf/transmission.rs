@@ -1,0 +1,105 @@
+//! Light that goes through a surface: KHR_materials_transmission, _volume, _diffuse_transmission.
+
+use gltf::json::texture::Info;
+use rebounce_shared::rbn::extras::Extras;
+use serde::Deserialize;
+
+/// The extension that the `gltf` crate does not know.
+pub(super) const DIFFUSE: &str = "KHR_materials_diffuse_transmission";
+
+/// KHR_materials_diffuse_transmission as the file has it.
+#[derive(Debug, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct DiffuseTransmission {
+    pub diffuse_transmission_factor: f32,
+    pub diffuse_transmission_texture: Option<Info>,
+    /// Linear RGB.
+    pub diffuse_transmission_color_factor: [f32; 3],
+    pub diffuse_transmission_color_texture: Option<Info>,
+}
+
+impl Default for DiffuseTransmission {
+    fn default() -> Self {
+        Self {
+            diffuse_transmission_factor: 0.0,
+            diffuse_transmission_texture: None,
+            diffuse_transmission_color_factor: [1.0; 3],
+            diffuse_transmission_color_texture: None,
+        }
+    }
+}
+
+/// What a file says of it; `default` where it says nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Numbers {
+    /// `transmissionFactor`.
+    pub transmission: f32,
+    /// `thicknessFactor`, scene units.
+    pub thickness: f32,
+    /// `attenuationDistance`, scene units; may be infinite.
+    pub attenuation_distance: f32,
+    /// `attenuationColor`, linear RGB.
+    pub attenuation_color: [f32; 3],
+    /// `diffuseTransmissionFactor`.
+    pub scattered: f32,
+    /// `diffuseTransmissionColorFactor`, linear RGB.
+    pub scattered_color: [f32; 3],
+}
+
+impl Default for Numbers {
+    fn default() -> Self {
+        Self {
+            transmission: 0.0,
+            thickness: 0.0,
+            attenuation_distance: f32::INFINITY,
+            attenuation_color: [1.0; 3],
+            scattered: 0.0,
+            scattered_color: [1.0; 3],
+        }
+    }
+}
+
+impl Numbers {
+    /// Whether none is NaN.
+    pub fn are_usable(&self) -> bool {
+        let factors = [self.transmission, self.thickness, self.attenuation_distance, self.scattered];
+        !factors.iter().chain(&self.attenuation_color).chain(&self.scattered_color).any(|x| x.is_nan())
+    }
+
+    /// The light that goes through. A volume has two faces: at each of them half of its thickness takes its share.
+    pub fn extras(&self) -> Extras {
+        let unit = |x: f32| x.clamp(0.0, 1.0);
+        let depth = 0.5 * self.thickness.max(0.0) / self.attenuation_distance.max(f32::MIN_POSITIVE);
+        let scattered_color = self.scattered_color.map(unit);
+        Extras {
+            transmission: unit(self.transmission),
+            transmission_tint: match depth > 0.0 {
+                true => self.attenuation_color.map(|c| unit(c).powf(depth)),
+                false => [1.0; 3],
+            },
+            scattered: unit(self.scattered),
+            scattered_color,
+            ..Extras::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_takes_what_its_thickness_says_once() {
+        let attenuation_color = [0.25, 0.5, 1.0];
+        for (thickness, attenuation_distance, power) in
+            [(0.2, 0.2, 1.0), (0.1, 0.2, 0.5), (0.2, f32::INFINITY, 0.0), (0.0, 0.2, 0.0)]
+        {
+            let numbers =
+                Numbers { thickness, attenuation_distance, attenuation_color, ..Numbers::default() };
+            let tint = numbers.extras().transmission_tint;
+            for (face, color) in tint.into_iter().zip(attenuation_color) {
+                assert!((face * face - color.powf(power)).abs() < 1e-6, "{thickness}: {face}");
+            }
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! Materials that look alike become one.
+
+use super::{Scene, SceneError, WorldMesh};
+use rebounce_shared::rbn::MAX_MATERIALS;
+use rebounce_shared::rbn::meta::Material;
+use std::collections::HashMap;
+
+/// Merges materials that differ in nothing but the name, which becomes the first one's. `file` is what errors call the
+/// scene.
+///
+/// # Errors
+/// [`SceneError::TooManyMaterials`].
+pub(super) fn merge(scene: &mut Scene, mesh: &mut WorldMesh, file: &str) -> Result<(), SceneError> {
+    let mut known: HashMap<String, u32> = HashMap::new();
+    let mut kept: Vec<Material> = Vec::new();
+    let mut place = Vec::with_capacity(scene.materials.len());
+    for mut material in std::mem::take(&mut scene.materials) {
+        let name = std::mem::take(&mut material.name);
+        // Debug prints numbers so that they read back the same.
+        let number = *known.entry(format!("{material:?}")).or_insert(kept.len() as u32);
+        if number as usize == kept.len() {
+            kept.push(Material { name, ..material });
+        }
+        place.push(number);
+    }
+    if let Some(first) = kept.get(MAX_MATERIALS) {
+        return Err(SceneError::TooManyMaterials {
+            file: file.to_owned(),
+            count: kept.len(),
+            limit: MAX_MATERIALS,
+            name: first.name.clone(),
+        });
+    }
+    let models = mesh.models.iter_mut().map(|model| &mut model.mesh.triangle_material);
+    for material in std::iter::once(&mut mesh.triangle_material).chain(models).flatten() {
+        *material = place[*material as usize];
+    }
+    scene.materials = kept;
+    Ok(())
+}

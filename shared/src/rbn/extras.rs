@@ -1,0 +1,139 @@
+//! What few materials have: section `MATX`, which only files with such a material have.
+
+use super::RbnError;
+use super::meta::{DetailTexture, MAX_BYTES, Material};
+use bincode::de::Decoder;
+use bincode::enc::Encoder;
+use bincode::error::{DecodeError, EncodeError};
+use bincode::{Decode, Encode};
+use glam::Vec3;
+
+/// Light that goes through a surface, and colour that no lamp changes. Section `META` has nothing of it: it encodes to no
+/// bytes there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extras {
+    /// Pictures show the base colour as it is, in whatever light; for all other surfaces this one is like any other.
+    pub unlit: bool,
+    /// Share of light that goes straight through what is not metal, 0 to 1, in the base colour times `transmission_tint`;
+    /// multiplied with the texture's red.
+    pub transmission: f32,
+    /// Share of light that goes through, in red.
+    pub transmission_texture: Option<DetailTexture>,
+    /// Linear RGB, 0 to 1.
+    pub transmission_tint: [f32; 3],
+    /// Share of the rest that goes through in the colour `scattered_color` instead of being reflected, 0 to 1.
+    pub scattered: f32,
+    /// Linear RGB, 0 to 1.
+    pub scattered_color: [f32; 3],
+}
+
+impl Default for Extras {
+    /// Lit like any other surface, and nothing goes through.
+    fn default() -> Self {
+        Self {
+            unlit: false,
+            transmission: 0.0,
+            transmission_texture: None,
+            transmission_tint: [1.0; 3],
+            scattered: 0.0,
+            scattered_color: [1.0; 3],
+        }
+    }
+}
+
+/// What becomes of the light that meets a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// Linear RGB share that goes straight through, 0 to 1.
+    pub through: Vec3,
+    /// What the base colour is multiplied with to become the share that is reflected, 0 to 1. No channel of both
+    /// together is over 1.
+    pub reflected: f32,
+}
+
+impl Extras {
+    /// What becomes of light where the material has this base colour, alpha and metalness, and its transmission texture
+    /// this red; all from 0 to 1.
+    pub fn passage(&self, base: Vec3, alpha: f32, metallic: f32, red: f32) -> Passage {
+        let straight = (1.0 - metallic) * self.transmission * red;
+        let scattered = ((1.0 - metallic) - straight) * self.scattered;
+        let tint = base * Vec3::from(self.transmission_tint);
+        let through = straight * tint + scattered * Vec3::from(self.scattered_color);
+        Passage {
+            through: Vec3::splat(1.0 - alpha) + alpha * through,
+            reflected: alpha * (1.0 - straight - scattered),
+        }
+    }
+}
+
+impl Encode for Extras {
+    fn encode<E: Encoder>(&self, _: &mut E) -> Result<(), EncodeError> {
+        Ok(())
+    }
+}
+
+impl<C> Decode<C> for Extras {
+    fn decode<D: Decoder<Context = C>>(_: &mut D) -> Result<Self, DecodeError> {
+        Ok(Self::default())
+    }
+}
+
+bincode::impl_borrow_decode!(Extras);
+
+/// A material's number and what it has, in the order of [`Extras`].
+type Record = (u32, bool, f32, Option<DetailTexture>, [f32; 3], f32, [f32; 3]);
+
+/// Encodes the section; `None` where no material has anything.
+///
+/// # Errors
+/// [`RbnError::TooLarge`].
+pub(super) fn encode(materials: &[Material]) -> Result<Option<Vec<u8>>, RbnError> {
+    let some = (0u32..).zip(materials).filter(|(_, material)| material.extras != Extras::default());
+    let records: Vec<Record> = some
+        .map(|(number, Material { extras: e, .. })| {
+            let texture = e.transmission_texture;
+            (number, e.unlit, e.transmission, texture, e.transmission_tint, e.scattered, e.scattered_color)
+        })
+        .collect();
+    if records.is_empty() {
+        return Ok(None);
+    }
+    let bytes = bincode::encode_to_vec(&records, bincode::config::standard());
+    let bytes = bytes.ok().filter(|bytes| bytes.len() <= MAX_BYTES);
+    bytes.map(Some).ok_or_else(|| {
+        RbnError::TooLarge(format!(
+            "materials that let light through need over {MAX_BYTES} bytes: merge some"
+        ))
+    })
+}
+
+/// Decodes the section into the materials, which must be in order.
+///
+/// # Errors
+/// [`RbnError::Invalid`].
+pub(super) fn decode(bytes: &[u8], materials: &mut [Material]) -> Result<(), RbnError> {
+    let bad = |problem: String| RbnError::invalid("MATX", problem);
+    let config = bincode::config::standard().with_limit::<MAX_BYTES>();
+    let (records, used): (Vec<Record>, usize) =
+        bincode::decode_from_slice(bytes, config).map_err(|error| bad(error.to_string()))?;
+    if used != bytes.len() {
+        return Err(bad(format!("{} bytes are left over", bytes.len() - used)));
+    }
+    let mut least = 0;
+    for (number, unlit, transmission, transmission_texture, transmission_tint, scattered, scattered_color) in
+        records
+    {
+        let material = materials.get_mut(number as usize).filter(|_| number >= least);
+        let material = material.ok_or_else(|| bad(format!("there is no material {number}, or not here")))?;
+        least = number + 1;
+        material.extras = Extras {
+            unlit,
+            transmission,
+            transmission_texture,
+            transmission_tint,
+            scattered,
+            scattered_color,
+        };
+    }
+    Ok(())
+}
