@@ -158,3 +158,9 @@ impl Rows {
         self.bar.finish_and_clear();
     }
 }
+
+impl Drop for Rows {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}

@@ -90,8 +90,8 @@ impl fmt::Display for Page {
         for (epsilon, m) in &self.curve {
             writeln!(
                 f,
-                "| {epsilon} | {:.3} | {:+.3} | {:.1} | {} |",
-                m.comparison.error,
+                "| {epsilon} | {} | {:+.3} | {:.1} | {} |",
+                m.comparison.error_cell(),
                 m.comparison.bias,
                 seconds(m),
                 millions(m)
@@ -147,7 +147,7 @@ const PROMISES: &str = "`bake --help`; by the own truth where there is one";
 
 /// True if the error is over what the bake's preset promises.
 fn is_over(m: &Measured) -> bool {
-    m.own.unwrap_or(m.comparison).error > m.report.promised_error
+    m.own.unwrap_or(m.comparison).error() > m.report.promised_error
 }
 
 fn named(m: &Measured) -> String {
@@ -156,7 +156,7 @@ fn named(m: &Measured) -> String {
 
 /// Error, bias and p95 as cells of a table.
 fn cells(c: Option<&Comparison>) -> String {
-    c.map_or("| |".to_owned(), |c| format!("{:.3} | {:+.3} | {:.2}", c.error, c.bias, c.p95))
+    c.map_or("| |".to_owned(), |c| format!("{} | {:+.3} | {:.2}", c.error_cell(), c.bias, c.p95))
 }
 
 fn seconds(m: &Measured) -> f64 {
@@ -178,7 +178,7 @@ pub fn plot(curve: &[(f32, Measured)], out: &Path) -> Result<()> {
     let links = |m: &Measured| (m.report.links + m.report.later_links) as f64;
     for (half, name) in [(left, "links"), (right, "seconds")] {
         let cost = |m: &Measured| if name == "links" { links(m) } else { seconds(m) };
-        let points: Vec<(f64, f64)> = curve.iter().map(|(_, m)| (cost(m), m.comparison.error)).collect();
+        let points: Vec<(f64, f64)> = curve.iter().map(|(_, m)| (cost(m), m.comparison.error())).collect();
         let range = |values: &dyn Fn(&(f64, f64)) -> f64| {
             let low = points.iter().map(values).fold(f64::INFINITY, f64::min);
             let high = points.iter().map(values).fold(0.0, f64::max);
