@@ -4,6 +4,7 @@
 use crate::path_trace::{Settings, path_trace};
 use crate::picture::compare::{CompareError, Comparison, compare};
 use crate::picture::expose::Exposure;
+use crate::picture::uncertainty::{Answer, Estimate};
 use crate::picture::{Only, Picture};
 use crate::render::render;
 use crate::scene::{Scene, SceneError};
@@ -17,8 +18,12 @@ use rebounce_shared::shot::Shot;
 const PIXELS: f32 = 57_600.0;
 /// Samples of each pixel of the file's picture.
 const SAMPLES: u32 = 64;
-/// And of each of two pictures of the truth: their noise cancels out.
+/// And of each of two pictures of the truth at first: their noise cancels out.
 const TRUE_SAMPLES: u32 = 25;
+/// Times that those are doubled at most: as long again as thirty-two times the first ones took.
+const DOUBLINGS: u32 = 5;
+/// An interval this narrow beside the target, from its middle to an end, needs no more samples: one view says no more of a file.
+const NARROW: f64 = 0.1;
 
 /// Why baked light cannot be judged.
 #[derive(Debug, thiserror::Error)]
@@ -51,12 +56,32 @@ pub struct Worst {
     pub place: [f64; 3],
 }
 
+/// Whether an error is within a target. What noise leaves open of a narrow interval, its middle decides.
+pub fn is_within(error: &Estimate, target: f64) -> Answer {
+    let width = error.at_most.zip(error.at_least).map_or(0.0, |(high, low)| high - low);
+    match (error.is_within(target), error.value) {
+        (Answer::TooNoisy, Some(value)) if width <= 2.0 * NARROW * target => {
+            if value <= target {
+                Answer::Within
+            } else {
+                Answer::Over
+            }
+        }
+        (answer, _) => answer,
+    }
+}
+
 /// The truth of one view.
 pub struct Judge<'a> {
     scene: &'a Scene,
     shot: &'a Shot,
     size: [u32; 2],
     truth: [Picture; 2],
+    bounces: Option<u32>,
+    /// Of a pixel in each picture of the truth.
+    samples: u32,
+    /// Times that the samples of the truth were doubled.
+    doubled: u32,
     /// What is seen in the middle of each pixel: its material and where it is, local space.
     seen: Vec<Option<(u32, Vec3)>>,
 }
@@ -73,44 +98,128 @@ impl<'a> Judge<'a> {
         bounces: Option<u32>,
         row_done: impl Fn() + Sync,
     ) -> Result<Self, JudgeError> {
+        Self::sized(scene, shot, bounces, (Self::size(shot, PIXELS), TRUE_SAMPLES), row_done)
+    }
+
+    fn sized(
+        scene: &'a Scene,
+        shot: &'a Shot,
+        bounces: Option<u32>,
+        (size, samples): ([u32; 2], u32),
+        row_done: impl Fn() + Sync,
+    ) -> Result<Self, JudgeError> {
         let surfaces = TriangleSurfaces::from_scene(scene);
-        let size = Self::size(shot);
-        let truth = [1, 2].map(|seed| {
-            let exposure = Exposure { size, samples: TRUE_SAMPLES, seed };
-            // The first one is always there.
-            let settings = Settings { only: Only::Indirect, bounces: bounces.map(|bounces| bounces.max(1)) };
-            path_trace(&surfaces, scene.origin, &shot.camera, &shot.lights, exposure, settings, &row_done)
-        });
-        // As far from itself as its noise, if there is anything.
-        compare(&truth[0], &truth[0], Some(&truth[1]))?;
         let seen = seen(&surfaces, scene, shot, size);
-        Ok(Self { scene, shot, size, truth, seen })
+        let black = Picture { width: size[0], height: size[1], pixels: Vec::new() };
+        let truth = [black.clone(), black];
+        let mut judge = Self { scene, shot, size, truth, bounces, samples, doubled: 0, seen };
+        judge.truth = [1, 2].map(|seed| judge.traced(&surfaces, seed, samples, &row_done));
+        // They are as far from each other as their noise, if there is anything.
+        while let Err(error) = compare(&judge.truth[0], &judge.truth[1], None) {
+            if !matches!(error, CompareError::TooNoisy) || !judge.can_sample_on() {
+                return Err(error.into());
+            }
+            judge.sample_on(&row_done);
+        }
+        Ok(judge)
+    }
+
+    /// A picture of the truth.
+    fn traced(
+        &self,
+        surfaces: &TriangleSurfaces,
+        seed: u64,
+        samples: u32,
+        row_done: impl Fn() + Sync,
+    ) -> Picture {
+        let exposure = Exposure { size: self.size, samples, seed };
+        // The first bounce is always there.
+        let settings = Settings { only: Only::Indirect, bounces: self.bounces.map(|bounces| bounces.max(1)) };
+        let Shot { camera, lights, .. } = self.shot;
+        path_trace(surfaces, self.scene.origin, camera, lights, exposure, settings, row_done)
+    }
+
+    /// The shot that it is the truth of.
+    pub fn shot(&self) -> &Shot {
+        self.shot
+    }
+
+    /// Samples of a pixel in each picture of the truth.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Whether the truth may get more samples.
+    fn can_sample_on(&self) -> bool {
+        self.doubled < DOUBLINGS
+    }
+
+    /// Traces the truth with as many samples again, none of which it has. `row_done` as for [`Self::new`].
+    fn sample_on(&mut self, row_done: impl Fn() + Sync) {
+        let surfaces = TriangleSurfaces::from_scene(self.scene);
+        for picture in 0..2 {
+            // 1 and 2 were the first ones, 3 is the file's.
+            let seed = u64::from(4 + 2 * self.doubled) + picture as u64;
+            let more = self.traced(&surfaces, seed, self.samples(), &row_done);
+            self.truth[picture] = self.truth[picture].mean(&more);
+        }
+        self.samples *= 2;
+        self.doubled += 1;
     }
 
     /// Width and height of the pictures, pixels.
-    fn size(shot: &Shot) -> [u32; 2] {
+    fn size(shot: &Shot, pixels: f32) -> [u32; 2] {
         let size = shot.size.map(|side| side.max(1) as f32);
-        let scale = (PIXELS / (size[0] * size[1])).sqrt();
+        let scale = (pixels / (size[0] * size[1])).sqrt();
         size.map(|side| (side * scale).round().max(1.0) as u32)
     }
 
-    /// Rows that [`Self::new`] traces.
+    /// Rows that [`Self::new`] traces, more where there is hardly any light; and those of each doubling.
     pub fn rows(shot: &Shot) -> u32 {
-        2 * Self::size(shot)[1]
+        2 * Self::size(shot, PIXELS)[1]
     }
 
-    /// How far a baked file of the scene is from it.
+    /// The picture of a baked file of the scene.
     ///
     /// # Errors
-    /// [`JudgeError`].
-    pub fn verdict(&self, baked: &rbn::Scene) -> Result<Verdict, JudgeError> {
+    /// [`JudgeError::Scene`].
+    pub fn picture(&self, baked: &rbn::Scene) -> Result<Picture, JudgeError> {
         let Shot { camera, lights, .. } = self.shot;
         let surfaces = TriangleSurfaces::from_baked(baked)?;
         let exposure = Exposure { size: self.size, samples: SAMPLES, seed: 3 };
-        let picture = render(baked, &surfaces, camera, lights, exposure, Only::Indirect, || ());
+        Ok(render(baked, &surfaces, camera, lights, exposure, Only::Indirect, || ()))
+    }
+
+    /// How far a file's picture is from the truth, by the samples that there are.
+    ///
+    /// # Errors
+    /// [`JudgeError::Compare`].
+    pub fn verdict(&self, picture: &Picture) -> Result<Verdict, JudgeError> {
         let [a, b] = &self.truth;
-        let comparison = compare(&picture, a, Some(b))?;
-        Ok(Verdict { comparison, worst: self.worst(&picture) })
+        let comparison = compare(picture, a, Some(b))?;
+        Ok(Verdict { comparison, worst: self.worst(picture) })
+    }
+
+    /// Whether a file's picture is within a target, with as many more samples as it takes to tell, or as there may be. Before
+    /// each doubling of them `sampling_on` hears what is known so far, and returns what is called after each row.
+    ///
+    /// # Errors
+    /// [`JudgeError::Compare`].
+    pub fn answer<R: Fn() + Sync>(
+        &mut self,
+        picture: &Picture,
+        target: f64,
+        sampling_on: impl Fn(&Self, &Estimate) -> R,
+    ) -> Result<(Answer, Verdict), JudgeError> {
+        loop {
+            let verdict = self.verdict(picture)?;
+            let answer = is_within(&verdict.comparison.error, target);
+            if answer != Answer::TooNoisy || !self.can_sample_on() {
+                return Ok((answer, verdict));
+            }
+            let row_done = sampling_on(self, &verdict.comparison.error);
+            self.sample_on(row_done);
+        }
     }
 
     /// The material whose pixels have most of the squared error, and where it is largest.
@@ -195,12 +304,15 @@ mod tests {
         let (camera, lights) = (scene.cameras[0].clone(), scene.lights.clone());
         let shot = Shot { scene: None, size: [64, 64], camera, lights };
         let judge = Judge::new(&scene, &shot, None, || ()).unwrap();
-        let error = |file: &rbn::Scene| judge.verdict(file).unwrap();
+        let error = |file: &rbn::Scene| judge.verdict(&judge.picture(file).unwrap()).unwrap();
         let (coarse, _) = bake(&scene, &small(300), &()).unwrap();
         let (fine, _) = bake(&scene, &small(8_000), &()).unwrap();
         let (coarse, good) = (error(&coarse), error(&fine));
-        assert!(good.comparison.error < 0.08, "{good:?}");
-        assert!(coarse.comparison.error > 1.5 * good.comparison.error, "{coarse:?}, {good:?}");
+        assert!(good.comparison.error.figure() < 0.08, "{good:?}");
+        assert!(
+            coarse.comparison.error.figure() > 1.5 * good.comparison.error.figure(),
+            "{coarse:?}, {good:?}"
+        );
         // Points of the red wall, by their tint, lose their links.
         let mut broken = fine.clone();
         let rows: Vec<Vec<_>> = (broken.links.iter().zip(&broken.points))
@@ -213,7 +325,56 @@ mod tests {
         let broken = error(&broken);
         let worst = broken.worst.unwrap();
         assert!(worst.material.1 == "red" && worst.share > 0.5, "{worst:?}");
-        assert!(broken.comparison.error > 2.0 * good.comparison.error);
+        assert!(broken.comparison.error.figure() > 2.0 * good.comparison.error.figure());
+    }
+
+    #[test]
+    fn what_noise_hides_is_sampled_on_for_and_never_taken_for_nothing() {
+        // A white room with a door, whose light is of dozens of bounces.
+        let mut scene = scene::load("builtin:two-rooms-door").unwrap();
+        for material in &mut scene.materials {
+            material.base_color = [0.95, 0.95, 0.95, 1.0];
+        }
+        let (camera, lights) = (scene.cameras[0].clone(), scene.lights.clone());
+        let shot = Shot { scene: None, size: [32, 18], camera, lights };
+        let (file, _) = bake(&scene, &small(1_000), &()).unwrap();
+        let judge = || Judge::sized(&scene, &shot, None, (shot.size, 1), || ()).unwrap();
+        let picture = judge().picture(&file).unwrap();
+        let first = judge().verdict(&picture).unwrap().comparison.error;
+        assert!(first.at_most > Some(0.0), "{first:?}");
+        // What is at most told by one sample, and what no number of samples tells.
+        for (target, doublings) in [(first.figure() + first.at_most.unwrap(), 0..=0), (1e-6, 0..=DOUBLINGS)] {
+            let mut judge = judge();
+            let heard = std::cell::RefCell::new(Vec::new());
+            let told = judge.answer(&picture, target, |judge, error| {
+                heard.borrow_mut().push((judge.samples(), *error));
+                || ()
+            });
+            let (answer, verdict) = told.unwrap();
+            let heard = heard.into_inner();
+            println!("{target}: {answer:?}, {heard:?}, {:?}", verdict.comparison);
+            assert!(doublings.contains(&(heard.len() as u32)));
+            assert!(heard.iter().zip(0..).all(|((samples, _), i)| *samples == 1 << i));
+            assert_eq!(judge.samples(), 1 << heard.len());
+            assert!(heard.iter().all(|(_, error)| error.value != Some(0.0) && error.at_most > Some(0.0)));
+            assert!(verdict.comparison.error.at_most > Some(0.0));
+            assert_eq!(answer == Answer::Within, doublings == (0..=0));
+        }
+    }
+
+    #[test]
+    fn of_an_interval_that_is_narrow_beside_the_target_the_middle_decides() {
+        let about = |value: f64, reach: f64| Estimate {
+            value: Some(value),
+            at_least: Some(value - reach),
+            at_most: Some(value + reach),
+        };
+        assert_eq!(is_within(&about(0.098, 0.005), 0.1), Answer::Within);
+        assert_eq!(is_within(&about(0.102, 0.005), 0.1), Answer::Over);
+        assert_eq!(is_within(&about(0.098, 0.02), 0.1), Answer::TooNoisy);
+        assert_eq!(is_within(&about(0.05, 0.02), 0.1), Answer::Within);
+        let hidden = Estimate { value: None, at_least: Some(0.0), at_most: Some(0.15) };
+        assert_eq!((is_within(&hidden, 0.1), is_within(&hidden, 0.2)), (Answer::TooNoisy, Answer::Within));
     }
 
     #[test]

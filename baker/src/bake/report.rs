@@ -2,6 +2,7 @@
 
 use super::{BakeSettings, Stage};
 use crate::operator::Operator;
+use crate::picture::uncertainty::Estimate;
 use crate::points::Points;
 use crate::scene::Scene;
 use crate::team::share::Traffic;
@@ -18,8 +19,12 @@ pub struct BakeReport {
     pub preset: String,
     /// The error against a path tracer that the preset is made for.
     pub promised_error: f64,
-    /// The error that was measured, where one was asked for ([`super::judge`]).
+    /// The error that was measured, where one was asked for ([`super::judge`]) and noise does not hide it.
     pub measured_error: Option<f64>,
+    /// It is hardly less than this.
+    pub measured_error_at_least: Option<f64>,
+    /// It is hardly more than this.
+    pub measured_error_at_most: Option<f64>,
     /// Triangles of the scene, those of copies counted once.
     pub triangles: u64,
     /// Instances of models, which are in memory once each.
@@ -172,6 +177,20 @@ impl BakeReport {
         self.peak_memory_bytes = peak_memory_bytes();
     }
 
+    /// Adds the error that was measured.
+    pub fn add_error(&mut self, error: Estimate) {
+        let Estimate { value, at_least, at_most } = error;
+        (self.measured_error, self.measured_error_at_least, self.measured_error_at_most) =
+            (value, at_least, at_most);
+    }
+
+    /// The error that was measured, where one was asked for.
+    pub fn measured(&self) -> Option<Estimate> {
+        let (value, at_least, at_most) =
+            (self.measured_error, self.measured_error_at_least, self.measured_error_at_most);
+        value.or(at_most).map(|_| Estimate { value, at_least, at_most })
+    }
+
     /// Seconds of all stages.
     pub fn total_seconds(&self) -> f64 {
         self.seconds.iter().map(|s| s.1).sum()
@@ -251,8 +270,9 @@ impl fmt::Display for BakeReport {
                 sum(|part| part.to_all)
             )?;
         }
-        if let Some(error) = self.measured_error {
-            writeln!(f, "error         {error:.3} against a path tracer")?;
+        if let Some(error) = self.measured() {
+            let said = error.said(3);
+            writeln!(f, "error         {} against a path tracer", said.trim_start_matches("error "))?;
         }
         writeln!(f, "peak memory   {}", mb(self.peak_memory_bytes))?;
         let sections: Vec<String> =

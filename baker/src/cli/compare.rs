@@ -1,15 +1,28 @@
 //! `rebounce compare`: how far a picture is from its reference.
 
-use super::number;
 use super::picture::{check_panel, write_panel};
+use super::{TOO_NOISY, number};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rebounce::picture::compare::{compare, signed_difference};
 use rebounce::picture::exr;
+use rebounce::picture::uncertainty::{Answer, shown};
 use std::path::PathBuf;
+use std::process::ExitCode;
+
+const AFTER_HELP: &str = "\
+Two references of the same view whose noise differs tell how sure the error is: what is printed in brackets holds the truth about \
+nineteen times in twenty. Where their noise hides the error, it is \"too noisy to tell\", and only the most that it can be is printed. \
+Of one reference the error has the noise in it, and is too large.
+
+Exit codes: 0 done, and within --max-error; 1 failed, or the error is above --max-error; 2 wrong arguments; 4 the references are too \
+noisy to tell whether it is above --max-error: take both with more samples a pixel (rebounce reference --spp).
+
+--json prints one object: error (null where it is too noisy to tell), error_at_least and error_at_most (null with one reference), bias, p95.";
 
 /// Arguments of `rebounce compare`.
 #[derive(Args, Debug)]
+#[command(after_help = AFTER_HELP)]
 pub struct CompareArgs {
     /// The picture
     #[arg(value_name = "PICTURE.exr")]
@@ -29,16 +42,18 @@ pub struct CompareArgs {
     /// Prints JSON
     #[arg(long)]
     json: bool,
-    /// Fails above this error
+    /// Fails above this error, and where the references are too noisy to tell whether it is above
     #[arg(long, value_parser = number::at_least_zero)]
     max_error: Option<f64>,
 }
 
 /// Times that a difference is enlarged in pictures.
 const GAIN: f32 = 4.0;
+/// Decimals of errors.
+const DECIMALS: usize = 4;
 
 /// Runs the command.
-pub fn run(args: &CompareArgs) -> Result<()> {
+pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     for out in [&args.difference, &args.panel].into_iter().flatten() {
         check_panel(out)?;
     }
@@ -57,10 +72,23 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     if args.json {
         println!("{}", serde_json::to_string(&found)?);
     } else {
-        println!("error {:.4}  bias {:+.4}  p95 {:.4}", found.error, found.bias, found.p95);
+        let noise = if args.second.is_none() { ", the reference's noise in it" } else { "" };
+        println!("{}{noise}  bias {:+.4}  p95 {:.4}", found.error.said(DECIMALS), found.bias, found.p95);
     }
-    match args.max_error {
-        Some(most) if found.error > most => bail!("the error {:.4} is above {most}", found.error),
-        _ => Ok(()),
+    let Some(most) = args.max_error else { return Ok(ExitCode::SUCCESS) };
+    match found.error.is_within(most) {
+        Answer::Within => Ok(ExitCode::SUCCESS),
+        Answer::Over if args.second.is_none() => bail!(
+            "the error {} is above {most}; the reference's noise is in it, which a second reference takes out",
+            shown(found.error.figure(), DECIMALS)
+        ),
+        Answer::Over => bail!("the error {} is above {most}", shown(found.error.figure(), DECIMALS)),
+        Answer::TooNoisy => {
+            eprintln!(
+                "rebounce: the references are too noisy to tell whether the error is above {most}: {}; take both with more samples a pixel (--spp)",
+                found.error.said(DECIMALS)
+            );
+            Ok(ExitCode::from(TOO_NOISY))
+        }
     }
 }

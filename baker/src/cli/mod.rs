@@ -21,6 +21,9 @@ use rebounce_shared::rbn::Scene;
 use std::path::Path;
 use std::process::ExitCode;
 
+/// The exit code where noise hides whether an error is small enough.
+const TOO_NOISY: u8 = 4;
+
 /// Bakes how light bounces through a glTF scene, so that it can be relit live in a browser.
 #[derive(Parser, Debug)]
 #[command(version)]
@@ -52,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Info(args) => info::run(args),
         Command::Render(args) => render::run(args),
         Command::Reference(args) => reference::run(args),
-        Command::Compare(args) => compare::run(args),
+        Command::Compare(args) => return compare::run(args),
         Command::View(args) => view::run(args),
     }?;
     Ok(ExitCode::SUCCESS)

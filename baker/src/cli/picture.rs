@@ -174,3 +174,9 @@ impl Rows {
         self.bar.finish_and_clear();
     }
 }
+
+impl Drop for Rows {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}

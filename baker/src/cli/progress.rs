@@ -2,6 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rebounce::bake::{Progress, Stage};
+use rebounce::picture::uncertainty::Estimate;
 use serde::Serialize;
 use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
@@ -66,6 +67,16 @@ struct Line<'a> {
     processor_seconds: f64,
     processor_seconds_left: f64,
     fraction: f64,
+    /// Of the file, on the last line where it was measured.
+    #[serde(flatten)]
+    measured: Option<Measured>,
+}
+
+#[derive(Serialize)]
+struct Measured {
+    measured_error: Option<f64>,
+    measured_error_at_least: Option<f64>,
+    measured_error_at_most: Option<f64>,
 }
 
 /// The last line of `--json-progress` where the bake is not done.
@@ -133,14 +144,15 @@ impl Display {
                         processor_seconds: progress.processor_seconds,
                         processor_seconds_left: progress.processor_seconds_left,
                         fraction: last.fraction(progress),
+                        measured: None,
                     });
                 }
             }
         }
     }
 
-    /// The file is written, so many seconds after the bake began, of the clock and of the processors.
-    pub fn finish(&self, seconds: f64, processor_seconds: f64) {
+    /// The file is written, so many seconds after the bake began, of the clock and of the processors. `error`: its own.
+    pub fn finish(&self, seconds: f64, processor_seconds: f64, error: Option<Estimate>) {
         match self {
             Self::Bar(bar) => bar.finish_and_clear(),
             Self::Lines(_) => {}
@@ -155,6 +167,11 @@ impl Display {
                 processor_seconds,
                 processor_seconds_left: 0.0,
                 fraction: 1.0,
+                measured: error.map(|Estimate { value, at_least, at_most }| Measured {
+                    measured_error: value,
+                    measured_error_at_least: at_least,
+                    measured_error_at_most: at_most,
+                }),
             }),
         }
     }

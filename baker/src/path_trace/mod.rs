@@ -16,6 +16,9 @@ use std::f32::consts::FRAC_1_PI;
 
 /// Paths shorter than this never end by chance.
 const ROULETTE_DEPTH: u32 = 12;
+/// And a longer one goes on with this probability at most, so that paths in a closed white room end. Where surfaces reflect nearly
+/// everything, a smaller one would let few paths carry most of the light: noise of no finite variance.
+const MOST_SURVIVAL: f32 = 0.996;
 
 /// What light to trace.
 #[derive(Clone, Copy, Debug, Default)]
@@ -73,7 +76,7 @@ pub fn radiance(
             break;
         }
         if depth >= ROULETTE_DEPTH {
-            let survival = throughput.max_element().min(0.95);
+            let survival = throughput.max_element().min(MOST_SURVIVAL);
             if stream.unit() >= survival {
                 break;
             }
@@ -145,6 +148,28 @@ mod tests {
         assert_eq!(mean(Some(0)), 0.0);
         // Almost uniform after the first bounce: each further one is half the one before.
         assert!((all / one - 2.0).abs() < 0.06, "{}", all / one);
+    }
+
+    #[test]
+    fn no_path_of_a_white_room_outweighs_the_others() {
+        // As many bounces as chance has it, each of them about as bright: one path's light spreads about as much as its length,
+        // whose standard deviation is its mean. Paths that ended more often than light is lost would carry far more.
+        let mut room = scene::load("builtin:furnace").unwrap();
+        room.materials.iter_mut().for_each(|material| material.base_color = [0.97, 0.97, 0.97, 1.0]);
+        let surfaces = TriangleSurfaces::from_scene(&room);
+        let lights = [room.lights[0].source(room.origin)];
+        let settings = Settings { only: Only::Indirect, bounces: None };
+        let paths: Vec<f64> = (0..20_000)
+            .map(|i| {
+                let ray =
+                    Ray { origin: Vec3::ZERO, direction: Vec3::Y, max_distance: f32::INFINITY, spread: 0.0 };
+                radiance(&surfaces, &lights, ray, settings, &mut Stream::new(1, i)).x.into()
+            })
+            .collect();
+        let mean = paths.iter().sum::<f64>() / paths.len() as f64;
+        let squares = paths.iter().map(|path| (path - mean).powi(2)).sum::<f64>() / paths.len() as f64;
+        assert!(squares.sqrt() < 1.2 * mean, "{} of {mean}", squares.sqrt());
+        assert!(paths.iter().all(|path| *path < 30.0 * mean));
     }
 
     #[test]

@@ -1,16 +1,18 @@
 //! How far one picture is from another.
 
 use super::Picture;
+use super::uncertainty::{Estimate, Pixel, estimate};
 use glam::Vec3;
 
-/// Side of the blocks that [`Comparison::p95`] is measured over, pixels.
+/// Side of the blocks that [`Comparison::p95`] is measured over, and within which noise may be shared, pixels.
 const BLOCK: u32 = 8;
 
 /// How far a picture is from its reference. Light where the reference is black counts, too.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Comparison {
-    /// Root mean square of the difference over the reference's root mean square; 0 is perfect.
-    pub error: f64,
+    /// Root mean square of the difference over the reference's root mean square, and how sure that is.
+    #[serde(flatten)]
+    pub error: Estimate,
     /// The picture's mean over the reference's, less one; 0 is perfect.
     pub bias: f64,
     /// 95th percentile, over blocks of 8 by 8 pixels, of the difference of the blocks' means over the
@@ -30,13 +32,20 @@ pub enum CompareError {
     /// Noise that is the same in both does not cancel.
     #[error("both references are the same picture: take the second one with another --seed, or leave it out")]
     SameReferences,
+    /// A picture's noise must be its own.
+    #[error("the picture is one of the two references: compare it with the other one alone")]
+    OwnReference,
+    /// Hardly a pixel is lit in both.
+    #[error("the references are too noisy to tell anything: take both with more samples a pixel (--spp)")]
+    TooNoisy,
     /// Nothing could be far from it.
     #[error("the reference is black: take it of a place with light")]
     Black,
 }
 
 /// Compares RGB. Given a second reference with noise of its own, its and the first one's noise cancel
-/// out of the error: `E[(p − a)(p − b)] = (p − truth)²`.
+/// out of the error, `E[(p − a)(p − b)] = (p − truth)²`, and tell how sure it is ([`super::uncertainty`]). Of one alone the
+/// noise is part of the error.
 ///
 /// # Errors
 /// [`CompareError`].
@@ -48,6 +57,10 @@ pub fn compare(
     if second == Some(reference) {
         return Err(CompareError::SameReferences);
     }
+    if second.is_some_and(|second| picture == reference || picture == second) {
+        return Err(CompareError::OwnReference);
+    }
+    let is_noise_known = second.is_some();
     let second = second.unwrap_or(reference);
     for other in [reference, second] {
         if (picture.width, picture.height) != (other.width, other.height) {
@@ -68,17 +81,20 @@ pub fn compare(
         reference_sum += 0.5 * (a + b).element_sum();
         seen += ((a + b).element_sum() > 0.0) as u64;
     }
-    if power <= 0.0 || reference_sum <= 0.0 {
+    if reference_sum <= 0.0 {
         return Err(CompareError::Black);
     }
+    if power <= 0.0 {
+        return Err(CompareError::TooNoisy);
+    }
+    let error = match is_noise_known {
+        true => estimate(pixels_of_blocks(picture, reference, second), power),
+        false => Estimate::with_noise((squares / power).sqrt()),
+    };
     let mean = reference_sum / (3 * seen) as f64;
     let mut local = blocks(picture, reference, second);
     local.iter_mut().for_each(|difference| *difference /= mean);
-    Ok(Comparison {
-        error: (squares.max(0.0) / power).sqrt(),
-        bias: sum / reference_sum - 1.0,
-        p95: percentile(local, 0.95),
-    })
+    Ok(Comparison { error, bias: sum / reference_sum - 1.0, p95: percentile(local, 0.95) })
 }
 
 /// Mean over the channels of |picture − mean of the references| for each whole block's mean.
@@ -97,6 +113,25 @@ fn blocks(picture: &Picture, a: &Picture, b: &Picture) -> Vec<f64> {
         sum.abs().element_sum() / (3 * BLOCK * BLOCK) as f64
     };
     (0..columns * rows).map(block).collect()
+}
+
+/// The pixels of each block, those of the blocks that are cut off at the right and the bottom included.
+fn pixels_of_blocks<'a>(
+    picture: &'a Picture,
+    a: &'a Picture,
+    b: &'a Picture,
+) -> impl Iterator<Item = Vec<Pixel>> + Clone + 'a {
+    let (columns, rows) = (picture.width.div_ceil(BLOCK), picture.height.div_ceil(BLOCK));
+    (0..rows).flat_map(move |row| (0..columns).map(move |column| [column, row])).map(move |[column, row]| {
+        let mut pixels = Vec::with_capacity((BLOCK * BLOCK) as usize);
+        for y in row * BLOCK..((row + 1) * BLOCK).min(picture.height) {
+            for x in column * BLOCK..((column + 1) * BLOCK).min(picture.width) {
+                let at = (y * picture.width + x) as usize;
+                pixels.push([picture, a, b].map(|picture| picture.pixels[at].as_dvec3()));
+            }
+        }
+        pixels
+    })
 }
 
 /// The value under which this share of the values lies, interpolated; 0 of none.
@@ -138,9 +173,9 @@ mod tests {
         let reference = made(|i| Vec3::new(i as f32, 2.0 * i as f32, 1.0));
         let picture = made(|i| 1.25 * Vec3::new(i as f32, 2.0 * i as f32, 1.0));
         let found = compare(&picture, &reference, None).unwrap();
-        assert!((found.error - 0.25).abs() < 1e-6 && (found.bias - 0.25).abs() < 1e-6, "{found:?}");
+        assert!((found.error.figure() - 0.25).abs() < 1e-6 && (found.bias - 0.25).abs() < 1e-6, "{found:?}");
         let same = compare(&reference, &reference, None).unwrap();
-        assert_eq!(same, Comparison { error: 0.0, bias: 0.0, p95: 0.0 });
+        assert_eq!(same, Comparison { error: Estimate::with_noise(0.0), bias: 0.0, p95: 0.0 });
     }
 
     #[test]
@@ -149,8 +184,8 @@ mod tests {
         let (a, b) = (noisy(1), noisy(2));
         let picture = made(|_| Vec3::splat(1.1));
         let found = compare(&picture, &a, Some(&b)).unwrap();
-        assert!((found.error - 0.1).abs() < 0.01, "{found:?}");
-        assert!(compare(&picture, &a, None).unwrap().error > 0.15);
+        assert!((found.error.figure() - 0.1).abs() < 0.01, "{found:?}");
+        assert!(compare(&picture, &a, None).unwrap().error.figure() > 0.15);
     }
 
     #[test]
@@ -169,9 +204,12 @@ mod tests {
         let small = Picture { width: 8, height: 8, pixels: vec![Vec3::ONE; 64] };
         assert!(matches!(compare(&one, &small, None), Err(CompareError::Size(..))));
         assert!(matches!(compare(&one, &made(|_| Vec3::ZERO), None), Err(CompareError::Black)));
+        assert!(matches!(compare(&one, &one, Some(&made(|_| Vec3::X))), Err(CompareError::OwnReference)));
+        let lit = |odd| made(move |i| Vec3::splat((i % 2 == odd) as u32 as f32));
+        assert!(matches!(compare(&one, &lit(0), Some(&lit(1))), Err(CompareError::TooNoisy)));
         let nan = made(|i| if i == 3 { Vec3::NAN } else { Vec3::ONE });
         assert!(matches!(compare(&nan, &one, None), Err(CompareError::NotFinite(1))));
-        assert!(matches!(compare(&one, &one, Some(&nan)), Err(CompareError::NotFinite(1))));
+        assert!(matches!(compare(&made(|_| Vec3::X), &one, Some(&nan)), Err(CompareError::NotFinite(1))));
     }
 
     #[test]
@@ -179,7 +217,7 @@ mod tests {
         let reference = made(|i| Vec3::splat((i % 2) as f32));
         let picture = made(|_| Vec3::ONE);
         let found = compare(&picture, &reference, None).unwrap();
-        assert!((found.error - 1.0).abs() < 1e-9 && (found.bias - 1.0).abs() < 1e-9, "{found:?}");
+        assert!((found.error.figure() - 1.0).abs() < 1e-9 && (found.bias - 1.0).abs() < 1e-9, "{found:?}");
     }
 
     #[test]

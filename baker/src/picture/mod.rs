@@ -1,6 +1,6 @@
 //! Pictures: taken, read, written.
 //!
-//! * [`compare`] – how far one is from another;
+//! * [`compare`] – how far one is from another; [`uncertainty`] – how sure noisy references are of it;
 //! * [`expose`] – averages the samples of each pixel;
 //! * [`exr`] – linear radiance, the form for measuring;
 //! * [`png`] – tone mapped, the form for looking.
@@ -9,6 +9,7 @@ pub mod compare;
 pub mod expose;
 pub mod exr;
 pub mod png;
+pub mod uncertainty;
 
 use crate::write::{WriteError, write_whole};
 use glam::Vec3;

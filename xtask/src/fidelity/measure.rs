@@ -10,9 +10,25 @@ use std::process::Command;
 /// What `rebounce compare --json` prints.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct Comparison {
-    pub error: f64,
+    error: Option<f64>,
+    error_at_most: Option<f64>,
     pub bias: f64,
     pub p95: f64,
+}
+
+impl Comparison {
+    /// The error; what it is at most where the references' noise hides it.
+    pub fn error(&self) -> f64 {
+        self.error.or(self.error_at_most).unwrap_or(f64::INFINITY)
+    }
+
+    /// The error as a cell of a table.
+    pub fn error_cell(&self) -> String {
+        match self.error {
+            Some(error) => format!("{error:.3}"),
+            None => format!("under {:.3}", self.error()),
+        }
+    }
 }
 
 /// What of `rebounce bake --report` the page shows.

@@ -88,8 +88,8 @@ impl fmt::Display for Page {
         for (epsilon, m) in &self.curve {
             writeln!(
                 f,
-                "| {epsilon} | {:.3} | {:+.3} | {:.1} | {} |",
-                m.comparison.error,
+                "| {epsilon} | {} | {:+.3} | {:.1} | {} |",
+                m.comparison.error_cell(),
                 m.comparison.bias,
                 seconds(m),
                 millions(m)
@@ -144,7 +144,7 @@ const PROMISES: &str = "`bake --help`";
 
 /// True if the error is over what the bake's preset promises.
 fn is_over(m: &Measured) -> bool {
-    m.comparison.error > m.report.promised_error
+    m.comparison.error() > m.report.promised_error
 }
 
 fn named(m: &Measured) -> String {
@@ -153,7 +153,7 @@ fn named(m: &Measured) -> String {
 
 /// Error, bias and p95 as cells of a table.
 fn cells(c: &Comparison) -> String {
-    format!("{:.3} | {:+.3} | {:.2}", c.error, c.bias, c.p95)
+    format!("{} | {:+.3} | {:.2}", c.error_cell(), c.bias, c.p95)
 }
 
 fn seconds(m: &Measured) -> f64 {
@@ -175,7 +175,7 @@ pub fn plot(curve: &[(f32, Measured)], out: &Path) -> Result<()> {
     let links = |m: &Measured| (m.report.links + m.report.later_links) as f64;
     for (half, name) in [(left, "links"), (right, "seconds")] {
         let cost = |m: &Measured| if name == "links" { links(m) } else { seconds(m) };
-        let points: Vec<(f64, f64)> = curve.iter().map(|(_, m)| (cost(m), m.comparison.error)).collect();
+        let points: Vec<(f64, f64)> = curve.iter().map(|(_, m)| (cost(m), m.comparison.error())).collect();
         let range = |values: &dyn Fn(&(f64, f64)) -> f64| {
             let low = points.iter().map(values).fold(f64::INFINITY, f64::min);
             let high = points.iter().map(values).fold(0.0, f64::max);

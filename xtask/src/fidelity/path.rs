@@ -31,7 +31,7 @@ impl Tool {
             }
             if step > 0 {
                 let change = self.compare(&next, &last, None, &[])?;
-                largest.whole = largest.whole.max(change.error);
+                largest.whole = largest.whole.max(change.error());
                 largest.blocks = largest.blocks.max(change.p95);
             }
             std::mem::swap(&mut last, &mut next);

@@ -5,6 +5,7 @@ use crate::cli::plain::plain;
 use anyhow::{Context, Result};
 use rebounce::bake::aim::is_worth_another;
 use rebounce::bake::judge::{Judge, Worst};
+use rebounce::picture::uncertainty::{Answer, Estimate};
 use rebounce::scene::Scene;
 use rebounce::shot;
 use rebounce_shared::rbn;
@@ -15,8 +16,12 @@ use std::path::Path;
 pub struct Aim<'a> {
     target: f64,
     judge: Judge<'a>,
+    /// What each is at most where noise hides it.
     errors: Vec<f64>,
 }
+
+/// Decimals of errors.
+const DECIMALS: usize = 3;
 
 /// What a bake's error asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +32,8 @@ pub enum Outcome {
     Finer,
     /// Too large, and this is the last bake.
     Missed,
+    /// This is the last bake, and noise hides whether it is too large.
+    TooNoisy,
 }
 
 /// Why no finer bake follows.
@@ -70,21 +77,36 @@ impl<'a> Aim<'a> {
         Ok(Self { target, judge, errors: Vec::new() })
     }
 
-    /// Measures a bake, says what it found, and returns the error.
+    /// Measures a bake, says what it found, and returns the error. Path traces on where noise hides the answer.
     ///
     /// # Errors
     /// If the file cannot be measured.
-    pub fn measure(&mut self, baked: &rbn::Scene, name: &str, last: Last) -> Result<(f64, Outcome)> {
+    pub fn measure(&mut self, baked: &rbn::Scene, name: &str, last: Last) -> Result<(Estimate, Outcome)> {
         let target = self.target;
-        let verdict = self.judge.verdict(baked).context("--target-error")?;
+        let picture = self.judge.picture(baked).context("--target-error")?;
+        let sampling_on = |judge: &Judge, error: &Estimate| {
+            let (said, samples) = (error.said(DECIMALS), judge.samples());
+            eprintln!(
+                "{name}: {said}, which may be over {target}: path tracing goes on, from {samples} samples a pixel to {}",
+                2 * samples
+            );
+            let rows = Rows::new(Judge::rows(judge.shot()));
+            move || rows.done()
+        };
+        let (answer, verdict) = self.judge.answer(&picture, target, sampling_on).context("--target-error")?;
         let error = verdict.comparison.error;
-        self.errors.push(error);
-        if error <= target {
-            eprintln!("{name}: error {error:.3}, at most {target} was wanted");
+        let said = error.said(DECIMALS);
+        self.errors.push(error.figure());
+        if answer == Answer::Within {
+            eprintln!("{name}: {said}; at most {target} was wanted");
             return Ok((error, Outcome::Met));
         }
+        let (is, outcome) = match answer {
+            Answer::TooNoisy => ("may be over", Outcome::TooNoisy),
+            _ => ("is over", Outcome::Missed),
+        };
         if last == Last::No && is_worth_another(&self.errors) {
-            eprintln!("{name}: error {error:.3}, over {target}; a finer bake follows");
+            eprintln!("{name}: {said}, which {is} {target}; a finer bake follows");
             return Ok((error, Outcome::Finer));
         }
         let why = match last {
@@ -92,9 +114,12 @@ impl<'a> Aim<'a> {
             Last::Finest => "this is the finest bake there is",
             Last::Budget => "a finer one would be over --max-bytes or --max-memory",
         };
-        let worst = verdict.worst.as_ref().map_or_else(String::new, blamed);
-        eprintln!("warning: {name}: error {error:.3} is over --target-error {target}, and {why}{worst}");
-        Ok((error, Outcome::Missed))
+        let worst = match (answer, &verdict.worst) {
+            (Answer::Over, Some(worst)) => blamed(worst),
+            _ => String::new(),
+        };
+        eprintln!("warning: {name}: {said}, which {is} --target-error {target}, and {why}{worst}");
+        Ok((error, outcome))
     }
 
     /// Whether the last bake is nearer than all before.

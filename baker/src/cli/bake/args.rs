@@ -25,15 +25,16 @@ is replaced only then, and at once.
 Where it is built with the feature mpi, `mpirun -n 4 rebounce bake ...` shares the work among four processes; the result \
 is the same file, to the byte, and --resume goes on with any number of them.
 
-Exit codes: 0 done; 1 failed; 2 wrong arguments; 3 done, and the file is written, but its error is over --target-error; 130 stopped by Ctrl-C, 143 by SIGTERM, --resume goes on.
+Exit codes: 0 done; 1 failed; 2 wrong arguments; 3 done, and the file is written, but its error is over --target-error; 4 done, and the file is written, but noise hides whether its error is over --target-error; 130 stopped by Ctrl-C, 143 by SIGTERM, --resume goes on.
 
 --json-progress prints objects with stage, level (or null), done and total (units of this stage and level), rays_per_second \
 (or null), seconds (since the bake began), seconds_left, processor_seconds and processor_seconds_left (of all threads together: they do \
-not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\", or \"failed\" and error, or \"stopped\" and checkpoint, the file to go on from. \
+not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\" (with --target-error also measured_error, null where noise hides it, measured_error_at_least and measured_error_at_most), or \"failed\" and error, or \"stopped\" and checkpoint, the file to go on from. \
 A signal ends the command at once, and without a last line, while it reads the scene.
 
 --target-error bakes a draft, standard, fine, and then twice and four times as many functions, until one is within the error; progress goes from 0 to 1 \
-for each. FILE.rbn always has the best one so far. Before, the view is path-traced, about half as long as a standard bake takes; \
+for each. FILE.rbn always has the best one so far. Before, the view is path-traced, about half as long as a standard bake takes; where the noise of that hides whether the error is small enough, \
+with ever more samples, up to 800 a pixel. An error that they hide too is \"too noisy to tell\", and finer bakes follow as for one that is over. \
 --resume goes on with the bake that was stopped, and knows nothing of the errors before it. Several processes cannot do it.";
 
 /// Arguments of `rebounce bake`.

@@ -11,6 +11,7 @@ mod tries;
 
 pub use args::BakeArgs;
 
+use super::TOO_NOISY;
 use super::load::warn;
 use super::plain::plain;
 use super::progress::{Display, Unfinished};
@@ -22,7 +23,7 @@ use anyhow::{Context, Result, ensure};
 use cpu_time::ProcessTime;
 use observers::{Follower, Watcher};
 use plan::{Plan, open_checkpoint};
-use rebounce::bake::{BakeError, Checkpoint, bake_in_team};
+use rebounce::bake::{BakeError, BakeReport, Checkpoint, bake_in_team};
 use rebounce::scene::{self, Scene};
 use rebounce::team::Team;
 use std::process::ExitCode;
@@ -101,6 +102,7 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let code = match tries.run(&plans, first, checkpoint)? {
         Ended::Met => 0,
         Ended::Missed => OVER_TARGET,
+        Ended::TooNoisy => TOO_NOISY,
         Ended::Elsewhere => return Ok(0),
         Ended::Stopped => {
             last_words();
@@ -108,7 +110,8 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
         }
     };
     let Tries { output, watcher, written, .. } = tries;
-    watcher.display.finish(began.elapsed().as_secs_f64(), processors.elapsed().as_secs_f64());
+    let error = written.as_ref().and_then(BakeReport::measured);
+    watcher.display.finish(began.elapsed().as_secs_f64(), processors.elapsed().as_secs_f64(), error);
     if let Some(report) = written.filter(|_| !watcher.display.is_json()) {
         println!("{report}");
         println!("wrote         {}", output.display());

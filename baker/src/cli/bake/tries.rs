@@ -34,6 +34,8 @@ pub enum Ended {
     Met,
     /// With a file that is not.
     Missed,
+    /// With a file of which noise hides whether it is.
+    TooNoisy,
     /// The team's first process is another.
     Elsewhere,
     /// They were stopped; the checkpoint has what was done.
@@ -93,6 +95,10 @@ impl Tries<'_> {
                     ended = Ended::Missed;
                     break;
                 }
+                Outcome::TooNoisy => {
+                    ended = Ended::TooNoisy;
+                    break;
+                }
             }
         }
         self.watcher.stop.hold();
@@ -132,7 +138,7 @@ impl Tries<'_> {
         let Some(aim) = &mut self.aim else { return Ok(Outcome::Met) };
         let name = format!("{}, {} functions", plan.settings.preset.name(), report.functions);
         let (error, outcome) = aim.measure(baked, &name, last)?;
-        report.measured_error = Some(error);
+        report.add_error(error);
         Ok(outcome)
     }
 

@@ -64,7 +64,7 @@ impl<'a> Materials<'a> {
 
     /// Whether one of our materials lets no light through.
     pub fn is_opaque(&self, material: u32) -> bool {
-        self.out.get(material as usize).is_some_and(|m| m.alpha == Alpha::Opaque)
+        self.out.get(material as usize).is_some_and(|m| m.alpha == Alpha::Opaque && !m.is_glass())
     }
 
     /// Our index for a glTF material, and where its texture coordinates come from.
