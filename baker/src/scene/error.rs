@@ -55,16 +55,14 @@ pub enum SceneError {
         problem: String,
     },
     /// The file has no such scene.
-    #[error(
-        "{file} has no scene `{wanted}`: give --scene one of its own, by number or name; they are {known}"
-    )]
+    #[error("{file} has no scene `{wanted}`: {advice}")]
     NoScene {
         /// The file.
         file: String,
         /// The scene asked for.
         wanted: String,
-        /// The scenes there are.
-        known: String,
+        /// What to give instead.
+        advice: String,
     },
     /// The default scene is empty and several others are not.
     #[error(

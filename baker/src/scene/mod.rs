@@ -101,7 +101,11 @@ pub fn load_with(spec: &str, options: &LoadOptions) -> Result<Scene, SceneError>
         return gltf::load(Path::new(spec), options);
     };
     if let Some(wanted) = options.scene.clone() {
-        return Err(SceneError::NoScene { file: spec.to_owned(), wanted, known: "none".to_owned() });
+        return Err(SceneError::NoScene {
+            file: spec.to_owned(),
+            wanted,
+            advice: "leave --scene out, as it is one scene".to_owned(),
+        });
     }
     let mut scene = builtin::load(name)?;
     scene.notes.extend(options.albedo.map(|_| UNUSED_ALBEDO.to_owned()));

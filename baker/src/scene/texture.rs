@@ -59,6 +59,12 @@ pub fn sniff(bytes: &[u8]) -> Result<&'static str, &'static str> {
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Ok("image/webp"),
         [0xab, b'K', b'T', b'X', ..] => Err("KTX"),
         [b'D', b'D', b'S', b' ', ..] => Err("DDS"),
+        [_, _, _, _, b'f', b't', b'y', b'p', b'a', b'v', ..] => Err("AVIF"),
+        [_, _, _, _, b'f', b't', b'y', b'p', ..] => Err("HEIC"),
+        [b'8', b'B', b'P', b'S', ..] => Err("PSD"),
+        [0x76, 0x2f, 0x31, 0x01, ..] => Err("OpenEXR"),
+        [b'#', b'?', b'R', ..] => Err("Radiance HDR"),
+        [b'<', b's' | b'?', ..] => Err("SVG"),
         _ => Err("unknown"),
     }
 }

@@ -3,6 +3,9 @@
 use super::container::percent_decoded;
 use std::path::{Path, PathBuf};
 
+/// Folders of a name that are tried beside the scene's file.
+const MOST_FOLDERS: usize = 16;
+
 /// A file's bytes, and where they were found if not where the URI says.
 pub(super) struct Found {
     pub bytes: Vec<u8>,
@@ -10,8 +13,8 @@ pub(super) struct Found {
 }
 
 /// Reads the file behind a URI that is not data, beside the scene's file in `dir`: as written, without percent signs,
-/// without `?query` and `#fragment`; then with backslashes as slashes, in any letter case, and at last its bare name in
-/// `dir`. The error is the first of them all.
+/// without `?query` and `#fragment`; then with backslashes as slashes, in any letter case, with ever fewer folders, and
+/// at last its bare name in `dir`. The error is the first of them all.
 pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<Found> {
     let mut first = None;
     let mut bytes_of = |path: &Path| {
@@ -31,9 +34,13 @@ pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<Found> {
     }
     for name in names {
         let slashed = name.replace('\\', "/");
-        let bare = slashed.rsplit('/').next().unwrap_or_default();
+        // Whole, then without its first folder, and so on, at last its bare name.
+        let folders = slashed.matches('/').count();
+        let shorter = slashed.match_indices('/').skip(folders.saturating_sub(MOST_FOLDERS));
+        let shorter = shorter.map(|(at, _)| &slashed[at + 1..]);
         let whole = (!is_on_network(uri)).then_some(slashed.as_str());
-        for name in whole.into_iter().chain([bare]).filter(|name| !name.is_empty()) {
+        for name in whole.into_iter().chain(shorter).filter(|name| !name.is_empty() && !name.starts_with('/'))
+        {
             let path = in_any_case(dir, name).unwrap_or_else(|| dir.join(name));
             if let Some(bytes) = bytes_of(&path) {
                 let place = path.strip_prefix(dir).unwrap_or(&path).display().to_string();
@@ -79,7 +86,7 @@ fn strip_prefix_of_any_case<'a>(text: &'a str, prefix: &str) -> Option<&'a str> 
 
 /// A path below `dir` that is there when letter case does not count; the first of several in the order of their names.
 fn in_any_case(dir: &Path, name: &str) -> Option<PathBuf> {
-    let mut path = if name.starts_with('/') { PathBuf::from("/") } else { dir.to_path_buf() };
+    let mut path = dir.to_path_buf();
     for part in name.split('/').filter(|part| !part.is_empty() && *part != ".") {
         let exact = path.join(part);
         if part == ".." || exact.exists() {
@@ -120,6 +127,8 @@ mod tests {
             (&format!("FILE:{absolute}"), "beside.bin", None),
             ("Maps\\oak floor.png", "Maps/oak floor.png", Some("Maps/oak floor.png")),
             (".\\maps\\OAK%20floor.PNG?x", "Maps/oak floor.png", Some("Maps/oak floor.png")),
+            ("C:\\work\\Maps\\oak floor.png", "Maps/oak floor.png", Some("Maps/oak floor.png")),
+            ("/Home/nobody/maps/oak%20floor.png", "Maps/oak floor.png", Some("Maps/oak floor.png")),
             ("C:\\work\\beside.bin", "beside.bin", Some("beside.bin")),
             ("file:///C:/work/Beside.bin", "beside.bin", Some("beside.bin")),
             ("../elsewhere/beside.bin", "beside.bin", Some("beside.bin")),

@@ -77,10 +77,15 @@ fn named(source: &Source, wanted: &str) -> Result<usize, SceneError> {
     let scenes = &source.root.scenes;
     let by_name = scenes.iter().position(|scene| scene.name.as_deref() == Some(wanted));
     let by_number = || wanted.parse().ok().filter(|number| *number < scenes.len());
-    by_name.or_else(by_number).ok_or_else(|| SceneError::NoScene {
-        file: source.file.clone(),
-        wanted: wanted.to_owned(),
-        known: listed(source, &(0..scenes.len()).collect::<Vec<_>>()),
+    by_name.or_else(by_number).ok_or_else(|| {
+        let advice = match scenes.len() {
+            0 => "leave --scene out, as it has none".to_owned(),
+            count => {
+                let known = listed(source, &(0..count).collect::<Vec<_>>());
+                format!("give --scene one of its own, by number or name; they are {known}")
+            }
+        };
+        SceneError::NoScene { file: source.file.clone(), wanted: wanted.to_owned(), advice }
     })
 }
 
@@ -94,7 +99,7 @@ fn name(source: &Source, scene: usize) -> String {
 
 fn listed(source: &Source, scenes: &[usize]) -> String {
     let known: Vec<String> = scenes.iter().take(20).map(|scene| name(source, *scene)).collect();
-    if known.is_empty() { "none".to_owned() } else { known.join(", ") }
+    known.join(", ")
 }
 
 fn nodes(source: &Source, scene: usize) -> Vec<usize> {

@@ -44,10 +44,9 @@ impl From<String> for Refused {
 fn check_version(root: &mut Value) -> Result<(), Refused> {
     // Some exporters write numbers.
     for member in ["version", "minVersion"] {
-        if let Some(version) = root.get_mut("asset").and_then(|asset| asset.get_mut(member)) {
-            if version.is_number() {
-                *version = Value::String(version.to_string());
-            }
+        let version = root.get_mut("asset").and_then(|asset| asset.get_mut(member));
+        if let Some(version) = version.filter(|version| version.is_number()) {
+            *version = Value::String(version.to_string());
         }
     }
     let asset = |member: &str| root.get("asset").and_then(|asset| asset.get(member)?.as_str());
