@@ -1,7 +1,7 @@
 //! The command itself, killed, stopped and short of room: the file before is as it was, and `--resume` goes on.
 #![cfg(unix)]
 
-use program::{names, said, signal, wait_for};
+use program::{goes_on_to, held, names, said};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -61,18 +61,14 @@ fn killed_at_any_time_it_goes_on_to_the_same_file() {
 }
 
 #[test]
-fn signals_stop_it_within_a_second() {
+fn signals_stop_it_and_it_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let (expected, _) = uninterrupted(folder.path());
     let path = folder.path().join("room.rbn");
     // While points are placed, then while links are traced.
-    for (name, code, bytes) in [("INT", 130, 1_000), ("TERM", 143, 400_000)] {
-        let mut child = command(&path, &["--resume"]).spawn().unwrap();
-        wait_for(&mut child, &path, bytes);
-        let asked = Instant::now();
-        signal(child.id(), name);
-        let output = child.wait_with_output().unwrap();
-        assert!(asked.elapsed() < Duration::from_secs(1), "{name}: {:?}", asked.elapsed());
+    for (name, code, more) in [("INT", 130, 1_000), ("TERM", 143, 400_000)] {
+        let child = held(|| command(&path, &["--resume"]).spawn().unwrap(), &path, more);
+        let output = goes_on_to(child, name);
         assert_eq!(output.status.code(), Some(code), "{}", said(&output));
         assert!(said(&output).contains("room.rbn.partial has what was done"), "{}", said(&output));
         assert!(!path.exists());
@@ -111,10 +107,7 @@ fn without_room_the_old_file_stays() {
 fn other_settings_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("room.rbn");
-    let mut child = command(&path, &[]).spawn().unwrap();
-    wait_for(&mut child, &path, 1_000);
-    child.kill().unwrap();
-    child.wait().unwrap();
+    goes_on_to(held(|| command(&path, &[]).spawn().unwrap(), &path, 1_000), "KILL");
     let output = command(&path, &["--resume", "--seed", "2"]).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(said(&output).contains("seed 1, not 2"), "{}", said(&output));
@@ -154,10 +147,8 @@ fn last_line(output: &Output) -> serde_json::Value {
 fn json_says_how_a_bake_ended() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("room.rbn");
-    let mut child = command(&path, &["--json-progress"]).spawn().unwrap();
-    wait_for(&mut child, &path, 1_000);
-    signal(child.id(), "INT");
-    let output = child.wait_with_output().unwrap();
+    let child = held(|| command(&path, &["--json-progress"]).spawn().unwrap(), &path, 1_000);
+    let output = goes_on_to(child, "INT");
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
     let (partial, last) = (folder.path().join("room.rbn.partial"), last_line(&output));
     assert_eq!((&last["stage"], &last["checkpoint"]), (&"stopped".into(), &partial.to_str().unwrap().into()));

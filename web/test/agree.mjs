@@ -5,7 +5,7 @@ import { mkdtemp } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { agreement, readShot, serve } from "./agreement.mjs";
-import { launch, within } from "./browser.mjs";
+import { HANGS, launch, within } from "./browser.mjs";
 
 const SIZE = [256, 144];
 const FINER = 2;
@@ -18,7 +18,7 @@ const server = await serve(rebounce, baked);
 const browser = await launch();
 try {
   const page = await browser.newPage({ viewport: { width: 320, height: 180 } });
-  page.setDefaultTimeout(600_000);
+  page.setDefaultTimeout(1000 * HANGS);
   await page.goto(server.address);
   const loaded = page.evaluate(async () => {
     const viewer = document.querySelector("rebounce-viewer");
@@ -26,7 +26,7 @@ try {
     while (!viewer.loaded && !message()) await new Promise((later) => setTimeout(later, 100));
     return message();
   });
-  const message = await within(600, "loading", loaded);
+  const message = await within("loading", loaded);
   if (message) throw new Error(message);
   for (const shot of shots) {
     const name = path.basename(shot, ".json");

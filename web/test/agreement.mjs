@@ -22,7 +22,7 @@ export async function serve(rebounce, file, more = []) {
     process.on("exit", (code) => reject(new Error(`rebounce view ended (${code})`)));
     process.on("error", reject);
   });
-  return { process, address: await within(30, "rebounce view", address) };
+  return { process, address: await within("rebounce view", address) };
 }
 
 /**
@@ -36,7 +36,7 @@ export async function agreement(page, tools, name, shot, size, finer, samples = 
   await writeFile(`${stem}.json`, JSON.stringify({ ...shot, size }));
   const cpu = ["render", tools.baked, "--shot", `${stem}.json`, "-o", `${stem}.exr`];
   await exec(tools.rebounce, [...cpu, "--only", "indirect", "--spp", String(samples)]);
-  const base64 = await within(600, "readIndirect", page.evaluate(readIndirect, { shot, size, finer }));
+  const base64 = await within("readIndirect", page.evaluate(readIndirect, { shot, size, finer }));
   const file = `${stem}-${size.join("x")}.f32`;
   await writeFile(file, Buffer.from(base64, "base64"));
   return { file, difference: await difference(tools, file, `${stem}.exr`) };

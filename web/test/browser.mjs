@@ -25,8 +25,11 @@ export function launch() {
 /** Something took too long. */
 export class Late extends Error {}
 
+/** What takes so many seconds hangs. It is no measure: on a busy machine everything takes as long as it takes. */
+export const HANGS = 600;
+
 /** Rejects with `Late` if a promise takes longer: software WebGPU is slow, but it comes to an end. */
-export async function within(seconds, what, promise) {
+export async function within(what, promise, seconds = HANGS) {
   let timer;
   const late = new Promise((_, reject) => {
     timer = setTimeout(() => reject(new Late(`${what}: nothing after ${seconds} s`)), seconds * 1000);

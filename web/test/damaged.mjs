@@ -101,7 +101,7 @@ async function share(browser, address, files, result, again) {
   page.on("console", (message) => message.type() === "error" && stray.push(message.text()));
   await page.addInitScript(watchDevices);
   await page.goto(address);
-  const open = (name, fresh) => within(LONG, name, page.evaluate(attempt, { name, fresh }));
+  const open = (name, fresh) => within(name, page.evaluate(attempt, { name, fresh }), LONG);
   const whole = async (when) => {
     const { told, spread, alert } = await open("whole.rbn", false);
     const good = told.length === 1 && told[0].type === "load" && spread > 0 && alert === "";

@@ -4,7 +4,7 @@ import { execFile, spawn } from "node:child_process";
 import { cp, mkdir, readFile, rm, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { promisify } from "node:util";
-import { launch, spread, within } from "./browser.mjs";
+import { HANGS, launch, spread, within } from "./browser.mjs";
 import { check, equal } from "./harness.mjs";
 import { serveFolder } from "./serve.mjs";
 
@@ -173,7 +173,7 @@ async function developed({ browser, scene }, folder, more) {
       vite.on("error", reject);
       vite.on("exit", (code) => reject(new Error(`vite ended (${code}): ${text}`)));
     });
-    await shows(browser, await within(60, "vite", address), more);
+    await shows(browser, await within("vite", address), more);
   } finally {
     vite.kill();
   }
@@ -182,7 +182,7 @@ async function developed({ browser, scene }, folder, more) {
 /** Opens a page, waits for its scene, and looks at the picture. */
 async function shows(browser, address, more = () => undefined) {
   const page = await browser.newPage({ viewport: { width: 320, height: 240 } });
-  page.setDefaultTimeout(180_000);
+  page.setDefaultTimeout(1000 * HANGS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
   page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
@@ -196,10 +196,10 @@ async function shows(browser, address, more = () => undefined) {
       });
     });
     await page.goto(address);
-    const event = await within(180, "the scene", page.evaluate(() => globalThis.outcome));
+    const event = await within("the scene", page.evaluate(() => globalThis.outcome));
     equal(event.type, "load", event.message ?? "the event");
     const read = page.evaluate(async () => Array.from(await document.querySelector("rebounce-viewer").readPixels(128, 72)));
-    const { mean, deviation } = spread(await within(180, "the picture", read));
+    const { mean, deviation } = spread(await within("the picture", read));
     check(deviation > 4, `brightness ${mean.toFixed(1)} +- ${deviation.toFixed(1)} of 255`);
     await more(page);
     equal(faults.join("\n"), "", "faults");

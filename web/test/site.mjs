@@ -3,7 +3,7 @@
 import { readFile, readdir } from "node:fs/promises";
 import { createRequire } from "node:module";
 import path from "node:path";
-import { launch, spread, within } from "./browser.mjs";
+import { HANGS, launch, spread, within } from "./browser.mjs";
 import { check, equal } from "./harness.mjs";
 import { serveFolder } from "./serve.mjs";
 
@@ -33,7 +33,7 @@ export async function runSiteTests(harness, folder) {
 /** Opens a page of the site; what goes wrong in it is gathered. */
 async function open({ browser, address }, name, { prepare, ...options } = {}) {
   const page = await browser.newPage({ viewport: { width: 480, height: 640 }, ...options });
-  page.setDefaultTimeout(180_000);
+  page.setDefaultTimeout(1000 * HANGS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
   page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
@@ -70,7 +70,7 @@ async function loaded(page) {
       await new Promise((later) => setTimeout(later, 50));
     }
   });
-  equal(await within(180, "the scene", wait), "", "the viewer's message");
+  equal(await within("the scene", wait), "", "the viewer's message");
 }
 
 /** What axe finds, one line each. */

@@ -129,7 +129,7 @@ export async function soak({ minutes, seconds = 60, folder, file, say = console.
     page.on("crash", () => faults.push("the tab crashed"));
     await page.addInitScript(ledger);
     await page.goto(server.address);
-    await within(300, "the scene", page.waitForFunction(() => document.querySelector("rebounce-viewer")?.loaded));
+    await within("the scene", page.waitForFunction(() => document.querySelector("rebounce-viewer")?.loaded));
     await page.evaluate(() => {
       const viewer = document.querySelector("rebounce-viewer");
       viewer.addEventListener("error", ({ detail }) => (globalThis.fault ??= detail.message));
@@ -139,7 +139,7 @@ export async function soak({ minutes, seconds = 60, folder, file, say = console.
     await session.send("Performance.enable");
     await page.evaluate(`globalThis.move = ${move}`);
     for (let minute = 0; minute <= minutes; minute += 1) {
-      const sample = await within(300, "measuring", measure(browser, page, session));
+      const sample = await within("measuring", measure(browser, page, session));
       samples.push(sample);
       const size = (bytes) => (bytes === undefined ? "unknown" : `${(bytes / 1e6).toFixed(2)} MB`);
       const { wasm, heap, gpu, alive, frames } = sample;

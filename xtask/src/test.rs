@@ -70,15 +70,10 @@ fn native(options: &[&str]) -> Result<()> {
 /// Bakes over several processes, and the same in one.
 fn over_mpi() -> Result<()> {
     install::ensure(&install::MPI)?;
-    let test = |what: &[&str]| {
-        let mut command = process::cargo();
-        process::run(
-            command.args(["test", "--locked", "--package", "rebounce", "--features", "mpi"]).args(what),
-        )
-    };
-    test(&["--lib", "team::"])?;
-    // One after another: each starts processes of its own.
-    test(&["--test", "mpi", "--", "--test-threads", "1"])
+    // One after another: each starts processes of its own. Tests of the library need no MPI, and run in the part `native`.
+    let mut command = process::cargo();
+    command.args(["test", "--locked", "--package", "rebounce", "--features", "mpi", "--test", "mpi"]);
+    process::run(command.args(["--", "--test-threads", "1"]))
 }
 
 /// Runs wasm tests, and those of the wanted parts, in headless Chromium.

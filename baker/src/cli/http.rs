@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 const MAX_HEAD: u64 = 16 << 10;
 /// A browser that opens a connection and says nothing, or little by little, or does not listen, does not hold it for
 /// ever.
-const PATIENCE: Duration = Duration::from_secs(if cfg!(test) { 2 } else { 30 });
+const PATIENCE: Duration = Duration::from_secs(30);
 /// Connections at once; more are closed.
 const MOST_OPEN: usize = 256;
 /// Until the next try, where a connection could not be accepted.
@@ -57,6 +57,16 @@ pub fn serve(
     headers: &'static [(&str, &str)],
     answer: impl Fn(&Request) -> Response + Send + Sync + 'static,
 ) -> io::Result<()> {
+    serve_for(PATIENCE, listener, headers, answer)
+}
+
+/// [`serve`], with this patience.
+fn serve_for(
+    patience: Duration,
+    listener: &TcpListener,
+    headers: &'static [(&str, &str)],
+    answer: impl Fn(&Request) -> Response + Send + Sync + 'static,
+) -> io::Result<()> {
     let answer = Arc::new(answer);
     let open = Arc::new(());
     loop {
@@ -78,7 +88,7 @@ pub fn serve(
         // Where there is no room for a thread, the connection is closed.
         let _ = std::thread::Builder::new().spawn(move || {
             // A browser that has gone away is no error here.
-            let _ = converse(&stream, headers, answer.as_ref());
+            let _ = converse(&stream, patience, headers, answer.as_ref());
             drop(is_open);
         });
     }
@@ -103,12 +113,13 @@ impl Read for Until<'_> {
 
 fn converse(
     mut stream: &TcpStream,
+    patience: Duration,
     headers: &[(&str, &str)],
     answer: &impl Fn(&Request) -> Response,
 ) -> io::Result<()> {
     stream.set_nodelay(true)?;
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let request = read_request(Until { stream, end: Instant::now() + PATIENCE })?;
+    stream.set_write_timeout(Some(patience))?;
+    let request = read_request(Until { stream, end: Instant::now() + patience })?;
     let response = match &request {
         Some(request) => answer(request),
         None => {

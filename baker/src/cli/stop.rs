@@ -9,6 +9,8 @@ use std::time::Duration;
 /// The bake may take so long to end by itself.
 const PATIENCE: Duration = Duration::from_millis(600);
 const LOOK_EVERY: Duration = Duration::from_millis(20);
+/// Within a second it is over, where the machine does nothing else.
+const _: () = assert!(PATIENCE.as_millis() + 2 * LOOK_EVERY.as_millis() < 1000);
 
 /// Which signal asked for the end.
 #[derive(Clone)]

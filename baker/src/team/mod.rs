@@ -4,11 +4,13 @@
 //! those who need it as bytes, through [`Team::exchange`].
 //!
 //! * [`share`] – work that all do parts of, and tell each other about;
+//! * [`slices`] – messages that are longer than what can be sent at once;
 //! * `mpi` – members that `mpirun` has started; only with the feature `mpi`.
 
 #[cfg(feature = "mpi")]
 pub mod mpi;
 pub mod share;
+pub mod slices;
 
 use crate::watch::{Stopped, Watch};
 

@@ -1,5 +1,6 @@
 //! Members that `mpirun`, or another launcher of MPI programs, has started.
 
+use super::slices::{places, slice};
 use super::{Received, Team};
 use crate::watch::{Stopped, Watch};
 use mpi::Count;
@@ -84,21 +85,6 @@ impl Mpi {
     }
 }
 
-/// Where parts of these lengths begin when they lie one after another.
-fn places(lengths: &[Count]) -> Vec<Count> {
-    let mut end = 0;
-    let place = |length: &Count| {
-        end += length;
-        end - length
-    };
-    lengths.iter().map(place).collect()
-}
-
-/// The slice of a message of `length` bytes that is sent in this round.
-fn slice(length: usize, round: usize, most: usize) -> std::ops::Range<usize> {
-    length.min(round * most)..length.min((round + 1) * most)
-}
-
 impl Team for Mpi {
     fn rank(&self) -> usize {
         self.world.rank() as usize
@@ -149,21 +135,5 @@ impl Team for Mpi {
             }
         }
         Ok(received)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn slices_cover_a_message_once() {
-        for length in [0usize, 1, 9, 10, 11, 35] {
-            let slices: Vec<usize> =
-                (0..length.div_ceil(10)).flat_map(|round| slice(length, round, 10)).collect();
-            assert!(slices.into_iter().eq(0..length));
-            assert!(slice(length, 9, 10).is_empty());
-        }
-        assert_eq!(places(&[3, 0, 2]), [0, 3, 3]);
     }
 }

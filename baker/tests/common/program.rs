@@ -32,6 +32,42 @@ pub fn wait_for(child: &mut Child, output: &Path, bytes: u64) {
     }
 }
 
+/// A bake that is held (SIGSTOP) at its work, when the checkpoint beside its output has this many bytes more than before. One
+/// that is over too soon, as where whoever watches it gets no time, begins again.
+pub fn held(start: impl Fn() -> Child, output: &Path, more: u64) -> Child {
+    let size = || partial(output).metadata().map_or(0, |m| m.len());
+    loop {
+        let bytes = size() + more;
+        let mut child = start();
+        while size() < bytes && !is_over(&mut child) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        if !is_over(&mut child) {
+            signal(child.id(), "STOP");
+            while !is_over(&mut child) {
+                let state = Command::new("ps").args(["-o", "state=", "-p", &child.id().to_string()]).output();
+                if state.unwrap().stdout.starts_with(b"T") {
+                    return child;
+                }
+            }
+        }
+        let _ = std::fs::remove_file(output);
+    }
+}
+
+fn is_over(child: &mut Child) -> bool {
+    let status = child.try_wait().unwrap();
+    assert!(status.is_none_or(|status| status.success()), "it failed before it kept enough");
+    status.is_some()
+}
+
+/// What a held bake says when it goes on to this signal.
+pub fn goes_on_to(child: Child, name: &str) -> Output {
+    signal(child.id(), name);
+    signal(child.id(), "CONT");
+    child.wait_with_output().unwrap()
+}
+
 /// Sends a process a signal.
 pub fn signal(pid: u32, name: &str) {
     assert!(Command::new("kill").args(["-s", name, &pid.to_string()]).status().unwrap().success());

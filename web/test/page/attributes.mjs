@@ -1,6 +1,6 @@
 // Attributes, their properties, and what each of them does.
 
-import { spread, within } from "../browser.mjs";
+import { HANGS, spread, within } from "../browser.mjs";
 import { check, equal, same } from "../harness.mjs";
 import { loaded, open, outcome } from "./open.mjs";
 
@@ -93,7 +93,7 @@ export async function attributes(harness, context) {
           viewer.overlay = value;
           await still();
         }, overlay);
-        return page.screenshot({ timeout: 180_000 });
+        return page.screenshot({ timeout: 1000 * HANGS });
       };
       const without = await shot("none");
       check(!without.equals(await shot("levels")), "no levels are drawn");
@@ -226,7 +226,7 @@ export async function attributes(harness, context) {
       viewer.src = "scene.rbn";
     });
     equal((await outcome(page)).type, "load", "the event");
-    const found = await within(60, "the state", page.evaluate(() => ({ camera: viewer.camera, lights: viewer.lights })));
+    const found = await within("the state", page.evaluate(() => ({ camera: viewer.camera, lights: viewer.lights })));
     same(found.camera.position, [0, 2, 3], "the camera");
     same(found.lights, [{ type: "point", position: [0, 3, -2], intensity: 9, color: [1, 1, 1] }], "the lights");
     await page.close();

@@ -1,6 +1,7 @@
 // Bad networks and wrong files, from a real server: a code, a sentence with the file's name, and the next file is shown.
 
 import { readFile } from "node:fs/promises";
+import { HANGS, within } from "../browser.mjs";
 import { check, equal } from "../harness.mjs";
 import { document, serveStrictly } from "../strict.mjs";
 import { expectFailure, open, outcome, shown } from "./open.mjs";
@@ -9,10 +10,26 @@ const GLB = new URL("../../../baker/tests/gltf/plain.glb", import.meta.url);
 /** What an endless server may get rid of before the element has seen enough, bytes: what lies in buffers on the way. */
 const ENOUGH = 64e6;
 
-/** A minute's patience becomes a second; nothing else waits as long. */
-function hurry() {
-  const original = window.setTimeout;
-  window.setTimeout = (work, ms = 0, ...rest) => original.call(window, work, ms >= 60_000 ? 1000 : ms, ...rest);
+/**
+ * In the page, before its scripts: a minute's patience ends when `losePatience()` is called, and not by itself; nothing else
+ * waits as long. `patience` has how often it began anew, and how many wait now.
+ */
+function holdTime() {
+  const { setTimeout: set, clearTimeout: clear } = window;
+  const waiting = new Map();
+  globalThis.patience = { begun: 0, waiting: () => waiting.size };
+  window.setTimeout = (work, ms = 0, ...rest) => {
+    if (ms < 60_000) return set.call(window, work, ms, ...rest);
+    patience.begun += 1;
+    waiting.set(-patience.begun, work);
+    return -patience.begun;
+  };
+  window.clearTimeout = (id) => waiting.delete(id) || clear.call(window, id);
+  globalThis.losePatience = () => {
+    const works = [...waiting.values()];
+    waiting.clear();
+    for (const work of works) work();
+  };
 }
 
 /** Faults by the name of the file: what the server does, and what comes of it. */
@@ -34,7 +51,7 @@ function faults(bytes, glb) {
     request.on("close", () => (sent.closed = true));
     fill();
   };
-  const sent = { bytes: 0, closed: false };
+  const sent = { bytes: 0, closed: false, asked: () => undefined };
   return {
     sent,
     cases: {
@@ -56,10 +73,11 @@ function faults(bytes, glb) {
           response.write(third, () => setTimeout(() => response.destroy(), 100));
         },
       },
-      never_answered: { code: "stalled", words: "0 bytes", answer: () => undefined },
+      never_answered: { code: "stalled", words: "0 bytes", stallsAt: 0, answer: () => sent.asked() },
       stalled: {
         code: "stalled",
         words: `after ${third.length} of ${bytes.length} bytes`,
+        stallsAt: third.length,
         answer: (_, response) => {
           response.writeHead(200, { ...headers, "content-length": bytes.length });
           response.write(third);
@@ -80,15 +98,19 @@ export async function downloads(harness, context) {
   answers["good.rbn"] = (_, response) => response.writeHead(200).end(context.bytes);
   const server = await serveStrictly({ pages: { "": document("<rebounce-viewer></rebounce-viewer>") }, faults: answers });
   try {
-    for (const [name, { code, words, ends }] of Object.entries(cases)) {
+    for (const [name, { code, words, ends, stallsAt }] of Object.entries(cases)) {
       await harness.test(`page::downloads::${name}`, async () => {
-        const { page, faults } = await open({ ...context, address: server.address }, { prepare: hurry });
+        const { page, faults } = await open({ ...context, address: server.address }, { prepare: holdTime });
+        const asked = new Promise((done) => (sent.asked = done));
         await page.evaluate((file) => (viewer.src = file), `${name}.rbn`);
+        if (stallsAt === 0) await within("the request", asked);
+        if (stallsAt > 0) await page.evaluate((bytes) => until(() => events.some(({ loaded }) => loaded === bytes)), stallsAt);
+        if (stallsAt !== undefined) await page.evaluate(() => losePatience());
         await expectFailure(page, code);
         const { alert } = await shown(page);
         check(alert.includes(words), `the sentence has no "${words}": ${alert}`);
         if (ends) {
-          for (let i = 0; i < 100 && !sent.closed; i += 1) await page.waitForTimeout(100);
+          for (const end = Date.now() + 1000 * HANGS; Date.now() < end && !sent.closed; ) await page.waitForTimeout(50);
           check(sent.closed && sent.bytes < ENOUGH, `${sent.bytes} bytes were taken, and the connection is ${sent.closed ? "closed" : "open"}`);
           Object.assign(sent, { bytes: 0, closed: false });
         }
@@ -103,16 +125,24 @@ export async function downloads(harness, context) {
     }
 
     await harness.test("page::downloads::slow_is_not_stalled", async () => {
-      answers["slow.rbn"] = async (_, response) => {
-        response.writeHead(200);
-        for (let at = 0; at < context.bytes.length; at += 1 + (context.bytes.length >> 3)) {
-          response.write(context.bytes.subarray(at, at + 1 + (context.bytes.length >> 3)));
-          await new Promise((later) => setTimeout(later, 150));
-        }
-        response.end();
-      };
-      const { page } = await open({ ...context, address: server.address }, { prepare: hurry });
+      let asked;
+      const slow = new Promise((done) => (asked = done));
+      answers["slow.rbn"] = (_, response) => asked(response.writeHead(200));
+      const { page } = await open({ ...context, address: server.address }, { prepare: holdTime });
       await page.evaluate(() => (viewer.src = "slow.rbn"));
+      const response = await within("the request", slow);
+      const size = 1 + (context.bytes.length >> 3);
+      let begun = 0;
+      for (let at = 0; at < context.bytes.length; at += size) {
+        const to = Math.min(at + size, context.bytes.length);
+        response.write(context.bytes.subarray(at, to));
+        await page.evaluate((bytes) => until(() => events.some(({ loaded }) => loaded === bytes)), to);
+        // Each piece that comes gives it another minute, and only one of them runs.
+        const now = await page.evaluate(() => [patience.begun, patience.waiting()]);
+        check(now[0] > begun && now[1] === 1, `patience began ${begun} and then ${now[0]} times, ${now[1]} wait`);
+        [begun] = now;
+      }
+      response.end();
       const event = await outcome(page);
       equal(event.type, "load", event.message ?? "the event");
       const steps = await page.evaluate(() => events.filter(({ type }) => type === "progress").map(({ total }) => total));

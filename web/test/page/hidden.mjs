@@ -47,7 +47,7 @@ export async function hidden(harness, context) {
   await harness.test("page::hidden::nothing_is_drawn_in_the_background_and_then_what_has_changed", async () => {
     const { page, faults } = await opened(PLAIN);
     await outcome(page);
-    const found = await within(180, "the picture", page.evaluate(async () => {
+    const found = await within("the picture", page.evaluate(async () => {
       await still();
       const lights = viewer.lights.map((light) => ({ ...light, color: [0.1, 0.2, 1] }));
       hide();
@@ -73,7 +73,7 @@ export async function hidden(harness, context) {
 
   await harness.test("page::hidden::a_scene_loads_and_a_lost_device_comes_back_in_the_background", async () => {
     const { page, faults } = await opened("<p></p>");
-    const found = await within(240, "the scene", page.evaluate(async () => {
+    const found = await within("the scene", page.evaluate(async () => {
       hide();
       add();
       await until(() => loads() === 1);
@@ -109,7 +109,7 @@ export async function hidden(harness, context) {
     await page.waitForTimeout(2000);
     await session.send("Page.setWebLifecycleState", { state: "active" });
     const at = await page.evaluate(() => viewer.currentTime);
-    await within(60, "the animation", page.waitForFunction((before) => viewer.currentTime > before + 0.3, at));
+    await within("the animation", page.waitForFunction((before) => viewer.currentTime > before + 0.3, at));
     equal(await page.evaluate(() => events.filter(({ type }) => type === "error").length), 0, "errors");
     equal(faults.join("\n"), "", "faults");
     await page.close();

@@ -114,6 +114,11 @@ export async function input(harness, context) {
         if (key) await page.keyboard.down(key);
         await page.mouse.wheel(0, 60);
         if (key) await page.keyboard.up(key);
+        // One of the two happens, and the other one would, too, by a moment later.
+        await page.evaluate((from) => until(() => {
+          const { position, target } = viewer.camera;
+          return scrollY > 0 || Math.abs(Math.hypot(...position.map((x, i) => x - target[i])) - from) > 1e-3;
+        }), before);
         await page.evaluate(() => pause(300));
         const scrolled = await page.evaluate(() => scrollY);
         return { scrolled: scrolled > 0, zoomed: Math.abs(away(await camera()) - before) > 1e-3 };

@@ -45,17 +45,17 @@ export async function loading(harness, context) {
         asked += 1;
         return original.call(window, callback);
       };
-      const pause = (ms) => new Promise((later) => setTimeout(later, ms));
       // What loading began may still be under way.
-      for (let before = -1; before !== asked; await pause(500)) before = asked;
+      await still();
       asked = 0;
       const { frames } = viewer.stats();
       await pause(10_000);
-      const still = asked + viewer.stats().frames - frames;
+      const drawn = asked + viewer.stats().frames - frames;
+      asked = 0;
       document.querySelector("rebounce-viewer").exposure = 1;
-      await pause(1000);
+      await until(() => asked > 0);
       window.requestAnimationFrame = original;
-      return { still, changed: asked - still };
+      return { still: drawn, changed: asked };
     });
     equal(drawn.still, 0, "frames of a still scene in ten seconds");
     check(drawn.changed > 0, "a change of exposure drew no frame");
@@ -67,9 +67,7 @@ export async function loading(harness, context) {
     await page.mouse.down();
     await page.mouse.move(90, 140, { steps: 4 });
     await page.mouse.up();
-    const camera = await within(
-      60,
-      "camera-change",
+    const camera = await within("camera-change",
       page.evaluate(async () => {
         while (!events.some((event) => event.type === "camera-change")) await new Promise((t) => setTimeout(t, 50));
         return document.querySelector("rebounce-viewer").camera;

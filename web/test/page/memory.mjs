@@ -38,7 +38,7 @@ export async function memory(harness, context) {
     await outcome(page);
     const before = await page.evaluate(async () => (await still(), { ...(await settled()), picture: await look(viewer) }));
     await full(true)(page);
-    const told = await within(180, "the second one", page.evaluate(async () => {
+    const told = await within("the second one", page.evaluate(async () => {
       globalThis.second = add();
       const detail = await new Promise((done) => second.addEventListener("error", (event) => done(event.detail)));
       globalThis.full = false;
@@ -53,7 +53,7 @@ export async function memory(harness, context) {
     alike(await page.evaluate(() => look(viewer)), before.picture, "the first one's picture");
     // There is memory again.
     await page.evaluate(() => second.shadowRoot.querySelector("[role=alert] button").click());
-    await within(180, "the second one", page.evaluate(() => until(() => second.loaded)));
+    await within("the second one", page.evaluate(() => until(() => second.loaded)));
     equal(faults.join("\n"), "", "faults");
     await page.close();
   });

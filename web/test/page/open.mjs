@@ -1,6 +1,6 @@
 // Opens the page and looks at what the element makes of it.
 
-import { within } from "../browser.mjs";
+import { HANGS, within } from "../browser.mjs";
 import { check, equal } from "../harness.mjs";
 
 /** The page's element without its panel: quicker. */
@@ -13,27 +13,52 @@ export const PLAIN = '<rebounce-viewer src="scene.rbn"></rebounce-viewer>';
 export async function open(context, options = {}) {
   const { query = "", prepare, argument, routes = {}, html, viewport = { width: 320, height: 180 }, media } = options;
   const page = await context.browser.newPage({ viewport, ...media });
-  page.setDefaultTimeout(180_000);
+  page.setDefaultTimeout(1000 * HANGS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
   page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
-  await page.addInitScript(() => {
+  await page.addInitScript((hangs) => {
     globalThis.events = [];
     Object.defineProperty(globalThis, "viewer", { get: () => document.querySelector("rebounce-viewer") });
     globalThis.pause = (ms) => new Promise((later) => setTimeout(later, ms));
-    // Resolves when the claim holds, and after it has not for two minutes rejects.
+    // Resolves when the claim holds, and after it has not for as long as something that hangs rejects.
     globalThis.until = async (claim) => {
-      for (let i = 0; i < 2400; i += 1) {
-        if (await claim()) return;
-        await pause(50);
-      }
+      for (const end = Date.now() + 1000 * hangs; Date.now() < end; await pause(50)) if (await claim()) return;
       throw new Error(`never: ${claim}`);
+    };
+    // Resolves when what the GPU was given is done, and frames that were asked for meanwhile have had their turn.
+    const queues = new Set();
+    const { requestAnimationFrame: request } = window;
+    const submit = globalThis.GPUQueue?.prototype.submit;
+    if (submit) {
+      GPUQueue.prototype.submit = function (...args) {
+        queues.add(this);
+        return submit.apply(this, args);
+      };
+    }
+    globalThis.idle = async () => {
+      for (const queue of queues) await queue.onSubmittedWorkDone().catch(() => queues.delete(queue));
+      for (let i = 0; i < 3; i += 1) await new Promise((done) => request.call(window, done));
     };
     // Resolves with the count of frames when no further ones are drawn.
     globalThis.still = async () => {
-      for (let before = -1; before !== viewer.stats().frames; await pause(700)) before = viewer.stats().frames;
+      const count = () => [...document.querySelectorAll("rebounce-viewer")].reduce((sum, it) => sum + (it.stats()?.frames ?? 0), 0);
+      for (let before = -1; before !== count(); await pause(500)) {
+        before = count();
+        await idle();
+      }
       return viewer.stats().frames;
     };
+    // Resolves when the browser has told whether an element can be seen, and so has told the element.
+    globalThis.seen = (element, expected) =>
+      new Promise((done) => {
+        const observer = new IntersectionObserver((entries) => {
+          if (entries.at(-1).isIntersecting !== expected) return;
+          observer.disconnect();
+          setTimeout(done);
+        });
+        observer.observe(element);
+      });
     const types = ["load", "error", "progress", "camera-change", "light-change", "play", "pause", "finished"];
     for (const type of types) {
       const note = (event) => event.target.localName === "rebounce-viewer" && events.push({ type, ...event.detail });
@@ -47,7 +72,7 @@ export async function open(context, options = {}) {
         await new Promise((later) => setTimeout(later, 50));
       }
     };
-  });
+  }, HANGS);
   if (html) {
     context.served ??= await served(context.address);
     const { headers, text } = context.served;
@@ -71,7 +96,7 @@ async function served(address) {
 
 /** The next load or error event after the first `seen` ones. */
 export const outcome = (page, seen = 0) =>
-  within(180, "the scene", page.evaluate((count) => globalThis.outcome(count), seen));
+  within("the scene", page.evaluate((count) => globalThis.outcome(count), seen));
 
 /** What the element shows of a failure. */
 export const shown = (page) =>

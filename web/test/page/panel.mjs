@@ -53,7 +53,7 @@ export async function panel(harness, context) {
     same((await state()).map(({ type }) => type), ["spot", "spot", "directional"], "kinds after removing one");
     // A script's lights are listed, too.
     await page.evaluate(() => void (viewer.lights = viewer.lights.slice(0, 1)));
-    await within(60, "one entry", page.waitForFunction(() => viewer.shadowRoot.querySelectorAll(".entry").length === 1));
+    await within("one entry", page.waitForFunction(() => viewer.shadowRoot.querySelectorAll(".entry").length === 1));
   });
 
   await harness.test("panel::keys_alone_reach_and_move_a_light", async () => {
@@ -145,7 +145,7 @@ export async function panel(harness, context) {
     same(saved, await page.evaluate(() => viewer.shot), "what was saved");
     const lights = [{ type: "point", position: [0, 1, 0], intensity: 3, color: [1, 1, 1] }];
     const choose = (name, text) => page.getByLabel("Load", { exact: true }).setInputFiles({ name, mimeType: "application/json", buffer: Buffer.from(text) });
-    const said = (text) => within(30, text, page.getByRole("status").filter({ hasText: text }).waitFor());
+    const said = (text) => within(text, page.getByRole("status").filter({ hasText: text }).waitFor());
     await choose("good.json", JSON.stringify({ ...saved, lights }));
     await said("Camera and lights of good.json are set.");
     same(await state(), lights, "the lights");
@@ -182,7 +182,7 @@ export async function panel(harness, context) {
     // Where the device can time passes, those that the first picture needs have run, and the sum stands below them.
     if (passes.length > 0) check((await times.getByRole("row").count()) >= 6 && passes.length >= 5, `passes: ${passes.length}`);
     const picture = page.getByRole("table", { name: "In this picture" });
-    await within(60, "what the GPU counted", picture.getByRole("row").first().waitFor());
+    await within("what the GPU counted", picture.getByRole("row").first().waitFor());
     const counts = await page.evaluate(() => viewer.counts());
     const row = picture.getByRole("row", { name: "kernel evaluations per pixel" });
     const told = Number(await row.getByRole("cell").first().textContent());

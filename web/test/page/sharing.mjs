@@ -1,6 +1,6 @@
 // Several elements on a page: one device, and everything that an element takes of it comes back.
 
-import { decode, spread, within } from "../browser.mjs";
+import { HANGS, decode, spread, within } from "../browser.mjs";
 import { check, equal, same } from "../harness.mjs";
 import { ledger } from "./ledger.mjs";
 import { open, outcome, PLAIN } from "./open.mjs";
@@ -45,7 +45,7 @@ export async function sharing(harness, context) {
       // Now that all have their size.
       for (const element of elements()) element.src = "scene.rbn";
     });
-    await within(300, "ten scenes", page.evaluate(() => until(() => loads() === 10)));
+    await within("ten scenes", page.evaluate(() => until(() => loads() === 10)));
     equal(await page.evaluate(() => gpu.devices.length), 1, "devices");
     const pictures = await page.evaluate(async () => {
       const all = [];
@@ -55,7 +55,7 @@ export async function sharing(harness, context) {
     check(spread(pictures[0]).deviation > 4, "the picture is blank");
     for (const picture of pictures) alike(picture, pictures[0], "one picture and the first");
     // And so it is on the screen.
-    await within(300, "still pictures", page.evaluate(async () => {
+    await within("still pictures", page.evaluate(async () => {
       for (let before = -1, now = 0; before !== now; await pause(1500)) {
         before = now;
         now = elements().reduce((sum, element) => sum + element.stats().frames, 0);
@@ -63,7 +63,7 @@ export async function sharing(harness, context) {
     }));
     const shots = [];
     for (let i = 0; i < 10; i += 1) {
-      const png = await page.locator("rebounce-viewer").nth(i).screenshot({ timeout: 180_000 });
+      const png = await page.locator("rebounce-viewer").nth(i).screenshot({ timeout: 1000 * HANGS });
       shots.push(await decode(context.browser, png));
     }
     for (const shot of shots) {
@@ -91,7 +91,7 @@ export async function sharing(harness, context) {
   await harness.test("page::sharing::what_one_element_does_wrong_is_not_the_others_failure", async () => {
     const { page } = await counted(context, PLAIN);
     await outcome(page);
-    const codes = await within(180, "both to tell", page.evaluate(async () => {
+    const codes = await within("both to tell", page.evaluate(async () => {
       const [first] = elements();
       // The second one's buffers are refused, as where memory is short.
       const original = GPUDevice.prototype.createBuffer;
@@ -114,7 +114,7 @@ export async function sharing(harness, context) {
 
   await harness.test("page::sharing::dispose_frees_everything_and_the_last_one_the_device", async () => {
     const { page } = await counted(context, PLAIN + PLAIN);
-    const found = await within(180, "both", page.evaluate(async () => {
+    const found = await within("both", page.evaluate(async () => {
       await until(() => loads() === 2);
       const [first, second] = elements();
       const both = await settled();
@@ -149,7 +149,7 @@ export async function sharing(harness, context) {
   ]) {
     await harness.test(`page::sharing::an_element_removed_while_${moment}_leaves_nothing`, async () => {
       const { page, faults } = await counted(context, "<p></p>");
-      const left = await within(180, "the end", page.evaluate(async (hook) => {
+      const left = await within("the end", page.evaluate(async (hook) => {
         let element;
         const happened = new Promise((done) => {
           gpu[hook.slice(4)] = () => {
@@ -184,7 +184,7 @@ export async function sharing(harness, context) {
       return { ...ours, heap: metrics.find(({ name }) => name === "JSHeapUsedSize").value };
     };
     const cycles = (count) =>
-      within(600, `${count} elements`, page.evaluate(async (times) => {
+      within(`${count} elements`, page.evaluate(async (times) => {
         for (let i = 0; i < times; i += 1) {
           const element = add();
           await new Promise((told) => {

@@ -157,7 +157,7 @@ export async function slots(harness, context) {
     same(await size(1.5), [480, 270, "(resolution: 1.5dppx)"], "at one and a half device pixels");
     same(await size(4), [640, 360, "(resolution: 4dppx)"], "at four, of which two are drawn");
     await page.evaluate(() => (viewer.style.width = "200px"));
-    await within(60, "400 pixels", page.waitForFunction(() => viewer.shadowRoot.querySelector("canvas").width === 400));
+    await within("400 pixels", page.waitForFunction(() => viewer.shadowRoot.querySelector("canvas").width === 400));
     await page.close();
   });
 }

@@ -20,7 +20,7 @@ export async function text(harness, context) {
       const { page, faults } = await opened();
       await page.evaluate(() => (viewer.src = "names.rbn"));
       equal((await outcome(page)).type, "load", "the event");
-      const found = await within(120, "the panel", page.evaluate(async () => {
+      const found = await within("the panel", page.evaluate(async () => {
         const { shadowRoot } = viewer;
         await until(() => shadowRoot.querySelector("details"));
         for (const details of shadowRoot.querySelectorAll("details")) details.open = true;

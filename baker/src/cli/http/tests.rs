@@ -57,12 +57,20 @@ fn many_connections_at_once_are_all_answered() {
 
 static HEADERS: [(&str, &str); 1] = [("X-Test", "yes")];
 
+/// What shows a hang, on however busy a machine, and waits no longer than that.
+const HANGS: Duration = Duration::from_secs(600);
+
 /// A server that says its requests' targets, and has a file under `/file`.
 fn server(file: Option<std::path::PathBuf>) -> std::net::SocketAddr {
+    server_for(HANGS, file)
+}
+
+/// The same with this patience.
+fn server_for(patience: Duration, file: Option<std::path::PathBuf>) -> std::net::SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
     std::thread::spawn(move || {
-        serve(&listener, &HEADERS, move |request| match (request.target.as_str(), &file) {
+        serve_for(patience, &listener, &HEADERS, move |request| match (request.target.as_str(), &file) {
             ("/file", Some(path)) => {
                 Response { status: 200, mime: "a/b", body: Body::File(File::open(path).unwrap()) }
             }
@@ -121,24 +129,29 @@ fn whatever_is_sent_is_answered_once_and_closed() {
 }
 
 #[test]
-fn slow_and_silent_clients_are_let_go_and_hold_nobody_up() {
+fn slow_and_silent_clients_hold_nobody_up() {
     let address = server(None);
+    let mut slow = TcpStream::connect(address).unwrap();
+    let _silent = TcpStream::connect(address).unwrap();
+    slow.write_all(b"G").unwrap();
+    assert!(answer(address, b"GET /now HTTP/1.1\r\n\r\n").ends_with("/now"));
+}
+
+#[test]
+fn slow_and_silent_clients_are_let_go() {
+    let patience = Duration::from_millis(500);
+    let address = server_for(patience, None);
     let began = Instant::now();
     let mut slow = TcpStream::connect(address).unwrap();
     let silent = TcpStream::connect(address).unwrap();
-    let dripping = std::thread::spawn(move || {
-        // A byte now and then, for ever: the time for a whole head counts, not that from byte to byte.
-        while slow.write_all(b"G").is_ok() && began.elapsed() < 5 * PATIENCE {
-            std::thread::sleep(PATIENCE / 10);
-        }
-        began.elapsed()
-    });
-    assert!(answer(address, b"GET /now HTTP/1.1\r\n\r\n").ends_with("/now"));
-    assert!(began.elapsed() < PATIENCE);
-    assert!(dripping.join().unwrap() < 4 * PATIENCE, "it was never let go");
+    // A byte now and then, for ever: the time for a whole head counts, not that from byte to byte.
+    while slow.write_all(b"G").is_ok() {
+        assert!(began.elapsed() < HANGS, "it was never let go");
+        std::thread::sleep(patience / 10);
+    }
     let mut nothing = Vec::new();
     let _ = (&silent).read_to_end(&mut nothing);
-    assert!(nothing.is_empty() && began.elapsed() < 4 * PATIENCE);
+    assert!(nothing.is_empty() && began.elapsed() >= patience);
 }
 
 #[test]
@@ -147,7 +160,7 @@ fn more_connections_than_fit_are_closed_and_later_ones_answered() {
     let crowd: Vec<_> = (0..MOST_OPEN + 40).filter_map(|_| TcpStream::connect(address).ok()).collect();
     std::thread::sleep(Duration::from_millis(100));
     drop(crowd);
-    let deadline = Instant::now() + 10 * PATIENCE;
+    let began = Instant::now();
     loop {
         let mut stream = TcpStream::connect(address).unwrap();
         let _ = stream.write_all(b"GET /still HTTP/1.1\r\n\r\n");
@@ -156,7 +169,7 @@ fn more_connections_than_fit_are_closed_and_later_ones_answered() {
         if answer.ends_with(b"/still") {
             return;
         }
-        assert!(Instant::now() < deadline, "nobody is answered any more");
+        assert!(began.elapsed() < HANGS, "nobody is answered any more");
     }
 }
 
