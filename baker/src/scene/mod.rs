@@ -2,7 +2,8 @@
 //!
 //! * [`load`] – from a .gltf or .glb file, or `builtin:NAME`;
 //! * [`builtin`] – the generated scenes;
-//! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal;
+//! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal; `orientation` – turns that their
+//!   metadata ask for;
 //! * [`model`] – what stands in a scene many times;
 //! * `colours` – colours of vertices;
 //! * [`far`] – what lies far away from the rest.
@@ -14,6 +15,7 @@ mod error;
 pub mod far;
 mod gltf;
 pub mod model;
+mod orientation;
 pub mod texture;
 
 pub use error::SceneError;
