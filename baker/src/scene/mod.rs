@@ -3,7 +3,7 @@
 //! * [`load`] – from a .gltf or .glb file, or `builtin:NAME`;
 //! * [`builtin`] – the generated scenes;
 //! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal; `foreign` – those
-//!   of formats that glTF does not have;
+//!   of formats that glTF does not have; `orientation` – turns that their metadata ask for;
 //! * [`model`] – what stands in a scene many times;
 //! * `colours` – colours of vertices; `merge` – materials that look alike; `notes` – what is said about a file;
 //! * [`far`] – what lies far away from the rest.
@@ -18,6 +18,7 @@ mod gltf;
 mod merge;
 pub mod model;
 mod notes;
+mod orientation;
 pub mod texture;
 
 pub use error::SceneError;

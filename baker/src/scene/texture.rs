@@ -1,6 +1,6 @@
 //! Textures: the picture that came with the scene and its decoded texels.
 
-use super::{SceneError, basis, foreign};
+use super::{SceneError, basis, foreign, orientation};
 use glam::{Vec2, Vec3};
 use rebounce_shared::rbn::meta::{self, Wrap};
 use std::sync::{Arc, LazyLock, OnceLock};
@@ -45,7 +45,7 @@ pub struct Texels {
 pub struct Texture {
     /// Name, picture type, size and wrapping; `offset` and `len` are not set before writing a file.
     pub meta: meta::Texture,
-    /// The picture as it came, PNG, JPEG or WebP; one of another format as PNG.
+    /// The picture as it came, PNG, JPEG or WebP, but for a turn that its metadata ask for; one of another format as PNG.
     pub bytes: Arc<[u8]>,
     /// The picture decoded; only base colours are.
     pub texels: Option<Arc<Texels>>,
@@ -316,11 +316,12 @@ impl Texture {
             texture: meta.name.clone(),
             problem,
         };
-        let bytes = match foreign::format(&bytes) {
+        let mut bytes = match foreign::format(&bytes) {
             _ if basis::is_ktx2(&bytes) => basis::to_png(&bytes).map_err(bad)?,
             Some(format) => foreign::to_png(&bytes, format).map_err(bad)?,
             None => bytes,
         };
+        orientation::straighten(&mut bytes);
         let texels = if decoded { Some(Arc::new(Texels::decode(&bytes).map_err(bad)?)) } else { None };
         let size = match &texels {
             Some(texels) => (texels.width, texels.height),

@@ -5,7 +5,7 @@ import path from "node:path";
 import { fileURLToPath } from "node:url";
 import { exec } from "../agreement.mjs";
 import { launch, spread } from "../browser.mjs";
-import { check, equal } from "../harness.mjs";
+import { check, equal, same } from "../harness.mjs";
 import { loaded } from "./open.mjs";
 
 const SCENES = fileURLToPath(new URL("../../../baker/tests/gltf", import.meta.url));
@@ -101,6 +101,60 @@ function tiles() {
   });
 }
 
+/** A JPEG picture, left half red and right half blue, and the same with metadata that ask for a quarter turn: what the browser makes of their sizes, and their bytes. */
+async function turned(browser) {
+  const page = await browser.newPage();
+  try {
+    return await page.evaluate(async () => {
+      const canvas = new OffscreenCanvas(64, 32);
+      const context = canvas.getContext("2d");
+      context.fillStyle = "#f00";
+      context.fillRect(0, 0, 32, 32);
+      context.fillStyle = "#00f";
+      context.fillRect(32, 0, 32, 32);
+      const plain = new Uint8Array(await (await canvas.convertToBlob({ type: "image/jpeg", quality: 1 })).arrayBuffer());
+      // Exif: one entry, the orientation (0x0112), one number of 16 bits, 6.
+      const exif = [0x45, 0x78, 0x69, 0x66, 0, 0, 0x4d, 0x4d, 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, 6, 0, 0, 0, 0, 0, 0];
+      const tagged = Uint8Array.from([0xff, 0xd8, 0xff, 0xe1, 0, exif.length + 2, ...exif, ...plain.subarray(2)]);
+      const told = async (bytes) => {
+        const blob = new Blob([bytes], { type: "image/jpeg" });
+        const { width, height } = await createImageBitmap(blob, { premultiplyAlpha: "none", colorSpaceConversion: "none" });
+        return { size: [width, height], base64: btoa(String.fromCharCode(...bytes)) };
+      };
+      return { plain: await told(plain), tagged: await told(tagged) };
+    });
+  } finally {
+    await page.close();
+  }
+}
+
+/** A glTF file of a floor, four by two, that shines as this JPEG picture says. */
+function screen(base64) {
+  const floats = new Float32Array([-2, 0, -1, -2, 0, 1, 2, 0, 1, 2, 0, -1, 0, 0, 0, 1, 1, 1, 1, 0]);
+  const bytes = Buffer.concat([Buffer.from(floats.buffer), Buffer.from(new Uint16Array([0, 1, 2, 0, 2, 3]).buffer)]);
+  return JSON.stringify({
+    asset: { version: "2.0" },
+    scene: 0,
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 1 }, indices: 2, material: 0 }] }],
+    materials: [{ emissiveFactor: [1, 1, 1], emissiveTexture: { index: 0 }, doubleSided: true, pbrMetallicRoughness: { baseColorFactor: [0, 0, 0, 1] } }],
+    textures: [{ source: 0 }],
+    images: [{ uri: `data:image/jpeg;base64,${base64}` }],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: 4, type: "VEC3", min: [-2, 0, -1], max: [2, 0, 1] },
+      { bufferView: 1, componentType: 5126, count: 4, type: "VEC2" },
+      { bufferView: 2, componentType: 5123, count: 6, type: "SCALAR" },
+    ],
+    bufferViews: [
+      { buffer: 0, byteLength: 48 },
+      { buffer: 0, byteOffset: 48, byteLength: 32 },
+      { buffer: 0, byteOffset: 80, byteLength: 12 },
+    ],
+    buffers: [{ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }],
+  });
+}
+
 /** In a browser of its own: with three more scenes the shared one came to its end before the last test. */
 export async function pictures(harness, shared) {
   const browser = await launch();
@@ -164,6 +218,31 @@ export async function pictures(harness, shared) {
     });
     equal(wrong.length, 0, `pixels that shine where nothing stands, or do not; the first is ${wrong[0]}`);
     await page.close();
+  });
+  await harness.test("pictures::a_turn_that_metadata_ask_for_is_none_of_gltfs", async () => {
+    const { plain, tagged } = await turned(browser);
+    // Chromium turns what asks for it, or this would show nothing.
+    same([plain.size, tagged.size], [[64, 32], [32, 64]], "sizes as the browser decodes them");
+    const seen = [];
+    for (const [name, { base64 }] of Object.entries({ plain, tagged })) {
+      const [gltf, baked] = [`turn-${name}.gltf`, `turn-${name}.rbn`].map((file) => path.join(context.work, file));
+      await writeFile(gltf, screen(base64));
+      await exec(context.rebounce, ["bake", gltf, ...QUICK, "-o", baked]);
+      const body = await readFile(baked);
+      const html = `<rebounce-viewer src="turn-${name}.rbn" auto-exposure="off" mode="direct"></rebounce-viewer>`;
+      const { page, faults } = await loaded(context, html, { routes: { [`**/turn-${name}.rbn`]: (route) => route.fulfill({ body }) } });
+      seen.push(await page.evaluate(async () => {
+        viewer.camera = { position: [0, 3, 0], target: [0, 0, 0], up: [0, 0, -1], yfov_deg: 30 };
+        return Array.from(await viewer.readPixels(64, 32));
+      }));
+      equal(faults.join("\n"), "", "faults");
+      await page.close();
+    }
+    const at = (pixels, x) => pixels.slice(4 * (16 * 64 + x), 4 * (16 * 64 + x) + 3);
+    const [left, right] = [at(seen[0], 16), at(seen[0], 48)];
+    check(left[0] > 2 * left[2] && right[2] > 2 * right[0], `left ${left}, right ${right}`);
+    same(at(seen[1], 16), left, "the left half of the one that asks for a turn");
+    same(at(seen[1], 48), right, "its right half");
   });
   await browser.close();
 }
