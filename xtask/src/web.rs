@@ -30,6 +30,7 @@ pub fn build() -> Result<()> {
     npm()?;
     let pkg = process::root().join("web/pkg");
     bindgen::module(&wasm(toolchain)?, NAME, &pkg)?;
+    shrink(&pkg.join(format!("{NAME}_bg.wasm")))?;
     let files = assemble(&pkg)?;
     let dist = process::root().join("web/dist");
     mirror(&files, &dist)?;
@@ -46,6 +47,37 @@ fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
     Ok(toolchain.target().join(toolchain::TARGET).join("web").join(NAME).with_extension("wasm"))
 }
 
+/// Passes of Binaryen's wasm-opt, of which gzip leaves less; `-Oz` makes a file whose gzip is larger.
+const PASSES: [&str; 11] = [
+    "--remove-unused-module-elements",
+    "--dealign",
+    "--duplicate-function-elimination",
+    "--remove-unused-brs",
+    "--optimize-instructions",
+    "--strip-target-features",
+    "--dae-optimizing",
+    "--simplify-locals-notee-nostructure",
+    "--precompute",
+    "--remove-unused-names",
+    "--vacuum",
+];
+/// What LLVM's wasm uses, which Binaryen is told instead of reading it out of the file.
+const FEATURES: [&str; 6] = [
+    "--enable-bulk-memory",
+    "--enable-multivalue",
+    "--enable-mutable-globals",
+    "--enable-nontrapping-float-to-int",
+    "--enable-reference-types",
+    "--enable-sign-ext",
+];
+
+/// Replaces a wasm file by a shorter one that does the same.
+fn shrink(wasm: &Path) -> Result<()> {
+    let mut command = Command::new("node");
+    command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(PASSES);
+    process::run(command.arg(wasm).arg("-o").arg(wasm).current_dir(process::root().join("web")))
+}
+
 /// Places in panics and what only `{:?}` prints make up a tenth of a bundle, and nobody sees them in a page.
 pub fn lean(cargo: &mut Command) -> &mut Command {
     cargo.env("RUSTC_BOOTSTRAP", "1");
@@ -59,7 +91,7 @@ pub fn lean(cargo: &mut Command) -> &mut Command {
 pub fn npm() -> Result<()> {
     packages(
         "web",
-        "the TypeScript compiler, the minifier, the manifest's analyzer, Playwright's driver, axe",
+        "the TypeScript compiler, the minifiers, the manifest's analyzer, Playwright's driver, axe",
     )
 }
 
