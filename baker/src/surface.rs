@@ -91,6 +91,11 @@ pub trait Surfaces: Sync {
     /// 1 − alpha, decided by `seed` alone: the same ray and seed give the same hit.
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit>;
 
+    /// What a camera sees along a ray: the nearest hit where the backs of one-sided surfaces are not there, as glTF culls
+    /// them. They stop all light, so that only rays from an eye, or from a viewpoint, ask this. Where no back is nearer
+    /// it is what [`Self::cast`] finds.
+    fn see(&self, ray: &Ray, seed: u32) -> Option<Hit>;
+
     /// The share of light that gets from `from` to `to`, 0 to 1: the product of 1 − alpha over
     /// all surfaces in between. `to` may be far outside the scene.
     fn transmittance(&self, from: Vec3, to: Vec3) -> f32;
@@ -161,6 +166,9 @@ pub trait Pieces: Sync {
     /// Where the nearest hit is, and how far away, where light is reflected at all: [`Surfaces::cast`] without looking at
     /// what is there. Its side is that of the true surface.
     fn find(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)>;
+
+    /// The same for a ray from a camera: [`Surfaces::see`] without looking at what is there.
+    fn find_seen(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)>;
 
     /// The same for the rays of these numbers, in their order; quickest where neighbours are of one [class](Ray::class) and
     /// go alike. Origins and directions are finite, and no [`Ray::max_distance`] is NaN.

@@ -31,11 +31,12 @@ pub struct BlendedPass {
     materials: wgpu::BindGroupLayout,
     lights: wgpu::BindGroupLayout,
     /// Made when a scene first has blended surfaces.
-    made: OnceCell<Made>,
+    layout: OnceCell<wgpu::BindGroupLayout>,
+    /// With backs and without, made when a scene first needs them.
+    made: [OnceCell<Made>; 2],
 }
 
 struct Made {
-    layout: wgpu::BindGroupLayout,
     /// Depth of the first layer, and of the others.
     peel: [wgpu::RenderPipeline; 2],
     shade: wgpu::RenderPipeline,
@@ -69,11 +70,11 @@ impl Veil {
 impl BlendedPass {
     /// Without pipelines yet; from the layouts of a material's bind group and of the lights'.
     pub fn new(materials: &wgpu::BindGroupLayout, lights: &wgpu::BindGroupLayout) -> Self {
-        Self { materials: materials.clone(), lights: lights.clone(), made: OnceCell::new() }
+        Self { materials: materials.clone(), lights: lights.clone(), layout: OnceCell::new(), made: Default::default() }
     }
 
-    fn made(&self, gpu: &Gpu) -> &Made {
-        self.made.get_or_init(|| {
+    fn layout(&self, gpu: &Gpu) -> &wgpu::BindGroupLayout {
+        self.layout.get_or_init(|| {
             let slots = [
                 Slot::Uniform,
                 Slot::Uniform,
@@ -85,13 +86,19 @@ impl BlendedPass {
                 Slot::Depth,
                 Slot::Depth,
             ];
-            let layout = layout(gpu, "blended", ShaderStages::VERTEX_FRAGMENT, &slots);
-            let layouts = [&layout, &self.materials, &self.lights];
+            layout(gpu, "blended", ShaderStages::VERTEX_FRAGMENT, &slots)
+        })
+    }
+
+    fn made(&self, gpu: &Gpu, one_sided: bool) -> &Made {
+        self.made[one_sided as usize].get_or_init(|| {
+            let layouts = [self.layout(gpu), &self.materials, &self.lights];
             let draw = Draw {
                 label: "blended",
                 source: shaders::BLENDED,
                 layouts: &layouts,
                 buffers: &VERTEX_BUFFERS,
+                cull: one_sided,
                 ..Draw::default()
             };
             let depth = Some((CompareFunction::Greater, true));
@@ -105,7 +112,7 @@ impl BlendedPass {
             };
             let targets = [blended(VEIL, wgpu::BlendState { color: under, alpha: under })];
             let shade = Draw { targets: &targets, ..draw }.pipeline(gpu);
-            Made { layout, peel, shade }
+            Made { peel, shade }
         })
     }
 
@@ -132,7 +139,7 @@ impl BlendedPass {
                 view(opaque),
                 view(depth),
             ];
-            group(gpu, "blended", &self.made(gpu).layout, &resources)
+            group(gpu, "blended", self.layout(gpu), &resources)
         };
         BlendedTarget { groups: [bind(&veil.depths[0]), bind(&veil.depths[1])], veil }
     }
@@ -147,7 +154,6 @@ impl BlendedPass {
         lights: &wgpu::BindGroup,
         stamps: Option<Stamps<'_>>,
     ) {
-        let made = self.made(gpu);
         let count = scene.upload.blended_layers as usize;
         for layer in 0..count {
             let [own, other] = [layer % 2, (layer + 1) % 2];
@@ -157,7 +163,8 @@ impl BlendedPass {
                 timestamp_writes: stamps.filter(|_| layer == 0).map(|s| s.render(true, false)),
                 ..Default::default()
             });
-            runs(&mut pass, &made.peel[(layer > 0) as usize], &target.groups[other], scene, lights);
+            let peel = |one_sided| &self.made(gpu, one_sided).peel[(layer > 0) as usize];
+            runs(&mut pass, peel, &target.groups[other], scene, lights);
             drop(pass);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("layer"),
@@ -165,24 +172,29 @@ impl BlendedPass {
                 timestamp_writes: stamps.filter(|_| layer + 1 == count).map(|s| s.render(false, true)),
                 ..Default::default()
             });
-            runs(&mut pass, &made.shade, &target.groups[own], scene, lights);
+            let shade = |one_sided| &self.made(gpu, one_sided).shade;
+            runs(&mut pass, shade, &target.groups[own], scene, lights);
         }
     }
 }
 
-/// Draws all blended surfaces of the scene.
-fn runs(
+/// Draws all blended surfaces of the scene; `pipeline` is told whether they are one-sided.
+fn runs<'a>(
     pass: &mut wgpu::RenderPass<'_>,
-    pipeline: &wgpu::RenderPipeline,
+    pipeline: impl Fn(bool) -> &'a wgpu::RenderPipeline,
     own: &wgpu::BindGroup,
     scene: &LoadedScene,
     lights: &wgpu::BindGroup,
 ) {
-    pass.set_pipeline(pipeline);
     pass.set_bind_group(0, own, &[]);
     pass.set_bind_group(2, lights, &[]);
     scene.upload.bind(pass);
+    let mut last = None;
     for run in &scene.upload.blended_runs {
+        if last != Some(run.one_sided) {
+            pass.set_pipeline(pipeline(run.one_sided));
+            last = Some(run.one_sided);
+        }
         pass.set_bind_group(1, &scene.materials.groups[run.material as usize], &[]);
         run.draw(pass);
     }

@@ -115,7 +115,7 @@ mod tests {
             }
         }
         let indices = 0..scene.indices.len() as u32;
-        (scene, Run { material: 0, indices, instances: 0..1, cut: true, blended: true })
+        (scene, Run { material: 0, indices, instances: 0..1, cut: true, blended: true, one_sided: true })
     }
 
     #[test]

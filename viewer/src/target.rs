@@ -66,6 +66,7 @@ impl Target {
             veil: veil.as_ref().map(|veil| &veil.texture),
             looks: &scene.materials.looks,
             key,
+            levels: &scene.relight.levels,
         };
         let picture = pipelines.composite.target(&own, &sources, size);
         let blended =

@@ -3,12 +3,15 @@
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use rebounce::light::level::level;
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::{Only, Picture, check_name, png};
 use rebounce::shot;
+use rebounce::triangles::TriangleSurfaces;
 use rebounce::write::{check_place, write_whole};
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::Light;
+use rebounce_shared::exposure;
+use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::shot::Shot;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -84,8 +87,9 @@ impl PictureArgs {
         Exposure { size: self.size.unwrap_or(shot.size), samples, seed: self.seed }
     }
 
-    pub fn write(&self, picture: &Picture) -> Result<()> {
-        picture.write(&self.output)?;
+    /// Writes a picture of these surfaces under these lights, which say how far its exposure may go.
+    pub fn write(&self, picture: &Picture, surfaces: &TriangleSurfaces, lights: &[LightSource]) -> Result<()> {
+        picture.write(&self.output, exposure::most(level(surfaces, lights)))?;
         eprintln!("wrote {}", self.output.display());
         Ok(())
     }

@@ -47,5 +47,6 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let picture =
         path_trace(&surfaces, scene.origin, &shot.camera, &shot.lights, exposure, settings, || rows.done());
     rows.finish();
-    args.picture.write(&picture)
+    let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.origin)).collect();
+    args.picture.write(&picture, &surfaces, &lights)
 }

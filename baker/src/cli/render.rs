@@ -33,5 +33,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let only = args.picture.only();
     let picture = render(&scene, &surfaces, &shot.camera, &shot.lights, exposure, only, || rows.done());
     rows.finish();
-    args.picture.write(&picture)
+    let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
+    args.picture.write(&picture, &surfaces, &lights)
 }

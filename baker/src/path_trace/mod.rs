@@ -1,7 +1,7 @@
 //! The project's own ground truth: a brute-force path tracer. It knows nothing of points, basis
 //! and operator, and shares with them only the surfaces and the lights.
 //!
-//! From the eye along cosine-distributed bounces; at every surface the lamps are sampled. Paths
+//! From the eye, which backs of one-sided surfaces hide nothing from, along cosine-distributed bounces; at every surface the lamps are sampled. Paths
 //! end by Russian roulette after [`ROULETTE_DEPTH`] bounces.
 
 use crate::light::direct;
@@ -46,7 +46,7 @@ pub fn path_trace(
 pub fn radiance(
     surfaces: &impl Surfaces,
     lights: &[LightSource],
-    mut ray: Ray,
+    ray: Ray,
     settings: Settings,
     stream: &mut Stream,
 ) -> Vec3 {
@@ -54,7 +54,8 @@ pub fn radiance(
     let mut total = Vec3::ZERO;
     let mut throughput = Vec3::ONE;
     let mut depth = 0;
-    while let Some(hit) = surfaces.cast(&ray, stream.bits() as u32) {
+    let mut next = surfaces.see(&ray, stream.bits() as u32);
+    while let Some(hit) = next {
         if depth == 0 && settings.only == Only::All {
             total += hit.emission;
         }
@@ -77,7 +78,8 @@ pub fn radiance(
         }
         let direction = stream.cosine_hemisphere(hit.normal);
         let origin = hit.offset_origin(direction, surfaces.epsilon());
-        ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
+        let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
+        next = surfaces.cast(&ray, stream.bits() as u32);
         depth += 1;
     }
     total

@@ -65,7 +65,7 @@ impl Relit {
 
     /// The linear RGB radiance that comes along `ray`.
     pub fn radiance(&self, surfaces: &impl Surfaces, ray: &Ray, only: Only, stream: &mut Stream) -> Vec3 {
-        let Some(hit) = surfaces.cast(ray, stream.bits() as u32) else {
+        let Some(hit) = surfaces.see(ray, stream.bits() as u32) else {
             return Vec3::ZERO;
         };
         let mut irradiance = Vec3::ZERO;

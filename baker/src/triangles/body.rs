@@ -164,6 +164,12 @@ impl Body {
         if self.marks[triangle] & TURNED == 0 { spanned } else { -spanned }
     }
 
+    /// Whether a direction meets the back of a triangle that reflects on its front alone.
+    #[inline]
+    pub fn is_dark(&self, triangle: usize, direction: Vec3) -> bool {
+        self.marks[triangle] & TWO_SIDED == 0 && self.front(triangle).dot(direction) > 0.0
+    }
+
     /// The factor of the albedo, by the shares of a triangle's corners.
     #[inline]
     pub fn color(&self, surfaces: &[Surface], triangle: usize, [u, v, w]: [f32; 3]) -> Vec3 {
@@ -188,6 +194,23 @@ impl Body {
         let mut nearest = Nearest { stop, sheared };
         self.bvh.walk(line.origin, line.direction, limit, &mut nearest);
         nearest.stop.best
+    }
+
+    /// The same where backs that do not reflect are not there.
+    #[inline(never)]
+    pub fn nearest_seen(
+        &self,
+        surfaces: &[Surface],
+        line: &Line,
+        limit: f32,
+        strictly: bool,
+        seed: u32,
+    ) -> Option<(usize, Meeting)> {
+        let sheared = ShearedRay::new(line.origin, line.direction);
+        let stop = Stop { body: self, surfaces, strictly, seed, best: None };
+        let mut seen = Seen { nearest: Nearest { stop, sheared }, direction: line.direction };
+        self.bvh.walk(line.origin, line.direction, limit, &mut seen);
+        seen.nearest.stop.best
     }
 
     /// The share of light that gets through all triangles before `limit`.
@@ -242,6 +265,22 @@ impl Visit for Nearest<'_> {
             Some(meeting) => self.stop.take(place, meeting, limit),
             None => limit,
         })
+    }
+}
+
+/// Looks for the nearest triangle that a camera sees along a ray.
+struct Seen<'a> {
+    nearest: Nearest<'a>,
+    direction: Vec3,
+}
+
+impl Visit for Seen<'_> {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        if self.nearest.stop.body.is_dark(place, self.direction) {
+            return ControlFlow::Continue(limit);
+        }
+        self.nearest.visit(place, limit)
     }
 }
 
