@@ -1,6 +1,7 @@
 //! The automatic exposure brings no light into a room that has next to none, beside one that is lit.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[allow(dead_code, reason = "no radiance is compared")]
 mod common;
 
 use rebounce::light::{direct, level::level};
@@ -17,19 +18,10 @@ use rebounce_viewer::renderer::Renderer;
 
 const SIZE: u32 = 64;
 
-/// The lamp of a room, so many times as strong, and one so many times as strong in the room beside it.
-fn lamps(scene: &Scene, [own, other]: [f64; 2]) -> Vec<Light> {
-    let scaled = |factor: f64, mirrored: bool| {
-        let Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color } =
-            scene.meta.lights[0].clone()
-        else {
-            panic!("{:?}", scene.meta.lights)
-        };
-        let turned = |[x, y, z]: [f64; 3]| if mirrored { [-x, y, z] } else { [x, y, z] };
-        let (position, direction) = (turned(position), turned(direction));
-        Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity: intensity * factor, color }
-    };
-    vec![scaled(own, false), scaled(other, true)]
+/// Lamps in the middle of two rooms beside each other, of these intensities.
+fn lamps(intensities: [f64; 2]) -> Vec<Light> {
+    let lamp = |(x, intensity)| Light::Point { position: [x, 1.3, 2.0], intensity, color: [1.0; 3] };
+    [-2.0, 2.0].into_iter().zip(intensities).map(lamp).collect()
 }
 
 /// What a file's points say about the level of its light.
@@ -65,7 +57,7 @@ fn a_room_with_next_to_nothing_of_its_neighbours_light_is_black() {
     let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
     // On the CPU, as PNGs show it.
     let developed = |factors: [f64; 2]| {
-        let lights = lamps(&scene, factors);
+        let lights = lamps(factors);
         let exposure = Exposure { size: [24, 24], samples: 16, seed: 1 };
         let picture = render(&scene, &surfaces, &dark, &lights, exposure, Only::All, || ());
         let sources: Vec<LightSource> = lights.iter().map(|light| light.source(scene.meta.origin)).collect();
@@ -80,27 +72,28 @@ fn a_room_with_next_to_nothing_of_its_neighbours_light_is_black() {
     let Some(mut renderer) = common::renderer(&scene) else { return };
     renderer.set_auto_exposure(true);
     renderer.set_camera(dark).unwrap();
-    let (black, [_, _, most]) = shown(&mut renderer, lamps(&scene, [1.0, 2e-5]));
-    let (dim, _) = shown(&mut renderer, lamps(&scene, [1.0, 1e-2]));
-    let brightest = *black.iter().max().unwrap();
-    println!("in the viewer: {} ({brightest} at most), {}", mean(&black), mean(&dim));
-    assert!(mean(&black) < 1.0 && brightest < 24, "{} and {brightest}", mean(&black));
+    let (black, [_, _, most]) = shown(&mut renderer, lamps([1.0, 2e-5]));
+    let (dim, _) = shown(&mut renderer, lamps([1.0, 1e-2]));
+    // But for pixels where the wall between them meets the ceiling, which a shadow map's texels are wider than.
+    let bright = black.chunks(3).filter(|pixel| pixel.iter().any(|c| *c > 2)).count();
+    println!("in the viewer: {} ({bright} pixels above 2), {}", mean(&black), mean(&dim));
+    assert!(mean(&black) < 1.0 && bright <= 16, "{} and {bright}", mean(&black));
     assert!(mean(&dim) > 50.0, "{}", mean(&dim));
     // The CPU says the same limit.
     let sources: Vec<LightSource> =
-        lamps(&scene, [1.0, 2e-5]).iter().map(|light| light.source(scene.meta.origin)).collect();
+        lamps([1.0, 2e-5]).iter().map(|light| light.source(scene.meta.origin)).collect();
     let expected = exposure::most(level_at_points(&scene, &surfaces, &sources));
     assert!((most / expected - 1.0).abs() < 0.05, "{most}, {expected}");
     let everywhere = exposure::most(level(&surfaces, &sources));
     println!("the most by points {expected}, by rays {everywhere}");
     assert!((everywhere / expected).log2().abs() < 1.5, "{everywhere}, {expected}");
     // It is a share: what is dim all over, and each room by itself, is shown as ever.
-    let (dim_all_over, _) = shown(&mut renderer, lamps(&scene, [2e-5, 2e-5]));
-    let (alone, _) = shown(&mut renderer, lamps(&scene, [0.0, 2e-5]));
+    let (dim_all_over, _) = shown(&mut renderer, lamps([2e-5, 2e-5]));
+    let (alone, _) = shown(&mut renderer, lamps([0.0, 2e-5]));
     assert!((mean(&dim_all_over) - mean(&alone)).abs() < 2.0 && mean(&alone) > 50.0);
     renderer.set_camera(lit).unwrap();
-    let (beside, _) = shown(&mut renderer, lamps(&scene, [1.0, 2e-5]));
-    let (strong, _) = shown(&mut renderer, lamps(&scene, [1e4, 0.0]));
+    let (beside, _) = shown(&mut renderer, lamps([1.0, 2e-5]));
+    let (strong, _) = shown(&mut renderer, lamps([1e4, 0.0]));
     assert!((mean(&beside) - mean(&strong)).abs() < 2.0, "{}, {}", mean(&beside), mean(&strong));
     renderer.gpu().check().unwrap();
 }

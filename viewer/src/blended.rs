@@ -70,7 +70,12 @@ impl Veil {
 impl BlendedPass {
     /// Without pipelines yet; from the layouts of a material's bind group and of the lights'.
     pub fn new(materials: &wgpu::BindGroupLayout, lights: &wgpu::BindGroupLayout) -> Self {
-        Self { materials: materials.clone(), lights: lights.clone(), layout: OnceCell::new(), made: Default::default() }
+        Self {
+            materials: materials.clone(),
+            lights: lights.clone(),
+            layout: OnceCell::new(),
+            made: Default::default(),
+        }
     }
 
     fn layout(&self, gpu: &Gpu) -> &wgpu::BindGroupLayout {

@@ -88,7 +88,12 @@ impl PictureArgs {
     }
 
     /// Writes a picture of these surfaces under these lights, which say how far its exposure may go.
-    pub fn write(&self, picture: &Picture, surfaces: &TriangleSurfaces, lights: &[LightSource]) -> Result<()> {
+    pub fn write(
+        &self,
+        picture: &Picture,
+        surfaces: &TriangleSurfaces,
+        lights: &[LightSource],
+    ) -> Result<()> {
         picture.write(&self.output, exposure::most(level(surfaces, lights)))?;
         eprintln!("wrote {}", self.output.display());
         Ok(())

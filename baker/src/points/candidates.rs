@@ -83,7 +83,8 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         {
             let mut ray = from_viewpoint(viewpoint, &mut stream);
             for bounce in 0..BOUNCES {
-                let hit = if bounce == 0 { self.see(&ray, &mut stream) } else { self.cast(&ray, &mut stream) };
+                let hit =
+                    if bounce == 0 { self.see(&ray, &mut stream) } else { self.cast(&ray, &mut stream) };
                 let Some(hit) = hit else { break };
                 if bounce >= self.dropped_bounces {
                     found.push(self.point(&hit));

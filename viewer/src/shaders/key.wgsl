@@ -25,7 +25,7 @@ const BRIGHTEST = 8.0;
 const DARKEST = 0.02;
 // As in rebounce_shared::exposure: stops between what is lit in the scene and what may become the middle grey; what is lit
 // counts as reflecting so much; the irradiance of a surface that reflects all of it is so many times its radiance.
-const DEPTH = 10.0;
+const DEPTH = 7.0;
 const REFLECTANCE = 0.5;
 const PI = 3.14159265;
 

@@ -101,7 +101,9 @@ fn together_rays_find_the_same_faces_of_pairs() {
         let place = a + (b - a) * u + (c - a) * v;
         let direction = stream.cosine_hemisphere(t.normals[0]) * if stream.unit() < 0.5 { 1.0 } else { -1.0 };
         let ray = Ray { origin: place - direction * 1e-3, direction, max_distance: 1.5e-3, spread: 0.0 };
-        let Some(hit) = surfaces.cast(&ray, 0).filter(|hit| (hit.distance - 1e-3).abs() < 1e-5) else { continue };
+        let Some(hit) = surfaces.cast(&ray, 0).filter(|hit| (hit.distance - 1e-3).abs() < 1e-5) else {
+            continue;
+        };
         met += 1;
         dark += !hit.faces(direction) as u32;
     }
