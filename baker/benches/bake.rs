@@ -270,6 +270,10 @@ impl Surfaces for Recorder<'_> {
         self.surfaces.cast(ray, seed)
     }
 
+    fn see(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+        self.surfaces.see(ray, seed)
+    }
+
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         self.remember(Question::Between(from, to));
         self.surfaces.transmittance(from, to)

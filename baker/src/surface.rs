@@ -93,13 +93,19 @@ pub trait Surfaces: Sync {
     /// through as probability, decided by `seed` alone: the same ray and seed give the same hit.
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit>;
 
+    /// What a camera sees along a ray: the nearest hit where the backs of one-sided surfaces are not there, as glTF culls
+    /// them. They stop all light, so that only rays from an eye, or from a viewpoint, ask this. Where no back is nearer
+    /// it is what [`Self::cast`] finds.
+    fn see(&self, ray: &Ray, seed: u32) -> Option<Hit>;
+
     /// The share of light that gets from `from` to `to`, linear RGB, 0 to 1: the product of what all surfaces in between
     /// let through. `to` may be far outside the scene.
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3;
 
     /// The colour of the light that a ray let through on its way to a hit this far away brings, linear RGB: the product of
     /// what each surface in between lets through over the probability of [`Self::cast`]. White where none is coloured.
-    fn tint(&self, _ray: &Ray, _distance: f32) -> Vec3 {
+    /// `from_eye` where [`Self::see`] found the hit: then backs of one-sided surfaces are not there.
+    fn tint(&self, _ray: &Ray, _distance: f32, _from_eye: bool) -> Vec3 {
         Vec3::ONE
     }
 
@@ -169,6 +175,9 @@ pub trait Pieces: Sync {
     /// Where the nearest hit is, and how far away, where light is reflected at all: [`Surfaces::cast`] without looking at
     /// what is there. Its side is that of the true surface.
     fn find(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)>;
+
+    /// The same for a ray from a camera: [`Surfaces::see`] without looking at what is there.
+    fn find_seen(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)>;
 
     /// The same for the rays of these numbers, in their order; quickest where neighbours are of one [class](Ray::class) and
     /// go alike. Origins and directions are finite, and no [`Ray::max_distance`] is NaN.

@@ -11,6 +11,7 @@ use std::f32::consts::PI;
 /// One-sided squares across y, each looking up or down.
 struct Squares(Vec<Square>);
 
+#[derive(Clone)]
 struct Square {
     /// Height of the plane.
     y: f32,
@@ -42,6 +43,11 @@ impl Surfaces for Squares {
             })
         };
         self.0.iter().filter_map(meet).min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    fn see(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+        let fronts = self.0.iter().filter(|square| square.facing * ray.direction.y < 0.0);
+        Self(fronts.cloned().collect()).cast(ray, seed)
     }
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {

@@ -68,7 +68,7 @@ fn grey(folder: &Path, name: &str, brightness: f32, noise: f32, seed: u64) {
     let of = |i| brightness * (1.0 + noise * (2.0 * Stream::new(seed, i).unit() - 1.0));
     let picture =
         Picture { width: 64, height: 40, pixels: (0..64 * 40).map(|i| Vec3::splat(of(i))).collect() };
-    picture.write(&folder.join(name)).unwrap();
+    picture.write(&folder.join(name), f32::INFINITY).unwrap();
 }
 
 /// The exit code of a comparison, and what it says.

@@ -24,6 +24,10 @@ impl Surfaces for HitByHit<'_> {
         self.0.cast(ray, seed)
     }
 
+    fn see(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+        self.0.see(ray, seed)
+    }
+
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         self.0.transmittance(from, to)
     }

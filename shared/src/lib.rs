@@ -5,6 +5,7 @@
 //! * [`kernel`] – the weight function of the meshless basis (Lehtinen et al. 2008, Eq. 8 to 10);
 //! * [`basis`] – which functions cover a place, and who is whose parent and child;
 //! * [`footprint`] – where direct light is sampled around a point;
+//! * [`exposure`] – how far an automatic exposure may go;
 //! * [`octahedral`], [`colour`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
 //! * [`random`] – random numbers that depend on nothing but their arguments;
 //! * [`rbn`] – the .rbn file: header, sections, checksums, metadata;
@@ -17,6 +18,7 @@
 pub mod basis;
 pub mod camera;
 pub mod colour;
+pub mod exposure;
 pub mod footprint;
 pub mod interpolation;
 pub mod kernel;

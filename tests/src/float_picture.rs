@@ -44,7 +44,7 @@ mod tests {
         let picture =
             Picture { width: 3, height: 2, pixels: (0..6).map(|i| Vec3::from_slice(&value(i))).collect() };
         let exr = dir.path().join("picture.exr");
-        picture.write(&exr).unwrap();
+        picture.write(&exr, f32::INFINITY).unwrap();
         let floats = dir.path().join("a-picture-3x2.f32");
         let bytes: Vec<u8> = (0..6).flat_map(value).flat_map(f32::to_le_bytes).collect();
         std::fs::write(&floats, bytes).unwrap();

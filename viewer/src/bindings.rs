@@ -221,6 +221,8 @@ pub struct Draw<'a> {
     pub strip: bool,
     /// Depth test: comparison and whether depth is written.
     pub depth: Option<(wgpu::CompareFunction, bool)>,
+    /// Whether triangles that go clockwise are left out.
+    pub cull: bool,
 }
 
 impl Draw<'_> {
@@ -243,6 +245,7 @@ impl Draw<'_> {
                 } else {
                     wgpu::PrimitiveTopology::TriangleList
                 },
+                cull_mode: self.cull.then_some(wgpu::Face::Back),
                 ..Default::default()
             },
             depth_stencil: self.depth.map(|(compare, write)| wgpu::DepthStencilState {
@@ -277,6 +280,7 @@ impl Default for Draw<'_> {
             buffers: &[],
             strip: false,
             depth: None,
+            cull: false,
         }
     }
 }

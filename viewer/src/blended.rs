@@ -33,12 +33,13 @@ const VEIL: TextureFormat = TextureFormat::Rgba16Float;
 pub struct BlendedPass {
     materials: wgpu::BindGroupLayout,
     lights: wgpu::BindGroupLayout,
-    /// Made when a scene first has blended surfaces, without and with colours.
-    made: [OnceCell<Made>; 2],
+    /// Without colours and with them, made when a scene first has blended surfaces.
+    layouts: [OnceCell<wgpu::BindGroupLayout>; 2],
+    /// The same, each with backs and without.
+    made: [[OnceCell<Made>; 2]; 2],
 }
 
 struct Made {
-    layout: wgpu::BindGroupLayout,
     /// Depth of the first layer, and of the others.
     peel: [wgpu::RenderPipeline; 2],
     shade: wgpu::RenderPipeline,
@@ -92,11 +93,16 @@ impl Veil {
 impl BlendedPass {
     /// Without pipelines yet; from the layouts of a material's bind group and of the lights'.
     pub fn new(materials: &wgpu::BindGroupLayout, lights: &wgpu::BindGroupLayout) -> Self {
-        Self { materials: materials.clone(), lights: lights.clone(), made: Default::default() }
+        Self {
+            materials: materials.clone(),
+            lights: lights.clone(),
+            layouts: Default::default(),
+            made: Default::default(),
+        }
     }
 
-    fn made(&self, gpu: &Gpu, tinted: bool) -> &Made {
-        self.made[tinted as usize].get_or_init(|| {
+    fn layout(&self, gpu: &Gpu, tinted: bool) -> &wgpu::BindGroupLayout {
+        self.layouts[tinted as usize].get_or_init(|| {
             let mut slots = vec![
                 Slot::Uniform,
                 Slot::Uniform,
@@ -109,13 +115,19 @@ impl BlendedPass {
                 Slot::Depth,
             ];
             slots.extend(tinted.then_some(Slot::TextureLoad));
-            let layout = layout(gpu, "blended", ShaderStages::VERTEX_FRAGMENT, &slots);
-            let layouts = [&layout, &self.materials, &self.lights];
+            layout(gpu, "blended", ShaderStages::VERTEX_FRAGMENT, &slots)
+        })
+    }
+
+    fn made(&self, gpu: &Gpu, tinted: bool, one_sided: bool) -> &Made {
+        self.made[tinted as usize][one_sided as usize].get_or_init(|| {
+            let layouts = [self.layout(gpu, tinted), &self.materials, &self.lights];
             let draw = Draw {
                 label: "blended",
                 source: shaders::BLENDED,
                 layouts: &layouts,
                 buffers: &VERTEX_BUFFERS,
+                cull: one_sided,
                 ..Draw::default()
             };
             let depth = Some((CompareFunction::Greater, true));
@@ -136,7 +148,7 @@ impl BlendedPass {
                 true => ("tinted_layer", vec![veil(sum), veil(product), veil(sum)]),
             };
             let shade = Draw { fragment: Some(fragment), targets: &targets, ..draw }.pipeline(gpu);
-            Made { layout, peel, shade }
+            Made { peel, shade }
         })
     }
 
@@ -164,7 +176,7 @@ impl BlendedPass {
                 view(depth),
             ];
             resources.extend(veil.tints.iter().map(|tints| view(&tints.before.1)));
-            group(gpu, "blended", &self.made(gpu, veil.tints.is_some()).layout, &resources)
+            group(gpu, "blended", self.layout(gpu, veil.tints.is_some()), &resources)
         };
         BlendedTarget { groups: [bind(&veil.depths[0]), bind(&veil.depths[1])], veil }
     }
@@ -180,7 +192,7 @@ impl BlendedPass {
         stamps: Option<Stamps<'_>>,
     ) {
         let tints = target.veil.tints.as_ref();
-        let made = self.made(gpu, tints.is_some());
+        let made = |one_sided| self.made(gpu, tints.is_some(), one_sided);
         if let Some(tints) = tints {
             drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 color_attachments: &[cleared(&tints.before.1, wgpu::Color::WHITE)],
@@ -196,7 +208,8 @@ impl BlendedPass {
                 timestamp_writes: stamps.filter(|_| layer == 0).map(|s| s.render(true, false)),
                 ..Default::default()
             });
-            runs(&mut pass, &made.peel[(layer > 0) as usize], &target.groups[other], scene, lights);
+            let peel = |one_sided| &made(one_sided).peel[(layer > 0) as usize];
+            runs(&mut pass, peel, &target.groups[other], scene, lights);
             drop(pass);
             let mut attachments = vec![attachment(&target.veil.texture, layer == 0)];
             if let Some(tints) = tints {
@@ -212,7 +225,8 @@ impl BlendedPass {
                 timestamp_writes: stamps.filter(|_| layer + 1 == count).map(|s| s.render(false, true)),
                 ..Default::default()
             });
-            runs(&mut pass, &made.shade, &target.groups[own], scene, lights);
+            let shade = |one_sided| &made(one_sided).shade;
+            runs(&mut pass, shade, &target.groups[own], scene, lights);
             drop(pass);
             if let Some(tints) = tints.filter(|_| layer + 1 < count) {
                 let [from, to] = [&tints.through.0, &tints.before.0].map(wgpu::Texture::as_image_copy);
@@ -228,19 +242,23 @@ fn cleared(view: &wgpu::TextureView, color: wgpu::Color) -> Option<wgpu::RenderP
     attachment(view, true).map(|attachment| wgpu::RenderPassColorAttachment { ops, ..attachment })
 }
 
-/// Draws all blended surfaces of the scene.
-fn runs(
+/// Draws all blended surfaces of the scene; `pipeline` is told whether they are one-sided.
+fn runs<'a>(
     pass: &mut wgpu::RenderPass<'_>,
-    pipeline: &wgpu::RenderPipeline,
+    pipeline: impl Fn(bool) -> &'a wgpu::RenderPipeline,
     own: &wgpu::BindGroup,
     scene: &LoadedScene,
     lights: &wgpu::BindGroup,
 ) {
-    pass.set_pipeline(pipeline);
     pass.set_bind_group(0, own, &[]);
     pass.set_bind_group(2, lights, &[]);
     scene.upload.bind(pass);
+    let mut last = None;
     for run in &scene.upload.blended_runs {
+        if last != Some(run.one_sided) {
+            pass.set_pipeline(pipeline(run.one_sided));
+            last = Some(run.one_sided);
+        }
         pass.set_bind_group(1, &scene.materials.groups[run.material as usize], &[]);
         run.draw(pass);
     }

@@ -123,7 +123,16 @@ mod tests {
             }
         }
         let indices = 0..scene.indices.len() as u32;
-        (scene, Run { material: 0, indices, instances: 0..1, cut: true, blended: true, glass: false })
+        let run = Run {
+            material: 0,
+            indices,
+            instances: 0..1,
+            cut: true,
+            blended: true,
+            glass: false,
+            one_sided: true,
+        };
+        (scene, run)
     }
 
     #[test]

@@ -78,7 +78,8 @@ const LOOKED: u32 = 64 * 64;
 pub const FIRST_KEY: u64 = 4;
 
 /// The automatic exposure, floats: what radiance is multiplied with; what it was multiplied with when the scene was
-/// shown first, 0 while that is not known; two unused.
+/// shown first, 0 while that is not known; what it is multiplied with at most, 0 where the light of the scene says nothing
+/// about that; one unused.
 pub fn key(scope: &Scope) -> wgpu::Buffer {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     buffer(scope, "key", usage, bytemuck::bytes_of(&[1f32, 0.0, 0.0, 0.0]))
@@ -106,6 +107,8 @@ pub struct Sources<'a> {
     pub looks: &'a wgpu::Buffer,
     /// The exposure, which [`key`] makes.
     pub key: &'a wgpu::Buffer,
+    /// How much light there is in the scene: [`crate::relight::Relight::levels`].
+    pub levels: &'a wgpu::Buffer,
 }
 
 /// The averaged picture of one size, and the bind groups that make it.
@@ -139,7 +142,8 @@ impl CompositePass {
         };
         let shade = layout(gpu, "shade", ShaderStages::FRAGMENT, &slots(Slot::Read));
         let look_layout = layout(gpu, "look", ShaderStages::COMPUTE, &slots(Slot::Write));
-        let key_layout = layout(gpu, "key", ShaderStages::COMPUTE, &[Slot::Read, Slot::Write]);
+        let slots = [Slot::Read, Slot::Write, Slot::Read];
+        let key_layout = layout(gpu, "key", ShaderStages::COMPUTE, &slots);
         let before_layout = layout(gpu, "before", ShaderStages::FRAGMENT, &[Slot::TextureLoad]);
         let slots = [Slot::Texture, Slot::Sampler, Slot::Uniform];
         let present_layout = layout(gpu, "present", ShaderStages::FRAGMENT, &slots);
@@ -195,7 +199,7 @@ impl CompositePass {
         ];
         let shade = group(scope, "shade", &self.layout, &resources);
         resources[7] = looked.as_entire_binding();
-        let measured = [looked.as_entire_binding(), from.key.as_entire_binding()];
+        let measured = [&looked, from.key, from.levels].map(|buffer| buffer.as_entire_binding());
         Picture {
             shade,
             look: group(scope, "look", &self.look.1, &resources),

@@ -1,4 +1,5 @@
-//! The G-buffer: albedo, normals, material and depth of what the camera sees, without blended surfaces.
+//! The G-buffer: albedo, normals, material and depth of what the camera sees, without blended surfaces and without the backs
+//! of one-sided ones, which glTF culls.
 
 use crate::bindings::{Draw, Slot, attachment, depth_attachment, group, layout, opaque, target};
 use crate::gpu::Gpu;
@@ -38,8 +39,8 @@ impl GBuffer {
 pub struct GBufferPass {
     frame_layout: wgpu::BindGroupLayout,
     material_layout: wgpu::BindGroupLayout,
-    /// For each of [`SURFACES`], made when a scene first needs it.
-    pipelines: [OnceCell<wgpu::RenderPipeline>; 2],
+    /// For each of [`SURFACES`], with backs and without, made when a scene first needs it.
+    pipelines: [[OnceCell<wgpu::RenderPipeline>; 2]; 2],
 }
 
 impl GBufferPass {
@@ -49,8 +50,8 @@ impl GBufferPass {
         Self { frame_layout, material_layout: material_layout.clone(), pipelines: Default::default() }
     }
 
-    fn pipeline(&self, gpu: &Gpu, detailed: bool) -> &wgpu::RenderPipeline {
-        self.pipelines[detailed as usize].get_or_init(|| {
+    fn pipeline(&self, gpu: &Gpu, detailed: bool, one_sided: bool) -> &wgpu::RenderPipeline {
+        self.pipelines[detailed as usize][one_sided as usize].get_or_init(|| {
             Draw {
                 label: "g-buffer",
                 source: shaders::GBUFFER,
@@ -58,6 +59,7 @@ impl GBufferPass {
                 layouts: &[&self.frame_layout, &self.material_layout],
                 buffers: &VERTEX_BUFFERS,
                 depth: Some((CompareFunction::Greater, true)),
+                cull: one_sided,
                 ..Default::default()
             }
             .pipeline(gpu)
@@ -91,11 +93,13 @@ impl GBufferPass {
         if upload.runs.is_empty() {
             return;
         }
-        pass.set_pipeline(self.pipeline(gpu, target.detailed));
         pass.set_bind_group(0, frame, &[]);
         upload.bind(&mut pass);
         let mut last: Option<&Run> = None;
         for run in &upload.runs {
+            if last.is_none_or(|l| l.one_sided != run.one_sided) {
+                pass.set_pipeline(self.pipeline(gpu, target.detailed, run.one_sided));
+            }
             if last.is_none_or(|l| l.material != run.material) {
                 pass.set_bind_group(1, &materials[run.material as usize], &[]);
             }

@@ -14,6 +14,7 @@ pub mod composite;
 pub mod controls;
 pub mod display;
 pub mod error;
+mod fronts;
 pub mod gbuffer;
 pub mod gpu;
 pub mod materials;

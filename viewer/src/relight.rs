@@ -18,6 +18,9 @@ pub const LANES: u32 = 8;
 /// And on an adapter of software, where threads of a workgroup wait for each other dearly.
 pub const SOFTWARE_LANES: u32 = 1;
 
+/// Threads that measure the [level](rebounce_shared::exposure::level) of the light: `LEVELS` of key.wgsl.
+const LEVEL_THREADS: u32 = 512;
+
 /// Links of a row, on average, under which a thread has it for itself.
 const SHORT: usize = 16;
 
@@ -47,6 +50,7 @@ enum Kernel {
     Short(usize),
     Bounce,
     Lift,
+    Level,
 }
 
 /// One dispatch.
@@ -115,12 +119,25 @@ fn plan(scene: &Scene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
         plan.push(send);
     }
     transport(&mut plan, scene.meta.levels.len() as u32);
+    plan.push(measure(scene));
     plan.retain(|dispatch| dispatch.step.count > 0);
     let bumpy = scene.meta.is_bumpy();
     for dispatch in &mut plan {
         dispatch.step.tilts = bumpy as u32;
     }
     plan
+}
+
+/// The level is that of the finest senders, which lie evenly over all surfaces that light goes between.
+fn measure(scene: &Scene) -> Dispatch {
+    let senders = (scene.meta.sender_levels as usize).checked_sub(1).map_or(0..0, |l| scene.level(l));
+    let step = Step {
+        first: senders.start as u32,
+        count: senders.len() as u32,
+        threads: LEVEL_THREADS,
+        ..Step::default()
+    };
+    Dispatch { kernel: Kernel::Level, step, groups: [LEVEL_THREADS / WORKGROUP, 1] }
 }
 
 /// A kernel's bind group layout and pipeline.
@@ -135,6 +152,7 @@ pub struct RelightPipelines {
     short: wgpu::ComputePipeline,
     bounce: wgpu::BindGroupLayout,
     lift: Pass,
+    level: Pass,
     lanes: u32,
     shared: [wgpu::ComputePipeline; 2],
 }
@@ -173,6 +191,7 @@ impl RelightPipelines {
             send: pass("send", shaders::SEND, 2, 1),
             bounce,
             lift: pass("lift", shaders::LIFT, 2, 2),
+            level: pass("level", shaders::LEVEL, 1, 1),
         }
     }
 }
@@ -197,6 +216,8 @@ pub struct Relight {
     pub irradiance: wgpu::Buffer,
     /// Irradiance along each point's normal: RGB, and its tilt (tilt.wgsl).
     pub display: wgpu::Buffer,
+    /// How much light there is, for the automatic exposure (light_level.wgsl); zero without any.
+    pub levels: wgpu::Buffer,
     steps: wgpu::Buffer,
     /// `Choice` of direct.wgsl.
     choice: wgpu::Buffer,
@@ -206,6 +227,7 @@ pub struct Relight {
     transport: Vec<wgpu::BindGroup>,
     bounce: Vec<wgpu::BindGroup>,
     lift: wgpu::BindGroup,
+    level: wgpu::BindGroup,
     shared: [wgpu::ComputePipeline; 2],
     plan: Vec<Dispatch>,
     own: Scope,
@@ -224,6 +246,7 @@ impl Relight {
         let choice = empty_buffer(&own, "choice", storage, 4 * (3 + MAX_LAYERS as u64));
         let bounced = colours("bounced", scene.sender_count());
         let sent = colours("sent", scene.sender_count());
+        let levels = empty_buffer(&own, "levels", storage, 8 * LEVEL_THREADS as u64);
         let plan = plan(scene, upload, pipelines.lanes);
         let steps = empty_buffer(
             &own,
@@ -256,9 +279,11 @@ impl Relight {
                 })
                 .collect(),
             lift: make("lift", &pipelines.lift.0, &[offsets, entries, &bounced, &irradiance]),
+            level: make("level", &pipelines.level.0, &[&irradiance, &levels]),
             shared: pipelines.shared.clone(),
             irradiance,
             display,
+            levels,
             steps,
             choice,
             plan,
@@ -292,6 +317,7 @@ impl Relight {
     /// Sets all bounced light to zero: no light is on.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.clear_buffer(&self.display, 0, None);
+        encoder.clear_buffer(&self.levels, 0, None);
     }
 
     /// Encodes all steps; without `lights` the irradiance is taken as it is in the buffer.
@@ -316,6 +342,7 @@ impl Relight {
                 Kernel::Transport(chunk) => (&self.shared[0], &self.transport[chunk]),
                 Kernel::Bounce => (&self.shared[1], &self.bounce[0]),
                 Kernel::Lift => (&pipelines.lift.1, &self.lift),
+                Kernel::Level => (&pipelines.level.1, &self.level),
             };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);

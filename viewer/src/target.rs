@@ -69,6 +69,7 @@ impl Target {
             veil: veil.as_ref(),
             looks: &scene.materials.looks,
             key,
+            levels: &scene.relight.levels,
         };
         let picture = pipelines.composite.target(&own, &sources, size);
         let blended =

@@ -3,6 +3,7 @@
 use crate::bindings::buffer;
 use crate::blended_fit;
 use crate::error::ViewerError;
+use crate::fronts;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use rebounce_shared::link::{Link, Sent};
@@ -64,6 +65,8 @@ pub struct Run {
     pub blended: bool,
     /// Whether it lets light through in a colour: then shadow maps do not hold it.
     pub glass: bool,
+    /// Whether the material has a front alone: no camera sees its back. In shadows it does not matter.
+    pub one_sided: bool,
 }
 
 impl Run {
@@ -86,7 +89,7 @@ pub struct Upload {
     own: Scope,
     /// Section `VERT`.
     pub vertices: wgpu::Buffer,
-    /// Section `INDX`.
+    /// Section `INDX`, turned so that fronts go counterclockwise ([`fronts`]).
     pub indices: wgpu::Buffer,
     /// One for what stands once, and section `INST`.
     pub instances: wgpu::Buffer,
@@ -137,13 +140,14 @@ impl Upload {
         let (mut runs, relations) = (runs(scene), &scene.relations);
         let instances = [&[Instance::IDENTITY], &scene.instances[..]].concat();
         let shadow_runs = merged(&runs);
+        let indices = fronts::indices(scene, &runs);
         let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
             links: matrix(stored, "LINK", &scene.links, most.binding),
             // One buffer: between coarse points there are few.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),
             vertices: section("VERT", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices)),
-            indices: section("INDX", BufferUsages::INDEX, cast(&scene.indices)),
+            indices: section("INDX", BufferUsages::INDEX, cast(&indices)),
             instances: section("INST", BufferUsages::VERTEX, bytemuck::cast_slice(&instances)),
             points: stored("PNTS", bytemuck::cast_slice(&scene.points)),
             cuts: stored("CUTS", bytemuck::cast_slice(&scene.cuts)),
@@ -256,7 +260,8 @@ fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
     out
 }
 
-/// Draw calls sorted so that opaque ones come first, blended ones last, and equal materials follow each other.
+/// Draw calls sorted so that opaque ones come first, blended ones last, and equal materials follow each other, as do one-sided
+/// ones.
 fn runs(scene: &Scene) -> Vec<Run> {
     let run = |(number, d): (usize, &Draw)| {
         let instances = match scene.copies_of(number) {
@@ -272,11 +277,12 @@ fn runs(scene: &Scene) -> Vec<Run> {
             cut: blended || matches!(material.alpha, Alpha::Mask { .. }),
             blended,
             glass: material.is_glass(),
+            one_sided: !material.double_sided,
         }
     };
     let mut runs: Vec<Run> =
         scene.meta.draws.iter().enumerate().filter(|(_, d)| d.index_count > 0).map(run).collect();
-    runs.sort_unstable_by_key(|run| (run.cut, run.blended, run.material, run.indices.start));
+    runs.sort_unstable_by_key(|run| (run.cut, run.blended, run.one_sided, run.material, run.indices.start));
     runs
 }
 

@@ -160,7 +160,7 @@ fn a_glass_box_is_seen_through_both_faces_and_the_wall_behind_it() {
 }
 
 #[test]
-fn the_back_of_a_one_sided_pane_covers_and_gives_nothing() {
+fn the_back_of_a_one_sided_pane_is_not_there() {
     let Some(gpu) = common::gpu() else { return };
     let mut scene = dark_room();
     scene.meta.materials[4].emission = BLUE.to_array();
@@ -170,7 +170,7 @@ fn the_back_of_a_one_sided_pane_covers_and_gives_nothing() {
     let mut renderer = renderer(&gpu, &scene);
     let z = Vec3::new(0.03, 0.02, 0.9);
     assert_near(middle(&mut renderer, z, Vec3::ZERO), 0.25 * RED + 0.75 * BLUE);
-    assert_near(middle(&mut renderer, -z, Vec3::ZERO), 0.75 * BLUE);
+    assert_near(middle(&mut renderer, -z, Vec3::ZERO), BLUE);
     gpu.check().unwrap();
 }
 

@@ -260,7 +260,7 @@ fn seen(
         let [x, y] = [pixel % width, pixel / width].map(|at| at as f32 + 0.5);
         let direction = frame.direction(x, y, width, height);
         let ray = Ray { origin: frame.eye, direction, max_distance: f32::INFINITY, spread: 0.0 };
-        let (place, distance) = pieces.find(&ray, pixel)?;
+        let (place, distance) = pieces.find_seen(&ray, pixel)?;
         Some((pieces.piece(place.piece).kind, frame.eye + direction * distance))
     };
     (0..width * height).map(at).collect()

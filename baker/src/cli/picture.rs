@@ -3,6 +3,7 @@
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use rebounce::light::level::level;
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::{Only, Picture, check_name, png};
 use rebounce::render::unlit::{developed, unlit};
@@ -10,7 +11,8 @@ use rebounce::shot;
 use rebounce::triangles::TriangleSurfaces;
 use rebounce::write::{check_place, write_whole};
 use rebounce_shared::camera::{Camera, CameraFrame};
-use rebounce_shared::light::Light;
+use rebounce_shared::exposure;
+use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::shot::Shot;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -86,21 +88,24 @@ impl PictureArgs {
         Exposure { size: self.size.unwrap_or(shot.size), samples, seed: self.seed }
     }
 
-    /// Writes the picture of these surfaces from a camera; some of them may be unlit, which a PNG shows as they are.
+    /// Writes the picture of these surfaces from a camera. Lights say how far the exposure of a PNG may go; surfaces that are
+    /// unlit a PNG shows as they are.
     pub fn write(
         &self,
         picture: &Picture,
         surfaces: &TriangleSurfaces,
         camera: &CameraFrame,
+        lights: &[LightSource],
         exposure: Exposure,
     ) -> Result<()> {
+        let most = exposure::most(level(surfaces, lights));
         let is_png = self.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         if is_png && surfaces.has_unlit() && self.only() == Only::All {
-            let shown = developed(picture, &unlit(surfaces, camera, exposure));
+            let shown = developed(picture, &unlit(surfaces, camera, exposure), most);
             let bytes = png::encode_display(&shown).map_err(anyhow::Error::msg)?;
             write_whole(&self.output, &bytes)?;
         } else {
-            picture.write(&self.output)?;
+            picture.write(&self.output, most)?;
         }
         eprintln!("wrote {}", self.output.display());
         Ok(())

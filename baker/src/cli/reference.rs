@@ -50,5 +50,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let picture =
         path_trace(&surfaces, scene.origin, &shot.camera, &shot.lights, exposure, settings, || rows.done());
     rows.finish();
-    args.picture.write(&picture, &surfaces, &shot.camera.frame(scene.origin), exposure)
+    let frame = shot.camera.frame(scene.origin);
+    let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.origin)).collect();
+    args.picture.write(&picture, &surfaces, &frame, &lights, exposure)
 }

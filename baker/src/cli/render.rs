@@ -33,5 +33,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let only = args.picture.only();
     let picture = render(&scene, &surfaces, &shot.camera, &shot.lights, exposure, only, || rows.done());
     rows.finish();
-    args.picture.write(&picture, &surfaces, &shot.camera.frame(scene.meta.origin), exposure)
+    let frame = shot.camera.frame(scene.meta.origin);
+    let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
+    args.picture.write(&picture, &surfaces, &frame, &lights, exposure)
 }

@@ -1,3 +1,4 @@
 //! Light straight from the lamps.
 
 pub mod direct;
+pub mod level;

@@ -1,7 +1,7 @@
 //! The project's own ground truth: a brute-force path tracer. It knows nothing of points, basis
 //! and operator, and shares with them only the surfaces and the lights.
 //!
-//! From the eye along cosine-distributed bounces; at every surface the lamps are sampled. Paths
+//! From the eye, which backs of one-sided surfaces hide nothing from, along cosine-distributed bounces; at every surface the lamps are sampled. Paths
 //! end by Russian roulette after [`ROULETTE_DEPTH`] bounces.
 
 use crate::light::direct;
@@ -57,8 +57,9 @@ pub fn radiance(
     let mut total = Vec3::ZERO;
     let mut throughput = Vec3::ONE;
     let mut depth = 0;
-    while let Some(hit) = surfaces.cast(&ray, stream.bits() as u32) {
-        throughput *= surfaces.tint(&ray, hit.distance);
+    let mut next = surfaces.see(&ray, stream.bits() as u32);
+    while let Some(hit) = next {
+        throughput *= surfaces.tint(&ray, hit.distance, depth == 0);
         if depth == 0 && settings.only == Only::All {
             total += throughput * hit.emission;
         }
@@ -85,6 +86,7 @@ pub fn radiance(
         let direction = stream.cosine_hemisphere(hit.normal);
         let origin = hit.offset_origin(direction, surfaces.epsilon());
         ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
+        next = surfaces.cast(&ray, stream.bits() as u32);
         depth += 1;
     }
     total

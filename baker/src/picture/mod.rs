@@ -99,13 +99,15 @@ impl Picture {
         }
     }
 
-    /// Writes an EXR or a PNG, as the name's ending says, whole or not at all.
+    /// Writes an EXR or a PNG, as the name's ending says, whole or not at all. A PNG is exposed automatically, its
+    /// radiance multiplied by `most_exposure` at most.
     ///
     /// # Errors
     /// [`PictureError`].
-    pub fn write(&self, path: &Path) -> Result<(), PictureError> {
+    pub fn write(&self, path: &Path, most_exposure: f32) -> Result<(), PictureError> {
         check_name(path)?;
-        let encoded = if extension(path) == "exr" { exr::encode(self) } else { png::encode(self) };
+        let is_exr = extension(path) == "exr";
+        let encoded = if is_exr { exr::encode(self) } else { png::encode(self, most_exposure) };
         let bytes = encoded.map_err(|problem| PictureError::Format { path: path.to_owned(), problem })?;
         Ok(write_whole(path, &bytes)?)
     }
@@ -122,7 +124,7 @@ mod tests {
         let pixels =
             (0..35).map(|i| Vec3::new(i as f32 * 0.1, 1e-9 * i as f32, 1e9 / (1.0 + i as f32))).collect();
         let picture = Picture { width: 7, height: 5, pixels };
-        picture.write(&path).unwrap();
+        picture.write(&path, 1.0).unwrap();
         assert_eq!(exr::read(&path).unwrap(), picture);
         assert!(exr::read(&folder.path().join("none.exr")).is_err());
     }
@@ -130,7 +132,7 @@ mod tests {
     #[test]
     fn a_name_without_a_known_ending_is_refused() {
         let picture = Picture { width: 1, height: 1, pixels: vec![Vec3::ONE] };
-        let error = picture.write(Path::new("out.jpg")).unwrap_err().to_string();
+        let error = picture.write(Path::new("out.jpg"), 1.0).unwrap_err().to_string();
         assert!(error.contains(".exr") && error.contains(".png"), "{error}");
     }
 }

@@ -1,11 +1,13 @@
 //! PNG for the eye: exposed automatically, tone mapped, sRGB.
 //!
 //! Exposure: the geometric mean of the luminance of all pixels that are not black becomes 0.18
-//! (Reinhard et al., *Photographic Tone Reproduction*, 2002). Tone mapping: Khronos PBR Neutral,
+//! (Reinhard et al., *Photographic Tone Reproduction*, 2002), unless that makes next to nothing of the scene's light look
+//! lit ([`exposure`](rebounce_shared::exposure)). Tone mapping: Khronos PBR Neutral,
 //! which keeps the base colours of what is not very bright.
 
 use super::Picture;
 use glam::Vec3;
+use rebounce_shared::exposure::MIDDLE_GREY;
 
 /// Rec. 709 luminance of linear RGB.
 pub fn luminance(rgb: Vec3) -> f32 {
@@ -16,7 +18,7 @@ pub fn luminance(rgb: Vec3) -> f32 {
 pub fn automatic_exposure(picture: &Picture) -> f32 {
     let lit = picture.pixels.iter().map(|&p| luminance(p)).filter(|&l| l > 0.0 && l.is_finite());
     let (sum, count) = lit.fold((0.0f64, 0u64), |(sum, n), l| (sum + (l as f64).ln(), n + 1));
-    if count == 0 { 1.0 } else { (0.18 / (sum / count as f64).exp()) as f32 }
+    if count == 0 { 1.0 } else { (f64::from(MIDDLE_GREY) / (sum / count as f64).exp()) as f32 }
 }
 
 /// Khronos PBR Neutral tone mapper: exposed linear RGB to displayable linear RGB.
@@ -49,9 +51,9 @@ pub fn developed(picture: &Picture, exposure: f32) -> Picture {
     Picture { pixels, ..*picture }
 }
 
-/// The bytes of a PNG file.
-pub(super) fn encode(picture: &Picture) -> Result<Vec<u8>, String> {
-    encode_display(&developed(picture, automatic_exposure(picture)))
+/// The bytes of a PNG file, with the automatic exposure or this one where it is less.
+pub(super) fn encode(picture: &Picture, most: f32) -> Result<Vec<u8>, String> {
+    encode_display(&developed(picture, automatic_exposure(picture).min(most)))
 }
 
 /// The bytes of a PNG file of linear RGB from 0 to 1, shown as it is.
@@ -90,6 +92,8 @@ mod tests {
         let middle = 2.0 * automatic_exposure(&picture(1.0));
         assert!((middle - 0.18).abs() < 1e-5);
         assert!((automatic_exposure(&picture(1e6)) * 1e6 * 2.0 - 0.18).abs() < 1e-5);
-        assert_eq!(encode(&picture(1.0)), encode(&picture(1024.0)));
+        let encoded = |k: f32| encode(&picture(k), f32::INFINITY);
+        assert_eq!(encoded(1.0), encoded(1024.0));
+        assert_eq!(encode(&picture(1.0), 1e-6), encode(&picture(0.0), 1.0), "black at so little");
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Particles leave the viewpoint in all directions and bounce about the scene; where one meets
 //! the reflecting side of a surface it leaves a candidate, but for its first few bounces, so
-//! that the result depends little on where the viewpoint is (paper, section 2.3).
+//! that the result depends little on where the viewpoint is (paper, section 2.3). As a camera does, they look through the
+//! backs of one-sided surfaces on their way from the viewpoint, and only there.
 //!
 //! An object and a landscape are seen from all around, and what leaves them does not come back. There, unlike in
 //! the paper, half of the particles come from the sky, and those that leave are sent back from anywhere around; at each
@@ -82,7 +83,9 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         {
             let mut ray = from_viewpoint(viewpoint, &mut stream);
             for bounce in 0..BOUNCES {
-                let Some(hit) = self.cast(&ray, &mut stream) else { break };
+                let hit =
+                    if bounce == 0 { self.see(&ray, &mut stream) } else { self.cast(&ray, &mut stream) };
+                let Some(hit) = hit else { break };
                 if bounce >= self.dropped_bounces {
                     found.push(self.point(&hit));
                 }
@@ -96,15 +99,21 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     /// A particle that comes from a viewpoint or from the sky, and from there again where it leaves.
     fn trace_in_open(&self, particle: u64, stream: &mut Stream, found: &mut Vec<SurfacePoint>) {
         let viewpoints = &self.vantage.viewpoints;
-        let mut ray = match viewpoints.get((particle / 2) as usize % viewpoints.len().max(1)) {
-            Some(&viewpoint) if particle % 2 == 1 => from_viewpoint(viewpoint, stream),
-            _ => self.ray_from_sky(stream),
+        let viewpoint = viewpoints.get((particle / 2) as usize % viewpoints.len().max(1));
+        let mut seeing = viewpoint.filter(|_| particle % 2 == 1).map(|&v| from_viewpoint(v, stream));
+        let mut ray = match seeing {
+            Some(ray) => ray,
+            None => self.ray_from_sky(stream),
         };
         // The surface that it is on, and how many it has bounced off before.
         let mut here: Option<(Hit, u32)> = None;
         for _ in 0..BOUNCES {
             let next = match &here {
-                None => self.cast(&ray, stream).map(|hit| (hit, 0)),
+                None => match seeing.take() {
+                    Some(ray) => self.see(&ray, stream),
+                    None => self.cast(&ray, stream),
+                }
+                .map(|hit| (hit, 0)),
                 Some((hit, bounces)) => self.look(hit, stream).map(|hit| (hit, bounces + 1)),
             };
             if let Some((hit, bounces)) = &next {
@@ -134,6 +143,11 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     /// The nearest surface, if its side there reflects.
     fn cast(&self, ray: &Ray, stream: &mut Stream) -> Option<Hit> {
         self.surfaces.cast(ray, mix(stream.bits()) as u32).filter(|hit| hit.faces(ray.direction))
+    }
+
+    /// What is seen from a viewpoint, if its side there reflects.
+    fn see(&self, ray: &Ray, stream: &mut Stream) -> Option<Hit> {
+        self.surfaces.see(ray, mix(stream.bits()) as u32).filter(|hit| hit.faces(ray.direction))
     }
 
     fn point(&self, hit: &Hit) -> SurfacePoint {

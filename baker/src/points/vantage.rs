@@ -72,7 +72,8 @@ impl Outlook {
             let mut stream = Stream::new(seed ^ 0x6f70_656e, particle);
             let mut ray = from_viewpoint(*viewpoint, &mut stream);
             for bounce in 0..BOUNCES {
-                let hit = surfaces.cast(&ray, mix(stream.bits()) as u32);
+                let seed = mix(stream.bits()) as u32;
+                let hit = if bounce == 0 { surfaces.see(&ray, seed) } else { surfaces.cast(&ray, seed) };
                 if bounce > 0 {
                     sent += 1;
                     left += hit.is_none() as u32;

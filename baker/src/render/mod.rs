@@ -67,10 +67,10 @@ impl Relit {
 
     /// The linear RGB radiance that comes along `ray`.
     pub fn radiance(&self, surfaces: &impl Surfaces, ray: &Ray, only: Only, stream: &mut Stream) -> Vec3 {
-        let Some(hit) = surfaces.cast(ray, stream.bits() as u32) else {
+        let Some(hit) = surfaces.see(ray, stream.bits() as u32) else {
             return Vec3::ZERO;
         };
-        let tint = surfaces.tint(ray, hit.distance);
+        let tint = surfaces.tint(ray, hit.distance, true);
         if hit.is_unlit {
             return if only == Only::All { tint * hit.emission } else { Vec3::ZERO };
         }

@@ -12,18 +12,18 @@ use rebounce_shared::camera::CameraFrame;
 pub fn unlit(surfaces: &impl Surfaces, camera: &CameraFrame, exposure: Exposure) -> Picture {
     let seen = |ray: &Ray, stream: &mut Stream| {
         // The first number of the stream, as those have it: so the same rays are let through.
-        let hit = surfaces.cast(ray, stream.bits() as u32).filter(|hit| hit.is_unlit);
-        hit.map_or(Vec3::ZERO, |hit| surfaces.tint(ray, hit.distance) * hit.emission)
+        let hit = surfaces.see(ray, stream.bits() as u32).filter(|hit| hit.is_unlit);
+        hit.map_or(Vec3::ZERO, |hit| surfaces.tint(ray, hit.distance, true) * hit.emission)
     };
     expose(camera, exposure, seen, || ())
 }
 
 /// Such a picture with the part of it that is [`unlit`], as it is shown: the rest is exposed and tone-mapped.
-pub fn developed(picture: &Picture, unlit: &Picture) -> Picture {
+pub fn developed(picture: &Picture, unlit: &Picture, most_exposure: f32) -> Picture {
     let pixels = picture.pixels.iter().zip(&unlit.pixels);
     let lit =
         Picture { pixels: pixels.map(|(all, part)| (*all - *part).max(Vec3::ZERO)).collect(), ..*picture };
-    let lit = png::developed(&lit, png::automatic_exposure(&lit));
+    let lit = png::developed(&lit, png::automatic_exposure(&lit).min(most_exposure));
     let pixels = lit.pixels.iter().zip(&unlit.pixels).map(|(lit, unlit)| *lit + *unlit).collect();
     Picture { pixels, ..*picture }
 }

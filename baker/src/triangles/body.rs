@@ -166,6 +166,12 @@ impl Body {
         if self.marks[triangle] & TURNED == 0 { spanned } else { -spanned }
     }
 
+    /// Whether a direction meets the back of a triangle that reflects on its front alone.
+    #[inline]
+    pub fn is_dark(&self, triangle: usize, direction: Vec3) -> bool {
+        self.marks[triangle] & TWO_SIDED == 0 && self.front(triangle).dot(direction) > 0.0
+    }
+
     /// The factor of the albedo, by the shares of a triangle's corners.
     #[inline]
     pub fn color(&self, surfaces: &[Surface], triangle: usize, [u, v, w]: [f32; 3]) -> Vec3 {
@@ -192,6 +198,23 @@ impl Body {
         nearest.stop.best
     }
 
+    /// The same where backs that do not reflect are not there.
+    #[inline(never)]
+    pub fn nearest_seen(
+        &self,
+        surfaces: &[Surface],
+        line: &Line,
+        limit: f32,
+        strictly: bool,
+        seed: u32,
+    ) -> Option<(usize, Meeting)> {
+        let sheared = ShearedRay::new(line.origin, line.direction);
+        let stop = Stop { body: self, surfaces, strictly, seed, best: None };
+        let mut seen = Seen { nearest: Nearest { stop, sheared }, direction: line.direction };
+        self.bvh.walk(line.origin, line.direction, limit, &mut seen);
+        seen.nearest.stop.best
+    }
+
     /// The share of light that gets through all triangles before `limit`, linear RGB.
     pub fn transmittance(&self, surfaces: &[Surface], line: &Line, limit: f32) -> Vec3 {
         let sheared = ShearedRay::new(line.origin, line.direction);
@@ -201,12 +224,14 @@ impl Body {
     }
 
     /// The product over all triangles before `limit` of what each lets through over its mean, linear RGB.
-    pub fn tint(&self, surfaces: &[Surface], line: &Line, limit: f32) -> Vec3 {
+    /// Without backs that do not reflect where the line comes `from_eye`.
+    pub fn tint(&self, surfaces: &[Surface], line: &Line, limit: f32, from_eye: bool) -> Vec3 {
         let sheared = ShearedRay::new(line.origin, line.direction);
         let mut tint = Vec3::ONE;
         let mut visit = |place: usize, limit: f32| {
             // What lies at the limit itself stopped the ray.
             if self.numbers[place] & TRANSPARENT != 0
+                && !(from_eye && self.is_dark(place, line.direction))
                 && let Some(meeting) = self.corners[place].meet(&sheared, limit)
                 && meeting.distance < limit
             {
@@ -264,6 +289,22 @@ impl Visit for Nearest<'_> {
             Some(meeting) => self.stop.take(place, meeting, limit),
             None => limit,
         })
+    }
+}
+
+/// Looks for the nearest triangle that a camera sees along a ray.
+struct Seen<'a> {
+    nearest: Nearest<'a>,
+    direction: Vec3,
+}
+
+impl Visit for Seen<'_> {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        if self.nearest.stop.body.is_dark(place, self.direction) {
+            return ControlFlow::Continue(limit);
+        }
+        self.nearest.visit(place, limit)
     }
 }
 

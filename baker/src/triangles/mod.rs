@@ -26,7 +26,7 @@ pub use geometry::Geometry;
 
 use crate::scene::{Scene, SceneError, union};
 use crate::surface::{Hit, Pieces, Ray, Surfaces};
-use body::{Body, Line};
+use body::{Body, Line, TWO_SIDED};
 use geometry::{Placed, Surface};
 use glam::Vec3;
 use instances::{Instance, Instances};
@@ -37,6 +37,10 @@ use triangle::Meeting;
 /// are at most half the diagonal, so an f32 is off by 3e-8 of it and a plane distance over the
 /// whole scene by a few times that: ten times more is safe, and 0.1 mm in a 30 m hall.
 const EPSILON: f32 = 3e-6;
+/// Faces whose normals are turned from each other by less than the angle of this cosine from opposite ones lie back to back.
+const OPPOSITE: f32 = 0.9;
+/// A ray counts as this steep at least (cosine of the angle to the normal) where distances along it are worked out.
+const FLATTEST: f32 = 1e-3;
 /// Boxes grow by this share of the diagonal, for the rounding of the box test.
 const PADDING: f32 = 5e-7;
 /// Pieces at most: what rays find is worked out beforehand only where there is room for it.
@@ -83,6 +87,12 @@ impl Found<'_> {
             normals = normals.map(|normal| copy.across(normal).normalize_or_zero());
         }
         (normals[0] * u + normals[1] * v + normals[2] * w).normalize_or_zero()
+    }
+
+    /// Whether a direction meets a back that does not reflect.
+    #[inline]
+    fn is_dark(&self, direction: Vec3) -> bool {
+        self.front().dot(direction) > 0.0 && self.body.marks[self.triangle] & TWO_SIDED == 0
     }
 
     /// A place of its model, local space.
@@ -203,23 +213,69 @@ impl TriangleSurfaces {
     fn nearest(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, Meeting)> {
         let line = Line { origin: ray.origin, direction: ray.direction };
         let alone = self.alone.nearest(&self.surfaces, &line, ray.max_distance, false, seed);
-        self.with_copies(ray, seed, alone)
+        self.with_all(ray, seed, alone)
     }
 
     /// The same, where of the triangles that stand alone it is known.
+    #[inline]
+    fn with_all(
+        &self,
+        ray: &Ray,
+        seed: u32,
+        alone: Option<(usize, Meeting)>,
+    ) -> Option<(Found<'_>, Meeting)> {
+        let (found, meeting) = self.with_copies(ray, seed, alone, Body::nearest)?;
+        if found.is_dark(ray.direction)
+            && let Some(front) = self.front_at(ray, seed, found, meeting)
+        {
+            return Some(front);
+        }
+        Some((found, meeting))
+    }
+
+    /// The face that lies back to back with one whose back was found: at the same place but for rounding, where two
+    /// one-sided surfaces stand for the two sides of one. Whichever of the two is nearer by rounding, or comes first, a ray
+    /// finds the one that faces it.
+    #[cold]
+    #[inline(never)]
+    fn front_at(
+        &self,
+        ray: &Ray,
+        seed: u32,
+        back: Found<'_>,
+        meeting: Meeting,
+    ) -> Option<(Found<'_>, Meeting)> {
+        let normal = back.front().try_normalize()?;
+        let beyond = self.epsilon / normal.dot(ray.direction).max(FLATTEST);
+        let max_distance = (meeting.distance + beyond).min(ray.max_distance);
+        let (front, meeting) = self.nearest_seen(&Ray { max_distance, ..*ray }, seed)?;
+        let is_opposite = front.front().try_normalize()?.dot(normal) < -OPPOSITE;
+        is_opposite.then_some((front, meeting))
+    }
+
+    /// The nearest triangle that a camera sees along the ray.
+    #[inline]
+    fn nearest_seen(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, Meeting)> {
+        let line = Line { origin: ray.origin, direction: ray.direction };
+        let alone = self.alone.nearest_seen(&self.surfaces, &line, ray.max_distance, false, seed);
+        self.with_copies(ray, seed, alone, Body::nearest_seen)
+    }
+
+    /// The nearest triangle, where of those that stand alone it is known; in a model it is found `by` this.
     #[inline]
     fn with_copies(
         &self,
         ray: &Ray,
         seed: u32,
         alone: Option<(usize, Meeting)>,
+        by: impl Fn(&Body, &[Surface], &Line, f32, bool, u32) -> Option<(usize, Meeting)>,
     ) -> Option<(Found<'_>, Meeting)> {
         let line = Line { origin: ray.origin, direction: ray.direction };
         if !self.instances.all.is_empty() {
             let limit = alone.map_or(ray.max_distance, |(_, meeting)| meeting.distance);
             let find = |copy: &Instance, line: &Line, limit: f32, strictly: bool| {
                 let model = &self.models[copy.model as usize];
-                model.nearest(&self.surfaces, line, limit, strictly, copy.seed(seed))
+                by(model, &self.surfaces, line, limit, strictly, copy.seed(seed))
             };
             if let Some((copy, triangle, meeting)) =
                 self.instances.nearest(&line, limit, alone.is_some(), find)
@@ -254,6 +310,11 @@ impl Surfaces for TriangleSurfaces {
         Some(self.shade(found, meeting, ray))
     }
 
+    fn see(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+        let (found, meeting) = self.nearest_seen(ray, seed)?;
+        Some(self.shade(found, meeting, ray))
+    }
+
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         let offset = to - from;
         let length = offset.length();
@@ -271,12 +332,12 @@ impl Surfaces for TriangleSurfaces {
         left * self.instances.product(&self.models, &line, limit, through)
     }
 
-    fn tint(&self, ray: &Ray, distance: f32) -> Vec3 {
+    fn tint(&self, ray: &Ray, distance: f32, from_eye: bool) -> Vec3 {
         if !self.has_glass {
             return Vec3::ONE;
         }
         let line = Line { origin: ray.origin, direction: ray.direction };
-        let tint = |body: &Body, line: &Line, limit: f32| body.tint(&self.surfaces, line, limit);
+        let tint = |body: &Body, line: &Line, limit: f32| body.tint(&self.surfaces, line, limit, from_eye);
         let alone = tint(&self.alone, &line, distance);
         alone * self.instances.product(&self.models, &line, distance, tint)
     }

@@ -63,6 +63,11 @@ impl Pieces for TriangleSurfaces {
         self.place_of(ray, found, meeting)
     }
 
+    fn find_seen(&self, ray: &Ray, seed: u32) -> Option<(Place, f32)> {
+        let (found, meeting) = self.nearest_seen(ray, seed)?;
+        self.place_of(ray, found, meeting)
+    }
+
     #[cfg(target_arch = "x86_64")]
     fn find_all(&self, rays: &[(Ray, u32)], numbers: &[u32], found: &mut Vec<Option<(Place, f32)>>) {
         found.clear();
@@ -83,7 +88,7 @@ impl Pieces for TriangleSurfaces {
             let alone = unsafe { self.alone.nearest_together(&self.surfaces, some.iter().map(of), first) };
             found.extend(some.iter().zip(alone).map(|(number, alone)| {
                 let (ray, seed) = of(number);
-                let (found, meeting) = self.with_copies(ray, *seed, alone)?;
+                let (found, meeting) = self.with_all(ray, *seed, alone)?;
                 self.place_of(ray, found, meeting)
             }));
         }

@@ -1,3 +1,4 @@
+mod backs;
 mod instances;
 mod together;
 

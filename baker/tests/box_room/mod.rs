@@ -37,6 +37,11 @@ impl Surfaces for BoxRoom {
         })
     }
 
+    fn see(&self, ray: &Ray, seed: u32) -> Option<Hit> {
+        // Its inside has fronts only.
+        self.cast(ray, seed)
+    }
+
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         // A box is convex: what its inside does not hold is behind a wall.
         let holds = |p: Vec3| p.cmpge(self.low).all() && p.cmple(self.high).all();

@@ -1,9 +1,10 @@
-// What the camera sees of all that is not blended: albedo, normals, material; the depth buffer holds the position.
+// What the camera sees of all that is not blended: albedo, normals, material; the depth buffer holds the position. Backs of
+// one-sided surfaces are culled before.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 
 struct Targets {
-    // Albedo; alpha 1 where the surface reflects, 0 on the back of a one-sided surface.
+    // Albedo; alpha 1 where the surface reflects, 0 where a one-sided surface's shading normal points away from the eye.
     @location(0) albedo: vec4f,
     // Shading normal, flipped to the viewer on two-sided surfaces (snorm16x2); flat normal
     // (snorm8x2, low half) and material (high half); what the textures of detail say, kept in the wide format only.

@@ -34,7 +34,7 @@ struct Facing {
     facet: vec3f,
     // For shading.
     normal: vec3f,
-    // False on the back of a one-sided surface.
+    // False where the shading normal of a one-sided surface points away from the eye; its backs are culled.
     reflects: bool,
 }
 

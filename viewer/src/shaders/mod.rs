@@ -26,6 +26,8 @@ modules! {
     BOUNCE: "colour" "step" "lanes" "bounce";
     /// Later bounces to finer senders.
     LIFT: "link" "step" "lift";
+    /// How much light there is.
+    LEVEL: "step" "light_level";
     /// Shadow maps.
     SHADOW: "material" "model" "shadow";
     /// Colours of the lights behind glass.

@@ -53,7 +53,7 @@ fn cells(rays: &[(Ray, u32)]) -> Vec<u16> {
     rays.chunks(8).flat_map(of_some).take(rays.len()).collect()
 }
 
-fn find_the_same(surfaces: &TriangleSurfaces, corners: &[Triangle]) {
+pub(super) fn find_the_same(surfaces: &TriangleSurfaces, corners: &[Triangle]) {
     let pieces = surfaces.pieces().unwrap();
     let (mut found, mut ended, mut rays_cast) = (Vec::new(), 0, 0);
     for seed in 0..60 {

@@ -1,0 +1,219 @@
+//! Backs of one-sided surfaces: whoever looks into a room from outside through its walls sees the room, in the viewer and on
+//! the CPU. Two faces back to back are as one that has both sides.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod common;
+
+use common::{mean_and_stops, picture};
+use glam::{Vec2, Vec3, vec3};
+use rebounce::bake::bake;
+use rebounce::path_trace::{Settings, path_trace};
+use rebounce::picture::{Only, expose::Exposure};
+use rebounce::render::render;
+use rebounce::scene::{self, Scene};
+use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::rbn;
+use rebounce_shared::rbn::meta::Material;
+use rebounce_tests::small::settings;
+use rebounce_viewer::settings::Mode;
+use std::path::Path;
+
+const SIZE: u32 = 96;
+
+fn camera(position: Vec3, target: Vec3) -> Camera {
+    Camera {
+        position: position.as_dvec3().to_array(),
+        target: target.as_dvec3().to_array(),
+        up: [0.0, 1.0, 0.0],
+        yfov_deg: 50.0,
+    }
+}
+
+/// A grey room from -1 to 1 whose walls face in, a lamp in it and a camera outside.
+fn doll_house() -> Scene {
+    let mut scene = scene::load("builtin:furnace").unwrap();
+    scene.cameras = vec![camera(vec3(1.2, 2.0, 3.5), Vec3::ZERO)];
+    scene
+}
+
+/// The same without what the camera sees the backs of.
+fn opened(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let eye = scene.cameras[0].frame(scene.origin).eye;
+    let faces = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|i| scene.positions[i as usize]);
+        (b - a).cross(c - a).dot(eye - a) > 0.0
+    };
+    let kept: Vec<bool> = scene.triangles.iter().map(faces).collect();
+    let mut is_kept = kept.iter();
+    scene.triangles.retain(|_| *is_kept.next().unwrap());
+    let mut is_kept = kept.iter();
+    scene.triangle_material.retain(|_| *is_kept.next().unwrap());
+    assert!(scene.triangles.len() < kept.len());
+    scene
+}
+
+/// Adds a rectangle around a place, world space, with its front on the side of `across` x `up`; `turned`: cut along the other
+/// diagonal.
+fn panel(scene: &mut Scene, place: Vec3, [across, up]: [Vec3; 2], material: u32, turned: bool) {
+    let place = (place.as_dvec3() - glam::DVec3::from(scene.origin)).as_vec3();
+    let first = scene.positions.len() as u32;
+    for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+        scene.positions.push(place + across * x + up * y);
+        scene.normals.push(across.cross(up).normalize());
+        scene.uvs.push(Vec2::ZERO);
+    }
+    let triangles = if turned { [[1, 2, 3], [1, 3, 0]] } else { [[0, 1, 2], [0, 2, 3]] };
+    scene.triangles.extend(triangles.map(|t| t.map(|i| first + i)));
+    scene.triangle_material.extend([material; 2]);
+}
+
+/// A room with two boards, each of two faces back to back or of one that has both sides.
+fn boards(pairs: bool) -> Scene {
+    let mut scene = scene::load("builtin:furnace").unwrap();
+    scene.cameras = vec![camera(vec3(0.3, 0.35, 0.95), vec3(0.0, -0.35, -0.6))];
+    let material = scene.materials.len() as u32;
+    let base_color = [0.8, 0.6, 0.3, 1.0];
+    scene.materials.push(Material { base_color, double_sided: !pairs, ..Material::default() });
+    for (place, across, up) in [
+        (vec3(-0.1, -0.4, 0.0), vec3(0.0, 0.0, 0.5), vec3(0.6, 0.0, 0.0)),
+        (vec3(0.1, -0.2, -0.613), vec3(0.7, 0.0, 0.0), vec3(0.0, 0.6, 0.0)),
+    ] {
+        panel(&mut scene, place, [across, up], material, false);
+        if pairs {
+            panel(&mut scene, place, [up, across], material, true);
+        }
+    }
+    scene
+}
+
+fn baked(scene: &Scene) -> rbn::Scene {
+    bake(scene, &settings(2_000), &()).unwrap().0
+}
+
+fn exposure(samples: u32) -> Exposure {
+    Exposure { size: [SIZE; 2], samples, seed: 5 }
+}
+
+fn rendered(file: &rbn::Scene, only: Only) -> Vec<Vec3> {
+    let surfaces = TriangleSurfaces::from_baked(file).unwrap();
+    let (camera, lights) = (&file.meta.cameras[0], &file.meta.lights);
+    render(file, &surfaces, camera, lights, exposure(16), only, || ()).pixels
+}
+
+fn traced(scene: &Scene, only: Only) -> Vec<Vec3> {
+    let surfaces = TriangleSurfaces::from_scene(scene);
+    let settings = Settings { only, bounces: None };
+    let (camera, lights) = (&scene.cameras[0], &scene.lights);
+    path_trace(&surfaces, scene.origin, camera, lights, exposure(16), settings, || ()).pixels
+}
+
+/// Root mean square of the difference over the root mean square.
+fn difference(a: &[Vec3], b: &[Vec3]) -> f32 {
+    let squares = |of: &dyn Fn(usize) -> Vec3| (0..a.len()).map(|i| of(i).length_squared()).sum::<f32>();
+    (squares(&|i| a[i] - b[i]) / squares(&|i| b[i])).sqrt()
+}
+
+/// Pixels that differ from the median of those around them by more than this share of it and of the mean together, of which
+/// steps of 8 bits are less, where those of the `truth` do not.
+fn speckles(picture: &[Vec3], truth: &[Vec3], share: f32) -> usize {
+    let mean = truth.iter().sum::<Vec3>().element_sum() / truth.len() as f32;
+    let stands_out = |pixels: &[Vec3], x: u32, y: u32, share: f32| {
+        let at = |x: u32, y: u32| pixels[(y * SIZE + x) as usize].element_sum();
+        let mut around: Vec<f32> = (0..9).map(|k| at(x + k % 3 - 1, y + k / 3 - 1)).collect();
+        around.sort_by(f32::total_cmp);
+        (at(x, y) - around[4]).abs() > share * (around[4] + mean)
+    };
+    let inner = 1..SIZE - 1;
+    let pixels = inner.clone().flat_map(|y| inner.clone().map(move |x| (x, y)));
+    pixels.filter(|&(x, y)| stands_out(picture, x, y, share) && !stands_out(truth, x, y, 0.5 * share)).count()
+}
+
+#[test]
+fn a_room_is_seen_from_outside_through_its_walls() {
+    let closed = doll_house();
+    let open = opened(&closed);
+    let [of_closed, of_open] = [&closed, &open].map(|scene| traced(scene, Only::Direct));
+    assert_eq!(of_closed, of_open, "the path tracer's direct light");
+    let room: Vec<usize> = (0..of_open.len()).filter(|i| of_open[*i] != Vec3::ZERO).collect();
+    assert!(room.len() > of_open.len() / 6, "{} pixels of the room", room.len());
+    let files = [&closed, &open].map(baked);
+    let [of_closed, of_open] = [0, 1].map(|i| rendered(&files[i], Only::Direct));
+    assert_eq!(of_closed, of_open, "the file's direct light");
+    let indirect = rendered(&files[0], Only::Indirect);
+    assert!(room.iter().all(|i| indirect[*i].min_element() > 0.0), "no pixel is black");
+    // The walls keep the light in: as much of it as was direct, all over the room.
+    let truth = traced(&closed, Only::Indirect);
+    let sum = |pixels: &[Vec3]| room.iter().map(|i| pixels[*i].x).sum::<f32>();
+    assert!((sum(&indirect) / sum(&truth) - 1.0).abs() < 0.03, "{}, {}", sum(&indirect), sum(&truth));
+    assert!(sum(&truth) > 2.0 * sum(&traced(&open, Only::Indirect)), "walls block light from both sides");
+}
+
+#[test]
+fn so_the_viewer_shows_it() {
+    let scene = doll_house();
+    let files = [baked(&scene), baked(&opened(&scene))];
+    let truth = rendered(&files[0], Only::All);
+    let (_, stops) = mean_and_stops(&truth);
+    let Some(mut renderer) = common::renderer(&files[0]) else { return };
+    let shown = picture(&mut renderer, [SIZE; 2], stops);
+    let error = difference(&shown, &truth);
+    println!("viewer and CPU: {error}");
+    assert!(error < 0.04, "{error}");
+    let Some(mut open) = common::renderer(&files[1]) else { return };
+    let mut direct = [&mut renderer, &mut open].map(|renderer| {
+        renderer.set_mode(Mode::Direct);
+        picture(renderer, [SIZE; 2], stops)
+    });
+    let error = difference(&direct[0], &direct[1]);
+    println!("closed and opened, direct: {error}");
+    assert!(error < 0.01, "{error}");
+    let lit = |pixel: &Vec3| pixel.max_element() > 0.0;
+    direct.iter_mut().for_each(|pixels| pixels.retain(lit));
+    assert!(direct[0].len().abs_diff(direct[1].len()) <= direct[1].len() / 200);
+    renderer.gpu().check().unwrap();
+}
+
+#[test]
+fn two_faces_back_to_back_are_as_one_with_both_sides() {
+    let files = [true, false].map(|pairs| baked(&boards(pairs)));
+    let [pairs, plain] = [0, 1].map(|i| rendered(&files[i], Only::Direct));
+    assert_eq!(pairs, plain, "direct light");
+    let [pairs, plain] = [0, 1].map(|i| rendered(&files[i], Only::Indirect));
+    let (error, count) = (difference(&pairs, &plain), speckles(&pairs, &plain, 0.1));
+    let bias = pairs.iter().sum::<Vec3>().x / plain.iter().sum::<Vec3>().x - 1.0;
+    println!("bounced light: {error}, bias {bias}, {count} speckles");
+    assert!(error < 0.05 && bias.abs() < 0.01 && count == 0, "{error}, {bias}, {count}");
+    let [pairs, plain] = [true, false].map(|pairs| traced(&boards(pairs), Only::All));
+    let error = difference(&pairs, &plain);
+    println!("path traced: {error}");
+    let bias = pairs.iter().sum::<Vec3>().x / plain.iter().sum::<Vec3>().x - 1.0;
+    assert!(bias.abs() < 0.01, "{bias}");
+    let truth = rendered(&files[1], Only::All);
+    let (_, stops) = mean_and_stops(&truth);
+    let Some(mut renderer) = common::renderer(&files[0]) else { return };
+    let shown = picture(&mut renderer, [SIZE; 2], stops);
+    let Some(mut renderer) = common::renderer(&files[1]) else { return };
+    let plain = picture(&mut renderer, [SIZE; 2], stops);
+    let (error, count) = (difference(&shown, &plain), speckles(&shown, &plain, 0.1));
+    println!("viewer: {error}, {count} speckles");
+    assert!(error < 0.03 && count == 0, "{error}, {count}");
+    renderer.gpu().check().unwrap();
+}
+
+#[test]
+fn so_they_are_in_given_scenes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/cases/twosides");
+    if !folder.exists() {
+        return;
+    }
+    let load = |name: &str| scene::load(folder.join(name).to_str().unwrap()).unwrap();
+    let files = ["two_opposite.glb", "two_plain.glb"].map(|name| baked(&load(name)));
+    for only in [Only::Direct, Only::Indirect] {
+        let [opposite, plain] = [0, 1].map(|i| rendered(&files[i], only));
+        let (error, count) = (difference(&opposite, &plain), speckles(&opposite, &plain, 0.1));
+        println!("{only:?}: {error}, {count} speckles");
+        assert!(error < 0.05 && count == 0, "{only:?}: {error}, {count}");
+    }
+}
