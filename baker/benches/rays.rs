@@ -36,7 +36,7 @@ fn main() -> Result<()> {
     let middle = |ray: &Ray| ray.origin + ray.direction * length;
     let walk = |ray: &Ray| surfaces.distance(ray, 1).is_some();
     let cast = |ray: &Ray| surfaces.cast(ray, 1).is_some();
-    let open = |ray: &Ray| surfaces.transmittance(ray.origin, middle(ray)) > 0.0;
+    let open = |ray: &Ray| surfaces.transmittance(ray.origin, middle(ray)).max_element() > 0.0;
     let kinds: [(&str, &dyn Fn(&Ray) -> bool); 3] =
         [("the walk alone", &walk), ("cast", &cast), ("transmittance", &open)];
     // In turns, and the best of each few rays: other jobs make rays slower, never faster.

@@ -194,6 +194,31 @@ fn a_colour_that_is_seen_through_glass_is_tinted() {
     assert!((share / expected - 1.0).abs().max_element() < 0.03, "{share}, not {expected}");
 }
 
+/// The windows of `shared/cases`, where they are: the room behind a clear pane of two faces is as light as the open one, and
+/// behind two faces of alpha 0.1 it has 0.81 of that.
+#[test]
+fn windows_of_files_let_the_sun_in() {
+    let floor = |name: &str| {
+        let path = format!("{}/../../shared/cases/winglass/{name}.glb", env!("CARGO_MANIFEST_DIR"));
+        let scene = scene::load(&path).ok()?;
+        let lights: Vec<_> = scene.lights.iter().map(|light| light.source(scene.origin)).collect();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let places =
+            (0..400).map(|i| DVec3::new((i % 20) as f64 * 0.19 - 1.9, 0.0, (i / 20) as f64 * 0.24 - 2.3));
+        let light = places.map(|place| {
+            let at = (place - DVec3::from(scene.origin)).as_vec3();
+            direct::at_point(&surfaces, &lights, at, Vec3::Y).x
+        });
+        Some(light.sum::<f32>())
+    };
+    let [Some(open), Some(clear), Some(blended)] = ["win_open", "win_transmission", "win_blend"].map(floor)
+    else {
+        return eprintln!("shared/cases/winglass is not here");
+    };
+    assert!(open > 100.0 && clear == open, "{clear} of {open}");
+    assert!((blended / open - 0.81).abs() < 1e-4, "{blended} of {open}");
+}
+
 #[test]
 fn no_pane_makes_light() {
     let mut stream = Stream::new(3, 3);

@@ -5,10 +5,11 @@ use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::{LaterLink, Link};
 use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
+use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{
     Alpha, Animation, DetailTexture, Draw, Interpolation, Level, Material, Meta, Property, Texture, Track,
 };
-use rebounce_shared::rbn::{LinkMatrix, MAX_ROW, Scene};
+use rebounce_shared::rbn::{EXTRAS_SECTION, LinkMatrix, MAX_ROW, Scene, container};
 
 /// A triangle with one coarse function, which has a cut, and one fine one, which has none.
 fn scene() -> Scene {
@@ -69,9 +70,53 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 }
 
 #[test]
+fn only_files_with_glass_or_unlit_materials_are_of_the_newest_version() {
+    let mut scene = scene();
+    assert_eq!(scene.version(), container::WITHOUT_COPIES);
+    scene.meta.materials = vec![Material::default(); 3];
+    scene.meta.materials[1].extras = Extras { unlit: true, ..Extras::default() };
+    scene.meta.materials[2].extras = Extras {
+        unlit: false,
+        transmission: 0.5,
+        transmission_texture: Some(DetailTexture { texture: 0, uv_from_vertex: [[1.0, 0.0, 0.5]; 2] }),
+        transmission_tint: [0.1, 0.2, 0.3],
+        scattered: 0.25,
+        scattered_color: [0.4, 0.5, 0.6],
+    };
+    scene.meta.textures = vec![Texture::default()];
+    assert_eq!(scene.version(), container::VERSION);
+    let bytes = scene.to_bytes().unwrap();
+    assert_eq!(Scene::from_bytes(&bytes).unwrap(), scene);
+    let sections: Vec<_> = container::read(&bytes).unwrap();
+    let sections: Vec<_> =
+        sections.iter().map(|s| (s.name, bytes[s.offset..s.offset + s.len].to_vec())).collect();
+    let with = |version: u32, extras: &dyn Fn(&[u8]) -> Vec<u8>| {
+        let changed = sections.iter().map(|(name, bytes)| {
+            (*name, if *name == EXTRAS_SECTION { extras(bytes) } else { bytes.clone() })
+        });
+        let changed: Vec<_> = changed.collect();
+        let parts: Vec<_> = changed.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
+        Scene::from_bytes(&container::write(version, &parts))
+    };
+    assert_eq!(with(container::VERSION, &<[u8]>::to_vec).unwrap(), scene);
+    // Older readers would not see it; materials come in order, each once, and there are no others.
+    let wrong: [(u32, &dyn Fn(&[u8]) -> Vec<u8>); 4] = [
+        (container::WITHOUT_EXTRAS, &<[u8]>::to_vec),
+        (container::VERSION, &|bytes| [bytes, &[0]].concat()),
+        (container::VERSION, &|bytes| bytes[..bytes.len() - 1].to_vec()),
+        // The first record's material.
+        (container::VERSION, &|bytes| [&bytes[..1], &[2], &bytes[2..]].concat()),
+    ];
+    for (i, (version, extras)) in wrong.into_iter().enumerate() {
+        let error = with(version, extras).expect_err("refused").to_string();
+        assert!(error.contains("MATX"), "{i}: {error}");
+    }
+}
+
+#[test]
 fn every_broken_rule_is_refused_by_its_section() {
     type Break = fn(&mut Scene);
-    let breaks: [(&str, Break); 54] = [
+    let breaks: [(&str, Break); 57] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
         ("META", |s| s.meta.levels[1].first = 7),
@@ -122,6 +167,9 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("META", |s| s.meta.materials[0].alpha = Alpha::Mask { cutoff: f32::NAN }),
         ("META", |s| s.meta.materials[0].base_color_texture = Some(0)),
         ("META", |s| s.meta.materials = vec![Material::default(); 65_536]),
+        ("META", |s| s.meta.materials[0].extras.transmission = 1.5),
+        ("META", |s| s.meta.materials[0].extras.scattered_color[1] = f32::NAN),
+        ("META", |s| s.meta.materials[0].extras.transmission_texture = Some(DetailTexture::default())),
         ("META", |s| s.meta.textures = vec![Texture { offset: u64::MAX, len: 1, ..Texture::default() }]),
         ("META", |s| s.meta.animations[0].tracks[0].values[4] = 1e16),
         ("VERT", |s| s.vertices[2].position[1] = 1e16),

@@ -98,7 +98,9 @@ fn compare(glass: bool) {
     // From within, behind the panes.
     let behind =
         Camera { position: [0.4, 2.4, -5.3], target: [0.0, 2.6, 0.0], yfov_deg: 75.0, ..front.clone() };
-    for (name, camera) in [("front", front), ("behind", behind)] {
+    let views = [("front", front), ("behind", behind)];
+    // One is enough to tell whether colours are right.
+    for (name, camera) in views.into_iter().take(if glass { 1 } else { 2 }) {
         let exposure = Exposure { size: [WIDTH, HEIGHT], samples: 1024, seed: 3 };
         let truth =
             |only| render(&scene, &surfaces, &camera, &scene.meta.lights, exposure, only, || ()).pixels;

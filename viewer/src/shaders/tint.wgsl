@@ -17,7 +17,13 @@ fn vertex(@location(0) position: vec3f, @location(2) uv: vec2f, place: Place) ->
 
 @fragment
 fn fragment(in: Out) -> @location(0) vec4f {
-    if in.position.z < textureLoad(solid_depth, vec2u(in.position.xy) * 2u, 0) {
+    // Blended surfaces hold a share of every 3 x 3 texels: what is hidden in all of them is behind something solid.
+    var solid = 1.0;
+    let middle = vec2i(in.position.xy) * 2;
+    for (var k = 0; k < 9; k++) {
+        solid = min(solid, textureLoad(solid_depth, max(middle + vec2i(k % 3, k / 3) - 1, vec2i(0)), 0));
+    }
+    if in.position.z < solid {
         return vec4f(1.0, 1.0, 1.0, 0.0);
     }
     let color = material.base_color * textureSampleLevel(base_color_texture, plain_sampler, in.uv, 0.0);
