@@ -1,4 +1,5 @@
 //! `rebounce bake --target-error` and `rebounce compare`: a file is as good as they say, or the exit code tells.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use glam::Vec3;
 use rebounce::picture::Picture;
