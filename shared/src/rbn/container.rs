@@ -224,9 +224,9 @@ mod tests {
         let newer = said(VERSION + 3, b"\x0erebounce 9.0.0 and more");
         assert_eq!(newer.code(), "newer-version");
         let newer = newer.to_string();
-        let (written, read) =
+        let (written, supported) =
             (format!("rebounce 9.0.0 in format version {}", VERSION + 3), format!("reads version {VERSION}"));
-        for words in [written.as_str(), "this Rebounce is older", &read, "update"] {
+        for words in [written.as_str(), "this Rebounce is older", &supported, "update"] {
             assert!(newer.contains(words), "{words}: {newer}");
         }
         let older = said(2, b"\x0erebounce 0.0.3...");
