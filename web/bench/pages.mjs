@@ -36,7 +36,7 @@ export async function openPage(browser, address, viewport) {
   page.setDefaultTimeout(600_000);
   page.on("pageerror", (error) => console.error(`${address}: ${error}`));
   await page.goto(address);
-  await within(300, address, page.waitForFunction(() => globalThis.bench));
+  await within(address, page.waitForFunction(() => globalThis.bench));
   return page;
 }
 

@@ -23,7 +23,7 @@ const frames = async (page, count, first) => {
   const times = [];
   for (let i = 0; i < count; i += 1) {
     const shift = 0.05 * (1 + ((first + i) % 10));
-    times.push(await within(300, "a frame", page.evaluate((s) => globalThis.bench.frame(s), shift)));
+    times.push(await within("a frame", page.evaluate((s) => globalThis.bench.frame(s), shift)));
   }
   return times;
 };
@@ -31,7 +31,7 @@ const frames = async (page, count, first) => {
 /** Relative error and bias of a picture against the reference, as `rebounce compare` measures them. */
 async function error(page, work, name) {
   if (reference === "-") return undefined;
-  const pixels = await within(600, "the picture", page.evaluate(([w, h]) => globalThis.bench.indirect(w, h), PICTURE));
+  const pixels = await within("the picture", page.evaluate(([w, h]) => globalThis.bench.indirect(w, h), PICTURE));
   const file = path.join(work, `${name}-${PICTURE.join("x")}.f32`);
   await writeFile(file, Buffer.from(new Float32Array(pixels).buffer));
   const { stdout } = await promisify(execFile)(compare, [file, `${reference}.indirect.a.exr`, `${reference}.indirect.b.exr`]);
@@ -52,11 +52,11 @@ try {
         await frames(page, 1, 7);
         results[which].ms.push(...(await frames(page, which === "vxgi" ? 1 : 3, round)));
         if (which === "ours") {
-          results.ours.turn = await within(300, "a turn", page.evaluate(() => globalThis.bench.turn(0.1)));
+          results.ours.turn = await within("a turn", page.evaluate(() => globalThis.bench.turn(0.1)));
           results.ours.loaded = await page.evaluate(() => globalThis.bench.loadedAt);
           results.ours.lit = await page.evaluate(() => globalThis.bench.litAt);
           results.ours.stats = await page.evaluate(() => globalThis.bench.stats());
-          results.ours.still = await within(300, "a still picture", page.evaluate(() => globalThis.bench.still()));
+          results.ours.still = await within("a still picture", page.evaluate(() => globalThis.bench.still()));
         }
         if (round === 0 && which !== "three") results[which].error = await error(page, work, which);
       } catch (failure) {
