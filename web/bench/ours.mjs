@@ -78,8 +78,8 @@ window.bench = {
     await rest();
     const light = await timed(() => (viewer.lights = moved(-shift)));
     await rest();
-    const { display, milliseconds } = viewer.stats();
-    return { display, find: milliseconds.find, gather: milliseconds.gather, light };
+    const { adapter, display, milliseconds } = viewer.stats();
+    return { adapter, display, find: milliseconds.find, gather: milliseconds.gather, light };
   },
   stats: () => viewer.stats(),
 };

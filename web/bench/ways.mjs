@@ -1,5 +1,5 @@
 // node bench/ways.mjs SCENE.rbn SHOT.json OUT: what lookup and splatting cost, in turns, at two sizes, and how far apart
-// their pictures are. Writes what was measured to OUT as JSON.
+// their pictures of the bounced light are. Writes what was measured to OUT as JSON.
 
 import { writeFile } from "node:fs/promises";
 import { launch, within } from "../test/browser.mjs";
@@ -39,6 +39,7 @@ try {
         const call = ([name, shift]) => globalThis.bench.way(name, shift);
         const times = await within(way, page.evaluate(call, [way, 0.05 * (1 + round)]));
         if (times.display !== way) throw new Error(`${times.display} instead of ${way}`);
+        results.adapter = times.adapter;
         for (const [pass, list] of Object.entries(measured[way])) if (round > 0) list.push(times[pass]);
       }
     }

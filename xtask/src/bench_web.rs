@@ -1,6 +1,6 @@
 //! `cargo xtask bench-web`: what a frame of the viewer costs in a browser beside one of three.js, with the same
 //! scene, light and size, in turns on the same machine. Each picture's bounced light is compared with the
-//! path-traced one where there is one.
+//! path-traced one where there is one. Then: what lookup and splatting cost, and how far apart their pictures are.
 
 use crate::fidelity::given;
 use crate::{install, process, web};
@@ -32,7 +32,7 @@ fn parse(args: &[String]) -> Result<Options> {
     Ok(options)
 }
 
-/// Bakes, serves, measures, prints a table and the line `frame ratio R`.
+/// Bakes, serves, measures, prints a table of both ways to the pixel, one of the viewers and the line `frame ratio R`.
 ///
 /// # Errors
 /// If a step fails, or there is no scene to measure.
@@ -64,7 +64,7 @@ pub fn run(args: &[String]) -> Result<()> {
     ]))?;
     let work = process::target().join("bench-web");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
-    let (baked, out) = (work.join(format!("{name}.rbn")), work.join("frames.json"));
+    let [baked, out, ways] = [format!("{name}.rbn"), "frames.json".into(), "ways.json".into()].map(|file| work.join(file));
     let release = |program: &str| process::target().join("release").join(program);
     process::run(Command::new(release("rebounce")).arg("bake").arg(&scene).arg("-o").arg(&baked))?;
     let reference = if has_reference { reference } else { PathBuf::from("-") };
@@ -76,13 +76,34 @@ pub fn run(args: &[String]) -> Result<()> {
         &reference,
         &out,
     ]))?;
-    report(&out)
+    process::run(web::node().arg("bench/ways.mjs").args([&baked, &shot, &ways]))?;
+    println!("{}\n\n{}", ways_table(&figures(&ways)?)?, table(&figures(&out)?)?);
+    Ok(())
 }
 
-fn report(file: &Path) -> Result<()> {
-    let results: Value = serde_json::from_slice(&std::fs::read(file)?).context("the figures")?;
-    println!("{}", table(&results)?);
-    Ok(())
+fn figures(file: &Path) -> Result<Value> {
+    let text = std::fs::read(file).with_context(|| file.display().to_string())?;
+    serde_json::from_slice(&text).with_context(|| file.display().to_string())
+}
+
+/// Milliseconds of both ways to the pixel at each size, and the difference of their pictures.
+fn ways_table(results: &Value) -> Result<String> {
+    let mut lines =
+        vec!["| milliseconds | size | find | gather | a frame with the light moving |".to_owned(), "|---|---|---|---|---|".to_owned()];
+    for size in results["sizes"].as_array().context("no size was measured")? {
+        for way in ["lookup", "splat"] {
+            let number = |pass: &str| {
+                size[way][pass].as_f64().map_or_else(|| "–".to_owned(), |ms| format!("{ms:.0}"))
+            };
+            let [find, gather, light] = ["find", "gather", "light"].map(number);
+            let [width, height] = [&size["width"], &size["height"]];
+            lines.push(format!("| {way} | {width} x {height} | {find} | {gather} | {light} |"));
+        }
+    }
+    let apart = results["apart"].as_f64().context("no pictures were compared")?;
+    let adapter = results["adapter"].as_str().context("no adapter")?;
+    lines.push(format!("\n{adapter}; the pictures are {:.3}% apart (relative RMS)", 100.0 * apart));
+    Ok(lines.join("\n"))
 }
 
 /// The table, and the line that says it all.
@@ -137,6 +158,23 @@ mod tests {
         let wanted = Options { scenes: Some("a/b".into()), shot: Some("hall".into()) };
         assert_eq!(parse(&words("--scenes a/b --shot hall")).unwrap(), wanted);
         assert!(parse(&words("--shot")).is_err() && parse(&words("hall")).is_err());
+    }
+
+    #[test]
+    fn both_ways_have_a_line_at_each_size() {
+        let way = |find: f64| serde_json::json!({ "find": find, "gather": 4.4, "light": 60.0 });
+        let mut results = serde_json::json!({
+            "sizes": [{ "width": 320, "height": 180, "lookup": way(120.0), "splat": way(7.5) }],
+            "apart": 0.00123,
+            "adapter": "an adapter",
+        });
+        let table = ways_table(&results).unwrap();
+        assert!(table.contains("| lookup | 320 x 180 | 120 | 4 | 60 |\n| splat | 320 x 180 | 8 | 4 | 60 |"), "{table}");
+        assert!(table.ends_with("an adapter; the pictures are 0.123% apart (relative RMS)"), "{table}");
+        // Without timestamps there are no times of passes.
+        results["sizes"][0]["splat"] = serde_json::json!({ "light": 60.0 });
+        assert!(ways_table(&results).unwrap().contains("| splat | 320 x 180 | – | – | 60 |"));
+        assert!(ways_table(&serde_json::json!({})).is_err());
     }
 
     #[test]

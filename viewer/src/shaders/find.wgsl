@@ -1,5 +1,5 @@
 // Finds the functions that cover the pixels: rows of indices and weights, which hold until the camera moves
-// (paper, section 4.1, turned around: a pixel collects its functions, and nothing is splatted).
+// (paper, section 4.1, turned around: a pixel collects its functions).
 
 // Off where functions are splatted (splat.wgsl): then pixels get slots only.
 override ROWS = true;

@@ -1,14 +1,15 @@
 // The browser's light is the CPU's.
 
 import { agreement, difference } from "../agreement.mjs";
-import { check, equal } from "../harness.mjs";
+import { within } from "../browser.mjs";
+import { check, equal, same } from "../harness.mjs";
 import { open, outcome } from "./open.mjs";
 
 /** Pictures are compared at this size; the browser's is averaged from FINER times as many pixels a
  * side, since the CPU takes 64 samples a pixel. */
 const SIZE = [256, 144];
 const FINER = 4;
-/** The most that the browser's indirect light may differ from the CPU's, relative RMS. */
+/** The most that the browser's indirect light may differ from the CPU's, relative RMS; and that of lookup from that of splats. */
 const TOLERANCE = 0.01;
 
 const CAMERA = { position: [0.4, 2.9, 3.2], target: [-0.2, 2.3, -3], up: [0, 1, 0], yfov_deg: 65 };
@@ -49,5 +50,32 @@ export async function light(harness, context) {
     const told = await page.evaluate(() => events.filter((event) => event.type === "light-change").length);
     check(told > 0, "no light-change event");
   });
+  await harness.test(
+    "page::light_is_the_same_looked_up_and_splatted",
+    async () => {
+      const read = async (shot) => {
+        viewer.shot = shot;
+        const pictures = [];
+        const told = [];
+        for (const way of ["lookup", "splat", "auto"]) {
+          viewer.setAttribute("display", way);
+          pictures.push(await viewer.readIndirect(320, 180));
+          told.push(viewer.stats().display);
+        }
+        viewer.removeAttribute("display");
+        const [lookup, splat] = pictures.map((pixels) => pixels.filter((_, i) => i % 4 < 3));
+        const power = lookup.reduce((sum, value) => sum + value ** 2, 0);
+        const error = lookup.reduce((sum, value, i) => sum + (value - splat[i]) ** 2, 0);
+        return { told, rms: Math.sqrt(error / power) };
+      };
+      for (const [name, shot] of Object.entries(SHOTS)) {
+        const { told, rms } = await within(name, page.evaluate(read, shot));
+        console.log(`    ${name}: ${rms}`);
+        same(told, ["lookup", "splat", "lookup"], "what stats() tells; of itself software looks up");
+        check(rms <= TOLERANCE, `${name}: relative RMS difference ${rms}, at most ${TOLERANCE} is allowed`);
+      }
+    },
+    "attribute display",
+  );
   await page.close();
 }
