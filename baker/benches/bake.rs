@@ -128,7 +128,7 @@ impl Rays {
         cut(&recorder, &mut points, end, &())?;
         footprint(&recorder, &mut points, end, &())?;
         let mut operator = settings.operator.clone();
-        operator.reflected = reflected_share(&recorder, &points, operator.seed);
+        operator.reflected = reflected_share(&recorder, &points, 0, operator.seed);
         let tints = tints(&recorder, &points, operator.seed, &())?;
         let others = recorder.asked();
         let relations = relate(&points, settings.direct_levels)?;

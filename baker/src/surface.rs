@@ -112,8 +112,19 @@ pub trait Surfaces: Sync {
     /// Least and greatest corner of everything that can be hit.
     fn bounds(&self) -> (Vec3, Vec3);
 
-    /// Safe distance to move ray origins off surfaces, scene units.
+    /// The same of the part that has the detail, where that is far smaller than all.
+    fn main_part(&self) -> (Vec3, Vec3) {
+        self.bounds()
+    }
+
+    /// Safe distance to move ray origins off surfaces in the [main part](Self::main_part), scene units.
     fn epsilon(&self) -> f32;
+
+    /// The same anywhere: more where numbers are less exact.
+    #[inline]
+    fn epsilon_at(&self, _position: Vec3) -> f32 {
+        self.epsilon()
+    }
 
     /// The pieces that the surfaces are made of; none where they do not tell.
     fn pieces(&self) -> Option<&dyn Pieces> {

@@ -126,7 +126,7 @@ fn settings() -> BakeSettings {
     let mut settings = BakeSettings::new(Preset::Draft);
     (settings.place.levels, settings.place.functions) = (4, 6000);
     settings.operator.rays = vec![256];
-    settings.viewpoint = Some([0.0, 3.5, 0.0]);
+    settings.viewpoints = vec![[0.0, 3.5, 0.0]];
     settings.normalised()
 }
 

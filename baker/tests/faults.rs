@@ -127,7 +127,7 @@ fn results_replace_nothing_that_is_read_and_nothing_but_files() {
         ("scene.glb", "a.rbn", vec!["--report", "a.rbn"], "ends in .json"),
         ("scene.glb", "a.rbn", vec!["--report", "/no/such/report.json"], "there is no folder /no/such"),
         ("scene.glb", "a.rbn", vec!["--report", shot, "--shot", shot, "--target-error", "1"], "is the shot"),
-        ("scene.glb", "a.rbn", vec!["--shot", report], "--target-error"),
+        ("scene.glb", "a.rbn", vec!["--shot", report], "cannot read"),
         ("folder.rbn", "a.rbn", vec![], "folder.rbn"),
     ] {
         let output = bake(at(scene).to_str().unwrap(), &at(output), &more);

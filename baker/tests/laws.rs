@@ -29,6 +29,7 @@ fn small_operator() -> OperatorSettings {
         significance: 0.5,
         bounces: None,
         later_levels: 2,
+        far_levels: 0,
         levels: 4,
         seed: 1,
     }

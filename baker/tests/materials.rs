@@ -128,7 +128,7 @@ fn a_texture_says_where_light_goes_through() {
 
 fn quick() -> BakeSettings {
     let mut settings = BakeSettings::new(Preset::Draft);
-    settings.viewpoint = Some([0.3, 0.0, 0.0]);
+    settings.viewpoints = vec![[0.3, 0.0, 0.0]];
     settings.place.functions = 1500;
     settings.operator.rays = vec![512, 256, 256, 128, 128];
     settings

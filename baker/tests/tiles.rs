@@ -50,6 +50,7 @@ fn settings(seed: u64) -> OperatorSettings {
         significance: 0.0,
         bounces: Some(1),
         later_levels: 2,
+        far_levels: 0,
         levels: 4,
         seed,
     }

@@ -84,7 +84,7 @@ fn a_picture_of_copies_is_one_of_things_of_their_own() {
             Light::Directional { direction: [0.3, -1.0, 0.4], intensity: 2.0, color: [0.7, 0.8, 1.0] },
         ];
         let mut settings = settings(3000);
-        settings.viewpoint = Some([0.0, 3.5, 0.0]);
+        settings.viewpoints = vec![[0.0, 3.5, 0.0]];
         let scene = bake(&room, &settings, &()).unwrap().0;
         assert!(scene.instances.len() > 100);
         let (position, target) = ([5.0, 3.0, 4.2], [-1.0, 1.0, -1.0]);

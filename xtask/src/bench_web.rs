@@ -64,7 +64,8 @@ pub fn run(args: &[String]) -> Result<()> {
     ]))?;
     let work = process::target().join("bench-web");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
-    let [baked, out, ways] = [format!("{name}.rbn"), "frames.json".into(), "ways.json".into()].map(|file| work.join(file));
+    let [baked, out, ways] =
+        [format!("{name}.rbn"), "frames.json".into(), "ways.json".into()].map(|file| work.join(file));
     let release = |program: &str| process::target().join("release").join(program);
     process::run(Command::new(release("rebounce")).arg("bake").arg(&scene).arg("-o").arg(&baked))?;
     let reference = if has_reference { reference } else { PathBuf::from("-") };
@@ -88,13 +89,14 @@ fn figures(file: &Path) -> Result<Value> {
 
 /// Milliseconds of both ways to the pixel at each size, and the difference of their pictures.
 fn ways_table(results: &Value) -> Result<String> {
-    let mut lines =
-        vec!["| milliseconds | size | find | gather | a frame with the light moving |".to_owned(), "|---|---|---|---|---|".to_owned()];
+    let mut lines = vec![
+        "| milliseconds | size | find | gather | a frame with the light moving |".to_owned(),
+        "|---|---|---|---|---|".to_owned(),
+    ];
     for size in results["sizes"].as_array().context("no size was measured")? {
         for way in ["lookup", "splat"] {
-            let number = |pass: &str| {
-                size[way][pass].as_f64().map_or_else(|| "–".to_owned(), |ms| format!("{ms:.0}"))
-            };
+            let number =
+                |pass: &str| size[way][pass].as_f64().map_or_else(|| "–".to_owned(), |ms| format!("{ms:.0}"));
             let [find, gather, light] = ["find", "gather", "light"].map(number);
             let [width, height] = [&size["width"], &size["height"]];
             lines.push(format!("| {way} | {width} x {height} | {find} | {gather} | {light} |"));
@@ -169,7 +171,10 @@ mod tests {
             "adapter": "an adapter",
         });
         let table = ways_table(&results).unwrap();
-        assert!(table.contains("| lookup | 320 x 180 | 120 | 4 | 60 |\n| splat | 320 x 180 | 8 | 4 | 60 |"), "{table}");
+        assert!(
+            table.contains("| lookup | 320 x 180 | 120 | 4 | 60 |\n| splat | 320 x 180 | 8 | 4 | 60 |"),
+            "{table}"
+        );
         assert!(table.ends_with("an adapter; the pictures are 0.123% apart (relative RMS)"), "{table}");
         // Without timestamps there are no times of passes.
         results["sizes"][0]["splat"] = serde_json::json!({ "light": 60.0 });

@@ -5,7 +5,7 @@ use super::stand_in::Seat;
 use crate::basis::Relations;
 use crate::operator::Operator;
 use crate::points::Points;
-use crate::points::round::{power_of_two_under, to_steps};
+use crate::points::round::{least_step, power_of_two_under, to_steps};
 use crate::scene::{Model, Scene};
 use crate::weld::firsts;
 use glam::Vec3;
@@ -105,15 +105,16 @@ fn pack_textures(scene: &Scene) -> (Vec<meta::Texture>, Vec<u8>) {
     (textures.collect(), bytes)
 }
 
-/// Steps of a vertex's position over the scene's size: 0.06 mm in a hall of 35 m.
+/// Steps of a vertex's position over the size of the scene's main part: 0.06 mm in a hall of 35 m.
 const POSITION_STEPS: f32 = (1u32 << 19) as f32;
 /// Steps of texture coordinates: an eighth of a texel of 4096.
 const UV_STEP: f32 = 1.0 / (1u32 << 15) as f32;
 
 /// The vertices, rounded to what can be seen; a model's largest copy has the size of its vertices.
 fn vertices(scene: &Scene) -> Vec<Vertex> {
-    let (low, high) = scene.bounds();
+    let ((low, high), (least, greatest)) = (scene.main_part(), scene.bounds());
     let step = power_of_two_under((high - low).max_element() / POSITION_STEPS);
+    let step = step.max(least_step(least, greatest));
     let corner = |(position, normal, uv): (&Vec3, &Vec3, &glam::Vec2)| Vertex {
         position: to_steps(*position, step).to_array(),
         normal: pack_rounded(*normal),

@@ -238,6 +238,16 @@ impl Estimate {
         self.expect_points(settings, &expected_counts(&settings.place));
     }
 
+    /// There will be the levels that these settings have.
+    pub(super) fn found_levels(&mut self, settings: &BakeSettings) {
+        let triangles = self.units(Stage::Assemble, None) as usize;
+        let fresh = Self::new(settings, triangles, false, self.threads as usize);
+        self.parts.retain(|part| matches!(part.stage, Stage::Prepare | Stage::Sketch));
+        self.parts.extend(fresh.parts.into_iter().filter(|part| part.stage != Stage::Prepare));
+        self.by_level = fresh.by_level;
+        self.expect_points(settings, &expected_counts(&settings.place));
+    }
+
     /// So many points are on the coarsest levels; the others will grow alike.
     pub(super) fn found_points(&mut self, settings: &BakeSettings, found: &[usize]) {
         let mut counts = expected_counts(&settings.place);

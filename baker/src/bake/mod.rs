@@ -28,7 +28,8 @@ pub use observer::{Observer, Preview, Progress, Stage};
 pub use preset::{BakeSettings, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 
-use crate::points::{PlaceError, candidates::Candidates, vantage::Vantage};
+use crate::points::vantage::{Vantage, View};
+use crate::points::{PlaceError, candidates::Candidates};
 use crate::scene::Scene;
 use crate::team::{Team, TeamError};
 use crate::triangles::TriangleSurfaces;
@@ -207,7 +208,7 @@ pub fn lights_and_cameras(
     Ok(stand_in::lights_and_cameras(scene, &vantage, &surfaces))
 }
 
-/// Where points are placed from: the viewpoint given, or the scene's cameras that see something, or what is found.
+/// Where points are placed from, and what for: the viewpoints given, or the cameras that see something, or what is found.
 ///
 /// # Errors
 /// [`BakeError::NoViewpoint`].
@@ -218,14 +219,23 @@ pub fn choose_vantage(
 ) -> Result<Vantage, BakeError> {
     let local = |world: [f64; 3]| (DVec3::from(world) - DVec3::from(scene.origin)).as_vec3();
     let seed = settings.place.seed;
-    if let Some(world) = settings.viewpoint {
-        return Ok(Vantage::at(surfaces, vec![local(world)], seed));
+    if !settings.viewpoints.is_empty() {
+        let viewpoints: Vec<Vec3> = settings.viewpoints.iter().copied().map(local).collect();
+        let views = viewpoints.iter().copied().map(View::around).collect();
+        return Ok(Vantage { views, ..Vantage::at(surfaces, viewpoints, seed) });
     }
-    let mut viewpoints: Vec<Vec3> = scene.cameras.iter().map(|camera| local(camera.position)).collect();
+    let cameras = || settings.camera.iter().chain(&scene.cameras);
+    let view = |camera: &Camera| {
+        let frame = camera.frame(scene.origin);
+        View::of_camera(frame.eye, frame.forward, camera.yfov_deg as f32)
+    };
+    let views = cameras().map(view).collect();
+    let mut viewpoints: Vec<Vec3> = cameras().map(|camera| local(camera.position)).collect();
     viewpoints.retain(|point| Candidates::new(surfaces, &Vantage::within(*point), seed).batch().len() > 1000);
     if !viewpoints.is_empty() {
-        return Ok(Vantage::at(surfaces, viewpoints, seed));
+        return Ok(Vantage { views, ..Vantage::at(surfaces, viewpoints, seed) });
     }
     let lamps: Vec<Vec3> = scene.lights.iter().filter_map(Light::position).map(local).collect();
-    Vantage::find(surfaces, &lamps, seed).ok_or(BakeError::NoViewpoint)
+    let found = Vantage::find(surfaces, &lamps, seed).ok_or(BakeError::NoViewpoint)?;
+    Ok(Vantage { views, ..found })
 }

@@ -2,6 +2,7 @@
 
 use crate::operator::OperatorSettings;
 use crate::points::PlaceSettings;
+use rebounce_shared::camera::Camera;
 
 /// How good and how costly a bake is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,8 +42,11 @@ impl Preset {
 pub struct BakeSettings {
     /// The preset that the other values started from.
     pub preset: Preset,
-    /// Where importance particles start, world space; `None`: the scene's camera, or found.
-    pub viewpoint: Option<[f64; 3]>,
+    /// Where importance particles start and what is looked at from there, all around, world space; empty: the
+    /// cameras, or found.
+    pub viewpoints: Vec<[f64; 3]>,
+    /// A camera that points are placed for besides the scene's.
+    pub camera: Option<Camera>,
     /// How points are placed.
     pub place: PlaceSettings,
     /// How the operator is computed.
@@ -62,7 +66,8 @@ impl BakeSettings {
         };
         Self {
             preset,
-            viewpoint: None,
+            viewpoints: Vec::new(),
+            camera: None,
             place: PlaceSettings { levels, functions, ..PlaceSettings::default() },
             operator: OperatorSettings {
                 sender_levels: levels,
@@ -72,11 +77,25 @@ impl BakeSettings {
                 significance: 0.2,
                 bounces: None,
                 later_levels: 3,
+                far_levels: 0,
                 levels,
                 seed: 1,
             },
             direct_levels: levels,
         }
+    }
+
+    /// Values for so many levels, at least those there are: further coarse ones that light bounces between like the coarsest.
+    pub(super) fn deepened(mut self, levels: usize) -> Self {
+        let more = levels.saturating_sub(self.place.levels);
+        let coarsest = self.operator.rays_on(0);
+        self.operator.rays.splice(0..0, std::iter::repeat_n(coarsest, more));
+        self.place.levels += more;
+        self.operator.sender_levels += more;
+        self.operator.later_levels += more;
+        self.operator.far_levels += more;
+        self.direct_levels += more;
+        self.normalised()
     }
 
     /// Makes the values fit each other: sender and direct levels within the levels there are.

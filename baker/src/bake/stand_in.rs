@@ -42,7 +42,7 @@ pub(super) fn lights_and_cameras(
             lights.push(seat.light(scene.origin, surfaces));
         }
         if cameras.is_empty() {
-            let (low, high) = scene.bounds();
+            let (low, high) = scene.main_part();
             cameras.push(seat.camera(scene.origin, low, high));
         }
     }
@@ -76,8 +76,8 @@ impl Seat {
         best.0
     }
 
-    /// A camera for a scene that has none: in a room looking level; outside, so that all of it is in the
-    /// picture. `low` and `high` are the scene's corners, local space.
+    /// A camera for a scene that has none: in a room looking level; outside, so that all of what has the detail is in the
+    /// picture. `low` and `high` are the corners of that, local space.
     pub fn camera(&self, origin: [f64; 3], low: Vec3, high: Vec3) -> Camera {
         let (middle, diagonal) = (0.5 * (low + high), (high - low).length());
         let world = |local: Vec3| (DVec3::from(origin) + local.as_dvec3()).to_array();
@@ -98,7 +98,7 @@ impl Seat {
         let Self::Inside(viewpoint, _) = *self else {
             return Light::Directional { direction: SUN, intensity: std::f64::consts::PI, color };
         };
-        let (low, high) = surfaces.bounds();
+        let (low, high) = surfaces.main_part();
         let diagonal = (high - low).length();
         let up = Ray::blind(viewpoint, Vec3::Y);
         let above = surfaces.cast(&up, 0).map_or(UP_IN_OPEN * diagonal, |hit| UP * hit.distance);

@@ -26,6 +26,8 @@ use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 const SHAPED: usize = 1 << 15;
 /// Levels whose points tell whether light reaches any.
 const LIT_LEVELS: usize = 4;
+/// Points that later bounces travel between in a scene whose points are fine in places, at most, where fewer levels do.
+const MOST_LATER: usize = 6_000;
 /// Functions on the finest level of a sketch, its levels, and rays to each receiver.
 const SKETCH: (usize, usize, u32) = (3_000, 3, 512);
 
@@ -57,11 +59,13 @@ impl Transport<'_> {
     pub(super) fn sketch(&self, mut settings: BakeSettings, watch: &dyn Watch) -> Result<(), BakeError> {
         let watch = &Uncounted(watch);
         let mut points = place(self.surfaces, self.vantage, &settings.place, watch)?;
+        let far = points.levels.len() - settings.place.levels;
+        settings = settings.deepened(points.levels.len());
         let end = points.points.len();
         cut(self.surfaces, &mut points, end, watch)?;
         footprint(self.surfaces, &mut points, end, watch)?;
         let relations = relate(&points, settings.direct_levels)?;
-        settings.operator.reflected = reflected_share(self.surfaces, &points, settings.operator.seed);
+        settings.operator.reflected = reflected_share(self.surfaces, &points, far, settings.operator.seed);
         let mut operator = refine(self.surfaces, &points, &relations, &settings.operator, watch)?;
         add_later_bounces(&mut operator, &settings.operator, watch, &(), &())?;
         let file = self.file(&settings, &points, &relations, &operator)?;
@@ -80,12 +84,26 @@ impl Transport<'_> {
         report.processes = self.team.size() as u64;
         let asked = settings.clone();
         let journal: &dyn Journal = checkpoint.map_or(&(), |checkpoint| checkpoint);
-        let points = self.points(&settings, tracker, checkpoint)?;
+        let place = settings.place.clone();
+        let placer = Placer::new(self.surfaces, self.vantage, &place)?;
+        let far = placer.levels().saturating_sub(place.levels);
+        if far > 0 {
+            settings = settings.deepened(placer.levels());
+            tracker.expect(|estimate| estimate.found_levels(&settings));
+        }
+        let points = self.points(placer, &settings, tracker, checkpoint)?;
         // Links can name so many senders: beyond, the finest levels receive and do not send.
         while points.count_on(settings.operator.sender_levels) > MAX_SENDERS
             && settings.operator.sender_levels > 1
         {
             settings.operator.sender_levels -= 1;
+        }
+        // Graded levels are fuller; later bounces cost the square of the points that they travel between.
+        while far > 0
+            && settings.operator.later_levels > far + 1
+            && points.count_on(settings.operator.later_levels) > MOST_LATER
+        {
+            settings.operator.later_levels -= 1;
         }
         settings = settings.normalised();
         report.sender_levels = settings.operator.sender_levels as u64;
@@ -94,7 +112,7 @@ impl Transport<'_> {
         task.step(points.points.len() as u64)?;
         drop(task);
         let task = tracker.task(Stage::Colours, None);
-        settings.operator.reflected = reflected_share(self.surfaces, &points, settings.operator.seed);
+        settings.operator.reflected = reflected_share(self.surfaces, &points, far, settings.operator.seed);
         let tints = tint::tints(self.surfaces, &points, settings.operator.seed, &task)?;
         agree(self.scene, &asked, &points, &tints, self.team, &task)?;
         let told = &settings.operator;
@@ -141,12 +159,12 @@ impl Transport<'_> {
     /// All points with their cuts and samples.
     fn points(
         &self,
+        mut placer: Placer<TriangleSurfaces>,
         settings: &BakeSettings,
         tracker: &Tracker,
         checkpoint: Option<&Checkpoint>,
     ) -> Result<Points, BakeError> {
-        let mut placer = Placer::new(self.surfaces, self.vantage, &settings.place)?;
-        for level in 0..settings.place.levels {
+        for level in 0..placer.levels() {
             let task = tracker.task(Stage::Points, Some(level));
             if let Some((mark, points)) = checkpoint.and_then(|checkpoint| checkpoint.take_placed(level)) {
                 task.skip(points.len() as u64)?;

@@ -10,7 +10,7 @@ use rebounce_shared::rbn::bulk::Point;
 /// RGB irradiance on a surface element at `position` (local space) with this unit normal.
 /// Visibility is tested from `position` moved off the surface along the normal.
 pub fn at_point(surfaces: &impl Surfaces, lights: &[LightSource], position: Vec3, normal: Vec3) -> Vec3 {
-    sum(surfaces, lights, position, normal, |_| position + normal * surfaces.epsilon())
+    sum(surfaces, lights, position, normal, |_| position + normal * surfaces.epsilon_at(position))
 }
 
 /// RGB irradiance of a basis function's point: the mean over the samples of its footprint.
@@ -30,7 +30,7 @@ pub fn at_footprint(surfaces: &impl Surfaces, lights: &[LightSource], point: &Po
 /// RGB irradiance where a ray hit.
 pub fn at_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit) -> Vec3 {
     sum(surfaces, lights, hit.position, hit.normal, |to_light| {
-        hit.offset_origin(to_light, surfaces.epsilon())
+        hit.offset_origin(to_light, surfaces.epsilon_at(hit.position))
     })
 }
 

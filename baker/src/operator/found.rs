@@ -61,7 +61,8 @@ impl Found {
         self.first_rays.clear();
         for &i in receivers {
             self.first_rays.push(self.rays.rays.len() as u32);
-            let (point, epsilon) = (&context.points.points[i], context.surfaces.epsilon());
+            let point = &context.points.points[i];
+            let epsilon = context.surfaces.epsilon_at(point.position);
             gather_rays(point, i, context.settings.seed, epsilon, directions, &mut self.rays);
         }
         self.first_rays.push(self.rays.rays.len() as u32);

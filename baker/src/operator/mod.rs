@@ -62,6 +62,9 @@ pub struct OperatorSettings {
     /// Light that bounced is gathered and sent on by the functions of this many coarsest levels,
     /// at most the sender levels.
     pub later_levels: usize,
+    /// Coarsest levels whose receivers all gather, whether their parents receive anything: functions that are as large as a house
+    /// reach through it, and what one storey does not see another may.
+    pub far_levels: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }

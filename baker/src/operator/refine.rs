@@ -143,8 +143,11 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
     }
 
     /// Whether a receiver of the next level is gathered for: children of receivers that kept a link, and those that no
-    /// coarser function reaches.
+    /// coarser function reaches; of far levels all, and theirs.
     fn is_wanted(&self, i: usize) -> bool {
+        if self.level <= self.context.settings.far_levels && self.context.settings.far_levels > 0 {
+            return true;
+        }
         let parents = self.context.relations.push().row(i);
         parents.is_empty() || parents.iter().any(|parent| !self.operator.links[parent.point()].is_empty())
     }

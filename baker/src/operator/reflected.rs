@@ -13,16 +13,22 @@ const RAYS: u64 = 64;
 const LEAST: f32 = 0.02;
 
 /// The mean irradiance at the points from surfaces of unit irradiance: the scene's mean albedo, with
-/// the sky black. 0.02 to 1.
-pub fn reflected_share<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, seed: u64) -> f32 {
-    let some = &points.points[..points.points.len().min(POINTS)];
+/// the sky black. 0.02 to 1. The `coarsest` levels are left out: they are of what lies far away.
+pub fn reflected_share<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    points: &Points,
+    coarsest: usize,
+    seed: u64,
+) -> f32 {
+    let some = &points.points[points.count_on(coarsest)..];
+    let some = &some[..some.len().min(POINTS)];
     let sums: Vec<f32> = (0u64..)
         .zip(some)
         .collect::<Vec<_>>()
         .into_par_iter()
         .map(|(i, point)| {
             let mut stream = Stream::new(seed ^ 0x7265_666c, i);
-            let origin = point.position + point.geometric_normal * surfaces.epsilon();
+            let origin = point.position + point.geometric_normal * surfaces.epsilon_at(point.position);
             let mut sum = 0.0;
             for _ in 0..RAYS {
                 let direction = stream.cosine_hemisphere(point.normal);

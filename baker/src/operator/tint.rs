@@ -106,7 +106,7 @@ mod tests {
             let ray = Ray { origin: middle, direction, max_distance: f32::INFINITY, spread: 0.0 };
             let hit = surfaces.cast(&ray, 0).unwrap();
             let level = PointLevel { first: 0, count: 1, disk_radius: 0.02, support_radius: 0.04 };
-            let point = SurfacePoint::at(&hit, 1e-6);
+            let point = SurfacePoint::at(&hit, &surfaces);
             let points = Points { levels: vec![level], points: vec![point], ..Points::default() };
             (unpack(&tints(&surfaces, &points, 1, &()).unwrap())[0], hit.albedo)
         };

@@ -84,7 +84,7 @@ pub fn radiance(
             throughput /= survival;
         }
         let direction = stream.cosine_hemisphere(hit.normal);
-        let origin = hit.offset_origin(direction, surfaces.epsilon());
+        let origin = hit.offset_origin(direction, surfaces.epsilon_at(hit.position));
         ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
         next = surfaces.cast(&ray, stream.bits() as u32);
         depth += 1;

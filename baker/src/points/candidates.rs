@@ -11,6 +11,7 @@
 //! light bounces between has points, and what faces only the sky has none.
 
 use super::SurfacePoint;
+use super::focus::Region;
 use super::vantage::Vantage;
 use crate::random::{Stream, mix};
 use crate::surface::{Hit, Ray, Surfaces};
@@ -30,6 +31,8 @@ const ENOUGH_IN_OPEN: usize = 1536;
 pub struct Candidates<'a, S: Surfaces + ?Sized> {
     surfaces: &'a S,
     vantage: &'a Vantage,
+    /// What the sky's particles go to, where that is not all of the scene.
+    regions: Vec<Region>,
     seed: u64,
     next_particle: u64,
     dropped_bounces: u32,
@@ -42,7 +45,8 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     pub fn new(surfaces: &'a S, vantage: &'a Vantage, seed: u64) -> Self {
         let (dropped_bounces, enough) =
             if vantage.is_open { (1, ENOUGH_IN_OPEN) } else { (3, PARTICLES as usize) };
-        let mut source = Self { surfaces, vantage, seed, next_particle: 0, dropped_bounces };
+        let regions = Vec::new();
+        let mut source = Self { surfaces, vantage, regions, seed, next_particle: 0, dropped_bounces };
         while source.dropped_bounces > 0 {
             let found = source.batch().len();
             source.next_particle = 0;
@@ -52,6 +56,16 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
             source.dropped_bounces -= 1;
         }
         source
+    }
+
+    /// Candidates for all surfaces of an open scene, most around some regions and in them: of the particles from the sky as many go to
+    /// what is within any distance as to what is within twice as much.
+    pub fn around(mut self, regions: &[Region]) -> Self {
+        if self.vantage.is_open {
+            self.regions = regions.to_vec();
+            self.dropped_bounces = 0;
+        }
+        self
     }
 
     /// The first particle that has not been traced.
@@ -89,7 +103,9 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
                 if bounce >= self.dropped_bounces {
                     found.push(self.point(&hit));
                 }
-                let Some(on) = bounced(&hit, self.surfaces.epsilon(), &mut stream) else { break };
+                let Some(on) = bounced(&hit, self.surfaces.epsilon_at(hit.position), &mut stream) else {
+                    break;
+                };
                 ray = on;
             }
         }
@@ -135,7 +151,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     /// Another surface that is seen from one.
     fn look(&self, from: &Hit, stream: &mut Stream) -> Option<Hit> {
         (0..LOOKS).find_map(|_| {
-            let on = bounced(from, self.surfaces.epsilon(), stream)?;
+            let on = bounced(from, self.surfaces.epsilon_at(from.position), stream)?;
             self.cast(&on, stream)
         })
     }
@@ -151,18 +167,24 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     }
 
     fn point(&self, hit: &Hit) -> SurfacePoint {
-        SurfacePoint::at(hit, self.surfaces.epsilon())
+        SurfacePoint::at(hit, self.surfaces)
     }
 
-    /// A ray towards the scene, as likely through any place as through any other, in any direction.
+    /// A ray towards the scene, or what is around a region, as likely through any place as through any other, in any direction.
     fn ray_from_sky(&self, stream: &mut Stream) -> Ray {
         let (low, high) = self.surfaces.bounds();
-        let radius = 0.5 * (high - low).length();
+        let mut middle = 0.5 * (low + high);
+        let mut radius = 0.5 * (high - low).length();
+        if !self.regions.is_empty() {
+            let region = &self.regions[(stream.bits() % self.regions.len() as u64) as usize];
+            middle = region.middle;
+            radius = region.reach * (2.0 * radius / region.reach).max(1.0).powf(stream.unit());
+        }
         let direction = stream.sphere();
         let (across, up) = direction.any_orthonormal_pair();
         let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sin_cos();
         let offset = (across * cos + up * sin) * stream.unit().sqrt() - direction;
-        let origin = 0.5 * (low + high) + offset * radius;
+        let origin = middle + offset * radius;
         Ray::blind(origin, direction)
     }
 }

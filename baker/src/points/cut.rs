@@ -73,8 +73,9 @@ impl Sight {
 
 fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32, seed: u32) -> Vec<Cut> {
     let normal = point.normal;
-    let margin = MARGIN * radius + surfaces.epsilon();
-    let floor = point.position + point.geometric_normal * surfaces.epsilon();
+    let epsilon = surfaces.epsilon_at(point.position);
+    let margin = MARGIN * radius + epsilon;
+    let floor = point.position + point.geometric_normal * epsilon;
     let mut cuts = Vec::new();
     // Straight up, as far as the support reaches: a lid ends everything.
     let height = radius / (1.0 + SQUASH);

@@ -42,8 +42,8 @@ pub fn fill<S: Surfaces + ?Sized>(
             let mut stream = Stream::new(seed ^ 0x6669_6c6c, i as u64);
             let normal = point.geometric_normal;
             let above = point.position + normal * (LIFT * disk_radius);
-            if surfaces.transmittance(point.position + normal * surfaces.epsilon(), above).element_sum() < 1.5
-            {
+            let floor = point.position + normal * surfaces.epsilon_at(point.position);
+            if surfaces.transmittance(floor, above).element_sum() < 1.5 {
                 return Ok(Vec::new());
             }
             let mut found: Vec<SurfacePoint> = (0..ACROSS)
@@ -98,5 +98,5 @@ fn cast<S: Surfaces + ?Sized>(
 ) -> Option<SurfacePoint> {
     let hit =
         surfaces.cast(&Ray { origin, direction, max_distance, spread: Ray::BLIND }, stream.bits() as u32);
-    hit.filter(|hit| hit.faces(direction)).map(|hit| SurfacePoint::at(&hit, surfaces.epsilon()))
+    hit.filter(|hit| hit.faces(direction)).map(|hit| SurfacePoint::at(&hit, surfaces))
 }

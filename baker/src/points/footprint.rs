@@ -36,7 +36,7 @@ pub fn footprint<S: Surfaces + ?Sized>(
 fn samples_of<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, i: usize, radius: f32) -> u8 {
     let point: &SurfacePoint = &points.points[i];
     let cuts = points.cuts_of(i);
-    let above = point.position + point.normal * (LIFT * radius).max(surfaces.epsilon());
+    let above = point.position + point.normal * (LIFT * radius).max(surfaces.epsilon_at(point.position));
     let belongs = |sample: u32| {
         let offset = offset(sample, point.normal, radius);
         let place = point.position + offset;

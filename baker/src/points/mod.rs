@@ -1,8 +1,8 @@
 //! Points: where the basis functions sit (paper, section 2.3).
 //!
 //! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
-//! viewpoint when none is given, [`vantage`] whether the scene is open, [`dart`] throws the candidates as darts into one level's
-//! Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
+//! viewpoint when none is given, [`vantage`] whether the scene is open, [`focus`] where points must be fine, [`dart`] throws the
+//! candidates as darts into one level's Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
 //! [`round`] rounds them to what the file keeps, [`cut`] ends supports at walls, [`footprint`] finds
 //! where direct light is sampled.
 
@@ -10,13 +10,14 @@ pub mod candidates;
 mod cut;
 pub mod dart;
 mod fill;
+pub mod focus;
 mod footprint;
 pub mod place;
 pub mod round;
 pub mod vantage;
 pub mod viewpoint;
 
-use crate::surface::Hit;
+use crate::surface::{Hit, Surfaces};
 pub use cut::cut;
 pub use footprint::footprint;
 use glam::Vec3;
@@ -37,9 +38,11 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// The point at a hit, rounded to what the file keeps; `epsilon` is [`Surfaces::epsilon`](crate::surface::Surfaces).
-    pub fn at(hit: &Hit, epsilon: f32) -> Self {
-        let (position, normal) = round::rounded(hit, epsilon);
+    /// The point at a hit, rounded to what the file keeps.
+    pub fn at<S: Surfaces + ?Sized>(hit: &Hit, surfaces: &S) -> Self {
+        let (low, high) = surfaces.bounds();
+        let least = round::least_step(low, high);
+        let (position, normal) = round::rounded(hit, surfaces.epsilon_at(hit.position), least);
         Self { position, normal, geometric_normal: hit.geometric_normal }
     }
 }

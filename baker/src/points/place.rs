@@ -3,6 +3,7 @@
 use super::candidates::Candidates;
 use super::dart::DartBoard;
 use super::fill::fill;
+use super::focus::{Focus, WORTH_IT, regions};
 use super::vantage::Vantage;
 use super::{PointLevel, Points, SurfacePoint};
 use crate::morton;
@@ -12,6 +13,7 @@ use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::interpolation::MAX_POINTS;
+use rebounce_shared::rbn::MAX_LEVELS;
 
 /// How points are placed.
 #[derive(Clone, Debug)]
@@ -74,6 +76,8 @@ pub enum PlaceError {
 /// Candidates that are sorted out together: on a coarse level most of many would be in each other's way, and whether
 /// they are in a tight place takes rays.
 const THROWN: usize = 1024;
+/// Shares of a try.
+const SHARES: u64 = 16;
 /// Points by which a level's end is told: so many that chance does not decide.
 const LAST: usize = 16;
 /// Candidates after which a level is left empty.
@@ -92,7 +96,7 @@ pub fn place<S: Surfaces + ?Sized>(
     watch: &dyn Watch,
 ) -> Result<Points, PlaceError> {
     let mut placer = Placer::new(surfaces, vantage, settings)?;
-    for _ in 0..settings.levels {
+    for _ in 0..placer.levels() {
         placer.level(watch)?;
     }
     Ok(placer.points)
@@ -115,6 +119,10 @@ pub struct Placer<'a, S: Surfaces + ?Sized> {
     /// Candidates for the next level, traced already.
     pool: Vec<SurfacePoint>,
     coarse_radius: f32,
+    /// Where points are fine, if not everywhere.
+    focus: Option<Focus>,
+    /// How many levels there will be.
+    levels: usize,
     points: Points,
 }
 
@@ -129,22 +137,55 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
         settings: &'a PlaceSettings,
     ) -> Result<Self, PlaceError> {
         let mut source = Candidates::new(surfaces, vantage, settings.seed);
-        let mut pool = Vec::new();
-        for _ in 0..64 {
-            pool.extend(source.batch());
-            if pool.len() > 40_000 {
-                break;
-            }
-        }
+        let mut pool = pool(&mut source);
         if pool.is_empty() {
             let first = vantage.viewpoints.first().copied().unwrap_or_default();
             return Err(PlaceError::NothingSeen(first.x, first.y, first.z));
         }
-        let coarse_radius = match settings.coarse_radius {
+        let mut coarse_radius = match settings.coarse_radius {
             Some(radius) => check_radius(radius, surfaces.bounds(), &pool, settings)?,
             None => coarse_radius_for(&pool, settings),
         };
-        Ok(Self { surfaces, settings, source, pool, coarse_radius, points: Points::default() })
+        let (mut focus, mut levels) = (None, settings.levels);
+        let regions = regions(surfaces, vantage, settings.seed);
+        if settings.coarse_radius.is_none() && !regions.is_empty() {
+            let mut around = Candidates::new(surfaces, vantage, settings.seed).around(&regions);
+            let places = self::pool(&mut around);
+            let uniform = coarse_radius / (1u64 << (levels - 1)) as f32;
+            let (low, high) = surfaces.main_part();
+            let is_part = (low, high) != surfaces.bounds();
+            let most = if is_part { (high - low).length() } else { uniform / WORTH_IT };
+            let (count, coarser) = counted(settings);
+            focus = Focus::new(regions, &places, count, coarser, most);
+            if let Some(focus) = &focus {
+                // Further levels, so that the coarsest is coarse enough for all.
+                let most = places.iter().map(|p| focus.needed(p.position)).fold(0.0, f32::max);
+                let above = (most / focus.finest()).log2().ceil().max(0.0) as usize + 1;
+                levels = above.clamp(levels, MAX_LEVELS);
+                coarse_radius = focus.finest() * (1u64 << (levels - 1)) as f32;
+                (source, pool) = (around, places);
+            }
+        }
+        Ok(Self { surfaces, settings, source, pool, coarse_radius, focus, levels, points: Points::default() })
+    }
+
+    /// How many levels there will be: more than asked for where points are fine in places.
+    pub fn levels(&self) -> usize {
+        self.levels
+    }
+
+    /// Whether points of a level may be at a place.
+    fn fits(&self, level: usize, candidate: &SurfacePoint) -> bool {
+        let radius = self.disk_radius(level);
+        let is_needed = |level: usize| match &self.focus {
+            Some(focus) if level > 0 => focus.needs(candidate.position, self.disk_radius(level)),
+            _ => true,
+        };
+        // The finest level of a place must cover it.
+        is_needed(level)
+            && (level + 1 == self.levels
+                || !is_needed(level + 1)
+                || !is_tight(self.surfaces, candidate, radius))
     }
 
     /// The levels so far.
@@ -178,9 +219,8 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
         let (surfaces, settings) = (self.surfaces, self.settings);
         let l = self.points.levels.len();
         let disk_radius = self.disk_radius(l);
-        let finest = l + 1 == settings.levels;
         let mut board = DartBoard::new(disk_radius);
-        let fits = |candidate: &SurfacePoint| finest || !is_tight(surfaces, candidate, disk_radius);
+        // Tries, in shares: one of a place that needs no points of this level counts less.
         let mut tried = 0;
         // How many had been tried when each of the last few points came.
         let mut lately = [0; LAST];
@@ -189,29 +229,36 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
             let before = board.len();
             for part in batch.chunks(THROWN) {
                 // In parallel, sort out what cannot pass; then, in order, throw what is left.
-                let hopeful: Vec<bool> =
-                    part.par_iter().map(|candidate| board.is_free(candidate) && fits(candidate)).collect();
-                for (candidate, hopeful) in part.iter().zip(hopeful) {
-                    tried += 1;
+                let looked_at = |candidate: &SurfacePoint| {
+                    let is_free = board.is_free(candidate);
+                    let is_hopeful = is_free && self.fits(l, candidate);
+                    (is_hopeful, if is_free && !is_hopeful && self.focus.is_some() { 1 } else { SHARES })
+                };
+                let hopeful: Vec<(bool, u64)> = part.par_iter().map(looked_at).collect();
+                for (candidate, (hopeful, shares)) in part.iter().zip(hopeful) {
+                    tried += shares;
                     let oldest = board.len() % LAST;
                     // Of few points, the latest.
                     let since = if board.len() < LAST { (oldest + LAST - 1) % LAST } else { oldest };
                     if hopeful && board.is_free(candidate) {
                         board.insert(*candidate);
                         lately[oldest] = tried;
-                    } else if tried - lately[since] >= settings.patience * LAST as u64 && !board.is_empty() {
+                    } else if tried - lately[since] >= SHARES * settings.patience * LAST as u64
+                        && !board.is_empty()
+                    {
                         break 'level;
                     }
                 }
             }
             watch.step((board.len() - before) as u64)?;
             self.within_limit(board.len())?;
-            if tried > MOST_TRIED && board.is_empty() {
+            if tried > SHARES * MOST_TRIED && board.is_empty() {
                 break;
             }
             batch = self.source.batch();
         }
         let thrown = board.len();
+        let fits = |candidate: &SurfacePoint| self.fits(l, candidate);
         fill(surfaces, &mut board, disk_radius, settings.seed, fits, watch)?;
         watch.step((board.len() - thrown) as u64)?;
         self.within_limit(board.len())?;
@@ -233,7 +280,7 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
 
     fn push(&mut self, points: Vec<SurfacePoint>) {
         let l = self.points.levels.len();
-        let finest = l + 1 == self.settings.levels;
+        let finest = l + 1 == self.levels;
         let overlap = if finest { self.settings.fine_overlap } else { self.settings.coarse_overlap };
         self.points.levels.push(PointLevel {
             first: self.points.points.len(),
@@ -261,10 +308,28 @@ const COUNTED_LEVEL: usize = 2;
 
 /// The radius of level 0 that gives the finest level about as many functions as wanted.
 fn coarse_radius_for(pool: &[SurfacePoint], settings: &PlaceSettings) -> f32 {
-    let finest = settings.levels.saturating_sub(1);
-    let counted = COUNTED_LEVEL.min(finest);
-    let count = settings.functions as f32 / GROWTH.powi((finest - counted) as i32);
-    radius_for(pool, count.max(1.0) as usize) * (1u32 << counted) as f32
+    let (count, coarser) = counted(settings);
+    let finest = (1u64 << settings.levels.saturating_sub(1)) as f32;
+    radius_for(pool, count) * (finest / coarser)
+}
+
+/// About how many functions the counted level has, and how much coarser they are than the finest.
+fn counted(settings: &PlaceSettings) -> (usize, f32) {
+    let above = settings.levels.saturating_sub(1).saturating_sub(COUNTED_LEVEL) as i32;
+    let count = settings.functions as f32 / GROWTH.powi(above);
+    (count.max(1.0) as usize, 2f32.powi(above))
+}
+
+/// Candidates to look at the scene by.
+fn pool<S: Surfaces + ?Sized>(source: &mut Candidates<S>) -> Vec<SurfacePoint> {
+    let mut pool = Vec::new();
+    for _ in 0..64 {
+        pool.extend(source.batch());
+        if pool.len() > 40_000 {
+            break;
+        }
+    }
+    pool
 }
 
 /// A radius of level 0 that was given: smaller than the scene, and so large that its functions can be held.
@@ -332,7 +397,7 @@ fn is_tight<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, disk_radiu
         if direction.dot(point.geometric_normal) < 0.0 {
             direction = -direction;
         }
-        let origin = point.position + point.geometric_normal * surfaces.epsilon();
+        let origin = point.position + point.geometric_normal * surfaces.epsilon_at(point.position);
         let ray = Ray { origin, direction, max_distance: length, spread: Ray::BLIND };
         let distance = surfaces.cast(&ray, i).map_or(length, |hit| hit.distance);
         inverse_sum += 1.0 / distance.max(1e-4 * length);

@@ -17,10 +17,15 @@ pub fn to_steps(position: Vec3, step: f32) -> Vec3 {
     if rounded.is_finite() { rounded } else { position }
 }
 
+/// The least step, a power of two, in which the file counts all coordinates from `low` to `high` by 32-bit numbers.
+pub fn least_step(low: Vec3, high: Vec3) -> f32 {
+    power_of_two_under(low.abs().max(high.abs()).max_element() * (1.0 / (1u32 << 30) as f32))
+}
+
 /// A hit's position and shading normal. The position moves by less than half of `epsilon`, by which rays that leave
-/// it are moved off the surface.
-pub(super) fn rounded(hit: &Hit, epsilon: f32) -> (Vec3, Vec3) {
-    let step = 0.5 * power_of_two_under(epsilon);
+/// it are moved off the surface, where no `least` step is larger.
+pub(super) fn rounded(hit: &Hit, epsilon: f32, least: f32) -> (Vec3, Vec3) {
+    let step = (0.5 * power_of_two_under(epsilon)).max(least);
     (to_steps(hit.position, step), unpack_snorm16(pack_rounded(hit.normal)))
 }
 
@@ -45,9 +50,9 @@ mod tests {
                 emission: Vec3::ZERO,
                 is_unlit: false,
             };
-            let (p, n) = rounded(&hit(position, normal), epsilon);
+            let (p, n) = rounded(&hit(position, normal), epsilon, 0.0);
             assert!(p.distance(position) < 0.5 * epsilon && n.dot(normal) > 0.999_998, "{position} {normal}");
-            assert_eq!(rounded(&hit(p, n), epsilon), (p, n));
+            assert_eq!(rounded(&hit(p, n), epsilon, 0.0), (p, n));
             // The file's bits say the same.
             assert_eq!(unpack_snorm16(pack_snorm16(n)), n);
         }

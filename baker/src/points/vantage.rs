@@ -3,7 +3,7 @@
 use super::candidates::{Candidates, bounced, from_viewpoint};
 use super::viewpoint;
 use crate::random::{Stream, mix};
-use crate::surface::Surfaces;
+use crate::surface::{Ray, Surfaces};
 use glam::Vec3;
 
 /// A scene is open if more than this share of what its surfaces send leaves it. Of rooms and courts it is under 0.04, of a
@@ -14,15 +14,55 @@ const OPEN: f32 = 0.2;
 const ALL_AROUND: f32 = 0.75;
 /// Or if surfaces are nearer than so many metres on average: nobody fits in. glTF counts in metres.
 const ROOMY: f32 = 0.4;
+/// Pictures are about so many times as wide as high.
+const WIDE: f32 = 1.5;
+/// Rays from around the part that has the detail, and the share of them that end beside it in a landscape.
+const LANDSCAPE: (u64, f32) = (1024, 0.1);
 /// Particles that tell, and their bounces.
 const PARTICLES: u64 = 4096;
 const BOUNCES: u32 = 8;
 
-/// Where particles start.
+/// From where somebody looks, and where to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// From there, local space.
+    pub position: Vec3,
+    /// Unit direction; zero for all around.
+    pub towards: Vec3,
+    /// Tangent of half the angle that is looked at.
+    pub wide: f32,
+}
+
+impl View {
+    /// All around.
+    pub fn around(position: Vec3) -> Self {
+        Self { position, towards: Vec3::ZERO, wide: f32::INFINITY }
+    }
+
+    /// What a camera at `position` sees that has this vertical field of view, degrees.
+    pub fn of_camera(position: Vec3, towards: Vec3, yfov_deg: f32) -> Self {
+        let towards = towards.normalize_or_zero();
+        Self { position, towards, wide: WIDE * (0.5 * yfov_deg).clamp(0.5, 80.0).to_radians().tan() }
+    }
+
+    /// A unit direction that is looked in.
+    pub(super) fn direction(&self, stream: &mut Stream) -> Vec3 {
+        if self.towards == Vec3::ZERO {
+            return stream.sphere();
+        }
+        let (across, up) = self.towards.any_orthonormal_pair();
+        let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sin_cos();
+        (self.towards + (across * cos + up * sin) * (self.wide * stream.unit().sqrt())).normalize()
+    }
+}
+
+/// Where particles start, and what is looked at.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Vantage {
     /// Viewpoints, local space; of an open scene there may be none.
     pub viewpoints: Vec<Vec3>,
+    /// What is looked at; none where nobody says.
+    pub views: Vec<View>,
     /// Whether the scene is an object or a landscape, that light reaches from all around and leaves: no room.
     pub is_open: bool,
 }
@@ -30,13 +70,13 @@ pub struct Vantage {
 impl Vantage {
     /// In a room, local space.
     pub fn within(viewpoint: Vec3) -> Self {
-        Self { viewpoints: vec![viewpoint], is_open: false }
+        Self { viewpoints: vec![viewpoint], ..Self::default() }
     }
 
     /// These viewpoints, local space.
     pub fn at<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: Vec<Vec3>, seed: u64) -> Self {
-        let is_open = Outlook::new(surfaces, &viewpoints, seed).is_open();
-        Self { viewpoints, is_open }
+        let is_open = Outlook::new(surfaces, &viewpoints, seed).is_open() || is_landscape(surfaces, seed);
+        Self { viewpoints, is_open, ..Self::default() }
     }
 
     /// Found without help. `lights` are the lamps' places, local space, which are inside rooms as a rule. `None` where no
@@ -44,10 +84,32 @@ impl Vantage {
     pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> Option<Self> {
         let viewpoints = viewpoint::find(surfaces, lights, seed);
         let outlook = Outlook::new(surfaces, &viewpoints, seed);
-        let vantage = Self { viewpoints, is_open: outlook.is_open() || outlook.seen < ALL_AROUND };
+        let is_open = outlook.is_open() || outlook.seen < ALL_AROUND || is_landscape(surfaces, seed);
+        let vantage = Self { viewpoints, is_open, ..Self::default() };
         let sees_any = !Candidates::new(surfaces, &vantage, seed).batch().is_empty();
         sees_any.then_some(vantage)
     }
+}
+
+/// Whether the part that has the detail stands on something far larger: rays towards it, from anywhere around, end beside it.
+fn is_landscape<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> bool {
+    let (low, high) = surfaces.main_part();
+    if (low, high) == surfaces.bounds() {
+        return false;
+    }
+    let (middle, radius) = (0.5 * (low + high), (high - low).length());
+    let ends_beside = |i: &u64| {
+        let mut stream = Stream::new(seed ^ 0x706c_6169, *i);
+        let direction = stream.sphere();
+        let (across, up) = direction.any_orthonormal_pair();
+        let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sin_cos();
+        let offset = (across * cos + up * sin) * stream.unit().sqrt() - direction;
+        let ray = Ray::blind(middle + offset * radius, direction);
+        let hit = surfaces.cast(&ray, mix(stream.bits()) as u32).filter(|hit| hit.faces(direction));
+        hit.is_some_and(|hit| hit.position.cmplt(low).any() || hit.position.cmpgt(high).any())
+    };
+    let beside = (0..LANDSCAPE.0).filter(ends_beside).count();
+    beside as f32 > LANDSCAPE.1 * LANDSCAPE.0 as f32
 }
 
 /// What is seen from some viewpoints.
@@ -83,7 +145,7 @@ impl Outlook {
                     seen += 1;
                     distance += hit.distance;
                 }
-                let Some(on) = bounced(&hit, surfaces.epsilon(), &mut stream) else { break };
+                let Some(on) = bounced(&hit, surfaces.epsilon_at(hit.position), &mut stream) else { break };
                 ray = on;
             }
         }

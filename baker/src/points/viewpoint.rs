@@ -36,7 +36,7 @@ enum Sides {
 /// The best of many tries and of the places of `lights`, local space, best first; none when no try sees the front of any
 /// surface, and no light a reflecting side.
 pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> Vec<Vec3> {
-    let (low, high) = surfaces.bounds();
+    let (low, high) = surfaces.main_part();
     let extent = high - low;
     let mut tries: Vec<(f32, u64, Vec3)> = (0..TRIES)
         .into_par_iter()
@@ -49,7 +49,7 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> V
                 let ray = Ray::blind(point, stream.sphere());
                 let hit = surfaces.cast(&ray, 0)?;
                 let away = stream.cosine_hemisphere(hit.geometric_normal);
-                let origin = hit.offset_origin(away, surfaces.epsilon());
+                let origin = hit.offset_origin(away, surfaces.epsilon_at(hit.position));
                 let free = surfaces
                     .cast(&Ray::blind(origin, away), 0)
                     .map_or(0.25 * extent.length(), |h| h.distance);
@@ -83,7 +83,7 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> V
 /// on one that does not, squared, times the harmonic mean distance. So a room open to the sky beats the
 /// hollow of a wall, which is closed but tight, and the outside, where most rays leave.
 fn score<S: Surfaces + ?Sized>(surfaces: &S, point: Vec3, sides: Sides, stream: &mut Stream) -> f32 {
-    let (low, high) = surfaces.bounds();
+    let (low, high) = surfaces.main_part();
     let diagonal = (high - low).length();
     let (mut front, mut dark, mut inverse_distance) = (0.0, 0.0, 0.0);
     for _ in 0..RAYS {

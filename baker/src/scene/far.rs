@@ -1,102 +1,170 @@
-//! What lies far away from all the rest of a scene, most likely by mistake.
+//! What lies far away from all the rest of a scene, most likely by mistake, and makes the rest less exact.
+//!
+//! A scene falls apart where along some axis no box of a triangle or copy is for a stretch many times as long as one of its
+//! sides is wide: a plain around a house, or a long corridor, has no such gap. What that costs decides: rays are moved off surfaces by
+//! a length that follows from where the local space begins and how large the scene's [main part](super::detail) is.
 
-use super::{Scene, bounds_of};
+use super::detail::Exactness;
+use super::{Scene, bounds_of, union};
 use glam::{DVec3, Vec3};
 
 /// Surfaces that are looked at; of more, one in so many.
 const LOOKED_AT: usize = 100_000;
-/// The share of the surface that lies beyond the box around the rest, at each of its six sides.
-const BEYOND: f64 = 0.002;
-/// It is far where the scene is so many times as large as the box around the rest.
+/// It is far where the gap is so many times as long as the rest is across.
 const FAR: f32 = 20.0;
+/// And costs exactness where rays are moved off the rest's surfaces by so many times more than without it.
+const COSTS: f32 = 8.0;
 
-/// A sentence that names what lies far away from nearly all of the scene's surface, where anything does.
+/// A triangle or a copy.
+#[derive(Clone, Copy)]
+struct Part {
+    bounds: (Vec3, Vec3),
+    area: f64,
+    material: u32,
+}
+
+impl Part {
+    fn middle(&self) -> Vec3 {
+        0.5 * (self.bounds.0 + self.bounds.1)
+    }
+}
+
+/// A sentence that names what lies far away from most of the scene's surface and makes that less exact, where anything does.
 pub fn far_away(scene: &Scene) -> Option<String> {
-    let first = scene.models.first().map_or(scene.triangles.len(), |model| model.triangles.start as usize);
-    let box_of = |corners: &[u32; 3]| bounds_of(&corners.map(|i| scene.positions[i as usize]));
-    let area = |corners: &[u32; 3]| {
-        let [a, b, c] = corners.map(|i| scene.positions[i as usize].as_dvec3());
-        0.5 * (b - a).cross(c - a).length()
-    };
-    let triangles = || scene.triangles[..first].iter().zip(&scene.triangle_material);
-    let copies = || {
-        scene.models.iter().flat_map(|model| {
-            let material = scene.triangle_material[model.triangles.start as usize];
-            model.boxes().map(move |bounds| (bounds, material))
-        })
-    };
-    let every = (first + scene.instances()).div_ceil(LOOKED_AT).max(1);
-    // A copy counts as its box does.
-    let of_box = |(low, high): (Vec3, Vec3)| {
-        let size = (high - low).as_dvec3();
-        2.0 * (size.x * size.y + size.y * size.z + size.z * size.x)
-    };
-    let middle = |(low, high): (Vec3, Vec3)| 0.5 * (low + high);
-    let of_triangles =
-        triangles().step_by(every).map(|(corners, _)| (middle(box_of(corners)), area(corners)));
-    let of_copies = copies().step_by(every).map(|(bounds, _)| (middle(bounds), of_box(bounds)));
-    let (low, high) = without_ends(of_triangles.chain(of_copies).collect())?;
-    let (least, greatest) = scene.bounds();
-    let (most, all) = ((high - low).length(), (greatest - least).length());
-    if most <= 0.0 || all < FAR * most {
+    let all = parts(scene);
+    let rest = without_far(all.clone());
+    let bounds = bounds_of_all(&rest)?;
+    let across = (bounds.1 - bounds.0).length();
+    if rest.len() == all.len() || across <= 0.0 {
         return None;
     }
-    let centre = 0.5 * (low + high);
-    let away =
-        |(low, high): (Vec3, Vec3)| (low - centre).length_squared().max((high - centre).length_squared());
-    let parts = triangles().map(|(corners, material)| (box_of(corners), *material)).chain(copies());
-    let (bounds, material) = parts.max_by(|a, b| away(a.0).total_cmp(&away(b.0)))?;
-    let [x, y, z] = (DVec3::from(scene.origin) + middle(bounds).as_dvec3()).to_array();
-    let name = match scene.materials.get(material as usize).map(|material| material.name.as_str()) {
-        None | Some("") => format!("material {material}"),
+    let exactness = Exactness::new(scene.main_part(), scene.bounds());
+    let exact = exactness.at(bounds.0.abs().max(bounds.1.abs()));
+    let alone = Exactness::new(bounds, (bounds.0 - bounds.1, bounds.1 - bounds.0)).at(Vec3::ZERO);
+    if exact < COSTS * alone {
+        return None;
+    }
+    let centre = 0.5 * (bounds.0 + bounds.1);
+    let away = |part: &Part| part.middle().distance(centre);
+    let part = all.iter().max_by(|a, b| away(a).total_cmp(&away(b)))?;
+    let [x, y, z] = (DVec3::from(scene.origin) + part.middle().as_dvec3()).to_array();
+    let name = match scene.materials.get(part.material as usize).map(|material| material.name.as_str()) {
+        None | Some("") => format!("material {}", part.material),
         Some(name) => format!("material {name:?}"),
     };
     Some(format!(
-        "nearly all of the scene is {most:.3} units across, but all of it {all:.3}: something with {name} lies far away, \
-         around {x:.1}, {y:.1}, {z:.1}; leave it out if it is a stray"
+        "most of the scene is {across:.3} units across, but something with {name} lies {:.3} units away, around {x:.1}, {y:.1}, \
+         {z:.1}: light near surfaces is exact to {exact:.1e} units, to {alone:.1e} without it; leave it out if it is a stray",
+        away(part)
     ))
 }
 
-/// The box around places but for the few thousandths of their weight that lie at its ends.
-fn without_ends(mut places: Vec<(Vec3, f64)>) -> Option<(Vec3, Vec3)> {
-    let total: f64 = places.iter().map(|place| place.1).sum();
-    let (mut low, mut high) = (*places.first()?, *places.first()?);
-    for axis in 0..3 {
-        places.sort_by(|a, b| a.0[axis].total_cmp(&b.0[axis]));
-        let mut before = 0.0;
-        for place in &places {
-            if before <= BEYOND * total {
-                low.0[axis] = place.0[axis];
+/// Triangles and copies, or some of very many.
+fn parts(scene: &Scene) -> Vec<Part> {
+    let first = scene.models.first().map_or(scene.triangles.len(), |model| model.triangles.start as usize);
+    let triangles =
+        scene.triangles[..first].iter().zip(&scene.triangle_material).map(|(corners, &material)| {
+            let corners = corners.map(|i| scene.positions[i as usize]);
+            let [a, b, c] = corners.map(|p| p.as_dvec3());
+            Part { bounds: bounds_of(&corners), area: 0.5 * (b - a).cross(c - a).length(), material }
+        });
+    let copies = scene.models.iter().flat_map(|model| {
+        let material = scene.triangle_material[model.triangles.start as usize];
+        model.boxes().map(move |bounds| {
+            // A copy counts as its box does.
+            let size = (bounds.1 - bounds.0).as_dvec3();
+            let area = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+            Part { bounds, area, material }
+        })
+    });
+    let every = (first + scene.instances()).div_ceil(LOOKED_AT).max(1);
+    triangles.step_by(every).chain(copies.step_by(every)).collect()
+}
+
+fn bounds_of_all(parts: &[Part]) -> Option<(Vec3, Vec3)> {
+    parts.iter().map(|part| part.bounds).reduce(union)
+}
+
+/// What is left once the lighter side of each far gap is taken away.
+fn without_far(mut parts: Vec<Part>) -> Vec<Part> {
+    'gaps: loop {
+        for axis in 0..3 {
+            parts.sort_by(|a, b| a.bounds.0[axis].total_cmp(&b.bounds.0[axis]));
+            let mut end = f32::NEG_INFINITY;
+            let gap = |(i, part): (usize, &Part)| {
+                let gap = part.bounds.0[axis] - end;
+                end = end.max(part.bounds.1[axis]);
+                (i, gap)
+            };
+            let gaps = parts.iter().enumerate().map(gap).filter(|(i, _)| *i > 0);
+            let Some((at, gap)) = gaps.collect::<Vec<_>>().into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
+            else {
+                return parts;
+            };
+            let area = |parts: &[Part]| parts.iter().map(|part| part.area).sum::<f64>();
+            let mut beyond = parts.split_off(at);
+            if area(&beyond) > area(&parts) {
+                std::mem::swap(&mut parts, &mut beyond);
             }
-            if before <= (1.0 - BEYOND) * total {
-                high.0[axis] = place.0[axis];
+            let across = bounds_of_all(&parts).map_or(0.0, |(low, high)| (high - low).length());
+            if gap > FAR * across {
+                continue 'gaps;
             }
-            before += place.1;
+            parts.extend(beyond);
         }
+        return parts;
     }
-    Some((low.0, high.0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load;
+    use crate::scene::{WorldMesh, load};
+    use crate::surface::Surfaces;
+    use crate::triangles::TriangleSurfaces;
+    use glam::dvec3;
+    use rebounce_shared::rbn::meta::Material;
+
+    /// A room of this size and a stray of so many quads along x and z, one unit wide each, this far away.
+    fn with_stray(size: DVec3, quads: usize, away: f64) -> Scene {
+        let mut mesh = WorldMesh::default();
+        mesh.room(DVec3::ZERO, size, [0; 6]);
+        for i in 0..quads {
+            let low = dvec3(away + (i % 8) as f64, 0.1 * i as f64, (i / 8) as f64);
+            mesh.quad([DVec3::ZERO, DVec3::Z, dvec3(1.0, 0.0, 1.0), DVec3::X].map(|p| low + p), 1);
+        }
+        let material = |name: &str| Material { name: name.into(), ..Material::default() };
+        let mut scene = Scene { materials: vec![material("wall"), material("Layer0")], ..Scene::default() };
+        mesh.finish(&mut scene);
+        scene
+    }
+
+    fn epsilon(scene: &Scene, at: DVec3) -> f32 {
+        TriangleSurfaces::from_scene(scene).epsilon_at((at - DVec3::from(scene.origin)).as_vec3())
+    }
 
     #[test]
-    fn rooms_have_nothing_far_away_and_a_stray_is_named() {
+    fn what_costs_nothing_is_no_matter() {
         for name in ["cornell-box", "apartment", "library", "theatre", "two-rooms", "furnace"] {
             assert_eq!(far_away(&load(&format!("builtin:{name}")).unwrap()), None, "{name}");
         }
-        let mut scene = load("builtin:cornell-box").unwrap();
-        let first = scene.positions.len() as u32;
-        for corner in [Vec3::ZERO, Vec3::X, Vec3::Y] {
-            scene.positions.push(Vec3::new(5e4, 0.0, 0.0) + 0.1 * corner);
-            scene.normals.push(Vec3::Z);
-            scene.uvs.push(glam::Vec2::ZERO);
-        }
-        scene.triangles.push([first, first + 1, first + 2]);
-        scene.triangle_material.push(0);
+        // A corridor, and a lawn with a house.
+        assert_eq!(far_away(&with_stray(dvec3(1.5, 2.4, 300.0), 0, 0.0)), None);
+        assert_eq!(far_away(&with_stray(dvec3(10_000.0, 3.0, 10_000.0), 8, 5_000.0)), None);
+    }
+
+    #[test]
+    fn a_small_stray_costs_nothing_and_a_rich_one_is_named() {
+        let room = dvec3(4.0, 3.0, 4.0);
+        let alone = epsilon(&with_stray(room, 0, 0.0), 0.5 * room);
+        let scene = with_stray(room, 1, 8e4);
+        assert!(epsilon(&scene, 0.5 * room) < COSTS * alone);
+        assert_eq!(far_away(&scene), None);
+        // It has more detail than the room, but less surface: numbers are exact where it is.
+        let scene = with_stray(room, 64, 8e6);
+        assert!(epsilon(&scene, 0.5 * room) > COSTS * alone);
         let said = far_away(&scene).unwrap();
-        assert!(said.contains("50000") && said.contains("material"), "{said}");
+        assert!(said.contains("Layer0") && said.contains("8000"), "{said}");
+        assert_eq!(said.matches("e-").count(), 1, "{said}");
     }
 }

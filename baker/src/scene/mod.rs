@@ -6,11 +6,12 @@
 //!   of formats that glTF does not have; `orientation` – turns that their metadata ask for;
 //! * [`model`] – what stands in a scene many times;
 //! * `colours` – colours of vertices; `merge` – materials that look alike; `notes` – what is said about a file;
-//! * [`far`] – what lies far away from the rest.
+//! * [`detail`] – the part that has the detail; [`far`] – what lies far away from the rest.
 
 mod basis;
 pub mod builtin;
 mod colours;
+pub mod detail;
 mod error;
 pub mod far;
 mod foreign;
@@ -41,7 +42,8 @@ pub(crate) const MOST: usize = 1 << 28;
 pub struct Scene {
     /// What to call it: the file's name without its ending.
     pub name: String,
-    /// World space = local space + origin: the centre of the world-space bounds.
+    /// World space = local space + origin: the centre of the world-space bounds, or of the [part](detail) that has the
+    /// detail where that is far smaller.
     pub origin: [f64; 3],
     /// Vertices, local space; those of [`Self::models`] come last, in the models' spaces.
     pub positions: Vec<Vec3>,
@@ -134,6 +136,15 @@ impl Scene {
         alone.into_iter().chain(copies).reduce(union).unwrap_or_default()
     }
 
+    /// Least and greatest corner of the [part](detail::main_part) that has the detail, local space; the
+    /// [bounds](Self::bounds) where no part has.
+    pub fn main_part(&self) -> (Vec3, Vec3) {
+        let first = self.models.first().map_or(self.triangles.len(), |model| model.triangles.start as usize);
+        let corners = self.triangles[..first].iter().flatten().map(|i| self.positions[*i as usize]);
+        let copies = self.models.iter().flat_map(Model::boxes).flat_map(|(low, high)| [low, high]);
+        detail::part_of(corners.chain(copies)).unwrap_or_else(|| self.bounds())
+    }
+
     /// Number of triangles that stand in the scene, each copy of a model's counted.
     pub fn triangles_placed(&self) -> u64 {
         let more = |model: &Model| {
@@ -192,12 +203,16 @@ impl WorldMesh {
 
     /// Least and greatest corner of its triangles, those of models left out; `None` without any.
     fn bounds(&self) -> Option<[DVec3; 2]> {
-        let triangles = self.triangles.iter().filter(|t| self.is_triangle(t));
-        let corners = triangles.flat_map(|t| t.map(|i| self.positions[i as usize]));
-        corners.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
+        self.corners().map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
     }
 
-    /// Moves the origin into the middle, where f32 is most exact, and leaves out triangles
+    /// The corners of its triangles, those of models left out.
+    fn corners(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let triangles = self.triangles.iter().filter(|t| self.is_triangle(t));
+        triangles.flat_map(|t| t.map(|i| self.positions[i as usize]))
+    }
+
+    /// Moves the origin into the middle of the detail, where f32 is most exact, and leaves out triangles
     /// without area and vertices that no triangle uses.
     fn finish(mut self, scene: &mut Scene) {
         let mut models = std::mem::take(&mut self.models);
@@ -208,10 +223,11 @@ impl WorldMesh {
             }
             is_seen
         });
-        let boxes = models.iter().flat_map(WorldModel::boxes);
-        let bounds = self.bounds().into_iter().chain(boxes);
+        let boxes: Vec<[DVec3; 2]> = models.iter().flat_map(WorldModel::boxes).collect();
+        let bounds = self.bounds().into_iter().chain(boxes.iter().copied());
         let bounds = bounds.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
-        let origin = bounds.map_or(DVec3::ZERO, |[low, high]| (low + high) * 0.5);
+        let main = detail::main_part(&self.corners().chain(boxes.into_iter().flatten()).collect::<Vec<_>>());
+        let origin = main.or(bounds).map_or(DVec3::ZERO, |[low, high]| (low + high) * 0.5);
         scene.origin = origin.to_array();
         let mut colors = Vec::new();
         self.append(scene, origin, &mut colors);

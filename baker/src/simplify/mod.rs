@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use rebounce_shared::rbn::meta::Material;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// How far the simplified surface may be from the scene's, as a share of the scene's diagonal.
+/// How far the simplified surface may be from the scene's, as a share of the diagonal of the scene's main part.
 pub const TOLERANCE: f32 = 1e-6;
 
 /// Triangles that one thread simplifies by themselves at first: they fit a processor's cache.
@@ -102,7 +102,7 @@ impl Source<'_> {
 /// order. `is_opaque` says of each material whether rays never go through it; triangles of others stay. A thread takes
 /// `together` triangles at first, [`TOGETHER`] being fastest; the result depends on it, and on nothing else.
 pub fn simplify(scene: &Scene, is_opaque: impl Fn(usize) -> bool, together: usize) -> Vec<[u32; 3]> {
-    let (low, high) = scene.bounds();
+    let ((low, high), main) = (scene.bounds(), scene.main_part());
     let kind = |(i, m): (usize, &Material)| Kind {
         is_textured: m.base_color_texture.is_some(),
         is_transparent: !is_opaque(i),
@@ -116,7 +116,7 @@ pub fn simplify(scene: &Scene, is_opaque: impl Fn(usize) -> bool, together: usiz
     let source = Source {
         scene,
         places: firsts(scene.positions.len(), position),
-        tolerance: TOLERANCE * (high - low).length(),
+        tolerance: TOLERANCE * (main.1 - main.0).length(),
         materials: scene.materials.iter().enumerate().map(kind).collect(),
     };
     let corners = |t: u32| Cut { corners: [3 * t, 3 * t + 1, 3 * t + 2], number: t, error: 0.0 };

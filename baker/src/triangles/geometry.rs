@@ -1,8 +1,10 @@
 //! What the ray caster needs to know, from a loaded [`Scene`] or a baked file alike.
 
+use super::body;
 use super::glass::{self, Glass};
+use super::instances::Instances;
 use crate::scene::texture::{Sampler, Texels};
-use crate::scene::{Model, Scene, SceneError};
+use crate::scene::{Model, Scene, SceneError, detail};
 use crate::simplify::{TOGETHER, simplify};
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
@@ -167,6 +169,21 @@ fn stopped(through: Vec3) -> f32 {
 }
 
 impl Geometry {
+    /// Least and greatest corner of each model, in its space.
+    pub(super) fn model_bounds(&self) -> Vec<(Vec3, Vec3)> {
+        self.models.iter().map(|model| body::bounds(&self.triangles[model.triangles.clone()])).collect()
+    }
+
+    /// Corners of the [part](detail::main_part) that has the detail, local space, where that is not all.
+    pub(super) fn main_part(&self) -> Option<(Vec3, Vec3)> {
+        let end = self.models.first().map_or(self.triangles.len(), |model| model.triangles.start);
+        let corners = self.triangles[..end].iter().flat_map(|triangle| triangle.positions);
+        let bounds = self.model_bounds();
+        let boxes =
+            self.models.iter().zip(&bounds).flat_map(|(model, bounds)| Instances::boxes(model, *bounds));
+        detail::part_of(corners.chain(boxes.flat_map(|(low, high)| [low, high])))
+    }
+
     /// A scene's surfaces of as few triangles as they need: [`simplify`].
     pub fn simplified(scene: &Scene) -> Self {
         let surfaces = surfaces(scene);

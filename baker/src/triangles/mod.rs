@@ -6,7 +6,7 @@
 //!
 //! * [`geometry`] – what there is; `glass` – what lets light through; `triangle` – a ray against one; `wide` – nodes;
 //! * `body` – the triangles of one space; `instances` – where models stand;
-//! * `packet` – rays that go alike; `together` – how they walk; `pieces` – triangles by number.
+//! * `split` – large triangles around the detail; `packet` – rays that go alike; `together` – how they walk; `pieces` – triangles by number.
 
 mod body;
 pub mod geometry;
@@ -15,6 +15,7 @@ mod instances;
 #[cfg(target_arch = "x86_64")]
 mod packet;
 mod pieces;
+mod split;
 #[cfg(test)]
 mod tests;
 #[cfg(target_arch = "x86_64")]
@@ -24,6 +25,7 @@ mod wide;
 
 pub use geometry::Geometry;
 
+use crate::scene::detail::Exactness;
 use crate::scene::{Scene, SceneError, union};
 use crate::surface::{Hit, Pieces, Ray, Surfaces};
 use body::{Body, Line, TWO_SIDED};
@@ -33,10 +35,6 @@ use instances::{Instance, Instances};
 use rebounce_shared::rbn;
 use triangle::Meeting;
 
-/// Ray origins are moved off surfaces by this share of the scene's diagonal. Local coordinates
-/// are at most half the diagonal, so an f32 is off by 3e-8 of it and a plane distance over the
-/// whole scene by a few times that: ten times more is safe, and 0.1 mm in a 30 m hall.
-const EPSILON: f32 = 3e-6;
 /// Faces whose normals are turned from each other by less than the angle of this cosine from opposite ones lie back to back.
 const OPPOSITE: f32 = 0.9;
 /// A ray counts as this steep at least (cosine of the angle to the normal) where distances along it are worked out.
@@ -57,7 +55,9 @@ pub struct TriangleSurfaces {
     has_glass: bool,
     low: Vec3,
     high: Vec3,
-    epsilon: f32,
+    /// Corners of the part that has the detail.
+    main: (Vec3, Vec3),
+    exactness: Exactness,
     /// Triangles, each copy's counted.
     pieces: u64,
 }
@@ -104,14 +104,18 @@ impl Found<'_> {
 
 impl TriangleSurfaces {
     /// Builds the hierarchy.
-    pub fn new(geometry: Geometry) -> Self {
+    pub fn new(mut geometry: Geometry) -> Self {
+        let main = geometry.main_part();
+        if let Some((low, high)) = main {
+            split::split(&mut geometry, (high - low).length());
+        }
+        let bounds = geometry.model_bounds();
         let Geometry { triangles, models, colors, surfaces } = geometry;
         let end = models.first().map_or(triangles.len(), |model| model.triangles.start);
-        let bounds = |model: &Placed| body::bounds(&triangles[model.triangles.clone()]);
-        let bounds: Vec<(Vec3, Vec3)> = models.iter().map(bounds).collect();
         let alone = (end > 0).then(|| body::bounds(&triangles[..end]));
         let boxes = models.iter().zip(&bounds).flat_map(|(model, bounds)| Instances::boxes(model, *bounds));
         let (low, high) = alone.into_iter().chain(boxes).reduce(union).unwrap_or_default();
+        let main = main.unwrap_or((low, high));
         let diagonal = (high - low).length();
         let padding = PADDING * diagonal;
         let body = |range: std::ops::Range<usize>, padding: f32| {
@@ -130,7 +134,8 @@ impl TriangleSurfaces {
             surfaces,
             low,
             high,
-            epsilon: (EPSILON * diagonal).max(f32::MIN_POSITIVE),
+            main,
+            exactness: Exactness::new(main, (low, high)),
         }
     }
 
@@ -246,7 +251,8 @@ impl TriangleSurfaces {
         meeting: Meeting,
     ) -> Option<(Found<'_>, Meeting)> {
         let normal = back.front().try_normalize()?;
-        let beyond = self.epsilon / normal.dot(ray.direction).max(FLATTEST);
+        let there = ray.origin + ray.direction * meeting.distance;
+        let beyond = self.exactness.at(there) / normal.dot(ray.direction).max(FLATTEST);
         let max_distance = (meeting.distance + beyond).min(ray.max_distance);
         let (front, meeting) = self.nearest_seen(&Ray { max_distance, ..*ray }, seed)?;
         let is_opposite = front.front().try_normalize()?.dot(normal) < -OPPOSITE;
@@ -319,7 +325,7 @@ impl Surfaces for TriangleSurfaces {
         let offset = to - from;
         let length = offset.length();
         // A light may touch a surface: what is there does not hide it.
-        let limit = length - self.epsilon;
+        let limit = length - self.exactness.near;
         if limit <= 0.0 {
             return Vec3::ONE;
         }
@@ -346,8 +352,17 @@ impl Surfaces for TriangleSurfaces {
         (self.low, self.high)
     }
 
+    fn main_part(&self) -> (Vec3, Vec3) {
+        self.main
+    }
+
     fn epsilon(&self) -> f32 {
-        self.epsilon
+        self.exactness.near
+    }
+
+    #[inline]
+    fn epsilon_at(&self, position: Vec3) -> f32 {
+        self.exactness.at(position)
     }
 
     fn pieces(&self) -> Option<&dyn Pieces> {

@@ -20,7 +20,7 @@ impl Identity {
     /// The identity of baking this scene with these settings by this program.
     pub fn new(scene: &Scene, settings: &BakeSettings) -> Self {
         // Taken apart in full, so that nothing new is forgotten here.
-        let BakeSettings { preset, viewpoint, place, operator, direct_levels } =
+        let BakeSettings { preset, viewpoints, camera, place, operator, direct_levels } =
             settings.clone().normalised();
         let PlaceSettings { levels, coarse_radius, functions, coarse_overlap, fine_overlap, patience, seed } =
             place;
@@ -33,6 +33,7 @@ impl Identity {
             significance,
             bounces,
             later_levels,
+            far_levels,
             seed: operator_seed,
         } = operator;
         let program = format!(
@@ -41,9 +42,10 @@ impl Identity {
             env!("REBOUNCE_SOURCES"),
             container::VERSION
         );
-        let parts: [(&str, &dyn Debug); 18] = [
+        let parts: [(&str, &dyn Debug); 20] = [
             ("preset", &preset.name()),
-            ("viewpoint", &viewpoint),
+            ("viewpoints", &viewpoints),
+            ("camera", &camera),
             ("levels", &levels),
             ("coarse radius", &coarse_radius),
             ("functions", &functions),
@@ -59,6 +61,7 @@ impl Identity {
             ("significance", &significance),
             ("bounces", &bounces),
             ("later levels", &later_levels),
+            ("far levels", &far_levels),
             ("direct levels", &direct_levels),
         ];
         let mut named = vec![

@@ -7,10 +7,8 @@ use rebounce::bake::aim::is_worth_another;
 use rebounce::bake::judge::{Judge, Worst};
 use rebounce::picture::uncertainty::{Answer, Estimate};
 use rebounce::scene::Scene;
-use rebounce::shot;
 use rebounce_shared::rbn;
 use rebounce_shared::shot::Shot;
-use std::path::Path;
 
 /// The error that is wanted, where it is measured, and what was found so far.
 pub struct Aim<'a> {
@@ -50,9 +48,8 @@ pub enum Last {
 /// A shot to measure with; nothing where there is none, and the scene has no camera or no light.
 ///
 /// # Errors
-/// A shot that cannot be read.
-pub fn shot_for(shot: Option<&Path>, spec: &str, scene: &Scene) -> Result<Option<Shot>> {
-    let given = shot.map(shot::read).transpose()?;
+/// A shot that is given and cannot be taken.
+pub fn shot_for(given: Option<Shot>, spec: &str, scene: &Scene) -> Result<Option<Shot>> {
     let is_given = given.is_some();
     match shot_or_own(given, spec, &scene.cameras, &scene.lights) {
         Ok(shot) => Ok(Some(shot)),
@@ -147,11 +144,10 @@ mod tests {
     #[test]
     fn without_camera_or_light_nothing_can_be_measured() {
         let mut scene = scene::load("builtin:two-rooms").unwrap();
-        let shot = |scene: &Scene, shot| shot_for(shot, "rooms.glb", scene);
-        assert!(shot(&scene, None).unwrap().is_some());
+        let shot = |scene: &Scene| shot_for(None, "rooms.glb", scene);
+        assert!(shot(&scene).unwrap().is_some());
         scene.lights.clear();
-        assert!(shot(&scene, None).unwrap().is_none());
-        assert!(shot(&scene, Some(Path::new("no/such.json"))).is_err());
+        assert!(shot(&scene).unwrap().is_none());
     }
 
     #[test]

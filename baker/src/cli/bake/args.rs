@@ -6,9 +6,12 @@ use anyhow::{Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use rebounce::bake::{BakeSettings, Preset, budget};
+use rebounce::shot;
 use rebounce::write::check_place;
+use rebounce_shared::camera::Camera;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::rbn::MAX_LEVELS;
+use rebounce_shared::shot::Shot;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -56,8 +59,9 @@ pub struct BakeArgs {
     /// the scene's own camera and lights; without either takes the coarsest preset that is made for it
     #[arg(long, value_name = "ERROR", value_parser = number::over_zero, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
     pub(super) target_error: Option<f64>,
-    /// The camera and lights that --target-error is measured with (docs/SHOT.md); the scene's own when absent
-    #[arg(long, value_name = "SHOT.json", requires = "target_error")]
+    /// A camera that points are placed for, besides the scene's own; and the camera and lights that --target-error is
+    /// measured with (docs/SHOT.md), the scene's own when absent
+    #[arg(long, value_name = "SHOT.json")]
     pub(super) shot: Option<PathBuf>,
     /// Most bytes of the file, as in 8M: fewer functions, then fewer links
     #[arg(long, value_name = "BYTES", value_parser = number::bytes)]
@@ -66,10 +70,10 @@ pub struct BakeArgs {
     #[arg(long, value_name = "BYTES", value_parser = number::bytes)]
     pub(super) max_memory: Option<u64>,
     /// A place within the room that matters, in the scene's units: what is seen from there, and what lights that, gets
-    /// functions. The scene's cameras when absent; without any it is found. A camera or lamp that is added to a scene
-    /// without goes there, too
+    /// functions, in large open scenes most near by; may be given several times. The cameras of the shot and the scene when
+    /// absent; without any it is found. A camera or lamp that is added to a scene without goes there, too
     #[arg(long, value_name = "X,Y,Z", value_parser = number::place, allow_hyphen_values = true)]
-    viewpoint: Option<[f64; 3]>,
+    viewpoint: Vec<[f64; 3]>,
     /// Levels of receivers
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_LEVELS as u64))]
     levels: Option<usize>,
@@ -155,10 +159,6 @@ impl BakeArgs {
     /// # Errors
     /// What cannot be, in words.
     pub(super) fn check(&self) -> Result<()> {
-        ensure!(
-            self.shot.is_none() || self.target_error.is_some(),
-            "--shot says where --target-error is measured: give that, too"
-        );
         let output = self.output();
         check_output(&output, "rbn", "what is baked")?;
         if let Some(report) = &self.report {
@@ -190,15 +190,24 @@ impl BakeArgs {
         })
     }
 
-    /// A preset's settings, and what else is told.
-    pub(super) fn settings(&self, preset: Preset) -> BakeSettings {
+    /// The shot that is told of.
+    ///
+    /// # Errors
+    /// Where it cannot be read.
+    pub(super) fn shot(&self) -> Result<Option<Shot>> {
+        Ok(self.shot.as_deref().map(shot::read).transpose()?)
+    }
+
+    /// A preset's settings, and what else is told; points are placed for this camera, too.
+    pub(super) fn settings(&self, preset: Preset, camera: Option<&Camera>) -> BakeSettings {
         let mut s = BakeSettings::new(preset);
         fn set<T: Clone>(value: &mut T, given: &Option<T>) {
             if let Some(given) = given {
                 *value = given.clone();
             }
         }
-        s.viewpoint = self.viewpoint;
+        s.viewpoints = self.viewpoint.clone();
+        s.camera = camera.cloned();
         s.place.coarse_radius = self.coarse_radius;
         s.operator.bounces = self.bounces;
         set(&mut s.place.levels, &self.levels);

@@ -60,7 +60,8 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
 /// The part of a process that is not the first of its team: it works, and leaves files and words to the first.
 fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
     let stop = Stop::install(|| ()).context("setting up signals")?;
-    let settings = Plan::asked_for(args, scene)?.settings;
+    let shot = args.shot()?;
+    let settings = Plan::asked_for(args, scene, shot.as_ref().map(|shot| &shot.camera))?.settings;
     match bake_in_team(scene, &settings, &Follower(stop.clone()), None, team) {
         Ok(_) => Ok(0),
         Err(BakeError::Stopped) => Ok(stop.exit_code()),
@@ -80,8 +81,10 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
             "note: the scene has no lights; surfaces that shine by themselves are shown, but light nothing: add point, spot or sun lights"
         );
     }
+    let given = args.shot()?;
+    let camera = given.as_ref().map(|shot| shot.camera.clone());
     let shot = match args.target_error {
-        Some(_) => shot_for(args.shot.as_deref(), &args.scene, scene)?,
+        Some(_) => shot_for(given, &args.scene, scene)?,
         None => None,
     };
     let aim = match (args.target_error, &shot) {
@@ -89,8 +92,8 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
         _ => None,
     };
     let plans = match &aim {
-        Some(_) => Plan::tries(args, scene)?,
-        None => vec![Plan::asked_for(args, scene)?],
+        Some(_) => Plan::tries(args, scene, camera.as_ref())?,
+        None => vec![Plan::asked_for(args, scene, camera.as_ref())?],
     };
     let (checkpoint, first) = open_checkpoint(args, &output, scene, &plans)?;
     let last_words = last_words(&checkpoint, team, args.json_progress);

@@ -5,6 +5,7 @@ use anyhow::{Context, Result};
 use rebounce::bake::budget::{self, Budget};
 use rebounce::bake::{BakeSettings, Checkpoint, CheckpointError, Identity, aim};
 use rebounce::scene::Scene;
+use rebounce_shared::camera::Camera;
 use std::path::{Path, PathBuf};
 
 /// What follows a file's name while it is not done.
@@ -33,17 +34,17 @@ impl Plan {
     ///
     /// # Errors
     /// Where it cannot be within its budget.
-    pub fn asked_for(args: &BakeArgs, scene: &Scene) -> Result<Self> {
-        Self::new(args, scene, args.settings(args.preset()?), false)
+    pub fn asked_for(args: &BakeArgs, scene: &Scene, camera: Option<&Camera>) -> Result<Self> {
+        Self::new(args, scene, args.settings(args.preset()?, camera), false)
     }
 
     /// The bakes that are tried one after the other until one is within its target.
     ///
     /// # Errors
     /// Where the first one cannot be within its budget.
-    pub fn tries(args: &BakeArgs, scene: &Scene) -> Result<Vec<Self>> {
+    pub fn tries(args: &BakeArgs, scene: &Scene, camera: Option<&Camera>) -> Result<Vec<Self>> {
         let mut plans = Vec::new();
-        for settings in aim::tries(|preset| args.settings(preset)) {
+        for settings in aim::tries(|preset| args.settings(preset, camera)) {
             let plan = Self::new(args, scene, settings, true)?;
             // What comes after would be lowered to the same number of functions.
             let is_last = plan.fewer.is_some();
@@ -116,15 +117,15 @@ mod tests {
     fn a_target_is_tried_for_with_ever_more_functions_and_within_the_budget() {
         let args = told(&["--target-error", "0.1", "--bounces", "2"]);
         let scene = scene::load(&args.scene).unwrap();
-        let plans = Plan::tries(&args, &scene).unwrap();
+        let plans = Plan::tries(&args, &scene, None).unwrap();
         assert!(plans.len() > 3 && plans[0].settings.preset == Preset::Draft);
         assert!(plans.iter().all(|plan| plan.settings.operator.bounces == Some(2) && plan.fewer.is_none()));
         let args = told(&["--target-error", "0.1", "--max-bytes", "4M"]);
-        let plans = Plan::tries(&args, &scene).unwrap();
+        let plans = Plan::tries(&args, &scene, None).unwrap();
         // The last one has what the budget pays for.
         assert!(plans.len() == 2 && plans[0].fewer.is_none(), "{}", plans.len());
         assert_eq!(plans[1].fewer, Some(plans[1].settings.place.functions));
-        assert!(Plan::asked_for(&told(&["--max-bytes", "1K"]), &scene).is_err());
+        assert!(Plan::asked_for(&told(&["--max-bytes", "1K"]), &scene, None).is_err());
     }
 
     #[test]
@@ -133,7 +134,7 @@ mod tests {
         let output = folder.path().join("rooms.rbn");
         let args = told(&["--target-error", "0.1", "--resume"]);
         let scene = scene::load(&args.scene).unwrap();
-        let plans = Plan::tries(&args, &scene).unwrap();
+        let plans = Plan::tries(&args, &scene, None).unwrap();
         let opened = |plans: &[Plan]| {
             open_checkpoint(&args, &output, &scene, plans)
                 .map(|(_, number)| number)

@@ -48,7 +48,12 @@ fn block(mesh: &mut WorldMesh, low: DVec3, high: DVec3, material: u32) {
 impl WorldMesh {
     /// Adds a box with edges along the axes, seen from within. Materials of the faces at least y,
     /// greatest y, least z, least x, greatest x, greatest z.
-    fn room(&mut self, low: DVec3, high: DVec3, [floor, ceiling, back, left, right, front]: [u32; 6]) {
+    pub(in crate::scene) fn room(
+        &mut self,
+        low: DVec3,
+        high: DVec3,
+        [floor, ceiling, back, left, right, front]: [u32; 6],
+    ) {
         self.faces(low, high, [left, floor, back, right, ceiling, front], true);
     }
 
@@ -71,7 +76,7 @@ impl WorldMesh {
     }
 
     /// Adds a flat quadrilateral, its corners counter-clockwise seen from the front.
-    fn quad(&mut self, corners: [DVec3; 4], material: u32) {
+    pub(in crate::scene) fn quad(&mut self, corners: [DVec3; 4], material: u32) {
         let [a, b, c, _] = corners;
         let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
         let first = self.positions.len() as u32;

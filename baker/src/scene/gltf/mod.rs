@@ -116,8 +116,10 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
         let problem = format!("its triangles are {size:e} units across, beyond the range of numbers");
         return Err(source.malformed(problem));
     }
+    let (low, high) = scene.main_part();
+    let main_size = (high - low).as_dvec3().length();
     for node in &nodes {
-        scene.cameras.extend(node::camera(source, node, scene.origin, size)?);
+        scene.cameras.extend(node::camera(source, node, scene.origin, main_size)?);
     }
     scene.animations = animation::animations(source, &nodes, &lights, &mut scene.left_out)?;
     told.notes.extend(lamps.enclosed.iter().filter_map(|lamp| lamp.note(source, size)));

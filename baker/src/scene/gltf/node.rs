@@ -101,7 +101,7 @@ pub(super) fn placement(world: &DMat4) -> ([f64; 3], [f64; 3]) {
     (world.w_axis.truncate().to_array(), direction.to_array())
 }
 
-/// The node's camera. `size` is the scene's diagonal: the point looked at is beside its middle.
+/// The node's camera. `size` is the diagonal of the scene's main part: the point looked at is beside its middle.
 /// An orthographic camera becomes a perspective one that sees as much at the scene's middle.
 pub(super) fn camera(
     source: &Source,

@@ -44,7 +44,7 @@ fn of_two_faces_back_to_back_a_ray_finds_the_one_that_faces_it() {
     // How far the faces are apart, over what rays are moved off surfaces by: two that were written by themselves differ
     // by rounding.
     for (apart, missed) in [(0.0, 0), (0.4, 10), (-0.4, 10)] {
-        let epsilon = surfaces(fronts.clone(), &[white()]).epsilon;
+        let epsilon = surfaces(fronts.clone(), &[white()]).epsilon();
         let mut pairs = fronts.clone();
         pairs.extend(fronts.iter().map(|t| reversed(t, apart * epsilon)));
         let one = surfaces(fronts.clone(), &[Material { double_sided: true, ..white() }]);
