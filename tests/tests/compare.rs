@@ -17,6 +17,9 @@ fn compare_prints_json_or_fails() {
     let output = run(&[&two, &one]);
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    assert_eq!(text.trim(), r#"{"error":1.0,"error_at_least":null,"error_at_most":null,"bias":1.0,"p95":0.0}"#);
+    assert_eq!(
+        text.trim(),
+        r#"{"error":1.0,"error_at_least":null,"error_at_most":null,"bias":1.0,"p95":0.0}"#
+    );
     assert!(!run(&[&two]).status.success());
 }
