@@ -5,6 +5,7 @@ use crate::gpu::Gpu;
 use crate::materials::Materials;
 use crate::pipelines::Pipelines;
 use crate::relight::Relight;
+use crate::shadow_fit::Extent;
 use crate::upload::Upload;
 use glam::Vec3;
 use rebounce_shared::rbn::Scene;
@@ -31,8 +32,8 @@ pub struct LoadedScene {
     pub finest_radius: f32,
     /// Distance of the near plane, scene units.
     pub near: f32,
-    /// Least and greatest corner, local space.
-    pub bounds: [Vec3; 2],
+    /// Where it lies.
+    pub extent: Extent,
 }
 
 impl LoadedScene {
@@ -51,14 +52,15 @@ impl LoadedScene {
         gpu.settle().await;
         gpu.check()?;
         let bounds = [Vec3::from(scene.meta.bounds_min), Vec3::from(scene.meta.bounds_max)];
+        let extent = Extent::new(bounds, finest(&scene));
         let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);
         // Near enough that the eye can go close to the finest functions.
-        let finest = scene.meta.levels.last().map_or(f32::MAX, |l| l.support_radius);
+        let finest_support = scene.meta.levels.last().map_or(f32::MAX, |l| l.support_radius);
         let mut radii: Vec<f32> = scene.points[scene.display()].iter().map(|p| p.radius).collect();
         let tenth = radii.len() / 10;
         let finest_radius =
             if radii.is_empty() { 0.0 } else { *radii.select_nth_unstable_by(tenth, f32::total_cmp).1 };
-        let near = (1e-3 * diagonal).min(0.1 * finest).max(1e-6 * diagonal);
+        let near = (1e-3 * diagonal).min(0.1 * finest_support).max(1e-6 * diagonal);
         Ok(Self {
             levels: (0..scene.meta.levels.len())
                 .map(|l| scene.level(l).start as u32..scene.level(l).end as u32)
@@ -71,7 +73,15 @@ impl LoadedScene {
             relight,
             finest_radius,
             near,
-            bounds,
+            extent,
         })
     }
+}
+
+/// Least and greatest corner of the supports of the two finest levels, local space.
+fn finest(scene: &Scene) -> [Vec3; 2] {
+    let levels = scene.meta.levels.len();
+    let points = (levels.saturating_sub(2)..levels).flat_map(|l| &scene.points[scene.level(l)]);
+    let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    points.fold(start, |[low, high], p| [low.min(p.position() - p.radius), high.max(p.position() + p.radius)])
 }

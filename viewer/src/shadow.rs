@@ -6,9 +6,8 @@ use crate::bindings::{
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
-use crate::shadow_fit::{self, Fit, LightRecord};
+use crate::shadow_fit::{self, Extent, Fit, LightRecord};
 use crate::upload::{Run, Upload, VERTEX_BUFFERS};
-use glam::Vec3;
 use rebounce_shared::light::LightSource;
 use std::cell::OnceCell;
 use std::rc::Rc;
@@ -153,13 +152,13 @@ impl Shadows {
         &mut self,
         gpu: &Gpu,
         lights: &[LightSource],
-        bounds: [Vec3; 2],
+        extent: &Extent,
         near: f32,
         glass: bool,
     ) -> Vec<u32> {
-        let layers: u32 = lights.iter().map(shadow_fit::layers).sum();
+        let layers: u32 = lights.iter().map(|light| extent.layers(light)).sum();
         let size = shadow_fit::size(layers, glass).min(self.largest);
-        let fit = shadow_fit::fit(lights, bounds, near, size);
+        let fit = shadow_fit::fit(lights, extent, near, size);
         let held = self.maps.layers.len() as u32;
         let replaced =
             self.maps.texture.width() != size || held < layers.max(1) || self.maps.tints.is_empty() == glass;

@@ -49,12 +49,43 @@ pub struct Fit {
     pub matrices: Vec<Mat4>,
 }
 
-/// Number of layers that a light needs.
-pub fn layers(light: &LightSource) -> u32 {
+/// A scene is far larger than the part that has the detail where it is over so many times as wide.
+const FAR_LARGER: f32 = 4.0;
+
+/// What shadow maps must show, local space: least and greatest corners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Of the scene.
+    pub all: [Vec3; 2],
+    /// Of the part that has the detail, in a scene that is far larger: a directional light has a map of its own for it, the
+    /// first of two cascades.
+    pub detail: Option<[Vec3; 2]>,
+}
+
+impl Extent {
+    /// Of a scene with these bounds whose finest functions lie within `finest`.
+    pub fn new(all: [Vec3; 2], finest: [Vec3; 2]) -> Self {
+        let width = |[low, high]: [Vec3; 2]| (high - low).length();
+        let is_far_larger = width(finest) > 0.0 && width(all) > FAR_LARGER * width(finest);
+        Self { all, detail: is_far_larger.then_some(finest) }
+    }
+
+    /// Number of layers that a light needs.
+    pub fn layers(&self, light: &LightSource) -> u32 {
+        match light.kind {
+            LightKind::Directional if self.detail.is_none() => 1,
+            _ => most_layers(light),
+        }
+    }
+}
+
+/// Number of layers that a light may need, whatever the scene.
+pub fn most_layers(light: &LightSource) -> u32 {
     match light.kind {
         LightKind::Point => 6,
         LightKind::Spot if light.cos_outer < WIDEST_COS => 6,
-        LightKind::Spot | LightKind::Directional => 1,
+        LightKind::Directional => 2,
+        LightKind::Spot => 1,
     }
 }
 
@@ -70,19 +101,31 @@ pub fn size(layers: u32, glass: bool) -> u32 {
     size
 }
 
-/// Fits all lights to a scene with these bounds. `near` is the least distance at which something
+/// Fits all lights to a scene of this extent. `near` is the least distance at which something
 /// blocks a point or spot light.
-pub fn fit(lights: &[LightSource], bounds: [Vec3; 2], near: f32, size: u32) -> Fit {
+pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit {
     let mut out = Fit { size, ..Default::default() };
     for light in lights {
         let layer = out.matrices.len() as u32;
         let border = 1.0 + 2.0 * BORDER / size as f32;
         let (texel, depth_scale);
+        let mut position = light.position.to_array();
         if light.kind == LightKind::Directional {
-            let (matrix, width, depth) = orthographic(light.direction, bounds, border);
+            let (matrix, width, depth) = orthographic(light.direction, extent.all, extent.all, border);
+            let whole = width / size as f32;
+            depth_scale = 1.0 / depth;
+            texel = match extent.detail {
+                Some(detail) => {
+                    let (matrix, width, _) = orthographic(light.direction, detail, extent.all, border);
+                    out.matrices.push(matrix);
+                    // The second cascade's texels, as a directional light has no place.
+                    position[0] = whole;
+                    width / size as f32
+                }
+                None => whole,
+            };
             out.matrices.push(matrix);
-            (texel, depth_scale) = (width / size as f32, 1.0 / depth);
-        } else if layers(light) == 1 {
+        } else if extent.layers(light) == 1 {
             let tan = ((1.0 - light.cos_outer * light.cos_outer).sqrt() / light.cos_outer).max(1e-3) * border;
             out.matrices.push(perspective(
                 light.position,
@@ -99,7 +142,7 @@ pub fn fit(lights: &[LightSource], bounds: [Vec3; 2], near: f32, size: u32) -> F
             (texel, depth_scale) = (2.0 * border / size as f32, 0.0);
         }
         out.lights.push(LightRecord {
-            position: light.position.to_array(),
+            position,
             kind: light.kind as u32,
             direction: light.direction.to_array(),
             cone_scale: light.cone_scale,
@@ -131,22 +174,20 @@ fn perspective(eye: Vec3, forward: Vec3, up: Vec3, tan: f32, near: f32) -> Mat4 
     from_rows(plane(right / tan), plane(up / tan), Vec3::ZERO.extend(near), plane(forward))
 }
 
-/// A square parallel view of the bounds along `forward`; depth is 1 where the light comes from, 0 at
-/// the far end. Also its width and its depth in scene units.
-fn orthographic(forward: Vec3, bounds: [Vec3; 2], border: f32) -> (Mat4, f32, f32) {
+/// A square parallel view of `shown` along `forward`; depth is 1 where the light comes from, 0 at the far end of `all`.
+/// Also its width and its depth in scene units.
+fn orthographic(forward: Vec3, shown: [Vec3; 2], all: [Vec3; 2], border: f32) -> (Mat4, f32, f32) {
     let right = forward.cross(any_up(forward)).normalize_or(Vec3::X);
     let up = right.cross(forward);
-    let [low, high] = bounds;
-    let centre = 0.5 * (low + high);
-    let half = 0.5 * (high - low);
-    let extent = |axis: Vec3| axis.abs().dot(half).max(1e-20);
-    let width = 2.0 * extent(right).max(extent(up)) * border;
-    let depth = 2.0 * extent(forward) * 1.01;
-    let plane = |v: Vec3, offset: f32| v.extend(offset - v.dot(centre));
+    let middle = |[low, high]: [Vec3; 2]| 0.5 * (low + high);
+    let extent = |axis: Vec3, [low, high]: [Vec3; 2]| axis.abs().dot(0.5 * (high - low)).max(1e-20);
+    let width = 2.0 * extent(right, shown).max(extent(up, shown)) * border;
+    let depth = 2.0 * extent(forward, all) * 1.01;
+    let plane = |v: Vec3, offset: f32, of: [Vec3; 2]| v.extend(offset - v.dot(middle(of)));
     let matrix = from_rows(
-        plane(right * (2.0 / width), 0.0),
-        plane(up * (2.0 / width), 0.0),
-        plane(-forward / depth, 0.5),
+        plane(right * (2.0 / width), 0.0, shown),
+        plane(up * (2.0 / width), 0.0, shown),
+        plane(-forward / depth, 0.5, all),
         Vec3::ZERO.extend(1.0),
     );
     (matrix, width, depth)
@@ -157,6 +198,10 @@ mod tests {
     use super::*;
     use rebounce_shared::light::Light;
 
+    fn plain(low: Vec3, high: Vec3) -> Extent {
+        Extent { all: [low, high], detail: None }
+    }
+
     fn inside(clip: glam::Vec4) -> bool {
         let p = clip / clip.w;
         clip.w > 0.0 && p.x.abs() <= 1.0 && p.y.abs() <= 1.0 && (0.0..=1.0).contains(&p.z)
@@ -166,7 +211,7 @@ mod tests {
     fn a_directional_light_sees_all_of_the_bounds() {
         let sun = Light::Directional { direction: [0.3, -1.0, 0.2], intensity: 1.0, color: [1.0; 3] };
         let bounds = [Vec3::new(-3.0, 0.0, -20.0), Vec3::new(5.0, 9.0, 2.0)];
-        let fit = fit(&[sun.source([0.0; 3])], bounds, 1e-3, 1024);
+        let fit = fit(&[sun.source([0.0; 3])], &plain(bounds[0], bounds[1]), 1e-3, 1024);
         for corner in 0..8 {
             let at = |axis: usize| bounds[(corner >> axis) & 1][axis];
             assert!(inside(fit.matrices[0] * Vec3::new(at(0), at(1), at(2)).extend(1.0)));
@@ -174,9 +219,34 @@ mod tests {
     }
 
     #[test]
+    fn a_house_on_a_plain_has_a_cascade_of_its_own() {
+        let sun = Light::Directional { direction: [0.3, -1.0, 0.2], intensity: 1.0, color: [1.0; 3] };
+        let sun = sun.source([0.0; 3]);
+        let all = [Vec3::new(-5000.0, -1.0, -5000.0), Vec3::new(5000.0, 9.0, 5000.0)];
+        let house = [Vec3::new(90.0, 0.0, -8.0), Vec3::new(110.0, 5.0, 8.0)];
+        let extent = Extent::new(all, house);
+        assert_eq!(extent.layers(&sun), 2);
+        let fit = fit(&[sun], &extent, 1e-3, 1024);
+        let [light] = &fit.lights[..] else { panic!("{:?}", fit.lights) };
+        assert!(light.layers == 2 && fit.matrices.len() == 2);
+        assert!(1024.0 * light.texel < 40.0 && 1024.0 * light.position[0] > 10_000.0, "{light:?}");
+        for corner in 0..8 {
+            let at =
+                |of: [Vec3; 2]| Vec3::from_array(std::array::from_fn(|axis| of[(corner >> axis) & 1][axis]));
+            // What is far above or below the house may stand between it and the sun.
+            for (matrix, place) in [(0, at(house)), (1, at(house)), (1, at(all))] {
+                assert!(inside(fit.matrices[matrix] * place.extend(1.0)), "{matrix}: {place}");
+            }
+            let depths = [0, 1].map(|i| (fit.matrices[i] * at(all).extend(1.0)).z);
+            assert!((depths[0] - depths[1]).abs() < 1e-5 && (0.0..=1.0).contains(&depths[0]), "{depths:?}");
+        }
+        assert_eq!(Extent::new(all, all).detail, None);
+    }
+
+    #[test]
     fn every_direction_of_a_point_light_falls_into_the_layer_that_the_shader_picks() {
         let light = Light::Point { position: [1.0, 2.0, 3.0], intensity: 1.0, color: [1.0; 3] };
-        let fit = fit(&[light.source([0.0; 3])], [Vec3::ZERO, Vec3::ONE], 1e-3, 512);
+        let fit = fit(&[light.source([0.0; 3])], &plain(Vec3::ZERO, Vec3::ONE), 1e-3, 512);
         assert_eq!(fit.matrices.len(), 6);
         for i in 0..500 {
             let t = i as f32 * 0.37;
@@ -209,7 +279,7 @@ mod tests {
             }
             .source([0.0; 3])
         };
-        let narrow = fit(&[spot(50.0)], [Vec3::ZERO, Vec3::ONE], 1e-3, 512);
+        let narrow = fit(&[spot(50.0)], &plain(Vec3::ZERO, Vec3::ONE), 1e-3, 512);
         assert_eq!(narrow.matrices.len(), 1);
         for k in 0..16 {
             let around = k as f32 * 0.4;
@@ -217,7 +287,7 @@ mod tests {
             let v = Vec3::new(s * around.cos(), -c, s * around.sin());
             assert!(inside(narrow.matrices[0] * (2.0 * v).extend(1.0)));
         }
-        assert_eq!(layers(&spot(80.0)), 6);
+        assert_eq!(plain(Vec3::ZERO, Vec3::ONE).layers(&spot(80.0)), 6);
     }
 
     #[test]

@@ -70,7 +70,7 @@ impl StillLights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow_fit::fit;
+    use crate::shadow_fit::{Extent, fit};
     use glam::Vec3;
     use rebounce_shared::light::Light as Source;
 
@@ -81,7 +81,7 @@ mod tests {
             light.source([0.0; 3])
         };
         let sources: Vec<_> = intensities.iter().enumerate().map(source).collect();
-        fit(&sources, [Vec3::ZERO, Vec3::ONE], 0.01, 256).lights
+        fit(&sources, &Extent { all: [Vec3::ZERO, Vec3::ONE], detail: None }, 0.01, 256).lights
     }
 
     /// Does what the shader does, with an intensity for the light of all points.

@@ -25,7 +25,7 @@ impl Renderer {
         let changed = self.shadows.set_lights(
             &self.gpu,
             &sources,
-            scene.bounds,
+            &scene.extent,
             near,
             !scene.upload.glass_runs.is_empty(),
         );
@@ -193,7 +193,7 @@ impl Renderer {
                 | flag(veiled.is_some_and(|scene| scene.upload.tinted), composite::TINTED)
                 | flag(unlit, composite::UNLIT),
             enlarge: 1,
-            unit: veiled.map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lights, scene.bounds)),
+            unit: veiled.map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lights, scene.extent.all)),
             pad: [0; 3],
         }
     }

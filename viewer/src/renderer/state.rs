@@ -185,7 +185,7 @@ impl Renderer {
     /// What the controls act on; give it back with [`Renderer::apply`].
     pub fn stage(&self) -> Stage {
         let (extent, centre) = self.scene.as_ref().map_or((1.0, [0.0; 3]), |scene| {
-            let [low, high] = scene.bounds.map(|b| b.as_dvec3());
+            let [low, high] = scene.extent.all.map(|b| b.as_dvec3());
             let centre = 0.5 * (low + high) + glam::DVec3::from(scene.meta.origin);
             ((high - low).length(), centre.to_array())
         });
@@ -214,10 +214,10 @@ pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
             )));
         }
     }
-    let layers: u32 = lights.iter().map(|light| shadow_fit::layers(&light.source([0.0; 3]))).sum();
+    let layers: u32 = lights.iter().map(|light| shadow_fit::most_layers(&light.source([0.0; 3]))).sum();
     if layers > shadow_fit::MAX_LAYERS {
         return Err(ViewerError::BadArgument(format!(
-            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, others one",
+            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light up to two, others one",
             lights.len(),
             shadow_fit::MAX_LAYERS
         )));

@@ -13,6 +13,8 @@
 const LOOSE = 0.016;
 // The share of what a wall at a right angle rises by that is let be: all of it would let light creep under thin walls.
 const RISE = 0.6;
+// Share of the first cascade that counts: what lies beyond is too near to its edge for the filter.
+const CASCADE = 0.98;
 // Steepest surface, depth over width.
 const MOST_SLOPE = 32.0;
 
@@ -31,9 +33,19 @@ fn cube_face(v: vec3f) -> u32 {
 // The layer of the shadow maps that shows `position`.
 fn shadow_layer(light: Light, position: vec3f) -> u32 {
     if light.layers > 1u {
+        if light.kind == DIRECTIONAL {
+            // Two cascades: the detail's, and where that ends, the scene's.
+            let clip = shadow_matrices[light.layer] * vec4f(position, 1.0);
+            return light.layer + u32(max(abs(clip.x), abs(clip.y)) > CASCADE);
+        }
         return light.layer + cube_face(position - light.position);
     }
     return light.layer;
+}
+
+// Width of a texel of a layer that shadow_layer names.
+fn shadow_texel(light: Light, layer: u32) -> f32 {
+    return select(light.texel, light.position.x, light.kind == DIRECTIONAL && layer > light.layer);
 }
 
 // Share of the light that reaches `position`, which lies `lift` above a surface with the unit normal `normal`: one
@@ -46,7 +58,7 @@ fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, lif
     let cosine = dot(normal, to_light);
     let side = select(-1.0, 1.0, cosine >= 0.0);
     let sine = sqrt(saturate(1.0 - cosine * cosine));
-    let texel = light.texel * (clip_from_local * vec4f(position, 1.0)).w;
+    let texel = shadow_texel(light, layer) * (clip_from_local * vec4f(position, 1.0)).w;
     let clip = clip_from_local * vec4f(position + normal * (side * max(texel * (1.42 * sine + 0.1) - lift, 0.0)), 1.0);
     let bias = 0.5 * texel;
     var depth = clip.z / max(clip.w - bias, 1e-20);
@@ -78,13 +90,14 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
     let clip_from_local = shadow_matrices[layer];
     let size = f32(textureDimensions(shadow_maps).x);
     let place = on_map(clip_from_local, size, position);
-    let width = light.texel * place.w;
+    let texel = shadow_texel(light, layer);
+    let width = texel * place.w;
     let aside = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(normal.x) > 0.5);
     let tangent = normalize(cross(normal, aside)) * (4.0 * width);
     let a = on_map(clip_from_local, size, position + tangent) - place;
     let b = on_map(clip_from_local, size, position + cross(normal, tangent)) - place;
     // As much depth as a texel is wide.
-    let unit = light.texel * select(place.z, light.depth_scale, light.kind == DIRECTIONAL);
+    let unit = texel * select(place.z, light.depth_scale, light.kind == DIRECTIONAL);
     let area = a.x * b.y - a.y * b.x;
     let tilt = vec2f(a.z * b.y - b.z * a.y, b.z * a.x - a.z * b.x) / select(area, 1e30, abs(area) < 1e-3);
     let slope = clamp(tilt, vec2f(-MOST_SLOPE * unit), vec2f(MOST_SLOPE * unit));
