@@ -21,7 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(gpu.clone())?;
     let loaded = pollster::block_on(LoadedScene::upload(&gpu, &renderer.pipelines(), scene))?;
-    let [low, high] = loaded.extent.all.map(|corner| corner.as_dvec3() + glam::DVec3::from(loaded.meta.origin));
+    let [low, high] =
+        loaded.extent.all.map(|corner| corner.as_dvec3() + glam::DVec3::from(loaded.meta.origin));
     renderer.install(loaded)?;
     println!("{}, {direct} points, milliseconds of relighting", gpu.adapter);
     let target = screen(&gpu, 16, 16);

@@ -48,7 +48,7 @@ fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
 }
 
 /// Passes of Binaryen's wasm-opt, of which gzip leaves less; `-Oz` makes a file whose gzip is larger.
-const PASSES: [&str; 11] = [
+const PASSES: [&str; 12] = [
     "--remove-unused-module-elements",
     "--dealign",
     "--duplicate-function-elimination",
@@ -60,6 +60,7 @@ const PASSES: [&str; 11] = [
     "--precompute",
     "--remove-unused-names",
     "--vacuum",
+    "--merge-blocks",
 ];
 /// What LLVM's wasm uses, which Binaryen is told instead of reading it out of the file.
 const FEATURES: [&str; 6] = [
@@ -74,7 +75,8 @@ const FEATURES: [&str; 6] = [
 /// Replaces a wasm file by a shorter one that does the same.
 fn shrink(wasm: &Path) -> Result<()> {
     let mut command = Command::new("node");
-    command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(PASSES);
+    // Twice, for what the passes make alike.
+    command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(PASSES).args(PASSES);
     process::run(command.arg(wasm).arg("-o").arg(wasm).current_dir(process::root().join("web")))
 }
 
@@ -168,7 +170,9 @@ fn minified(file: &Path, source: &[u8]) -> Result<Vec<u8>> {
                 "node_modules/terser/bin/terser",
                 "--module",
                 "--compress",
-                "passes=2",
+                "passes=3,ecma=2020",
+                "--ecma",
+                "2020",
                 "--mangle",
                 "--output",
             ])
