@@ -98,8 +98,9 @@ impl PictureArgs {
         lights: &[LightSource],
         exposure: Exposure,
     ) -> Result<()> {
-        let most = exposure::most(level(surfaces, lights));
-        let is_png = self.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        let is_png = is_png(&self.output);
+        // Only a PNG is exposed; to measure the light takes shadow rays.
+        let most = if is_png { exposure::most(level(surfaces, lights)) } else { f32::INFINITY };
         if is_png && surfaces.has_unlit() && self.only() == Only::All {
             let shown = developed(picture, &unlit(surfaces, camera, exposure), most);
             let bytes = png::encode_display(&shown).map_err(anyhow::Error::msg)?;
@@ -125,9 +126,13 @@ pub fn shot_or_own(shot: Option<Shot>, spec: &str, cameras: &[Camera], lights: &
     Ok(Shot { scene: None, size: [640, 360], camera: camera.clone(), lights: lights.to_vec() })
 }
 
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
+}
+
 /// Whether [`write_panel`] can write there.
 pub fn check_panel(out: &Path) -> Result<()> {
-    if out.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
+    if !is_png(out) {
         anyhow::bail!("{}: such a picture is a PNG, its name must end in .png", out.display());
     }
     Ok(check_place(out)?)

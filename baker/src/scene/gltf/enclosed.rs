@@ -109,10 +109,12 @@ impl Lamp {
         let corners = |part: &Part, t: &[u32; 3]| {
             t.map(|i| world.transform_point3(part.positions[i as usize]) - self.position)
         };
+        let triangles = parts.iter().flat_map(|part| part.triangles.iter().map(|t| corners(part, t)));
+        let triangles: Vec<[DVec3; 3]> = triangles.collect();
         let mut farthest: f64 = 0.0;
         for &direction in &self.directions {
-            let triangles = parts.iter().flat_map(|part| part.triangles.iter().map(|t| corners(part, t)));
-            let nearest = triangles.filter_map(|t| distance(t, direction)).fold(f64::INFINITY, f64::min);
+            let nearest =
+                triangles.iter().filter_map(|t| distance(*t, direction)).fold(f64::INFINITY, f64::min);
             if nearest == f64::INFINITY {
                 return None;
             }

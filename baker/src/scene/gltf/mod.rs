@@ -42,7 +42,7 @@ use glam::DMat4;
 use mesh::Part;
 use place::Seen;
 use rebounce_shared::rbn::{MAX_COPIES, MAX_TRIANGLES};
-use rest::Rest;
+use rest::{Rest, Skins};
 use source::Source;
 use std::collections::BTreeMap;
 use std::iter::Zip;
@@ -144,6 +144,7 @@ fn place_all(
 ) -> Result<BTreeMap<usize, Seen>, SceneError> {
     let mut places: BTreeMap<Shape, Vec<DMat4>> = BTreeMap::new();
     let mut rests: BTreeMap<usize, Rest> = BTreeMap::new();
+    let mut skins = Skins::default();
     // The shape of each node that has one, and how many places it adds.
     let mut placed: Vec<(Shape, usize)> = Vec::new();
     let mut count = 0;
@@ -151,7 +152,7 @@ fn place_all(
         let Some(index) = source.root.nodes[node.index].mesh else { continue };
         let index = index.value();
         let mut more = instances::of(source, node)?;
-        let rest = Rest::of_node(source, node.index, index, node.world)?;
+        let rest = Rest::of_node(source, node.index, index, node.world, &mut skins)?;
         if rest.as_ref().is_some_and(Rest::is_skinned) {
             if more.len() > 1 {
                 let problem = "it has a skin, whose joints place it once";

@@ -6,6 +6,8 @@ use crate::scene::SceneError;
 use glam::{DMat3, DMat4, DVec3};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Primitive, Semantic};
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// How a node deforms its mesh.
 #[derive(Debug, Default)]
@@ -19,7 +21,7 @@ pub(super) struct Rest {
 #[derive(Debug)]
 struct Skin {
     /// World from mesh space, by joint: the joint's global transform after its inverse bind matrix.
-    world_from_mesh: Vec<DMat4>,
+    world_from_mesh: Rc<[DMat4]>,
     /// The node's own transform, which counts for primitives without joints alone.
     world_from_node: DMat4,
 }
@@ -40,6 +42,7 @@ impl Rest {
         node: usize,
         mesh: usize,
         world_from_node: DMat4,
+        skins: &mut Skins,
     ) -> Result<Option<Self>, SceneError> {
         let found = &source.root.nodes[node];
         if found.skin.is_none() && found.weights.is_none() {
@@ -50,7 +53,7 @@ impl Rest {
             rest.weights = wide(weights);
         }
         if let Some(skin) = found.skin {
-            rest.skin = Some(Skin { world_from_mesh: joints(source, skin.value())?, world_from_node });
+            rest.skin = Some(Skin { world_from_mesh: skins.joints(source, skin.value())?, world_from_node });
         }
         Ok(Some(rest))
     }
@@ -193,29 +196,70 @@ pub(super) fn normals_along(linear: DMat3) -> DMat3 {
     ) * sign
 }
 
-/// World from mesh space, by joint of a skin.
-fn joints(source: &Source, index: usize) -> Result<Vec<DMat4>, SceneError> {
-    let skin = source.root.skins.get(index);
-    let skin = skin.ok_or_else(|| source.malformed(format!("there is no skin {index}")))?;
-    let what = format!("the inverse bind matrices of skin {index}");
-    let binds = match skin.inverse_bind_matrices {
-        Some(accessor) => Some(source.read::<16>(accessor.value(), Type::Mat4, &what)?),
-        None => None,
-    };
-    if binds.as_ref().is_some_and(|binds| binds.len() < skin.joints.len()) {
-        return Err(source.malformed(format!("{what} are fewer than its joints")));
-    }
-    let parents = parents(source);
-    let of_joint = |(j, joint): (usize, usize)| {
-        let bind = binds.as_ref().map_or(DMat4::IDENTITY, |binds| DMat4::from_cols_array(&binds[j]));
-        let matrix = global(source, &parents, joint)? * bind;
-        let problem = || source.malformed(format!("joint {j} of skin {index} is not finite"));
-        if matrix.is_finite() { Ok(matrix) } else { Err(problem()) }
-    };
-    skin.joints.iter().map(|joint| joint.value()).enumerate().map(of_joint).collect()
+/// The joints of the skins met so far: many nodes may have one skin, and many joints one ancestor.
+#[derive(Default)]
+pub(super) struct Skins {
+    /// World from mesh space, by joint.
+    found: BTreeMap<usize, Rc<[DMat4]>>,
+    /// The parent of every node, in whatever scene the node is.
+    parents: Vec<Option<usize>>,
+    /// World from node space, of the nodes met so far.
+    worlds: BTreeMap<usize, DMat4>,
 }
 
-/// The parent of every node, in whatever scene it is.
+impl Skins {
+    fn joints(&mut self, source: &Source, index: usize) -> Result<Rc<[DMat4]>, SceneError> {
+        if let Some(found) = self.found.get(&index) {
+            return Ok(found.clone());
+        }
+        let skin = source.root.skins.get(index);
+        let skin = skin.ok_or_else(|| source.malformed(format!("there is no skin {index}")))?;
+        let what = format!("the inverse bind matrices of skin {index}");
+        let binds = match skin.inverse_bind_matrices {
+            Some(accessor) => Some(source.read::<16>(accessor.value(), Type::Mat4, &what)?),
+            None => None,
+        };
+        if binds.as_ref().is_some_and(|binds| binds.len() < skin.joints.len()) {
+            return Err(source.malformed(format!("{what} are fewer than its joints")));
+        }
+        let of_joint = |(j, joint): (usize, usize)| {
+            let bind = binds.as_ref().map_or(DMat4::IDENTITY, |binds| DMat4::from_cols_array(&binds[j]));
+            let matrix = self.world(source, joint)? * bind;
+            let problem = || source.malformed(format!("joint {j} of skin {index} is not finite"));
+            if matrix.is_finite() { Ok(matrix) } else { Err(problem()) }
+        };
+        let joints = skin.joints.iter().map(|joint| joint.value()).enumerate().map(of_joint);
+        let joints: Rc<[DMat4]> = joints.collect::<Result<_, _>>()?;
+        self.found.insert(index, joints.clone());
+        Ok(joints)
+    }
+
+    /// A node's transform to world space, by the chain of its parents.
+    fn world(&mut self, source: &Source, joint: usize) -> Result<DMat4, SceneError> {
+        if self.parents.is_empty() {
+            self.parents = parents(source);
+        }
+        let mut chain = Vec::new();
+        let mut at = Some(joint);
+        while let Some(node) = at.filter(|node| !self.worlds.contains_key(node)) {
+            if chain.len() > self.parents.len() {
+                return Err(source.malformed(format!("joint node {joint} is its own ancestor")));
+            }
+            chain.push(node);
+            let parent = self.parents.get(node);
+            at = *parent.ok_or_else(|| source.malformed(format!("there is no node {node}")))?;
+        }
+        let mut world = at.and_then(|node| self.worlds.get(&node)).copied().unwrap_or(DMat4::IDENTITY);
+        for node in chain.into_iter().rev() {
+            let transform = source.exact.nodes.get(node);
+            let transform = transform.ok_or_else(|| source.malformed(format!("there is no node {node}")))?;
+            world *= transform.local();
+            self.worlds.insert(node, world);
+        }
+        Ok(world)
+    }
+}
+
 fn parents(source: &Source) -> Vec<Option<usize>> {
     let mut parents = vec![None; source.root.nodes.len()];
     for (i, node) in source.root.nodes.iter().enumerate() {
@@ -226,20 +270,6 @@ fn parents(source: &Source) -> Vec<Option<usize>> {
         }
     }
     parents
-}
-
-/// A node's transform to world space, by the chain of its parents.
-fn global(source: &Source, parents: &[Option<usize>], node: usize) -> Result<DMat4, SceneError> {
-    let mut matrix = DMat4::IDENTITY;
-    let mut at = Some(node);
-    for _ in 0..=parents.len() {
-        let Some(node) = at else { return Ok(matrix) };
-        let transform = source.exact.nodes.get(node);
-        let transform = transform.ok_or_else(|| source.malformed(format!("there is no node {node}")))?;
-        matrix = transform.local() * matrix;
-        at = parents[node];
-    }
-    Err(source.malformed(format!("joint node {node} is its own ancestor")))
 }
 
 fn wide(weights: &[f32]) -> Vec<f64> {

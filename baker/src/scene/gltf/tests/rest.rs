@@ -108,6 +108,10 @@ fn a_mirrored_skin_keeps_its_front_and_joints_that_are_not_there_are_named() {
     assert!(missing.contains("joint 7") && missing.contains("its skin 1"), "{missing}");
     let missing = parse(&file(&nodes(5), 0)).unwrap_err().to_string();
     assert!(missing.contains("no node 5"), "{missing}");
+    let circle = r#""scenes":[{"nodes":[0]}],"skins":[{"joints":[1]}],
+        "nodes":[{"mesh":0,"skin":0},{"children":[2]},{"children":[1]}]"#;
+    let circle = parse(&file(circle, 0)).unwrap_err().to_string();
+    assert!(circle.contains("joint node 1 is its own ancestor"), "{circle}");
 }
 
 /// The files that exporters wrote, where they are there: deformed and applied they are one scene.
