@@ -56,10 +56,7 @@ impl LoadedScene {
         let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);
         // Near enough that the eye can go close to the finest functions.
         let finest_support = scene.meta.levels.last().map_or(f32::MAX, |l| l.support_radius);
-        let mut radii: Vec<f32> = scene.points[scene.display()].iter().map(|p| p.radius).collect();
-        let tenth = radii.len() / 10;
-        let finest_radius =
-            if radii.is_empty() { 0.0 } else { *radii.select_nth_unstable_by(tenth, f32::total_cmp).1 };
+        let finest_radius = tenth(scene.points[scene.display()].iter().map(|p| p.radius));
         let near = (1e-3 * diagonal).min(0.1 * finest_support).max(1e-6 * diagonal);
         Ok(Self {
             levels: (0..scene.meta.levels.len())
@@ -78,10 +75,42 @@ impl LoadedScene {
     }
 }
 
+/// The value that a tenth of some positive values fall short of; 0 where there are none. A bisection over bit patterns,
+/// which are ordered as the values are: less code than a selection.
+fn tenth(values: impl ExactSizeIterator<Item = f32> + Clone) -> f32 {
+    let rank = values.len() / 10;
+    let mut bits = 0u32;
+    for bit in (0..31).rev() {
+        let trial = bits | 1 << bit;
+        let below = values.clone().filter(|value| value.to_bits() < trial).count();
+        if below <= rank && rank < values.len() {
+            bits = trial;
+        }
+    }
+    f32::from_bits(bits)
+}
+
 /// Least and greatest corner of the supports of the two finest levels, local space.
 fn finest(scene: &Scene) -> [Vec3; 2] {
     let levels = scene.meta.levels.len();
     let points = (levels.saturating_sub(2)..levels).flat_map(|l| &scene.points[scene.level(l)]);
     let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
     points.fold(start, |[low, high], p| [low.min(p.position() - p.radius), high.max(p.position() + p.radius)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tenth_of_the_values_falls_short() {
+        let values: Vec<f32> = (0..57u32).map(|i| 0.01 + (i * 7919 % 57) as f32 * 1.5).collect();
+        for count in [1, 9, 10, 11, 57] {
+            let mut first = values[..count].to_vec();
+            first.sort_by(f32::total_cmp);
+            assert_eq!(tenth(values[..count].iter().copied()), first[count / 10]);
+        }
+        assert_eq!(tenth(std::iter::empty()), 0.0);
+        assert_eq!(tenth([2.5f32; 20].into_iter()), 2.5);
+    }
 }

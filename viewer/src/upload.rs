@@ -280,18 +280,24 @@ fn runs(scene: &Scene) -> Vec<Run> {
             one_sided: !material.double_sided,
         }
     };
-    let mut runs: Vec<Run> =
-        scene.meta.draws.iter().enumerate().filter(|(_, d)| d.index_count > 0).map(run).collect();
-    runs.sort_unstable_by_key(|run| (run.cut, run.blended, run.one_sided, run.material, run.indices.start));
+    let runs = scene.meta.draws.iter().enumerate().filter(|(_, d)| d.index_count > 0).map(run).collect();
+    sorted(runs, |run| (run.cut, run.blended, run.one_sided, run.material, run.indices.start))
+}
+
+/// What runs are sorted by.
+type Order = (bool, bool, bool, u32, u32);
+
+/// Runs by a key; a function pointer, so that the bundle holds one sort.
+fn sorted(mut runs: Vec<Run>, order: fn(&Run) -> Order) -> Vec<Run> {
+    runs.sort_unstable_by_key(order);
     runs
 }
 
 /// The same triangles in fewer runs: opaque neighbours in the index buffer become one, where they stand in the same places.
 fn merged(runs: &[Run]) -> Vec<Run> {
-    let mut opaque: Vec<Run> = runs.iter().filter(|r| !r.cut).cloned().collect();
-    opaque.sort_unstable_by_key(|run| run.indices.start);
+    let opaque = runs.iter().filter(|r| !r.cut).cloned().collect();
     let mut out: Vec<Run> = Vec::new();
-    for run in opaque {
+    for run in sorted(opaque, |run| (false, false, false, 0, run.indices.start)) {
         match out.last_mut() {
             Some(last) if last.indices.end == run.indices.start && last.instances == run.instances => {
                 last.indices.end = run.indices.end

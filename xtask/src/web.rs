@@ -48,7 +48,7 @@ fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
 }
 
 /// Passes of Binaryen's wasm-opt, of which gzip leaves less; `-Oz` makes a file whose gzip is larger.
-const PASSES: [&str; 12] = [
+const PASSES: [&str; 14] = [
     "--remove-unused-module-elements",
     "--dealign",
     "--duplicate-function-elimination",
@@ -61,6 +61,8 @@ const PASSES: [&str; 12] = [
     "--remove-unused-names",
     "--vacuum",
     "--merge-blocks",
+    "--rse",
+    "--vacuum",
 ];
 /// What LLVM's wasm uses, which Binaryen is told instead of reading it out of the file.
 const FEATURES: [&str; 6] = [
@@ -93,7 +95,7 @@ pub fn lean(cargo: &mut Command) -> &mut Command {
 pub fn npm() -> Result<()> {
     packages(
         "web",
-        "the TypeScript compiler, the minifiers, the manifest's analyzer, Playwright's driver, axe",
+        "the TypeScript compiler, the bundler, the minifiers, the manifest's analyzer, Playwright's driver, axe",
     )
 }
 
@@ -126,38 +128,64 @@ pub fn node() -> Command {
     command
 }
 
-/// Compiles the TypeScript and gathers every file of the site.
+/// Compiles the TypeScript, bundles it and gathers every file of the site.
 fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     let web = process::root().join("web");
-    let staging = process::target().join("web-staging");
-    if staging.exists() {
-        fs::remove_dir_all(&staging).with_context(|| staging.display().to_string())?;
-    }
-    process::run(
-        Command::new("node")
-            .arg("node_modules/typescript/bin/tsc")
-            .arg("--outDir")
-            .arg(&staging)
-            .current_dir(&web),
-    )?;
+    let modules = compile(pkg)?;
     let mut files = BTreeMap::new();
     let read = |path: PathBuf| fs::read(&path).with_context(|| path.display().to_string());
-    for entry in fs::read_dir(&staging).with_context(|| staging.display().to_string())? {
-        let entry = entry?;
-        files.insert(entry.file_name().to_string_lossy().into_owned(), read(entry.path())?);
-    }
     for name in [format!("{NAME}.js"), format!("{NAME}.d.ts"), format!("{NAME}_bg.wasm")] {
         files.insert(name.clone(), read(pkg.join(name))?);
     }
-    integrity::seal(&mut files, "module.js", &format!("{NAME}_bg.wasm"))?;
+    let program = format!("{NAME}_bg.wasm");
+    let mut sealed = BTreeMap::from([
+        ("module.js".to_owned(), read(modules.join("module.js"))?),
+        (program.clone(), files[&program].clone()),
+    ]);
+    integrity::seal(&mut sealed, "module.js", &program)?;
+    fs::write(modules.join("module.js"), &sealed["module.js"]).context("module.js")?;
+    let bundle = bundle(&modules)?;
+    for (folder, ending) in [(&modules, ".d.ts"), (&bundle, ".js")] {
+        for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+            let entry = entry?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.ends_with(ending) {
+                files.insert(name, read(entry.path())?);
+            }
+        }
+    }
     for (name, bytes) in files.iter_mut().filter(|(name, _)| name.ends_with(".js")) {
-        *bytes = minified(&staging.join(name), bytes)?;
+        *bytes = minified(&bundle.join(name), bytes)?;
     }
     files.insert(integrity::LIST.to_owned(), integrity::list(&files)?);
     for name in STATIC {
         files.insert(name.to_owned(), read(web.join(name))?);
     }
     Ok(files)
+}
+
+/// Compiles each TypeScript module to JavaScript and declarations; where they lie. Tests import them from there.
+fn compile(pkg: &Path) -> Result<PathBuf> {
+    let modules = pkg.join("modules");
+    if modules.exists() {
+        fs::remove_dir_all(&modules).with_context(|| modules.display().to_string())?;
+    }
+    process::run(
+        Command::new("node")
+            .arg("node_modules/typescript/bin/tsc")
+            .arg("--outDir")
+            .arg(&modules)
+            .current_dir(process::root().join("web")),
+    )?;
+    Ok(modules)
+}
+
+/// Joins the modules into a few files; where they lie.
+fn bundle(modules: &Path) -> Result<PathBuf> {
+    let out = modules.join("bundle");
+    let web = process::root().join("web");
+    process::run(Command::new("node").arg("bundle.mjs").args([modules, &out]).current_dir(web))?;
+    Ok(out)
 }
 
 /// JavaScript with short names and without comments; a module still, whose exports keep theirs.
