@@ -59,8 +59,25 @@ fn opaque_radiance(pixel: vec2u) -> vec4f {
     return vec4f(reflected(surface, albedo.rgb, position, bounced, true), 1.0);
 }
 
+fn depth_at(pixel: vec2i, x: i32, y: i32) -> f32 {
+    let last = vec2i(textureDimensions(depth_texture)) - 1;
+    return textureLoad(depth_texture, clamp(pixel + vec2i(x, y), vec2i(0), last), 0);
+}
+
+// The pixel, or the one left of it where it lies in a crack: where triangles meet at a T-junction, the rasterizer may
+// leave single pixels open. Reversed depth is linear over a plane in the picture; a pixel behind the plane of its
+// four neighbours is in a crack.
+fn mended(pixel: vec2u) -> vec2u {
+    let at = vec2i(pixel);
+    let across = depth_at(at, -1, 0) + depth_at(at, 1, 0);
+    let along = depth_at(at, 0, -1) + depth_at(at, 0, 1);
+    let open = depth_at(at, 0, 0) < 0.4995 * across && abs(across - along) < 1e-4 * across;
+    return pixel - vec2u(select(0u, 1u, open), 0u);
+}
+
 // rgb: radiance; alpha: the share that surfaces cover.
-fn radiance(pixel: vec2u) -> vec4f {
+fn radiance(place: vec2u) -> vec4f {
+    let pixel = mended(place);
     let behind = opaque_radiance(pixel);
     if (shading.flags & VEILED) == 0u {
         return behind;
@@ -74,7 +91,8 @@ fn radiance(pixel: vec2u) -> vec4f {
 }
 
 // What a picture shows besides, whatever the light and the exposure.
-fn unlit(pixel: vec2u) -> vec3f {
+fn unlit(place: vec2u) -> vec3f {
+    let pixel = mended(place);
     var sum = vec3f(0.0);
     let texel = textureLoad(surface_texture, pixel, 0);
     let albedo = textureLoad(albedo_texture, pixel, 0);

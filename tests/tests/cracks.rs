@@ -1,0 +1,96 @@
+//! A wall of pieces whose corners lie on the edges of others (T-junctions): the rasterizer leaves single pixels between
+//! them open, through which nothing behind the wall is seen in the viewer.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod common;
+
+use common::{picture, renderer};
+use glam::{DVec3, Vec2, Vec3, vec3};
+use rebounce::bake::bake;
+use rebounce::scene::{self, Scene};
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
+use rebounce_shared::rbn::meta::Material;
+use rebounce_tests::small::settings;
+use rebounce_viewer::settings::Mode;
+
+const SIZE: u32 = 160;
+
+/// A camera at a height, turned about its axis by so many radians, that sees nothing but the wall.
+fn camera(height: f32, roll: f64) -> Camera {
+    let eye = vec3(0.06, height, 0.5);
+    let up = DVec3::new(roll.sin(), roll.cos(), 0.0);
+    let target = vec3(-0.02, 0.1 * height, -0.4);
+    Camera {
+        position: eye.as_dvec3().to_array(),
+        target: target.as_dvec3().to_array(),
+        up: up.to_array(),
+        yfov_deg: 50.0,
+    }
+}
+
+/// Adds a rectangle that faces +z.
+fn piece(scene: &mut Scene, [low, high]: [Vec2; 2], z: f32, material: u32) {
+    let first = scene.positions.len() as u32;
+    for (x, y) in [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)] {
+        scene
+            .positions
+            .push((DVec3::new(x.into(), y.into(), z.into()) - DVec3::from(scene.origin)).as_vec3());
+        scene.normals.push(Vec3::Z);
+        scene.uvs.push(Vec2::ZERO);
+    }
+    scene.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|i| first + i)));
+    scene.triangle_material.extend([material; 2]);
+}
+
+/// A white wall of columns of different pieces, a black one behind it, and a lamp before it.
+fn wall() -> Scene {
+    let mut scene = scene::load("builtin:furnace").unwrap();
+    let white = scene.materials.len() as u32;
+    scene.materials.push(Material { base_color: [0.9, 0.9, 0.9, 1.0], ..Material::default() });
+    scene.materials.push(Material { base_color: [0.0, 0.0, 0.0, 1.0], ..Material::default() });
+    for column in 0..6u32 {
+        let x = -0.9 + 0.3 * column as f32 + 0.0137 * (column % 3) as f32;
+        let next = -0.9 + 0.3 * (column + 1) as f32 + 0.0137 * ((column + 1) % 3) as f32;
+        let rows = 1 + 3 * column % 7;
+        let y = |row: u32| -0.9 + 1.8 * row as f32 / rows as f32;
+        for row in 0..rows {
+            piece(&mut scene, [Vec2::new(x, y(row)), Vec2::new(next, y(row + 1))], -0.4, white);
+        }
+    }
+    piece(&mut scene, [Vec2::splat(-0.9), Vec2::splat(0.95)], -0.45, white + 1);
+    scene.lights = vec![Light::Point { position: [0.1, 0.3, 0.9], intensity: 1.0, color: [1.0; 3] }];
+    scene.cameras = vec![camera(0.0, 0.0)];
+    scene
+}
+
+/// Pixels that are darker by a fifth than the median of those around them.
+fn dark_spots(picture: &[Vec3]) -> usize {
+    let inner = 1..SIZE - 1;
+    let pixels = inner.clone().flat_map(|y| inner.clone().map(move |x| (x, y)));
+    let at = |x: u32, y: u32| picture[(y * SIZE + x) as usize].x;
+    let is_dark = |&(x, y): &(u32, u32)| {
+        let mut around: Vec<f32> = (0..9).map(|k| at(x + k % 3 - 1, y + k / 3 - 1)).collect();
+        around.sort_by(f32::total_cmp);
+        at(x, y) < 0.8 * around[4]
+    };
+    pixels.filter(is_dark).count()
+}
+
+#[test]
+fn nothing_shows_between_the_pieces_of_a_wall() {
+    let file = bake(&wall(), &settings(1_000), &()).unwrap().0;
+    let Some(mut viewer) = renderer(&file) else { return };
+    viewer.set_mode(Mode::Direct);
+    // A picture as while something moves, not an average of several.
+    viewer.set_still_pictures(1);
+    let mut open = 0;
+    for step in 0..24 {
+        let camera = camera(0.01 * f32::from(step as u8), 0.137 * f64::from(step));
+        viewer.set_camera(camera).unwrap();
+        let seen = picture(&mut viewer, [SIZE; 2], 0.0);
+        assert!(seen.iter().map(|p| p.x).sum::<f32>() > 0.05 * seen.len() as f32, "the wall is lit");
+        open += dark_spots(&seen);
+    }
+    assert_eq!(open, 0, "pixels that show what is behind the wall");
+}
