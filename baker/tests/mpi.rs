@@ -95,7 +95,8 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
         assert!(!ended.status.success() && !path.exists());
         let words = said(&ended);
         assert!(words.contains("exited on signal 9"), "the launcher says who was lost: {words}");
-        if lost != 0 {
+        // The launcher may end the first member before that has noticed.
+        if lost != 0 && !words.contains("the job has been aborted") {
             assert!(words.contains("another process of this bake was lost"), "{words}");
             assert!(words.contains("partial has what was done, and --resume goes on"), "{words}");
         }
