@@ -73,7 +73,10 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> Val
             "name": t.name, "mime": t.mime, "bytes": t.len, "width": t.width, "height": t.height,
         })).collect::<Vec<_>>(),
         "cameras": m.cameras,
+        "camera_names": m.shown.cameras,
         "lights": m.lights,
+        "light_names": m.shown.lights,
+        "ground": m.shown.ground.is_some(),
         "bake": {
             "preset": m.bake.preset, "seed": m.bake.seed, "epsilon": m.bake.epsilon,
             "bounces": m.bake.bounces, "rays": m.bake.rays,
@@ -160,8 +163,14 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> Str
             ),
         );
     }
-    line("cameras", m.cameras.len().to_string());
-    line("lights", m.lights.len().to_string());
+    let counted = |count: usize, names: &[String]| match names {
+        [] => count.to_string(),
+        names => {
+            format!("{count}: {}", names.iter().map(|n| format!("{n:?}")).collect::<Vec<_>>().join(", "))
+        }
+    };
+    line("cameras", counted(m.cameras.len(), &m.shown.cameras));
+    line("lights", counted(m.lights.len(), &m.shown.lights));
     line("sections", String::new());
     for s in sections {
         let share = 100.0 * s.len as f64 / bytes as f64;
