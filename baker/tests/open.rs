@@ -128,7 +128,7 @@ fn an_object_without_camera_and_light_is_seen_from_outside_in_the_light_of_a_lam
         let seen = |x, y| surfaces.cast(&ray(x, y), 0).is_some_and(|hit| hit.faces(ray(x, y).direction));
         assert!(seen(80.0, 45.0), "in the middle");
         assert!(matches!(file.meta.lights[..], [Light::Spot { .. }]) && report.lamp_added);
-        assert!(file.meta.shown.ground.is_some() && !report.is_unlit);
+        assert!(file.meta.shown.ground().is_some() && !report.is_unlit);
         // All of it is in the picture.
         let border = (0..160).flat_map(|x| [(x, 0), (x, 89)]).chain((0..90).flat_map(|y| [(0, y), (159, y)]));
         assert!(border.into_iter().all(|(x, y)| !seen(x as f32, y as f32)));

@@ -43,14 +43,6 @@ fn shade(ground: &Ground, place: Vec2) -> f32 {
     row(0.0) * (1.0 - share.y) + row(1.0) * share.y
 }
 
-/// The ground as the viewer's shader has it: least x and z, one over the size along both, height, three unused; the squares.
-pub fn numbers(ground: &Ground) -> Vec<f32> {
-    let ([x, z], [right, back]) = (ground.low, ground.high);
-    let mut out = vec![x, z, 1.0 / (right - x), 1.0 / (back - z), ground.height, 0.0, 0.0, 0.0];
-    out.extend(ground.shade.iter().map(|shade| f32::from(*shade) / 255.0));
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

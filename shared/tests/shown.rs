@@ -3,7 +3,7 @@
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::Meta;
-use rebounce_shared::rbn::shown::{Ground, SIDE, Shown, names};
+use rebounce_shared::rbn::shown::{Ground, SIDE, Shown};
 use rebounce_shared::rbn::{SHOWN_SECTION, Scene, container};
 
 /// Nothing but two cameras and a lamp.
@@ -19,8 +19,7 @@ fn ground() -> Ground {
 }
 
 fn some() -> Shown {
-    let texts = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
-    Shown { lights: texts(&["Stehlampe, groß"]), cameras: texts(&["", "Door"]), ground: Some(ground()) }
+    Shown::new(["Stehlampe, groß", "", "Do\0or"].into_iter(), Some(&ground()))
 }
 
 #[test]
@@ -30,8 +29,8 @@ fn names_and_ground_come_back_and_ask_for_no_newer_version() {
     assert_eq!(container::version(&before), container::version(&now));
     let read = Scene::from_bytes(&now).unwrap();
     assert_eq!(read.meta.shown, some());
-    assert_eq!((read.meta.shown.light(0), read.meta.shown.light(1)), ("Stehlampe, groß", ""));
-    assert_eq!((read.meta.shown.camera(0), read.meta.shown.camera(1)), ("", "Door"));
+    assert_eq!(read.meta.shown.names().collect::<Vec<_>>(), ["Stehlampe, groß", "", "Door"]);
+    assert_eq!(read.meta.shown.ground(), Some(ground()));
     assert_eq!(read.to_bytes().unwrap(), now);
     // Files without any of it have no such section.
     let has = |bytes: &[u8]| container::read(bytes).unwrap().iter().any(|s| s.name == SHOWN_SECTION);
@@ -40,21 +39,28 @@ fn names_and_ground_come_back_and_ask_for_no_newer_version() {
 }
 
 #[test]
-fn unnamed_lights_have_no_names_at_all() {
-    assert!(names(vec![String::new(); 3]).is_empty());
-    assert_eq!(names(vec![String::new(), "a".into()]), ["", "a"]);
+fn unnamed_lights_and_cameras_have_no_names_at_all() {
+    let shown = Shown::new(["", "", ""].into_iter(), None);
+    assert_eq!((shown.names().count(), shown.ground()), (0, None));
+    assert_eq!(shown, Shown::default());
 }
 
 #[test]
 fn what_cannot_be_is_refused() {
     type Break = fn(&mut Shown);
-    let breaks: [Break; 6] = [
-        |s| s.lights.push("another".into()),
-        |s| s.cameras.truncate(1),
-        |s| s.ground.as_mut().unwrap().height = f32::NAN,
-        |s| s.ground.as_mut().unwrap().high[0] = -2.0,
-        |s| s.ground.as_mut().unwrap().low[1] = 1e20,
-        |s| s.ground.as_mut().unwrap().shade.truncate(9),
+    fn change(shown: &mut Shown, change: fn(&mut Ground)) {
+        let mut ground = shown.ground().unwrap();
+        change(&mut ground);
+        shown.ground = ground.to_bytes();
+    }
+    let breaks: [Break; 7] = [
+        |s| s.names.push('\0'),
+        |s| s.names.truncate(s.names.len() - 1),
+        |s| s.names.push('x'),
+        |s| change(s, |ground| ground.height = f32::NAN),
+        |s| change(s, |ground| ground.high[0] = -2.0),
+        |s| change(s, |ground| ground.low[1] = 1e20),
+        |s| change(s, |ground| ground.shade.truncate(9)),
     ];
     for (i, damage) in breaks.into_iter().enumerate() {
         let mut shown = some();

@@ -11,8 +11,7 @@ use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
-use rebounce_shared::backdrop;
-use rebounce_shared::rbn::shown::{Ground, SIDE};
+use rebounce_shared::rbn::shown::GROUND;
 use std::cell::{OnceCell, RefCell};
 use wgpu::{BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat};
 
@@ -95,10 +94,11 @@ pub fn shading(scope: &Scope) -> wgpu::Buffer {
     empty_buffer(scope, "shading", usage, size_of::<Shading>() as u64)
 }
 
-/// The uniform of an object's ground; of what has none, of zeros.
-pub fn ground(scope: &Scope, ground: Option<&Ground>) -> wgpu::Buffer {
-    let numbers = ground.map_or(vec![0.0; 8 + SIDE * SIDE], backdrop::numbers);
-    buffer(scope, "ground", BufferUsages::UNIFORM, bytemuck::cast_slice(&numbers))
+/// The uniform of an object's ground; zeros where there is none.
+pub fn ground(scope: &Scope, ground: &[u8]) -> wgpu::Buffer {
+    let none = [0; GROUND];
+    let bytes = if ground.is_empty() { &none } else { ground };
+    buffer(scope, "ground", BufferUsages::UNIFORM, bytes)
 }
 
 /// What a [`Picture`] is made from.

@@ -146,7 +146,7 @@ impl Upload {
         let indices = fronts::indices(scene, &runs);
         let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
-            ground: composite::ground(&own, scene.meta.shown.ground.as_ref()),
+            ground: composite::ground(&own, &scene.meta.shown.ground),
             links: matrix(stored, "LINK", &scene.links, most.binding),
             // One buffer: between coarse points there are few.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),

@@ -38,6 +38,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     rows.finish();
     let frame = shot.camera.frame(scene.meta.origin);
     let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
-    let ground = scene.meta.shown.ground.as_ref().filter(|_| !args.no_backdrop);
-    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, ground)
+    let ground = scene.meta.shown.ground().filter(|_| !args.no_backdrop);
+    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, ground.as_ref())
 }

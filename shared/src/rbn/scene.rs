@@ -158,7 +158,7 @@ impl Scene {
         }
         let extras = extras::encode(&self.meta.materials)?;
         sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
-        let shown = shown::encode(&self.meta);
+        let shown = shown::encode(&self.meta.shown);
         sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
     }
@@ -204,7 +204,7 @@ impl Scene {
             extras::decode(bytes(EXTRAS_SECTION)?, &mut scene.meta.materials)?;
         }
         if sections.iter().any(|s| s.name == SHOWN_SECTION) {
-            let shown = shown::decode(bytes(SHOWN_SECTION)?, scene.meta.lights.len());
+            let shown = shown::decode(bytes(SHOWN_SECTION)?);
             scene.meta.shown = shown.ok_or_else(|| RbnError::invalid("SHOW", "names or ground"))?;
         }
         scene.check()?;

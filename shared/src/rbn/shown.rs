@@ -6,30 +6,32 @@ use bincode::de::Decoder;
 use bincode::enc::Encoder;
 use bincode::error::{DecodeError, EncodeError};
 use bincode::{Decode, Encode};
+use std::iter::once;
 
 /// Places of a [`Ground`] along each side.
 pub const SIDE: usize = 32;
+/// Bytes of a ground: eight floats, of which three are zero, and its shadow.
+pub const GROUND: usize = 32 + SIDE * SIDE;
 
 /// Names and ground. Section `META` has nothing of it: it encodes to no bytes there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shown {
-    /// Names of the lights, one each, where any has one; empty for one without.
-    pub lights: Vec<String>,
-    /// Names of the cameras, likewise.
-    pub cameras: Vec<String>,
-    /// Of an object, which stands before a backdrop instead of black.
-    pub ground: Option<Ground>,
+    /// Names of all lights and then of all cameras, each ended by a zero, alone for what has none; empty where nothing has a
+    /// name.
+    pub names: String,
+    /// [`Ground::to_bytes`] of an object, which stands before a backdrop instead of black; else empty.
+    pub ground: Vec<u8>,
 }
 
 /// A level plane under an object, with the shadow of what stands on it, in local space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ground {
-    /// y of the plane.
-    pub height: f32,
     /// Least x and z of the shadow.
     pub low: [f32; 2],
     /// Greatest x and z.
     pub high: [f32; 2],
+    /// y of the plane.
+    pub height: f32,
     /// Share of the sky that is hidden, 0 to 255, at the middles of [`SIDE`] by [`SIDE`] squares, row after row along x.
     pub shade: Vec<u8>,
 }
@@ -49,70 +51,61 @@ impl<C> Decode<C> for Shown {
 bincode::impl_borrow_decode!(Shown);
 
 impl Shown {
-    /// The light's name, or none.
-    pub fn light(&self, light: usize) -> &str {
-        self.lights.get(light).map_or("", String::as_str)
-    }
-
-    /// The camera's name, or none.
-    pub fn camera(&self, camera: usize) -> &str {
-        self.cameras.get(camera).map_or("", String::as_str)
-    }
-}
-
-/// Names as a file has them: none at all where all are empty.
-pub fn names(names: Vec<String>) -> Vec<String> {
-    if names.iter().all(String::is_empty) { Vec::new() } else { names }
-}
-
-/// Bytes of a ground: five floats, and its shadow.
-const GROUND: usize = 20 + SIDE * SIDE;
-
-/// Encodes the section; `None` where there is nothing of it. A zero in a name ends it.
-pub(super) fn encode(meta: &Meta) -> Option<Vec<u8>> {
-    let shown = &meta.shown;
-    if *shown == Shown::default() {
-        return None;
-    }
-    let mut out = vec![shown.ground.is_some() as u8];
-    if let Some(ground) = &shown.ground {
-        let ([x, z], [right, back]) = (ground.low, ground.high);
-        out.extend([ground.height, x, z, right, back].iter().flat_map(|x| x.to_le_bytes()));
-        out.extend(&ground.shade);
-    }
-    if shown.lights.len() + shown.cameras.len() > 0 {
-        let lights = (0..meta.lights.len()).map(|i| shown.light(i));
-        let cameras = (0..meta.cameras.len()).map(|i| shown.camera(i));
-        for name in lights.chain(cameras) {
-            out.extend(name.bytes().take_while(|byte| *byte != 0).chain([0]));
+    /// From names, all lights' and then all cameras', and a ground.
+    pub fn new<'a>(names: impl Iterator<Item = &'a str> + Clone, ground: Option<&Ground>) -> Self {
+        let is_named = names.clone().any(|name| !name.is_empty());
+        // A zero within a name would end it.
+        let letters = |name: &'a str| name.chars().filter(|c| *c != '\0').chain(once('\0'));
+        Self {
+            names: if is_named { names.flat_map(letters).collect() } else { String::new() },
+            ground: ground.map(Ground::to_bytes).unwrap_or_default(),
         }
     }
-    Some(out)
+
+    /// The names in order; none where nothing has one.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.split_terminator('\0')
+    }
+
+    /// The ground, if there is one.
+    pub fn ground(&self) -> Option<Ground> {
+        let (numbers, shade) = self.ground.split_at_checked(32)?;
+        let numbers: [f32; 8] = bytemuck::pod_read_unaligned(numbers);
+        let [x, z, right, back, height, ..] = numbers;
+        Some(Ground { low: [x, z], high: [right, back], height, shade: shade.to_vec() })
+    }
 }
 
-/// Decodes the section of a file with so many lights; `None` for bytes that are none.
-pub(super) fn decode(bytes: &[u8], lights: usize) -> Option<Shown> {
+impl Ground {
+    /// Little-endian: least x and z, greatest x and z, y, three zeros; the shadow.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let numbers = [self.low, self.high, [self.height, 0.0], [0.0; 2]];
+        let numbers = numbers.as_flattened().iter().flat_map(|x| x.to_le_bytes());
+        numbers.chain(self.shade.iter().copied()).collect()
+    }
+}
+
+/// Encodes the section; `None` where there is nothing of it.
+pub(super) fn encode(shown: &Shown) -> Option<Vec<u8>> {
+    let is_some = *shown != Shown::default();
+    is_some.then(|| [&[!shown.ground.is_empty() as u8], &shown.ground[..], shown.names.as_bytes()].concat())
+}
+
+/// Decodes the section; `None` for bytes that are none.
+pub(super) fn decode(bytes: &[u8]) -> Option<Shown> {
     let (has_ground, rest) = bytes.split_first()?;
-    let (ground, texts) = rest.split_at_checked(if *has_ground == 1 { GROUND } else { 0 })?;
-    let ground = ground.split_at_checked(20).map(|(numbers, shade)| {
-        let [height, x, z, right, back] = bytemuck::pod_read_unaligned(numbers);
-        Ground { height, low: [x, z], high: [right, back], shade: shade.to_vec() }
-    });
-    let texts = std::str::from_utf8(texts).ok().filter(|texts| texts.is_empty() || texts.ends_with('\0'))?;
-    let mut all: Vec<String> = texts.split_terminator('\0').map(str::to_owned).collect();
-    let cameras = names(all.split_off(lights.min(all.len())));
-    Some(Shown { lights: names(all), cameras, ground })
+    let (ground, names) = rest.split_at_checked(if *has_ground == 1 { GROUND } else { 0 })?;
+    Some(Shown { names: String::from_utf8(names.to_vec()).ok()?, ground: ground.to_vec() })
 }
 
 /// Whether there are as many names as lights and cameras, or none, and the ground's numbers can be used.
 pub(super) fn is_sound(meta: &Meta) -> bool {
-    let shown = &meta.shown;
-    let fits = |names: &[String], count| names.is_empty() || names.len() == count;
-    fits(&shown.lights, meta.lights.len())
-        && fits(&shown.cameras, meta.cameras.len())
-        && shown.ground.iter().all(|ground| {
-            let ([x, z], [right, back]) = (ground.low, ground.high);
-            let numbers = [ground.height, x, z, right, back];
-            super::check::all_sane(&numbers) && x < right && z < back && ground.shade.len() == SIDE * SIDE
-        })
+    let Shown { names, ground } = &meta.shown;
+    let count = names.bytes().filter(|byte| *byte == 0).count();
+    let named = names.is_empty() || names.ends_with('\0') && count == meta.lights.len() + meta.cameras.len();
+    let grounded = ground.split_at_checked(32).is_none_or(|(numbers, shade)| {
+        let n: [f32; 8] = bytemuck::pod_read_unaligned(numbers);
+        super::check::all_sane(&n) && n[0] < n[2] && n[1] < n[3] && shade.len() == SIDE * SIDE
+    });
+    named && grounded && (ground.is_empty() || ground.len() == GROUND)
 }

@@ -180,7 +180,7 @@ impl Renderer {
         let unlit = self.mode == Mode::All && scene.is_some_and(|scene| scene.materials.unlit);
         let backdrop = self.backdrop
             && self.mode == Mode::All
-            && scene.is_some_and(|scene| scene.meta.shown.ground.is_some());
+            && scene.is_some_and(|scene| !scene.meta.shown.ground.is_empty());
         let veiled = scene.filter(|scene| scene.upload.blended_layers > 0);
         Shading {
             direct: (self.mode != Mode::Indirect) as u32 as f32,

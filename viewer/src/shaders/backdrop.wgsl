@@ -2,11 +2,12 @@
 // rebounce_shared::backdrop has it.
 
 struct Ground {
-    // Least x and z of the shadow, and 1 over its size.
+    // Least and greatest x and z of the shadow.
     low: vec2f,
-    scale: vec2f,
+    high: vec2f,
     height: f32,
-    shade: array<vec4f, 256>,
+    // Four squares in 32 bits.
+    shade: array<vec4u, 64>,
 }
 
 @group(0) @binding(12) var<uniform> ground: Ground;
@@ -23,7 +24,7 @@ fn shade_of(square: vec2i) -> f32 {
         return 0.0;
     }
     let i = square.y * SIDE + square.x;
-    return ground.shade[i / 4][i % 4];
+    return unpack4x8unorm(ground.shade[i / 16][i / 4 % 4])[i % 4];
 }
 
 fn backdrop(pixel: vec2u) -> vec3f {
@@ -32,7 +33,7 @@ fn backdrop(pixel: vec2u) -> vec3f {
     var grey = mix(BELOW, ABOVE, smoothstep(TURN.x, TURN.y, normalize(way).y));
     let away = (ground.height - frame.eye.y) / way.y;
     if way.y < 0.0 && away > 0.0 {
-        let place = ((frame.eye + away * way).xz - ground.low) * ground.scale * f32(SIDE) - 0.5;
+        let place = ((frame.eye + away * way).xz - ground.low) / (ground.high - ground.low) * f32(SIDE) - 0.5;
         let square = vec2i(clamp(floor(place), vec2f(-9.0), vec2f(99.0)));
         let share = place - floor(place);
         let near = mix(shade_of(square), shade_of(square + vec2i(1, 0)), share.x);

@@ -5,7 +5,6 @@ use super::page::{animation, promise};
 use crate::renderer::Renderer;
 use crate::stats::Counts;
 use crate::wire;
-use rebounce_shared::rbn::meta::Meta;
 use wasm_bindgen::prelude::*;
 
 impl Viewer {
@@ -14,13 +13,6 @@ impl Viewer {
         let renderer = &mut self.state.borrow_mut().renderer;
         let gpu = renderer.gpu().clone();
         gpu.watch(|| work(renderer))
-    }
-}
-
-impl Viewer {
-    /// What the scene's metadata say, by default nothing.
-    fn of_meta<T: Default>(&self, read: impl FnOnce(&Meta) -> T) -> T {
-        self.state.borrow().renderer.scene().map_or_else(T::default, |scene| read(&scene.meta))
     }
 }
 
@@ -34,21 +26,21 @@ impl Viewer {
     /// The scene's name.
     #[wasm_bindgen(js_name = sceneName)]
     pub fn scene_name(&self) -> String {
-        self.of_meta(|meta| meta.scene_name.clone())
+        self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.scene_name.clone())
     }
 
-    /// Names of the file's own lights and then of its cameras, each ended by a zero; empty for what has none.
+    /// Names of the file's own lights and then of its cameras, each ended by a zero; empty where nothing has a name.
     pub fn names(&self) -> String {
-        self.of_meta(|meta| {
-            let lights = (0..meta.lights.len()).map(|i| meta.shown.light(i));
-            let cameras = (0..meta.cameras.len()).map(|i| meta.shown.camera(i));
-            lights.chain(cameras).flat_map(|name| [name, "\0"]).collect()
-        })
+        self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.shown.names.clone())
     }
 
     /// The file's cameras, as [`crate::wire`] lists them, one after the other.
     pub fn cameras(&self) -> Vec<f64> {
-        self.of_meta(|meta| meta.cameras.iter().flat_map(wire::camera_numbers).collect())
+        let mut out = Vec::new();
+        for camera in self.state.borrow().renderer.scene().map_or(&[][..], |scene| &scene.meta.cameras) {
+            out.extend(wire::camera_numbers(camera));
+        }
+        out
     }
 
     /// How the last picture's light got from functions to pixels: `"lookup"` or `"splat"`.

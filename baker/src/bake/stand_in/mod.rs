@@ -14,7 +14,7 @@ use crate::triangles::TriangleSurfaces;
 use glam::Vec3;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn::shown::{Shown, names};
+use rebounce_shared::rbn::shown::Shown;
 
 /// Vertical field of view of cameras that are added, degrees.
 const YFOV_DEG: f64 = 60.0;
@@ -55,11 +55,8 @@ impl Staged {
             lights.push(lamp::lamp(surfaces, &frame, vantage.is_open, scene.origin));
             light_names.push(LAMP.to_owned());
         }
-        let shown = Shown {
-            lights: names(light_names),
-            cameras: names(camera_names),
-            ground: ground::ground(surfaces, vantage.is_open),
-        };
+        let names = light_names.iter().chain(&camera_names).map(String::as_str);
+        let shown = Shown::new(names, ground::ground(surfaces, vantage.is_open).as_ref());
         Self { lights, cameras, shown }
     }
 }
