@@ -56,10 +56,15 @@ pub fn parse(text: &str) -> Result<Shot, String> {
 /// What there can be in a shot, in its camera, and in lights of each type.
 const SHOT: &[&str] = &["scene", "size", "camera", "lights"];
 const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
+/// What a light is called, which pictures do not show.
+const NAME: &str = "name";
 const LIGHTS: [(&str, &[&str]); 3] = [
-    ("point", &["type", "position", "intensity", "color"]),
-    ("spot", &["type", "position", "direction", "outer_cone_deg", "inner_cone_deg", "intensity", "color"]),
-    ("directional", &["type", "direction", "intensity", "color"]),
+    ("point", &["type", NAME, "position", "intensity", "color"]),
+    (
+        "spot",
+        &["type", NAME, "position", "direction", "outer_cone_deg", "inner_cone_deg", "intensity", "color"],
+    ),
+    ("directional", &["type", NAME, "direction", "intensity", "color"]),
 ];
 
 /// Refuses what would be passed over: a name that is spelt wrongly is a value that is not taken.
@@ -76,6 +81,9 @@ fn check_members(shot: &Value) -> Result<(), String> {
     for (i, light) in shot["lights"].as_array().into_iter().flatten().enumerate() {
         let known = LIGHTS.iter().find(|(kind, _)| light["type"] == **kind);
         check(light, &format!("light {i}"), known.map_or(&[], |(_, known)| known))?;
+        if light.get(NAME).is_some_and(|name| !name.is_string()) {
+            return Err(format!("light {i}: its name is a text"));
+        }
     }
     Ok(())
 }
@@ -143,17 +151,18 @@ mod tests {
     #[test]
     fn what_would_be_passed_over_is_refused_and_all_that_can_be_written_is_known() {
         let shot = r#"{"scene":"a.glb","size":[9,9],"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,1,0],"yfov_deg":60},
-            "lights":[{"type":"point","position":[0,0,0],"intensity":1,"color":[1,1,1]},
+            "lights":[{"type":"point","name":"Lamp","position":[0,0,0],"intensity":1,"color":[1,1,1]},
             {"type":"spot","position":[0,0,0],"direction":[0,0,1],"outer_cone_deg":40,"inner_cone_deg":30,"intensity":1,"color":[1,1,1]},
             {"type":"directional","direction":[0,0,1],"intensity":1,"color":[1,1,1]}]}"#;
         assert_eq!(parse(shot), Ok(()));
+        assert!(parse(&shot.replace("\"Lamp\"", "7")).unwrap_err().contains("name is a text"));
         assert_eq!(parse(&format!("\u{feff}{shot}")), Ok(()));
         // The lists are those of the types themselves.
         let written = serde_json::to_value(super::parse(shot).unwrap()).unwrap();
         let names = |value: &Value| value.as_object().unwrap().len();
         assert_eq!((names(&written), names(&written["camera"])), (SHOT.len(), CAMERA.len()));
         for (light, (kind, known)) in written["lights"].as_array().unwrap().iter().zip(LIGHTS) {
-            assert!(light["type"] == kind && names(light) == known.len(), "{light}");
+            assert!(light["type"] == kind && names(light) + 1 == known.len(), "{light}");
         }
         for (right, wrong) in [
             ("\"lights\"", "\"light\""),

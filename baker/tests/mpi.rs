@@ -29,6 +29,8 @@ fn bake(command: &mut Command, output: &Path, threads: usize, more: &[&str]) -> 
 fn team(processes: usize, threads: usize, output: &Path, more: &[&str]) -> Command {
     let mut command = Command::new("mpirun");
     command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    // Seconds from the signal that ends the others to the one that kills them: on a busy machine one is too few to speak in.
+    command.env("OMPI_MCA_odls_base_sigkill_timeout", "5");
     command.args(["--oversubscribe", "--bind-to", "none", "-n", &processes.to_string(), BINARY]);
     bake(&mut command, output, threads, more)
 }
@@ -95,8 +97,7 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
         assert!(!ended.status.success() && !path.exists());
         let words = said(&ended);
         assert!(words.contains("exited on signal 9"), "the launcher says who was lost: {words}");
-        // The launcher may end the first member before that has noticed.
-        if lost != 0 && !words.contains("the job has been aborted") {
+        if lost != 0 {
             assert!(words.contains("another process of this bake was lost"), "{words}");
             assert!(words.contains("partial has what was done, and --resume goes on"), "{words}");
         }

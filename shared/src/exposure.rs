@@ -1,8 +1,13 @@
-//! How far an automatic exposure may go: a room that gets next to nothing of its neighbour's light is shown dark, wherever
-//! the camera stands. The viewer's light_level.wgsl and key.wgsl do the same.
+//! The automatic exposure of a picture: halfway, as the eye counts, between its mean and its geometric mean radiance. And how
+//! far it may go: a room that gets next to nothing of its neighbour's light is shown dark, wherever the camera stands.
+//! The viewer's key.wgsl, look.wgsl and light_level.wgsl do the same.
 
 /// What an automatic exposure makes of a picture's radiance on the whole.
 pub const MIDDLE_GREY: f32 = 0.18;
+/// Pixels darker than this share of the mean count as that dark.
+pub const DARKEST: f32 = 0.02;
+/// So many pixels along each side are looked at, evenly spread.
+pub const LOOKED: u32 = 64;
 /// Stops between what is lit in a scene and what may be brought to the middle grey at most.
 pub const DEPTH: f32 = 7.0;
 /// What is lit counts as reflecting this much, since light is known better than what it falls on.
@@ -15,6 +20,25 @@ pub fn level(luminances: impl IntoIterator<Item = f32>) -> f32 {
     let lit = luminances.into_iter().filter(|light| *light > 0.0 && light.is_finite()).map(f64::from);
     let (sum, logs) = lit.fold((0.0, 0.0), |(sum, logs), light| (sum + light, logs + light * light.log2()));
     if sum > 0.0 { (logs / sum).exp2() as f32 } else { 0.0 }
+}
+
+/// The pixels that are looked at, in a picture of this size.
+pub fn looked([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    let at = move |i: u32, size: u32| (((i as f32 + 0.5) / LOOKED as f32 * size as f32) as u32).min(size - 1);
+    (0..LOOKED * LOOKED).map(move |i| [at(i % LOOKED, width), at(i / LOOKED, height)])
+}
+
+/// What radiance is multiplied with, from the luminances of the pixels looked at where surfaces are, and at most `most`; 1
+/// where there is no light.
+pub fn key(luminances: &[f32], most: f32) -> f32 {
+    let lights = luminances.iter().map(|light| f64::from(light.max(0.0))).filter(|light| light.is_finite());
+    let mean = lights.clone().sum::<f64>() / lights.clone().count().max(1) as f64;
+    if mean <= 0.0 {
+        return 1.0;
+    }
+    let darkest = f64::from(DARKEST) * mean;
+    let logs = lights.clone().map(|light| light.max(darkest).ln()).sum::<f64>() / lights.count() as f64;
+    (f64::from(MIDDLE_GREY) / (logs.exp() * mean).sqrt()).min(most.into()) as f32
 }
 
 /// What radiance may be multiplied with at most where the light is of this level; infinite where there is none.

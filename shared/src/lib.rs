@@ -9,12 +9,14 @@
 //! * [`octahedral`], [`colour`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
 //! * [`random`] – random numbers that depend on nothing but their arguments;
 //! * [`rbn`] – the .rbn file: header, sections, checksums, metadata;
+//! * [`exposure`], [`backdrop`] – how bright a picture is shown, and what it shows behind an object;
 //! * [`relight`] – one frame of relighting on the CPU, the truth that the GPU is held against;
 //! * [`shot`], [`light`], [`camera`] – a picture to take: SHOT.json, lights and cameras.
 //!
 //! "Paper" below is Lehtinen et al., *A Meshless Hierarchical Representation for Light
 //! Transport*, ACM Transactions on Graphics 27(3), 2008.
 
+pub mod backdrop;
 pub mod basis;
 pub mod camera;
 pub mod colour;

@@ -5,7 +5,7 @@
 mod common;
 
 use rebounce::light::{direct, level::level};
-use rebounce::picture::png::{automatic_exposure, developed, luminance};
+use rebounce::picture::png::{developed, exposure_of_lit, luminance};
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
 use rebounce::triangles::TriangleSurfaces;
@@ -62,7 +62,7 @@ fn a_room_with_next_to_nothing_of_its_neighbours_light_is_black() {
         let picture = render(&scene, &surfaces, &dark, &lights, exposure, Only::All, || ());
         let sources: Vec<LightSource> = lights.iter().map(|light| light.source(scene.meta.origin)).collect();
         let most = exposure::most(level(&surfaces, &sources));
-        let shown = developed(&picture, automatic_exposure(&picture).min(most));
+        let shown = developed(&picture, exposure_of_lit(&picture, most));
         shown.pixels.iter().map(|p| luminance(*p)).sum::<f32>() / shown.pixels.len() as f32
     };
     // Linear: a display value of 2 of 255 is 0.0006.

@@ -11,6 +11,7 @@ use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
+use rebounce_shared::rbn::shown::GROUND;
 use std::cell::{OnceCell, RefCell};
 use wgpu::{BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat};
 
@@ -33,7 +34,7 @@ pub struct Shading {
     pub blend: f32,
     /// Pixels across one output pixel of [`CompositePass::indirect`].
     pub scale: u32,
-    /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`], [`TINTED`], [`UNLIT`].
+    /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`], [`TINTED`], [`UNLIT`], [`BACKDROP`].
     pub flags: u32,
     /// Pixels of the screen across one of the picture.
     pub enlarge: u32,
@@ -55,6 +56,8 @@ pub const VEILED: u32 = 8;
 pub const TINTED: u32 = 16;
 /// Some surfaces are unlit.
 pub const UNLIT: u32 = 32;
+/// Behind all surfaces is a backdrop.
+pub const BACKDROP: u32 = 64;
 
 /// The pipelines.
 pub struct CompositePass {
@@ -91,6 +94,13 @@ pub fn shading(scope: &Scope) -> wgpu::Buffer {
     empty_buffer(scope, "shading", usage, size_of::<Shading>() as u64)
 }
 
+/// The uniform of an object's ground; zeros where there is none.
+pub fn ground(scope: &Scope, ground: &[u8]) -> wgpu::Buffer {
+    let none = [0; GROUND];
+    let bytes = if ground.is_empty() { &none } else { ground };
+    buffer(scope, "ground", BufferUsages::UNIFORM, bytes)
+}
+
 /// What a [`Picture`] is made from.
 pub struct Sources<'a> {
     /// The camera's uniform.
@@ -109,6 +119,8 @@ pub struct Sources<'a> {
     pub key: &'a wgpu::Buffer,
     /// How much light there is in the scene: [`crate::relight::Relight::levels`].
     pub levels: &'a wgpu::Buffer,
+    /// `Ground` of backdrop.wgsl, which [`ground`] makes.
+    pub ground: &'a wgpu::Buffer,
 }
 
 /// The averaged picture of one size, and the bind groups that make it.
@@ -138,6 +150,7 @@ impl CompositePass {
                 Slot::TextureLoad,
                 Slot::TextureLoad,
                 Slot::TextureLoad,
+                Slot::Uniform,
             ]
         };
         let shade = layout(gpu, "shade", ShaderStages::FRAGMENT, &slots(Slot::Read));
@@ -196,6 +209,7 @@ impl CompositePass {
             view(from.veil.map_or(unread, |veil| &veil.texture)),
             view(tints.map_or(unread, |tints| &tints.through.1)),
             view(tints.map_or(unread, |tints| &tints.shine.1)),
+            from.ground.as_entire_binding(),
         ];
         let shade = group(scope, "shade", &self.layout, &resources);
         resources[7] = looked.as_entire_binding();

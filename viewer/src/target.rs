@@ -70,6 +70,7 @@ impl Target {
             looks: &scene.materials.looks,
             key,
             levels: &scene.relight.levels,
+            ground: &scene.upload.ground,
         };
         let picture = pipelines.composite.target(&own, &sources, size);
         let blended =

@@ -2,6 +2,7 @@
 
 use crate::bindings::buffer;
 use crate::blended_fit;
+use crate::composite;
 use crate::error::ViewerError;
 use crate::fronts;
 use crate::gpu::Gpu;
@@ -123,6 +124,8 @@ pub struct Upload {
     pub shadow_runs: Vec<Run>,
     /// Draw calls of glass.
     pub glass_runs: Vec<Run>,
+    /// The ground under an object: see [`composite::ground`].
+    pub ground: wgpu::Buffer,
 }
 
 impl Upload {
@@ -143,6 +146,7 @@ impl Upload {
         let indices = fronts::indices(scene, &runs);
         let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
+            ground: composite::ground(&own, &scene.meta.shown.ground),
             links: matrix(stored, "LINK", &scene.links, most.binding),
             // One buffer: between coarse points there are few.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),

@@ -6,6 +6,8 @@ import { ElementBase } from "./element.js";
 export type Mode = "all" | "direct" | "indirect";
 /** What is drawn over the picture. */
 export type Overlay = "none" | "points" | "levels";
+/** What is behind an object: a grey and the object's shadow on the ground, or black. */
+export type Backdrop = "auto" | "none";
 /** What pointers and keys do: all, leave scrolling to the page, or nothing. */
 export type Interaction = "all" | "page" | "none";
 /** How radiance becomes colours of the screen. */
@@ -15,6 +17,7 @@ export type Display = "auto" | "lookup" | "splat";
 
 const MODES: readonly Mode[] = ["all", "direct", "indirect"];
 const OVERLAYS: readonly Overlay[] = ["none", "points", "levels"];
+const BACKDROPS: readonly Backdrop[] = ["auto", "none"];
 const INTERACTIONS: readonly Interaction[] = ["all", "page", "none"];
 const TONE_MAPPINGS: readonly ToneMapping[] = ["neutral", "agx"];
 const DISPLAYS: readonly Display[] = ["auto", "lookup", "splat"];
@@ -33,6 +36,7 @@ export class AttributeElement extends ElementBase {
     "mode",
     "overlay",
     "display",
+    "backdrop",
     "handles",
     "interaction",
     "controls",
@@ -130,6 +134,14 @@ export class AttributeElement extends ElementBase {
   }
   set display(way: Display) {
     this.setAttribute("display", way);
+  }
+
+  /** What is behind an object; rooms and landscapes have none. */
+  get backdrop(): Backdrop {
+    return among(BACKDROPS, this.getAttribute("backdrop"));
+  }
+  set backdrop(what: Backdrop) {
+    this.setAttribute("backdrop", what);
   }
 
   /** Whether lights have handles in the picture. */

@@ -17,7 +17,7 @@ import { closeViewer, openViewer, type SessionHost } from "./session.js";
 import { Size } from "./size.js";
 import { restoreState } from "./state.js";
 import { Tree } from "./tree.js";
-import { cameraIn, lightNumbers, lightsIn } from "./wire.js";
+import { cameraIn, lightsIn, nameLights, setLights } from "./wire.js";
 
 /** One element's engine. */
 export class Engine {
@@ -58,7 +58,7 @@ export class Engine {
     this.#size = new Size(element, (width, height) => this.#resize(width, height));
     this.player = new Player({
       readLights: () => (this.ready ? this.use(lightsIn) : undefined),
-      writeLights: (lights) => this.use((viewer) => viewer.setLights(lightNumbers(lights))),
+      writeLights: (lights) => this.use((viewer) => setLights(viewer, lights)),
       animationName: () => element.animationName,
       tell: (type, detail) => tell(element, type, detail),
       wantFrame: () => this.wantFrame(),
@@ -157,6 +157,7 @@ export class Engine {
       const file = await bytes;
       loading.signal.throwIfAborted();
       await viewer.load(file);
+      nameLights(viewer);
       loading.signal.throwIfAborted();
       this.#show(url, file.length);
     } catch (error) {

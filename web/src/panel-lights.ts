@@ -69,8 +69,8 @@ export class LightList implements Section {
     const focused = this.#entries.findIndex(({ button }) => button.matches(":focus"));
     this.#kinds = kinds;
     this.#kept.length = lights.length;
-    this.#entries = lights.map(({ type }, i) => {
-      const name = `Light ${i + 1}`;
+    this.#entries = lights.map(({ type, name: own }, i) => {
+      const name = own || `Light ${i + 1}`;
       const button = make("button", { type: "button", class: "entry", "aria-describedby": "hint" }, `${name}, ${type}`);
       const lamp = make("input", { type: "checkbox", role: "switch", "aria-label": `${name} on` });
       button.addEventListener("click", () => this.#choose(this.#chosen === i ? -1 : i));

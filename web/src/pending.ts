@@ -4,7 +4,7 @@ import type { LightAnimation } from "./animation.js";
 import type { AttributeElement } from "./attributes.js";
 import type { Viewer } from "./module.js";
 import type { Camera, Light, Shot } from "./shot.js";
-import { cameraNumbers, lightNumbers } from "./wire.js";
+import { cameraNumbers, setLights, setShot } from "./wire.js";
 
 /** What a script has set so far, or what was there before the device was lost. */
 export interface Pending {
@@ -20,15 +20,16 @@ export interface Pending {
 
 /** Hands over camera, lights and exposure. Throws what the viewer refuses. */
 export function handOver(viewer: Viewer, { shot, camera, lights, measured }: Pending): void {
-  if (shot) viewer.setShot(cameraNumbers(shot.camera), lightNumbers(shot.lights));
+  if (shot) setShot(viewer, shot);
   if (camera) viewer.setCamera(cameraNumbers(camera));
-  if (lights) viewer.setLights(lightNumbers(lights));
+  if (lights) setLights(viewer, lights);
   if (measured) viewer.measured = measured;
 }
 
 /** Hands the attributes on. */
 export function applyAttributes(viewer: Viewer, element: AttributeElement): void {
   const { exposure, autoExposure, toneMapping, mode, overlay, display, handles, interaction } = element;
+  const backdrop = element.backdrop === "auto";
   const gizmos = handles && interaction !== "none";
-  Object.assign(viewer, { exposure, autoExposure, toneMapping, mode, overlay, display, gizmos });
+  Object.assign(viewer, { exposure, autoExposure, toneMapping, mode, overlay, display, backdrop, gizmos });
 }

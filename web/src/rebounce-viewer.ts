@@ -13,10 +13,10 @@ import type { PlayOptions } from "./player.js";
 import type { Camera, Light, Shot } from "./shot.js";
 import { restoreState, stateLink } from "./state.js";
 import type { Counts, Stats } from "./stats.js";
-import { cameraIn, cameraNumbers, countsIn, lightNumbers, lightsIn, statsIn } from "./wire.js";
+import { cameraIn, cameraNumbers, countsIn, lightsIn, setLights, setShot, statsIn } from "./wire.js";
 
 export type { AnimatedProperty, LightAnimation, LightTrack } from "./animation.js";
-export type { Display, Interaction, Mode, Overlay, ToneMapping } from "./attributes.js";
+export type { Backdrop, Display, Interaction, Mode, Overlay, ToneMapping } from "./attributes.js";
 export type { RebounceEventMap } from "./events.js";
 export type { PlayOptions } from "./player.js";
 export type { Camera, DirectionalLight, Light, PointLight, Shot, SpotLight, Triple } from "./shot.js";
@@ -51,7 +51,7 @@ export class RebounceViewer extends AttributeElement {
     return this.#engine.use(lightsIn);
   }
   set lights(lights: Light[]) {
-    if (this.loaded) this.#engine.use((viewer) => viewer.setLights(lightNumbers(lights)));
+    if (this.loaded) this.#engine.use((viewer) => setLights(viewer, lights));
     else this.#engine.pending.lights = lights;
   }
 
@@ -87,7 +87,7 @@ export class RebounceViewer extends AttributeElement {
   }
   set shot(shot: Shot) {
     const { animations, repetitions } = this.#engine.pending;
-    if (this.loaded) this.#engine.use((viewer) => viewer.setShot(cameraNumbers(shot?.camera), lightNumbers(shot?.lights)));
+    if (this.loaded) this.#engine.use((viewer) => setShot(viewer, shot));
     else this.#engine.pending = { shot, ...(animations && { animations }), ...(repetitions && { repetitions }) };
   }
 

@@ -16,8 +16,14 @@ export interface Camera {
   yfov_deg?: number;
 }
 
+/** What every light may have. */
+interface Named {
+  /** What to call it; the page's lists show it. */
+  name?: string;
+}
+
 /** Shines all around. */
-export interface PointLight {
+export interface PointLight extends Named {
   type: "point";
   position: Triple;
   /** Candela. */
@@ -26,7 +32,7 @@ export interface PointLight {
 }
 
 /** Shines within a cone. */
-export interface SpotLight {
+export interface SpotLight extends Named {
   type: "spot";
   position: Triple;
   /** The way the light travels; any length. */
@@ -41,7 +47,7 @@ export interface SpotLight {
 }
 
 /** Shines from infinitely far. */
-export interface DirectionalLight {
+export interface DirectionalLight extends Named {
   type: "directional";
   /** The way the light travels; any length. */
   direction: Triple;

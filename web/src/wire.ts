@@ -2,7 +2,7 @@
 
 import { Failure } from "./failure.js";
 import type { Viewer } from "./module.js";
-import type { Camera, Light, Triple } from "./shot.js";
+import type { Camera, Light, Shot, Triple } from "./shot.js";
 import type { Counts, Stats } from "./stats.js";
 
 const KINDS = ["point", "spot", "directional"] as const;
@@ -48,14 +48,15 @@ function cameraOf(numbers: Float64Array): Camera {
 }
 
 /** The lights' numbers. Throws `bad-json` for what are none. */
-export function lightNumbers(lights: readonly Light[]): Float64Array {
+function lightNumbers(lights: readonly Light[]): Float64Array {
   if (!Array.isArray(lights)) throw wrong("lights", "must be a list");
   const out: number[] = [];
   for (const [i, light] of lights.entries()) {
     const at = `lights[${i}]`;
-    const { type, position, direction, outer_cone_deg, inner_cone_deg, intensity, color } = members(at, light);
+    const { type, name, position, direction, outer_cone_deg, inner_cone_deg, intensity, color } = members(at, light);
     const kind = KINDS.indexOf(type as Light["type"]);
     if (kind < 0) throw wrong(`${at}.type`, `must be one of ${KINDS.join(", ")}`);
+    if (typeof (name ?? "") !== "string") throw wrong(`${at}.name`, "must be a text");
     const none = [0, 0, 0];
     const spot = type === "spot";
     out.push(
@@ -90,9 +91,36 @@ function lightsOf(numbers: Float64Array): Light[] {
   return lights;
 }
 
+/** Names of viewers' lights, which the wasm module leaves to the page. */
+const names = new WeakMap<Viewer, (string | undefined)[]>();
+
 /** The present camera and lights. */
 export const cameraIn = (viewer: Viewer): Camera => cameraOf(viewer.camera());
-export const lightsIn = (viewer: Viewer): Light[] => lightsOf(viewer.lights());
+export function lightsIn(viewer: Viewer): Light[] {
+  const named = names.get(viewer) ?? [];
+  return lightsOf(viewer.lights()).map((light, i) => (named[i] ? { ...light, name: named[i] } : light));
+}
+
+/** The lights have the names of the file that was loaded; what is left is those of its cameras. */
+export function nameLights(viewer: Viewer): string[] {
+  const all = viewer.names().split("\0");
+  names.set(viewer, all.splice(0, viewer.lights().length / LIGHT));
+  return all;
+}
+
+const keepNames = (viewer: Viewer, lights: readonly Light[]) => names.set(viewer, lights.map(({ name }) => name));
+
+/** Sets the lights. Throws `bad-json` for what are none. */
+export function setLights(viewer: Viewer, lights: readonly Light[]): void {
+  viewer.setLights(lightNumbers(lights));
+  keepNames(viewer, lights);
+}
+
+/** Sets camera and lights, or neither. Throws `bad-json` for what are none. */
+export function setShot(viewer: Viewer, shot: Shot): void {
+  viewer.setShot(cameraNumbers(shot?.camera), lightNumbers(shot?.lights));
+  keepNames(viewer, shot.lights);
+}
 
 /** What the GPU counted for the present picture. */
 export async function countsIn(viewer: Viewer): Promise<Counts> {

@@ -23,6 +23,7 @@ import { policy } from "./page/policy.mjs";
 import { readme } from "./page/readme.mjs";
 import { recovery } from "./page/recovery.mjs";
 import { sharing } from "./page/sharing.mjs";
+import { shown } from "./page/shown.mjs";
 import { slots } from "./page/slots.mjs";
 import { soak } from "./page/soak.mjs";
 import { state } from "./page/state.mjs";
@@ -30,7 +31,7 @@ import { text } from "./page/text.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, input, panel, pictures, state, watch, light,
+  loading, attributes, slots, onScreen, hidden, animation, lights, input, panel, pictures, shown, state, watch, light,
   failures, downloads, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

@@ -1,7 +1,7 @@
 //! Puts the file's contents together.
 
 use super::BakeSettings;
-use super::stand_in::Seat;
+use super::stand_in::{Staged, outside};
 use crate::basis::Relations;
 use crate::operator::Operator;
 use crate::points::Points;
@@ -10,8 +10,6 @@ use crate::scene::{Model, Scene};
 use crate::weld::firsts;
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::camera::Camera;
-use rebounce_shared::light::Light;
 use rebounce_shared::octahedral::pack_rounded;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Meta};
@@ -23,7 +21,7 @@ use std::ops::Range;
 pub(super) fn assemble(
     scene: &Scene,
     settings: &BakeSettings,
-    (cameras, lights): (Vec<Camera>, Vec<Light>),
+    Staged { lights, cameras, shown }: Staged,
     points: &Points,
     relations: &Relations,
     operator: &Operator,
@@ -57,6 +55,7 @@ pub(super) fn assemble(
             rays: operator.rays,
             potential_links: senders as u64 * points.points.len() as u64,
         },
+        shown,
     };
     for (point, tint) in records.iter_mut().zip(&operator.tints) {
         point.tint = *tint;
@@ -80,12 +79,11 @@ pub(super) fn assemble(
 pub(super) fn without_light(scene: &Scene) -> rbn::Scene {
     let Geometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
-    let (low, high) = scene.bounds();
     let meta = Meta {
         materials: scene.materials.clone(),
         textures,
         draws,
-        cameras: vec![Seat::Outside.camera(scene.origin, low, high)],
+        cameras: vec![outside(scene)],
         ..Meta::default()
     };
     rbn::Scene { meta, vertices, indices, instances, copies, texture_bytes, ..rbn::Scene::default() }

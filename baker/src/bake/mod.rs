@@ -2,7 +2,7 @@
 //!
 //! * [`observer`] – what a bake tells, and what it can be told;
 //! * `transport` – the stages in order; `assemble` – the file's contents;
-//! * `stand_in` – camera and lamp of a scene that has none;
+//! * `stand_in` – camera and lamp of a scene that has none, and an object's ground;
 //! * [`budget`] – what a bake may weigh; [`judge`] – how far its light is from the truth; [`aim`] – what to try next;
 //! * `agree` – whether the members of a team work on the same;
 //! * [`checkpoint`] – what is kept, so that a bake can go on;
@@ -40,6 +40,7 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 use rebounce_shared::rbn::{self, RbnError};
+use stand_in::Staged;
 use tracker::Tracker;
 use transport::{Transport, sketch_settings};
 
@@ -176,13 +177,16 @@ fn run(
     task.step(0)?;
     let vantage = choose_vantage(scene, &surfaces, &settings)?;
     task.step(0)?;
+    let staged = Staged::new(scene, &vantage, &surfaces);
+    task.step(0)?;
     drop(task);
     let world = |local: &Vec3| (DVec3::from(scene.origin) + local.as_dvec3()).to_array();
     report.viewpoints = vantage.viewpoints.iter().map(world).collect();
     report.is_open = vantage.is_open;
     report.lamp_added = scene.lights.is_empty();
     report.camera_added = scene.cameras.is_empty();
-    let bake = Transport { scene, surfaces: &surfaces, vantage: &vantage, observer, team };
+    report.camera = staged.cameras[0].position;
+    let bake = Transport { scene, surfaces: &surfaces, vantage: &vantage, staged: &staged, observer, team };
     if let Some(settings) = sketch {
         bake.sketch(settings, &tracker.task(Stage::Sketch, None))?;
     }
@@ -205,7 +209,8 @@ pub fn lights_and_cameras(
     }
     let surfaces = TriangleSurfaces::simplified(scene);
     let vantage = choose_vantage(scene, &surfaces, settings)?;
-    Ok(stand_in::lights_and_cameras(scene, &vantage, &surfaces))
+    let staged = Staged::new(scene, &vantage, &surfaces);
+    Ok((staged.lights, staged.cameras))
 }
 
 /// Where points are placed from, and what for: the viewpoints given, or the cameras that see something, or what is found.

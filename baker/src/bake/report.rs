@@ -41,6 +41,8 @@ pub struct BakeReport {
     pub lamp_added: bool,
     /// Whether the scene had no camera, so that the file got one.
     pub camera_added: bool,
+    /// Where the file's first camera is, world space.
+    pub camera: [f64; 3],
     /// Whether no light, as they are at first, reaches any surface that has functions.
     pub is_unlit: bool,
     /// Levels of points, coarsest first.
@@ -222,8 +224,7 @@ impl fmt::Display for BakeReport {
             self.preset
         )?;
         if self.lamp_added {
-            let what = if self.is_open { "sun" } else { "lamp" };
-            writeln!(f, "light         none in the scene; a {what} was added to the file")?;
+            writeln!(f, "light         none in the scene; a lamp was added to the file, in its first view")?;
         }
         if self.is_unlit {
             writeln!(
@@ -232,13 +233,10 @@ impl fmt::Display for BakeReport {
             )?;
         }
         if self.camera_added {
-            let place = match self.viewpoints.first() {
-                Some([x, y, z]) if !self.is_open => format!("in a room, found at {x:.2}, {y:.2}, {z:.2}"),
-                _ => "outside".to_owned(),
-            };
+            let ([x, y, z], place) = (self.camera, if self.is_open { "outside" } else { "in a room" });
             writeln!(
                 f,
-                "camera        none in the scene; one was added {place} (--viewpoint x,y,z: in the room there)"
+                "camera        none in the scene; one was added {place}, at {x:.2}, {y:.2}, {z:.2} (--viewpoint x,y,z: in the room there)"
             )?;
         }
         let levels: Vec<String> = self.levels.iter().map(|l| l.functions.to_string()).collect();

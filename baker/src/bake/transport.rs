@@ -2,7 +2,7 @@
 
 use super::agree::agree;
 use super::assemble::assemble;
-use super::stand_in::lights_and_cameras;
+use super::stand_in::Staged;
 use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Preview, Stage};
 use crate::basis::{Relations, relate};
@@ -36,6 +36,7 @@ pub(super) struct Transport<'a> {
     pub scene: &'a Scene,
     pub surfaces: &'a TriangleSurfaces,
     pub vantage: &'a Vantage,
+    pub staged: &'a Staged,
     pub observer: &'a dyn Observer,
     pub team: &'a dyn Team,
 }
@@ -221,7 +222,6 @@ impl Transport<'_> {
         if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
             return Err(BakeError::TooManyCuts);
         }
-        let (lights, cameras) = lights_and_cameras(self.scene, self.vantage, self.surfaces);
-        Ok(assemble(self.scene, settings, (cameras, lights), points, relations, operator))
+        Ok(assemble(self.scene, settings, self.staged.clone(), points, relations, operator))
     }
 }

@@ -41,6 +41,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
 fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> Value {
     let m = &scene.meta;
     let (version, bytes) = (container::version(bytes), bytes.len());
+    let names: Vec<&str> = m.shown.names().collect();
     json!({
         "file": file,
         "bytes": bytes,
@@ -73,7 +74,10 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> Val
             "name": t.name, "mime": t.mime, "bytes": t.len, "width": t.width, "height": t.height,
         })).collect::<Vec<_>>(),
         "cameras": m.cameras,
+        "camera_names": names.get(m.lights.len()..),
         "lights": m.lights,
+        "light_names": names.get(..m.lights.len()),
+        "ground": !m.shown.ground.is_empty(),
         "bake": {
             "preset": m.bake.preset, "seed": m.bake.seed, "epsilon": m.bake.epsilon,
             "bounces": m.bake.bounces, "rays": m.bake.rays,
@@ -160,8 +164,13 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> Str
             ),
         );
     }
-    line("cameras", m.cameras.len().to_string());
-    line("lights", m.lights.len().to_string());
+    let names: Vec<&str> = m.shown.names().collect();
+    let counted = |count: usize, names: Option<&[&str]>| match names {
+        Some(names) if names.iter().any(|name| !name.is_empty()) => format!("{count}: {names:?}"),
+        _ => count.to_string(),
+    };
+    line("cameras", counted(m.cameras.len(), names.get(m.lights.len()..)));
+    line("lights", counted(m.lights.len(), names.get(..m.lights.len())));
     line("sections", String::new());
     for s in sections {
         let share = 100.0 * s.len as f64 / bytes as f64;

@@ -3,16 +3,15 @@
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use rebounce::light::level::level;
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::{Only, Picture, check_name, png};
-use rebounce::render::unlit::{developed, unlit};
+use rebounce::render::shown::Shown;
 use rebounce::shot;
 use rebounce::triangles::TriangleSurfaces;
 use rebounce::write::{check_place, write_whole};
 use rebounce_shared::camera::{Camera, CameraFrame};
-use rebounce_shared::exposure;
 use rebounce_shared::light::{Light, LightSource};
+use rebounce_shared::rbn::shown::Ground;
 use rebounce_shared::shot::Shot;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -89,7 +88,7 @@ impl PictureArgs {
     }
 
     /// Writes the picture of these surfaces from a camera. Lights say how far the exposure of a PNG may go; surfaces that are
-    /// unlit a PNG shows as they are.
+    /// unlit a PNG shows as they are, and around an object with a ground its backdrop.
     pub fn write(
         &self,
         picture: &Picture,
@@ -97,16 +96,15 @@ impl PictureArgs {
         camera: &CameraFrame,
         lights: &[LightSource],
         exposure: Exposure,
+        ground: Option<&Ground>,
     ) -> Result<()> {
-        let is_png = is_png(&self.output);
-        // Only a PNG is exposed; to measure the light takes shadow rays.
-        let most = if is_png { exposure::most(level(surfaces, lights)) } else { f32::INFINITY };
-        if is_png && surfaces.has_unlit() && self.only() == Only::All {
-            let shown = developed(picture, &unlit(surfaces, camera, exposure), most);
+        if is_png(&self.output) {
+            let of = Shown { surfaces, camera, lights, exposure, ground, only: self.only() };
+            let shown = of.picture(picture);
             let bytes = png::encode_display(&shown).map_err(anyhow::Error::msg)?;
             write_whole(&self.output, &bytes)?;
         } else {
-            picture.write(&self.output, most)?;
+            picture.write(&self.output, f32::INFINITY)?;
         }
         eprintln!("wrote {}", self.output.display());
         Ok(())
@@ -142,7 +140,7 @@ pub fn check_panel(out: &Path) -> Result<()> {
 /// that are shown as they are.
 pub fn write_panel(out: &Path, radiance: Option<&[&Picture]>, as_they_are: &[&Picture]) -> Result<()> {
     let radiance = radiance.unwrap_or_default();
-    let exposure = radiance.first().map_or(1.0, |first| png::automatic_exposure(first));
+    let exposure = radiance.first().map_or(1.0, |first| png::exposure_of_lit(first, f32::INFINITY));
     let developed: Vec<Picture> = radiance.iter().map(|p| png::developed(p, exposure)).collect();
     let all: Vec<&Picture> = developed.iter().chain(as_they_are.iter().copied()).collect();
     let name = || out.display().to_string();

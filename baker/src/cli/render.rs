@@ -19,6 +19,9 @@ pub struct RenderArgs {
     /// Samples per pixel
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
+    /// Leaves out the grey behind an object and its shadow on the ground, in a PNG
+    #[arg(long)]
+    no_backdrop: bool,
 }
 
 /// Runs the command.
@@ -35,5 +38,6 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     rows.finish();
     let frame = shot.camera.frame(scene.meta.origin);
     let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
-    args.picture.write(&picture, &surfaces, &frame, &lights, exposure)
+    let ground = scene.meta.shown.ground().filter(|_| !args.no_backdrop);
+    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, ground.as_ref())
 }

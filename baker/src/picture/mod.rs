@@ -76,6 +76,12 @@ fn extension(path: &Path) -> String {
 }
 
 impl Picture {
+    /// The sum of two pictures of the same size.
+    pub fn plus(&self, other: &Self) -> Self {
+        let pixels = self.pixels.iter().zip(&other.pixels).map(|(a, b)| a + b).collect();
+        Self { pixels, ..*self }
+    }
+
     /// The mean of two pictures of the same size.
     pub fn mean(&self, other: &Self) -> Self {
         let pixels = self.pixels.iter().zip(&other.pixels).map(|(a, b)| 0.5 * (a + b)).collect();

@@ -1,24 +1,28 @@
 //! PNG for the eye: exposed automatically, tone mapped, sRGB.
 //!
-//! Exposure: the geometric mean of the luminance of all pixels that are not black becomes 0.18
-//! (Reinhard et al., *Photographic Tone Reproduction*, 2002), unless that makes next to nothing of the scene's light look
-//! lit ([`exposure`](rebounce_shared::exposure)). Tone mapping: Khronos PBR Neutral,
+//! Exposure: as in the page ([`exposure`](rebounce_shared::exposure)). Tone mapping: Khronos PBR Neutral,
 //! which keeps the base colours of what is not very bright.
 
 use super::Picture;
 use glam::Vec3;
-use rebounce_shared::exposure::MIDDLE_GREY;
+use rebounce_shared::exposure;
 
 /// Rec. 709 luminance of linear RGB.
 pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// The factor that exposes a picture automatically; 1 for a black one.
-pub fn automatic_exposure(picture: &Picture) -> f32 {
-    let lit = picture.pixels.iter().map(|&p| luminance(p)).filter(|&l| l > 0.0 && l.is_finite());
-    let (sum, count) = lit.fold((0.0f64, 0u64), |(sum, n), l| (sum + (l as f64).ln(), n + 1));
-    if count == 0 { 1.0 } else { (f64::from(MIDDLE_GREY) / (sum / count as f64).exp()) as f32 }
+/// The factor that exposes a picture automatically, at most `most`; 1 for a black one. `is_surface` says of a pixel, x and y,
+/// whether its middle is on a surface.
+pub fn automatic_exposure(picture: &Picture, most: f32, is_surface: impl Fn([u32; 2]) -> bool) -> f32 {
+    let looked = exposure::looked([picture.width, picture.height]).filter(|pixel| is_surface(*pixel));
+    let light = looked.map(|[x, y]| luminance(picture.pixels[(y * picture.width + x) as usize]));
+    exposure::key(&light.collect::<Vec<_>>(), most)
+}
+
+/// The same where nobody knows of surfaces: whatever is not black.
+pub fn exposure_of_lit(picture: &Picture, most: f32) -> f32 {
+    automatic_exposure(picture, most, |[x, y]| picture.pixels[(y * picture.width + x) as usize] != Vec3::ZERO)
 }
 
 /// Khronos PBR Neutral tone mapper: exposed linear RGB to displayable linear RGB.
@@ -53,13 +57,17 @@ pub fn developed(picture: &Picture, exposure: f32) -> Picture {
 
 /// The bytes of a PNG file, with the automatic exposure or this one where it is less.
 pub(super) fn encode(picture: &Picture, most: f32) -> Result<Vec<u8>, String> {
-    encode_display(&developed(picture, automatic_exposure(picture).min(most)))
+    encode_display(&developed(picture, exposure_of_lit(picture, most)))
+}
+
+/// The pixels of a picture of linear RGB from 0 to 1: sRGB, three bytes each.
+pub fn display_bytes(picture: &Picture) -> Vec<u8> {
+    picture.pixels.iter().flat_map(|p| p.to_array().map(srgb)).collect()
 }
 
 /// The bytes of a PNG file of linear RGB from 0 to 1, shown as it is.
 pub fn encode_display(picture: &Picture) -> Result<Vec<u8>, String> {
-    let raw = picture.pixels.iter().flat_map(|p| p.to_array().map(srgb)).collect();
-    let image = image::RgbImage::from_raw(picture.width, picture.height, raw)
+    let image = image::RgbImage::from_raw(picture.width, picture.height, display_bytes(picture))
         .ok_or("the picture's size does not fit its pixels")?;
     let mut bytes = std::io::Cursor::new(Vec::new());
     image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| e.to_string())?;
@@ -89,9 +97,8 @@ mod tests {
             height: 2,
             pixels: vec![Vec3::ZERO, Vec3::splat(k), Vec3::splat(4.0 * k), Vec3::splat(2.0 * k)],
         };
-        let middle = 2.0 * automatic_exposure(&picture(1.0));
-        assert!((middle - 0.18).abs() < 1e-5);
-        assert!((automatic_exposure(&picture(1e6)) * 1e6 * 2.0 - 0.18).abs() < 1e-5);
+        let key = |k: f32| exposure_of_lit(&picture(k), f32::INFINITY);
+        assert!((key(1e6) * 1e6 / key(1.0) - 1.0).abs() < 1e-5);
         let encoded = |k: f32| encode(&picture(k), f32::INFINITY);
         assert_eq!(encoded(1.0), encoded(1024.0));
         assert_eq!(encode(&picture(1.0), 1e-6), encode(&picture(0.0), 1.0), "black at so little");

@@ -5,6 +5,8 @@
 //! evaluated exactly: `E(x, n) = max(0, n · Σ w_j V_j / Σ w_j)` (paper, Eq. 6 and 8), reflected
 //! with albedo / π.
 
+pub mod backdrop;
+pub mod shown;
 pub mod unlit;
 
 use crate::basis::{Evaluator, Leveled, Support};

@@ -18,12 +18,12 @@ pub fn unlit(surfaces: &impl Surfaces, camera: &CameraFrame, exposure: Exposure)
     expose(camera, exposure, seen, || ())
 }
 
-/// Such a picture with the part of it that is [`unlit`], as it is shown: the rest is exposed and tone-mapped.
-pub fn developed(picture: &Picture, unlit: &Picture, most_exposure: f32) -> Picture {
+/// Such a picture with the part of it that is [`unlit`], as it is shown: the rest is exposed, with the factor that `exposed`
+/// gives for it, and tone-mapped.
+pub fn developed(picture: &Picture, unlit: &Picture, exposed: impl Fn(&Picture) -> f32) -> Picture {
     let pixels = picture.pixels.iter().zip(&unlit.pixels);
     let lit =
         Picture { pixels: pixels.map(|(all, part)| (*all - *part).max(Vec3::ZERO)).collect(), ..*picture };
-    let lit = png::developed(&lit, png::automatic_exposure(&lit).min(most_exposure));
-    let pixels = lit.pixels.iter().zip(&unlit.pixels).map(|(lit, unlit)| *lit + *unlit).collect();
-    Picture { pixels, ..*picture }
+    let lit = png::developed(&lit, exposed(&lit));
+    lit.plus(unlit)
 }

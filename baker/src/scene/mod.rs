@@ -68,6 +68,10 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The scene's own cameras, world space; may be empty.
     pub cameras: Vec<Camera>,
+    /// The lights' names; fewer, or empty ones, where they have none.
+    pub light_names: Vec<String>,
+    /// The cameras' names, likewise.
+    pub camera_names: Vec<String>,
     /// How the scene's own lights move.
     pub animations: Vec<Animation>,
     /// What of the file is not taken over because it cannot be used; each names what and why.

@@ -1,7 +1,7 @@
 //! What the ray caster needs to know, from a loaded [`Scene`] or a baked file alike.
 
 use super::body;
-use super::glass::{self, Glass};
+use super::glass::{self, Detail, Glass};
 use super::instances::Instances;
 use crate::scene::texture::{Sampler, Texels};
 use crate::scene::{Model, Scene, SceneError, detail};
@@ -42,8 +42,9 @@ pub struct Surface {
     pub alpha: Alpha,
     /// Whether the back reflects too.
     pub double_sided: bool,
-    /// Linear RGB radiance sent out by itself.
+    /// Linear RGB radiance sent out by itself, and the texture that it is multiplied with.
     pub emission: Vec3,
+    emission_texture: Option<Box<Detail>>,
     /// Whether pictures show the albedo as it is.
     pub is_unlit: bool,
     /// Where it lets light through besides what alpha does.
@@ -77,6 +78,7 @@ impl Surface {
     pub fn new(material: &Material, texture: impl Fn(u32) -> Option<Sampler>) -> Self {
         let [r, g, b, a] = material.base_color;
         let glass = Glass::new(material, &texture);
+        let emission_texture = Detail::new(&material.emission_texture, &texture).map(Box::new);
         let texture = material.base_color_texture.and_then(texture);
         // Many exporters mark opaque surfaces as BLEND or MASK: see whether any texel is not opaque.
         let least = |s: &Sampler| s.texels.rgba.iter().map(|t| t[3]).min().unwrap_or(255) as f32 / 255.0;
@@ -98,6 +100,7 @@ impl Surface {
             alpha,
             double_sided: material.double_sided,
             emission: Vec3::from(material.emission),
+            emission_texture,
             is_unlit: material.extras.unlit,
             glass,
         }
@@ -130,6 +133,11 @@ impl Surface {
                 (base * (passage.reflected / stopped(passage.through).max(1e-6))).min(Vec3::ONE)
             }
         }
+    }
+
+    /// Linear RGB radiance that it sends out by itself around a texture coordinate, over about this share of the texture.
+    pub fn shine(&self, uv: Vec2, share: f32) -> Vec3 {
+        self.emission * self.emission_texture.as_ref().map_or(Vec3::ONE, |texture| texture.color(uv, share))
     }
 
     /// Alpha, 1 where it does not matter.
@@ -241,24 +249,34 @@ impl From<&Scene> for Geometry {
 impl TryFrom<&rbn::Scene> for Geometry {
     type Error = SceneError;
 
-    /// Decodes the textures of a baked file that light needs.
+    /// Decodes the textures of a baked file that light needs, and those of emission.
     ///
     /// # Errors
     /// [`SceneError::Texture`] where a picture cannot be decoded.
     fn try_from(scene: &rbn::Scene) -> Result<Self, SceneError> {
-        let used: HashSet<u32> = scene.meta.materials.iter().flat_map(glass::textures).collect();
+        let materials = &scene.meta.materials;
+        let needed: HashSet<u32> = materials.iter().flat_map(glass::textures).collect();
+        let used: HashSet<u32> = materials.iter().filter_map(glass::shining).collect();
         let textures: Result<Vec<Option<Sampler>>, SceneError> = (0..scene.meta.textures.len())
             .into_par_iter()
             .map(|i| {
-                if !used.contains(&(i as u32)) {
+                let is_needed = needed.contains(&(i as u32));
+                if !is_needed && !used.contains(&(i as u32)) {
                     return Ok(None);
                 }
                 let meta = &scene.meta.textures[i];
-                let texels = Texels::decode(scene.texture(i)).map_err(|problem| SceneError::Texture {
-                    file: scene.meta.scene_name.clone(),
-                    texture: meta.name.clone(),
-                    problem,
-                })?;
+                let texels = match Texels::decode(scene.texture(i)) {
+                    Ok(texels) => texels,
+                    Err(problem) if is_needed => {
+                        return Err(SceneError::Texture {
+                            file: scene.meta.scene_name.clone(),
+                            texture: meta.name.clone(),
+                            problem,
+                        });
+                    }
+                    // Pictures do without it.
+                    Err(_) => return Ok(None),
+                };
                 Ok(Some(Sampler {
                     texels: Arc::new(texels),
                     wrap_u: meta.wrap_u,

@@ -15,24 +15,33 @@ pub struct Glass {
     metallic_texture: Option<Detail>,
 }
 
-/// A texture of numbers, and its coordinates from those of the vertices.
+/// A texture besides the base colour's, and its coordinates from those of the vertices.
 #[derive(Clone, Debug)]
-struct Detail {
+pub(super) struct Detail {
     sampler: Sampler,
     rows: [Vec3; 2],
 }
 
 impl Detail {
-    fn new(of: &Option<DetailTexture>, texture: &impl Fn(u32) -> Option<Sampler>) -> Option<Self> {
+    pub fn new(of: &Option<DetailTexture>, texture: &impl Fn(u32) -> Option<Sampler>) -> Option<Self> {
         let DetailTexture { texture: index, uv_from_vertex } = of.as_ref()?;
         Some(Self { sampler: texture(*index)?, rows: uv_from_vertex.map(Vec3::from) })
     }
 
+    fn at(&self, uv: Vec2) -> Vec2 {
+        let at = uv.extend(1.0);
+        Vec2::new(self.rows[0].dot(at), self.rows[1].dot(at))
+    }
+
     /// One channel of the nearest texel, 0 to 1.
     fn channel(&self, uv: Vec2, channel: usize) -> f32 {
-        let at = uv.extend(1.0);
-        let texel = self.sampler.nearest_texel(Vec2::new(self.rows[0].dot(at), self.rows[1].dot(at)));
-        f32::from(texel[channel]) / 255.0
+        f32::from(self.sampler.nearest_texel(self.at(uv))[channel]) / 255.0
+    }
+
+    /// Linear RGB around a place, over about this share of the base colour's texture.
+    pub fn color(&self, uv: Vec2, share: f32) -> Vec3 {
+        let larger = (self.rows[0].x * self.rows[1].y - self.rows[0].y * self.rows[1].x).abs();
+        self.sampler.color(self.at(uv), share * larger, false)
     }
 }
 
@@ -65,4 +74,9 @@ pub(crate) fn textures(material: &Material) -> impl Iterator<Item = u32> {
     let details = [&material.extras.transmission_texture, &material.metallic_roughness_texture];
     let details = details.map(|detail| detail.as_ref().filter(|_| through).map(|d| d.texture));
     details.into_iter().chain([material.base_color_texture]).flatten()
+}
+
+/// The texture that a material's emission has in pictures.
+pub(crate) fn shining(material: &Material) -> Option<u32> {
+    material.emission_texture.filter(|_| material.emission != [0.0; 3]).map(|detail| detail.texture)
 }

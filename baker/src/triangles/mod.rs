@@ -197,7 +197,8 @@ impl TriangleSurfaces {
             let share = look.share(spanned) * (ray.spread * m.distance).powi(2);
             let color = body.color(&self.surfaces, triangle, m.shares());
             let albedo = surface.albedo(color, look.uv(m.shares()), share);
-            (albedo, if surface.is_unlit { albedo } else { surface.emission })
+            let shine = || surface.shine(look.uv(m.shares()), share);
+            (albedo, if surface.is_unlit { albedo } else { shine() })
         } else {
             (Vec3::ZERO, Vec3::ZERO)
         };

@@ -4,6 +4,7 @@
 
 use super::RbnError;
 use super::extras::Extras;
+use super::shown::Shown;
 use crate::{camera::Camera, light::Light};
 use bincode::{Decode, Encode};
 
@@ -45,6 +46,8 @@ pub struct Meta {
     pub animations: Vec<Animation>,
     /// How the bake was made and what it cost.
     pub bake: BakeInfo,
+    /// Names of lights and cameras, and the ground; not in section `META`.
+    pub shown: Shown,
 }
 
 impl Meta {

@@ -2,7 +2,7 @@
 //!
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);
-//! * [`extras`] – what few materials have;
+//! * [`extras`] – what few materials have; [`shown`] – names, and the ground under an object;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – how the sections are packed in the file;
 //! * [`LinkMatrix`] – transport links by receiver;
@@ -16,10 +16,11 @@ pub mod extras;
 mod matrix;
 pub mod meta;
 mod scene;
+pub mod shown;
 
 pub use check::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_MATERIALS, MAX_ROW, MAX_TRIANGLES};
 pub use matrix::LinkMatrix;
-pub use scene::{COPY_SECTIONS, EXTRAS_SECTION, SECTIONS, Scene};
+pub use scene::{COPY_SECTIONS, EXTRAS_SECTION, SECTIONS, SHOWN_SECTION, Scene};
 
 /// Why a .rbn file could not be read or written.
 #[derive(Debug, thiserror::Error)]

@@ -4,7 +4,7 @@ use super::bulk::{Copies, Cut, Instance, Point, Vertex};
 use super::codec::{Damaged, columns, links};
 use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
-use super::{RbnError, container, extras};
+use super::{RbnError, container, extras, shown};
 use crate::basis::Relations;
 use crate::interpolation::Rows;
 use crate::link::{LaterLink, Link};
@@ -42,8 +42,10 @@ pub const SECTIONS: [[u8; 4]; 8] =
     [*b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"LINK", *b"LATL", *b"TEXD"];
 /// Those that files with copies have besides, after the others.
 pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
-/// The one that files have besides, last, where a material has [extras].
+/// The one that files have besides, after these, where a material has [extras].
 pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
+/// The one that files have besides, last, where there are names or a ground: see [shown].
+pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 
 impl Scene {
     /// The points of level `l`.
@@ -156,6 +158,8 @@ impl Scene {
         }
         let extras = extras::encode(&self.meta.materials)?;
         sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
+        let shown = shown::encode(&self.meta.shown);
+        sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
     }
 
@@ -198,6 +202,10 @@ impl Scene {
         };
         if has_extras {
             extras::decode(bytes(EXTRAS_SECTION)?, &mut scene.meta.materials)?;
+        }
+        if sections.iter().any(|s| s.name == SHOWN_SECTION) {
+            let shown = shown::decode(bytes(SHOWN_SECTION)?);
+            scene.meta.shown = shown.ok_or_else(|| RbnError::invalid("SHOW", "names or ground"))?;
         }
         scene.check()?;
         scene.relate()?;

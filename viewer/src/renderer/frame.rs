@@ -178,6 +178,9 @@ impl Renderer {
         let scene = self.scene.as_deref();
         let detailed = scene.is_some_and(|scene| scene.materials.detailed);
         let unlit = self.mode == Mode::All && scene.is_some_and(|scene| scene.materials.unlit);
+        let backdrop = self.backdrop
+            && self.mode == Mode::All
+            && scene.is_some_and(|scene| !scene.meta.shown.ground.is_empty());
         let veiled = scene.filter(|scene| scene.upload.blended_layers > 0);
         Shading {
             direct: (self.mode != Mode::Indirect) as u32 as f32,
@@ -191,7 +194,8 @@ impl Renderer {
                 | flag(!self.auto_exposure, composite::MANUAL)
                 | flag(veiled.is_some(), composite::VEILED)
                 | flag(veiled.is_some_and(|scene| scene.upload.tinted), composite::TINTED)
-                | flag(unlit, composite::UNLIT),
+                | flag(unlit, composite::UNLIT)
+                | flag(backdrop, composite::BACKDROP),
             enlarge: 1,
             unit: veiled.map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lights, scene.extent.all)),
             pad: [0; 3],

@@ -82,6 +82,7 @@ pub struct Renderer {
     mode: Mode,
     overlay: Overlay,
     gizmos: bool,
+    backdrop: bool,
     every_pixel: bool,
     choice: Choice,
     /// How the last picture's slots were filled.
@@ -144,6 +145,7 @@ impl Renderer {
             mode: Mode::All,
             overlay: Overlay::None,
             gizmos: true,
+            backdrop: true,
             every_pixel: false,
             way: Way::default(),
             viewed: false,

@@ -176,6 +176,17 @@ impl Renderer {
         self.gizmos = on;
     }
 
+    /// Whether an object stands before a backdrop; else what is behind it is black.
+    pub fn backdrop(&self) -> bool {
+        self.backdrop
+    }
+
+    /// Turns an object's backdrop on or off.
+    pub fn set_backdrop(&mut self, on: bool) {
+        self.dirty.shade |= self.backdrop != on;
+        self.backdrop = on;
+    }
+
     /// Highlights a handle.
     pub fn set_active(&mut self, handle: Option<Handle>) {
         self.dirty.present |= self.active != handle;

@@ -48,8 +48,8 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if (shading.flags & AGX) != 0u {
         shown = agx(light);
     }
-    if (shading.flags & UNLIT) != 0u {
-        shown += unlit(vec2u(position.xy));
+    if (shading.flags & (UNLIT | BACKDROP)) != 0u {
+        shown += besides(vec2u(position.xy));
     }
     return vec4f(shown, shading.blend);
 }

@@ -50,7 +50,7 @@ modules! {
     /// From sums to pixels.
     RESOLVE: "octahedral" "kernel" "frame" "place" "slots" "tilt" "level" "atlas" "resolve";
     /// The tone-mapped picture.
-    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "visibility" "slots" "tilt" "surface" "brdf" "reflect" "shade" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "visibility" "slots" "tilt" "surface" "brdf" "reflect" "shade" "backdrop" "fullscreen" "composite";
     /// Luminance of some pixels.
     LOOK: "octahedral" "frame" "lights" "lights_second" "visibility" "slots" "tilt" "surface" "brdf" "reflect" "shade" "look";
     /// Automatic exposure.

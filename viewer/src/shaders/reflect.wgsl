@@ -2,13 +2,15 @@
 // Group 0; group LIGHTS holds the lights.
 
 // Bits of `flags`: textures say more than colours; the picture is tone-mapped by AgX; the exposure is not measured;
-// there are blended surfaces; some of them let light through in a colour; some surfaces are unlit.
+// there are blended surfaces; some of them let light through in a colour; some surfaces are unlit; what is behind all of them
+// is a backdrop.
 const DETAILED = 1u;
 const AGX = 2u;
 const MANUAL = 4u;
 const VEILED = 8u;
 const TINTED = 16u;
 const UNLIT = 32u;
+const BACKDROP = 64u;
 
 struct Shading {
     // 1 where direct, bounced light are shown.

@@ -89,21 +89,3 @@ fn radiance(place: vec2u) -> vec4f {
     }
     return out;
 }
-
-// What a picture shows besides, whatever the light and the exposure.
-fn unlit(place: vec2u) -> vec3f {
-    let pixel = mended(place);
-    var sum = vec3f(0.0);
-    let texel = textureLoad(surface_texture, pixel, 0);
-    let albedo = textureLoad(albedo_texture, pixel, 0);
-    if textureLoad(depth_texture, pixel, 0) > 0.0 && albedo.a > 0.5 {
-        sum = albedo.rgb * looks[min(texel.y >> 16u, arrayLength(&looks) - 1u)].unlit;
-    }
-    if (shading.flags & TINTED) != 0u {
-        return sum * textureLoad(through_texture, pixel, 0).rgb + textureLoad(shine_texture, pixel, 0).rgb;
-    }
-    if (shading.flags & VEILED) != 0u {
-        sum *= 1.0 - textureLoad(veil_texture, pixel, 0).a;
-    }
-    return sum;
-}

@@ -4,6 +4,7 @@ use super::Viewer;
 use super::page::{animation, promise};
 use crate::renderer::Renderer;
 use crate::stats::Counts;
+use crate::wire;
 use wasm_bindgen::prelude::*;
 
 impl Viewer {
@@ -26,6 +27,20 @@ impl Viewer {
     #[wasm_bindgen(js_name = sceneName)]
     pub fn scene_name(&self) -> String {
         self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.scene_name.clone())
+    }
+
+    /// Names of the file's own lights and then of its cameras, each ended by a zero; empty where nothing has a name.
+    pub fn names(&self) -> String {
+        self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.shown.names.clone())
+    }
+
+    /// The file's cameras, as [`crate::wire`] lists them, one after the other.
+    pub fn cameras(&self) -> Vec<f64> {
+        let mut out = Vec::new();
+        for camera in self.state.borrow().renderer.scene().map_or(&[][..], |scene| &scene.meta.cameras) {
+            out.extend(wire::camera_numbers(camera));
+        }
+        out
     }
 
     /// How the last picture's light got from functions to pixels: `"lookup"` or `"splat"`.

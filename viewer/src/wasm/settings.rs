@@ -155,6 +155,15 @@ impl Viewer {
         })
     }
 
+    /// Whether an object stands before a backdrop; true at first.
+    #[wasm_bindgen(setter)]
+    pub fn set_backdrop(&self, on: bool) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_backdrop(on);
+            Ok(())
+        })
+    }
+
     /// Whether the lights' handles are drawn and can be dragged; true at first.
     #[wasm_bindgen(getter)]
     pub fn gizmos(&self) -> bool {

@@ -16,7 +16,7 @@ export async function attributes(harness, context) {
         const values = {
           alt: "A room", poster: "room.png", width: 320, height: 200, exposure: 1.5, autoExposure: false,
           toneMapping: "agx", mode: "direct", overlay: "levels", loading: "lazy", controls: true, autoplay: true,
-          animationName: "night", stateInLink: true, handles: false, interaction: "page", display: "splat",
+          animationName: "night", stateInLink: true, handles: false, interaction: "page", display: "splat", backdrop: "none",
         };
         for (const [name, value] of Object.entries(values)) {
           const attribute = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
@@ -32,7 +32,7 @@ export async function attributes(harness, context) {
         }
         viewer.src = "missing.rbn";
         const src = viewer.src;
-        for (const [name, bad] of [["mode", "x"], ["overlay", "x"], ["toneMapping", "x"], ["interaction", "x"], ["display", "x"], ["exposure", "much"], ["width", "-3"]]) {
+        for (const [name, bad] of [["mode", "x"], ["overlay", "x"], ["toneMapping", "x"], ["interaction", "x"], ["display", "x"], ["backdrop", "x"], ["exposure", "much"], ["width", "-3"]]) {
           viewer[name] = bad;
           if (viewer[name] !== defaults[name]) wrong.push(`${name} is ${viewer[name]} for ${bad}`);
         }
@@ -43,7 +43,7 @@ export async function attributes(harness, context) {
       const defaults = {
         alt: "", poster: "", width: 0, height: 0, exposure: 0, autoExposure: true, toneMapping: "neutral", mode: "all",
         overlay: "none", loading: "eager", controls: false, autoplay: false, animationName: "", stateInLink: false,
-        handles: true, interaction: "all", display: "auto",
+        handles: true, interaction: "all", display: "auto", backdrop: "auto",
       };
       same(found.defaults, defaults, "defaults");
       equal(found.src, `${context.address}missing.rbn`, "src, in full");
@@ -54,7 +54,7 @@ export async function attributes(harness, context) {
     `property src, property alt, property poster, property width, property height, property exposure
     property autoExposure, property toneMapping, property mode, property overlay, property loading, property controls
     property autoplay, property animationName, property stateInLink, property handles, property interaction
-    property display`,
+    property display, property backdrop`,
   );
 
   const { page, faults } = await loaded(context, '<rebounce-viewer src="scene.rbn" alt="Two <b>blocks</b>"></rebounce-viewer>');

@@ -11,7 +11,7 @@ import { loaded } from "./open.mjs";
 const SCENES = fileURLToPath(new URL("../../../baker/tests/gltf", import.meta.url));
 
 /** Only direct light is looked at: little is baked. */
-const QUICK = "--preset draft --functions 1000 --levels 2 --sender-levels 2 --direct-levels 2".split(" ");
+export const QUICK = "--preset draft --functions 1000 --levels 2 --sender-levels 2 --direct-levels 2".split(" ");
 
 /** The pixels of a scene whose floor has a picture of this kind. */
 async function pixels(context, name) {
@@ -32,7 +32,7 @@ async function pixels(context, name) {
 }
 
 /** A glTF file of horizontal squares that shine: height, half a side, colour, alpha (1: opaque). */
-function squares(list) {
+export function squares(list) {
   const positions = list.flatMap(([y, half]) => [-half, y, -half, -half, y, half, half, y, half, half, y, -half]);
   const bytes = Buffer.concat([Buffer.from(new Float32Array(positions).buffer), Buffer.from(new Uint16Array([0, 1, 2, 0, 2, 3]).buffer)]);
   const indices = list.length;

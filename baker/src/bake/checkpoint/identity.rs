@@ -111,6 +111,8 @@ fn digest(scene: &Scene) -> String {
         textures,
         lights,
         cameras,
+        light_names,
+        camera_names,
         animations,
         left_out: _,
         notes: _,
@@ -134,6 +136,7 @@ fn digest(scene: &Scene) -> String {
     }
     // Debug prints numbers so that they read back the same.
     add(format!("{name:?} {origin:?} {materials:?} {lights:?} {cameras:?} {animations:?}").as_bytes());
+    add(format!("{light_names:?} {camera_names:?}").as_bytes());
     for texture in textures {
         add(format!("{:?} {}", texture.meta, texture.texels.is_some()).as_bytes());
         add(&texture.bytes);

@@ -3,7 +3,7 @@
 //! Read from the raw extension: in the crate's own form of it numbers have 32 bits and types that it does not know have
 //! no name.
 
-use super::node::{Placed, placement};
+use super::node::{self, Placed, placement};
 use super::source::Source;
 use crate::scene::SceneError;
 use crate::scene::notes::Told;
@@ -73,6 +73,12 @@ fn index(source: &Source, node: usize) -> Result<Option<usize>, SceneError> {
 pub(super) fn name(source: &Source, index: usize) -> String {
     let name = source.lights.get(index).and_then(|light| light.name.as_deref());
     format!("light {index} ({:?})", name.unwrap_or_default())
+}
+
+/// A light's own name, or else that of the node that places it; may be empty.
+pub(super) fn own_name(source: &Source, node: &Placed, index: usize) -> String {
+    let own = source.lights.get(index).and_then(|light| light.name.clone()).unwrap_or_default();
+    node::or_of_node(source, node, own)
 }
 
 /// The lights that nodes place, in the order of `nodes`: each node's place there, and the light's index. Lights of types

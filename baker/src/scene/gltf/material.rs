@@ -6,7 +6,7 @@ use super::source::Source;
 use super::texture_info::{TextureInfo, UvSource};
 use super::transmission::{self, DiffuseTransmission, Numbers};
 use crate::scene::{Scene, SceneError};
-use crate::triangles::glass::textures as textures_of_light;
+use crate::triangles::glass::{shining, textures as textures_of_light};
 use glam::DMat3;
 use gltf::json::material::AlphaMode;
 use gltf::json::validation::Checked;
@@ -271,12 +271,14 @@ impl<'a> Materials<'a> {
         Some(DetailTexture { texture, uv_from_vertex: [rows.x_axis.into(), rows.y_axis.into()] })
     }
 
-    /// The materials and their textures; textures with one image share it. Only those that light needs are decoded: the
-    /// rest is for pictures, which do without what cannot be read.
+    /// The materials and their textures; textures with one image share it. Only those that light needs are decoded, and those
+    /// of emission: these and the rest are for pictures, which do without what cannot be read.
     pub fn finish(mut self, scene: &mut Scene) -> Result<(), SceneError> {
         let source = self.source;
         let needed: HashSet<u32> = self.out.iter().flat_map(textures_of_light).collect();
-        let mut images: Vec<(usize, bool)> = Vec::new();
+        let shining: HashSet<u32> = self.out.iter().filter_map(shining).collect();
+        // Which image, whether it is decoded, and whether light needs it.
+        let mut images: Vec<(usize, bool, bool)> = Vec::new();
         let mut of_image = Vec::new();
         for (t, &(texture, _)) in self.textures.iter().enumerate() {
             let base = needed.contains(&(t as u32));
@@ -289,20 +291,26 @@ impl<'a> Materials<'a> {
                     continue;
                 }
             };
-            let at = images.iter().position(|&(i, _)| i == image).unwrap_or_else(|| {
-                images.push((image, false));
+            let at = images.iter().position(|&(i, ..)| i == image).unwrap_or_else(|| {
+                images.push((image, false, false));
                 images.len() - 1
             });
-            images[at].1 |= base;
+            images[at].1 |= base || shining.contains(&(t as u32));
+            images[at].2 |= base;
             of_image.push(Some(at));
         }
         check_sizes(source, &images)?;
         let mut pictures = Vec::new();
-        let read: Vec<_> = images.par_iter().map(|&(i, decoded)| picture(source, i, decoded)).collect();
-        for (picture, (_, decoded)) in read.into_iter().zip(images) {
+        // What is for pictures alone may be of a kind that only browsers decode.
+        let read = |&(i, decoded, needed): &(usize, bool, bool)| match picture(source, i, decoded) {
+            Err(_) if decoded && !needed => picture(source, i, false),
+            read => read,
+        };
+        let read: Vec<_> = images.par_iter().map(read).collect();
+        for (picture, (.., needed)) in read.into_iter().zip(images) {
             match picture {
                 Ok(picture) => pictures.push(Some(picture)),
-                Err(error) if decoded => return Err(error),
+                Err(error) if needed => return Err(error),
                 Err(error) => {
                     self.left_out.push(error.to_string());
                     pictures.push(None);

@@ -81,6 +81,7 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     let lights = light::placed(source, &nodes, &mut told)?;
     for &(place, index) in &lights {
         scene.lights.push(light::of(source, &nodes[place], index, &mut told)?);
+        scene.light_names.push(light::own_name(source, &nodes[place], index));
     }
     let mut lamps = Lamps::new(lights.iter().map(|(_, index)| *index).zip(&scene.lights));
     let mut materials = material::Materials::new(source, options.albedo);
@@ -119,7 +120,10 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     let (low, high) = scene.main_part();
     let main_size = (high - low).as_dvec3().length();
     for node in &nodes {
-        scene.cameras.extend(node::camera(source, node, scene.origin, main_size)?);
+        if let Some(camera) = node::camera(source, node, scene.origin, main_size)? {
+            scene.cameras.push(camera);
+            scene.camera_names.push(node::camera_name(source, node));
+        }
     }
     scene.animations = animation::animations(source, &nodes, &lights, &mut scene.left_out)?;
     told.notes.extend(lamps.enclosed.iter().filter_map(|lamp| lamp.note(source, size)));

@@ -52,6 +52,18 @@ pub(super) fn name(source: &Source, index: usize) -> String {
     format!("node {index} ({:?})", name.unwrap_or_default())
 }
 
+/// A name, or where it is empty that of a node.
+pub(super) fn or_of_node(source: &Source, node: &Placed, name: String) -> String {
+    if name.is_empty() { source.root.nodes[node.index].name.clone().unwrap_or_default() } else { name }
+}
+
+/// The own name of a node's camera, or else the node's.
+pub(super) fn camera_name(source: &Source, node: &Placed) -> String {
+    let camera =
+        source.root.nodes[node.index].camera.and_then(|index| source.root.cameras.get(index.value()));
+    or_of_node(source, node, camera.and_then(|camera| camera.name.clone()).unwrap_or_default())
+}
+
 fn children(node: &Node) -> impl DoubleEndedIterator<Item = usize> {
     node.children.iter().flatten().map(Index::value)
 }

@@ -52,9 +52,9 @@ fn image(source: &Source, index: usize) -> Result<(&Image, Vec<u8>), SceneError>
 }
 
 /// Refuses images, decoded or only looked at, that would take far more memory than the file gives reason to.
-pub(super) fn check_sizes(source: &Source, images: &[(usize, bool)]) -> Result<(), SceneError> {
+pub(super) fn check_sizes(source: &Source, images: &[(usize, bool, bool)]) -> Result<(), SceneError> {
     let (mut texels, mut size) = (0u64, 0u64);
-    for &(index, decoded) in images {
+    for &(index, decoded, _) in images {
         // What cannot be read is told where it is needed.
         let Ok((_, bytes)) = image(source, index) else { continue };
         texels = texels.saturating_add(texels_said(&bytes, decoded));

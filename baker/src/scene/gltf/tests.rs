@@ -130,6 +130,20 @@ fn lights_and_cameras_stand_where_their_nodes_are() {
     assert!(camera.target[1] < 5.0 && (camera.yfov_deg - 1f64.to_degrees()).abs() < 1e-9);
 }
 
+#[test]
+fn lights_and_cameras_have_their_own_names_or_those_of_their_nodes() {
+    for (own, named) in [("", "node"), (r#""name":"own","#, "own"), (r#""name":"","#, "node")] {
+        let node = r#","name":"node","camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}"#;
+        let more = format!(
+            r#","cameras":[{{{own}"type":"perspective","perspective":{{"yfov":1.0}}}}],
+            "extensions":{{"KHR_lights_punctual":{{"lights":[{{{own}"type":"point"}}]}}}}"#
+        );
+        let scene = parse(&square(node, "", &more)).unwrap();
+        assert_eq!(scene.light_names, [named]);
+        assert_eq!(scene.camera_names, [named]);
+    }
+}
+
 /// The square with texture coordinates (x, 1 − y) and a picture of four texels: red, green above
 /// blue, white. glTF has v = 0 at the top, so that the picture stands upright.
 fn textured(info: &str) -> Scene {

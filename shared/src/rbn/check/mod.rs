@@ -29,7 +29,7 @@ fn sane(x: f32) -> bool {
     x.abs() < LARGEST
 }
 
-fn all_sane(numbers: &[f32]) -> bool {
+pub(super) fn all_sane(numbers: &[f32]) -> bool {
     numbers.iter().all(|x| sane(*x))
 }
 
@@ -51,6 +51,9 @@ impl Scene {
             )));
         }
         meta::check(m, self.points.len() as u64, self.texture_bytes.len() as u64)?;
+        if !super::shown::is_sound(m) {
+            return Err(bad("SHOW", "names or ground"));
+        }
         let mut drawn = 0u64;
         for draw in &m.draws {
             let end = draw.first_index as u64 + draw.index_count as u64;

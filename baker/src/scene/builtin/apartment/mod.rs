@@ -91,6 +91,8 @@ pub(super) fn scene() -> Scene {
         name: "apartment".into(),
         materials: MATERIALS.iter().map(|(name, albedo)| matt(name, *albedo)).collect(),
         lights: lights(),
+        light_names: LIGHTS.map(str::to_owned).into(),
+        camera_names: ["Living room", "Kitchen", "Bedroom", "Study"].map(str::to_owned).into(),
         cameras: vec![
             look([5.2, 1.6, 3.1], [1.9, 0.95, 6.0]),
             look([3.7, 1.6, 6.6], [1.2, 1.0, 1.2]),
@@ -103,7 +105,10 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// The afternoon sun, then the lamps: living room, dining table, kitchen, bedroom, study.
+/// Names of [`lights`].
+const LIGHTS: [&str; 6] = ["Sun", "Living room", "Dining table", "Kitchen", "Bedroom", "Study"];
+
+/// The afternoon sun, then the lamps.
 fn lights() -> Vec<Light> {
     let warm = [1.0, 0.8, 0.56];
     let spot = |position, direction, outer: f64, intensity| Light::Spot {

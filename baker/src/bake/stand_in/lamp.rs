@@ -1,0 +1,230 @@
+//! A lamp for a scene that has none: in the picture, beside what is looked at, which it lights.
+
+use super::{ASPECT, spread_over_picture};
+use crate::light::direct;
+use crate::surface::{Hit, Ray, Surfaces};
+use glam::Vec3;
+use rayon::prelude::*;
+use rebounce_shared::camera::CameraFrame;
+use rebounce_shared::light::{Light, LightSource};
+use std::f32::consts::PI;
+
+/// Where in the picture lamps are tried, from its middle, over half its width and half its height: in the left or right
+/// third, where their handles are well within the picture.
+const ACROSS: [f32; 5] = [0.38, 0.46, 0.55, 0.65, 0.75];
+const UP: [f32; 7] = [0.72, 0.62, 0.52, 0.42, 0.32, 0.22, 0.12];
+/// How far away, over the distance of what is behind them there.
+const AWAY: [f32; 7] = [0.85, 0.75, 0.65, 0.55, 0.45, 0.35, 0.25];
+/// How far up to the ceiling a lamp hangs best.
+const HIGH: f32 = 0.75;
+/// The widest spot, degrees: wider ones take six shadow maps.
+const WIDEST: f32 = 60.0;
+/// How far a spot is from the middle of an object at least, over the scene's diagonal, to light all of it.
+const BACK: f32 = 0.7;
+/// The best so many places are looked at closely, with so many rays of the picture.
+const CLOSELY: usize = 96;
+const RAYS: u32 = 160;
+/// Free space around a lamp in a room, over the room's height there; and in the open, over the scene's diagonal.
+const FREE: f32 = 0.12;
+const FREE_IN_OPEN: f32 = 0.05;
+/// How high it hangs best under the sky, and the most height that counts, over the eye's height.
+const SKY: [f32; 2] = [2.5, 3.0];
+/// Free space to its sides that it hangs best in, in a room, over the room's height there: walls are evenly lit then.
+const ASIDE: f32 = 0.5;
+
+/// What a picture shows.
+struct Sight<'a, S: Surfaces> {
+    surfaces: &'a S,
+    frame: &'a CameraFrame,
+    is_open: bool,
+    /// Least and greatest corner of what has the detail, local space.
+    part: (Vec3, Vec3),
+    /// How high the eye is above what is below it.
+    tall: f32,
+    /// What is in the middle of the picture, or next to it.
+    target: Option<Hit>,
+    /// Anything in the picture.
+    seen: Vec<Hit>,
+}
+
+/// How far surfaces are from a place: in any direction, level, up and down.
+struct Room {
+    around: f32,
+    aside: f32,
+    above: Option<f32>,
+    below: Option<f32>,
+}
+
+/// A lamp for this picture, world space: a point light in a room, a spot outside.
+pub fn lamp<S: Surfaces>(surfaces: &S, frame: &CameraFrame, is_open: bool, origin: [f64; 3]) -> Light {
+    let sight = Sight::new(surfaces, frame, is_open);
+    let place = sight.place();
+    let position = std::array::from_fn(|i| origin[i] + f64::from(place[i]));
+    let color = [1.0; 3];
+    let gain = sight.gain(place);
+    let intensity = two_digits(f64::from(if is_open { PI } else { 0.5 * PI } / gain));
+    if !is_open {
+        return Light::Point { position, intensity, color };
+    }
+    let (low, high) = sight.part;
+    let (to, radius) = (0.5 * (low + high) - place, 0.5 * (high - low).length());
+    let around = (radius / to.length().max(1e-6 * radius)).min(1.0).asin().to_degrees();
+    let outer = f64::from((1.2 * around).clamp(15.0, WIDEST).round());
+    Light::Spot {
+        position,
+        direction: to.as_dvec3().to_array(),
+        outer_cone_deg: outer,
+        inner_cone_deg: Some((0.7 * outer).round()),
+        intensity,
+        color,
+    }
+}
+
+/// A number rounded to two digits.
+fn two_digits(x: f64) -> f64 {
+    let unit = 10f64.powf(x.max(f64::MIN_POSITIVE).log10().floor() - 1.0);
+    (x / unit).round() * unit
+}
+
+impl<'a, S: Surfaces> Sight<'a, S> {
+    fn new(surfaces: &'a S, frame: &'a CameraFrame, is_open: bool) -> Self {
+        let part = surfaces.main_part();
+        let down = surfaces.cast(&Ray::blind(frame.eye, -Vec3::Y), 0);
+        let tall = down.map_or(0.1 * (part.1 - part.0).length(), |hit| hit.distance);
+        let mut sight = Self { surfaces, frame, is_open, part, tall, target: None, seen: Vec::new() };
+        let places: Vec<[f32; 2]> = spread_over_picture(RAYS).collect();
+        let hits: Vec<(f32, Hit)> =
+            places.par_iter().filter_map(|at| Some((at[0].hypot(at[1]), sight.hit(*at)?))).collect();
+        let nearest = hits.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, hit)| *hit);
+        sight.target = sight.hit([0.0; 2]).or(nearest);
+        sight.seen = hits.into_iter().map(|(_, hit)| hit).collect();
+        sight
+    }
+
+    /// A unit direction through a place in the picture, from -1 to 1, right and up.
+    fn way(&self, [x, y]: [f32; 2]) -> Vec3 {
+        let t = self.frame.tan_half_yfov;
+        (self.frame.forward + t * (ASPECT * x * self.frame.right + y * self.frame.up)).normalize()
+    }
+
+    fn hit(&self, at: [f32; 2]) -> Option<Hit> {
+        let way = self.way(at);
+        self.surfaces.see(&Ray::blind(self.frame.eye, way), 0).filter(|hit| hit.faces(way))
+    }
+
+    fn diagonal(&self) -> f32 {
+        (self.part.1 - self.part.0).length()
+    }
+
+    /// How far surfaces are from a place.
+    fn room(&self, place: Vec3) -> Room {
+        let free = |way: Vec3| self.surfaces.cast(&Ray::blind(place, way), 0).map(|hit| hit.distance);
+        let signs = [-1.0, 0.0, 1.0];
+        let ways = signs.into_iter().flat_map(|x| signs.into_iter().map(move |z| (x, z)));
+        let ways = ways.flat_map(|(x, z)| signs.into_iter().map(move |y| Vec3::new(x, y, z)));
+        let ways: Vec<(Vec3, f32)> = ways
+            .filter(|way| *way != Vec3::ZERO)
+            .map(|way| (way, free(way.normalize()).unwrap_or(f32::INFINITY)))
+            .collect();
+        let least = |ways: &mut dyn Iterator<Item = &(Vec3, f32)>| {
+            ways.map(|(_, free)| *free).fold(f32::INFINITY, f32::min)
+        };
+        Room {
+            around: least(&mut ways.iter()),
+            aside: least(&mut ways.iter().filter(|(way, _)| way.y == 0.0)),
+            above: free(Vec3::Y),
+            below: free(-Vec3::Y),
+        }
+    }
+
+    /// The irradiance at what is looked at from 1 cd there; 0 where no light gets there.
+    fn reaches(&self, place: Vec3) -> f32 {
+        self.target.as_ref().map_or(0.0, |hit| self.irradiance(place, hit))
+    }
+
+    fn irradiance(&self, place: Vec3, hit: &Hit) -> f32 {
+        let position = place.as_dvec3().to_array();
+        let light = Light::Point { position, intensity: 1.0, color: [1.0; 3] };
+        let lights: [LightSource; 1] = [light.source([0.0; 3])];
+        direct::at_hit(self.surfaces, &lights, hit).element_sum() / 3.0
+    }
+
+    /// The mean irradiance of what it lights in the picture from 1 cd there; what is very near counts little.
+    fn gain(&self, place: Vec3) -> f32 {
+        let lit: Vec<f32> =
+            self.seen.iter().map(|hit| self.irradiance(place, hit)).filter(|light| *light > 0.0).collect();
+        let count = lit.len().max(1) as f32;
+        let logs: f32 = lit.iter().map(|light| light.ln()).sum();
+        let mean = if lit.is_empty() { 0.0 } else { (logs / count).exp() };
+        let distance = 0.5 * self.diagonal();
+        mean.max(1e-3 / (distance * distance).max(f32::MIN_POSITIVE))
+    }
+
+    /// Where the lamp is, local space.
+    fn place(&self) -> Vec3 {
+        let eye = self.frame.eye;
+        let looked = self.target.as_ref().map_or(0.5 * self.diagonal(), |hit| hit.distance);
+        let tries: Vec<([f32; 2], f32)> = [-1.0, 1.0]
+            .into_iter()
+            .flat_map(|side| ACROSS.into_iter().map(move |x| side * x))
+            .flat_map(|x| UP.into_iter().map(move |y| [x, y]))
+            .flat_map(|at| AWAY.into_iter().map(move |away| (at, away)))
+            .collect();
+        let rated = |(at, away): &([f32; 2], f32)| {
+            let behind = self.hit(*at).map_or(f32::INFINITY, |hit| hit.distance);
+            let place = eye + self.way(*at) * (away * behind.min(1.5 * looked));
+            (self.rate(place, *at, looked), place)
+        };
+        let mut rated: Vec<(f32, Vec3)> = tries.par_iter().map(rated).collect();
+        rated.sort_by(|a, b| b.0.total_cmp(&a.0));
+        rated.truncate(CLOSELY);
+        let closely = |(rate, place): &(f32, Vec3)| {
+            let lit = self.seen.iter().filter(|hit| self.irradiance(*place, hit) > 0.0).count();
+            rate * (0.1 + (lit as f32 / self.seen.len().max(1) as f32).powi(3))
+        };
+        let closely: Vec<f32> = rated.par_iter().map(closely).collect();
+        let best = (0..rated.len()).max_by(|a, b| closely[*a].total_cmp(&closely[*b]).then(b.cmp(a)));
+        best.map_or(eye, |best| rated[best].1)
+    }
+
+    /// How good a place is but for how much it lights: free, high up but under the ceiling, lighting what is looked at from a
+    /// side, not near the eye. Above 0.
+    fn rate(&self, place: Vec3, [x, _]: [f32; 2], looked: f32) -> f32 {
+        let diagonal = self.diagonal();
+        let room = self.room(place);
+        let (low, high) = self.part;
+        let below = room.below.unwrap_or(0.2 * diagonal);
+        let tall = room.above.map_or(f32::INFINITY, |above| above + below).min(SKY[1] * self.tall);
+        let wanted = if self.is_open { FREE_IN_OPEN * diagonal } else { FREE * tall };
+        let free = (room.around / wanted).min(1.0);
+        let (up, aside) = if self.is_open {
+            let away = place.distance(0.5 * (low + high)) / (BACK * diagonal);
+            let up = (place.y - low.y) / (high.y - low.y).max(1e-6);
+            (0.75 + 0.25 * up.clamp(-1.0, 1.2), away.min(1.0).powi(2))
+        } else {
+            let up = match room.above {
+                Some(above) => bell(below / (above + below) - HIGH, 0.25),
+                None => bell(below / self.tall - SKY[0], 1.5),
+            };
+            (up, (room.aside / (ASIDE * tall)).min(1.0))
+        };
+        let at_target = self.reaches(place);
+        let reached = match &self.target {
+            Some(hit) if at_target > 0.0 => {
+                let cosine = at_target * place.distance_squared(hit.position);
+                0.3 + 0.7 * cosine.min(0.7)
+            }
+            _ => 0.01,
+        };
+        let nearer = place.distance(self.frame.eye) / looked.max(1e-6 * diagonal);
+        let depth = bell(nearer - 0.55, 0.45).max(0.05);
+        let third = bell(x.abs() - 0.5, 0.4);
+        // What is not free is no place at all while there is another.
+        let free = if free < 1.0 { 0.001 * free } else { 1.0 };
+        free * (0.02 + up.max(0.0)) * (0.2 + 0.8 * aside) * reached * depth * third + f32::MIN_POSITIVE
+    }
+}
+
+fn bell(x: f32, width: f32) -> f32 {
+    (-(x / width).powi(2)).exp()
+}

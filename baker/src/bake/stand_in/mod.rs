@@ -1,0 +1,89 @@
+//! Camera and lamp of a scene that has none, so that there is something to see; and the ground under an object.
+//!
+//! * `room` – a view of a room; `object` – one of an object or a landscape;
+//! * `lamp` – a lamp in the picture; `ground` – what an object stands on.
+
+mod ground;
+mod lamp;
+mod object;
+mod room;
+
+use crate::points::vantage::Vantage;
+use crate::scene::Scene;
+use crate::triangles::TriangleSurfaces;
+use glam::Vec3;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
+use rebounce_shared::rbn::shown::Shown;
+
+/// Vertical field of view of cameras that are added, degrees.
+const YFOV_DEG: f64 = 60.0;
+/// Width over height of the picture that a view is chosen for.
+const ASPECT: f32 = 16.0 / 9.0;
+/// Names of what is added.
+const LAMP: &str = "Lamp";
+const VIEW: &str = "First view";
+
+/// Lights and cameras, world space, neither of them empty; their names, and the ground.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Staged {
+    pub lights: Vec<Light>,
+    pub cameras: Vec<Camera>,
+    pub shown: Shown,
+}
+
+impl Staged {
+    /// The scene's own, or what takes their place.
+    pub fn new(scene: &Scene, vantage: &Vantage, surfaces: &TriangleSurfaces) -> Self {
+        let (mut lights, mut cameras) = (scene.lights.clone(), scene.cameras.clone());
+        let named = |names: &[String], count| {
+            (0..count).map(|i| names.get(i).cloned().unwrap_or_default()).collect::<Vec<_>>()
+        };
+        let mut light_names = named(&scene.light_names, lights.len());
+        let mut camera_names = named(&scene.camera_names, cameras.len());
+        if cameras.is_empty() {
+            let sources: Vec<_> = lights.iter().map(|light| light.source(scene.origin)).collect();
+            let inside = if vantage.is_open { None } else { room::view(surfaces, vantage, &sources) };
+            cameras.push(inside.map_or_else(
+                || outside(scene),
+                |view| camera(scene.origin, view.eye, view.eye + view.towards * view.far),
+            ));
+            camera_names.push(VIEW.to_owned());
+        }
+        if lights.is_empty() {
+            let frame = cameras[0].frame(scene.origin);
+            lights.push(lamp::lamp(surfaces, &frame, vantage.is_open, scene.origin));
+            light_names.push(LAMP.to_owned());
+        }
+        let names = light_names.iter().chain(&camera_names).map(String::as_str);
+        let shown = Shown::new(names, ground::ground(surfaces, vantage.is_open).as_ref());
+        Self { lights, cameras, shown }
+    }
+}
+
+/// A camera that sees a scene from outside.
+pub(super) fn outside(scene: &Scene) -> Camera {
+    let (low, high) = scene.main_part();
+    // Of models only the places are known here; of landscapes the part that has the detail is what is shown.
+    let is_object = scene.models.is_empty() && (low, high) == scene.bounds();
+    let corners = scene.triangles.iter().map(|t| t.map(|i| scene.positions[i as usize]));
+    let (low, high) = if is_object { object::shown(corners, low, high) } else { (low, high) };
+    let (eye, target) = object::view(low, high);
+    camera(scene.origin, eye, target)
+}
+
+/// A level camera from local space.
+fn camera(origin: [f64; 3], eye: Vec3, target: Vec3) -> Camera {
+    let world = |local: Vec3| std::array::from_fn(|i| origin[i] + f64::from(local[i]));
+    Camera { position: world(eye), target: world(target), up: [0.0, 1.0, 0.0], yfov_deg: YFOV_DEG }
+}
+
+/// Rays through a picture, as places in it: x and y from -1 to 1, right and up, evenly spread.
+fn spread_over_picture(count: u32) -> impl Iterator<Item = [f32; 2]> {
+    (0..count).map(move |i| {
+        let across = (i as f32 + 0.5) / count as f32;
+        // The golden ratio.
+        let up = (i as f32 * 0.618_034).fract();
+        [2.0 * across - 1.0, 2.0 * up - 1.0]
+    })
+}

@@ -1,0 +1,108 @@
+//! A view of an object or a landscape from outside.
+
+use super::YFOV_DEG;
+use crate::scene::bounds_of;
+use glam::Vec3;
+
+/// Where it is looked at from, seen from its middle: from ahead of it (glTF's objects face +z), from a little to the right
+/// and above.
+const AHEAD: Vec3 = Vec3::new(0.45, 0.35, 1.0);
+/// The share of the picture's height that its box fills, or of the width of a picture that is so many times as wide as high.
+const FILLED: f32 = 0.85;
+const WIDE: f32 = 1.3;
+/// A box around most triangles leaves out this share of them at each end of each axis.
+const FEW: f32 = 0.02;
+/// How much of what is around them is in the picture besides.
+const AROUND: f32 = 0.5;
+/// Triangles that are looked at, about.
+const LOOKED: usize = 1 << 16;
+
+/// The box that a picture shows: around most of these triangles, and something of the rest. So a statue on a plate is larger
+/// than with all of the plate.
+pub fn shown(triangles: impl ExactSizeIterator<Item = [Vec3; 3]>, low: Vec3, high: Vec3) -> (Vec3, Vec3) {
+    let step = triangles.len().div_ceil(LOOKED).max(1);
+    let triangles: Vec<[Vec3; 3]> = triangles.step_by(step).collect();
+    let (mut least, mut most) = (low, high);
+    for axis in 0..3 {
+        let mut middles: Vec<f32> =
+            triangles.iter().map(|[a, b, c]| (a[axis] + b[axis] + c[axis]) / 3.0).collect();
+        middles.sort_by(f32::total_cmp);
+        let few = (FEW * middles.len() as f32) as usize;
+        if let (Some(first), Some(last)) = (middles.get(few), middles.iter().nth_back(few)) {
+            (least[axis], most[axis]) = (*first, *last);
+        }
+    }
+    let is_within = |[a, b, c]: &&[Vec3; 3]| {
+        let middle = (*a + *b + *c) / 3.0;
+        middle.cmpge(least - 1e-6).all() && middle.cmple(most + 1e-6).all()
+    };
+    let corners: Vec<Vec3> = triangles.iter().filter(is_within).flatten().copied().collect();
+    let (least, most) = if corners.is_empty() { (low, high) } else { bounds_of(&corners) };
+    (least.lerp(low, AROUND), most.lerp(high, AROUND))
+}
+
+/// Eye and target, local space, so that the box between these corners fills a picture and is in its middle.
+pub fn view(low: Vec3, high: Vec3) -> (Vec3, Vec3) {
+    let radius = 0.5 * (high - low).length().max(f32::MIN_POSITIVE);
+    let back = AHEAD.normalize();
+    let right = Vec3::Y.cross(back).normalize();
+    let up = back.cross(right);
+    let high_reach = FILLED * (0.5 * YFOV_DEG as f32).to_radians().tan();
+    let corners: Vec<Vec3> = (0..8).map(|i| Vec3::select(mask(i), high, low)).collect();
+    let mut target = 0.5 * (low + high);
+    let mut distance = 0.0;
+    for _ in 0..8 {
+        let middle = target;
+        let seen =
+            |axis: Vec3| corners.iter().map(move |c| ((*c - middle).dot(axis), (*c - middle).dot(back)));
+        // A corner at x, z fits from where x is within `reach` of the distance less z.
+        let farthest =
+            |axis: Vec3, reach: f32| seen(axis).map(|(x, z)| z + x.abs() / reach).fold(0.0, f32::max);
+        distance = farthest(right, WIDE * high_reach).max(farthest(up, high_reach)).max(radius * 1e-3);
+        for axis in [right, up] {
+            let slopes = seen(axis).map(|(x, z)| x / (distance - z).max(1e-3 * radius));
+            let (least, most) = slopes.fold((f32::MAX, f32::MIN), |(a, b), s| (a.min(s), b.max(s)));
+            target += axis * (0.5 * (least + most) * distance);
+        }
+    }
+    (target + back * distance, target)
+}
+
+fn mask(i: u32) -> glam::BVec3 {
+    glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+    use rebounce_shared::camera::Camera;
+
+    #[test]
+    fn a_box_fills_the_picture_and_is_in_its_middle() {
+        for i in 0..200 {
+            let mut stream = Stream::new(7, i);
+            let mut any = || Vec3::new(stream.unit(), stream.unit(), stream.unit());
+            let low = 50.0 * (any() - 0.5);
+            let high = low + 20.0 * any() * any() + 1e-3;
+            let (eye, target) = view(low, high);
+            let position = eye.as_dvec3().to_array();
+            let target = target.as_dvec3().to_array();
+            let frame = Camera { position, target, up: [0.0, 1.0, 0.0], yfov_deg: YFOV_DEG }.frame([0.0; 3]);
+            let project = |p: Vec3| {
+                let (to, t) = (p - eye, frame.tan_half_yfov);
+                [to.dot(frame.right), to.dot(frame.up)].map(|x| x / (t * to.dot(frame.forward)))
+            };
+            let places: Vec<[f32; 2]> = (0..8).map(|i| project(Vec3::select(mask(i), high, low))).collect();
+            let ends = [0, 1].map(|axis| {
+                let along = places.iter().map(|p| p[axis]);
+                (along.clone().fold(f32::MAX, f32::min), along.fold(f32::MIN, f32::max))
+            });
+            let most =
+                ends.iter().zip([WIDE, 1.0]).map(|((a, b), wide)| b.max(-a) / wide).fold(0.0, f32::max);
+            assert!((most - FILLED).abs() < 0.02, "{ends:?}");
+            assert!(ends.iter().all(|(a, b)| (a + b).abs() < 0.05), "{ends:?}");
+            assert!(eye.y > high.y.min(0.5 * (low.y + high.y)), "from above");
+        }
+    }
+}

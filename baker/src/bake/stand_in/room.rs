@@ -1,0 +1,176 @@
+//! A view of a room: from the height of eyes above a large floor, level, where it is open and shows much of the room.
+
+use super::{ASPECT, YFOV_DEG, spread_over_picture};
+use crate::light::direct;
+use crate::points::vantage::Vantage;
+use crate::random::Stream;
+use crate::surface::{Ray, Surfaces};
+use glam::Vec3;
+use rayon::prelude::*;
+use rebounce_shared::light::LightSource;
+use std::collections::HashMap;
+
+/// Height of eyes, in metres; and the heights of rooms that are believed to be in metres.
+const EYES: f32 = 1.6;
+const METRES: std::ops::Range<f32> = 1.9..60.0;
+/// Height of eyes in other rooms, over the room's.
+const UP: f32 = 0.6;
+/// And never higher than this.
+const HIGHEST: f32 = 0.7;
+/// Places on floors that are tried.
+const TRIES: u64 = 768;
+/// A floor is large where this share of the tries stands on it: tables are not.
+const LARGE: f32 = 0.12;
+/// Level rays around a place, and of the best ways to look so many are looked at closely, with so many rays.
+const AROUND: usize = 32;
+const CLOSELY: usize = 160;
+const RAYS: u32 = 240;
+/// Free space around eyes, and what is too near to look at, over the eyes' height.
+const FREE: f32 = 0.3;
+const NEAR: f32 = 0.9;
+
+/// Where a room is seen from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Local space.
+    pub eye: Vec3,
+    /// Level unit direction.
+    pub towards: Vec3,
+    /// How far away the point is that is looked at.
+    pub far: f32,
+}
+
+/// A place to stand: above a floor, with so much height to the ceiling.
+#[derive(Clone, Copy)]
+struct Stand {
+    floor: Vec3,
+    height: Option<f32>,
+}
+
+/// The best view that is found; none where there is no floor. Lit places count, where there are lights.
+pub fn view<S: Surfaces>(surfaces: &S, vantage: &Vantage, lights: &[LightSource]) -> Option<View> {
+    let stands = stands(surfaces, &vantage.viewpoints);
+    let mut heights: Vec<f32> = stands.iter().filter_map(|stand| stand.height).collect();
+    heights.sort_by(f32::total_cmp);
+    let (low, high) = surfaces.main_part();
+    let usual = heights.get(heights.len() / 2).copied().unwrap_or(high.y - low.y);
+    let tall = if METRES.contains(&usual) { EYES } else { UP * usual };
+    let ways = |stand: &Stand| {
+        // Not with the head at the ceiling.
+        let up = stand.height.map_or(tall, |height| tall.min(HIGHEST * height));
+        let eye = stand.floor + up * Vec3::Y;
+        is_free(surfaces, eye, FREE * tall).then(|| rough(surfaces, eye, tall)).unwrap_or_default()
+    };
+    let mut ways: Vec<(f32, Vec3, Vec3)> = stands.par_iter().flat_map_iter(ways).collect();
+    ways.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ways.truncate(CLOSELY);
+    let scores: Vec<f32> =
+        ways.par_iter().map(|(_, eye, towards)| score(surfaces, *eye, *towards, tall, lights)).collect();
+    let best = (0..ways.len()).max_by(|a, b| scores[*a].total_cmp(&scores[*b]).then(b.cmp(a)))?;
+    let (_, eye, towards) = ways[best];
+    let far =
+        surfaces.cast(&Ray::blind(eye, towards), 0).map_or(0.25 * (high - low).length(), |hit| hit.distance);
+    Some(View { eye, towards, far: 0.7 * far })
+}
+
+/// Places on large floors, below places that the viewpoints see.
+fn stands<S: Surfaces>(surfaces: &S, viewpoints: &[Vec3]) -> Vec<Stand> {
+    let (low, high) = surfaces.main_part();
+    let find = |i: u64| {
+        let mut stream = Stream::new(0x7374_616e, i);
+        let viewpoint = *viewpoints.get(i as usize % viewpoints.len().max(1))?;
+        let (z, x) = (std::f32::consts::TAU * stream.unit()).sin_cos();
+        let way = Vec3::new(x, 0.5 * stream.unit() - 0.25, z).normalize();
+        let free = surfaces.cast(&Ray::blind(viewpoint, way), 0);
+        let free = free.map_or(0.25 * (high - low).length(), |hit| hit.distance);
+        let place = viewpoint + way * (free * stream.unit());
+        let down = Ray::blind(place, -Vec3::Y);
+        let floor = surfaces.cast(&down, 0).filter(|hit| hit.faces(-Vec3::Y) && hit.normal.y > 0.8)?;
+        let above = floor.offset_origin(Vec3::Y, surfaces.epsilon_at(floor.position));
+        let height = surfaces.cast(&Ray::blind(above, Vec3::Y), 0).map(|hit| hit.distance);
+        Some(Stand { floor: floor.position, height })
+    };
+    let found: Vec<Stand> = (0..TRIES).into_par_iter().filter_map(find).collect();
+    let step = 0.01 * (high - low).length();
+    let alike = |stand: &Stand| {
+        found.iter().filter(|other| (other.floor.y - stand.floor.y).abs() < step).count() as f32
+    };
+    let least = LARGE * found.len() as f32;
+    found.iter().filter(|stand| alike(stand) >= least).copied().collect()
+}
+
+fn is_free<S: Surfaces>(surfaces: &S, eye: Vec3, least: f32) -> bool {
+    let around = (0..8).map(|i| {
+        let (z, x) = (std::f32::consts::TAU * i as f32 / 8.0).sin_cos();
+        Vec3::new(x, 0.0, z)
+    });
+    around.chain([Vec3::Y, -Vec3::Y]).all(|way| {
+        let ray = Ray { max_distance: least, ..Ray::blind(eye, way) };
+        surfaces.cast(&ray, 0).is_none()
+    })
+}
+
+/// How open a level view is, for the three best ones from a place.
+fn rough<S: Surfaces>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec3)> {
+    let way = |i: usize| {
+        let (z, x) = (std::f32::consts::TAU * i as f32 / AROUND as f32).sin_cos();
+        Vec3::new(x, 0.0, z)
+    };
+    let open: Vec<f32> = (0..AROUND)
+        .map(|i| match surfaces.cast(&Ray::blind(eye, way(i)), 0) {
+            Some(hit) if hit.faces(way(i)) => (hit.distance / tall).ln_1p(),
+            // Backs, and the sky.
+            Some(_) => -1.0,
+            None => 0.5,
+        })
+        .collect();
+    // An eighth of the way around to each side.
+    let side = AROUND / 8;
+    let mut ways: Vec<(f32, Vec3, Vec3)> = (0..AROUND)
+        .map(|i| {
+            let seen = (0..=2 * side).map(|k| open[(i + k + AROUND - side) % AROUND]);
+            (seen.sum(), eye, way(i))
+        })
+        .collect();
+    ways.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ways.truncate(3);
+    ways
+}
+
+/// How much a level view shows: far and different surfaces, the floor among them, in light where there is any; little that is
+/// near, and no backs or sky.
+fn score<S: Surfaces>(surfaces: &S, eye: Vec3, towards: Vec3, tall: f32, lights: &[LightSource]) -> f32 {
+    let right = towards.cross(Vec3::Y);
+    let half = (0.5 * YFOV_DEG as f32).to_radians().tan();
+    let (mut open, mut seen, mut near, mut floor, mut lit) = (0.0, 0.0f32, 0.0, 0.0, 0.0);
+    let mut kinds: HashMap<u32, u32> = HashMap::new();
+    for [x, y] in spread_over_picture(RAYS) {
+        let way = (towards + half * (ASPECT * x * right + y * Vec3::Y)).normalize();
+        let ray = Ray::blind(eye, way);
+        let Some(hit) = surfaces.see(&ray, 0).filter(|hit| hit.faces(way)) else { continue };
+        seen += 1.0;
+        open += (hit.distance / tall).ln_1p();
+        near += (hit.distance < NEAR * tall) as u32 as f32;
+        floor += (hit.normal.y > 0.8 && hit.position.y < eye.y - 0.7 * tall) as u32 as f32;
+        if !lights.is_empty() && direct::at_hit(surfaces, lights, &hit) != Vec3::ZERO {
+            lit += 1.0;
+        }
+        if let Some(pieces) = surfaces.pieces()
+            && let Some((place, _)) = pieces.find_seen(&ray, 0)
+        {
+            *kinds.entry(pieces.piece(place.piece).kind).or_default() += 1;
+        }
+    }
+    let rays = RAYS as f32;
+    // As many as of equal shares would be as mixed.
+    let part = |count: &u32| *count as f32 / seen.max(1.0);
+    let kinds = kinds.values().map(|count| -part(count) * part(count).ln()).sum::<f32>().exp();
+    let share = |part: f32| part / rays;
+    let in_light = if lights.is_empty() { 1.0 } else { 0.3 + 0.7 * (share(lit) / 0.2).min(1.0) };
+    share(open)
+        * share(seen).powi(2)
+        * (1.0 - 3.0 * share(near)).max(0.0)
+        * (0.25 + 0.75 * (share(floor) / 0.12).min(1.0))
+        * kinds.sqrt()
+        * in_light
+}

@@ -1,0 +1,235 @@
+//! What is seen first of a scene without cameras and lights: the view and the lamp that a bake adds.
+
+use glam::{Vec2, Vec3, vec3};
+use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
+use rebounce::light::direct;
+use rebounce::random::Stream;
+use rebounce::scene::Scene;
+use rebounce::surface::{Hit, Ray, Surfaces};
+use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::camera::CameraFrame;
+use rebounce_shared::light::Light;
+use rebounce_shared::rbn::meta::Material;
+
+/// Boxes, each of its own material: the first one's sides face in.
+fn scene(blocks: &[(Vec3, Vec3)], is_room: bool) -> Scene {
+    let mut scene = Scene::default();
+    for (number, (low, high)) in blocks.iter().enumerate() {
+        let shade = 0.3 + 0.5 * number as f32 / blocks.len() as f32;
+        let base_color = [shade, 0.6, 0.9 - shade, 1.0];
+        scene.materials.push(Material { base_color, name: number.to_string(), ..Material::default() });
+        let faces_in = is_room && number == 0;
+        let (middle, half) = (0.5 * (*low + *high), 0.5 * (*high - *low));
+        for (axis, sign) in (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+            let normal = Vec3::AXES[axis] * sign;
+            let (across, up) = (Vec3::AXES[(axis + 1) % 3] * sign, Vec3::AXES[(axis + 2) % 3]);
+            let first = scene.positions.len() as u32;
+            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                scene.positions.push(middle + half * (normal + across * x + up * y));
+                scene.normals.push(if faces_in { -normal } else { normal });
+                scene.uvs.push(Vec2::ZERO);
+            }
+            for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
+                let [b, c] = if faces_in { [c, b] } else { [b, c] };
+                scene.triangles.push([first + a, first + b, first + c]);
+                scene.triangle_material.push(number as u32);
+            }
+        }
+    }
+    scene
+}
+
+/// A room of any size with furniture on its floor.
+fn room(stream: &mut Stream, scale: f32) -> Scene {
+    let size = vec3(3.5 + 6.0 * stream.unit(), 2.3 + 2.0 * stream.unit(), 3.5 + 6.0 * stream.unit());
+    let mut blocks = vec![(Vec3::ZERO, size)];
+    for _ in 0..(stream.unit() * 7.0) as usize {
+        let extent = vec3(0.3 + 1.3 * stream.unit(), 0.4 + 1.4 * stream.unit(), 0.3 + 1.0 * stream.unit());
+        let at = (size - extent) * vec3(stream.unit(), 0.0, stream.unit());
+        blocks.push((at, at + extent));
+    }
+    let blocks: Vec<_> = blocks.iter().map(|(low, high)| (*low * scale, *high * scale)).collect();
+    scene(&blocks, true)
+}
+
+/// A plate with a few things on it.
+fn object(stream: &mut Stream, scale: f32) -> Scene {
+    let plate = vec3(1.0 + 2.0 * stream.unit(), 0.05 + 0.2 * stream.unit(), 1.0 + 2.0 * stream.unit());
+    let mut blocks = vec![(Vec3::ZERO, plate)];
+    for _ in 0..1 + (stream.unit() * 4.0) as usize {
+        let extent = vec3(0.1 + 0.8 * stream.unit(), 0.2 + 2.0 * stream.unit(), 0.1 + 0.8 * stream.unit());
+        let at =
+            (plate - extent).max(Vec3::ZERO) * vec3(stream.unit(), 0.0, stream.unit()) + plate.y * Vec3::Y;
+        blocks.push((at, at + extent));
+    }
+    let blocks: Vec<_> = blocks.iter().map(|(low, high)| (*low * scale, *high * scale)).collect();
+    scene(&blocks, false)
+}
+
+/// The same on a plain that is far larger.
+fn landscape(stream: &mut Stream) -> Scene {
+    let mut house = object(stream, 1.0);
+    let first = house.positions.len() as u32;
+    for (x, z) in [(-3e3, -3e3), (-3e3, 3e3), (3e3, 3e3), (3e3, -3e3)] {
+        house.positions.push(vec3(x, 0.0, z));
+        house.normals.push(Vec3::Y);
+        house.uvs.push(Vec2::ZERO);
+    }
+    house.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    house.triangle_material.extend([0, 0]);
+    house
+}
+
+struct Seen {
+    surfaces: TriangleSurfaces,
+    frame: CameraFrame,
+    light: Light,
+}
+
+impl Seen {
+    fn new(scene: &Scene) -> Self {
+        let (lights, cameras) = lights_and_cameras(scene, &BakeSettings::new(Preset::Draft)).unwrap();
+        let surfaces = TriangleSurfaces::from_scene(scene);
+        assert_eq!((lights.len(), cameras.len()), (1, 1));
+        Self { surfaces, frame: cameras[0].frame(scene.origin), light: lights[0].clone() }
+    }
+
+    fn lamp(&self) -> Vec3 {
+        Vec3::from(self.light.position().unwrap().map(|x| x as f32))
+    }
+
+    /// Where it is in a picture of 16:9, from -1 to 1, right and up.
+    fn at(&self, place: Vec3) -> Vec2 {
+        let (to, t) = (place - self.frame.eye, self.frame.tan_half_yfov);
+        let depth = to.dot(self.frame.forward);
+        assert!(depth > 0.0, "behind the eye");
+        vec2_of(to.dot(self.frame.right) * 9.0 / 16.0, to.dot(self.frame.up)) / (t * depth)
+    }
+
+    fn look(&self, x: f32, y: f32) -> Option<Hit> {
+        let direction = self.frame.direction(160.0 + 160.0 * x, 90.0 - 90.0 * y, 320, 180);
+        self.surfaces.see(&Ray::blind(self.frame.eye, direction), 0).filter(|hit| hit.faces(direction))
+    }
+
+    /// The lamp is in the left or right third, before all surfaces, free, and lights what is looked at.
+    fn check_lamp(&self, what: &str) {
+        let (lamp, at) = (self.lamp(), self.at(self.lamp()));
+        assert!((1.0 / 3.0..0.9).contains(&at.x.abs()) && at.y > 0.0 && at.y < 0.9, "{what}: lamp at {at}");
+        let to = lamp - self.frame.eye;
+        let ray = Ray { max_distance: to.length(), ..Ray::blind(self.frame.eye, to.normalize()) };
+        assert!(self.surfaces.see(&ray, 0).is_none(), "{what}: hidden");
+        let lights = [self.light.source([0.0; 3])];
+        // The middle of a picture may be between two things.
+        if let Some(target) = self.look(0.0, 0.0) {
+            assert!(direct::at_hit(&self.surfaces, &lights, &target).x > 0.0, "{what}: the target is dark");
+        }
+        // Lit surfaces have a sensible radiance: intensities are neither of stars nor of candles far away.
+        let places = (0..400).map(|i| (i % 20, i / 20)).map(|(x, y)| [x, y].map(|k| k as f32 / 10.0 - 0.95));
+        let hits: Vec<Hit> = places.filter_map(|[x, y]| self.look(x, y)).collect();
+        let lit: Vec<f32> = hits
+            .iter()
+            .map(|hit| direct::at_hit(&self.surfaces, &lights, hit).x)
+            .filter(|light| *light > 0.0)
+            .collect();
+        let mean = (lit.iter().map(|light| light.ln()).sum::<f32>() / lit.len().max(1) as f32).exp();
+        assert!((0.3..6.0).contains(&mean), "{what}: irradiance {mean}");
+        assert!(lit.len() * 10 > hits.len() * 2, "{what}: {} of {} lit", lit.len(), hits.len());
+    }
+
+    /// How far the nearest surface is from the lamp.
+    fn free(&self) -> f32 {
+        let distance = |i: u64| {
+            let ray = Ray::blind(self.lamp(), Stream::new(5, i).sphere());
+            self.surfaces.cast(&ray, 0).map_or(f32::INFINITY, |hit| hit.distance)
+        };
+        (0..400).map(distance).fold(f32::INFINITY, f32::min)
+    }
+}
+
+fn vec2_of(x: f32, y: f32) -> Vec2 {
+    Vec2::new(x, y)
+}
+
+#[test]
+fn a_room_is_seen_from_the_height_of_eyes_over_its_floor_and_its_lamp_hangs_in_the_picture() {
+    for i in 0..40 {
+        let mut stream = Stream::new(0x726f_6f6d, i);
+        // Not all files are in metres.
+        let scale = if i % 4 == 3 { 100.0 } else { 1.0 };
+        let scene = room(&mut stream, scale);
+        let what = format!("room {i}");
+        let seen = Seen::new(&scene);
+        let (low, high) = seen.surfaces.bounds();
+        let eye = seen.frame.eye;
+        assert!(eye.cmpgt(low).all() && eye.cmplt(high).all(), "{what}: outside");
+        assert!(seen.frame.forward.y.abs() < 1e-3 && seen.frame.up.y > 0.999, "{what}: not level");
+        let floor = seen.surfaces.cast(&Ray::blind(eye, -Vec3::Y), 0).unwrap();
+        assert!(floor.position.y < low.y + 1e-3 * scale, "{what}: on the furniture");
+        if scale == 1.0 {
+            assert!((floor.distance - 1.6).abs() < 1e-3, "{what}: {} above the floor", floor.distance);
+        }
+        // Far walls, not the nearest one: what the middle of the picture shows is at least as far as half of the room's depth.
+        let size = high - low;
+        let distances: Vec<f32> =
+            (-8..=8).filter_map(|x| seen.look(x as f32 / 9.0, 0.0)).map(|hit| hit.distance).collect();
+        let mean = distances.iter().sum::<f32>() / distances.len() as f32;
+        assert!(mean > 0.45 * size.x.min(size.z), "{what}: {mean} in a room of {size}");
+        // Floor and other things are in the picture.
+        let kinds = (0..400)
+            .filter_map(|i| seen.look((i % 20) as f32 / 10.0 - 0.95, (i / 20) as f32 / 10.0 - 0.95))
+            .map(|hit| hit.geometric_normal.round().to_array().map(|x| x as i32))
+            .collect::<std::collections::HashSet<_>>();
+        assert!(kinds.contains(&[0, 1, 0]) && kinds.len() >= 3, "{what}: {kinds:?}");
+        seen.check_lamp(&what);
+        assert!(seen.lamp().y < high.y && seen.lamp().cmpgt(low).all(), "{what}: not below the ceiling");
+        assert!(seen.free() > 0.08 * size.y, "{what}: {} free", seen.free());
+        assert!(matches!(seen.light, Light::Point { .. }));
+    }
+}
+
+#[test]
+fn an_object_fills_the_picture_and_its_lamp_hangs_beside_it() {
+    for i in 0..40 {
+        let mut stream = Stream::new(0x6f62_6a65, i);
+        let scale = [1.0, 0.01, 30.0][i as usize % 3];
+        let scene = object(&mut stream, scale);
+        let what = format!("object {i}");
+        let seen = Seen::new(&scene);
+        let (low, high) = seen.surfaces.bounds();
+        let corners = (0..8)
+            .map(|k| seen.at(Vec3::select(glam::BVec3::new(k & 1 != 0, k & 2 != 0, k & 4 != 0), high, low)));
+        let most = corners.clone().fold(Vec2::ZERO, |most, at| most.max(at.abs()));
+        let filled = most.y.max(most.x * 16.0 / 9.0 / 1.3);
+        assert!((0.8..0.88).contains(&filled), "{what}: {most}");
+        assert!(seen.frame.forward.y < -0.1 && seen.frame.right.y.abs() < 1e-3, "{what}: not from above");
+        seen.check_lamp(&what);
+        let lamp = seen.lamp();
+        assert!(lamp.cmplt(low).any() || lamp.cmpgt(high).any() || seen.free() > 0.0, "{what}");
+        assert!(seen.free() > 0.03 * (high - low).length(), "{what}: {} free", seen.free());
+        let Light::Spot { direction, outer_cone_deg, .. } = &seen.light else { panic!("{:?}", seen.light) };
+        // It is aimed at the object.
+        let aim = Vec3::from(direction.map(|x| x as f32)).normalize();
+        let to = (0.5 * (low + high) - lamp).normalize();
+        assert!(aim.dot(to) > 0.999 && *outer_cone_deg >= 15.0, "{what}");
+    }
+}
+
+#[test]
+fn the_lamp_of_a_landscape_lights_what_has_the_detail() {
+    for i in 0..12 {
+        let scene = landscape(&mut Stream::new(0x6c61_6e64, i));
+        let seen = Seen::new(&scene);
+        assert!(seen.surfaces.main_part() != seen.surfaces.bounds(), "landscape {i}");
+        seen.check_lamp(&format!("landscape {i}"));
+    }
+}
+
+#[test]
+fn the_first_view_is_the_same_every_time() {
+    let scene = room(&mut Stream::new(1, 2), 1.0);
+    let settings = BakeSettings::new(Preset::Draft);
+    assert_eq!(
+        lights_and_cameras(&scene, &settings).unwrap(),
+        lights_and_cameras(&scene, &settings).unwrap()
+    );
+}

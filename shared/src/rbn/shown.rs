@@ -1,0 +1,111 @@
+//! How a scene is shown besides its light: names, and the ground under an object. Section `SHOW`, which only files with any
+//! of it have; readers that do not know it show the same surfaces in the same light.
+
+use super::meta::Meta;
+use bincode::de::Decoder;
+use bincode::enc::Encoder;
+use bincode::error::{DecodeError, EncodeError};
+use bincode::{Decode, Encode};
+use std::iter::once;
+
+/// Places of a [`Ground`] along each side.
+pub const SIDE: usize = 32;
+/// Bytes of a ground: eight floats, of which three are zero, and its shadow.
+pub const GROUND: usize = 32 + SIDE * SIDE;
+
+/// Names and ground. Section `META` has nothing of it: it encodes to no bytes there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shown {
+    /// Names of all lights and then of all cameras, each ended by a zero, alone for what has none; empty where nothing has a
+    /// name.
+    pub names: String,
+    /// [`Ground::to_bytes`] of an object, which stands before a backdrop instead of black; else empty.
+    pub ground: Vec<u8>,
+}
+
+/// A level plane under an object, with the shadow of what stands on it, in local space.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ground {
+    /// Least x and z of the shadow.
+    pub low: [f32; 2],
+    /// Greatest x and z.
+    pub high: [f32; 2],
+    /// y of the plane.
+    pub height: f32,
+    /// Share of the sky that is hidden, 0 to 255, at the middles of [`SIDE`] by [`SIDE`] squares, row after row along x.
+    pub shade: Vec<u8>,
+}
+
+impl Encode for Shown {
+    fn encode<E: Encoder>(&self, _: &mut E) -> Result<(), EncodeError> {
+        Ok(())
+    }
+}
+
+impl<C> Decode<C> for Shown {
+    fn decode<D: Decoder<Context = C>>(_: &mut D) -> Result<Self, DecodeError> {
+        Ok(Self::default())
+    }
+}
+
+bincode::impl_borrow_decode!(Shown);
+
+impl Shown {
+    /// From names, all lights' and then all cameras', and a ground.
+    pub fn new<'a>(names: impl Iterator<Item = &'a str> + Clone, ground: Option<&Ground>) -> Self {
+        let is_named = names.clone().any(|name| !name.is_empty());
+        // A zero within a name would end it.
+        let letters = |name: &'a str| name.chars().filter(|c| *c != '\0').chain(once('\0'));
+        Self {
+            names: if is_named { names.flat_map(letters).collect() } else { String::new() },
+            ground: ground.map(Ground::to_bytes).unwrap_or_default(),
+        }
+    }
+
+    /// The names in order; none where nothing has one.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.split_terminator('\0')
+    }
+
+    /// The ground, if there is one.
+    pub fn ground(&self) -> Option<Ground> {
+        let (numbers, shade) = self.ground.split_at_checked(32)?;
+        let numbers: [f32; 8] = bytemuck::pod_read_unaligned(numbers);
+        let [x, z, right, back, height, ..] = numbers;
+        Some(Ground { low: [x, z], high: [right, back], height, shade: shade.to_vec() })
+    }
+}
+
+impl Ground {
+    /// Little-endian: least x and z, greatest x and z, y, three zeros; the shadow.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let numbers = [self.low, self.high, [self.height, 0.0], [0.0; 2]];
+        let numbers = numbers.as_flattened().iter().flat_map(|x| x.to_le_bytes());
+        numbers.chain(self.shade.iter().copied()).collect()
+    }
+}
+
+/// Encodes the section; `None` where there is nothing of it.
+pub(super) fn encode(shown: &Shown) -> Option<Vec<u8>> {
+    let is_some = *shown != Shown::default();
+    is_some.then(|| [&[!shown.ground.is_empty() as u8], &shown.ground[..], shown.names.as_bytes()].concat())
+}
+
+/// Decodes the section; `None` for bytes that are none.
+pub(super) fn decode(bytes: &[u8]) -> Option<Shown> {
+    let (has_ground, rest) = bytes.split_first()?;
+    let (ground, names) = rest.split_at_checked(if *has_ground == 1 { GROUND } else { 0 })?;
+    Some(Shown { names: String::from_utf8(names.to_vec()).ok()?, ground: ground.to_vec() })
+}
+
+/// Whether there are as many names as lights and cameras, or none, and the ground's numbers can be used.
+pub(super) fn is_sound(meta: &Meta) -> bool {
+    let Shown { names, ground } = &meta.shown;
+    let count = names.bytes().filter(|byte| *byte == 0).count();
+    let named = names.is_empty() || names.ends_with('\0') && count == meta.lights.len() + meta.cameras.len();
+    let grounded = ground.split_at_checked(32).is_none_or(|(numbers, shade)| {
+        let n: [f32; 8] = bytemuck::pod_read_unaligned(numbers);
+        super::check::all_sane(&n) && n[0] < n[2] && n[1] < n[3] && shade.len() == SIDE * SIDE
+    });
+    named && grounded && (ground.is_empty() || ground.len() == GROUND)
+}
