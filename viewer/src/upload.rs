@@ -6,11 +6,13 @@ use crate::error::ViewerError;
 use crate::fronts;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
+use crate::triangles::Triangles;
 use rebounce_shared::link::{Link, Sent};
 use rebounce_shared::rbn::bulk::{Instance, Point};
 use rebounce_shared::rbn::meta::{Alpha, Draw};
 use rebounce_shared::rbn::{LinkMatrix, Scene};
 use std::ops::Range;
+use std::rc::Rc;
 use wgpu::BufferUsages;
 
 /// Bytes that WebGPU guarantees in one storage binding.
@@ -123,6 +125,8 @@ pub struct Upload {
     pub shadow_runs: Vec<Run>,
     /// Draw calls of glass.
     pub glass_runs: Vec<Run>,
+    /// All triangles, on the CPU.
+    pub triangles: Rc<Triangles>,
 }
 
 impl Upload {
@@ -141,6 +145,7 @@ impl Upload {
         let instances = [&[Instance::IDENTITY], &scene.instances[..]].concat();
         let shadow_runs = merged(&runs);
         let indices = fronts::indices(scene, &runs);
+        let all_runs = runs.clone();
         let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
             links: matrix(stored, "LINK", &scene.links, most.binding),
@@ -162,6 +167,7 @@ impl Upload {
             runs,
             blended_runs,
             shadow_runs,
+            triangles: Triangles::new(&scene.vertices, indices.into_owned(), instances, all_runs).into(),
             own,
         })
     }

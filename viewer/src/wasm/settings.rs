@@ -12,6 +12,18 @@ impl Viewer {
         wire::camera_numbers(self.state.borrow().renderer.camera())
     }
 
+    /// The scene's own cameras, one after another.
+    pub fn cameras(&self) -> Vec<f64> {
+        let state = self.state.borrow();
+        state
+            .renderer
+            .scene()
+            .map_or(&[][..], |s| &s.meta.cameras)
+            .iter()
+            .flat_map(wire::camera_numbers)
+            .collect()
+    }
+
     /// The present lights.
     pub fn lights(&self) -> Vec<f64> {
         wire::light_numbers(self.state.borrow().renderer.lights())
