@@ -8,6 +8,8 @@ export type Mode = "all" | "direct" | "indirect";
 export type Overlay = "none" | "points" | "levels";
 /** What pointers and keys do: all, leave scrolling to the page, or nothing. */
 export type Interaction = "all" | "page" | "none";
+/** What a drag does to the camera: what suits the place, look around, or orbit. */
+export type CameraControls = "auto" | "look" | "orbit";
 /** How radiance becomes colours of the screen. */
 export type ToneMapping = "neutral" | "agx";
 /** How light gets from functions to pixels: pixels look functions up, functions are splatted, or whichever is faster. */
@@ -16,6 +18,7 @@ export type Display = "auto" | "lookup" | "splat";
 const MODES: readonly Mode[] = ["all", "direct", "indirect"];
 const OVERLAYS: readonly Overlay[] = ["none", "points", "levels"];
 const INTERACTIONS: readonly Interaction[] = ["all", "page", "none"];
+const CAMERA_CONTROLS: readonly CameraControls[] = ["auto", "look", "orbit"];
 const TONE_MAPPINGS: readonly ToneMapping[] = ["neutral", "agx"];
 const DISPLAYS: readonly Display[] = ["auto", "lookup", "splat"];
 
@@ -35,6 +38,7 @@ export class AttributeElement extends ElementBase {
     "display",
     "handles",
     "interaction",
+    "camera-controls",
     "controls",
     "loading",
     "autoplay",
@@ -146,6 +150,14 @@ export class AttributeElement extends ElementBase {
   }
   set interaction(what: Interaction) {
     this.setAttribute("interaction", what);
+  }
+
+  /** What a drag does to the camera. */
+  get cameraControls(): CameraControls {
+    return among(CAMERA_CONTROLS, this.getAttribute("camera-controls"));
+  }
+  set cameraControls(what: CameraControls) {
+    this.setAttribute("camera-controls", what);
   }
 
   /** Whether the file is loaded at once, or only when the element comes near the visible part of the page. */

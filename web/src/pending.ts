@@ -28,7 +28,7 @@ export function handOver(viewer: Viewer, { shot, camera, lights, measured }: Pen
 
 /** Hands the attributes on. */
 export function applyAttributes(viewer: Viewer, element: AttributeElement): void {
-  const { exposure, autoExposure, toneMapping, mode, overlay, display, handles, interaction } = element;
+  const { exposure, autoExposure, toneMapping, mode, overlay, display, handles, interaction, cameraControls } = element;
   const gizmos = handles && interaction !== "none";
-  Object.assign(viewer, { exposure, autoExposure, toneMapping, mode, overlay, display, gizmos });
+  Object.assign(viewer, { exposure, autoExposure, toneMapping, mode, overlay, display, gizmos, cameraControls });
 }

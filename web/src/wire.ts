@@ -2,11 +2,12 @@
 
 import { Failure } from "./failure.js";
 import type { Viewer } from "./module.js";
-import type { Camera, Light, Triple } from "./shot.js";
+import type { Camera, Light, NamedCamera, Triple } from "./shot.js";
 import type { Counts, Stats } from "./stats.js";
 
 const KINDS = ["point", "spot", "directional"] as const;
-/** Numbers of a light. */
+/** Numbers of a camera and of a light. */
+const CAMERA = 10;
 const LIGHT = 13;
 
 function wrong(what: string, problem: string): Failure {
@@ -41,11 +42,14 @@ export function cameraNumbers(camera: Camera): Float64Array {
   ]);
 }
 
-/** A camera from its numbers. */
-function cameraOf(numbers: Float64Array): Camera {
-  const three = (at: number) => [...numbers.subarray(at, at + 3)] as Triple;
-  return { position: three(0), target: three(3), up: three(6), yfov_deg: numbers[9] ?? 60 };
+/** A camera from its numbers, which begin at a place. */
+function cameraOf(numbers: Float64Array, at = 0): Camera {
+  const three = (from: number) => [...numbers.subarray(at + from, at + from + 3)] as Triple;
+  return { position: three(0), target: three(3), up: three(6), yfov_deg: numbers[at + 9] ?? 60 };
 }
+
+/** What a camera of the file is called. */
+const cameraName = (index: number) => `Camera ${index + 1}`;
 
 /** The lights' numbers. Throws `bad-json` for what are none. */
 export function lightNumbers(lights: readonly Light[]): Float64Array {
@@ -88,6 +92,12 @@ function lightsOf(numbers: Float64Array): Light[] {
     }
   }
   return lights;
+}
+
+/** The file's cameras. */
+export function camerasIn(viewer: Viewer): NamedCamera[] {
+  const numbers = viewer.cameras();
+  return Array.from({ length: numbers.length / CAMERA }, (_, i) => ({ name: cameraName(i), camera: cameraOf(numbers, CAMERA * i) }));
 }
 
 /** The present camera and lights. */

@@ -59,7 +59,7 @@ fn reach(triangles: &Triangles, from: Vec3, to: Vec3, clearance: f32, motion: Mo
         let direction = (wanted - at) / length;
         let hit = triangles.cast(at, direction, length + radius);
         let back = |normal: Vec3| radius / normal.dot(direction).abs().max(0.05);
-        at += direction * hit.map_or(length, |hit| (hit.distance - back(hit.normal)).clamp(0.0, length));
+        at += direction * hit.map_or(length, |hit| (hit.distance - back(hit.normal)).min(length).max(0.0));
         for _ in 0..4 {
             let Some(place) = triangles.nearest(at, radius) else { break };
             let away = level(at - place);

@@ -60,7 +60,7 @@ impl Grip {
         }
         if factor != 1.0 {
             // What a surface has kept does not add up.
-            self.depth = (distance * ahead).clamp(1e-3 * stage.extent as f32, 4.0 * stage.extent as f32);
+            self.depth = (distance * ahead).max(1e-3 * stage.extent as f32).min(4.0 * stage.extent as f32);
         }
         let place = DVec3::from(stage.camera.position) + (ray * distance).as_dvec3();
         match stage.lights.get_mut(self.handle.light) {

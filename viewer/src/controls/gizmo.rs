@@ -11,8 +11,8 @@ use std::f32::consts::PI;
 
 /// Share of the scene's diagonal: how far a spot's second handle is from the first, where the picture has room.
 const AIM: f64 = 0.12;
-/// Share of the picture around its middle in which second handles stay.
-const MIDDLE: f32 = 0.9;
+/// Shares of the picture around its middle in which second handles stay, the first that can be.
+const MIDDLE: [f32; 2] = [0.9, 0.99];
 /// Share of the picture's shorter side: radius of the map of directions.
 const MAP: f32 = 0.42;
 /// Colour of what is chosen.
@@ -64,27 +64,25 @@ fn seen(frame: &CameraFrame, v: Vec3) -> Vec3 {
 }
 
 /// How far along a ray (from a place, as the camera sees it) a second handle lies: `wanted`, or as much nearer or farther
-/// as it takes to be in the picture, where the ray gets there.
+/// as it takes to be in the picture, away from its edge if that can be, where the ray gets there.
 fn visible(frame: &CameraFrame, size: [f32; 2], place: Vec3, direction: Vec3, wanted: f32) -> f32 {
-    let high = MIDDLE * frame.tan_half_yfov;
-    let wide = high * size[0] / size[1];
-    let [mut near, mut far] = [0.0f32, f32::INFINITY];
-    for side in [
-        Vec3::new(1.0, 0.0, wide),
-        Vec3::new(-1.0, 0.0, wide),
-        Vec3::new(0.0, 1.0, high),
-        Vec3::new(0.0, -1.0, high),
-    ] {
-        let (at, by) = (side.dot(place), side.dot(direction));
-        if by > 0.0 {
-            near = near.max(-at / by);
-        } else if at < 0.0 {
-            return wanted;
-        } else {
-            far = far.min(at / -by);
+    for share in MIDDLE {
+        let high = share * frame.tan_half_yfov;
+        let wide = high * size[0] / size[1];
+        let [mut near, mut far] = [0.0f32, f32::INFINITY];
+        for side in [(1.0, 0.0, wide), (-1.0, 0.0, wide), (0.0, 1.0, high), (0.0, -1.0, high)] {
+            let (at, by) = (Vec3::from(side).dot(place), Vec3::from(side).dot(direction));
+            if by > 0.0 {
+                near = near.max(-at / by);
+            } else {
+                far = far.min(at / (-by).max(1e-9));
+            }
+        }
+        if near <= far {
+            return wanted.max(near).min(far);
         }
     }
-    if near <= far { wanted.clamp(near, far) } else { wanted }
+    wanted
 }
 
 /// Radius of the map of directions, pixels.
