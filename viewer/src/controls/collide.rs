@@ -70,7 +70,8 @@ fn reach(triangles: &Triangles, from: Vec3, to: Vec3, clearance: f32, motion: Mo
         let Some(hit) = hit.filter(|_| motion != Motion::Dolly) else { break };
         wanted = at + level(wanted - at).reject_from(level(hit.normal).normalize_or(Vec3::Y));
     }
-    if is_open(at, 0.99) { at } else { from }
+    // Pressed against a wall it stands still.
+    if at.distance(from) > 1e-3 * radius && is_open(at, 0.99) { at } else { from }
 }
 
 #[cfg(test)]

@@ -74,7 +74,7 @@ export async function walking(harness, context) {
       let before = NaN;
       await until(async () => {
         const z = viewer.camera.position[2];
-        const stands = z < -4 && z === before;
+        const stands = z < -5 && Math.abs(z - before) < 1e-4;
         before = z;
         await pause(300);
         return stands;
