@@ -42,8 +42,7 @@ export class Engine {
   #waits = false;
   /** The device was lost, and what was shown is to come back as it was, without a word. */
   #returning = false;
-  /** What of it waits in `pending`. */
-  #kept: Pending | undefined;
+  #kept: Pending | undefined; // What of it waits in `pending`.
   #losses = new Losses();
   #frame = 0;
   #onScreen: OnScreen;
@@ -363,8 +362,7 @@ export class Engine {
   relabel(): void {
     const { alt, interaction } = this.#element;
     const [name, takesKeys] = [alt || "3D scene", interaction !== "none"];
-    // Keys that are held are let go.
-    if (!takesKeys) this.tree.canvas.blur();
+    if (!takesKeys) this.tree.canvas.blur(); // Keys that are held are let go.
     this.tree.setLabel(takesKeys ? `${name}. Drag to look around; W, A, S, D and the arrow keys move, R goes back.` : name, takesKeys);
   }
 
