@@ -36,6 +36,7 @@ pub mod still;
 pub mod target;
 pub mod textures;
 pub mod timing;
+pub mod triangles;
 pub mod upload;
 pub mod view;
 #[cfg(target_arch = "wasm32")]

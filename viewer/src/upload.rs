@@ -7,11 +7,13 @@ use crate::error::ViewerError;
 use crate::fronts;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
+use crate::triangles::Triangles;
 use rebounce_shared::link::{Link, Sent};
 use rebounce_shared::rbn::bulk::{Instance, Point};
 use rebounce_shared::rbn::meta::{Alpha, Draw};
 use rebounce_shared::rbn::{LinkMatrix, Scene};
 use std::ops::Range;
+use std::rc::Rc;
 use wgpu::BufferUsages;
 
 /// Bytes that WebGPU guarantees in one storage binding.
@@ -126,6 +128,8 @@ pub struct Upload {
     pub glass_runs: Vec<Run>,
     /// The ground under an object: see [`composite::ground`].
     pub ground: wgpu::Buffer,
+    /// All triangles, on the CPU.
+    pub triangles: Rc<Triangles>,
 }
 
 impl Upload {
@@ -144,6 +148,7 @@ impl Upload {
         let instances = [&[Instance::IDENTITY], &scene.instances[..]].concat();
         let shadow_runs = merged(&runs);
         let indices = fronts::indices(scene, &runs);
+        let all_runs = runs.clone();
         let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
             ground: composite::ground(&own, &scene.meta.shown.ground),
@@ -166,6 +171,7 @@ impl Upload {
             runs,
             blended_runs,
             shadow_runs,
+            triangles: Triangles::new(&scene.vertices, indices.into_owned(), instances, all_runs).into(),
             own,
         })
     }

@@ -10,6 +10,8 @@ export type Overlay = "none" | "points" | "levels";
 export type Backdrop = "auto" | "none";
 /** What pointers and keys do: all, leave scrolling to the page, or nothing. */
 export type Interaction = "all" | "page" | "none";
+/** What a drag does to the camera: what suits the place, look around, or orbit. */
+export type CameraControls = "auto" | "look" | "orbit";
 /** How radiance becomes colours of the screen. */
 export type ToneMapping = "neutral" | "agx";
 /** How light gets from functions to pixels: pixels look functions up, functions are splatted, or whichever is faster. */
@@ -19,6 +21,7 @@ const MODES: readonly Mode[] = ["all", "direct", "indirect"];
 const OVERLAYS: readonly Overlay[] = ["none", "points", "levels"];
 const BACKDROPS: readonly Backdrop[] = ["auto", "none"];
 const INTERACTIONS: readonly Interaction[] = ["all", "page", "none"];
+const CAMERA_CONTROLS: readonly CameraControls[] = ["auto", "look", "orbit"];
 const TONE_MAPPINGS: readonly ToneMapping[] = ["neutral", "agx"];
 const DISPLAYS: readonly Display[] = ["auto", "lookup", "splat"];
 
@@ -39,6 +42,7 @@ export class AttributeElement extends ElementBase {
     "backdrop",
     "handles",
     "interaction",
+    "camera-controls",
     "controls",
     "loading",
     "autoplay",
@@ -158,6 +162,14 @@ export class AttributeElement extends ElementBase {
   }
   set interaction(what: Interaction) {
     this.setAttribute("interaction", what);
+  }
+
+  /** What a drag does to the camera. */
+  get cameraControls(): CameraControls {
+    return among(CAMERA_CONTROLS, this.getAttribute("camera-controls"));
+  }
+  set cameraControls(what: CameraControls) {
+    this.setAttribute("camera-controls", what);
   }
 
   /** Whether the file is loaded at once, or only when the element comes near the visible part of the page. */

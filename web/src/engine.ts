@@ -8,6 +8,7 @@ import { tell } from "./events.js";
 import { Failure, failureOf, isFatal, sentence } from "./failure.js";
 import { Losses } from "./losses.js";
 import type { Viewer } from "./module.js";
+import { gestures } from "./gesture.js";
 import { OnScreen } from "./onscreen.js";
 import { PanelSlot } from "./panel-slot.js";
 import { applyAttributes, handOver, type Pending } from "./pending.js";
@@ -23,6 +24,10 @@ import { cameraIn, lightsIn, nameLights, setLights } from "./wire.js";
 export class Engine {
   readonly tree: Tree;
   readonly player: Player;
+  /** The view that a scene or shot began with. */
+  first: Pending["camera"];
+  /** A hand begins to change camera or lights (true), or has ended. */
+  gesture = (_began: boolean): void => undefined;
   pending: Pending = {};
   #element: RebounceViewer;
   #viewer: Viewer | undefined;
@@ -37,8 +42,7 @@ export class Engine {
   #waits = false;
   /** The device was lost, and what was shown is to come back as it was, without a word. */
   #returning = false;
-  /** What of it waits in `pending`. */
-  #kept: Pending | undefined;
+  #kept: Pending | undefined; // What of it waits in `pending`.
   #losses = new Losses();
   #frame = 0;
   #onScreen: OnScreen;
@@ -182,6 +186,7 @@ export class Engine {
       // Those that come back with the scene go on.
       if (animations !== this.player.animations) this.player.set(animations);
     });
+    if (!returns) this.first = this.#element.camera;
     this.applySettings();
     this.tree.setProgress();
     this.tree.showPoster(false);
@@ -224,6 +229,8 @@ export class Engine {
       linked: () => this.followLink(),
       withViewer: (use) => this.#loaded && this.#try(() => this.use(use)),
       interaction: () => this.#element.interaction,
+      gesture: gestures((began) => this.gesture(began)),
+      reset: () => this.#element.resetView(),
     };
     const viewer = await openViewer(this.tree.canvas, host, signal);
     if (signal.aborted) {
@@ -262,8 +269,8 @@ export class Engine {
     // While another file is on its way, that one is wanted.
     if (this.ready && !this.#loading) {
       const viewer = this.#viewer as Viewer;
-      const { animations } = this.player;
-      this.pending = this.#kept = { camera: cameraIn(viewer), lights: lightsIn(viewer), animations, measured: viewer.measured };
+      const [camera, lights, { animations }] = [cameraIn(viewer), lightsIn(viewer), this.player];
+      this.pending = this.#kept = { camera, lights, animations, measured: viewer.measured };
       this.#returning = true;
     }
     this.#stopLoading();
@@ -313,6 +320,7 @@ export class Engine {
     this.#try(() => {
       const more = this.use((viewer) => viewer.frame(now));
       this.use((viewer) => this.#changes.look(viewer, this.#element));
+      this.tree.canvas.classList.toggle("inside", this.use((viewer) => viewer.inside));
       this.#panel.update();
       if (more || !this.player.paused) this.wantFrame();
     });
@@ -354,11 +362,9 @@ export class Engine {
   /** `alt` or `interaction` has changed. */
   relabel(): void {
     const { alt, interaction } = this.#element;
-    const name = alt || "3D scene";
-    const takesKeys = interaction !== "none";
-    // Keys that are held are let go.
-    if (!takesKeys) this.tree.canvas.blur();
-    this.tree.setLabel(takesKeys ? `${name}. Drag to look around; W, A, S, D and the arrow keys move.` : name, takesKeys);
+    const [name, takesKeys] = [alt || "3D scene", interaction !== "none"];
+    if (!takesKeys) this.tree.canvas.blur(); // Keys that are held are let go.
+    this.tree.setLabel(takesKeys ? `${name}. Drag to look around; W, A, S, D and the arrow keys move, R goes back.` : name, takesKeys);
   }
 
   #setProgress(loaded: number, total: number): void {

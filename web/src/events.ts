@@ -14,6 +14,10 @@ export interface RebounceEventMap {
   "camera-change": CustomEvent<{ camera: Camera }>;
   /** The lights have changed, by hand, by script or by an animation. */
   "light-change": CustomEvent<{ lights: Light[] }>;
+  /** The pointer is over another light's handle, or over none: -1. */
+  "light-hover": CustomEvent<{ light: number }>;
+  /** Another light is chosen, or none: -1. */
+  "light-select": CustomEvent<{ light: number }>;
   /** An animation begins or goes on. */
   play: CustomEvent<{ name: string }>;
   /** It stops where it stands. */

@@ -6,78 +6,86 @@ import type { Viewer } from "./module.js";
 /** Calls its argument with the viewer, if there is one to take input. */
 export type WithViewer = (use: (viewer: Viewer) => void) => void;
 
+/** How near to a handle's middle a finger takes it, CSS pixels. */
+const FINGER = 24;
+
+/** Where input goes. */
+export interface Input {
+  withViewer: WithViewer;
+  interaction: () => Interaction;
+  /** Something that may change camera or lights, by a name of its own, is held or let go. */
+  gesture(what: string, held: boolean): void;
+  /** The first view is wanted back. */
+  reset(): void;
+}
+
 /**
  * Listens until the signal aborts. With `page` the wheel comes closer only with Ctrl or Command, as over maps; that one
  * finger scrolls, and that with `none` no pointer gets here, is the style sheet's.
  */
-export function listen(
-  canvas: HTMLCanvasElement,
-  withViewer: WithViewer,
-  interaction: () => Interaction,
-  signal: AbortSignal,
-): void {
+export function listen(canvas: HTMLCanvasElement, { withViewer, interaction, gesture, reset }: Input, signal: AbortSignal): void {
   const held = new Set<string>();
+  const pointers = new Set<number>();
+  const on = <K extends keyof HTMLElementEventMap>(type: K, work: (event: HTMLElementEventMap[K]) => void) =>
+    canvas.addEventListener(type, work, { signal, passive: false });
+  const scale = () => canvas.width / Math.max(canvas.getBoundingClientRect().width, 1);
   const at = (event: MouseEvent): [number, number] => {
-    const box = canvas.getBoundingClientRect();
-    const scale = [canvas.width / Math.max(box.width, 1), canvas.height / Math.max(box.height, 1)] as const;
-    return [(event.clientX - box.left) * scale[0], (event.clientY - box.top) * scale[1]];
+    const { left, top } = canvas.getBoundingClientRect();
+    return [(event.clientX - left) * scale(), (event.clientY - top) * scale()];
   };
-  const release = () => {
-    for (const code of held) withViewer((viewer) => viewer.key(code, false));
-    held.clear();
+  const letGo = (id: number) => {
+    pointers.delete(id);
+    gesture(`pointer ${id}`, false);
   };
-  const up = (event: PointerEvent) => withViewer((viewer) => viewer.pointerUp(event.pointerId));
+  const up = (event: PointerEvent) => {
+    withViewer((viewer) => viewer.pointerUp(event.pointerId, event.type === "pointerup"));
+    letGo(event.pointerId);
+  };
+  const keyUp = (code: string) => {
+    withViewer((viewer) => viewer.key(code, false));
+    if (held.delete(code)) gesture(code, false);
+  };
 
-  canvas.addEventListener(
-    "pointerdown",
-    (event) => {
-      canvas.focus({ preventScroll: true });
-      canvas.setPointerCapture(event.pointerId);
-      const [x, y] = at(event);
-      withViewer((viewer) =>
-        viewer.pointerDown(event.pointerId, x, y, event.button, event.shiftKey, event.ctrlKey || event.metaKey),
-      );
-    },
-    { signal },
+  on("pointerdown", (event) => {
+    const { pointerId, pointerType, button, shiftKey, ctrlKey, metaKey } = event;
+    canvas.focus({ preventScroll: true });
+    canvas.setPointerCapture(pointerId);
+    pointers.add(pointerId);
+    gesture(`pointer ${pointerId}`, true);
+    const reach = pointerType === "touch" ? FINGER * scale() : 0;
+    withViewer((viewer) => viewer.pointerDown(pointerId, ...at(event), button, shiftKey, ctrlKey || metaKey, reach));
+  });
+  on("pointermove", (event) =>
+    withViewer((viewer) => {
+      viewer.pointerMove(event.pointerId, ...at(event), event.shiftKey, event.altKey);
+      canvas.style.cursor = viewer.hoveredLight < 0 ? "" : "pointer";
+    }),
   );
-  canvas.addEventListener(
-    "pointermove",
-    (event) => withViewer((viewer) => viewer.pointerMove(event.pointerId, ...at(event))),
-    { signal },
-  );
-  canvas.addEventListener("pointerup", up, { signal });
-  canvas.addEventListener("pointercancel", up, { signal });
-  canvas.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
-  canvas.addEventListener(
-    "wheel",
-    (event) => {
-      if (interaction() === "page" && !event.ctrlKey && !event.metaKey) return;
+  on("pointerleave", () => withViewer((viewer) => (viewer.hoveredLight = -1)));
+  on("pointerup", up);
+  on("pointercancel", up);
+  on("contextmenu", (event) => event.preventDefault());
+  on("wheel", (event) => {
+    if (interaction() === "page" && !event.ctrlKey && !event.metaKey) return;
+    event.preventDefault();
+    gesture("wheel", true);
+    // Lines and pages become about as many pixels as browsers scroll for them.
+    const unit = [1, 16, 400][event.deltaMode] ?? 1;
+    withViewer((viewer) => viewer.wheel(event.deltaY * unit));
+  });
+  on("keydown", (event) => {
+    const { code } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (code === "KeyR") return reset();
+    withViewer((viewer) => {
+      if (!viewer.key(code, true)) return;
       event.preventDefault();
-      // Lines and pages become about as many pixels as browsers scroll for them.
-      const unit = [1, 16, 400][event.deltaMode] ?? 1;
-      withViewer((viewer) => viewer.wheel(...at(event), event.deltaY * unit));
-    },
-    { signal, passive: false },
-  );
-  canvas.addEventListener(
-    "keydown",
-    (event) => {
-      if (event.ctrlKey || event.metaKey || event.altKey) return;
-      withViewer((viewer) => {
-        if (viewer.key(event.code, true)) {
-          held.add(event.code);
-          event.preventDefault();
-        }
-      });
-    },
-    { signal },
-  );
-  canvas.addEventListener(
-    "keyup",
-    (event) => {
-      if (held.delete(event.code)) withViewer((viewer) => viewer.key(event.code, false));
-    },
-    { signal },
-  );
-  canvas.addEventListener("blur", release, { signal });
+      // What was dragged is back where it was.
+      if (code === "Escape") return pointers.forEach(letGo);
+      held.add(code);
+      gesture(code, true);
+    });
+  });
+  on("keyup", (event) => keyUp(event.code));
+  on("blur", () => [...held, "ShiftLeft", "ShiftRight"].forEach(keyUp));
 }

@@ -10,16 +10,16 @@ import { Engine } from "./engine.js";
 import type { RebounceEventMap } from "./events.js";
 import { Failure } from "./failure.js";
 import type { PlayOptions } from "./player.js";
-import type { Camera, Light, Shot } from "./shot.js";
+import type { Camera, Light, NamedCamera, Shot } from "./shot.js";
 import { restoreState, stateLink } from "./state.js";
 import type { Counts, Stats } from "./stats.js";
-import { cameraIn, cameraNumbers, countsIn, lightsIn, setLights, setShot, statsIn } from "./wire.js";
+import { cameraIn, cameraNumbers, camerasIn, countsIn, lightsIn, setLights, setShot, statsIn } from "./wire.js";
 
 export type { AnimatedProperty, LightAnimation, LightTrack } from "./animation.js";
-export type { Backdrop, Display, Interaction, Mode, Overlay, ToneMapping } from "./attributes.js";
+export type { Backdrop, CameraControls, Display, Interaction, Mode, Overlay, ToneMapping } from "./attributes.js";
 export type { RebounceEventMap } from "./events.js";
 export type { PlayOptions } from "./player.js";
-export type { Camera, DirectionalLight, Light, PointLight, Shot, SpotLight, Triple } from "./shot.js";
+export type { Camera, DirectionalLight, Light, NamedCamera, PointLight, Shot, SpotLight, Triple } from "./shot.js";
 export type { Counts, Stats } from "./stats.js";
 
 /** The custom element. */
@@ -44,6 +44,20 @@ export class RebounceViewer extends AttributeElement {
     else this.#engine.pending.camera = camera;
   }
 
+  /** The file's own cameras. */
+  get cameras(): NamedCamera[] {
+    return this.loaded ? this.#engine.use(camerasIn) : [];
+  }
+
+  /** Brings the view back that the scene, or the last `shot`, began with. */
+  resetView(): void {
+    const engine = this.#engine;
+    if (!this.loaded || !engine.first) return;
+    engine.gesture(true);
+    this.camera = engine.first;
+    engine.gesture(false);
+  }
+
   /** The lights; set before the file is loaded, they take effect then. */
   get lights(): Light[] {
     const { ready, pending } = this.#engine;
@@ -61,6 +75,7 @@ export class RebounceViewer extends AttributeElement {
     const at = Math.min(Math.max(Math.trunc(index) || 0, 0), lights.length);
     lights.splice(at, 0, light);
     this.lights = lights;
+    if (this.selectedLight >= at) this.selectedLight += 1;
     this.#engine.player.animations = shifted(this.animations, at, 1);
     return at;
   }
@@ -70,9 +85,27 @@ export class RebounceViewer extends AttributeElement {
     const lights = this.#sceneLights();
     const [light] = index >= 0 ? lights.splice(index, 1) : [];
     if (!light) throw new Failure("bad-argument", `There is no light ${index}; there are ${lights.length}, counted from 0.`);
+    const { selectedLight } = this;
     this.lights = lights;
+    if (selectedLight >= index) this.selectedLight = selectedLight > index ? selectedLight - 1 : -1;
     this.#engine.player.animations = shifted(this.animations, index, -1);
     return light;
+  }
+
+  /** The light whose handle is under the pointer, or marked as if it were; -1 for none. */
+  get hoveredLight(): number {
+    return this.loaded ? this.#engine.use((viewer) => viewer.hoveredLight) : -1;
+  }
+  set hoveredLight(index: number) {
+    if (this.loaded) this.#engine.use((viewer) => (viewer.hoveredLight = index));
+  }
+
+  /** The chosen light, which has a ring; -1 for none. */
+  get selectedLight(): number {
+    return this.loaded ? this.#engine.use((viewer) => viewer.selectedLight) : -1;
+  }
+  set selectedLight(index: number) {
+    if (this.loaded) this.#engine.use((viewer) => (viewer.selectedLight = index));
   }
 
   #sceneLights(): Light[] {
@@ -87,8 +120,10 @@ export class RebounceViewer extends AttributeElement {
   }
   set shot(shot: Shot) {
     const { animations, repetitions } = this.#engine.pending;
-    if (this.loaded) this.#engine.use((viewer) => setShot(viewer, shot));
-    else this.#engine.pending = { shot, ...(animations && { animations }), ...(repetitions && { repetitions }) };
+    if (this.loaded) {
+      this.#engine.use((viewer) => setShot(viewer, shot));
+      this.#engine.first = this.camera;
+    } else this.#engine.pending = { shot, ...(animations && { animations }), ...(repetitions && { repetitions }) };
   }
 
   /** The page's address with camera, lights and settings in its hash. */

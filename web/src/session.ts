@@ -1,22 +1,18 @@
 /** A viewer on a canvas, and what happens to it, until it is let go. */
 
-import type { Interaction } from "./attributes.js";
 import { Failure, failureOf } from "./failure.js";
-import { listen, type WithViewer } from "./input.js";
+import { listen, type Input } from "./input.js";
 import { createViewer, type Viewer } from "./module.js";
+import { makeStick } from "./stick.js";
 
 /** What is told of a viewer. */
-export interface SessionHost {
+export interface SessionHost extends Input {
   /** A frame is wanted. */
   changed(): void;
   /** The viewer is of no further use. */
   failed(failure: Failure): void;
   /** The page's address has changed behind `#`. */
   linked(): void;
-  /** Hands input on. */
-  withViewer: WithViewer;
-  /** What pointers and keys do. */
-  interaction: () => Interaction;
 }
 
 /** Makes a viewer and listens until the signal aborts. Rejects with a `Failure`. */
@@ -24,7 +20,10 @@ export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, s
   const viewer: Viewer = await createViewer(canvas);
   viewer.onchange = () => host.changed();
   viewer.ondevicelost = (message: string) => signal.aborted || host.failed(new Failure("device-lost", message));
-  listen(canvas, host.withViewer, host.interaction, signal);
+  listen(canvas, host, signal);
+  const stick = makeStick(host);
+  canvas.after(stick);
+  signal.addEventListener("abort", () => stick.remove());
   // A fault inside the wasm that no call of ours is waiting for.
   const stray = (event: Event, error: unknown) => {
     if ((error as { code?: unknown } | null)?.code !== "internal" && !(error instanceof WebAssembly.RuntimeError)) return;

@@ -16,6 +16,12 @@ export interface Camera {
   yfov_deg?: number;
 }
 
+/** A camera of the file, and what it is called. */
+export interface NamedCamera {
+  name: string;
+  camera: Camera;
+}
+
 /** What every light may have. */
 interface Named {
   /** What to call it; the page's lists show it. */

@@ -22,6 +22,12 @@ canvas:active { cursor: grabbing; }
 :host([interaction="none"]) canvas { touch-action: auto; pointer-events: none; }
 canvas.shown { visibility: visible; }
 canvas:focus-visible { box-shadow: inset 0 0 0 3px var(--accent); }
+.stick {
+  position: absolute; left: 1rem; bottom: 1rem; width: 6rem; height: 6rem; padding: 0; border-radius: 50%; touch-action: none;
+}
+.stick span { position: absolute; inset: 25%; border-radius: 50%; background: rgb(255 255 255 / 0.45); }
+@media not (any-pointer: coarse) { .stick { display: none; } }
+:host([interaction="none"]) .stick, canvas:not(.inside) + .stick { display: none; }
 .poster { object-fit: cover; }
 .cover { pointer-events: none; }
 .progress { position: absolute; inset: 0; pointer-events: none; }

@@ -2,11 +2,12 @@
 
 import { Failure } from "./failure.js";
 import type { Viewer } from "./module.js";
-import type { Camera, Light, Shot, Triple } from "./shot.js";
+import type { Camera, Light, NamedCamera, Shot, Triple } from "./shot.js";
 import type { Counts, Stats } from "./stats.js";
 
 const KINDS = ["point", "spot", "directional"] as const;
-/** Numbers of a light. */
+/** Numbers of a camera and of a light. */
+const CAMERA = 10;
 const LIGHT = 13;
 
 function wrong(what: string, problem: string): Failure {
@@ -41,10 +42,10 @@ export function cameraNumbers(camera: Camera): Float64Array {
   ]);
 }
 
-/** A camera from its numbers. */
-function cameraOf(numbers: Float64Array): Camera {
-  const three = (at: number) => [...numbers.subarray(at, at + 3)] as Triple;
-  return { position: three(0), target: three(3), up: three(6), yfov_deg: numbers[9] ?? 60 };
+/** A camera from its numbers, which begin at a place. */
+function cameraOf(numbers: Float64Array, at = 0): Camera {
+  const three = (from: number) => [...numbers.subarray(at + from, at + from + 3)] as Triple;
+  return { position: three(0), target: three(3), up: three(6), yfov_deg: numbers[at + 9] ?? 60 };
 }
 
 /** The lights' numbers. Throws `bad-json` for what are none. */
@@ -93,6 +94,15 @@ function lightsOf(numbers: Float64Array): Light[] {
 
 /** Names of viewers' lights, which the wasm module leaves to the page. */
 const names = new WeakMap<Viewer, (string | undefined)[]>();
+
+/** The file's cameras. */
+export function camerasIn(viewer: Viewer): NamedCamera[] {
+  const numbers = viewer.cameras();
+  const length = numbers.length / CAMERA;
+  // Each name ends with a zero, those of the cameras come last.
+  const named = viewer.names().split("\0").slice(-1 - length);
+  return Array.from({ length }, (_, i) => ({ name: named[i] || `Camera ${i + 1}`, camera: cameraOf(numbers, CAMERA * i) }));
+}
 
 /** The present camera and lights. */
 export const cameraIn = (viewer: Viewer): Camera => cameraOf(viewer.camera());

@@ -9,6 +9,7 @@ import { attributes } from "./page/attributes.mjs";
 import { damaged } from "./page/damaged.mjs";
 import { downloads } from "./page/downloads.mjs";
 import { failures } from "./page/failures.mjs";
+import { handles } from "./page/handles.mjs";
 import { hidden } from "./page/hidden.mjs";
 import { input } from "./page/input.mjs";
 import { light } from "./page/light.mjs";
@@ -28,10 +29,11 @@ import { slots } from "./page/slots.mjs";
 import { soak } from "./page/soak.mjs";
 import { state } from "./page/state.mjs";
 import { text } from "./page/text.mjs";
+import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, input, panel, pictures, shown, state, watch, light,
+  loading, attributes, slots, onScreen, hidden, animation, lights, input, walking, handles, panel, pictures, shown, state, watch, light,
   failures, downloads, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

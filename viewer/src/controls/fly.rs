@@ -1,7 +1,7 @@
-//! Flying with the keyboard: W A S D, Q E, arrows; shift is faster.
+//! Walking and flying with keys, W A S D, Q E, arrows, shift for faster, and with the on-screen stick.
 
-use super::orbit;
-use rebounce_shared::camera::Camera;
+use super::collide::{self, Motion};
+use super::{Stage, orbit};
 use std::collections::BTreeSet;
 
 /// Scene diagonals a second.
@@ -26,10 +26,12 @@ const KEYS: [&str; 12] = [
     "ShiftRight",
 ];
 
-/// Keys that are down, and when the camera last moved.
+/// Keys that are down, where the stick is, and when the camera last moved.
 #[derive(Debug, Default)]
 pub struct Fly {
     down: BTreeSet<&'static str>,
+    /// To the right and ahead, -1 to 1.
+    stick: [f64; 2],
     last_ms: Option<f64>,
 }
 
@@ -45,18 +47,24 @@ impl Fly {
         !key.starts_with("Shift")
     }
 
-    /// Lets go of all keys.
+    /// Lets go of all keys and the stick.
     pub fn release(&mut self) {
         self.down.clear();
+        self.stick = [0.0; 2];
     }
 
-    /// True while a key moves the camera.
+    /// The stick is held to the right and ahead, -1 to 1; zeros when it is let go.
+    pub fn stick(&mut self, to: [f64; 2]) {
+        self.stick = to.map(|x| x.clamp(-1.0, 1.0));
+    }
+
+    /// True while a key or the stick moves the camera.
     pub fn moving(&self) -> bool {
-        self.down.iter().any(|key| !key.starts_with("Shift"))
+        self.stick != [0.0; 2] || self.down.iter().any(|key| !key.starts_with("Shift"))
     }
 
-    /// Moves the camera to `now_ms`; `extent` is the scene's diagonal.
-    pub fn advance(&mut self, now_ms: f64, camera: &mut Camera, extent: f64) {
+    /// Moves the camera to `now_ms`: over the ground, and straight up and down, where it walks; else along the view.
+    pub fn advance(&mut self, now_ms: f64, stage: &mut Stage, walks: bool) {
         if !self.moving() {
             self.last_ms = None;
             return;
@@ -68,39 +76,89 @@ impl Fly {
         };
         let fast =
             if self.down.contains("ShiftLeft") || self.down.contains("ShiftRight") { 3.0 } else { 1.0 };
-        let step = SPEED * extent * seconds * fast;
-        let forward = (held("KeyW", "KeyS") + held("ArrowUp", "ArrowDown")).clamp(-1.0, 1.0);
-        orbit::travel(camera, held("KeyD", "KeyA") * step, held("KeyE", "KeyQ") * step, forward * step);
+        let step = SPEED * stage.extent * seconds * fast;
+        let forward = (held("KeyW", "KeyS") + held("ArrowUp", "ArrowDown") + self.stick[1]).clamp(-1.0, 1.0);
+        let right = (held("KeyD", "KeyA") + self.stick[0]).clamp(-1.0, 1.0);
+        travel(stage, [right * step, held("KeyE", "KeyQ") * step, forward * step], walks);
         let turn = held("ArrowLeft", "ArrowRight") * TURN * seconds;
         if turn != 0.0 {
-            orbit::look(camera, turn, 0.0);
+            orbit::look(&mut stage.camera, turn, 0.0);
         }
+    }
+}
+
+/// Moves the camera to the right, up and ahead, world units, as far as surfaces let it. Who walks goes over the ground, and
+/// then straight up.
+pub fn travel(stage: &mut Stage, [right, up, ahead]: [f64; 3], walks: bool) {
+    let steps = if walks {
+        [([right, 0.0, ahead], Motion::Walk), ([0.0, up, 0.0], Motion::Fly)]
+    } else {
+        [([right, up, ahead], Motion::Fly), ([0.0; 3], Motion::Fly)]
+    };
+    for (by, motion) in steps.into_iter().filter(|(by, _)| *by != [0.0; 3]) {
+        let mut wanted = stage.camera.clone();
+        orbit::travel(&mut wanted, by, walks);
+        collide::advance(stage, wanted, motion);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::stage;
     use super::*;
     use glam::DVec3;
 
+    /// How far a key takes the camera in a second, in steps of so many milliseconds.
+    fn run(key: &str, target: [f64; 3], walks: bool, step_ms: f64) -> DVec3 {
+        let (mut fly, mut s) = (Fly::default(), stage());
+        s.camera.target = target;
+        assert!(fly.key(key, true));
+        fly.advance(0.0, &mut s, walks);
+        let first = DVec3::from(s.camera.position);
+        let mut now = 0.0;
+        while now < 1000.0 - 1e-9 {
+            now += step_ms;
+            fly.advance(now, &mut s, walks);
+        }
+        DVec3::from(s.camera.position) - first
+    }
+
     #[test]
     fn speed_does_not_depend_on_the_frame_rate() {
-        let start =
-            Camera { position: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
-        let run = |step_ms: f64| {
-            let (mut fly, mut camera) = (Fly::default(), start.clone());
-            assert!(fly.key("KeyW", true));
-            fly.advance(0.0, &mut camera, 10.0);
-            let first = DVec3::from(camera.position);
-            let mut now = 0.0;
-            while now < 1000.0 - 1e-9 {
-                now += step_ms;
-                fly.advance(now, &mut camera, 10.0);
+        let moved = |step| run("KeyW", [0.0; 3], false, step);
+        assert!(moved(10.0).distance(moved(50.0)) < 1e-9);
+        assert!(moved(10.0).distance(DVec3::new(0.0, 0.0, -10.0 * SPEED)) < 1e-9);
+    }
+
+    #[test]
+    fn who_walks_keeps_the_height_and_the_pace_wherever_one_looks() {
+        let level = DVec3::new(0.0, 0.0, -10.0 * SPEED);
+        for target in [[0.0, 3.0, 0.0], [0.0, -4.0, 0.0], [0.0, -1000.0, 4.9]] {
+            assert!(run("KeyW", target, true, 10.0).distance(level) < 1e-6);
+            assert!(run("KeyE", target, true, 10.0).distance(DVec3::Y * 10.0 * SPEED) < 1e-6);
+        }
+        assert!(run("KeyW", [0.0, -4.0, 0.0], false, 10.0).y < -0.1, "who flies goes where one looks");
+    }
+
+    #[test]
+    fn a_stick_held_half_way_goes_half_as_fast() {
+        let (mut fly, mut s) = (Fly::default(), stage());
+        let start = s.camera.position;
+        let mut go = |to| {
+            fly.stick(to);
+            for i in 0..11 {
+                fly.advance(100.0 * i as f64, &mut s, true);
             }
-            DVec3::from(camera.position) - first
+            fly.stick([0.0; 2]);
+            fly.advance(0.0, &mut s, true);
+            let gone = DVec3::from(s.camera.position) - DVec3::from(start);
+            s.camera = stage().camera;
+            gone
         };
-        assert!(run(10.0).distance(run(50.0)) < 1e-9);
-        assert!(run(10.0).distance(DVec3::new(0.0, 0.0, -10.0 * SPEED)) < 1e-9);
+        let (half, whole) = (go([0.0, 0.5]), go([0.0, 7.0]));
+        assert!((whole - 2.0 * half).length() < 1e-9 && half.z < -0.1 && half.x == 0.0, "{half} {whole}");
+        assert!(go([1.0, 0.0]).x > 0.1);
+        assert!(!fly.moving());
     }
 
     #[test]

@@ -1,17 +1,22 @@
-//! The lights' handles in the view: where they lie, which one is under a pointer, and what dragging does.
+//! The lights' handles in the view: where they lie and which one is under a pointer.
 //!
-//! Point and spot lights have a handle at their place; spots a second one along their direction;
-//! directional lights one from which they seem to come.
+//! Point and spot lights have a handle at their place; spots a second one along their direction, which stays in the
+//! picture; directional lights one on a map of all directions around the picture's middle.
 
 use super::Stage;
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::Light;
+use std::f32::consts::PI;
 
-/// Share of the scene's diagonal: how far a spot's second handle is from the first.
+/// Share of the scene's diagonal: how far a spot's second handle is from the first, where the picture has room.
 const AIM: f64 = 0.12;
-/// Share of the scene's diagonal: how far a directional light's handle is from the scene's centre.
-const SUN: f64 = 0.3;
+/// Shares of the picture around its middle in which second handles stay, the first that can be.
+const MIDDLE: [f32; 2] = [0.9, 0.99];
+/// Share of the picture's shorter side: radius of the map of directions.
+const MAP: f32 = 0.42;
+/// Colour of what is chosen.
+const ACCENT: [f32; 4] = [1.0, 0.7, 0.33, 0.95];
 
 /// A shape to draw, canvas pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,55 +44,97 @@ pub struct Handle {
     pub aim: bool,
 }
 
-/// Where a handle lies, world space.
-fn place(stage: &Stage, handle: Handle) -> Option<DVec3> {
-    let unit = |d: &[f64; 3]| DVec3::from(*d).try_normalize().unwrap_or(DVec3::NEG_Y);
-    match (stage.lights.get(handle.light)?, handle.aim) {
-        (Light::Point { position, .. } | Light::Spot { position, .. }, false) => Some(DVec3::from(*position)),
+/// What of the handles stands out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Marks {
+    /// Under the pointer, or dragged.
+    pub hovered: Option<Handle>,
+    /// The chosen light.
+    pub selected: Option<usize>,
+}
+
+/// A light's direction at unit length.
+fn unit(direction: &[f64; 3]) -> Vec3 {
+    DVec3::from(*direction).try_normalize().unwrap_or(DVec3::NEG_Y).as_vec3()
+}
+
+/// A place or direction as the camera sees it: to the right, up, ahead.
+fn seen(frame: &CameraFrame, v: Vec3) -> Vec3 {
+    Vec3::new(v.dot(frame.right), v.dot(frame.up), v.dot(frame.forward))
+}
+
+/// How far along a ray (from a place, as the camera sees it) a second handle lies: `wanted`, or as much nearer or farther
+/// as it takes to be in the picture, away from its edge if that can be, where the ray gets there.
+fn visible(frame: &CameraFrame, size: [f32; 2], place: Vec3, direction: Vec3, wanted: f32) -> f32 {
+    for share in MIDDLE {
+        let high = share * frame.tan_half_yfov;
+        let wide = high * size[0] / size[1];
+        let [mut near, mut far] = [0.0f32, f32::INFINITY];
+        for side in [(1.0, 0.0, wide), (-1.0, 0.0, wide), (0.0, 1.0, high), (0.0, -1.0, high)] {
+            let (at, by) = (Vec3::from(side).dot(place), Vec3::from(side).dot(direction));
+            if by > 0.0 {
+                near = near.max(-at / by);
+            } else {
+                far = far.min(at / (-by).max(1e-9));
+            }
+        }
+        if near <= far {
+            return wanted.max(near).min(far);
+        }
+    }
+    wanted
+}
+
+/// Radius of the map of directions, pixels.
+pub(super) fn map_radius(size: [f32; 2]) -> f32 {
+    MAP * size[0].min(size[1])
+}
+
+/// Where a handle lies in the picture, pixels, and its distance along the view, world units. `None` behind the eye.
+pub(super) fn projected(stage: &Stage, handle: Handle) -> Option<([f32; 2], f32)> {
+    let size = stage.size.map(|side| side as f32);
+    let frame = stage.camera.frame([0.0; 3]);
+    let from_eye =
+        |p: &[f64; 3]| seen(&frame, (DVec3::from(*p) - DVec3::from(stage.camera.position)).as_vec3());
+    let place = match (stage.lights.get(handle.light)?, handle.aim) {
+        (Light::Point { position, .. } | Light::Spot { position, .. }, false) => from_eye(position),
         (Light::Spot { position, direction, .. }, true) => {
-            Some(DVec3::from(*position) + unit(direction) * (AIM * stage.extent))
+            let (place, along) = (from_eye(position), seen(&frame, unit(direction)));
+            place + along * visible(&frame, size, place, along, (AIM * stage.extent) as f32)
         }
         (Light::Directional { direction, .. }, false) => {
-            Some(DVec3::from(stage.centre) - unit(direction) * (SUN * stage.extent))
+            // Straight ahead is the middle, straight behind the map's edge.
+            let to_light = seen(&frame, -unit(direction));
+            let across = to_light.truncate();
+            let far = map_radius(size) * across.length().atan2(to_light.z) / PI;
+            let [x, y] = (across.normalize_or(glam::Vec2::Y) * far).to_array();
+            return Some(([0.5 * size[0] + x, 0.5 * size[1] - y], 1.0));
         }
-        _ => None,
+        _ => return None,
+    };
+    if place.z <= 1e-6 * place.length() {
+        return None;
     }
+    let scale = 0.5 * size[1] / (frame.tan_half_yfov * place.z);
+    Some(([0.5 * size[0] + place.x * scale, 0.5 * size[1] - place.y * scale], place.z))
 }
 
 fn handles(stage: &Stage) -> impl Iterator<Item = Handle> + '_ {
     (0..stage.lights.len()).flat_map(|light| [Handle { light, aim: true }, Handle { light, aim: false }])
 }
 
-/// A world position in the picture: pixels, and the distance along the view. `None` behind the eye.
-fn project(frame: &CameraFrame, place: DVec3, eye: DVec3, size: [u32; 2]) -> Option<([f32; 2], f32)> {
-    let offset: Vec3 = (place - eye).as_vec3();
-    let depth = offset.dot(frame.forward);
-    if depth <= 1e-6 * offset.length() {
-        return None;
-    }
-    let scale = 0.5 * size[1] as f32 / (frame.tan_half_yfov * depth);
-    let x = 0.5 * size[0] as f32 + offset.dot(frame.right) * scale;
-    let y = 0.5 * size[1] as f32 - offset.dot(frame.up) * scale;
-    Some(([x, y], depth))
-}
-
 /// Radius of a handle, pixels, in a picture this high.
-fn radius(size: [u32; 2]) -> f32 {
+pub(super) fn radius(size: [u32; 2]) -> f32 {
     (size[1] as f32 / 75.0).clamp(5.0, 18.0)
 }
 
-fn projected(stage: &Stage, handle: Handle, size: [u32; 2]) -> Option<([f32; 2], f32)> {
-    let frame = stage.camera.frame([0.0; 3]);
-    project(&frame, place(stage, handle)?, DVec3::from(stage.camera.position), size)
-}
-
 /// What to draw for all lights.
-pub fn shapes(stage: &Stage, size: [u32; 2], active: Option<Handle>) -> Vec<Shape> {
-    let r = radius(size);
+pub fn shapes(stage: &Stage, marks: Marks) -> Vec<Shape> {
+    let r = radius(stage.size);
     let mut out = Vec::new();
     for handle in handles(stage) {
-        let Some((at, _)) = projected(stage, handle, size) else { continue };
-        let lit = if active == Some(handle) { 1.35 } else { 1.0 };
+        let Some((at, _)) = projected(stage, handle) else { continue };
+        let lit = if marks.hovered == Some(handle) { 1.35 } else { 1.0 };
         let disc = |radius: f32, hole: f32, color: [f32; 4]| Shape {
             centre: at,
             radius: radius * lit,
@@ -97,7 +144,7 @@ pub fn shapes(stage: &Stage, size: [u32; 2], active: Option<Handle>) -> Vec<Shap
             color,
         };
         if handle.aim {
-            if let Some((from, _)) = projected(stage, Handle { aim: false, ..handle }, size) {
+            if let Some((from, _)) = projected(stage, Handle { aim: false, ..handle }) {
                 let (dx, dy) = (at[0] - from[0], at[1] - from[1]);
                 for (width, color) in [(0.16, [0.0, 0.0, 0.0, 0.35]), (0.08, [1.0, 1.0, 1.0, 0.8])] {
                     out.push(Shape {
@@ -115,6 +162,9 @@ pub fn shapes(stage: &Stage, size: [u32; 2], active: Option<Handle>) -> Vec<Shap
         } else {
             let [red, green, blue] = color(&stage.lights[handle.light]);
             out.push(disc(1.1 * r, 0.0, [0.0, 0.0, 0.0, 0.45]));
+            if marks.selected == Some(handle.light) {
+                out.push(disc(1.6 * r, 1.2 * r, ACCENT));
+            }
             out.push(disc(r, 0.72 * r, [1.0, 1.0, 1.0, 0.95]));
             out.push(disc(0.6 * r, 0.0, [red, green, blue, 1.0]));
         }
@@ -129,12 +179,12 @@ fn color(light: &Light) -> [f32; 3] {
     color.map(|c| (c / brightest).max(0.0).powf(1.0 / 2.2) as f32)
 }
 
-/// The handle under a pointer, nearest first.
-pub fn pick(stage: &Stage, at: [f64; 2], size: [u32; 2]) -> Option<Handle> {
-    let reach = 1.8 * radius(size) as f64;
+/// The handle within `reach` pixels of a pointer, or nearly under it; the nearest.
+pub fn pick(stage: &Stage, at: [f64; 2], reach: f64) -> Option<Handle> {
+    let reach = reach.max(1.8 * radius(stage.size) as f64);
     handles(stage)
         .filter_map(|handle| {
-            let ([x, y], _) = projected(stage, handle, size)?;
+            let ([x, y], _) = projected(stage, handle)?;
             let distance = (x as f64 - at[0]).hypot(y as f64 - at[1]);
             (distance <= reach).then_some((distance, handle))
         })
@@ -142,103 +192,87 @@ pub fn pick(stage: &Stage, at: [f64; 2], size: [u32; 2]) -> Option<Handle> {
         .map(|(_, handle)| handle)
 }
 
-/// Drags a handle by pixels: in the plane that faces the camera, or along the view with `depth`.
-pub fn drag(stage: &mut Stage, handle: Handle, delta: [f64; 2], depth: bool, size: [u32; 2]) {
-    let (Some(from), Some((_, distance))) = (place(stage, handle), projected(stage, handle, size)) else {
-        return;
-    };
-    let frame = stage.camera.frame([0.0; 3]);
-    let pixel = 2.0 * distance as f64 * frame.tan_half_yfov as f64 / size[1].max(1) as f64;
-    let (right, up, forward) = (frame.right.as_dvec3(), frame.up.as_dvec3(), frame.forward.as_dvec3());
-    let vertical = if depth { forward } else { up };
-    let to = from + right * (delta[0] * pixel) - vertical * (delta[1] * pixel);
-    let centre = DVec3::from(stage.centre);
-    match (&mut stage.lights[handle.light], handle.aim) {
-        (Light::Point { position, .. } | Light::Spot { position, .. }, false) => *position = to.to_array(),
-        (Light::Spot { position, direction, .. }, true) => {
-            if let Some(d) = (to - DVec3::from(*position)).try_normalize() {
-                *direction = d.to_array();
-            }
-        }
-        (Light::Directional { direction, .. }, _) => {
-            if let Some(d) = (centre - to).try_normalize() {
-                *direction = d.to_array();
-            }
-        }
-        _ => {}
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use rebounce_shared::camera::Camera;
 
-    const SIZE: [u32; 2] = [640, 480];
-
-    fn stage() -> Stage {
+    /// A spot, a sun and a point light behind the eye.
+    pub fn lit() -> Stage {
         let color = [1.0; 3];
+        let spot = Light::Spot {
+            position: [1.0, 2.0, 0.0],
+            direction: [0.0, -1.0, 0.0],
+            outer_cone_deg: 30.0,
+            inner_cone_deg: None,
+            intensity: 1.0,
+            color,
+        };
         Stage {
-            camera: Camera {
-                position: [0.0, 0.0, 10.0],
-                target: [0.0; 3],
-                up: [0.0, 1.0, 0.0],
-                yfov_deg: 60.0,
-            },
+            camera: Camera { position: [0.0, 0.0, 10.0], ..super::super::tests::stage().camera },
             lights: vec![
-                Light::Spot {
-                    position: [1.0, 2.0, 0.0],
-                    direction: [0.0, -1.0, 0.0],
-                    outer_cone_deg: 30.0,
-                    inner_cone_deg: None,
-                    intensity: 1.0,
-                    color,
-                },
+                spot,
                 Light::Directional { direction: [1.0, 0.0, 0.0], intensity: 1.0, color },
                 Light::Point { position: [0.0, 0.0, 20.0], intensity: 1.0, color },
             ],
-            extent: 10.0,
-            centre: [0.0; 3],
+            ..super::super::tests::stage()
         }
-    }
-
-    #[test]
-    fn a_dragged_handle_stays_under_the_pointer() {
-        for handle in [Handle { light: 0, aim: false }, Handle { light: 0, aim: true }] {
-            let mut s = stage();
-            let ([x, y], _) = projected(&s, handle, SIZE).unwrap();
-            assert_eq!(pick(&s, [x as f64 + 1.0, y as f64], SIZE), Some(handle));
-            drag(&mut s, handle, [12.0, 9.0], false, SIZE);
-            let ([u, v], _) = projected(&s, handle, SIZE).unwrap();
-            // The second handle keeps its distance, so it follows the pointer's direction only.
-            let least = if handle.aim { 5.0 } else { 11.99 };
-            assert!(u - x >= least && u - x < 12.01, "{}", u - x);
-            if !handle.aim {
-                assert!((v - y - 9.0).abs() < 0.01);
-            }
-        }
-    }
-
-    #[test]
-    fn depth_drag_keeps_the_view_line_of_sight_side() {
-        let mut s = stage();
-        drag(&mut s, Handle { light: 0, aim: false }, [0.0, -50.0], true, SIZE);
-        let Light::Spot { position, .. } = &s.lights[0] else { panic!() };
-        assert!(position[2] < -0.5 && (position[1] - 2.0).abs() < 1e-9);
     }
 
     #[test]
     fn lights_behind_the_eye_have_no_handle() {
-        let s = stage();
-        assert!(projected(&s, Handle { light: 2, aim: false }, SIZE).is_none());
-        assert!(shapes(&s, SIZE, None).iter().all(|shape| shape.centre.iter().all(|c| c.is_finite())));
+        let s = lit();
+        assert!(projected(&s, Handle { light: 2, aim: false }).is_none());
+        let shapes = shapes(&s, Marks::default());
+        assert!(!shapes.is_empty() && shapes.iter().all(|shape| shape.centre.iter().all(|c| c.is_finite())));
     }
 
     #[test]
-    fn a_sun_turns_around_the_scene() {
-        let mut s = stage();
-        drag(&mut s, Handle { light: 1, aim: false }, [0.0, -100.0], false, SIZE);
-        let Light::Directional { direction, .. } = &s.lights[1] else { panic!() };
-        assert!(direction[1] < -0.1, "dragged up, it shines down");
+    fn second_handles_and_suns_lie_in_the_picture() {
+        let mut s = lit();
+        for size in [[640, 480], [390, 844], [200, 100]] {
+            s.size = size;
+            let in_picture = |s: &Stage, handle| {
+                let ([x, y], _) = projected(s, handle).unwrap();
+                assert!(
+                    x > 0.0 && y > 0.0 && x < size[0] as f32 && y < size[1] as f32,
+                    "{handle:?}: {x} {y}"
+                );
+            };
+            for i in 0..200 {
+                let (sin, cos) = (i as f64).sin_cos();
+                let to = [sin * (0.3 * i as f64).cos(), cos, sin * (0.3 * i as f64).sin()];
+                let Light::Directional { direction, .. } = &mut s.lights[1] else { panic!() };
+                *direction = to;
+                in_picture(&s, Handle { light: 1, aim: false });
+                // The spot itself at the picture's edge, looking anywhere; and above it, looking down.
+                let Light::Spot { direction, position, .. } = &mut s.lights[0] else { panic!() };
+                (*position, *direction) = ([0.0, -5.0, 0.5], to);
+                in_picture(&s, Handle { light: 0, aim: true });
+                let Light::Spot { direction, position, .. } = &mut s.lights[0] else { panic!() };
+                (*position, *direction) = ([0.0, 9.0, 0.0], [0.1 * to[0], -1.0, 0.1 * to[2]]);
+                in_picture(&s, Handle { light: 0, aim: true });
+            }
+        }
+    }
+
+    #[test]
+    fn fingers_reach_farther_than_a_mouse() {
+        let s = lit();
+        let handle = Handle { light: 0, aim: false };
+        let ([x, y], _) = projected(&s, handle).unwrap();
+        let beside = [x as f64 + 40.0, y as f64];
+        assert_eq!((pick(&s, beside, 0.0), pick(&s, beside, 44.0)), (None, Some(handle)));
+    }
+
+    #[test]
+    fn what_is_chosen_has_a_ring_and_what_is_under_the_pointer_grows() {
+        let s = lit();
+        let largest = |marks| shapes(&s, marks).iter().map(|shape| shape.radius).fold(0.0, f32::max);
+        let plain = largest(Marks::default());
+        let hovered = Some(Handle { light: 0, aim: false });
+        assert!(largest(Marks { hovered, selected: None }) > 1.3 * plain);
+        assert!(largest(Marks { hovered: None, selected: Some(1) }) > 1.3 * plain);
+        assert_eq!(largest(Marks { hovered: None, selected: Some(9) }), plain);
     }
 }

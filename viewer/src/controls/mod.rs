@@ -1,39 +1,68 @@
-//! What pointer, wheel and keys do to the camera and to the lights. No GPU, no browser.
+//! What pointers, wheel and keys do to the camera and to the lights. No GPU, no browser.
 //!
-//! One pointer on a light's handle drags it (with shift: nearer and farther). Elsewhere the primary
-//! button orbits, the secondary one (or ctrl) looks around, the middle one (or shift) pans. Two
-//! pointers pan and pinch. The wheel dollies. W A S D, Q E and arrows fly.
+//! One pointer on a light's handle drags it and chooses the light ([`drag`]). Elsewhere the primary button looks around
+//! inside and orbits outside ([`surroundings`]), the secondary one (or ctrl) looks around, the middle one (or shift) pans.
+//! Wheel and two pointers walk inside, and dolly outside. W A S D, Q E, arrows and the stick walk inside, and fly outside
+//! ([`fly`]). Surfaces stop the camera ([`collide`]).
 
+pub mod collide;
+pub mod drag;
 pub mod fly;
 pub mod gizmo;
 pub mod orbit;
+pub mod surroundings;
 
+use crate::triangles::Triangles;
+use collide::Motion;
+use drag::Grip;
 use fly::Fly;
-use gizmo::Handle;
+use gizmo::{Handle, Marks};
+use glam::{DVec3, Vec3};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
+use std::rc::Rc;
+
+/// Scene diagonals that one walks for a pixel of the wheel.
+const WHEEL: f64 = 2.5e-4;
+/// Scene diagonals that one walks when two pointers are moved apart to e times their distance.
+const PINCH: f64 = 0.15;
 
 /// What the controls act on, world space.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub struct Stage {
     /// The camera.
     pub camera: Camera,
     /// The lights.
     pub lights: Vec<Light>,
+    /// Whether the lights' handles are shown and can be dragged.
+    pub handles: bool,
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
     /// The scene's diagonal, scene units.
     pub extent: f64,
-    /// The scene's centre.
-    pub centre: [f64; 3],
+    /// Where local space has its origin.
+    pub origin: [f64; 3],
+    /// How far the camera stays away from surfaces, scene units.
+    pub clearance: f32,
+    /// The scene's triangles, local space.
+    pub triangles: Rc<Triangles>,
+}
+
+impl Stage {
+    /// A place in local space.
+    pub fn local(&self, place: [f64; 3]) -> Vec3 {
+        (DVec3::from(place) - DVec3::from(self.origin)).as_vec3()
+    }
 }
 
 /// What a pressed pointer is meant to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointerButton {
-    /// Orbits, or drags a light's handle that lies under it.
-    Orbit,
+    /// Looks around inside, orbits outside, or drags a light's handle that lies under it.
+    Turn,
     /// Turns the camera around itself.
     Look,
-    /// Moves the camera sideways; a light's handle, nearer and farther.
+    /// Moves the camera sideways, or drags a light's handle.
     Pan,
 }
 
@@ -45,7 +74,7 @@ impl PointerButton {
             2 => Self::Look,
             _ if shift => Self::Pan,
             _ if ctrl => Self::Look,
-            _ => Self::Orbit,
+            _ => Self::Turn,
         }
     }
 }
@@ -54,6 +83,7 @@ impl PointerButton {
 struct Pointer {
     id: i32,
     at: [f64; 2],
+    start: [f64; 2],
     button: PointerButton,
 }
 
@@ -61,156 +91,183 @@ struct Pointer {
 #[derive(Debug, Default)]
 pub struct Controls {
     pointers: Vec<Pointer>,
-    dragged: Option<Handle>,
+    /// The handle that is dragged.
+    grip: Option<Grip>,
+    /// The camera when the first pointer went down.
+    before: Option<Camera>,
+    /// Pointers have been dragged since, or there were several: no click.
+    dragged: bool,
     fly: Fly,
+    hovered: Option<Handle>,
+    /// The chosen light.
+    pub selected: Option<usize>,
+    /// Whether drags look around; `None`: where the camera is inside.
+    pub looks: Option<bool>,
+    inside: bool,
+    /// Where that was found out.
+    decided_at: Option<[f64; 3]>,
 }
 
 impl Controls {
-    /// Forgets pointers and keys; call when camera or scene were replaced.
+    /// Forgets pointers, keys and whether the camera is inside; call when camera or scene were replaced.
     pub fn reset(&mut self) {
         self.pointers.clear();
-        self.dragged = None;
+        (self.grip, self.hovered, self.decided_at) = (None, None, None);
         self.fly.release();
     }
 
-    /// The handle that is dragged.
-    pub fn dragged(&self) -> Option<Handle> {
-        self.dragged
+    /// What of the handles stands out.
+    pub fn marks(&self) -> Marks {
+        let hovered = self.grip.as_ref().map(|grip| grip.handle).or(self.hovered);
+        Marks { hovered, selected: self.selected }
+    }
+
+    /// Marks a light's handle as one under a pointer is.
+    pub fn hover(&mut self, light: Option<usize>) {
+        self.hovered = light.map(|light| Handle { light, aim: false });
+    }
+
+    /// Whether drags look around and keys walk.
+    pub fn is_inside(&self) -> bool {
+        self.looks.unwrap_or(self.inside)
+    }
+
+    /// Finds out anew whether the camera is inside, where it has moved and nothing holds it.
+    fn decide(&mut self, stage: &Stage) {
+        if self.pointers.is_empty() && !self.fly.moving() && self.decided_at != Some(stage.camera.position) {
+            self.inside = surroundings::is_inside(stage, self.inside && self.decided_at.is_some());
+            self.decided_at = Some(stage.camera.position);
+        }
     }
 
     /// Moves the camera to `now_ms`; true while further frames will move it too.
     pub fn advance(&mut self, now_ms: f64, stage: &mut Stage) -> bool {
-        self.fly.advance(now_ms, &mut stage.camera, stage.extent);
+        self.decide(stage);
+        self.fly.advance(now_ms, stage, self.is_inside());
         self.fly.moving()
     }
 
-    /// A pointer goes down; `handles` tells whether the lights' handles can be dragged.
-    pub fn pointer_down(
-        &mut self,
-        id: i32,
-        at: [f64; 2],
-        button: PointerButton,
-        size: [u32; 2],
-        stage: &Stage,
-        handles: bool,
-    ) {
+    /// A pointer goes down; `reach` is how near to a handle counts, pixels.
+    pub fn pointer_down(&mut self, id: i32, at: [f64; 2], button: PointerButton, reach: f64, stage: &Stage) {
+        self.decide(stage);
         self.pointers.retain(|p| p.id != id);
-        self.pointers.push(Pointer { id, at, button });
-        self.dragged = match self.pointers.len() {
-            1 if handles && button != PointerButton::Look => gizmo::pick(stage, at, size),
-            _ => None,
-        };
+        self.grip = None;
+        self.dragged = !self.pointers.is_empty();
+        if !self.dragged {
+            self.before = Some(stage.camera.clone());
+            if stage.handles && button != PointerButton::Look {
+                self.grip = gizmo::pick(stage, at, reach).and_then(|handle| Grip::new(stage, handle, at));
+            }
+            if let Some(grip) = &self.grip {
+                self.selected = Some(grip.handle.light);
+            }
+        }
+        self.pointers.push(Pointer { id, at, start: at, button });
     }
 
-    /// A pointer moves.
-    pub fn pointer_move(&mut self, id: i32, at: [f64; 2], size: [u32; 2], stage: &mut Stage) {
-        let Some(i) = self.pointers.iter().position(|p| p.id == id) else { return };
-        let before = self.pointers[i].at;
-        let button = self.pointers[i].button;
+    /// A pointer moves. Over a handle one that is not down marks it. A dragged light goes through surfaces with `shift`,
+    /// nearer and farther with `alt`.
+    pub fn pointer_move(&mut self, id: i32, at: [f64; 2], shift: bool, alt: bool, stage: &mut Stage) {
+        let Some(i) = self.pointers.iter().position(|p| p.id == id) else {
+            self.hovered = if stage.handles { gizmo::pick(stage, at, 0.0) } else { None };
+            return;
+        };
+        let Pointer { at: before, start, button, .. } = self.pointers[i];
         self.pointers[i].at = at;
+        let slack = 0.5 * f64::from(gizmo::radius(stage.size));
+        self.dragged |= (at[0] - start[0]).hypot(at[1] - start[1]) > slack;
         let delta = [at[0] - before[0], at[1] - before[1]];
-        let height = size[1].max(1) as f64;
-        let least = 0.01 * stage.extent;
-        if let Some(handle) = self.dragged {
-            gizmo::drag(stage, handle, delta, button == PointerButton::Pan, size);
+        let height = stage.size[1].max(1) as f64;
+        let pixel = orbit::pixel_at_target(&stage.camera, height);
+        if let Some(grip) = &mut self.grip {
+            grip.drag(stage, [before, at], shift, alt);
         } else if let Some(other) = self.pointers.iter().find(|p| p.id != id) {
             let distance = |a: [f64; 2]| (a[0] - other.at[0]).hypot(a[1] - other.at[1]).max(1.0);
-            let pixel = orbit::pixel_at_target(&stage.camera, height);
-            orbit::travel(&mut stage.camera, -0.5 * delta[0] * pixel, 0.5 * delta[1] * pixel, 0.0);
-            orbit::dolly(&mut stage.camera, distance(before) / distance(at), least);
+            let wider = distance(at) / distance(before);
+            if self.is_inside() {
+                let step = PINCH * stage.extent;
+                fly::travel(stage, [-step * delta[0] / height, 0.0, step * wider.ln()], true);
+            } else {
+                fly::travel(stage, [-0.5 * delta[0] * pixel, 0.5 * delta[1] * pixel, 0.0], false);
+                dolly(stage, 1.0 / wider);
+            }
         } else {
             let turn = [-delta[0] * 3.0 / height, -delta[1] * 3.0 / height];
             match button {
-                PointerButton::Orbit => orbit::orbit(&mut stage.camera, turn[0], turn[1]),
+                PointerButton::Turn if !self.is_inside() => {
+                    let mut wanted = stage.camera.clone();
+                    orbit::orbit(&mut wanted, turn[0], turn[1]);
+                    collide::advance(stage, wanted, Motion::Orbit);
+                }
                 // The picture is grabbed, as in orbiting.
-                PointerButton::Look => orbit::look(&mut stage.camera, -turn[0], -turn[1]),
+                PointerButton::Turn | PointerButton::Look => {
+                    orbit::look(&mut stage.camera, -turn[0], -turn[1]);
+                }
                 PointerButton::Pan => {
-                    let pixel = orbit::pixel_at_target(&stage.camera, height);
-                    orbit::travel(&mut stage.camera, -delta[0] * pixel, delta[1] * pixel, 0.0);
+                    fly::travel(stage, [-delta[0] * pixel, delta[1] * pixel, 0.0], false);
                 }
             }
         }
     }
 
-    /// A pointer goes up, or is cancelled.
-    pub fn pointer_up(&mut self, id: i32) {
+    /// A pointer goes up; `click`: by hand. A click beside all handles leaves no light chosen.
+    pub fn pointer_up(&mut self, id: i32, click: bool) {
+        let button = self.pointers.iter().find(|p| p.id == id).map(|p| p.button);
+        if click && !self.dragged && self.grip.is_none() && button == Some(PointerButton::Turn) {
+            self.selected = None;
+        }
         self.pointers.retain(|p| p.id != id);
-        self.dragged = None;
+        self.grip = None;
+    }
+
+    /// Lets go of all pointers and puts light or camera back where they were; true where something was held.
+    fn cancel(&mut self, stage: &mut Stage) -> bool {
+        if self.pointers.is_empty() {
+            return false;
+        }
+        if let Some(grip) = self.grip.take() {
+            if let Some(light) = stage.lights.get_mut(grip.handle.light) {
+                *light = grip.before;
+            }
+        } else if let Some(camera) = self.before.take() {
+            stage.camera = camera;
+        }
+        self.pointers.clear();
+        true
     }
 
     /// The wheel turns by `delta_y` pixels.
     pub fn wheel(&mut self, delta_y: f64, stage: &mut Stage) {
-        if delta_y.is_finite() {
-            let factor = (delta_y.clamp(-400.0, 400.0) * 1e-3).exp();
-            orbit::dolly(&mut stage.camera, factor, 0.01 * stage.extent);
+        if !delta_y.is_finite() {
+            return;
+        }
+        let delta = delta_y.clamp(-400.0, 400.0);
+        if let (Some(grip), Some(pointer)) = (&mut self.grip, self.pointers.first()) {
+            grip.put(stage, pointer.at, (-delta * 1e-3).exp());
+        } else if self.is_inside() {
+            fly::travel(stage, [0.0, 0.0, -delta * WHEEL * stage.extent], true);
+        } else {
+            dolly(stage, (delta * 1e-3).exp());
         }
     }
 
-    /// A key (`KeyboardEvent.code`) goes down or up; true when it is one of the controls'.
-    pub fn key(&mut self, code: &str, down: bool) -> bool {
-        self.fly.key(code, down)
+    /// The on-screen stick is held to the right and ahead, -1 to 1.
+    pub fn stick(&mut self, to: [f64; 2]) {
+        self.fly.stick(to);
     }
+
+    /// A key (`KeyboardEvent.code`) goes down or up; true when the controls use it.
+    pub fn key(&mut self, code: &str, down: bool, stage: &mut Stage) -> bool {
+        if code == "Escape" { down && self.cancel(stage) } else { self.fly.key(code, down) }
+    }
+}
+
+/// Goes to `factor` times the distance from the target, as far as surfaces let it.
+fn dolly(stage: &mut Stage, factor: f64) {
+    let mut wanted = stage.camera.clone();
+    orbit::dolly(&mut wanted, factor, 0.01 * stage.extent);
+    collide::advance(stage, wanted, Motion::Dolly);
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SIZE: [u32; 2] = [640, 480];
-
-    fn stage() -> Stage {
-        Stage {
-            camera: Camera {
-                position: [0.0, 0.0, 5.0],
-                target: [0.0; 3],
-                up: [0.0, 1.0, 0.0],
-                yfov_deg: 60.0,
-            },
-            lights: vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3] }],
-            extent: 10.0,
-            centre: [0.0; 3],
-        }
-    }
-
-    #[test]
-    fn a_press_on_a_handle_moves_the_light_and_not_the_camera() {
-        let (mut controls, mut s) = (Controls::default(), stage());
-        controls.pointer_down(1, [320.0, 240.0], PointerButton::Orbit, SIZE, &s, true);
-        controls.pointer_move(1, [350.0, 240.0], SIZE, &mut s);
-        assert_eq!(s.camera, stage().camera);
-        assert_ne!(s.lights, stage().lights);
-        controls.pointer_up(1);
-        controls.pointer_move(1, [450.0, 240.0], SIZE, &mut s);
-        assert_eq!(s.camera, stage().camera);
-    }
-
-    #[test]
-    fn a_press_elsewhere_or_with_hidden_handles_orbits() {
-        for (at, handles) in [([100.0, 100.0], true), ([320.0, 240.0], false)] {
-            let (mut controls, mut s) = (Controls::default(), stage());
-            controls.pointer_down(1, at, PointerButton::Orbit, SIZE, &s, handles);
-            controls.pointer_move(1, [at[0] + 30.0, at[1]], SIZE, &mut s);
-            assert_eq!(s.lights, stage().lights);
-            assert_ne!(s.camera.position, stage().camera.position);
-            assert_eq!(s.camera.target, stage().camera.target);
-        }
-    }
-
-    #[test]
-    fn two_pointers_pinch() {
-        let (mut controls, mut s) = (Controls::default(), stage());
-        controls.pointer_down(1, [100.0, 100.0], PointerButton::Orbit, SIZE, &s, true);
-        controls.pointer_down(2, [200.0, 100.0], PointerButton::Orbit, SIZE, &s, true);
-        controls.pointer_move(2, [300.0, 100.0], SIZE, &mut s);
-        assert!((s.camera.position[2] - 2.5).abs() < 1e-9, "twice the distance: half as far");
-    }
-
-    #[test]
-    fn wheel_survives_nonsense() {
-        let (mut controls, mut s) = (Controls::default(), stage());
-        controls.wheel(f64::NAN, &mut s);
-        assert_eq!(s, stage());
-        controls.wheel(1e300, &mut s);
-        assert!(s.camera.position.iter().all(|x| x.is_finite()));
-    }
-}
+mod tests;

@@ -50,10 +50,15 @@ pub fn look(camera: &mut Camera, yaw: f64, pitch: f64) {
     camera.target = (DVec3::from(camera.position) + forward * distance).to_array();
 }
 
-/// Moves camera and target by so much to the right, up and forward, world units.
-pub fn travel(camera: &mut Camera, right: f64, up: f64, forward: f64) {
-    let (r, u, f, _) = axes(camera);
-    let move_by = r * right + u * up + f * forward;
+/// Moves camera and target by so much to the right, up and ahead, world units; `level`: over the ground, along the view
+/// from above.
+pub fn travel(camera: &mut Camera, [right, up, ahead]: [f64; 3], level: bool) {
+    let (mut r, mut u, mut f, _) = axes(camera);
+    if level {
+        f = DVec3::Y.cross(r).try_normalize().unwrap_or(f);
+        (r, u) = (f.cross(DVec3::Y), DVec3::Y);
+    }
+    let move_by = r * right + u * up + f * ahead;
     camera.position = (DVec3::from(camera.position) + move_by).to_array();
     camera.target = (DVec3::from(camera.target) + move_by).to_array();
 }
@@ -133,7 +138,7 @@ mod tests {
     fn travel_moves_along_the_view() {
         let mut c = camera();
         let (right, _, forward, _) = axes(&c);
-        travel(&mut c, 1.0, 0.0, 2.0);
+        travel(&mut c, [1.0, 0.0, 2.0], false);
         let moved = DVec3::from(c.position) - DVec3::from(camera().position);
         assert!(moved.distance(right + forward * 2.0) < 1e-12);
         assert!((distance(&c) - distance(&camera())).abs() < 1e-12);

@@ -216,7 +216,6 @@ impl Renderer {
         if !dots && !self.gizmos {
             return;
         }
-        let stage = self.stage();
         let pass = self.pipelines.overlay(&self.gpu, format);
         let own = Scope::new(&self.gpu);
         if dots {
@@ -227,7 +226,7 @@ impl Renderer {
             pass.draw_points(&own, encoder, view, depth, &target.frame, points, &levels[first..]);
         }
         if self.gizmos {
-            let shapes = gizmo::shapes(&stage, size, self.active);
+            let shapes = gizmo::shapes(&self.stage(size), self.marks);
             pass.draw_gizmos(&own, encoder, view, size, &shapes);
         }
         self.over = Some(own);

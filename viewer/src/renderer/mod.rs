@@ -10,7 +10,7 @@ mod read;
 mod state;
 
 use crate::composite;
-use crate::controls::gizmo::Handle;
+use crate::controls::gizmo::Marks;
 use crate::display::Way;
 use crate::display::choice::Choice;
 use crate::error::ViewerError;
@@ -89,7 +89,7 @@ pub struct Renderer {
     way: Way,
     /// The frame that is being drawn has a picture of a view, whose time counts for the choice.
     viewed: bool,
-    active: Option<Handle>,
+    marks: Marks,
     dirty: Dirty,
     /// Pictures averaged so far, and how many are wanted.
     pictures: u32,
@@ -149,7 +149,7 @@ impl Renderer {
             every_pixel: false,
             way: Way::default(),
             viewed: false,
-            active: None,
+            marks: Marks::default(),
             dirty: Dirty::ALL,
             pictures: 0,
             still_pictures: STILL_PICTURES,

@@ -3,7 +3,7 @@
 use super::Renderer;
 use crate::composite::FIRST_KEY;
 use crate::controls::Stage;
-use crate::controls::gizmo::Handle;
+use crate::controls::gizmo::Marks;
 use crate::error::ViewerError;
 use crate::readback::Readback;
 use crate::settings::{Display, Mode, Overlay, ToneMapping};
@@ -187,20 +187,29 @@ impl Renderer {
         self.backdrop = on;
     }
 
-    /// Highlights a handle.
-    pub fn set_active(&mut self, handle: Option<Handle>) {
-        self.dirty.present |= self.active != handle;
-        self.active = handle;
+    /// Highlights handles.
+    pub fn set_marks(&mut self, marks: Marks) {
+        self.dirty.present |= self.marks != marks;
+        self.marks = marks;
     }
 
-    /// What the controls act on; give it back with [`Renderer::apply`].
-    pub fn stage(&self) -> Stage {
-        let (extent, centre) = self.scene.as_ref().map_or((1.0, [0.0; 3]), |scene| {
-            let [low, high] = scene.extent.all.map(|b| b.as_dvec3());
-            let centre = 0.5 * (low + high) + glam::DVec3::from(scene.meta.origin);
-            ((high - low).length(), centre.to_array())
-        });
-        Stage { camera: self.camera.clone(), lights: self.lights.clone(), extent, centre }
+    /// What the controls act on, in a picture of this size; give it back with [`Renderer::apply`].
+    pub fn stage(&self, size: [u32; 2]) -> Stage {
+        let (camera, lights, handles) = (self.camera.clone(), self.lights.clone(), self.gizmos);
+        let scene = self.scene.as_deref();
+        let extent = scene.map_or(1.0, |scene| (scene.extent.all[1] - scene.extent.all[0]).length());
+        // A person's in metres, in scenes of another unit a share of the whole; and farther than the near plane.
+        let near = scene.map_or(0.0, |scene| scene.near);
+        Stage {
+            camera,
+            lights,
+            handles,
+            size,
+            extent: extent as f64,
+            origin: scene.map_or([0.0; 3], |scene| scene.meta.origin),
+            clearance: 0.2f32.min(0.02 * extent).max(4.0 * near),
+            triangles: scene.map_or(Default::default(), |scene| scene.upload.triangles.clone()),
+        }
     }
 
     /// Takes over what the controls changed; what cannot be used is dropped.

@@ -6,69 +6,108 @@ use wasm_bindgen::prelude::*;
 
 impl Viewer {
     /// Runs input on the controls and tells the page if that changed anything.
-    fn control(&self, work: impl FnOnce(&mut Controls, &mut Stage, [u32; 2], bool)) {
-        let changed = {
+    fn control<T>(&self, work: impl FnOnce(&mut Controls, &mut Stage) -> T) -> T {
+        let (result, changed) = {
             let mut state = self.state.borrow_mut();
             let state = &mut *state;
-            let mut stage = state.renderer.stage();
-            let size = [state.config.width, state.config.height];
-            work(&mut state.controls, &mut stage, size, state.renderer.gizmos());
+            let mut stage = state.renderer.stage([state.config.width, state.config.height]);
+            let result = work(&mut state.controls, &mut stage);
             state.renderer.apply(stage);
-            state.renderer.set_active(state.controls.dragged());
-            state.renderer.needs_frame()
+            state.renderer.set_marks(state.controls.marks());
+            (result, state.renderer.needs_frame())
         };
         if changed {
             self.callbacks.changed();
         }
+        result
     }
+}
+
+/// -1 for none, or for one that is not there.
+fn index(light: Option<usize>, count: usize) -> i32 {
+    light.filter(|light| *light < count).map_or(-1, |light| light as i32)
 }
 
 #[wasm_bindgen]
 impl Viewer {
-    /// A pointer goes down at (x, y), canvas pixels. `button` is that of a `PointerEvent`.
+    /// A pointer goes down at (x, y), canvas pixels. `button` is that of a `PointerEvent`; handles within `reach` pixels
+    /// are taken.
     #[wasm_bindgen(js_name = pointerDown)]
-    pub fn pointer_down(
-        &self,
-        id: i32,
-        x: f64,
-        y: f64,
-        button: i32,
-        shift: bool,
-        ctrl: bool,
-    ) -> Result<(), JsValue> {
+    #[expect(clippy::too_many_arguments, reason = "one event, one call")]
+    pub fn pointer_down(&self, id: i32, x: f64, y: f64, button: i32, shift: bool, ctrl: bool, reach: f64) {
         let button = PointerButton::from_event(button, shift, ctrl);
-        self.control(|controls, stage, size, handles| {
-            controls.pointer_down(id, [x, y], button, size, stage, handles);
-        });
-        Ok(())
+        self.control(|controls, stage| controls.pointer_down(id, [x, y], button, reach, stage));
     }
 
-    /// A pointer moves to (x, y).
+    /// A pointer moves to (x, y): with `shift` a dragged light goes through surfaces, with `alt` nearer and farther.
     #[wasm_bindgen(js_name = pointerMove)]
-    pub fn pointer_move(&self, id: i32, x: f64, y: f64) -> Result<(), JsValue> {
-        self.control(|controls, stage, size, _| controls.pointer_move(id, [x, y], size, stage));
-        Ok(())
+    pub fn pointer_move(&self, id: i32, x: f64, y: f64, shift: bool, alt: bool) {
+        self.control(|controls, stage| controls.pointer_move(id, [x, y], shift, alt, stage));
     }
 
-    /// A pointer goes up, or is cancelled.
+    /// A pointer goes up; `click` is false where the browser takes it away.
     #[wasm_bindgen(js_name = pointerUp)]
-    pub fn pointer_up(&self, id: i32) -> Result<(), JsValue> {
-        self.control(|controls, _, _, _| controls.pointer_up(id));
-        Ok(())
+    pub fn pointer_up(&self, id: i32, click: bool) {
+        self.control(|controls, _| controls.pointer_up(id, click));
     }
 
-    /// The wheel turns by `delta_y` pixels over (x, y): dolly.
-    pub fn wheel(&self, _x: f64, _y: f64, delta_y: f64) -> Result<(), JsValue> {
-        self.control(|controls, stage, _, _| controls.wheel(delta_y, stage));
-        Ok(())
+    /// The wheel turns by `delta_y` pixels: walk, dolly, or take a dragged light farther.
+    pub fn wheel(&self, delta_y: f64) {
+        self.control(|controls, stage| controls.wheel(delta_y, stage));
+    }
+
+    /// The on-screen stick is held to the right and ahead, -1 to 1; zeros let it go.
+    pub fn stick(&self, right: f64, ahead: f64) {
+        self.control(|controls, _| controls.stick([right, ahead]));
+        self.callbacks.changed();
     }
 
     /// A key, by `KeyboardEvent.code`, goes down or up. True when the viewer uses that key.
     pub fn key(&self, code: &str, down: bool) -> bool {
-        let used = self.state.borrow_mut().controls.key(code, down);
+        let used = self.control(|controls, stage| controls.key(code, down, stage));
         if used {
             self.callbacks.changed();
         }
         used
+    }
+
+    /// Whether drags look around and keys walk; else drags orbit and keys fly.
+    #[wasm_bindgen(getter)]
+    pub fn inside(&self) -> bool {
+        self.state.borrow().controls.is_inside()
+    }
+
+    /// `"look"` or `"orbit"`: what drags do; anything else: what suits the place.
+    #[wasm_bindgen(setter, js_name = cameraControls)]
+    pub fn set_camera_controls(&self, what: &str) {
+        let looks = if what == "look" { Some(true) } else { (what == "orbit").then_some(false) };
+        self.state.borrow_mut().controls.looks = looks;
+    }
+
+    /// The light whose handle is marked as under the pointer; -1 for none.
+    #[wasm_bindgen(getter, js_name = hoveredLight)]
+    pub fn hovered_light(&self) -> i32 {
+        let state = self.state.borrow();
+        let hovered = state.controls.marks().hovered.map(|handle| handle.light);
+        index(hovered, state.renderer.lights().len())
+    }
+
+    /// Marks a light's handle.
+    #[wasm_bindgen(setter, js_name = hoveredLight)]
+    pub fn set_hovered_light(&self, light: i32) {
+        self.control(|controls, _| controls.hover(usize::try_from(light).ok()));
+    }
+
+    /// The chosen light; -1 for none.
+    #[wasm_bindgen(getter, js_name = selectedLight)]
+    pub fn selected_light(&self) -> i32 {
+        let state = self.state.borrow();
+        index(state.controls.selected, state.renderer.lights().len())
+    }
+
+    /// Chooses a light.
+    #[wasm_bindgen(setter, js_name = selectedLight)]
+    pub fn set_selected_light(&self, light: i32) {
+        self.control(|controls, _| controls.selected = usize::try_from(light).ok());
     }
 }

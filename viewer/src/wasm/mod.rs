@@ -165,6 +165,7 @@ impl Viewer {
                 state.renderer.install(loaded)?;
                 callbacks.key.set(0.0);
                 state.controls.reset();
+                state.controls.selected = None;
             }
             callbacks.changed();
             Ok(JsValue::UNDEFINED)
@@ -198,7 +199,7 @@ impl Viewer {
         let state = &mut *state;
         let gpu = state.renderer.gpu().clone();
         gpu.check().map_err(|e| js_error(&e))?;
-        let mut stage = state.renderer.stage();
+        let mut stage = state.renderer.stage([state.config.width, state.config.height]);
         let moving = state.controls.advance(now_ms, &mut stage);
         state.renderer.apply(stage);
         if state.pace.is_busy() {

@@ -17,6 +17,7 @@ export async function attributes(harness, context) {
           alt: "A room", poster: "room.png", width: 320, height: 200, exposure: 1.5, autoExposure: false,
           toneMapping: "agx", mode: "direct", overlay: "levels", loading: "lazy", controls: true, autoplay: true,
           animationName: "night", stateInLink: true, handles: false, interaction: "page", display: "splat", backdrop: "none",
+          cameraControls: "orbit",
         };
         for (const [name, value] of Object.entries(values)) {
           const attribute = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
@@ -32,7 +33,7 @@ export async function attributes(harness, context) {
         }
         viewer.src = "missing.rbn";
         const src = viewer.src;
-        for (const [name, bad] of [["mode", "x"], ["overlay", "x"], ["toneMapping", "x"], ["interaction", "x"], ["display", "x"], ["backdrop", "x"], ["exposure", "much"], ["width", "-3"]]) {
+        for (const [name, bad] of [["mode", "x"], ["overlay", "x"], ["toneMapping", "x"], ["interaction", "x"], ["display", "x"], ["backdrop", "x"], ["cameraControls", "x"], ["exposure", "much"], ["width", "-3"]]) {
           viewer[name] = bad;
           if (viewer[name] !== defaults[name]) wrong.push(`${name} is ${viewer[name]} for ${bad}`);
         }
@@ -43,7 +44,7 @@ export async function attributes(harness, context) {
       const defaults = {
         alt: "", poster: "", width: 0, height: 0, exposure: 0, autoExposure: true, toneMapping: "neutral", mode: "all",
         overlay: "none", loading: "eager", controls: false, autoplay: false, animationName: "", stateInLink: false,
-        handles: true, interaction: "all", display: "auto", backdrop: "auto",
+        handles: true, interaction: "all", display: "auto", backdrop: "auto", cameraControls: "auto",
       };
       same(found.defaults, defaults, "defaults");
       equal(found.src, `${context.address}missing.rbn`, "src, in full");

@@ -59,7 +59,7 @@ export async function open(context, options = {}) {
         });
         observer.observe(element);
       });
-    const types = ["load", "error", "progress", "camera-change", "light-change", "play", "pause", "finished"];
+    const types = ["load", "error", "progress", "camera-change", "light-change", "light-hover", "light-select", "play", "pause", "finished"];
     for (const type of types) {
       const note = (event) => event.target.localName === "rebounce-viewer" && events.push({ type, ...event.detail });
       document.addEventListener(type, note, true);

@@ -48,7 +48,7 @@ async function found() {
     ...names,
     ...each(await read("events"), /^ {2}"?([\w-]+)"?: CustomEvent/gm, "event"),
     ...each(tree, /slot\("(\w+)"/g, "slot"),
-    ...each(tree + (await read("panel")), /part: "(\w+)"/g, "part"),
+    ...each(tree + (await read("panel")) + (await read("stick")), /part: "(\w+)"/g, "part"),
     ...each(styles, /(--rebounce-[\w-]+)/g, "variable"),
   ];
 }
