@@ -5,7 +5,7 @@ import { Changes } from "./changes.js";
 import { download } from "./download.js";
 import { calm } from "./element.js";
 import { tell } from "./events.js";
-import { Failure, failureOf, isFatal, sentence } from "./failure.js";
+import { Failure, failureOf, isFatal, sentence, unsupported } from "./failure.js";
 import { Losses } from "./losses.js";
 import type { Viewer } from "./module.js";
 import { OnScreen } from "./onscreen.js";
@@ -278,10 +278,12 @@ export class Engine {
     if (isFatal(failure.code)) this.#end();
     this.player.pause();
     this.#loaded = false;
-    this.tree.showPoster(false);
+    const words = unsupported(failure.code);
+    this.tree.showPoster(!!words);
     this.tree.showPicture(false);
     this.showPanel();
-    this.tree.setMessage(sentence(failure.message), () => void this.load());
+    if (words) console.warn(`<rebounce-viewer>: ${sentence(failure.message)}`);
+    this.tree.setMessage(words ?? sentence(failure.message), words ? undefined : () => void this.load());
     this.#warn(failure);
   }
 
@@ -357,7 +359,7 @@ export class Engine {
     const takesKeys = interaction !== "none";
     // Keys that are held are let go.
     if (!takesKeys) this.tree.canvas.blur();
-    this.tree.setLabel(takesKeys ? `${name}. Drag to look around; W, A, S, D and the arrow keys move.` : name, takesKeys);
+    this.tree.setLabel(takesKeys ? `${name}. Drag to look around; W, A, S, D and the arrow keys move.` : name, takesKeys, alt);
   }
 
   #setProgress(loaded: number, total: number): void {

@@ -1,5 +1,6 @@
 /** Pointer, wheel and keyboard events of a canvas, handed to the viewer in canvas pixels. */
 
+import { activation } from "./activation.js";
 import type { Interaction } from "./attributes.js";
 import type { Viewer } from "./module.js";
 
@@ -7,8 +8,8 @@ import type { Viewer } from "./module.js";
 export type WithViewer = (use: (viewer: Viewer) => void) => void;
 
 /**
- * Listens until the signal aborts. With `page` the wheel comes closer only with Ctrl or Command, as over maps; that one
- * finger scrolls, and that with `none` no pointer gets here, is the style sheet's.
+ * Listens until the signal aborts. What is left to the page is the activation's; that fingers scroll then, and that with
+ * `none` no pointer gets here, is the style sheet's.
  */
 export function listen(
   canvas: HTMLCanvasElement,
@@ -17,6 +18,7 @@ export function listen(
   signal: AbortSignal,
 ): void {
   const held = new Set<string>();
+  const active = activation(canvas, interaction, signal);
   const at = (event: MouseEvent): [number, number] => {
     const box = canvas.getBoundingClientRect();
     const scale = [canvas.width / Math.max(box.width, 1), canvas.height / Math.max(box.height, 1)] as const;
@@ -26,23 +28,19 @@ export function listen(
     for (const code of held) withViewer((viewer) => viewer.key(code, false));
     held.clear();
   };
-  const up = (event: PointerEvent) => withViewer((viewer) => viewer.pointerUp(event.pointerId));
+  const down = (event: PointerEvent) => {
+    canvas.setPointerCapture(event.pointerId);
+    const [x, y] = at(event);
+    withViewer((viewer) =>
+      viewer.pointerDown(event.pointerId, x, y, event.button, event.shiftKey, event.ctrlKey || event.metaKey),
+    );
+  };
+  const up = (event: PointerEvent) => active.has(event, true) && withViewer((viewer) => viewer.pointerUp(event.pointerId));
 
-  canvas.addEventListener(
-    "pointerdown",
-    (event) => {
-      canvas.focus({ preventScroll: true });
-      canvas.setPointerCapture(event.pointerId);
-      const [x, y] = at(event);
-      withViewer((viewer) =>
-        viewer.pointerDown(event.pointerId, x, y, event.button, event.shiftKey, event.ctrlKey || event.metaKey),
-      );
-    },
-    { signal },
-  );
+  canvas.addEventListener("pointerdown", (event) => active.down(event).forEach(down), { signal });
   canvas.addEventListener(
     "pointermove",
-    (event) => withViewer((viewer) => viewer.pointerMove(event.pointerId, ...at(event))),
+    (event) => active.has(event) && withViewer((viewer) => viewer.pointerMove(event.pointerId, ...at(event))),
     { signal },
   );
   canvas.addEventListener("pointerup", up, { signal });
@@ -51,7 +49,7 @@ export function listen(
   canvas.addEventListener(
     "wheel",
     (event) => {
-      if (interaction() === "page" && !event.ctrlKey && !event.metaKey) return;
+      if (!active.wheel(event)) return;
       event.preventDefault();
       // Lines and pages become about as many pixels as browsers scroll for them.
       const unit = [1, 16, 400][event.deltaMode] ?? 1;
