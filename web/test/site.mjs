@@ -253,7 +253,7 @@ async function hero(context) {
 
 async function gallery(context) {
   const { page, faults } = await open(context, "gallery.html");
-  const figures = () => page.evaluate(() => [...document.querySelectorAll(".figures")].map(({ textContent }) => textContent.replace(/\s+/g, " ").trim()));
+  const figures = () => page.evaluate(() => [...document.querySelectorAll(".figures")].map((list) => [...list.querySelectorAll("dt, dd")].map(({ textContent }) => textContent.trim()).join(" ")));
   const built = await figures();
   equal(built.length, 4, "scenes");
   for (const text of built) check(/^File [\d.]+ MB Bake [\d.]+ s Frame [\d.]+ ms$/.test(text), `figures: ${text}`);
