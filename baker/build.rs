@@ -19,8 +19,14 @@ fn main() -> io::Result<()> {
         _ => {}
     }
     println!("cargo::rustc-env=REBOUNCE_SOURCES={}", sources(&manifest)?);
+    let names = served(&dist)?;
+    if names.is_empty() {
+        println!(
+            "cargo::warning=the viewer is not built, so `rebounce view` will not work: run `cargo xtask web` first"
+        );
+    }
     let mut list = String::from("&[\n");
-    for name in served(&dist)? {
+    for name in names {
         let copy = out.join("web").join(&name);
         if let Some(parent) = copy.parent() {
             fs::create_dir_all(parent)?;

@@ -8,8 +8,8 @@ export type Mode = "all" | "direct" | "indirect";
 export type Overlay = "none" | "points" | "levels";
 /** What is behind an object: a grey and the object's shadow on the ground, or black. */
 export type Backdrop = "auto" | "none";
-/** What pointers and keys do: all, leave scrolling to the page, or nothing. */
-export type Interaction = "all" | "page" | "none";
+/** What pointers and keys do: all once the element has the focus, all, leave scrolling to the page, or nothing. */
+export type Interaction = "auto" | "all" | "page" | "none";
 /** What a drag does to the camera: what suits the place, look around, or orbit. */
 export type CameraControls = "auto" | "look" | "orbit";
 /** How radiance becomes colours of the screen. */
@@ -17,13 +17,23 @@ export type ToneMapping = "neutral" | "agx";
 /** How light gets from functions to pixels: pixels look functions up, functions are splatted, or whichever is faster. */
 export type Display = "auto" | "lookup" | "splat";
 
-const MODES: readonly Mode[] = ["all", "direct", "indirect"];
-const OVERLAYS: readonly Overlay[] = ["none", "points", "levels"];
-const BACKDROPS: readonly Backdrop[] = ["auto", "none"];
-const INTERACTIONS: readonly Interaction[] = ["all", "page", "none"];
-const CAMERA_CONTROLS: readonly CameraControls[] = ["auto", "look", "orbit"];
-const TONE_MAPPINGS: readonly ToneMapping[] = ["neutral", "agx"];
-const DISPLAYS: readonly Display[] = ["auto", "lookup", "splat"];
+/** The values of attributes that have a few, the default first. */
+const ALLOWED = {
+  mode: ["all", "direct", "indirect"],
+  overlay: ["none", "points", "levels"],
+  interaction: ["auto", "all", "page", "none"],
+  "tone-mapping": ["neutral", "agx"],
+  display: ["auto", "lookup", "splat"],
+  backdrop: ["auto", "none"],
+  "camera-controls": ["auto", "look", "orbit"],
+  loading: ["eager", "lazy"],
+  "auto-exposure": ["on", "off"],
+  handles: ["on", "off"],
+} as const;
+type Allowed = typeof ALLOWED;
+
+/** What the console was told. */
+const told = new Set<string>();
 
 /** An element that has them; what they do is its heir's. */
 export class AttributeElement extends ElementBase {
@@ -102,7 +112,7 @@ export class AttributeElement extends ElementBase {
 
   /** Whether the exposure is measured, and follows light and view where they would leave the picture without texture. */
   get autoExposure(): boolean {
-    return this.getAttribute("auto-exposure") !== "off";
+    return among(this, "auto-exposure") === "on";
   }
   set autoExposure(on: boolean) {
     this.setAttribute("auto-exposure", on ? "on" : "off");
@@ -110,7 +120,7 @@ export class AttributeElement extends ElementBase {
 
   /** How radiance becomes colours of the screen. */
   get toneMapping(): ToneMapping {
-    return among(TONE_MAPPINGS, this.getAttribute("tone-mapping"));
+    return among(this, "tone-mapping");
   }
   set toneMapping(name: ToneMapping) {
     this.setAttribute("tone-mapping", name);
@@ -118,7 +128,7 @@ export class AttributeElement extends ElementBase {
 
   /** Which light is shown. */
   get mode(): Mode {
-    return among(MODES, this.getAttribute("mode"));
+    return among(this, "mode");
   }
   set mode(mode: Mode) {
     this.setAttribute("mode", mode);
@@ -126,7 +136,7 @@ export class AttributeElement extends ElementBase {
 
   /** What is drawn over the picture. */
   get overlay(): Overlay {
-    return among(OVERLAYS, this.getAttribute("overlay"));
+    return among(this, "overlay");
   }
   set overlay(overlay: Overlay) {
     this.setAttribute("overlay", overlay);
@@ -134,7 +144,7 @@ export class AttributeElement extends ElementBase {
 
   /** How light gets from functions to pixels; the picture is the same. */
   get display(): Display {
-    return among(DISPLAYS, this.getAttribute("display"));
+    return among(this, "display");
   }
   set display(way: Display) {
     this.setAttribute("display", way);
@@ -142,7 +152,7 @@ export class AttributeElement extends ElementBase {
 
   /** What is behind an object; rooms and landscapes have none. */
   get backdrop(): Backdrop {
-    return among(BACKDROPS, this.getAttribute("backdrop"));
+    return among(this, "backdrop");
   }
   set backdrop(what: Backdrop) {
     this.setAttribute("backdrop", what);
@@ -150,7 +160,7 @@ export class AttributeElement extends ElementBase {
 
   /** Whether lights have handles in the picture. */
   get handles(): boolean {
-    return this.getAttribute("handles") !== "off";
+    return among(this, "handles") === "on";
   }
   set handles(on: boolean) {
     this.setAttribute("handles", on ? "on" : "off");
@@ -158,7 +168,7 @@ export class AttributeElement extends ElementBase {
 
   /** What pointers and keys do. */
   get interaction(): Interaction {
-    return among(INTERACTIONS, this.getAttribute("interaction"));
+    return among(this, "interaction");
   }
   set interaction(what: Interaction) {
     this.setAttribute("interaction", what);
@@ -166,7 +176,7 @@ export class AttributeElement extends ElementBase {
 
   /** What a drag does to the camera. */
   get cameraControls(): CameraControls {
-    return among(CAMERA_CONTROLS, this.getAttribute("camera-controls"));
+    return among(this, "camera-controls");
   }
   set cameraControls(what: CameraControls) {
     this.setAttribute("camera-controls", what);
@@ -174,7 +184,7 @@ export class AttributeElement extends ElementBase {
 
   /** Whether the file is loaded at once, or only when the element comes near the visible part of the page. */
   get loading(): "eager" | "lazy" {
-    return this.getAttribute("loading") === "lazy" ? "lazy" : "eager";
+    return among(this, "loading");
   }
   set loading(when: "eager" | "lazy") {
     this.setAttribute("loading", when);
@@ -213,8 +223,19 @@ export class AttributeElement extends ElementBase {
   }
 }
 
-function among<T extends string>(values: readonly T[], value: string | null): T {
-  return values.find((one) => one === value) ?? (values[0] as T);
+function among<K extends keyof Allowed>(element: Element, name: K): Allowed[K][number] {
+  const values: readonly Allowed[K][number][] = ALLOWED[name];
+  const value = element.getAttribute(name);
+  return values.find((one) => one === value) ?? (values[0] as Allowed[K][number]);
+}
+
+/** Warns once of an attribute's value that means nothing. */
+export function warnOf(name: string, value: string | null): void {
+  const values: readonly string[] | undefined = ALLOWED[name as keyof Allowed];
+  const text = `<rebounce-viewer ${name}="${value}">: the value is unknown; there are ${values?.join(", ")}.`;
+  if (!value || !values || values.includes(value) || told.has(text)) return;
+  told.add(text);
+  console.warn(text);
 }
 
 /** As HTML reads a width: the number that the text begins with. */

@@ -5,7 +5,7 @@ import { Changes } from "./changes.js";
 import { download } from "./download.js";
 import { calm } from "./element.js";
 import { tell } from "./events.js";
-import { Failure, failureOf, isFatal, sentence } from "./failure.js";
+import { Failure, failureOf, isFatal, sentence, unsupported } from "./failure.js";
 import { Losses } from "./losses.js";
 import type { Viewer } from "./module.js";
 import { gestures } from "./gesture.js";
@@ -286,10 +286,12 @@ export class Engine {
     if (isFatal(failure.code)) this.#end();
     this.player.pause();
     this.#loaded = false;
-    this.tree.showPoster(false);
+    const words = unsupported(failure.code);
+    this.tree.showPoster(!!words);
     this.tree.showPicture(false);
     this.showPanel();
-    this.tree.setMessage(sentence(failure.message), () => void this.load());
+    if (words) console.warn(`<rebounce-viewer>: ${sentence(failure.message)}`);
+    this.tree.setMessage(words ?? sentence(failure.message), words ? undefined : () => void this.load());
     this.#warn(failure);
   }
 
@@ -364,7 +366,8 @@ export class Engine {
     const { alt, interaction } = this.#element;
     const [name, takesKeys] = [alt || "3D scene", interaction !== "none"];
     if (!takesKeys) this.tree.canvas.blur(); // Keys that are held are let go.
-    this.tree.setLabel(takesKeys ? `${name}. Drag to look around; W, A, S, D and the arrow keys move, R goes back.` : name, takesKeys);
+    const hint = `${name}. Drag to look around; W, A, S, D and the arrow keys move, R goes back.`;
+    this.tree.setLabel(takesKeys ? hint : name, takesKeys, alt);
   }
 
   #setProgress(loaded: number, total: number): void {

@@ -29,6 +29,14 @@ export function isFatal(code: string): boolean {
   return ["internal", "device-lost", "out-of-memory", "no-webgpu", "no-adapter", "no-device"].includes(code);
 }
 
+/** What visitors read where there is no WebGPU, and trying again cannot help; nothing for other failures. */
+export function unsupported(code: string): string | undefined {
+  if (code !== "no-webgpu" && code !== "no-adapter") return undefined;
+  return isSecureContext
+    ? "This 3D view needs WebGPU, which is missing here. Try a current Chrome, Edge, Firefox or Safari (26 or newer), with graphics acceleration on."
+    : "This 3D view needs WebGPU, which browsers offer to secure pages only: open this page over https.";
+}
+
 /** A file may give things names of any length. */
 const LONGEST = 1000;
 

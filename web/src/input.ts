@@ -1,5 +1,6 @@
 /** Pointer, wheel and keyboard events of a canvas, handed to the viewer in canvas pixels. */
 
+import { activation } from "./activation.js";
 import type { Interaction } from "./attributes.js";
 import type { Viewer } from "./module.js";
 
@@ -20,13 +21,13 @@ export interface Input {
 }
 
 /**
- * Listens until the signal aborts. With `page` the wheel comes closer only with Ctrl or Command, as over maps; that one
- * finger scrolls, and that with `none` no pointer gets here, is the style sheet's.
+ * Listens until the signal aborts. What is left to the page is the activation's; that fingers scroll then, and that with
+ * `none` no pointer gets here, is the style sheet's.
  */
 export function listen(canvas: HTMLCanvasElement, { withViewer, interaction, gesture, reset }: Input, signal: AbortSignal): void {
   const held = new Set<string>();
   const pointers = new Set<number>();
-  const on = <K extends keyof HTMLElementEventMap>(type: K, work: (event: HTMLElementEventMap[K]) => void) =>
+  const on = <K extends keyof HTMLElementEventMap>(type: K, work: (event: HTMLElementEventMap[K]) => unknown) =>
     canvas.addEventListener(type, work, { signal, passive: false });
   const scale = () => canvas.width / Math.max(canvas.getBoundingClientRect().width, 1);
   const at = (event: MouseEvent): [number, number] => {
@@ -38,6 +39,7 @@ export function listen(canvas: HTMLCanvasElement, { withViewer, interaction, ges
     gesture(`pointer ${id}`, false);
   };
   const up = (event: PointerEvent) => {
+    if (!active.has(event, true)) return;
     withViewer((viewer) => viewer.pointerUp(event.pointerId, event.type === "pointerup"));
     letGo(event.pointerId);
   };
@@ -46,27 +48,26 @@ export function listen(canvas: HTMLCanvasElement, { withViewer, interaction, ges
     if (held.delete(code)) gesture(code, false);
   };
 
-  on("pointerdown", (event) => {
+  const down = (event: PointerEvent) => {
     const { pointerId, pointerType, button, shiftKey, ctrlKey, metaKey } = event;
-    canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(pointerId);
     pointers.add(pointerId);
     gesture(`pointer ${pointerId}`, true);
     const reach = pointerType === "touch" ? FINGER * scale() : 0;
     withViewer((viewer) => viewer.pointerDown(pointerId, ...at(event), button, shiftKey, ctrlKey || metaKey, reach));
-  });
-  on("pointermove", (event) =>
-    withViewer((viewer) => {
-      viewer.pointerMove(event.pointerId, ...at(event), event.shiftKey, event.altKey);
-      canvas.style.cursor = viewer.hoveredLight < 0 ? "" : "pointer";
-    }),
-  );
+  };
+  on("pointerdown", (event) => active.down(event).forEach(down));
+  const move = (event: PointerEvent) => (viewer: Viewer) => {
+    viewer.pointerMove(event.pointerId, ...at(event), event.shiftKey, event.altKey);
+    canvas.style.cursor = viewer.hoveredLight < 0 ? "" : "pointer";
+  };
+  on("pointermove", (event) => active.has(event) && withViewer(move(event)));
   on("pointerleave", () => withViewer((viewer) => (viewer.hoveredLight = -1)));
   on("pointerup", up);
   on("pointercancel", up);
   on("contextmenu", (event) => event.preventDefault());
   on("wheel", (event) => {
-    if (interaction() === "page" && !event.ctrlKey && !event.metaKey) return;
+    if (!active.wheel(event)) return;
     event.preventDefault();
     gesture("wheel", true);
     // Lines and pages become about as many pixels as browsers scroll for them.
@@ -88,4 +89,6 @@ export function listen(canvas: HTMLCanvasElement, { withViewer, interaction, ges
   });
   on("keyup", (event) => keyUp(event.code));
   on("blur", () => [...held, "ShiftLeft", "ShiftRight"].forEach(keyUp));
+  // After the keys: an Escape that has ended a drag does not end more.
+  const active = activation(canvas, interaction, signal);
 }

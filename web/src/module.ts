@@ -14,7 +14,7 @@ export async function createViewer(canvas: HTMLCanvasElement): Promise<Viewer> {
     throw new Failure(
       "no-webgpu",
       window.isSecureContext
-        ? "This browser has no WebGPU. Use a current Chrome, Edge, Safari or Firefox."
+        ? "This browser has no WebGPU: there is no navigator.gpu."
         : "WebGPU needs a secure page: open this one over https, or from localhost.",
     );
   }

@@ -5,7 +5,7 @@
  */
 
 import { checkedAnimations, shifted, type LightAnimation } from "./animation.js";
-import { AttributeElement } from "./attributes.js";
+import { AttributeElement, warnOf } from "./attributes.js";
 import { Engine } from "./engine.js";
 import type { RebounceEventMap } from "./events.js";
 import { Failure } from "./failure.js";
@@ -248,6 +248,7 @@ export class RebounceViewer extends AttributeElement {
   /** @internal */
   attributeChangedCallback(name: string, before: string | null, value: string | null): void {
     if (before === value && name !== "src") return;
+    warnOf(name, value);
     const engine = this.#engine;
     switch (name) {
       case "src":

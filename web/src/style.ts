@@ -16,8 +16,9 @@ const CSS = `
 }
 :host([hidden]) { display: none; }
 canvas, .poster, .cover { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
-canvas { touch-action: none; cursor: grab; outline: none; visibility: hidden; }
+canvas { touch-action: pan-x pan-y; cursor: grab; outline: none; visibility: hidden; }
 canvas:active { cursor: grabbing; }
+:host(:focus-within) canvas, :host([interaction="all"]) canvas { touch-action: none; }
 :host([interaction="page"]) canvas { touch-action: pan-y; }
 :host([interaction="none"]) canvas { touch-action: auto; pointer-events: none; }
 canvas.shown { visibility: visible; }
@@ -28,6 +29,13 @@ canvas:focus-visible { box-shadow: inset 0 0 0 3px var(--accent); }
 .stick span { position: absolute; inset: 25%; border-radius: 50%; background: rgb(255 255 255 / 0.45); }
 @media not (any-pointer: coarse) { .stick { display: none; } }
 :host([interaction="none"]) .stick, canvas:not(.inside) + .stick { display: none; }
+.tap {
+  display: none; position: absolute; bottom: 0.75rem; left: 50%; translate: -50%; padding: 0.3em 0.9em;
+  border-radius: 1em; background: rgb(21 23 26 / 0.85); pointer-events: none; white-space: nowrap;
+}
+@media (pointer: coarse) {
+  :host(:not(:focus-within, [interaction="all"], [interaction="page"], [interaction="none"])) .shown ~ .tap { display: block; }
+}
 .poster { object-fit: cover; }
 .cover { pointer-events: none; }
 .progress { position: absolute; inset: 0; pointer-events: none; }
@@ -41,6 +49,7 @@ canvas:focus-visible { box-shadow: inset 0 0 0 3px var(--accent); }
   display: flex; flex-direction: column; gap: 1rem; align-items: center; justify-content: center;
   background: rgb(21 23 26 / 0.92);
 }
+.message.strip { top: auto; padding: 0.5rem 1rem; font-size: 0.8rem; }
 .message p { margin: 0; max-width: 34rem; overflow-wrap: anywhere; }
 [hidden] { display: none !important; }
 button, input, select { font: inherit; color: inherit; }

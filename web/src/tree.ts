@@ -9,7 +9,8 @@ export class Tree {
   canvas = document.createElement("canvas");
   #own = new CSSStyleSheet();
   #image = make("img", { class: "poster", alt: "" });
-  #poster = make("div", { class: "cover", part: "poster" }, slot("poster", this.#image));
+  #posters = slot("poster", this.#image);
+  #poster = make("div", { class: "cover", part: "poster" }, this.#posters);
   #progress = make("div", { class: "progress" });
   #bar = make("div", { class: "bar", part: "progress", role: "progressbar", "aria-label": "Loading" }, make("div"));
   #error = slot("error");
@@ -20,7 +21,7 @@ export class Tree {
     this.root.adoptedStyleSheets = [style(), this.#own];
     this.#image.hidden = this.#progress.hidden = this.#message.hidden = true;
     this.#progress.append(slot("progress", this.#bar));
-    this.root.append(this.canvas, this.#poster, this.#progress, this.#message);
+    this.root.append(this.canvas, make("div", { class: "tap" }, "Tap to look around"), this.#poster, this.#progress, this.#message);
   }
 
   /** Puts a fresh canvas in place of one that a viewer drew on. */
@@ -30,8 +31,9 @@ export class Tree {
     this.canvas = canvas;
   }
 
-  /** What the picture is called, and whether it takes keys. */
-  setLabel(label: string, takesKeys: boolean): void {
+  /** What the picture is called, and its poster, and whether it takes keys. */
+  setLabel(label: string, takesKeys: boolean, alt: string): void {
+    this.#image.alt = alt;
     this.canvas.setAttribute("aria-label", label);
     if (takesKeys) this.canvas.setAttribute("tabindex", "0");
     else this.canvas.removeAttribute("tabindex");
@@ -65,14 +67,18 @@ export class Tree {
     this.#progress.style.setProperty("--rebounce-progress", String(ratio ?? 0));
   }
 
-  /** Shows a sentence in place of the picture, with a way to try again; nothing hides it. */
+  /** Shows a sentence in place of the picture, with a way to try again; without one, below the poster. Nothing hides it. */
   setMessage(text?: string, again?: () => void): void {
     this.#message.hidden = text === undefined;
     this.#error.replaceChildren();
     if (text === undefined) return;
+    this.#error.append(make("p", {}, text));
+    const isPoster = !this.#image.hidden || this.#posters.assignedNodes().length > 0;
+    this.#message.classList.toggle("strip", !again && isPoster);
+    if (!again) return;
     const button = make("button", { type: "button" }, "Try again");
-    if (again) button.addEventListener("click", again);
-    this.#error.append(make("p", {}, text), button);
+    button.addEventListener("click", again);
+    this.#error.append(button);
   }
 
   /** The size that the attributes ask for, CSS pixels; 0 where they say nothing. The page's own rules go first. */

@@ -29,12 +29,14 @@ import { slots } from "./page/slots.mjs";
 import { soak } from "./page/soak.mjs";
 import { state } from "./page/state.mjs";
 import { text } from "./page/text.mjs";
+import { touch } from "./page/touch.mjs";
+import { unsupported } from "./page/unsupported.mjs";
 import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, input, walking, handles, panel, pictures, shown, state, watch, light,
-  failures, downloads, memory, text, policy, damaged, sharing,
+  loading, attributes, slots, onScreen, hidden, animation, lights, input, touch, walking, handles, panel, pictures, shown, state, watch, light,
+  failures, unsupported, downloads, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
 const DAMAGED = ["60", "2"];

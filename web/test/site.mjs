@@ -23,6 +23,9 @@ export async function runSiteTests(harness, folder) {
     }
     await harness.test("site::the_sun_and_the_lamps_follow_the_hour", () => apartment(context));
     await harness.test("site::the_comparison_moves_by_keyboard", () => comparison(context));
+    await harness.test("site::the_hero_fills_its_frame", () => hero(context));
+    await harness.test("site::the_gallery_has_four_scenes_with_their_figures", () => gallery(context));
+    await harness.test("site::a_phone_scrolls_past_every_viewer", () => phone(context));
     await harness.test("site::without_webgpu_the_pages_say_so_and_stay_sound", () => withoutWebgpu(context));
   } finally {
     await browser.close();
@@ -83,8 +86,27 @@ async function violations(page, axe) {
   }, RULES);
 }
 
+/** Every viewer of the page has a poster of its own shape. */
+async function posters(page, name) {
+  const shapes = await page.evaluate(() => {
+    const each = [...document.querySelectorAll("rebounce-viewer")].map(async (viewer) => {
+      const image = new Image();
+      image.src = viewer.poster;
+      await image.decode();
+      const { aspectRatio } = getComputedStyle(viewer);
+      const [width, height] = aspectRatio.split("/").map(Number);
+      return { poster: viewer.getAttribute("poster"), picture: image.naturalWidth / image.naturalHeight, stage: width / height };
+    });
+    return Promise.all(each);
+  });
+  for (const { poster, picture, stage } of shapes) {
+    check(Math.abs(picture / stage - 1) < 0.02, `${name}: ${poster} is ${picture}:1, the stage ${stage}:1`);
+  }
+}
+
 async function sound(context, name) {
   const { page, faults } = await open(context, name, { colorScheme: "light" });
+  await posters(page, name);
   await loaded(page);
   const viewers = await page.locator("rebounce-viewer").count();
   for (let i = 0; i < viewers; i += 1) {
@@ -204,11 +226,82 @@ async function comparison(context) {
   await page.close();
 }
 
+/** Waits until a viewer shows the shot that the page names. */
+const shot = (page, i = 0) =>
+  page.waitForFunction(async (i) => {
+    const viewer = document.querySelectorAll("rebounce-viewer")[i];
+    const { camera } = await (await fetch(viewer.dataset.shot)).json();
+    return viewer.loaded && camera.position.every((x, k) => Math.abs(x - viewer.camera.position[k]) < 1e-3);
+  }, i);
+
+async function hero(context) {
+  const { page, faults } = await open(context, "index.html");
+  await loaded(page);
+  await shot(page);
+  const size = 48;
+  const pixels = await page.evaluate(async (size) => Array.from(await document.querySelector("rebounce-viewer").readPixels(size, size)), size);
+  const rim = [...Array(size * size).keys()].filter((i) => [0, size - 1].includes(i % size) || i < size || i >= size * (size - 1));
+  const black = rim.filter((i) => pixels[4 * i] + pixels[4 * i + 1] + pixels[4 * i + 2] < 12);
+  equal(black.length, 0, "black pixels on the rim");
+  const rows = await page.locator("#browsers").locator("xpath=..").locator("tbody tr").allTextContents();
+  check(rows.length > 5 && rows.every((row) => /\d|not yet/.test(row)), rows.join("\n"));
+  for (const browser of ["Chrome", "Edge", "Safari", "Firefox"]) check(rows.some((row) => row.includes(browser)), `no ${browser}`);
+  check(/20\d\d/.test(await page.locator("caption").textContent()), "the table has no date");
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
+}
+
+async function gallery(context) {
+  const { page, faults } = await open(context, "gallery.html");
+  const figures = () => page.evaluate(() => [...document.querySelectorAll(".figures")].map((list) => [...list.querySelectorAll("dt, dd")].map(({ textContent }) => textContent.trim()).join(" ")));
+  const built = await figures();
+  equal(built.length, 4, "scenes");
+  for (const text of built) check(/^File [\d.]+ MB Bake [\d.]+ s Frame [\d.]+ ms$/.test(text), `figures: ${text}`);
+  await loaded(page);
+  for (let i = 0; i < 4; i += 1) await shot(page, i);
+  // This browser's adapter tells how long its frames take.
+  const tells = await page.evaluate(() => Object.keys(document.querySelector("rebounce-viewer").stats().milliseconds).length > 0);
+  if (tells) {
+    await page.waitForFunction(() => [...document.querySelectorAll("[data-frame]")].every(({ textContent }) => /^[\d.]+ ms here$/.test(textContent)));
+    check((await page.locator("#frame-words").textContent()).includes("this browser"), "the words are still of the build");
+  }
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
+}
+
+/** At a phone's size nothing sticks out, and a finger that begins on a viewer scrolls the page. */
+async function phone(context) {
+  for (const name of ["index.html", "gallery.html", "apartment.html", "embed.html"]) {
+    const { page, faults } = await open(context, name, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    check(wide <= 390, `${name} is ${wide} pixels wide`);
+    await page.locator("rebounce-viewer").first().scrollIntoViewIfNeeded();
+    const box = await page.locator("rebounce-viewer").first().boundingBox();
+    const before = await page.evaluate(() => scrollY);
+    const client = await page.context().newCDPSession(page);
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    const send = (type, at) => client.send("Input.dispatchTouchEvent", { type, touchPoints: at === undefined ? [] : [{ x, y: y + at }] });
+    await send("touchStart", 0);
+    for (const at of [-20, -40, -60, -80, -100]) await send("touchMove", at);
+    await send("touchEnd");
+    await within("scrolling", page.waitForFunction((from) => scrollY > from + 40, before));
+    equal(faults.join("\n"), "", "faults");
+    await page.close();
+  }
+}
+
 async function withoutWebgpu(context) {
   const prepare = () => delete Navigator.prototype.gpu;
   for (const name of ["index.html", "apartment.html"]) {
     const { page, faults } = await open(context, name, { prepare });
     await page.waitForFunction(() => document.querySelector("rebounce-viewer").shadowRoot.querySelector("[role=alert]").textContent);
+    const seen = await page.evaluate(() => {
+      const { shadowRoot } = document.querySelector("rebounce-viewer");
+      const poster = shadowRoot.querySelector("[part=poster] img");
+      return { poster: poster.checkVisibility() && poster.naturalWidth > 0, words: shadowRoot.querySelector("[role=alert]").textContent };
+    });
+    check(seen.poster, "the poster is gone");
+    check(seen.words.includes("needs WebGPU"), seen.words);
     equal((await violations(page, context.axe)).join("\n"), "", "what axe finds");
     equal(faults.join("\n"), "", "faults");
     await page.close();

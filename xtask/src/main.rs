@@ -11,6 +11,7 @@ mod demo;
 mod fidelity;
 mod fuzz;
 mod install;
+mod installed;
 mod integrity;
 mod kill_bake;
 mod package;
@@ -29,9 +30,9 @@ const USAGE: &str = "\
 cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
                      bakes a scene (builtin:cornell-box), builds the viewer, serves it on 127.0.0.1;
                      with --screenshot: takes a picture in headless Chromium instead, and ends
-cargo xtask test [native|wasm|page|package|site|mpi]
-                     runs every test, those in the browser and of bakes over several processes included; or
-                     one part
+cargo xtask test [native|wasm|page|package|site|install|mpi]
+                     runs every test, those in the browser, of the installed command and of bakes over several
+                     processes included; or one part
 cargo xtask web      builds the viewer and its page into web/dist
 cargo xtask site [--preset NAME] [--samples N] [--quick] [--serve] [--port N]
                      builds the site of web/site into target/site, and serves it on 127.0.0.1;

@@ -1,14 +1,14 @@
 //! `cargo xtask test`: every test. Nothing is compiled twice that need not be.
 
 use crate::toolchain::{self, Toolchain};
-use crate::{bindgen, install, package, process, site, web};
+use crate::{bindgen, install, installed, package, process, site, web};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::Stdio;
 
 /// The parts: tests of the crates, of the viewer as wasm, of the page of `rebounce view`, of the npm
-/// package, of the site, and of bakes under mpirun.
-const PARTS: [&str; 6] = ["native", "wasm", "page", "package", "site", "mpi"];
+/// package, of the site, of the command that `cargo install` makes, and of bakes under mpirun.
+const PARTS: [&str; 7] = ["native", "wasm", "page", "package", "site", "install", "mpi"];
 
 /// Runs every test, or one part. All parts run, whatever becomes of the first.
 ///
@@ -23,7 +23,7 @@ pub fn run(args: &[String]) -> Result<()> {
         return over_mpi();
     }
     let wanted = |name| part.is_none() || part == Some(name);
-    let in_page = ["page", "package", "site"].map(wanted).contains(&true);
+    let in_page = ["page", "package", "site", "install"].map(wanted).contains(&true);
     install::ensure(&install::BROWSER)?;
     // First the page: the binary that the tests build holds it.
     if in_page {
@@ -31,6 +31,9 @@ pub fn run(args: &[String]) -> Result<()> {
     } else {
         install::ensure(&install::NODE)?;
         web::npm()?;
+    }
+    if part == Some("install") {
+        return installed::test();
     }
     let native = match part {
         None | Some("native") => native(&[]),
@@ -48,8 +51,12 @@ pub fn run(args: &[String]) -> Result<()> {
     if let Err(error) = &browser {
         println!("{error:#}");
     }
+    let installed = if wanted("install") { installed::test() } else { Ok(()) };
+    if let Err(error) = &installed {
+        println!("{error:#}");
+    }
     let mpi = if wanted("mpi") { over_mpi() } else { Ok(()) };
-    native.and(browser).and(mpi)
+    native.and(browser).and(installed).and(mpi)
 }
 
 /// `cargo test` of the whole workspace, in the development profile (which is optimised). It builds

@@ -10,11 +10,11 @@ use rebounce::scene::{LoadOptions, Scene, load_with};
 #[derive(Args, Debug)]
 pub struct LoadArgs {
     /// The scene of the glTF file, by its name or number, where there are several; its default when absent
-    #[arg(long = "scene", value_name = "N|NAME")]
+    #[arg(long = "scene", help_heading = "The scene's file", hide_short_help = true, value_name = "N|NAME")]
     choice: Option<String>,
     /// What meshes without a material reflect, from 0 to 1, as in 0.8 or 0.8,0.7,0.6 (linear red, green, blue); all light
     /// when absent, as glTF has it
-    #[arg(long, value_name = "ALBEDO", value_parser = number::albedo)]
+    #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "ALBEDO", value_parser = number::albedo)]
     albedo: Option<[f32; 3]>,
 }
 

@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod compare;
+mod draft;
 mod http;
 pub mod info;
 mod load;
@@ -16,7 +17,7 @@ mod team;
 pub mod view;
 
 use anyhow::{Context, Result};
-use clap::{Parser, Subcommand};
+use clap::{ArgAction, Parser, Subcommand};
 use rebounce_shared::rbn::Scene;
 use std::path::Path;
 use std::process::ExitCode;
@@ -26,10 +27,13 @@ const TOO_NOISY: u8 = 4;
 
 /// Bakes how light bounces through a glTF scene, so that it can be relit live in a browser.
 #[derive(Parser, Debug)]
-#[command(version)]
+#[command(version, disable_version_flag = true, propagate_version = true)]
 pub struct Arguments {
     #[command(subcommand)]
     command: Command,
+    /// Prints the version
+    #[arg(short = 'v', short_alias = 'V', long, action = ArgAction::Version, global = true, display_order = 999)]
+    version: (),
 }
 
 #[derive(Subcommand, Debug)]
@@ -44,7 +48,7 @@ enum Command {
     Reference(reference::ReferenceArgs),
     /// Says how far a picture is from its reference
     Compare(compare::CompareArgs),
-    /// Shows a baked scene in the browser, from this machine
+    /// Shows a scene in the browser, from this machine
     View(view::ViewArgs),
 }
 
@@ -56,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Render(args) => render::run(args),
         Command::Reference(args) => reference::run(args),
         Command::Compare(args) => return compare::run(args),
-        Command::View(args) => view::run(args),
+        Command::View(args) => return view::run(args),
     }?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,22 +1,27 @@
-//! `rebounce view`: serves the built viewer with one baked file on 127.0.0.1.
+//! `rebounce view`: serves the built viewer with one baked file on 127.0.0.1. Of a scene a `draft` is baked first.
 
+use super::draft::{self, Draft};
 use super::http::{self, Body, Request, Response};
 use super::stop::end_at_once;
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use rebounce::scene::SceneError;
 use rebounce_shared::rbn::container::MAGIC;
 use std::fs::File;
 use std::io::Read;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitCode, Stdio};
 use std::time::UNIX_EPOCH;
 
 /// Arguments of `rebounce view`.
 #[derive(Args, Debug)]
 pub struct ViewArgs {
-    /// What `rebounce bake` wrote
-    #[arg(value_name = "FILE.rbn")]
+    /// What `rebounce bake` wrote; or a .gltf or .glb file or builtin:NAME, of which a draft is baked first
+    ///
+    /// Of room.glb, room.rbn beside it is shown where that is not older. Elsewhere a draft goes into room.draft.rbn, which is
+    /// made anew when the scene's file is newer. No other file is ever replaced.
+    #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Port on 127.0.0.1; 7777, or any that is free, when absent
     #[arg(long)]
@@ -28,6 +33,9 @@ pub struct ViewArgs {
     /// Only prints the address, opens no browser
     #[arg(long)]
     no_open: bool,
+    /// Bakes a draft without asking
+    #[arg(short, long)]
+    yes: bool,
 }
 
 /// The viewer's files by name; empty if the binary was built without them.
@@ -54,28 +62,34 @@ const HEADERS: [(&str, &str); 7] = [
 ];
 
 /// Runs the command; ends only when interrupted.
-pub fn run(args: &ViewArgs) -> Result<()> {
+pub fn run(args: &ViewArgs) -> Result<ExitCode> {
     if WEB.is_empty() {
         bail!(
-            "this rebounce was built without the viewer; build the viewer with `cargo xtask web`, then rebounce again"
+            "this rebounce was built without the viewer; in its repository run `cargo xtask web`, then build rebounce again \
+             (`cargo install --path baker`)"
         );
     }
-    let site = Site { file: args.file.clone(), is_watching: args.watch, port: 0 };
+    let file = match draft::of(&args.file, args.watch, args.yes)? {
+        Draft::Shown(file) => file,
+        Draft::Not(code) => return Ok(code),
+    };
+    let site = Site { file: file.clone(), is_watching: args.watch, port: 0 };
     if let Some((file, _)) = site.newest().filter(|_| args.watch) {
         check(&file)?;
     } else if !args.watch {
-        check(&args.file)?;
+        check(&file)?;
     }
     end_at_once().context("preparing for Ctrl-C")?;
     let listener = listen(args.port)?;
     let port = listener.local_addr()?.port();
     let address = format!("http://127.0.0.1:{port}/{}", if args.watch { "?watch" } else { "" });
-    println!("{} at {address} (Ctrl-C ends)", args.file.display());
+    println!("{} at {address} (Ctrl-C ends)", file.display());
     if !args.no_open {
         open(&address);
     }
     let site = Site { port, ..site };
-    http::serve(&listener, &HEADERS, move |request| site.answer(request)).context("serving the page")
+    http::serve(&listener, &HEADERS, move |request| site.answer(request)).context("serving the page")?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Whether the file can be read and begins like a .rbn file; the page checks the rest.
@@ -83,7 +97,11 @@ fn check(path: &Path) -> Result<()> {
     let mut start = [0; MAGIC.len()];
     let mut file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
     if file.read_exact(&mut start).is_err() || start != MAGIC {
-        bail!("{} is not a .rbn file; make one with `rebounce bake SCENE.glb -o FILE.rbn`", path.display());
+        let file = path.display().to_string();
+        let Some(error) = SceneError::other_format(path) else {
+            bail!("{file} is not a .rbn file; make one with `rebounce bake SCENE.glb -o FILE.rbn`");
+        };
+        return Err(error.into());
     }
     Ok(())
 }

@@ -41,10 +41,22 @@ pub enum SceneError {
         version: String,
     },
     /// The file is what a bake made.
-    #[error("{file} is a baked file, not a scene: give the .glb or .gltf that it was baked from")]
+    #[error(
+        "{file} is a baked file, not a scene: `rebounce view {file}` shows it; to bake again, give the .glb or .gltf that it was baked from"
+    )]
     Baked {
         /// The file.
         file: String,
+    },
+    /// The file is of another format.
+    #[error("{file} is {format}, and what is read is glTF 2.0 (.glb or .gltf): {advice}")]
+    OtherFormat {
+        /// The file.
+        file: String,
+        /// What it is.
+        format: &'static str,
+        /// How it becomes glTF.
+        advice: &'static str,
     },
     /// The file breaks a rule of glTF.
     #[error("{file}: {problem}; the file is damaged or was written wrongly: export it again")]

@@ -6,6 +6,7 @@
 //!   of formats that glTF does not have; `orientation` – turns that their metadata ask for;
 //! * [`model`] – what stands in a scene many times;
 //! * `colours` – colours of vertices; `merge` – materials that look alike; `notes` – what is said about a file;
+//! * `other_format` – files that are no glTF, and how they become it;
 //! * [`detail`] – the part that has the detail; [`far`] – what lies far away from the rest.
 
 mod basis;
@@ -20,6 +21,7 @@ mod merge;
 pub mod model;
 mod notes;
 mod orientation;
+mod other_format;
 pub mod texture;
 
 pub use error::SceneError;

@@ -44,7 +44,7 @@ export async function attributes(harness, context) {
       const defaults = {
         alt: "", poster: "", width: 0, height: 0, exposure: 0, autoExposure: true, toneMapping: "neutral", mode: "all",
         overlay: "none", loading: "eager", controls: false, autoplay: false, animationName: "", stateInLink: false,
-        handles: true, interaction: "all", display: "auto", backdrop: "auto", cameraControls: "auto",
+        handles: true, interaction: "auto", display: "auto", backdrop: "auto", cameraControls: "auto",
       };
       same(found.defaults, defaults, "defaults");
       equal(found.src, `${context.address}missing.rbn`, "src, in full");
@@ -57,6 +57,27 @@ export async function attributes(harness, context) {
     property autoplay, property animationName, property stateInLink, property handles, property interaction
     property display, property backdrop`,
   );
+
+  await harness.test("attributes::a_value_that_means_nothing_is_warned_of_once_with_those_that_do", async () => {
+    const { page } = await open(context, { html: "<rebounce-viewer mode='foo'></rebounce-viewer>" });
+    const warnings = [];
+    page.on("console", (message) => message.type() === "warning" && message.text().includes("rebounce-viewer") && warnings.push(message.text()));
+    const wrong = { mode: "sideways", overlay: "dots", display: "x", "tone-mapping": "aces", interaction: "yes", loading: "late", "auto-exposure": "no", handles: "false" };
+    const right = { mode: "direct", overlay: "levels", display: "splat", "tone-mapping": "agx", interaction: "page", loading: "lazy", "auto-exposure": "off", handles: "off", alt: "foo", exposure: "1" };
+    await page.evaluate(([wrong, right]) => {
+      for (const values of [wrong, right, wrong]) for (const [name, value] of Object.entries(values)) viewer.setAttribute(name, value);
+      const second = document.createElement("rebounce-viewer");
+      second.setAttribute("mode", "sideways");
+      console.warn("rebounce-viewer: the end");
+    }, [wrong, right]);
+    for (const [name, value] of Object.entries(wrong)) {
+      const own = warnings.filter((text) => text.includes(`${name}="${value}"`));
+      equal(own.length, 1, `warnings of ${name}: ${warnings.join("\n")}`);
+      check(own[0].includes(right[name]), `the allowed ones are not named: ${own[0]}`);
+    }
+    equal(warnings.length, Object.keys(wrong).length + 1, "warnings");
+    await page.close();
+  });
 
   const { page, faults } = await loaded(context, '<rebounce-viewer src="scene.rbn" alt="Two <b>blocks</b>"></rebounce-viewer>');
 

@@ -126,6 +126,13 @@ export async function input(harness, context) {
       same(await wheel("all"), { scrolled: false, zoomed: true }, "all");
       same(await wheel("page"), { scrolled: true, zoomed: false }, "page");
       same(await wheel("page", "Control"), { scrolled: false, zoomed: true }, "page, with Ctrl");
+      await page.evaluate(() => viewer.shadowRoot.activeElement?.blur());
+      same(await wheel("auto"), { scrolled: true, zoomed: false }, "auto, before it has the focus");
+      same(await wheel("auto", "Control"), { scrolled: false, zoomed: true }, "auto, with Ctrl");
+      await page.mouse.click(160, 90);
+      same(await wheel("auto"), { scrolled: false, zoomed: true }, "auto, after a click");
+      await page.keyboard.press("Escape");
+      same(await wheel("auto"), { scrolled: true, zoomed: false }, "auto, after Escape");
       same(await wheel("none"), { scrolled: true, zoomed: false }, "none");
       const touch = () => page.evaluate(() => getComputedStyle(viewer.shadowRoot.querySelector("canvas")).touchAction);
       equal(await touch(), "auto", "fingers with none");

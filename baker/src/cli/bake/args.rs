@@ -6,6 +6,7 @@ use anyhow::{Result, bail, ensure};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use rebounce::bake::{BakeSettings, Preset, budget};
+use rebounce::scene::SceneError;
 use rebounce::shot;
 use rebounce::write::check_place;
 use rebounce_shared::camera::Camera;
@@ -17,6 +18,10 @@ use std::path::{Path, PathBuf};
 
 /// Rays per receiver at most: more than a second each.
 const MOST_RAYS: i64 = 1 << 20;
+/// Headings of the help.
+const QUALITY: &str = "Quality";
+const ADVANCED: &str = "Advanced: how functions are laid out";
+
 /// Support over disk radius: under 1 there are gaps between functions, beyond 4 hundreds of them meet.
 const OVERLAPS: RangeInclusive<f32> = 1.0..=4.0;
 
@@ -40,94 +45,116 @@ for each. FILE.rbn always has the best one so far. Before, the view is path-trac
 with ever more samples, up to 800 a pixel. An error that they hide too is \"too noisy to tell\", and finer bakes follow as for one that is over. \
 --resume goes on with the bake that was stopped, and knows nothing of the errors before it. Several processes cannot do it.";
 
-/// Arguments of `rebounce bake`.
+/// Arguments of `rebounce bake`. What is wanted every day comes first; the rest stands under headings in `--help`, and
+/// not at all in `-h`.
 #[derive(Args, Debug)]
-#[command(after_help = AFTER_HELP)]
+#[command(after_help = "More options, and what each of them means: rebounce bake --help", after_long_help = AFTER_HELP)]
 pub struct BakeArgs {
-    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
-    /// builtin:two-rooms-door, builtin:two-rooms, builtin:furnace
+    /// A .gltf or .glb file, or builtin:NAME
+    ///
+    /// The built-in scenes are builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
+    /// builtin:two-rooms-door, builtin:two-rooms and builtin:furnace.
     pub(super) scene: String,
-    #[command(flatten)]
-    pub(super) load: LoadArgs,
-    /// Where to write; SCENE.rbn when absent
+    /// Where to write; SCENE.rbn in the working folder when absent
     #[arg(short, long, value_name = "FILE.rbn")]
     output: Option<PathBuf>,
     /// How good and how costly
     #[arg(long, value_enum, default_value = "standard")]
     preset: PresetName,
-    /// Bakes ever finer until the bounced light is within this error of a path tracer, as in 0.1, in the view of --shot or
-    /// the scene's own camera and lights; without either takes the coarsest preset that is made for it
+    /// Bakes ever finer until the picture is within this error of a path tracer, as in 0.1
+    ///
+    /// The error of the bounced light is measured in the view of --shot, or of the scene's own camera and lights. Where
+    /// there is neither, the coarsest preset that is made for the error is taken.
     #[arg(long, value_name = "ERROR", value_parser = number::over_zero, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
     pub(super) target_error: Option<f64>,
-    /// A camera that points are placed for, besides the scene's own; and the camera and lights that --target-error is
-    /// measured with (docs/SHOT.md), the scene's own when absent
+    /// A camera to bake for, and the view of --target-error (docs/SHOT.md)
+    ///
+    /// Points are placed for this camera besides the scene's own. --target-error is measured with its camera and lights,
+    /// with the scene's own when absent.
     #[arg(long, value_name = "SHOT.json")]
     pub(super) shot: Option<PathBuf>,
-    /// Most bytes of the file, as in 8M: fewer functions, then fewer links
-    #[arg(long, value_name = "BYTES", value_parser = number::bytes)]
-    pub(super) max_bytes: Option<u64>,
-    /// Most bytes of memory, about, as in 2G: fewer functions
-    #[arg(long, value_name = "BYTES", value_parser = number::bytes)]
-    pub(super) max_memory: Option<u64>,
-    /// A place within the room that matters, in the scene's units: what is seen from there, and what lights that, gets
-    /// functions, in large open scenes most near by; may be given several times. The cameras of the shot and the scene when
-    /// absent; without any it is found. A camera or lamp that is added to a scene without goes there, too
+    /// A place within the room that matters, in the scene's units
+    ///
+    /// What is seen from there, and what lights that, gets functions, in large open scenes most near by. The option may be
+    /// given several times. When absent, the cameras of the shot and the scene count; without any the place is found. A
+    /// camera or lamp that is added to a scene without goes there, too.
     #[arg(long, value_name = "X,Y,Z", value_parser = number::place, allow_hyphen_values = true)]
     viewpoint: Vec<[f64; 3]>,
-    /// Levels of receivers
-    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_LEVELS as u64))]
-    levels: Option<usize>,
-    /// Levels of senders, the coarsest ones
+    /// Most bytes of the file, as in 8M
+    ///
+    /// The bake takes fewer functions, then fewer links.
+    #[arg(long, value_name = "BYTES", value_parser = number::bytes)]
+    pub(super) max_bytes: Option<u64>,
+    /// Writes FILE.preview.rbn early and ever finer, for `rebounce view --watch`
     #[arg(long)]
-    sender_levels: Option<usize>,
-    /// Levels at whose points direct light is sampled
-    #[arg(long)]
-    direct_levels: Option<usize>,
-    /// About how many functions the finest level has, as in 25K
-    #[arg(long, value_parser = |text: &str| number::count(text, MAX_POINTS))]
-    functions: Option<usize>,
-    /// Poisson-disk radius of the coarsest level, scene units; overrides --functions
-    #[arg(long, value_parser = number::over_zero_single)]
-    coarse_radius: Option<f32>,
-    /// Links weaker than this share of what the scene's surfaces reflect are given to a neighbour
-    #[arg(long, value_parser = number::at_least_zero_single)]
-    epsilon: Option<f32>,
-    /// Links under this many standard deviations of their noise are given to a neighbour
-    #[arg(long, value_parser = number::at_least_zero_single)]
-    significance: Option<f32>,
-    /// Rays per receiver, coarsest level first; the last number holds for finer levels
-    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=MOST_RAYS))]
-    rays: Option<Vec<u32>>,
-    /// Bounces of light; all that matter when absent
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
-    pub(super) bounces: Option<u32>,
-    /// Levels that light is gathered on to bounce again, the coarsest ones
-    #[arg(long)]
-    later_levels: Option<usize>,
-    /// Support over disk radius, coarsest level
-    #[arg(long, value_parser = |text: &str| number::within(text, OVERLAPS))]
-    coarse_overlap: Option<f32>,
-    /// Support over disk radius, finest level
-    #[arg(long, value_parser = |text: &str| number::within(text, OVERLAPS))]
-    fine_overlap: Option<f32>,
-    /// Seed of all random numbers
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Threads; all cores when absent
-    #[arg(long)]
-    pub(super) threads: Option<usize>,
+    pub(super) preview: bool,
     /// Goes on with a bake that was stopped or killed: the same scene, settings and output
     #[arg(long)]
     pub(super) resume: bool,
-    /// Writes FILE.preview.rbn, coarse at first and finer as levels are done, for `rebounce view --watch`
-    #[arg(long)]
-    pub(super) preview: bool,
+
+    #[command(flatten)]
+    pub(super) load: LoadArgs,
+
+    /// About how many functions the finest level has, as in 25K; the preset's when absent
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
+    functions: Option<usize>,
+    /// Rays per receiver, coarsest level first; the last number holds for finer levels
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=MOST_RAYS))]
+    rays: Option<Vec<u32>>,
+    /// Bounces of light; all that matter when absent
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) bounces: Option<u32>,
+    /// The weakest link that is kept, as a share of the light that the scene's surfaces reflect
+    ///
+    /// A link says how much light one part of a surface gives another. The light of a weaker link is added to a stronger one
+    /// beside it, so that none is lost: a larger share makes a smaller file and coarser bounced light.
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = number::at_least_zero_single)]
+    epsilon: Option<f32>,
+    /// The least certain link that is kept, in standard deviations of its own noise
+    ///
+    /// Links are measured with random rays. The light of a link that stands out less from its noise is added to a stronger one
+    /// beside it: a larger number makes smoother bounced light with less detail.
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = number::at_least_zero_single)]
+    significance: Option<f32>,
+
+    /// Most bytes of memory, about, as in 2G: the bake takes fewer functions
+    #[arg(long, help_heading = "Limits", hide_short_help = true, value_name = "BYTES", value_parser = number::bytes)]
+    pub(super) max_memory: Option<u64>,
+    /// Threads; all cores when absent
+    #[arg(long, help_heading = "Limits", hide_short_help = true)]
+    pub(super) threads: Option<usize>,
+
     /// Prints progress as JSON, one object a line, on standard output, and no summary
-    #[arg(long)]
+    #[arg(long, help_heading = "Reports", hide_short_help = true)]
     pub(super) json_progress: bool,
     /// Writes the figures of the closing summary as JSON
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, help_heading = "Reports", hide_short_help = true, value_name = "FILE.json")]
     pub(super) report: Option<PathBuf>,
+
+    /// Levels of receivers
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_LEVELS as u64))]
+    levels: Option<usize>,
+    /// Levels of senders, the coarsest ones
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
+    sender_levels: Option<usize>,
+    /// Levels at whose points direct light is sampled
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
+    direct_levels: Option<usize>,
+    /// Levels that light is gathered on to bounce again, the coarsest ones
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
+    later_levels: Option<usize>,
+    /// Poisson-disk radius of the coarsest level, scene units; overrides --functions
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = number::over_zero_single)]
+    coarse_radius: Option<f32>,
+    /// Support over disk radius, coarsest level
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = |text: &str| number::within(text, OVERLAPS))]
+    coarse_overlap: Option<f32>,
+    /// Support over disk radius, finest level
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = |text: &str| number::within(text, OVERLAPS))]
+    fine_overlap: Option<f32>,
+    /// Seed of all random numbers
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, default_value_t = 1)]
+    seed: u64,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -159,6 +186,10 @@ impl BakeArgs {
     /// # Errors
     /// What cannot be, in words.
     pub(super) fn check(&self) -> Result<()> {
+        let is_baked = Path::new(&self.scene).extension().is_some_and(|e| e.eq_ignore_ascii_case("rbn"));
+        if is_baked && Path::new(&self.scene).exists() {
+            return Err(SceneError::Baked { file: self.scene.clone() }.into());
+        }
         let output = self.output();
         check_output(&output, "rbn", "what is baked")?;
         if let Some(report) = &self.report {

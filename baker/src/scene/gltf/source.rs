@@ -38,7 +38,10 @@ impl Source {
         let file = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: file.clone(), source })?;
         let dir = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Self::parse(file, dir, &bytes)
+        Self::parse(file, dir, &bytes).map_err(|error| match error {
+            SceneError::NotGltf { .. } => SceneError::other_format(path).unwrap_or(error),
+            _ => error,
+        })
     }
 
     /// The same from bytes; files that it names are looked for in `dir`.

@@ -1,0 +1,108 @@
+//! Scenes and pictures, made by `rebounce`.
+
+use super::{Quality, View};
+use crate::process;
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The scene of the comparison.
+const COMPARED: &str = "library";
+
+/// Makes scenes and pictures where they are not yet there.
+pub struct Maker<'a> {
+    rebounce: &'a Path,
+    work: PathBuf,
+    quality: &'a Quality,
+}
+
+impl<'a> Maker<'a> {
+    /// Makes with this program, of this quality.
+    ///
+    /// # Errors
+    /// If its folder cannot be made.
+    pub fn new(rebounce: &'a Path, quality: &'a Quality) -> Result<Self> {
+        let work = process::target().join("site-work").join(quality.key());
+        fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
+        Ok(Self { rebounce, work, quality })
+    }
+
+    /// A baked scene, and the bake's figures.
+    ///
+    /// # Errors
+    /// If the bake fails.
+    pub fn baked(&self, name: &str) -> Result<(PathBuf, PathBuf)> {
+        let report = self.work.join(format!("{name}.json"));
+        let file = format!("{name}.rbn");
+        if !report.exists() {
+            // It is written after the scene.
+            let _ = fs::remove_file(self.work.join(&file));
+        }
+        let baked = self.made(&file, &[], |command| {
+            command.args(["bake", &format!("builtin:{name}"), "--preset", &self.quality.preset]);
+            command.args(&self.quality.bake).arg("--report").arg(&report);
+        })?;
+        Ok((baked, report))
+    }
+
+    /// The picture of a view, as high as all; with the scene's first camera and its lights where no shot is given.
+    ///
+    /// # Errors
+    /// If the picture cannot be taken.
+    pub fn picture(&self, view: &View, shot: Option<&Path>) -> Result<PathBuf> {
+        let (baked, _) = self.baked(view.scene)?;
+        let [width, height] = view.shape;
+        let high = self.quality.size[1];
+        let sources: Vec<&Path> = shot.into_iter().collect();
+        self.made(&format!("{}.png", view.name), &sources, |command| {
+            command.arg("render").arg(&baked).args(["--size", &format!("{}x{high}", high * width / height)]);
+            command.args(sources.iter().flat_map(|shot| [Path::new("--shot"), *shot]));
+        })
+    }
+
+    /// Path-traced picture, ours or part of ours, and their difference, side by side; how far ours is off.
+    ///
+    /// # Errors
+    /// If a picture cannot be taken or compared.
+    pub fn panel(&self, name: &str, only: &str) -> Result<(PathBuf, f64)> {
+        let truth = |seed: &str| {
+            self.made(&format!("truth-{seed}.exr"), &[], |command| {
+                command.args(["reference", &format!("builtin:{COMPARED}"), "--size", &self.size()]);
+                command.args(["--seed", seed, "--spp", &self.quality.samples.to_string()]);
+            })
+        };
+        let (first, second) = (truth("1")?, truth("2")?);
+        let (baked, _) = self.baked(COMPARED)?;
+        let picture = self.made(&format!("{name}.exr"), &[], |command| {
+            command.arg("render").arg(&baked).args(["--size", &self.size(), "--only", only]);
+        })?;
+        let panel = self.work.join(format!("{name}.panel.png"));
+        let mut compare = Command::new(self.rebounce);
+        compare.arg("compare").args([&picture, &first, &second]).arg("--json").arg("--panel").arg(&panel);
+        let line = process::line(&compare);
+        let json = process::quiet(&mut compare).with_context(|| format!("`{line}` failed"))?;
+        let found: serde_json::Value = serde_json::from_str(&json).context("rebounce compare")?;
+        Ok((panel, found["error"].as_f64().context("rebounce compare gave no error")?))
+    }
+
+    fn size(&self) -> String {
+        let [width, height] = self.quality.size;
+        format!("{width}x{height}")
+    }
+
+    /// A file of the work folder; `rebounce` makes it with these arguments and `-o` where it is older than the program or
+    /// one of what it depends on.
+    fn made(&self, name: &str, on: &[&Path], arguments: impl Fn(&mut Command)) -> Result<PathBuf> {
+        let file = self.work.join(name);
+        let time = |path: &Path| fs::metadata(path).and_then(|data| data.modified()).ok();
+        let is_newer = |path: &Path, made| time(path).is_none_or(|changed| made < changed);
+        let is_stale = |made| is_newer(self.rebounce, made) || on.iter().any(|path| is_newer(path, made));
+        if time(&file).is_none_or(is_stale) {
+            let mut command = Command::new(self.rebounce);
+            arguments(&mut command);
+            process::run(command.arg("-o").arg(&file))?;
+        }
+        Ok(file)
+    }
+}
