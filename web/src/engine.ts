@@ -6,6 +6,7 @@ import { download } from "./download.js";
 import { calm } from "./element.js";
 import { tell } from "./events.js";
 import { Failure, failureOf, isFatal, sentence } from "./failure.js";
+import { History } from "./history.js";
 import { Losses } from "./losses.js";
 import type { Viewer } from "./module.js";
 import { OnScreen } from "./onscreen.js";
@@ -13,7 +14,7 @@ import { PanelSlot } from "./panel-slot.js";
 import { applyAttributes, handOver, type Pending } from "./pending.js";
 import { Player } from "./player.js";
 import type { RebounceViewer } from "./rebounce-viewer.js";
-import { closeViewer, openViewer, type SessionHost } from "./session.js";
+import { closeViewer, openViewer, surfaces, type SessionHost } from "./session.js";
 import { Size } from "./size.js";
 import { restoreState } from "./state.js";
 import { Tree } from "./tree.js";
@@ -23,6 +24,7 @@ import { cameraIn, lightNumbers, lightsIn } from "./wire.js";
 export class Engine {
   readonly tree: Tree;
   readonly player: Player;
+  readonly history: History;
   pending: Pending = {};
   #element: RebounceViewer;
   #viewer: Viewer | undefined;
@@ -53,7 +55,6 @@ export class Engine {
     element.addEventListener("mousedown", (event) => {
       if (element.interaction === "none" && event.composedPath()[0] === element) event.preventDefault();
     });
-    this.#panel = new PanelSlot(element, this.tree);
     this.#onScreen = new OnScreen(element, () => this.#appear());
     this.#size = new Size(element, (width, height) => this.#resize(width, height));
     this.player = new Player({
@@ -63,6 +64,10 @@ export class Engine {
       tell: (type, detail) => tell(element, type, detail),
       wantFrame: () => this.wantFrame(),
     });
+    const { root } = this.tree;
+    const history = new History(element, root, this.player, () => this.#panel.update());
+    this.history = history;
+    this.#panel = new PanelSlot({ host: element, root, history, surfaceAt: () => surfaces(this.#viewer) }, this.tree);
   }
 
   /** Whether there is a scene. */
@@ -174,6 +179,7 @@ export class Engine {
     this.pending = {};
     this.#kept = undefined;
     this.#returning = false;
+    if (!returns) this.history.clear();
     if (!returns) this.followLink();
     this.use((viewer) => {
       handOver(viewer, pending);
@@ -223,6 +229,7 @@ export class Engine {
       linked: () => this.followLink(),
       withViewer: (use) => this.#loaded && this.#try(() => this.use(use)),
       interaction: () => this.#element.interaction,
+      gesture: (began) => this.ready && this.history.gesture(began),
     };
     const viewer = await openViewer(this.tree.canvas, host, signal);
     if (signal.aborted) {

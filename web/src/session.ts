@@ -2,8 +2,10 @@
 
 import type { Interaction } from "./attributes.js";
 import { Failure, failureOf } from "./failure.js";
+import { gestures } from "./gestures.js";
 import { listen, type WithViewer } from "./input.js";
 import { createViewer, type Viewer } from "./module.js";
+import type { Triple } from "./shot.js";
 
 /** What is told of a viewer. */
 export interface SessionHost {
@@ -17,6 +19,8 @@ export interface SessionHost {
   withViewer: WithViewer;
   /** What pointers and keys do. */
   interaction: () => Interaction;
+  /** A hand on the picture begins, or ends, to change camera or lights. */
+  gesture(began: boolean): void;
 }
 
 /** Makes a viewer and listens until the signal aborts. Rejects with a `Failure`. */
@@ -24,6 +28,7 @@ export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, s
   const viewer: Viewer = await createViewer(canvas);
   viewer.onchange = () => host.changed();
   viewer.ondevicelost = (message: string) => signal.aborted || host.failed(new Failure("device-lost", message));
+  gestures(canvas, host.gesture, signal);
   listen(canvas, host.withViewer, host.interaction, signal);
   // A fault inside the wasm that no call of ours is waiting for.
   const stray = (event: Event, error: unknown) => {
@@ -35,6 +40,11 @@ export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, s
   addEventListener("unhandledrejection", (event) => stray(event, event.reason), { signal });
   addEventListener("hashchange", () => host.linked(), { signal });
   return viewer;
+}
+
+/** Tells what is seen at a place of the element, CSS pixels from its top left; absent where the viewer casts no rays. */
+export function surfaces(viewer?: Viewer & { surfaceAt?(x: number, y: number): Triple | undefined }) {
+  return viewer?.surfaceAt?.bind(viewer);
 }
 
 /** Frees a viewer. */
