@@ -3,24 +3,23 @@
 import { sheet } from "./style.js";
 
 const CSS = `
-.dock { position: absolute; inset: 0; pointer-events: none; container-type: size; }
+.dock { position: absolute; inset: 0; pointer-events: none; container-type: size; isolation: isolate; }
 .dock > * {
   pointer-events: auto; position: absolute; box-sizing: border-box;
   --target: 1.8rem; --head: max(2.25rem, var(--target)); --edge: rgb(255 255 255 / 0.14);
 }
 .panel {
-  top: 0.75rem; right: 0.75rem; width: max-content; max-width: calc(100% - 1.5rem); max-height: calc(100% - 1.5rem);
-  overflow: auto; overscroll-behavior: contain; background: #15171ae6; border: 1px solid var(--edge); border-radius: 10px;
+  top: 0.75rem; right: 0.75rem; width: max-content; max-width: calc(100% - 1.5rem); --height: calc(100cqh - 1.5rem);
+  overflow: hidden; background: #15171ae6; border: 1px solid var(--edge); border-radius: 10px;
 }
 .panel[open] { width: 19rem; background: #15171a; }
 .panel summary { cursor: pointer; font-weight: 600; user-select: none; }
 .panel > summary {
-  display: flex; gap: 0.5rem; align-items: center; height: var(--head); padding: 0 0.75rem;
-  box-sizing: border-box; position: sticky; top: 0; z-index: 1; border-radius: inherit;
+  display: flex; gap: 0.5rem; align-items: center; height: var(--head); padding: 0 0.75rem; box-sizing: border-box;
 }
 .panel > summary::-webkit-details-marker { display: none; }
 .panel > summary:focus-visible { outline-offset: -3px; }
-.panel[open] > summary { border-bottom: 1px solid var(--edge); border-radius: 0; background: #15171a; }
+.panel[open] > summary { border-bottom: 1px solid var(--edge); }
 svg { width: 1.15rem; height: 1.15rem; fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; }
 .panel .close { margin-left: auto; }
 .panel[open] > summary .settings, .panel:not([open]) .close { display: none; }
@@ -29,7 +28,11 @@ svg { width: 1.15rem; height: 1.15rem; fill: none; stroke: currentColor; stroke-
   display: grid; place-items: center; background: #15171ae6; border-color: var(--edge); z-index: -1;
 }
 .full:hover { background: #2b2e32; }
-.panel form { padding: 0.7rem 0.8rem; display: grid; gap: 0.7rem; margin: 0; }
+.panel form {
+  padding: 0.7rem 0.8rem; display: grid; gap: 0.7rem; margin: 0; box-sizing: border-box;
+  max-height: calc(var(--height) - var(--head) - 2px); overflow: auto; overscroll-behavior: contain;
+}
+.panel:has(.status:not(:empty)) form { max-height: calc(var(--height) - var(--head) - 4.2rem - 2px); }
 .panel label, .panel legend, .panel span { color: #b8bec5; }
 .row { display: flex; justify-content: space-between; align-items: center; gap: 0.5rem; }
 .panel :is(button, .button, select, summary, .choices label, .check, input:not([type="checkbox"], [type="radio"])) {
@@ -49,12 +52,11 @@ th { font-weight: 400; text-align: left; padding: 0.08rem 0; }
 td { text-align: right; padding: 0.08rem 0; white-space: nowrap; }
 .adapter { color: #9aa1a9; margin: 0; overflow-wrap: anywhere; font-size: 0.8rem; }
 .stack, .fields { display: grid; gap: 0.5rem; }
+.panel form, .stack, .fields, .lights { grid-template-columns: minmax(0, 1fr); }
 .section > summary { line-height: var(--target); }
 /* In the heading, but no part of what it opens. */
-.steps {
-  position: sticky; top: var(--head); z-index: 2; height: 0; margin: -0.7rem 0; display: flex; justify-content: end; padding-right: 1.9rem;
-}
-.steps button { width: 2.75rem; height: var(--head); margin-top: calc(-1 * var(--head)); padding: 0; border: 0; background: none; }
+.steps { position: absolute; top: 0; right: 2.5rem; display: flex; }
+.steps button { width: 2.75rem; height: var(--head); padding: 0; border: 0; background: none; }
 .panel form > * + * + * { border-top: 1px solid var(--edge); padding-top: 0.4rem; }
 .panel form > .play { padding-top: 0.7rem; }
 .check { display: flex; gap: 0.5rem; align-items: center; }
@@ -76,7 +78,7 @@ td { text-align: right; padding: 0.08rem 0; white-space: nowrap; }
 .entry small { color: #b8bec5; }
 .entry[aria-expanded="true"] { background: rgb(255 255 255 / 0.16); }
 .hovered .entry { border-color: var(--accent); border-left-color: var(--lamp); }
-[role="switch"] { width: 1.25rem; height: 1.25rem; margin: calc((var(--target) - 1.25rem) / 2); accent-color: var(--accent); }
+[role="switch"] { width: 1.5rem; height: 1.5rem; margin: calc((var(--target) - 1.5rem) / 2); accent-color: var(--accent); }
 .fields { padding: 0.6rem 0 0.5rem 0.6rem; }
 .axes { display: grid; grid-template-columns: repeat(3, 1fr); gap: 0.4rem; }
 input[type="number"], input[type="text"], select {
@@ -90,8 +92,8 @@ input::-webkit-inner-spin-button { appearance: none; margin: 0; }
 input[type="color"] { width: 3.5rem; height: 1.8rem; padding: 0; border: 0; background: none; }
 .hint { margin: 0; font-size: 0.8rem; color: #b8bec5; }
 .status {
-  margin: 0; padding: 0.5rem 0.8rem; color: #ffd08f; overflow-wrap: anywhere;
-  position: sticky; bottom: 0; background: #15171a; border-top: 1px solid var(--edge);
+  margin: 0; padding: 0.5rem 0.8rem; color: #ffd08f; overflow-wrap: anywhere; border-top: 1px solid var(--edge);
+  max-height: 4.2rem; overflow: auto; box-sizing: border-box;
 }
 .status:empty { display: none; }
 @media (pointer: coarse) { .dock > * { --target: 44px; } .hint { display: none; } }
@@ -99,7 +101,7 @@ input[type="color"] { width: 3.5rem; height: 1.8rem; padding: 0; border: 0; back
 @container (max-width: 30rem) {
   .dock > * { --target: 44px; }
   .panel[open] {
-    inset: auto 0 0; width: auto; max-width: none; max-height: 50cqh; border-radius: 12px 12px 0 0; border-width: 1px 0 0;
+    inset: auto 0 0; width: auto; max-width: none; --height: 50cqh; border-radius: 12px 12px 0 0; border-width: 1px 0 0;
   }
 }
 `;

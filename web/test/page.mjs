@@ -10,6 +10,7 @@ import { damaged } from "./page/damaged.mjs";
 import { downloads } from "./page/downloads.mjs";
 import { failures } from "./page/failures.mjs";
 import { hidden } from "./page/hidden.mjs";
+import { history } from "./page/history.mjs";
 import { input } from "./page/input.mjs";
 import { light } from "./page/light.mjs";
 import { lights } from "./page/lights.mjs";
@@ -18,6 +19,8 @@ import { memory } from "./page/memory.mjs";
 import { modules } from "./page/modules.mjs";
 import { onScreen } from "./page/onscreen.mjs";
 import { panel } from "./page/panel.mjs";
+import { panelLights } from "./page/panel-lights.mjs";
+import { panelLook } from "./page/panel-look.mjs";
 import { pictures } from "./page/pictures.mjs";
 import { policy } from "./page/policy.mjs";
 import { readme } from "./page/readme.mjs";
@@ -30,7 +33,7 @@ import { text } from "./page/text.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, input, panel, pictures, state, watch, light,
+  loading, attributes, slots, onScreen, hidden, animation, lights, input, history, panel, panelLights, panelLook, pictures, state, watch, light,
   failures, downloads, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

@@ -48,13 +48,12 @@ export async function history(harness, context) {
         await page.evaluate((from) => until(() => viewer.camera.position.some((x, i) => x !== from[i])), before);
         await page.keyboard.up("d");
       });
-      await law("the wheel", async () => {
-        await page.mouse.move(100, 250);
-        await page.mouse.wheel(0, 80);
-        await page.mouse.wheel(0, 80);
-        // It has come to rest a moment later.
-        await page.evaluate(() => pause(700));
-      });
+      await law("the wheel", () =>
+        page.evaluate(() => {
+          const turn = () => new WheelEvent("wheel", { deltaY: 80, clientX: 100, clientY: 250, bubbles: true, cancelable: true });
+          for (let i = 0; i < 3; i += 1) viewer.shadowRoot.querySelector("canvas").dispatchEvent(turn());
+        }),
+      );
       // A light in the middle of the picture, where its handle is.
       await page.evaluate(async () => {
         const { position, target } = viewer.camera;
@@ -74,6 +73,8 @@ export async function history(harness, context) {
 
   await harness.test("history::what_the_panel_changes_are_steps", async () => {
     await law("adding", () => button("Add spot").click());
+    // Taken back, it is no longer chosen.
+    await page.getByRole("button", { name: "Spot 2 spot" }).click();
     await law("a number that is typed", async () => {
       await page.getByLabel("Intensity, in the unit").click();
       await page.keyboard.press("Control+a");
