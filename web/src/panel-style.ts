@@ -23,16 +23,13 @@ const CSS = `
 svg { width: 1.15rem; height: 1.15rem; fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; }
 .panel .close { margin-left: auto; }
 .panel[open] > summary .settings, .panel:not([open]) .close { display: none; }
-.full {
+.screen {
   right: 0.75rem; bottom: 0.75rem; width: var(--head); height: var(--head); padding: 0;
   display: grid; place-items: center; background: #15171ae6; border-color: var(--edge); z-index: -1;
 }
-.full:hover { background: #2b2e32; }
-.panel form {
-  padding: 0.7rem 0.8rem; display: grid; gap: 0.7rem; margin: 0; box-sizing: border-box;
-  max-height: calc(var(--height) - var(--head) - 2px); overflow: auto; overscroll-behavior: contain;
-}
-.panel:has(.status:not(:empty)) form { max-height: calc(var(--height) - var(--head) - 4.2rem - 2px); }
+.screen:hover { background: #2b2e32; }
+.body { display: flex; flex-direction: column; max-height: calc(var(--height) - var(--head) - 2px); }
+.panel form { padding: 0.7rem 0.8rem; display: grid; gap: 0.7rem; margin: 0; overflow: auto; overscroll-behavior: contain; }
 .panel label, .panel legend, .panel span { color: #b8bec5; }
 .row { display: flex; justify-content: space-between; align-items: center; gap: 0.5rem; }
 .panel :is(button, .button, select, summary, .choices label, .check, input:not([type="checkbox"], [type="radio"])) {
@@ -93,7 +90,6 @@ input[type="color"] { width: 3.5rem; height: 1.8rem; padding: 0; border: 0; back
 .hint { margin: 0; font-size: 0.8rem; color: #b8bec5; }
 .status {
   margin: 0; padding: 0.5rem 0.8rem; color: #ffd08f; overflow-wrap: anywhere; border-top: 1px solid var(--edge);
-  max-height: 4.2rem; overflow: auto; box-sizing: border-box;
 }
 .status:empty { display: none; }
 @media (pointer: coarse) { .dock > * { --target: 44px; } .hint { display: none; } }

@@ -58,7 +58,7 @@ export class Panel {
     form.addEventListener("submit", (event) => event.preventDefault());
     history.watch(form);
     const title = make("summary", {}, icon("settings"), "Lights and settings", icon("close"));
-    this.#details = make("details", { class: "panel", part: "panel" }, title, form, status);
+    this.#details = make("details", { class: "panel", part: "panel" }, title, make("div", { class: "body" }, form, status));
     this.#details.addEventListener("toggle", () => this.update(true));
     this.#details.addEventListener("keydown", ({ key }) => {
       if (key !== "Escape") return;
@@ -106,7 +106,7 @@ function fullScreen(host: RebounceViewer): HTMLElement[] {
     // Refused, it stays as it is.
     asked.catch(() => undefined);
   });
-  toggle.className = "full";
+  toggle.className = "screen";
   const label = () => (toggle.ariaLabel = toggle.title = host.matches(":fullscreen") ? "Leave full screen" : "Full screen");
   host.addEventListener("fullscreenchange", label);
   label();
