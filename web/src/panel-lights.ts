@@ -58,7 +58,7 @@ export class LightList implements Section {
     });
     const place = (event: Event) => (event as CustomEvent<{ light: number }>).detail.light;
     host.addEventListener("light-hover", (event) => this.#mark(place(event)));
-    host.addEventListener("light-select", (event) => place(event) !== this.#chosen && this.#choose(place(event)));
+    host.addEventListener("light-select", (event) => this.#reveal(place(event)));
   }
 
   /** Follows the lights. */
@@ -122,6 +122,16 @@ export class LightList implements Section {
   #select(index: number): void {
     this.#choose(index);
     (this.#desk.host as unknown as Chosen).selectedLight = index;
+  }
+
+  /** A light that is chosen in the picture is chosen here, and its fields come into view; the page does not scroll. */
+  #reveal(index: number): void {
+    if (index === this.#chosen) return;
+    this.#choose(index);
+    const form = this.element.closest("form");
+    const top = (element: Element) => element.getBoundingClientRect().top;
+    const entry = this.#entries[index];
+    if (form && entry) form.scrollTop += top(entry.item) - top(form);
   }
 
   /** Shows the fields of a light under its entry; of none with -1. */

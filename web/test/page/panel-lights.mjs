@@ -158,6 +158,13 @@ export async function panelLights(harness, context) {
     await tell("light-select", 0);
     equal(await entry("Lamp 1 point").getAttribute("aria-expanded"), "true", "the entry of a light that is chosen in the picture");
     equal(await entry("Spot 2 spot").getAttribute("aria-expanded"), "false", "the other entry");
+    await page.evaluate((lights) => void (viewer.lights = lights), Array(16).fill(LAMP));
+    await entry("Lamp 16 point").waitFor();
+    await tell("light-select", 15);
+    const [list, last] = await Promise.all([page.locator("form"), entry("Lamp 16 point")].map((it) => it.boundingBox()));
+    check(last.y >= list.y && last.y + last.height < list.y + list.height / 2, `the entry lies at ${last.y} in a list at ${list.y}`);
+    await page.evaluate((lights) => void (viewer.lights = lights), [LAMP, SPOT]);
+    await entry("Spot 2 spot").waitFor();
     await tell("light-hover", 1);
     const marked = () => page.evaluate(() => [...viewer.shadowRoot.querySelectorAll(".lights li")].map((item) => item.classList.contains("hovered")));
     same(await marked(), [false, true], "entries that are marked");

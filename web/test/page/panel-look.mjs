@@ -66,6 +66,10 @@ export async function panelLook(harness, context) {
         check(h <= found.whole[3] / 2 && found.scrolls, `a sheet of ${h} pixels of ${found.whole[3]}`);
         same([left, w, Math.round(top + h)], [0, found.whole[2], Math.round(found.whole[1] + found.whole[3])], "the sheet lies at the bottom");
         same(found.low, [], "targets of less than 44 pixels");
+        await page.getByRole("switch").first().tap();
+        equal(await page.evaluate(() => viewer.lights[0].intensity), 0, "the intensity after a tap on the switch");
+        await page.getByRole("button", { name: "Undo" }).tap();
+        check(await page.evaluate(() => viewer.lights[0].intensity > 0), "a tap on undo does nothing");
       } else {
         check(w <= 0.34 * found.whole[2] && h <= found.whole[3], `${w} by ${h} of ${found.whole}`);
       }
