@@ -6,6 +6,7 @@ import { download } from "./download.js";
 import { calm } from "./element.js";
 import { tell } from "./events.js";
 import { Failure, failureOf, isFatal, sentence, unsupported } from "./failure.js";
+import { History } from "./history.js";
 import { Losses } from "./losses.js";
 import type { Viewer } from "./module.js";
 import { gestures } from "./gesture.js";
@@ -14,7 +15,7 @@ import { PanelSlot } from "./panel-slot.js";
 import { applyAttributes, handOver, type Pending } from "./pending.js";
 import { Player } from "./player.js";
 import type { RebounceViewer } from "./rebounce-viewer.js";
-import { closeViewer, openViewer, type SessionHost } from "./session.js";
+import { closeViewer, openViewer, surfaceIn, type SessionHost } from "./session.js";
 import { Size } from "./size.js";
 import { restoreState } from "./state.js";
 import { Tree } from "./tree.js";
@@ -24,10 +25,9 @@ import { cameraIn, lightsIn, nameLights, setLights } from "./wire.js";
 export class Engine {
   readonly tree: Tree;
   readonly player: Player;
+  readonly history: History;
   /** The view that a scene or shot began with. */
   first: Pending["camera"];
-  /** A hand begins to change camera or lights (true), or has ended. */
-  gesture = (_began: boolean): void => undefined;
   pending: Pending = {};
   #element: RebounceViewer;
   #viewer: Viewer | undefined;
@@ -57,7 +57,6 @@ export class Engine {
     element.addEventListener("mousedown", (event) => {
       if (element.interaction === "none" && event.composedPath()[0] === element) event.preventDefault();
     });
-    this.#panel = new PanelSlot(element, this.tree);
     this.#onScreen = new OnScreen(element, () => this.#appear());
     this.#size = new Size(element, (width, height) => this.#resize(width, height));
     this.player = new Player({
@@ -67,6 +66,10 @@ export class Engine {
       tell: (type, detail) => tell(element, type, detail),
       wantFrame: () => this.wantFrame(),
     });
+    const { root } = this.tree;
+    const history = new History(element, root, this.player, () => this.#panel.update());
+    this.history = history;
+    this.#panel = new PanelSlot({ host: element, root, history, surfaceAt: (x, y) => this.use((viewer) => surfaceIn(viewer, this.tree.canvas, x, y)) }, this.tree);
   }
 
   /** Whether there is a scene. */
@@ -179,6 +182,7 @@ export class Engine {
     this.pending = {};
     this.#kept = undefined;
     this.#returning = false;
+    if (!returns) this.history.clear();
     if (!returns) this.followLink();
     this.use((viewer) => {
       handOver(viewer, pending);
@@ -229,7 +233,7 @@ export class Engine {
       linked: () => this.followLink(),
       withViewer: (use) => this.#loaded && this.#try(() => this.use(use)),
       interaction: () => this.#element.interaction,
-      gesture: gestures((began) => this.gesture(began)),
+      gesture: gestures((began) => this.ready && this.history.gesture(began)),
       reset: () => this.#element.resetView(),
     };
     const viewer = await openViewer(this.tree.canvas, host, signal);

@@ -1,194 +1,263 @@
-/** The panel's list of lights: add, remove, switch, colour, move, by pointer or by keys alone. */
+/** The panel's list of lights: add, remove, switch, choose, move, by pointer or by keys alone. */
 
 import { make } from "./element.js";
 import { failureOf, sentence } from "./failure.js";
-import { hexColor, linearColor, newLight, stepped } from "./lights.js";
-import type { Section } from "./panel.js";
-import type { RebounceViewer } from "./rebounce-viewer.js";
+import { hexColor, newLight, stepped } from "./lights.js";
+import type { Desk, Section } from "./panel.js";
+import { LightFields } from "./panel-light.js";
+import { button } from "./panel-parts.js";
 import type { Light, Triple } from "./shot.js";
 
 const HINT =
   "Arrow keys move a chosen light over the ground, Page Up and Page Down lift and lower it; with Shift, farther.";
-/** Members that are numbers: their words and the largest value. */
-const NUMBERS: Record<string, readonly [string, string]> = {
-  intensity: ["Intensity", ""],
-  outer_cone_deg: ["Cone, degrees", "90"],
-  inner_cone_deg: ["Full cone, degrees", "90"],
-};
-const VECTORS: Record<string, string> = { position: "Position", direction: "Direction" };
-
-/** A light's members by name. */
-type Members = Record<string, number | Triple | string>;
+/** What lights without names are called. */
+const CALLED = { point: "Lamp", spot: "Spot", directional: "Sun" };
+/** Differences in a picture of bytes that are none. */
+const NOTHING = 2;
 
 /** An entry of the list. */
 interface Entry {
   item: HTMLLIElement;
   button: HTMLButtonElement;
+  name: HTMLElement;
   lamp: HTMLInputElement;
 }
 
 /** The list, and the fields of the chosen light. */
 export class LightList implements Section {
   readonly element: HTMLElement;
-  #host: RebounceViewer;
-  #say: (text: string) => void;
+  #desk: Desk;
   #list = make("ul", { class: "lights" });
-  #fields = make("div", { class: "fields", id: "fields" });
-  #add = (["point", "spot", "directional"] as const).map((type) => this.#button(`Add ${type}`, () => this.#new(type)));
+  #box = make("div", { class: "fields" });
+  #add = (["point", "spot", "directional"] as const).map((type) =>
+    button(`Add ${CALLED[type].toLowerCase()}`, () => this.#new(type)),
+  );
   #entries: Entry[] = [];
-  /** Sets the fields to a light's values. */
-  #follow: ((light: Light) => void)[] = [];
+  #fields: LightFields | undefined;
   #chosen = -1;
-  #kinds = "";
+  #kinds = "?";
   /** Intensities of lights that are switched off, by place. */
   #kept: (number | undefined)[] = [];
+  /** Intensities when lights came, by place. */
+  #bases: number[] = [];
 
-  constructor(host: RebounceViewer, say: (text: string) => void) {
-    this.#host = host;
-    this.#say = say;
-    const adding = make("div", { class: "state" }, ...this.#add);
+  constructor(desk: Desk) {
+    this.#desk = desk;
+    const { host } = desk;
+    const adding = make("div", { class: "buttons" }, ...this.#add);
     this.element = make("div", { class: "stack" }, this.#list, adding, make("p", { class: "hint", id: "hint" }, HINT));
+    host.addEventListener("load", () => {
+      this.#bases = [];
+      this.#kinds = "?";
+    });
+    host.addEventListener("light-hover", ({ detail }) => this.#mark(detail.light));
+    host.addEventListener("light-select", ({ detail }) => this.#reveal(detail.light));
   }
 
-  /** Follows the lights; a field that is being typed in is left alone. */
+  /** Follows the lights. */
   update(): void {
-    const { lights } = this.#host;
+    const { lights } = this.#desk.host;
     const kinds = lights.map(({ type }) => type).join();
     if (kinds !== this.#kinds) this.#rebuild(lights, kinds);
     lights.forEach((light, i) => {
-      const { button, lamp } = this.#entries[i] as Entry;
+      const { button, name, lamp } = this.#entries[i] as Entry;
       button.style.setProperty("--lamp", hexColor(light.color));
+      name.textContent = this.#called(light, i);
+      lamp.setAttribute("aria-label", `${name.textContent} on`);
       lamp.checked = light.intensity > 0;
       if (lamp.checked) this.#kept[i] = undefined;
     });
     const light = lights[this.#chosen];
-    if (light) for (const follow of this.#follow) follow(light);
+    if (light) this.#fields?.follow(light);
+  }
+
+  #called(light: Light | undefined, i: number): string {
+    return light?.name || `${CALLED[light?.type ?? "point"]} ${i + 1}`;
   }
 
   #rebuild(lights: Light[], kinds: string): void {
     const focused = this.#entries.findIndex(({ button }) => button.matches(":focus"));
     this.#kinds = kinds;
     this.#kept.length = lights.length;
-    this.#entries = lights.map(({ type, name: own }, i) => {
-      const name = own || `Light ${i + 1}`;
-      const button = make("button", { type: "button", class: "entry", "aria-describedby": "hint" }, `${name}, ${type}`);
-      const lamp = make("input", { type: "checkbox", role: "switch", "aria-label": `${name} on` });
-      button.addEventListener("click", () => this.#choose(this.#chosen === i ? -1 : i));
-      button.addEventListener("keydown", (event) => this.#key(event, i));
-      lamp.addEventListener("change", () => this.#switch(i, lamp.checked));
-      return { item: make("li", {}, make("div", { class: "row" }, button, lamp)), button, lamp };
-    });
+    if (this.#bases.length !== lights.length) this.#bases = lights.map(({ intensity }) => intensity);
+    this.#entries = lights.map((light, i) => this.#entry(light, i));
     this.#list.replaceChildren(...this.#entries.map(({ item }) => item));
     this.#choose(this.#chosen < lights.length ? this.#chosen : -1);
     this.#entries[focused]?.button.focus();
   }
 
+  #entry({ type }: Light, i: number): Entry {
+    const name = make("span");
+    const choose = button(name, () => this.#select(this.#chosen === i ? -1 : i), { class: "entry", "aria-describedby": "hint" });
+    choose.append(" ", make("small", {}, type === "directional" ? "sun" : type));
+    choose.addEventListener("keydown", (event) => this.#key(event, i));
+    choose.addEventListener("dblclick", () => this.#rename(i));
+    const lamp = make("input", { type: "checkbox", role: "switch" });
+    lamp.addEventListener("change", () => this.#switch(i, lamp.checked));
+    const item = make("li", {}, make("div", { class: "row" }, choose, lamp));
+    const hover = (on: boolean) => () => this.#hover(on ? i : -1);
+    for (const type of ["pointerenter", "focusin"]) item.addEventListener(type, hover(true));
+    for (const type of ["pointerleave", "focusout"]) item.addEventListener(type, hover(false));
+    return { item, button: choose, name, lamp };
+  }
+
+  /** A light under the pointer here shows in the picture. */
+  #hover(index: number): void {
+    this.#desk.host.hoveredLight = index;
+    this.#mark(index);
+  }
+
+  #mark(index: number): void {
+    this.#entries.forEach(({ item }, i) => item.classList.toggle("hovered", i === index));
+  }
+
+  /** A light that is chosen here is chosen in the picture. */
+  #select(index: number): void {
+    this.#choose(index);
+    this.#desk.host.selectedLight = index;
+  }
+
+  /** A light that is chosen in the picture is chosen here, and its fields come into view; the page does not scroll. */
+  #reveal(index: number): void {
+    if (index === this.#chosen) return;
+    this.#choose(index);
+    const form = this.element.closest("form");
+    const top = (element: Element) => element.getBoundingClientRect().top;
+    const entry = this.#entries[index];
+    if (form && entry) form.scrollTop += top(entry.item) - top(form);
+  }
+
   /** Shows the fields of a light under its entry; of none with -1. */
   #choose(index: number): void {
+    const { host } = this.#desk;
     this.#chosen = index;
     this.#entries.forEach(({ button }, i) => button.setAttribute("aria-expanded", String(i === index)));
-    this.#follow = [];
-    this.#fields.remove();
-    const light = this.#host.lights[index];
-    if (!light) return;
-    this.#fields.replaceChildren(...this.#fieldsOf(light), this.#button(`Remove light ${index + 1}`, () => this.#remove(index)));
-    (this.#entries[index] as Entry).item.append(this.#fields);
-    for (const follow of this.#follow) follow(light);
-  }
-
-  #fieldsOf(light: Light): Node[] {
-    const color = make("input", { type: "color" });
-    color.addEventListener("input", () => this.#set({ color: linearColor(color.value) }));
-    this.#follow.push(({ color: now }) => idle(color) && (color.value = hexColor(now)));
-    const fields: Node[] = [make("label", { class: "row" }, "Colour", color)];
-    for (const [name, [words, max]] of Object.entries(NUMBERS)) {
-      if (!(name in light)) continue;
-      const unit = name !== "intensity" ? "" : light.type === "directional" ? ", lux" : ", candela";
-      const input = this.#number((value) => this.#set({ [name]: value }), (now) => now[name] as number, { min: "0", max });
-      fields.push(make("label", { class: "row" }, words + unit, input));
-    }
-    for (const [name, words] of Object.entries(VECTORS)) {
-      if (!(name in light)) continue;
-      const axes = ["x", "y", "z"].map((axis, i) => {
-        const value = (now: Members) => (now[name] as Triple)[i] as number;
-        const set = (to: number) => {
-          const now = [...(this.#now()[name] as Triple)];
-          now[i] = to;
-          this.#set({ [name]: now as Triple });
-        };
-        return make("label", {}, axis, this.#number(set, value, { step: "0.1" }));
-      });
-      fields.push(make("fieldset", {}, make("legend", {}, words), make("div", { class: "axes" }, ...axes)));
-    }
-    return fields;
-  }
-
-  #number(set: (value: number) => void, get: (light: Members) => number, limits: Record<string, string>): HTMLInputElement {
-    const input = make("input", { type: "number", step: "1", ...limits });
-    input.addEventListener("input", () => {
-      if (Number.isFinite(input.valueAsNumber) && !input.validity.rangeUnderflow) set(input.valueAsNumber);
+    this.#fields = undefined;
+    this.#box.remove();
+    const light = host.lights[index];
+    const entry = this.#entries[index];
+    if (!light || !entry) return;
+    const called = `${CALLED[light.type]} ${index + 1}`;
+    this.#fields = new LightFields({
+      now: () => host.lights[index] as Light,
+      set: (members) => this.#replace(index, (now) => ({ ...now, ...members }) as Light),
+      base: this.#bases[index] || this.#kept[index] || 10,
+      called,
+      aim: () => host.camera && this.#aim(index, host.camera.target),
+      pick: () => this.#pick(index),
     });
-    this.#follow.push((light) => {
-      if (idle(input)) input.value = String(Number(get(light as unknown as Members).toFixed(3)));
-    });
-    return input;
+    this.#box.replaceChildren(...this.#fields.nodes, button("Remove", () => this.#remove(index), { class: "remove" }));
+    entry.item.append(this.#box);
   }
 
-  #now(): Members {
-    return this.#host.lights[this.#chosen] as unknown as Members;
-  }
-
-  /** Changes members of the chosen light. */
-  #set(members: Members): void {
-    this.#replace(this.#chosen, (light) => ({ ...light, ...members }) as Light);
+  #rename(index: number): void {
+    if (this.#chosen !== index) this.#select(index);
+    this.#box.querySelector<HTMLInputElement>(".name")?.select();
   }
 
   #replace(index: number, work: (light: Light) => Light): void {
+    const { host } = this.#desk;
     this.#try(() => {
-      this.#host.lights = this.#host.lights.map((light, i) => (i === index ? work(light) : light));
+      host.lights = host.lights.map((light, i) => (i === index ? work(light) : light));
     });
   }
 
   #switch(index: number, on: boolean): void {
-    const before = this.#host.lights[index]?.intensity ?? 0;
+    const before = this.#desk.host.lights[index]?.intensity ?? 0;
     if (!on) this.#kept[index] = before;
-    this.#replace(index, (light) => ({ ...light, intensity: on ? (this.#kept[index] ?? 10) : 0 }));
+    this.#replace(index, (light) => ({ ...light, intensity: on ? (this.#kept[index] ?? (this.#bases[index] || 10)) : 0 }));
+  }
+
+  /** Points a spot at a place. */
+  #aim(index: number, at: Triple): void {
+    this.#replace(index, (light) =>
+      light.type === "spot" ? { ...light, direction: at.map((x, i) => x - (light.position[i] as number)) as Triple } : light,
+    );
+  }
+
+  /** The next click in the picture is where a spot shines. */
+  #pick(index: number): void {
+    const { root, say, host, history, surfaceAt } = this.#desk;
+    const canvas = root.querySelector("canvas") as HTMLCanvasElement;
+    const done = new AbortController();
+    const { signal } = done;
+    signal.addEventListener("abort", () => (canvas.style.cursor = ""));
+    canvas.style.cursor = "crosshair";
+    canvas.focus();
+    say(`Click where ${this.#called(host.lights[index], index)} is to shine. Esc: nowhere else.`);
+    const key = (event: Event) => {
+      if ((event as KeyboardEvent).key !== "Escape") return;
+      event.stopPropagation();
+      done.abort();
+      say("");
+    };
+    root.addEventListener("keydown", key, { capture: true, signal });
+    const click = (event: PointerEvent) => {
+      event.stopImmediatePropagation();
+      done.abort();
+      const { left, top } = host.getBoundingClientRect();
+      const at = surfaceAt(event.clientX - left, event.clientY - top);
+      if (at) history.by(() => this.#aim(index, at));
+      say(at ? "" : "Nothing is there to shine at.");
+    };
+    canvas.addEventListener("pointerdown", click, { capture: true, signal });
   }
 
   #key(event: KeyboardEvent, index: number): void {
-    const { lights, camera } = this.#host;
+    const { host, say } = this.#desk;
+    const { lights, camera } = host;
     const light = lights[index];
     if (!light || !camera || event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === "Delete") return this.#remove(index);
+    if (event.key === "F2") return this.#rename(index);
     const moved = stepped(light, camera, event.key, event.shiftKey);
     if (!moved) return;
     event.preventDefault();
     this.#replace(index, () => moved);
     const at = "position" in moved ? moved.position : moved.direction;
-    this.#say(`Light ${index + 1}: ${at.map((x) => x.toFixed(2)).join(", ")}`);
+    say(`${this.#called(light, index)}: ${at.map((x) => x.toFixed(2)).join(", ")}`);
   }
 
   #new(type: Light["type"]): void {
-    const { camera } = this.#host;
+    const { host, say } = this.#desk;
+    const { camera } = host;
     if (!camera) return;
     this.#try(() => {
-      const index = this.#host.addLight(newLight(type, camera));
+      const before = type === "directional" && host.readPixels(64, 36);
+      const light = newLight(type, camera);
+      const index = host.addLight(light);
+      this.#bases[index] = light.intensity;
       this.#chosen = index;
       this.update();
+      this.#select(index);
       this.#entries[index]?.button.focus();
-      this.#say(`Light ${index + 1} is added.`);
+      const name = this.#called(light, index);
+      say(`${name} is added.`);
+      if (before) void this.#shines(before, name);
     });
   }
 
+  /** Tells where a sun changes nothing in the picture. */
+  async #shines(before: Promise<Uint8Array>, name: string): Promise<void> {
+    const pictures = await Promise.all([before, this.#desk.host.readPixels(64, 36)]).catch(() => undefined);
+    if (!pictures) return;
+    const [old, now] = pictures;
+    if (now.every((byte, i) => Math.abs(byte - (old[i] as number)) <= NOTHING)) {
+      this.#desk.say(`${name} is added, but it reaches nothing in view: the room is closed on the side it shines from.`);
+    }
+  }
+
   #remove(index: number): void {
+    const { host, say } = this.#desk;
     this.#try(() => {
-      this.#host.removeLight(index);
+      const name = this.#called(host.removeLight(index), index);
       this.#kept.splice(index, 1);
+      this.#bases.splice(index, 1);
       this.#kinds = "?";
-      this.#chosen = -1;
+      this.#select(-1);
       this.update();
       (this.#entries[Math.min(index, this.#entries.length - 1)]?.button ?? this.#add[0])?.focus();
-      this.#say(`Light ${index + 1} is removed.`);
+      say(`${name} is removed.`);
     });
   }
 
@@ -197,16 +266,7 @@ export class LightList implements Section {
     try {
       work();
     } catch (error) {
-      this.#say(sentence(failureOf(error).message));
+      this.#desk.say(sentence(failureOf(error).message));
     }
   }
-
-  #button(text: string, work: () => void): HTMLButtonElement {
-    const button = make("button", { type: "button" }, text);
-    button.addEventListener("click", work);
-    return button;
-  }
 }
-
-/** Whether nobody is typing in a field. */
-const idle = (input: HTMLInputElement) => !input.matches(":focus");

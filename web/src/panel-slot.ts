@@ -1,22 +1,21 @@
 /** Where the panel goes; its code is loaded when it is first wanted. */
 
 import { Failure } from "./failure.js";
-import type { Panel } from "./panel.js";
-import type { RebounceViewer } from "./rebounce-viewer.js";
+import type { Loan, Panel } from "./panel.js";
 import type { Tree } from "./tree.js";
 
 /** The panel, once there is one. */
 export class PanelSlot {
-  #element: RebounceViewer;
+  #loan: Loan;
   #tree: Tree;
   #panel: Panel | undefined;
 
-  constructor(element: RebounceViewer, tree: Tree) {
-    this.#element = element;
+  constructor(loan: Loan, tree: Tree) {
+    this.#loan = loan;
     this.#tree = tree;
   }
 
-  #wanted = () => this.#element.controls && this.#element.loaded;
+  #wanted = () => this.#loan.host.controls && this.#loan.host.loaded;
 
   /** Shows the panel where it is wanted and there is a scene, and hides it elsewhere. Rejects with a `Failure`. */
   async show(): Promise<void> {
@@ -24,7 +23,7 @@ export class PanelSlot {
       const { Panel } = await import("./panel.js").catch((cause: unknown) => {
         throw new Failure("network", "The panel could not be loaded; check the connection and reload.", { cause });
       });
-      if (!this.#panel) this.#tree.add((this.#panel = new Panel(this.#element, this.#tree.root)).element);
+      if (!this.#panel) this.#tree.add((this.#panel = new Panel(this.#loan)).element);
     }
     if (this.#panel) this.#panel.element.hidden = !this.#wanted();
     this.update(true);

@@ -1,12 +1,17 @@
-/** The panel: lights, picture, animation, state and figures of one element. Loaded when `controls` asks for it. */
+/** The panel: lights, camera, picture, animation, figures, files of one element. Loaded when `controls` asks for it. */
 
 import { make } from "./element.js";
+import type { History } from "./history.js";
+import { views } from "./panel-camera.js";
 import { Figures } from "./panel-figures.js";
 import { LightList } from "./panel-lights.js";
+import { button, icon } from "./panel-parts.js";
+import { picture } from "./panel-picture.js";
 import { playRow } from "./panel-play.js";
-import { stateRow } from "./panel-state.js";
+import { saving } from "./panel-save.js";
 import { panelStyle } from "./panel-style.js";
 import type { RebounceViewer } from "./rebounce-viewer.js";
+import type { Triple } from "./shot.js";
 
 /** A part of the panel, and how it follows the viewer. */
 export interface Section {
@@ -14,39 +19,58 @@ export interface Section {
   update(now: boolean): void;
 }
 
-/** Choices by the name of their property. */
-const CHOICES = {
-  mode: ["Light", { all: "Both", direct: "Direct", indirect: "Indirect" }],
-  toneMapping: ["Tone mapping", { neutral: "Neutral", agx: "AgX" }],
-  overlay: ["Show basis", { none: "None", points: "Points", levels: "Levels" }],
-} as const;
+/** What the element lends its panel. */
+export interface Loan {
+  readonly host: RebounceViewer;
+  readonly root: ShadowRoot;
+  readonly history: History;
+  /** The place that is seen at a place of the element, CSS pixels from its top left; none where no surface is. */
+  surfaceAt(x: number, y: number): Triple | undefined;
+}
+
+/** What sections work with. */
+export interface Desk extends Loan {
+  /** Says what has happened, for those who do not see it; errors for all. */
+  say(text: string): void;
+}
 
 /** The panel's elements and how they follow the viewer. */
 export class Panel {
-  readonly element: HTMLDetailsElement;
+  readonly element: HTMLElement;
+  #details: HTMLDetailsElement;
   #sections: Section[];
 
-  constructor(host: RebounceViewer, root: ShadowRoot) {
+  constructor(loan: Loan) {
+    const { host, root, history } = loan;
     root.adoptedStyleSheets.push(panelStyle());
-    // What has happened, for those who do not see it; errors for all.
     const status = make("p", { class: "status", role: "status" });
-    const say = (text: string) => (status.textContent = text);
+    const desk = { ...loan, say: (text: string) => (status.textContent = text) };
     this.#sections = [
-      fold("Lights", new LightList(host, say), true),
+      steps(desk),
+      fold("Lights", new LightList(desk), true),
       playRow(host),
-      fold("Picture", picture(host), true),
-      stateRow(host, say),
+      fold("Camera", views(desk)),
+      fold("Picture", picture(desk)),
       fold("Figures", new Figures(host)),
+      fold("Save", saving(desk)),
     ];
-    const form = make("form", {}, ...this.#sections.map(({ element }) => element), status);
+    const form = make("form", {}, ...this.#sections.map(({ element }) => element));
     form.addEventListener("submit", (event) => event.preventDefault());
-    this.element = make("details", { class: "panel", part: "panel" }, make("summary", {}, "Settings"), form);
-    this.element.addEventListener("toggle", () => this.update(true));
+    history.watch(form);
+    const title = make("summary", {}, icon("settings"), "Lights and settings", icon("close"));
+    this.#details = make("details", { class: "panel", part: "panel" }, title, make("div", { class: "body" }, form, status));
+    this.#details.addEventListener("toggle", () => this.update(true));
+    this.#details.addEventListener("keydown", ({ key }) => {
+      if (key !== "Escape") return;
+      this.#details.open = false;
+      title.focus();
+    });
+    this.element = make("div", { class: "dock" }, this.#details, ...fullScreen(host));
   }
 
   /** Follows the viewer; figures at once with `now`. */
   update(now = false): void {
-    if (this.element.open) for (const section of this.#sections) section.update(now);
+    if (this.#details.open) for (const section of this.#sections) section.update(now);
   }
 }
 
@@ -58,32 +82,33 @@ function fold(title: string, section: Section, open = false): Section {
   return { element, update: (now) => element.open && section.update(now) };
 }
 
-/** Exposure, tone mapping, which light, what lies over the picture. */
-function picture(host: RebounceViewer): Section {
-  const exposure = make("input", { type: "range", id: "exposure", min: "-6", max: "6", step: "0.1" });
-  const text = make("span");
-  const auto = make("input", { type: "checkbox" });
-  exposure.addEventListener("input", () => (host.exposure = exposure.valueAsNumber));
-  auto.addEventListener("change", () => (host.autoExposure = auto.checked));
-  const inputs: [HTMLInputElement, keyof typeof CHOICES][] = [];
-  const choices = (Object.keys(CHOICES) as (keyof typeof CHOICES)[]).map((name) => {
-    const [title, options] = CHOICES[name];
-    const labels = Object.entries(options).map(([value, words]) => {
-      const input = make("input", { type: "radio", name, value });
-      input.addEventListener("change", () => Object.assign(host, { [name]: value }));
-      inputs.push([input, name]);
-      return make("label", {}, input, words);
-    });
-    return make("fieldset", {}, make("legend", {}, title), make("div", { class: "choices" }, ...labels));
-  });
-  const row = make("div", { class: "row" }, make("label", { for: "exposure" }, "Exposure"), text);
-  const automatic = make("label", { class: "check" }, auto, "Automatic exposure");
-  const update = () => {
-    exposure.value = String(host.exposure);
-    text.textContent = `${host.exposure > 0 ? "+" : ""}${host.exposure.toFixed(1)} EV`;
-    exposure.setAttribute("aria-valuetext", text.textContent);
-    auto.checked = host.autoExposure;
-    for (const [input, name] of inputs) input.checked = input.value === host[name];
+/** Undo and redo. What can do nothing stays in the focus's way, and says so. */
+function steps({ history, say }: Desk): Section {
+  const words = (names: string[]) => names.filter((name) => name !== "animations").join(", ").replaceAll("-", " ");
+  const step = (way: "undo" | "redo", done: string) => {
+    const names = history[`${way}es`];
+    say(history[way]() ? `${done}: ${words(names)}.` : `Nothing to ${way}.`);
   };
-  return { element: make("div", { class: "stack" }, make("div", {}, row, exposure), automatic, ...choices), update };
+  const undo = button(icon("undo"), () => step("undo", "Undone"), { "aria-label": "Undo", title: "Undo: Ctrl+Z" });
+  const redo = button(icon("redo"), () => step("redo", "Done again"), { "aria-label": "Redo", title: "Redo: Ctrl+Shift+Z" });
+  const update = () => {
+    undo.ariaDisabled = String(history.undoes.length === 0);
+    redo.ariaDisabled = String(history.redoes.length === 0);
+  };
+  return { element: make("div", { class: "steps" }, undo, redo), update };
+}
+
+/** A button that fills the screen with the element, where the browser can. */
+function fullScreen(host: RebounceViewer): HTMLElement[] {
+  if (!document.fullscreenEnabled) return [];
+  const toggle = button(icon("full"), () => {
+    const asked = host.matches(":fullscreen") ? document.exitFullscreen() : host.requestFullscreen();
+    // Refused, it stays as it is.
+    asked.catch(() => undefined);
+  });
+  toggle.className = "screen";
+  const label = () => (toggle.ariaLabel = toggle.title = host.matches(":fullscreen") ? "Leave full screen" : "Full screen");
+  host.addEventListener("fullscreenchange", label);
+  label();
+  return [toggle];
 }

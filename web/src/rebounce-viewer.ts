@@ -22,6 +22,15 @@ export type { PlayOptions } from "./player.js";
 export type { Camera, DirectionalLight, Light, NamedCamera, PointLight, Shot, SpotLight, Triple } from "./shot.js";
 export type { Counts, Stats } from "./stats.js";
 
+/** How a picture is saved. */
+export interface PictureOptions {
+  /** Pixels; the element's in device pixels when absent. */
+  width?: number;
+  height?: number;
+  /** Whether alpha is 0 where there is no surface. */
+  transparent?: boolean;
+}
+
 /** The custom element. */
 export class RebounceViewer extends AttributeElement {
   #engine = new Engine(this);
@@ -53,9 +62,7 @@ export class RebounceViewer extends AttributeElement {
   resetView(): void {
     const engine = this.#engine;
     if (!this.loaded || !engine.first) return;
-    engine.gesture(true);
-    this.camera = engine.first;
-    engine.gesture(false);
+    engine.history.by(() => (this.camera = engine.first as Camera));
   }
 
   /** The lights; set before the file is loaded, they take effect then. */
@@ -136,6 +143,16 @@ export class RebounceViewer extends AttributeElement {
     return restoreState(this, link);
   }
 
+  /** Takes back what a hand has changed last, of lights, camera or settings; whether there was something. */
+  undo(): boolean {
+    return this.#engine.history.undo();
+  }
+
+  /** Does once more what `undo()` has taken back; whether there was something. */
+  redo(): boolean {
+    return this.#engine.history.redo();
+  }
+
   // ---- animations
 
   /** Keyframes of lights: the file's own, or a script's. */
@@ -210,14 +227,18 @@ export class RebounceViewer extends AttributeElement {
     return await this.#engine.read((viewer) => viewer.readPixels(width, height));
   }
 
-  /** The picture as an image file of the element's size in device pixels. */
-  async toBlob(type = "image/png", quality?: number): Promise<Blob> {
-    const { width, height } = this.#engine.tree.canvas;
-    const pixels = await this.readPixels(width, height);
-    const canvas = new OffscreenCanvas(width, height);
+  /** The picture as an image file, of the element's size in device pixels where the options name no other. */
+  async toBlob(type = "image/png", quality?: number, options: PictureOptions = {}): Promise<Blob> {
+    const { canvas } = this.#engine.tree;
+    const { width = canvas.width, height = canvas.height, transparent } = options;
+    // Both begin at once: of one moment.
+    const surfaces = transparent ? this.readIndirect(width, height) : undefined;
+    const [pixels, light] = await Promise.all([this.readPixels(width, height), surfaces]);
+    light?.forEach((share, i) => i % 4 === 3 && (pixels[i] = 255 * Math.min(share, 1)));
+    const file = new OffscreenCanvas(width, height);
     const image = new ImageData(new Uint8ClampedArray(pixels), width, height);
-    canvas.getContext("2d")?.putImageData(image, 0, 0);
-    return canvas.convertToBlob(quality === undefined ? { type } : { type, quality });
+    file.getContext("2d")?.putImageData(image, 0, 0);
+    return file.convertToBlob(quality === undefined ? { type } : { type, quality });
   }
 
   // ---- life

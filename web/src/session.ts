@@ -3,6 +3,7 @@
 import { Failure, failureOf } from "./failure.js";
 import { listen, type Input } from "./input.js";
 import { createViewer, type Viewer } from "./module.js";
+import type { Triple } from "./shot.js";
 import { makeStick } from "./stick.js";
 
 /** What is told of a viewer. */
@@ -34,6 +35,13 @@ export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, s
   addEventListener("unhandledrejection", (event) => stray(event, event.reason), { signal });
   addEventListener("hashchange", () => host.linked(), { signal });
   return viewer;
+}
+
+/** The place that is seen at a place of a canvas, CSS pixels from its top left; none where no surface is. */
+export function surfaceIn(viewer: Viewer, { width, clientWidth }: HTMLCanvasElement, x: number, y: number): Triple | undefined {
+  const scale = width / Math.max(clientWidth, 1);
+  const place = viewer.surfaceAt(x * scale, y * scale);
+  return place && ([...place] as Triple);
 }
 
 /** Frees a viewer. */

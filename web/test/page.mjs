@@ -11,6 +11,7 @@ import { downloads } from "./page/downloads.mjs";
 import { failures } from "./page/failures.mjs";
 import { handles } from "./page/handles.mjs";
 import { hidden } from "./page/hidden.mjs";
+import { history } from "./page/history.mjs";
 import { input } from "./page/input.mjs";
 import { light } from "./page/light.mjs";
 import { lights } from "./page/lights.mjs";
@@ -19,6 +20,8 @@ import { memory } from "./page/memory.mjs";
 import { modules } from "./page/modules.mjs";
 import { onScreen } from "./page/onscreen.mjs";
 import { panel } from "./page/panel.mjs";
+import { panelLights } from "./page/panel-lights.mjs";
+import { panelLook } from "./page/panel-look.mjs";
 import { pictures } from "./page/pictures.mjs";
 import { policy } from "./page/policy.mjs";
 import { readme } from "./page/readme.mjs";
@@ -35,7 +38,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, input, touch, walking, handles, panel, pictures, shown, state, watch, light,
+  loading, attributes, slots, onScreen, hidden, animation, lights, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light,
   failures, unsupported, downloads, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

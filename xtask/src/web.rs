@@ -64,6 +64,9 @@ const PASSES: [&str; 14] = [
     "--rse",
     "--vacuum",
 ];
+/// Passes once after these.
+const LAST: [&str; 4] =
+    ["--generate-global-effects", "--simplify-locals-notee-nostructure", "--vacuum", "--rse"];
 /// What LLVM's wasm uses, which Binaryen is told instead of reading it out of the file.
 const FEATURES: [&str; 6] = [
     "--enable-bulk-memory",
@@ -78,7 +81,7 @@ const FEATURES: [&str; 6] = [
 fn shrink(wasm: &Path) -> Result<()> {
     let mut command = Command::new("node");
     // Twice, for what the passes make alike.
-    command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(PASSES).args(PASSES);
+    command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(PASSES).args(PASSES).args(LAST);
     process::run(command.arg(wasm).arg("-o").arg(wasm).current_dir(process::root().join("web")))
 }
 
@@ -229,11 +232,12 @@ fn mirror(files: &BTreeMap<String, Vec<u8>>, dir: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Prints the sizes, raw and after gzip, and holds the sum of wasm and JavaScript to the limit.
+/// Prints the sizes, raw and after gzip, and holds the package's wasm and JavaScript together to the limit.
 fn weigh(files: &BTreeMap<String, Vec<u8>>) -> Result<()> {
     let (mut raw, mut packed) = (0, 0);
     println!("{:34} {:>9} {:>9}", "bytes", "raw", "gzip");
-    for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".js") || name.ends_with(".wasm")) {
+    let is_code = |name: &str| (name.ends_with(".js") || name.ends_with(".wasm")) && name != "page.js";
+    for (name, bytes) in files.iter().filter(|(name, _)| is_code(name)) {
         let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
         encoder.write_all(bytes)?;
         let size = encoder.finish()?.len();

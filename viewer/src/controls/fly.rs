@@ -2,7 +2,6 @@
 
 use super::collide::{self, Motion};
 use super::{Stage, orbit};
-use std::collections::BTreeSet;
 
 /// Scene diagonals a second.
 const SPEED: f64 = 0.12;
@@ -11,6 +10,7 @@ const TURN: f64 = 1.5;
 /// Longest step of time that is believed, seconds: after a pause nothing jumps.
 const LONGEST: f64 = 0.1;
 
+/// The keys' codes; the number of a key is its place here.
 const KEYS: [&str; 12] = [
     "KeyW",
     "KeyA",
@@ -25,11 +25,24 @@ const KEYS: [&str; 12] = [
     "ShiftLeft",
     "ShiftRight",
 ];
+const W: u32 = 0;
+const A: u32 = 1;
+const S: u32 = 2;
+const D: u32 = 3;
+const Q: u32 = 4;
+const E: u32 = 5;
+const UP: u32 = 6;
+const DOWN: u32 = 7;
+const LEFT: u32 = 8;
+const RIGHT: u32 = 9;
+/// The bits of both shift keys.
+const SHIFT: u32 = 0b11 << 10;
 
-/// Keys that are down, where the stick is, and when the camera last moved.
+/// Which keys are down, where the stick is, and when the camera last moved.
 #[derive(Debug, Default)]
 pub struct Fly {
-    down: BTreeSet<&'static str>,
+    /// Bit by bit the keys that are down.
+    down: u32,
     /// To the right and ahead, -1 to 1.
     stick: [f64; 2],
     last_ms: Option<f64>,
@@ -38,18 +51,15 @@ pub struct Fly {
 impl Fly {
     /// A key (`KeyboardEvent.code`) goes down or up; true when it is one of the keys here.
     pub fn key(&mut self, code: &str, down: bool) -> bool {
-        let Some(key) = KEYS.into_iter().find(|&k| k == code) else { return false };
-        if down {
-            self.down.insert(key);
-        } else {
-            self.down.remove(key);
-        }
-        !key.starts_with("Shift")
+        let Some(key) = KEYS.iter().position(|&k| k == code) else { return false };
+        let bit = 1 << key;
+        self.down = if down { self.down | bit } else { self.down & !bit };
+        bit & SHIFT == 0
     }
 
     /// Lets go of all keys and the stick.
     pub fn release(&mut self) {
-        self.down.clear();
+        self.down = 0;
         self.stick = [0.0; 2];
     }
 
@@ -60,7 +70,7 @@ impl Fly {
 
     /// True while a key or the stick moves the camera.
     pub fn moving(&self) -> bool {
-        self.stick != [0.0; 2] || self.down.iter().any(|key| !key.starts_with("Shift"))
+        self.stick != [0.0; 2] || self.down & !SHIFT != 0
     }
 
     /// Moves the camera to `now_ms`: over the ground, and straight up and down, where it walks; else along the view.
@@ -71,16 +81,14 @@ impl Fly {
         }
         let seconds = self.last_ms.map_or(1.0 / 60.0, |last| (now_ms - last) * 1e-3).clamp(0.0, LONGEST);
         self.last_ms = Some(now_ms);
-        let held = |plus: &str, minus: &str| {
-            self.down.contains(plus) as i32 as f64 - self.down.contains(minus) as i32 as f64
-        };
-        let fast =
-            if self.down.contains("ShiftLeft") || self.down.contains("ShiftRight") { 3.0 } else { 1.0 };
+        let is_down = |key: u32| (self.down >> key & 1) as f64;
+        let held = |plus: u32, minus: u32| is_down(plus) - is_down(minus);
+        let fast = if self.down & SHIFT != 0 { 3.0 } else { 1.0 };
         let step = SPEED * stage.extent * seconds * fast;
-        let forward = (held("KeyW", "KeyS") + held("ArrowUp", "ArrowDown") + self.stick[1]).clamp(-1.0, 1.0);
-        let right = (held("KeyD", "KeyA") + self.stick[0]).clamp(-1.0, 1.0);
-        travel(stage, [right * step, held("KeyE", "KeyQ") * step, forward * step], walks);
-        let turn = held("ArrowLeft", "ArrowRight") * TURN * seconds;
+        let forward = (held(W, S) + held(UP, DOWN) + self.stick[1]).clamp(-1.0, 1.0);
+        let right = (held(D, A) + self.stick[0]).clamp(-1.0, 1.0);
+        travel(stage, [right * step, held(E, Q) * step, forward * step], walks);
+        let turn = held(LEFT, RIGHT) * TURN * seconds;
         if turn != 0.0 {
             orbit::look(&mut stage.camera, turn, 0.0);
         }

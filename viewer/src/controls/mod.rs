@@ -49,6 +49,15 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// The place that is seen at a pixel, world space.
+    pub fn surface_at(&self, at: [f64; 2]) -> Option<[f64; 3]> {
+        let [width, height] = self.size;
+        let frame = self.camera.frame([0.0; 3]);
+        let ray = frame.direction(at[0] as f32, at[1] as f32, width, height);
+        let hit = self.triangles.cast(self.local(self.camera.position), ray, f32::INFINITY)?;
+        Some((DVec3::from(self.camera.position) + (ray * hit.distance).as_dvec3()).to_array())
+    }
+
     /// A place in local space.
     pub fn local(&self, place: [f64; 3]) -> Vec3 {
         (DVec3::from(place) - DVec3::from(self.origin)).as_vec3()

@@ -51,6 +51,12 @@ impl Viewer {
         self.control(|controls, _| controls.pointer_up(id, click));
     }
 
+    /// The place that is seen at (x, y), canvas pixels, world space; nothing where no surface is.
+    #[wasm_bindgen(js_name = surfaceAt)]
+    pub fn surface_at(&self, x: f64, y: f64) -> Option<Vec<f64>> {
+        self.control(|_, stage| stage.surface_at([x, y])).map(|place| place.to_vec())
+    }
+
     /// The wheel turns by `delta_y` pixels: walk, dolly, or take a dragged light farther.
     pub fn wheel(&self, delta_y: f64) {
         self.control(|controls, stage| controls.wheel(delta_y, stage));

@@ -30,6 +30,10 @@ use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::HtmlCanvasElement;
 
+/// Half as much code as the standard allocator.
+#[global_allocator]
+static ALLOCATOR: talc::wasm::WasmDynamicTalc = talc::wasm::new_wasm_dynamic_allocator();
+
 /// Runs once when the module is loaded: a bug in Rust code becomes an `Error` with the code
 /// `internal` and the panic's words instead of a bare trap.
 #[wasm_bindgen(start)]

@@ -26,6 +26,7 @@ export async function modules(harness) {
   await days(harness, await import(new URL("daylight.js", MODULES)), await import(new URL("animation.js", MODULES)));
   await links(harness, await import(new URL("link.js", MODULES)));
   await steps(harness, await import(new URL("lights.js", MODULES)));
+  await units(harness, await import(new URL("photometry.js", MODULES)));
 }
 
 /** The code that something throws. */
@@ -250,5 +251,60 @@ async function steps(harness, { hexColor, linearColor, newLight, stepped }) {
   await harness.test("modules::colours_come_back", () => {
     for (const hex of ["#000000", "#ffffff", "#0a80c8", "#ff0105"]) equal(hexColor(linearColor(hex)), hex, "the colour");
     equal(hexColor([2, 1, 0]), hexColor([1, 0.5, 0]), "brighter than white");
+  });
+}
+
+async function units(harness, { colorKelvin, compass, KELVIN, kelvinColor, perIntensity, sunAngles, sunDirection }) {
+  await harness.test("modules::lumens_are_the_integral_of_candela_over_all_ways", () => {
+    near(perIntensity({ type: "point" }, "lumen"), 4 * Math.PI, 1e-12, "of a point");
+    for (const [outer, inner] of [[40, 30], [90, 0], [25, undefined], [30, 30], [20, 50]]) {
+      const cos = (degrees) => Math.cos((degrees * Math.PI) / 180);
+      const [a, b] = [cos(outer), cos(Math.min(inner ?? outer, outer))];
+      // KHR_lights_punctual's falloff, summed over rings.
+      let sum = 0;
+      for (let i = 0; i < 20_000; i += 1) {
+        const angle = ((i + 0.5) / 20_000) * (Math.PI / 2);
+        const share = Math.min(Math.max((Math.cos(angle) - a) / Math.max(b - a, 1e-9), 0), 1);
+        sum += share ** 2 * 2 * Math.PI * Math.sin(angle) * (Math.PI / 40_000);
+      }
+      near(perIntensity({ type: "spot", outer_cone_deg: outer, inner_cone_deg: inner }, "lumen") / sum, 1, 2e-3, `of a spot of ${outer} and ${inner}`);
+    }
+    for (const unit of ["candela", "lux"]) equal(perIntensity({ type: "spot", outer_cone_deg: 40 }, unit), 1, unit);
+  });
+  await harness.test("modules::colour_temperatures_are_those_of_black_bodies", () => {
+    for (let kelvin = KELVIN.min; kelvin <= KELVIN.max; kelvin += KELVIN.step) {
+      const color = kelvinColor(kelvin);
+      equal(Math.max(...color), 1, `the largest part at ${kelvin} K`);
+      check(Math.min(...color) >= 0, `no part is negative at ${kelvin} K: ${color}`);
+      equal(colorKelvin(color), kelvin, "the temperature of the colour");
+      equal(colorKelvin(color.map((x) => 0.2 * x)), kelvin, "of the same, darker");
+    }
+    // Chromaticities of Planck's law (CIE 1931): incandescent light A, and 6,500 K.
+    const chromaticity = (kelvin) => {
+      const [r, g, b] = kelvinColor(kelvin);
+      const [x, y, z] = [
+        0.4124564 * r + 0.3575761 * g + 0.1804375 * b,
+        0.2126729 * r + 0.7151522 * g + 0.072175 * b,
+        0.0193339 * r + 0.119192 * g + 0.9503041 * b,
+      ];
+      return [x / (x + y + z), y / (x + y + z)];
+    };
+    for (const [kelvin, x, y] of [[2856, 0.4476, 0.4074], [6500, 0.3135, 0.3237], [10_000, 0.2807, 0.2884]]) {
+      const found = chromaticity(kelvin);
+      near(found[0], x, 2e-3, `x at ${kelvin} K`);
+      near(found[1], y, 2e-3, `y at ${kelvin} K`);
+    }
+    near(colorKelvin([1, 1, 1]), 6500, 500, "white");
+    for (const color of [[0, 1, 0], [1, 0, 1], [0, 0, 1]]) equal(colorKelvin(color), undefined, `${color}`);
+  });
+  await harness.test("modules::a_sun_stands_where_its_angles_say", () => {
+    const close = (a, b) => a.forEach((x, i) => near(x, b[i], 1e-9, `${a}, ${b}`));
+    // From the north it shines to +z, from the east to -x.
+    close(sunDirection(0, 0), [0, 0, 1]);
+    close(sunDirection(90, 0), [-1, 0, 0]);
+    close(sunDirection(180, 45), [0, -Math.SQRT1_2, -Math.SQRT1_2]);
+    for (const [azimuth, elevation] of [[0, 0], [12, 80], [200.5, -30], [359, 45]]) close(sunAngles(sunDirection(azimuth, elevation)), [azimuth, elevation]);
+    near(sunAngles([0, -3, 0])[1], 90, 1e-9, "overhead");
+    same([0, 44, 90, 225, 359].map(compass), ["N", "NE", "E", "SW", "N"], "the compass");
   });
 }

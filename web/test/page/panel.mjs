@@ -6,7 +6,7 @@ import { check, equal, same } from "../harness.mjs";
 import { loaded, PLAIN } from "./open.mjs";
 
 const CONTROLS = '<rebounce-viewer src="scene.rbn" controls></rebounce-viewer>';
-const VIEWPORT = { viewport: { width: 480, height: 270 } };
+const VIEWPORT = { viewport: { width: 640, height: 360 } };
 
 /** Runs the tests. */
 export async function panel(harness, context) {
@@ -19,37 +19,38 @@ export async function panel(harness, context) {
       equal(await asked(), 0, "requests without controls");
       equal(await page.locator("rebounce-viewer summary").count(), 0, "headings");
       await page.evaluate(() => (viewer.controls = true));
-      await page.getByText("Settings").waitFor();
+      await page.getByText("Lights and settings").waitFor();
       equal(await asked(), 1, "requests with controls");
       await page.evaluate(() => (viewer.controls = false));
-      equal(await page.getByText("Settings").isVisible(), false, "shown without controls");
+      equal(await page.getByText("Lights and settings").isVisible(), false, "shown without controls");
       await page.close();
     },
     "attribute controls",
   );
 
   const { page, faults } = await loaded(context, CONTROLS, VIEWPORT);
-  await page.getByText("Settings").click();
-  const entry = (i) => page.getByRole("button", { name: `Light ${i}, ` });
+  await page.getByText("Lights and settings").click();
+  for (const title of ["Picture", "Save"]) await page.getByText(title, { exact: true }).click();
+  const entry = (i) => page.getByRole("button", { name: new RegExp(`^(Lamp|Spot|Sun) ${i} `) });
   const state = () => page.evaluate(() => viewer.lights);
 
   await harness.test("panel::lights_are_added_changed_switched_and_removed", async () => {
     equal((await state()).length, 1, "lights at first");
-    for (const kind of ["point", "spot", "directional"]) await page.getByRole("button", { name: `Add ${kind}` }).click();
+    for (const kind of ["lamp", "spot", "sun"]) await page.getByRole("button", { name: `Add ${kind}` }).click();
     same((await state()).map(({ type }) => type), ["spot", "point", "spot", "directional"], "kinds");
     await entry(2).click();
-    await page.getByLabel("Intensity, candela").fill("7.5");
-    await page.getByLabel("Colour").fill("#ff0000");
+    await page.getByLabel("Intensity, in the unit").fill("7.5");
+    await page.getByLabel("Colour", { exact: true }).fill("#ff0000");
     await page.getByRole("group", { name: "Position" }).getByLabel("y").fill("1.25");
     const light = (await state())[1];
     same([light.intensity, light.color, light.position[1]], [7.5, [1, 0, 0], 1.25], "intensity, colour, height");
-    const lamp = page.getByRole("switch", { name: "Light 2 on" });
+    const lamp = page.getByRole("switch", { name: "Lamp 2 on" });
     await lamp.click();
     equal((await state())[1].intensity, 0, "the intensity when it is off");
     check(!(await lamp.isChecked()), "the switch is on");
     await lamp.click();
     equal((await state())[1].intensity, 7.5, "the intensity when it is on again");
-    await page.getByRole("button", { name: "Remove light 2" }).click();
+    await page.getByRole("button", { name: "Remove" }).click();
     same((await state()).map(({ type }) => type), ["spot", "spot", "directional"], "kinds after removing one");
     // A script's lights are listed, too.
     await page.evaluate(() => void (viewer.lights = viewer.lights.slice(0, 1)));
@@ -62,10 +63,10 @@ export async function panel(harness, context) {
       viewer.camera = { position: [0, 3, 8], target: [0, 3, -3] };
       viewer.shadowRoot.querySelector("canvas").focus();
     });
-    await page.waitForFunction(() => viewer.shadowRoot.querySelector(".entry")?.textContent === "Light 1, point");
+    await page.waitForFunction(() => viewer.shadowRoot.querySelector(".entry")?.textContent === "Lamp 1 point");
     const focused = () => page.evaluate(() => viewer.shadowRoot.activeElement?.textContent ?? "");
-    for (let i = 0; i < 10 && (await focused()) !== "Light 1, point"; i += 1) await page.keyboard.press("Tab");
-    equal(await focused(), "Light 1, point", "what Tab comes to");
+    for (let i = 0; i < 10 && (await focused()) !== "Lamp 1 point"; i += 1) await page.keyboard.press("Tab");
+    equal(await focused(), "Lamp 1 point", "what Tab comes to");
     const status = page.getByRole("status");
     const press = async (key) => {
       const before = (await state())[0].position;
@@ -82,14 +83,14 @@ export async function panel(harness, context) {
     same(await press("Shift+PageDown"), [0, -1, 0], "PageDown");
     equal(await status.getAttribute("role"), "status", "the role of what is said");
     await page.keyboard.press("Enter");
-    await page.getByLabel("Intensity, candela").waitFor();
+    await page.getByLabel("Intensity, in the unit").waitFor();
     await page.keyboard.press("Delete");
     equal((await state()).length, 0, "lights after Delete");
-    equal(await focused(), "Add point", "the focus after the last one is gone");
+    equal(await focused(), "Add lamp", "the focus after the last one is gone");
   });
 
   await harness.test("panel::sixteen_lights_are_listed", async () => {
-    for (let i = 0; i < 16; i += 1) await page.getByRole("button", { name: "Add point" }).click();
+    for (let i = 0; i < 16; i += 1) await page.getByRole("button", { name: "Add lamp" }).click();
     equal((await state()).length, 16, "lights");
     equal(await entry(16).getAttribute("aria-expanded"), "true", "whether the last one is chosen");
     await page.getByRole("group", { name: "Position" }).getByLabel("x").fill("-0.5");
@@ -100,7 +101,7 @@ export async function panel(harness, context) {
 
   await harness.test("panel::what_the_viewer_refuses_is_said", async () => {
     await page.evaluate(() => void (viewer.lights = Array.from({ length: 42 }, () => ({ type: "point", position: [0, 1, 0], intensity: 1 }))));
-    await page.getByRole("button", { name: "Add point" }).click();
+    await page.getByRole("button", { name: "Add lamp" }).click();
     check(/shadow maps/.test(await page.getByRole("status").textContent()), await page.getByRole("status").textContent());
     equal((await state()).length, 42, "lights");
     await page.evaluate(() => void (viewer.lights = viewer.lights.slice(0, 1)));
@@ -139,15 +140,15 @@ export async function panel(harness, context) {
   });
 
   await harness.test("panel::the_state_is_saved_loaded_and_copied", async () => {
-    const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save" }).click()]);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save lights" }).click()]);
     equal(download.suggestedFilename(), "shot.json", "the file's name");
     const saved = JSON.parse(await readFile(await download.path(), "utf8"));
     same(saved, await page.evaluate(() => viewer.shot), "what was saved");
     const lights = [{ type: "point", position: [0, 1, 0], intensity: 3, color: [1, 1, 1] }];
-    const choose = (name, text) => page.getByLabel("Load", { exact: true }).setInputFiles({ name, mimeType: "application/json", buffer: Buffer.from(text) });
+    const choose = (name, text) => page.getByLabel("Load lights", { exact: true }).setInputFiles({ name, mimeType: "application/json", buffer: Buffer.from(text) });
     const said = (text) => within(text, page.getByRole("status").filter({ hasText: text }).waitFor());
     await choose("good.json", JSON.stringify({ ...saved, lights }));
-    await said("Camera and lights of good.json are set.");
+    await said("Lights and camera of good.json are set.");
     same(await state(), lights, "the lights");
     for (const bad of ["{", "7", '{"camera": 3}']) {
       await choose("bad.json", bad);
