@@ -252,7 +252,11 @@ fn unlit_surfaces_show_their_colour_at_any_exposure() {
     assert_near(shown(&dark, &[clear(tint)]), encoded(through), "glass");
     let half = Material { alpha: Alpha::Blend, base_color: [0.2, 0.8, 0.4, 0.5], ..glass([0.0; 3], unlit) };
     let over = 0.5 * vec3(0.2, 0.8, 0.4);
-    assert_near(shown(&dark, &[half.clone()]), encoded(over + 0.5 * Vec3::from(color)), "a picture");
+    assert_near(
+        shown(&dark, std::slice::from_ref(&half)),
+        encoded(over + 0.5 * Vec3::from(color)),
+        "a picture",
+    );
     let both = Vec3::from(tint) * (over + 0.5 * Vec3::from(color));
     assert_near(shown(&dark, &[clear(tint), half]), encoded(both), "a picture behind glass");
     device.0.check().unwrap();

@@ -19,6 +19,8 @@ const AWAY: [f32; 7] = [0.85, 0.75, 0.65, 0.55, 0.45, 0.35, 0.25];
 const HIGH: f32 = 0.75;
 /// The widest spot, degrees: wider ones take six shadow maps.
 const WIDEST: f32 = 60.0;
+/// The cone of a spot over what the object's sphere takes: what the object stands on is lit, and fades out.
+const CONE: f32 = 1.9;
 /// How far a spot is from the middle of an object at least, over the scene's diagonal, to light all of it.
 const BACK: f32 = 0.7;
 /// The best so many places are looked at closely, with so many rays of the picture.
@@ -69,12 +71,12 @@ pub fn lamp<S: Surfaces>(surfaces: &S, frame: &CameraFrame, is_open: bool, origi
     let (low, high) = sight.part;
     let (to, radius) = (0.5 * (low + high) - place, 0.5 * (high - low).length());
     let around = (radius / to.length().max(1e-6 * radius)).min(1.0).asin().to_degrees();
-    let outer = f64::from((1.2 * around).clamp(15.0, WIDEST).round());
+    let outer = f64::from((CONE * around).clamp(25.0, WIDEST).round());
     Light::Spot {
         position,
         direction: to.as_dvec3().to_array(),
         outer_cone_deg: outer,
-        inner_cone_deg: Some((0.7 * outer).round()),
+        inner_cone_deg: Some((outer / f64::from(CONE)).round()),
         intensity,
         color,
     }

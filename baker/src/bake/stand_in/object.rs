@@ -14,6 +14,8 @@ const WIDE: f32 = 1.3;
 const FEW: f32 = 0.02;
 /// How much of what is around them is in the picture besides.
 const AROUND: f32 = 0.5;
+/// Steps of the bisection for the eye.
+const STEPS: usize = 32;
 /// Triangles that are looked at, about.
 const LOOKED: usize = 1 << 16;
 
@@ -43,29 +45,42 @@ pub fn shown(triangles: impl ExactSizeIterator<Item = [Vec3; 3]>, low: Vec3, hig
 
 /// Eye and target, local space, so that the box between these corners fills a picture and is in its middle.
 pub fn view(low: Vec3, high: Vec3) -> (Vec3, Vec3) {
+    let middle = 0.5 * (low + high);
     let radius = 0.5 * (high - low).length().max(f32::MIN_POSITIVE);
     let back = AHEAD.normalize();
     let right = Vec3::Y.cross(back).normalize();
     let up = back.cross(right);
-    let high_reach = FILLED * (0.5 * YFOV_DEG as f32).to_radians().tan();
-    let corners: Vec<Vec3> = (0..8).map(|i| Vec3::select(mask(i), high, low)).collect();
-    let mut target = 0.5 * (low + high);
-    let mut distance = 0.0;
-    for _ in 0..8 {
-        let middle = target;
-        let seen =
-            |axis: Vec3| corners.iter().map(move |c| ((*c - middle).dot(axis), (*c - middle).dot(back)));
-        // A corner at x, z fits from where x is within `reach` of the distance less z.
-        let farthest =
-            |axis: Vec3, reach: f32| seen(axis).map(|(x, z)| z + x.abs() / reach).fold(0.0, f32::max);
-        distance = farthest(right, WIDE * high_reach).max(farthest(up, high_reach)).max(radius * 1e-3);
-        for axis in [right, up] {
-            let slopes = seen(axis).map(|(x, z)| x / (distance - z).max(1e-3 * radius));
-            let (least, most) = slopes.fold((f32::MAX, f32::MIN), |(a, b), s| (a.min(s), b.max(s)));
-            target += axis * (0.5 * (least + most) * distance);
-        }
+    let reach = FILLED * (0.5 * YFOV_DEG as f32).to_radians().tan();
+    let corners: Vec<Vec3> = (0..8).map(|i| Vec3::select(mask(i), high, low) - middle).collect();
+    // Across the view, and along it towards the eye.
+    let seen =
+        |axis: Vec3| -> Vec<(f32, f32)> { corners.iter().map(|c| (c.dot(axis), c.dot(back))).collect() };
+    let axes = [(seen(right), WIDE * reach), (seen(up), reach)];
+    let distance = axes.iter().map(|(seen, reach)| farthest(seen, *reach)).fold(1e-3 * radius, f32::max);
+    let [x, y] = axes.map(|(seen, _)| centred(&seen, distance, radius));
+    let eye = middle + x * right + y * up + distance * back;
+    (eye, eye - distance * back)
+}
+
+/// How far away an eye is from which all of this fits within `reach` of the distance to both sides: at x and z a place is
+/// between lines through the eye of slope `reach`.
+fn farthest(seen: &[(f32, f32)], reach: f32) -> f32 {
+    let most = seen.iter().map(|(x, z)| x + reach * z).fold(f32::MIN, f32::max);
+    let least = seen.iter().map(|(x, z)| x - reach * z).fold(f32::MAX, f32::min);
+    (most - least) / (2.0 * reach)
+}
+
+/// Where across the view the eye is, at this distance, so that as much is seen to either side: by bisection, as the slopes
+/// fall with it.
+fn centred(seen: &[(f32, f32)], distance: f32, radius: f32) -> f32 {
+    let (mut low, mut high) = (-2.0 * radius, 2.0 * radius);
+    for _ in 0..STEPS {
+        let eye = 0.5 * (low + high);
+        let slopes = seen.iter().map(|(x, z)| (x - eye) / (distance - z).max(1e-3 * radius));
+        let (least, most) = slopes.fold((f32::MAX, f32::MIN), |(a, b), s| (a.min(s), b.max(s)));
+        if least + most > 0.0 { low = eye } else { high = eye }
     }
-    (target + back * distance, target)
+    0.5 * (low + high)
 }
 
 fn mask(i: u32) -> glam::BVec3 {

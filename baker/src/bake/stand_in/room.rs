@@ -59,7 +59,7 @@ pub fn view<S: Surfaces>(surfaces: &S, vantage: &Vantage, lights: &[LightSource]
         // Not with the head at the ceiling.
         let up = stand.height.map_or(tall, |height| tall.min(HIGHEST * height));
         let eye = stand.floor + up * Vec3::Y;
-        is_free(surfaces, eye, FREE * tall).then(|| rough(surfaces, eye, tall)).unwrap_or_default()
+        if is_free(surfaces, eye, FREE * tall) { rough(surfaces, eye, tall) } else { Default::default() }
     };
     let mut ways: Vec<(f32, Vec3, Vec3)> = stands.par_iter().flat_map_iter(ways).collect();
     ways.sort_by(|a, b| b.0.total_cmp(&a.0));

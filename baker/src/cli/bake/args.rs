@@ -12,7 +12,10 @@ use rebounce::write::check_place;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::rbn::MAX_LEVELS;
+use rebounce_shared::rbn::container::MAGIC;
 use rebounce_shared::shot::Shot;
+use std::fs::File;
+use std::io::Read;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -180,14 +183,20 @@ fn check_output(path: &Path, ending: &str, what: &str) -> Result<()> {
     Ok(check_place(path)?)
 }
 
+/// Whether a file begins as baked ones do.
+fn is_baked(path: &Path) -> bool {
+    let mut first = [0; MAGIC.len()];
+    let file = std::fs::metadata(path).is_ok_and(|entry| entry.is_file()).then(|| File::open(path));
+    file.is_some_and(|file| file.is_ok_and(|mut file| file.read_exact(&mut first).is_ok())) && first == MAGIC
+}
+
 impl BakeArgs {
     /// Checks what can be checked before long work: where the results go, and that they replace nothing that is read.
     ///
     /// # Errors
     /// What cannot be, in words.
     pub(super) fn check(&self) -> Result<()> {
-        let is_baked = Path::new(&self.scene).extension().is_some_and(|e| e.eq_ignore_ascii_case("rbn"));
-        if is_baked && Path::new(&self.scene).exists() {
+        if is_baked(Path::new(&self.scene)) {
             return Err(SceneError::Baked { file: self.scene.clone() }.into());
         }
         let output = self.output();
