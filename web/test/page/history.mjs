@@ -73,8 +73,8 @@ export async function history(harness, context) {
 
   await harness.test("history::what_the_panel_changes_are_steps", async () => {
     await law("adding", () => button("Add spot").click());
-    // Taken back, it is no longer chosen.
-    await page.getByRole("button", { name: "Spot 2 spot" }).click();
+    // Done again, it is chosen again.
+    equal(await page.getByRole("button", { name: "Spot 2 spot" }).getAttribute("aria-expanded"), "true", "whether it is chosen");
     await law("a number that is typed", async () => {
       await page.getByLabel("Intensity, in the unit").click();
       await page.keyboard.press("Control+a");
