@@ -67,9 +67,9 @@ export class Engine {
       wantFrame: () => this.wantFrame(),
     });
     const { root } = this.tree;
-    const history = new History(element, root, this.player, () => this.#panel.update());
-    this.history = history;
-    this.#panel = new PanelSlot({ host: element, root, history, surfaceAt: (x, y) => this.use((viewer) => surfaceIn(viewer, this.tree.canvas, x, y)) }, this.tree);
+    const history = (this.history = new History(element, root, this.player, () => this.#panel.update()));
+    const surfaceAt = (x: number, y: number) => this.use((viewer) => surfaceIn(viewer, this.tree.canvas, x, y));
+    this.#panel = new PanelSlot({ host: element, root, history, surfaceAt }, this.tree);
   }
 
   /** Whether there is a scene. */
@@ -358,8 +358,6 @@ export class Engine {
     }
   }
 
-  // ---- panel and labels
-
   /** Shows the panel where it is wanted, and hides it elsewhere. */
   showPanel(): void {
     this.#panel.show().catch((error: unknown) => this.#warn(failureOf(error)));
@@ -367,11 +365,7 @@ export class Engine {
 
   /** `alt` or `interaction` has changed. */
   relabel(): void {
-    const { alt, interaction } = this.#element;
-    const [name, takesKeys] = [alt || "3D scene", interaction !== "none"];
-    if (!takesKeys) this.tree.canvas.blur(); // Keys that are held are let go.
-    const hint = `${name}. Drag to look around; W, A, S, D and the arrow keys move, R goes back.`;
-    this.tree.setLabel(takesKeys ? hint : name, takesKeys, alt);
+    this.tree.setLabel(this.#element.alt, this.#element.interaction !== "none");
   }
 
   #setProgress(loaded: number, total: number): void {
@@ -379,8 +373,6 @@ export class Engine {
     this.tree.setProgress(ratio);
     if (!this.#returning) tell(this.#element, "progress", { loaded, total, ratio });
   }
-
-  // ---- calls of the viewer
 
   /** Throws `no-scene` where there is none. */
   use<T>(work: (viewer: Viewer) => T): T {

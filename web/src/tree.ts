@@ -31,12 +31,18 @@ export class Tree {
     this.canvas = canvas;
   }
 
-  /** What the picture is called, and its poster, and whether it takes keys. */
-  setLabel(label: string, takesKeys: boolean, alt: string): void {
+  /** What the picture and its poster show, and whether the picture takes keys. */
+  setLabel(alt: string, takesKeys: boolean): void {
+    const name = alt || "3D scene";
+    const hint = `${name}. Drag to look around; W, A, S, D and the arrow keys move, R goes back.`;
     this.#image.alt = alt;
-    this.canvas.setAttribute("aria-label", label);
+    this.canvas.setAttribute("aria-label", takesKeys ? hint : name);
     if (takesKeys) this.canvas.setAttribute("tabindex", "0");
-    else this.canvas.removeAttribute("tabindex");
+    else {
+      // Keys that are held are let go.
+      this.canvas.blur();
+      this.canvas.removeAttribute("tabindex");
+    }
   }
 
   /** Puts an element over the picture, under a message. */
