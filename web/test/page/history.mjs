@@ -73,7 +73,8 @@ export async function history(harness, context) {
 
   await harness.test("history::what_the_panel_changes_are_steps", async () => {
     await law("adding", () => button("Add spot").click());
-    // Done again, it is chosen again.
+    // Done again, it is chosen again with the next frame.
+    await page.evaluate(() => still());
     equal(await page.getByRole("button", { name: "Spot 2 spot" }).getAttribute("aria-expanded"), "true", "whether it is chosen");
     await law("a number that is typed", async () => {
       await page.getByLabel("Intensity, in the unit").click();
