@@ -67,8 +67,8 @@ export async function shown(harness, context) {
   });
 
   await harness.test("shown::the_panel_lists_lights_by_name", async () => {
-    await page.getByText("Settings").click();
-    const names = ["Key, warm, point", "Light 2, point"];
+    await page.getByText("Lights and settings").click();
+    const names = ["Key, warm point", "Lamp 2 point"];
     for (const name of names) await page.getByRole("button", { name }).waitFor();
   });
 
