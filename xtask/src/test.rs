@@ -10,7 +10,8 @@ use std::process::Stdio;
 /// package, of the site, of the command that `cargo install` makes, and of bakes under mpirun.
 const PARTS: [&str; 7] = ["native", "wasm", "page", "package", "site", "install", "mpi"];
 
-/// Runs every test, or one part. All parts run, whatever becomes of the first.
+/// Runs every test, or one part. All parts run, whatever becomes of the first; that of the installed command, which
+/// compiles everything once more, only where it is named.
 ///
 /// # Errors
 /// If something needed is missing, does not compile, or a test fails.
@@ -51,12 +52,8 @@ pub fn run(args: &[String]) -> Result<()> {
     if let Err(error) = &browser {
         println!("{error:#}");
     }
-    let installed = if wanted("install") { installed::test() } else { Ok(()) };
-    if let Err(error) = &installed {
-        println!("{error:#}");
-    }
     let mpi = if wanted("mpi") { over_mpi() } else { Ok(()) };
-    native.and(browser).and(installed).and(mpi)
+    native.and(browser).and(mpi)
 }
 
 /// `cargo test` of the whole workspace, in the development profile (which is optimised). It builds
