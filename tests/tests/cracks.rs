@@ -43,12 +43,28 @@ fn piece(scene: &mut Scene, [low, high]: [Vec2; 2], z: f32, material: u32) {
     scene.triangle_material.extend([material; 2]);
 }
 
+/// Adds the black underside of a piece, which reaches back from the wall.
+fn underside(scene: &mut Scene, [from, to]: [f32; 2], y: f32, material: u32) {
+    let first = scene.positions.len() as u32;
+    for (x, z) in [(from, -0.4), (to, -0.4), (to, -0.45), (from, -0.45)] {
+        scene.positions.push((DVec3::new(x.into(), y.into(), z) - DVec3::from(scene.origin)).as_vec3());
+        scene.normals.push(Vec3::Y);
+        scene.uvs.push(Vec2::ZERO);
+    }
+    scene.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|i| first + i)));
+    scene.triangle_material.extend([material; 2]);
+}
+
 /// A white wall of columns of different pieces, a black one behind it, and a lamp before it.
-fn wall() -> Scene {
+fn wall(has_depth: bool) -> Scene {
     let mut scene = scene::load("builtin:furnace").unwrap();
     let white = scene.materials.len() as u32;
     scene.materials.push(Material { base_color: [0.9, 0.9, 0.9, 1.0], ..Material::default() });
-    scene.materials.push(Material { base_color: [0.0, 0.0, 0.0, 1.0], ..Material::default() });
+    scene.materials.push(Material {
+        base_color: [0.0, 0.0, 0.0, 1.0],
+        double_sided: true,
+        ..Material::default()
+    });
     for column in 0..6u32 {
         let x = -0.9 + 0.3 * column as f32 + 0.0137 * (column % 3) as f32;
         let next = -0.9 + 0.3 * (column + 1) as f32 + 0.0137 * ((column + 1) % 3) as f32;
@@ -56,6 +72,9 @@ fn wall() -> Scene {
         let y = |row: u32| -0.9 + 1.8 * row as f32 / rows as f32;
         for row in 0..rows {
             piece(&mut scene, [Vec2::new(x, y(row)), Vec2::new(next, y(row + 1))], -0.4, white);
+            if has_depth {
+                underside(&mut scene, [x, next], y(row), white + 1);
+            }
         }
     }
     piece(&mut scene, [Vec2::splat(-0.9), Vec2::splat(0.95)], -0.45, white + 1);
@@ -77,10 +96,10 @@ fn dark_spots(picture: &[Vec3]) -> usize {
     pixels.filter(is_dark).count()
 }
 
-#[test]
-fn nothing_shows_between_the_pieces_of_a_wall() {
-    let file = bake(&wall(), &settings(1_000), &()).unwrap().0;
-    let Some(mut viewer) = renderer(&file) else { return };
+/// Dark spots in pictures of the wall from many sides.
+fn open_pixels(has_depth: bool) -> Option<usize> {
+    let file = bake(&wall(has_depth), &settings(1_000), &()).unwrap().0;
+    let mut viewer = renderer(&file)?;
     viewer.set_mode(Mode::Direct);
     // A picture as while something moves, not an average of several.
     viewer.set_still_pictures(1);
@@ -92,5 +111,16 @@ fn nothing_shows_between_the_pieces_of_a_wall() {
         assert!(seen.iter().map(|p| p.x).sum::<f32>() > 0.05 * seen.len() as f32, "the wall is lit");
         open += dark_spots(&seen);
     }
-    assert_eq!(open, 0, "pixels that show what is behind the wall");
+    Some(open)
+}
+
+#[test]
+fn nothing_shows_between_the_pieces_of_a_wall() {
+    for has_depth in [false, true] {
+        let Some(open) = open_pixels(has_depth) else { return };
+        assert_eq!(
+            open, 0,
+            "pixels that show what is behind the wall, or the undersides of its pieces: {has_depth}"
+        );
+    }
 }

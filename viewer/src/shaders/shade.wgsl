@@ -64,15 +64,23 @@ fn depth_at(pixel: vec2i, x: i32, y: i32) -> f32 {
     return textureLoad(depth_texture, clamp(pixel + vec2i(x, y), vec2i(0), last), 0);
 }
 
+fn normal_at(pixel: vec2i) -> vec3f {
+    return unpack_normal(textureLoad(surface_texture, max(pixel, vec2i(0)), 0).x);
+}
+
 // The pixel, or the one left of it where it lies in a crack: where triangles meet at a T-junction, the rasterizer may
 // leave single pixels open. Reversed depth is linear over a plane in the picture; a pixel behind the plane of its
-// four neighbours is in a crack.
+// four neighbours, or of a face that meets the plane there, is in a crack.
 fn mended(pixel: vec2u) -> vec2u {
     let at = vec2i(pixel);
     let across = depth_at(at, -1, 0) + depth_at(at, 1, 0);
     let along = depth_at(at, 0, -1) + depth_at(at, 0, 1);
-    let open = depth_at(at, 0, 0) < 0.4995 * across && abs(across - along) < 1e-4 * across;
-    return pixel - vec2u(select(0u, 1u, open), 0u);
+    if abs(across - along) >= 1e-4 * across {
+        return pixel;
+    }
+    let left = normal_at(at - vec2i(1, 0));
+    let other = dot(left, normal_at(at)) < 0.9 && dot(left, normal_at(at + vec2i(1, 0))) > 0.98;
+    return pixel - vec2u(select(0u, 1u, other || depth_at(at, 0, 0) < 0.4995 * across), 0u);
 }
 
 // rgb: radiance; alpha: the share that surfaces cover.

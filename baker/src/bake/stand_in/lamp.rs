@@ -84,8 +84,7 @@ pub fn lamp<S: Surfaces>(surfaces: &S, frame: &CameraFrame, is_open: bool, origi
 
 /// A number rounded to two digits.
 fn two_digits(x: f64) -> f64 {
-    let unit = 10f64.powf(x.max(f64::MIN_POSITIVE).log10().floor() - 1.0);
-    (x / unit).round() * unit
+    format!("{x:.1e}").parse().unwrap_or(x)
 }
 
 impl<'a, S: Surfaces> Sight<'a, S> {
