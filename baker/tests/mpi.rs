@@ -29,8 +29,6 @@ fn bake(command: &mut Command, output: &Path, threads: usize, more: &[&str]) -> 
 fn team(processes: usize, threads: usize, output: &Path, more: &[&str]) -> Command {
     let mut command = Command::new("mpirun");
     command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
-    // Seconds from the signal that ends the others to the one that kills them: on a busy machine one is too few to speak in.
-    command.env("OMPI_MCA_odls_base_sigkill_timeout", "5");
     command.args(["--oversubscribe", "--bind-to", "none", "-n", &processes.to_string(), BINARY]);
     bake(&mut command, output, threads, more)
 }
@@ -88,7 +86,10 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
     // The second, the last, the first itself; while points are placed, and while links are traced.
     for (lost, bytes, number) in [(1, 400_000, 2), (3, 1_000, 4), (0, 400_000, 1)] {
         let path = folder.path().join(format!("lost-{lost}.rbn"));
-        let mut running = team(4, 1, &path, &[]).spawn().unwrap();
+        // Seconds from the signal that ends the others to the one that kills them: on a busy machine one is too few to
+        // speak in.
+        let patient = ("OMPI_MCA_odls_base_sigkill_timeout", "5");
+        let mut running = team(4, 1, &path, &[]).env(patient.0, patient.1).spawn().unwrap();
         wait_for(&mut running, &path, bytes);
         let members = members(&running);
         assert_eq!(members.iter().map(|member| member.0).collect::<HashSet<_>>(), (0..4).collect());
