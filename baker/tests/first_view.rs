@@ -1,5 +1,6 @@
 //! What is seen first of a scene without cameras and lights: the view and the lamp that a bake adds.
 
+use boxes::add_box;
 use glam::{Vec2, Vec3, vec3};
 use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
 use rebounce::light::direct;
@@ -11,6 +12,9 @@ use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::Material;
 
+#[path = "common/boxes.rs"]
+mod boxes;
+
 /// Boxes, each of its own material: the first one's sides face in.
 fn scene(blocks: &[(Vec3, Vec3)], is_room: bool) -> Scene {
     let mut scene = Scene::default();
@@ -18,23 +22,7 @@ fn scene(blocks: &[(Vec3, Vec3)], is_room: bool) -> Scene {
         let shade = 0.3 + 0.5 * number as f32 / blocks.len() as f32;
         let base_color = [shade, 0.6, 0.9 - shade, 1.0];
         scene.materials.push(Material { base_color, name: number.to_string(), ..Material::default() });
-        let faces_in = is_room && number == 0;
-        let (middle, half) = (0.5 * (*low + *high), 0.5 * (*high - *low));
-        for (axis, sign) in (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
-            let normal = Vec3::AXES[axis] * sign;
-            let (across, up) = (Vec3::AXES[(axis + 1) % 3] * sign, Vec3::AXES[(axis + 2) % 3]);
-            let first = scene.positions.len() as u32;
-            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                scene.positions.push(middle + half * (normal + across * x + up * y));
-                scene.normals.push(if faces_in { -normal } else { normal });
-                scene.uvs.push(Vec2::ZERO);
-            }
-            for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
-                let [b, c] = if faces_in { [c, b] } else { [b, c] };
-                scene.triangles.push([first + a, first + b, first + c]);
-                scene.triangle_material.push(number as u32);
-            }
-        }
+        add_box(&mut scene, [*low, *high], is_room && number == 0, number as u32);
     }
     scene
 }

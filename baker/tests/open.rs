@@ -1,6 +1,7 @@
 //! Scenes that nobody says where to look at from: objects get bounced light on their outsides, rooms within.
 
-use glam::{Vec2, Vec3, vec3};
+use boxes::add_box;
+use glam::{Vec3, vec3};
 use rebounce::bake::judge::Judge;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake};
 use rebounce::scene::Scene;
@@ -11,6 +12,9 @@ use rebounce_shared::light::Light;
 use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Material;
 use rebounce_shared::shot::Shot;
+
+#[path = "common/boxes.rs"]
+mod boxes;
 
 /// A closed box whose sides face out, or in.
 #[derive(Clone, Copy)]
@@ -33,22 +37,7 @@ fn scene(blocks: &[Block], double_sided: bool) -> Scene {
         Scene { materials: vec![Material { double_sided, ..Material::default() }], ..Scene::default() };
     scene.materials[0].base_color = [0.8, 0.7, 0.6, 1.0];
     for block in blocks {
-        let (middle, half) = (0.5 * (block.low + block.high), 0.5 * (block.high - block.low));
-        for (axis, sign) in (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
-            let normal = Vec3::AXES[axis] * sign;
-            let (across, up) = (Vec3::AXES[(axis + 1) % 3] * sign, Vec3::AXES[(axis + 2) % 3]);
-            let first = scene.positions.len() as u32;
-            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                scene.positions.push(middle + half * (normal + across * x + up * y));
-                scene.normals.push(if block.faces_in { -normal } else { normal });
-                scene.uvs.push(Vec2::ZERO);
-            }
-            for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
-                let [b, c] = if block.faces_in { [c, b] } else { [b, c] };
-                scene.triangles.push([first + a, first + b, first + c]);
-                scene.triangle_material.push(0);
-            }
-        }
+        add_box(&mut scene, [block.low, block.high], block.faces_in, 0);
     }
     scene
 }

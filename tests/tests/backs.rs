@@ -3,9 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;
+#[path = "common/panel.rs"]
+mod panel;
 
 use common::{mean_and_stops, picture};
-use glam::{Vec2, Vec3, vec3};
+use glam::{Vec3, vec3};
+use panel::panel;
 use rebounce::bake::bake;
 use rebounce::path_trace::{Settings, path_trace};
 use rebounce::picture::{Only, expose::Exposure};
@@ -52,21 +55,6 @@ fn opened(scene: &Scene) -> Scene {
     scene.triangle_material.retain(|_| *is_kept.next().unwrap());
     assert!(scene.triangles.len() < kept.len());
     scene
-}
-
-/// Adds a rectangle around a place, world space, with its front on the side of `across` x `up`; `turned`: cut along the other
-/// diagonal.
-fn panel(scene: &mut Scene, place: Vec3, [across, up]: [Vec3; 2], material: u32, turned: bool) {
-    let place = (place.as_dvec3() - glam::DVec3::from(scene.origin)).as_vec3();
-    let first = scene.positions.len() as u32;
-    for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-        scene.positions.push(place + across * x + up * y);
-        scene.normals.push(across.cross(up).normalize());
-        scene.uvs.push(Vec2::ZERO);
-    }
-    let triangles = if turned { [[1, 2, 3], [1, 3, 0]] } else { [[0, 1, 2], [0, 2, 3]] };
-    scene.triangles.extend(triangles.map(|t| t.map(|i| first + i)));
-    scene.triangle_material.extend([material; 2]);
 }
 
 /// A room with two boards, each of two faces back to back or of one that has both sides.

@@ -3,9 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;
+#[path = "common/panel.rs"]
+mod panel;
 
 use common::{picture, renderer};
 use glam::{DVec3, Vec2, Vec3, vec3};
+use panel::panel;
 use rebounce::bake::bake;
 use rebounce::scene::{self, Scene};
 use rebounce_shared::camera::Camera;
@@ -31,28 +34,15 @@ fn camera(height: f32, roll: f64) -> Camera {
 
 /// Adds a rectangle that faces +z.
 fn piece(scene: &mut Scene, [low, high]: [Vec2; 2], z: f32, material: u32) {
-    let first = scene.positions.len() as u32;
-    for (x, y) in [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)] {
-        scene
-            .positions
-            .push((DVec3::new(x.into(), y.into(), z.into()) - DVec3::from(scene.origin)).as_vec3());
-        scene.normals.push(Vec3::Z);
-        scene.uvs.push(Vec2::ZERO);
-    }
-    scene.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|i| first + i)));
-    scene.triangle_material.extend([material; 2]);
+    let half = 0.5 * (high - low);
+    let sides = [Vec3::X * half.x, Vec3::Y * half.y];
+    panel(scene, (low + half).extend(z), sides, material, false);
 }
 
 /// Adds the black underside of a piece, which reaches back from the wall.
 fn underside(scene: &mut Scene, [from, to]: [f32; 2], y: f32, material: u32) {
-    let first = scene.positions.len() as u32;
-    for (x, z) in [(from, -0.4), (to, -0.4), (to, -0.45), (from, -0.45)] {
-        scene.positions.push((DVec3::new(x.into(), y.into(), z) - DVec3::from(scene.origin)).as_vec3());
-        scene.normals.push(Vec3::Y);
-        scene.uvs.push(Vec2::ZERO);
-    }
-    scene.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|i| first + i)));
-    scene.triangle_material.extend([material; 2]);
+    let sides = [Vec3::X * 0.5 * (to - from), Vec3::NEG_Z * 0.025];
+    panel(scene, vec3(0.5 * (from + to), y, -0.425), sides, material, false);
 }
 
 /// A white wall of columns of different pieces, a black one behind it, and a lamp before it.

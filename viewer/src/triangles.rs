@@ -105,7 +105,7 @@ impl Triangles {
         found
     }
 
-    /// Calls `each` with the triangles in boxes that `meets` wants (centre, half the width) and whose front `from` sees.
+    /// Calls `each` with front-facing triangles, as seen from `from`, in boxes (centre, half width) that `meets` accepts.
     fn visit(&self, from: Vec3, meets: &dyn Fn(Vec3, Vec3) -> bool, each: &mut dyn FnMut([Vec3; 3])) {
         let meets = |aabb: &Aabb, to: &Affine3A| {
             let [centre, half] = aabb.moved(to);

@@ -52,10 +52,9 @@ export class LightFields {
     if (light.type === "directional") this.#sun();
     else this.#vector("position", "Position");
     if (light.type === "spot") {
-      const { pick } = desk;
-      const aims = [button("Aim where the camera looks", () => desk.aim())];
-      if (pick) aims.unshift(button("Aim", pick, { title: "The next click in the picture is where it shines" }));
-      this.nodes.push(make("div", { class: "buttons" }, ...aims));
+      const pick = button("Aim", () => desk.pick(), { title: "The next click in the picture is where it shines" });
+      const ahead = button("Aim where the camera looks", () => desk.aim());
+      this.nodes.push(make("div", { class: "buttons" }, pick, ahead));
       this.#vector("direction", "Direction");
     }
     this.follow(light);

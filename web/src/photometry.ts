@@ -45,12 +45,18 @@ export function kelvinColor(t: number): Triple {
   return rgb.map((part) => Number(Math.max(part / most, 0).toPrecision(4))) as Triple;
 }
 
+/** Colour temperatures and their colours; made with the first question. */
+let colors: [number, Triple][] = [];
+
 /** The colour temperature whose colour is the nearest; nothing for colours that are far from all of them. */
 export function colorKelvin(color: Triple = [1, 1, 1]): number | undefined {
+  if (!colors.length) {
+    for (let t = KELVIN.min; t <= KELVIN.max; t += KELVIN.step) colors.push([t, kelvinColor(t)]);
+  }
   const most = Math.max(...color);
   let [nearest, least] = [0, 0.12];
-  for (let t = KELVIN.min; t <= KELVIN.max; t += KELVIN.step) {
-    const far = Math.hypot(...kelvinColor(t).map((part, i) => part - (color[i] as number) / most));
+  for (const [t, of] of colors) {
+    const far = Math.hypot(...of.map((part, i) => part - (color[i] as number) / most));
     if (far < least) [nearest, least] = [t, far];
   }
   return nearest || undefined;

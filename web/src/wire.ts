@@ -92,6 +92,9 @@ function lightsOf(numbers: Float64Array): Light[] {
   return lights;
 }
 
+/** Names of the file's lights and then of its cameras; none where nothing has a name. Each ends with a zero. */
+const fileNames = (viewer: Viewer): string[] => viewer.names().split("\0").slice(0, -1);
+
 /** Names of viewers' lights, which the wasm module leaves to the page. */
 const names = new WeakMap<Viewer, (string | undefined)[]>();
 
@@ -99,8 +102,7 @@ const names = new WeakMap<Viewer, (string | undefined)[]>();
 export function camerasIn(viewer: Viewer): NamedCamera[] {
   const numbers = viewer.cameras();
   const length = numbers.length / CAMERA;
-  // Each name ends with a zero, those of the cameras come last.
-  const named = viewer.names().split("\0").slice(-1 - length);
+  const named = fileNames(viewer).slice(-length);
   return Array.from({ length }, (_, i) => ({ name: named[i] || `Camera ${i + 1}`, camera: cameraOf(numbers, CAMERA * i) }));
 }
 
@@ -111,11 +113,9 @@ export function lightsIn(viewer: Viewer): Light[] {
   return lightsOf(viewer.lights()).map((light, i) => (named[i] ? { ...light, name: named[i] } : light));
 }
 
-/** The lights have the names of the file that was loaded; what is left is those of its cameras. */
-export function nameLights(viewer: Viewer): string[] {
-  const all = viewer.names().split("\0");
-  names.set(viewer, all.splice(0, viewer.lights().length / LIGHT));
-  return all;
+/** The lights have the names of the file that was loaded. */
+export function nameLights(viewer: Viewer): void {
+  names.set(viewer, fileNames(viewer).slice(0, viewer.lights().length / LIGHT));
 }
 
 const keepNames = (viewer: Viewer, lights: readonly Light[]) => names.set(viewer, lights.map(({ name }) => name));

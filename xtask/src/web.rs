@@ -15,6 +15,8 @@ use std::process::Command;
 
 /// The name of the generated JavaScript and wasm files.
 const NAME: &str = "rebounce_viewer";
+/// The module that fetches the wasm file, before the modules are joined.
+const FETCHES: &str = "module.js";
 /// What wasm and JavaScript may weigh together after gzip, bytes.
 const LIMIT: usize = 200_000;
 /// Files of web/ that go into the site as they are.
@@ -140,13 +142,10 @@ fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     for name in [format!("{NAME}.js"), format!("{NAME}.d.ts"), format!("{NAME}_bg.wasm")] {
         files.insert(name.clone(), read(pkg.join(name))?);
     }
-    let program = format!("{NAME}_bg.wasm");
-    let mut sealed = BTreeMap::from([
-        ("module.js".to_owned(), read(modules.join("module.js"))?),
-        (program.clone(), files[&program].clone()),
-    ]);
-    integrity::seal(&mut sealed, "module.js", &program)?;
-    fs::write(modules.join("module.js"), &sealed["module.js"]).context("module.js")?;
+    let module = modules.join(FETCHES);
+    files.insert(FETCHES.to_owned(), read(module.clone())?);
+    integrity::seal(&mut files, FETCHES, &format!("{NAME}_bg.wasm"))?;
+    fs::write(module, files.remove(FETCHES).unwrap_or_default()).context(FETCHES)?;
     let bundle = bundle(&modules)?;
     for (folder, ending) in [(&modules, ".d.ts"), (&bundle, ".js")] {
         for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
@@ -167,7 +166,7 @@ fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     Ok(files)
 }
 
-/// Compiles each TypeScript module to JavaScript and declarations; where they lie. Tests import them from there.
+/// Compiles each TypeScript module to JavaScript and declarations; returns their folder, from which tests import.
 fn compile(pkg: &Path) -> Result<PathBuf> {
     let modules = pkg.join("modules");
     if modules.exists() {
@@ -183,7 +182,7 @@ fn compile(pkg: &Path) -> Result<PathBuf> {
     Ok(modules)
 }
 
-/// Joins the modules into a few files; where they lie.
+/// Bundles the modules; returns the folder of the bundles.
 fn bundle(modules: &Path) -> Result<PathBuf> {
     let out = modules.join("bundle");
     let web = process::root().join("web");
@@ -213,6 +212,11 @@ fn minified(file: &Path, source: &[u8]) -> Result<Vec<u8>> {
     fs::read(&out).with_context(|| out.display().to_string())
 }
 
+/// Whether a file of web/dist is code of the package; that of `rebounce view`'s page is not.
+pub fn is_code(name: &str) -> bool {
+    (name.ends_with(".js") || name.ends_with(".wasm")) && name != "page.js"
+}
+
 /// Makes a directory hold these files and no others; leaves equal files untouched, so that what
 /// depends on them is not built again.
 fn mirror(files: &BTreeMap<String, Vec<u8>>, dir: &Path) -> Result<()> {
@@ -236,7 +240,6 @@ fn mirror(files: &BTreeMap<String, Vec<u8>>, dir: &Path) -> Result<()> {
 fn weigh(files: &BTreeMap<String, Vec<u8>>) -> Result<()> {
     let (mut raw, mut packed) = (0, 0);
     println!("{:34} {:>9} {:>9}", "bytes", "raw", "gzip");
-    let is_code = |name: &str| (name.ends_with(".js") || name.ends_with(".wasm")) && name != "page.js";
     for (name, bytes) in files.iter().filter(|(name, _)| is_code(name)) {
         let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
         encoder.write_all(bytes)?;

@@ -12,7 +12,7 @@ const DRAFT: &str = "draft.rbn";
 /// The preset of drafts.
 const PRESET: &str = "draft";
 
-/// What became of a scene.
+/// The outcome.
 pub enum Draft {
     /// This baked file is to be shown.
     Shown(PathBuf),

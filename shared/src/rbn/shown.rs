@@ -13,11 +13,11 @@ pub const SIDE: usize = 32;
 /// Bytes of a ground: eight floats, of which three are zero, and its shadow.
 pub const GROUND: usize = 32 + SIDE * SIDE;
 
-/// Names and ground. Section `META` has nothing of it: it encodes to no bytes there.
+/// Names and ground. In section `META` the encoding is empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shown {
-    /// Names of all lights and then of all cameras, each ended by a zero, alone for what has none; empty where nothing has a
-    /// name.
+    /// Names of the lights, then of the cameras, each terminated by a zero byte (an empty name is a zero byte alone);
+    /// empty for a scene without names.
     pub names: String,
     /// [`Ground::to_bytes`] of an object, which stands before a backdrop instead of black; else empty.
     pub ground: Vec<u8>,
@@ -85,13 +85,13 @@ impl Ground {
     }
 }
 
-/// Encodes the section; `None` where there is nothing of it.
+/// Encodes section `SHOW`; `None` for no names and no ground.
 pub(super) fn encode(shown: &Shown) -> Option<Vec<u8>> {
     let is_some = *shown != Shown::default();
     is_some.then(|| [&[!shown.ground.is_empty() as u8], &shown.ground[..], shown.names.as_bytes()].concat())
 }
 
-/// Decodes the section; `None` for bytes that are none.
+/// Decodes section `SHOW`; `None` for malformed bytes.
 pub(super) fn decode(bytes: &[u8]) -> Option<Shown> {
     let (has_ground, rest) = bytes.split_first()?;
     let (ground, names) = rest.split_at_checked(if *has_ground == 1 { GROUND } else { 0 })?;

@@ -5,7 +5,7 @@ use crate::triangles::Triangles;
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::Camera;
 
-/// How a camera moves, and what becomes of it at a surface.
+/// The kind of a camera's move, and its response to surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// Over the ground: it slides along walls and keeps its height. The target goes along.
@@ -33,8 +33,8 @@ pub fn advance(stage: &mut Stage, mut wanted: Camera, motion: Motion) {
     stage.camera = wanted;
 }
 
-/// Where a camera comes that goes from one place towards another, local space. What it is nearer to than `clearance` it
-/// may leave, and pass at the distance that it has.
+/// The end of a move from one place towards another, local space, at least `clearance` from surfaces. A camera that begins
+/// nearer to a surface may leave it, or pass it at the same distance.
 fn reach(triangles: &Triangles, from: Vec3, to: Vec3, clearance: f32, motion: Motion) -> Vec3 {
     let level = |v: Vec3| if motion == Motion::Walk { v.with_y(0.0) } else { v };
     let room = |place: Vec3| triangles.nearest(place, clearance).map_or(clearance, |p| p.distance(place));
@@ -93,7 +93,7 @@ mod tests {
         Stage { triangles: two_sided(&walls).into(), ..stage() }
     }
 
-    /// Goes from one place by this much a step; where it comes.
+    /// The place after `steps` moves of `by`, local space.
     fn go(stage: &mut Stage, from: [f64; 3], by: [f64; 3], steps: usize, motion: Motion) -> Vec3 {
         let add = |a: [f64; 3], b: [f64; 3]| (DVec3::from(a) + DVec3::from(b)).to_array();
         stage.camera.position = from;

@@ -55,20 +55,20 @@ impl Grip {
         let is_light = !self.handle.aim;
         if is_light && !self.free {
             let gap = 0.5 * stage.clearance;
-            let hit = stage.triangles.cast(stage.local(stage.camera.position), ray, distance + gap);
+            let hit = stage.seen_along(ray, distance + gap);
             distance = hit.map_or(distance, |hit| (hit.distance - gap).max(0.5 * hit.distance));
         }
         if factor != 1.0 {
             // What a surface has kept does not add up.
             self.depth = (distance * ahead).max(1e-3 * stage.extent as f32).min(4.0 * stage.extent as f32);
         }
-        let place = DVec3::from(stage.camera.position) + (ray * distance).as_dvec3();
+        let place = stage.along(ray, distance);
         match stage.lights.get_mut(self.handle.light) {
             Some(Light::Point { position, .. } | Light::Spot { position, .. }) if is_light => {
-                *position = place.to_array();
+                *position = place;
             }
             Some(Light::Spot { position, direction, .. }) => {
-                if let Some(d) = (place - DVec3::from(*position)).try_normalize() {
+                if let Some(d) = (DVec3::from(place) - DVec3::from(*position)).try_normalize() {
                     *direction = d.to_array();
                 }
             }

@@ -44,7 +44,7 @@ pub struct Handle {
     pub aim: bool,
 }
 
-/// What of the handles stands out.
+/// Highlighted handles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
     /// Under the pointer, or dragged.
@@ -58,13 +58,13 @@ fn unit(direction: &[f64; 3]) -> Vec3 {
     DVec3::from(*direction).try_normalize().unwrap_or(DVec3::NEG_Y).as_vec3()
 }
 
-/// A place or direction as the camera sees it: to the right, up, ahead.
+/// A vector in view space: right, up, ahead.
 fn seen(frame: &CameraFrame, v: Vec3) -> Vec3 {
     Vec3::new(v.dot(frame.right), v.dot(frame.up), v.dot(frame.forward))
 }
 
-/// How far along a ray (from a place, as the camera sees it) a second handle lies: `wanted`, or as much nearer or farther
-/// as it takes to be in the picture, away from its edge if that can be, where the ray gets there.
+/// Distance of a second handle along a ray (origin and direction in view space): `wanted`, clamped to the part of the ray
+/// inside the picture, away from its edge if possible.
 fn visible(frame: &CameraFrame, size: [f32; 2], place: Vec3, direction: Vec3, wanted: f32) -> f32 {
     for share in MIDDLE {
         let high = share * frame.tan_half_yfov;

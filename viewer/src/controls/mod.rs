@@ -12,7 +12,7 @@ pub mod gizmo;
 pub mod orbit;
 pub mod surroundings;
 
-use crate::triangles::Triangles;
+use crate::triangles::{Hit, Triangles};
 use collide::Motion;
 use drag::Grip;
 use fly::Fly;
@@ -52,10 +52,18 @@ impl Stage {
     /// The place that is seen at a pixel, world space.
     pub fn surface_at(&self, at: [f64; 2]) -> Option<[f64; 3]> {
         let [width, height] = self.size;
-        let frame = self.camera.frame([0.0; 3]);
-        let ray = frame.direction(at[0] as f32, at[1] as f32, width, height);
-        let hit = self.triangles.cast(self.local(self.camera.position), ray, f32::INFINITY)?;
-        Some((DVec3::from(self.camera.position) + (ray * hit.distance).as_dvec3()).to_array())
+        let ray = self.camera.frame([0.0; 3]).direction(at[0] as f32, at[1] as f32, width, height);
+        self.seen_along(ray, f32::INFINITY).map(|hit| self.along(ray, hit.distance))
+    }
+
+    /// The first surface before `most` along a ray of unit direction from the eye.
+    fn seen_along(&self, ray: Vec3, most: f32) -> Option<Hit> {
+        self.triangles.cast(self.local(self.camera.position), ray, most)
+    }
+
+    /// A place on a ray from the eye, world space.
+    fn along(&self, ray: Vec3, distance: f32) -> [f64; 3] {
+        (DVec3::from(self.camera.position) + (ray * distance).as_dvec3()).to_array()
     }
 
     /// A place in local space.
@@ -141,7 +149,7 @@ impl Controls {
         self.looks.unwrap_or(self.inside)
     }
 
-    /// Finds out anew whether the camera is inside, where it has moved and nothing holds it.
+    /// Updates whether the camera is inside, after a move and while no pointer or key holds it.
     fn decide(&mut self, stage: &Stage) {
         if self.pointers.is_empty() && !self.fly.moving() && self.decided_at != Some(stage.camera.position) {
             self.inside = surroundings::is_inside(stage, self.inside && self.decided_at.is_some());
@@ -229,7 +237,7 @@ impl Controls {
         self.grip = None;
     }
 
-    /// Lets go of all pointers and puts light or camera back where they were; true where something was held.
+    /// Releases all pointers and restores the light or camera of the gesture; true if a pointer was down.
     fn cancel(&mut self, stage: &mut Stage) -> bool {
         if self.pointers.is_empty() {
             return false;

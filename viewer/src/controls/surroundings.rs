@@ -5,12 +5,12 @@ use glam::Vec3;
 
 /// Level directions that are tried.
 const DIRECTIONS: u16 = 12;
-/// In so many of them surfaces end the view of who comes inside; of who stays there, in so many.
+/// Directions that must meet a surface for a camera from outside, and for one that was inside (hysteresis).
 const INSIDE: [usize; 2] = [8, 6];
 
-/// Whether surfaces stand around the camera: in at least 8 of 12 level directions, 30° apart, a ray meets one. Up and down
-/// do not count: a court has no ceiling, and an object stands on a floor. Who was inside leaves where fewer than 6 do, so
-/// that nothing changes back and forth in a door.
+/// Whether surfaces stand around the camera: rays in at least 8 of 12 level directions, 30° apart, meet one. Up and down
+/// do not count: a court has no ceiling, and an object stands on a floor. A camera that was inside leaves below 6, so that
+/// the state does not flicker in a door.
 pub fn is_inside(stage: &Stage, was_inside: bool) -> bool {
     let eye = stage.local(stage.camera.position);
     let meets = |i: &u16| {

@@ -54,7 +54,9 @@ impl Viewer {
     /// The place that is seen at (x, y), canvas pixels, world space; nothing where no surface is.
     #[wasm_bindgen(js_name = surfaceAt)]
     pub fn surface_at(&self, x: f64, y: f64) -> Option<Vec<f64>> {
-        self.control(|_, stage| stage.surface_at([x, y])).map(|place| place.to_vec())
+        let state = self.state.borrow();
+        let stage = state.renderer.stage([state.config.width, state.config.height]);
+        stage.surface_at([x, y]).map(|place| place.to_vec())
     }
 
     /// The wheel turns by `delta_y` pixels: walk, dolly, or take a dragged light farther.

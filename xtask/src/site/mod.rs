@@ -160,7 +160,7 @@ pub fn build(rebounce: &Path, quality: &Quality, out: &Path) -> Result<()> {
     }
     for file in entries(&process::root().join("web/dist"))? {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if (name.ends_with(".js") || name.ends_with(".wasm")) && name != "page.js" {
+        if web::is_code(&name) {
             copy(&file, &out.join("rebounce-viewer").join(name))?;
         }
     }

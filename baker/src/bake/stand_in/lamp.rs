@@ -43,9 +43,9 @@ struct Sight<'a, S: Surfaces> {
     part: (Vec3, Vec3),
     /// How high the eye is above what is below it.
     tall: f32,
-    /// What is in the middle of the picture, or next to it.
+    /// The surface in the middle of the picture, or nearest to it.
     target: Option<Hit>,
-    /// Anything in the picture.
+    /// Surfaces in the picture.
     seen: Vec<Hit>,
 }
 
@@ -150,7 +150,7 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         direct::at_hit(self.surfaces, &lights, hit).element_sum() / 3.0
     }
 
-    /// The mean irradiance of what it lights in the picture from 1 cd there; what is very near counts little.
+    /// Geometric mean of the irradiance of lit points in the picture, from 1 cd at `place`.
     fn gain(&self, place: Vec3) -> f32 {
         let lit: Vec<f32> =
             self.seen.iter().map(|hit| self.irradiance(place, hit)).filter(|light| *light > 0.0).collect();
@@ -188,8 +188,8 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         best.map_or(eye, |best| rated[best].1)
     }
 
-    /// How good a place is but for how much it lights: free, high up but under the ceiling, lighting what is looked at from a
-    /// side, not near the eye. Above 0.
+    /// Score of a place without its illumination, above 0: free space, height below the ceiling, light on the target from
+    /// the side, distance from the eye.
     fn rate(&self, place: Vec3, [x, _]: [f32; 2], looked: f32) -> f32 {
         let diagonal = self.diagonal();
         let room = self.room(place);

@@ -62,16 +62,15 @@ pub fn view(low: Vec3, high: Vec3) -> (Vec3, Vec3) {
     (eye, eye - distance * back)
 }
 
-/// How far away an eye is from which all of this fits within `reach` of the distance to both sides: at x and z a place is
-/// between lines through the eye of slope `reach`.
+/// Least distance of an eye from which all points (x across the view, z towards the eye) lie between lines of slope
+/// `reach` through the eye.
 fn farthest(seen: &[(f32, f32)], reach: f32) -> f32 {
     let most = seen.iter().map(|(x, z)| x + reach * z).fold(f32::MIN, f32::max);
     let least = seen.iter().map(|(x, z)| x - reach * z).fold(f32::MAX, f32::min);
     (most - least) / (2.0 * reach)
 }
 
-/// Where across the view the eye is, at this distance, so that as much is seen to either side: by bisection, as the slopes
-/// fall with it.
+/// Position of the eye across the view, at this distance, that centres the points: by bisection, as slopes fall with it.
 fn centred(seen: &[(f32, f32)], distance: f32, radius: f32) -> f32 {
     let (mut low, mut high) = (-2.0 * radius, 2.0 * radius);
     for _ in 0..STEPS {

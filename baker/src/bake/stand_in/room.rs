@@ -137,8 +137,8 @@ fn rough<S: Surfaces>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec
     ways
 }
 
-/// How much a level view shows: far and different surfaces, the floor among them, in light where there is any; little that is
-/// near, and no backs or sky.
+/// Score of a level view: distant and varied surfaces, floor in view, lit where there are lights; near surfaces, backs and
+/// sky count against it.
 fn score<S: Surfaces>(surfaces: &S, eye: Vec3, towards: Vec3, tall: f32, lights: &[LightSource]) -> f32 {
     let right = towards.cross(Vec3::Y);
     let half = (0.5 * YFOV_DEG as f32).to_radians().tan();
