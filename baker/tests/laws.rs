@@ -27,6 +27,7 @@ fn small_operator() -> OperatorSettings {
         reflected: 1.0,
         rays: vec![1024, 512, 256, 256],
         significance: 0.5,
+        pooled_levels: 0,
         bounces: None,
         later_levels: 2,
         far_levels: 0,

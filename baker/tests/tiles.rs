@@ -48,6 +48,7 @@ fn settings(seed: u64) -> OperatorSettings {
         reflected: 1.0,
         rays: vec![2048, 1024, 512, 512],
         significance: 0.0,
+        pooled_levels: 0,
         bounces: Some(1),
         later_levels: 2,
         far_levels: 0,

@@ -59,10 +59,10 @@ pub struct BakeSettings {
 impl BakeSettings {
     /// A preset's values.
     pub fn new(preset: Preset) -> Self {
-        let (levels, functions, rays, epsilon) = match preset {
-            Preset::Draft => (5, 25_000, vec![2048, 2048, 1024, 1024, 512], 0.016),
-            Preset::Standard => (6, 120_000, vec![4096, 4096, 2048, 1024, 512, 512], 0.018),
-            Preset::Fine => (6, 250_000, vec![8192, 8192, 4096, 2048, 1024, 768], 0.010),
+        let (levels, functions, rays, epsilon, pooled_levels) = match preset {
+            Preset::Draft => (5, 25_000, vec![2048, 2048, 1024, 1024, 512], 0.013, 3),
+            Preset::Standard => (6, 120_000, vec![4096, 4096, 2048, 1024, 512, 512], 0.014, 4),
+            Preset::Fine => (6, 250_000, vec![8192, 8192, 4096, 2048, 1024, 768], 0.008, 4),
         };
         Self {
             preset,
@@ -75,6 +75,7 @@ impl BakeSettings {
                 reflected: 1.0,
                 rays,
                 significance: 0.2,
+                pooled_levels,
                 bounces: None,
                 later_levels: 3,
                 far_levels: 0,

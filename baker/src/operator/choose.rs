@@ -1,7 +1,7 @@
 //! Which of what a receiver gets becomes a link.
 
 use super::tally::Tally;
-use rebounce_shared::link::Link;
+use rebounce_shared::link::{Link, Sent};
 
 /// What is left of a row without links is one link if it is at least this share of ε: else a few such rows,
 /// one under the other, would lose a noticeable part of the light.
@@ -62,4 +62,84 @@ pub fn choose<const N: usize>(
         row.push(Link::pack(strongest.0, carried));
     }
     row
+}
+
+/// The place of a sender's sums in what [`choose_pooled`] reads: a receiver's own [`Difference`](super::pool::Difference), and the mean
+/// over its neighbourhood.
+pub const OWN: usize = 0;
+/// Magnitude of the receiver's own difference.
+pub const OWN_MAGNITUDE: usize = 1;
+/// Mean difference.
+pub const POOLED: usize = 2;
+/// Mean magnitude.
+pub const POOLED_MAGNITUDE: usize = 3;
+
+/// As [`choose`], of a receiver whose neighbourhood decides which links there are: where the mean difference stands out of ε and
+/// of its noise. A link holds the receiver's own difference where that stands out of the mean by its standard deviation, and the
+/// mean elsewhere. `noise` is the variance of a mean sum per unit of magnitude that links must stand out of, `own_noise` the
+/// variance of an own one.
+pub fn choose_pooled(tally: &Tally<4>, epsilon: f32, noise: f32, own_noise: f32) -> Vec<Link> {
+    let mut row: Vec<Link> = Vec::new();
+    let (mut sums, mut held) = ([0f32; 4], 0f32);
+    tally.each(|sender, more| {
+        for (sum, more) in sums.iter_mut().zip(more) {
+            *sum += more;
+        }
+        let [own, own_magnitude, pooled, magnitude] = sums;
+        if pooled * pooled > (noise * magnitude).max(epsilon * epsilon) {
+            let is_other = (own - pooled).powi(2) > own_noise * own_magnitude;
+            let amount = if is_other { own } else { pooled };
+            let link = Link::pack(sender, amount);
+            held = link.amount();
+            row.push(link);
+            // What packing lost is carried over.
+            sums = [amount - held, 0.0, amount - held, 0.0];
+        }
+    });
+    // What is left at the end.
+    if let Some(link) = row.last_mut() {
+        *link = Link::pack(link.sender() as u32, held + sums[POOLED]);
+    }
+    row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EPSILON: f32 = 0.01;
+
+    /// Links of senders whose own and mean differences are these; all of them give 0.01.
+    fn links(senders: &[(u32, f32, f32)], noise: f32) -> Vec<(usize, f32)> {
+        let mut tally = Tally::new(1000);
+        for &(sender, own, pooled) in senders {
+            tally.add_each(sender as usize, [own, 0.01, pooled, 0.01]);
+        }
+        let links = choose_pooled(&tally, EPSILON, noise, 1.0 / 512.0);
+        links.iter().map(|link| (link.sender(), link.amount())).collect()
+    }
+
+    #[test]
+    fn one_receivers_noise_makes_no_link() {
+        let alone: Vec<(u32, f32, f32)> =
+            (0..100).map(|k| (k, if k % 7 == 0 { 0.03 } else { -0.005 }, 0.0)).collect();
+        assert_eq!(links(&alone, 0.0), []);
+    }
+
+    #[test]
+    fn neighbours_that_agree_make_links_that_keep_their_sum() {
+        let agreed: Vec<(u32, f32, f32)> = (0..100).map(|k| (k, 0.004, 0.004)).collect();
+        let found = links(&agreed, 0.0);
+        assert!(found.len() > 20, "{}", found.len());
+        let sum: f32 = found.iter().map(|link| link.1).sum();
+        assert!((sum - 0.4).abs() < 0.01, "{sum}");
+        // The same within its noise.
+        assert_eq!(links(&agreed, 1.0), []);
+    }
+
+    #[test]
+    fn a_receiver_that_differs_from_its_neighbours_says_its_own() {
+        assert!((links(&[(5, 0.08, 0.02)], 0.0)[0].1 - 0.08).abs() < 0.004);
+        assert!((links(&[(5, 0.021, 0.02)], 0.0)[0].1 - 0.02).abs() < 0.001);
+    }
 }

@@ -40,6 +40,8 @@ pub struct Found {
     order: Vec<u32>,
     /// What each ray brings to the senders.
     brought: Vec<Shares>,
+    /// One over the length of each ray, 0 where it hits nothing.
+    nearness: Vec<f32>,
     /// Where the rays of a batch end.
     places: Vec<Option<(Place, f32)>>,
     /// Rays of a batch that hit something.
@@ -68,6 +70,8 @@ impl Found {
         self.first_rays.push(self.rays.rays.len() as u32);
         self.brought.clear();
         self.brought.resize(self.rays.rays.len(), Shares::NOTHING);
+        self.nearness.clear();
+        self.nearness.resize(self.rays.rays.len(), 0.0);
         sort(&self.rays.cells, &mut self.order);
         let order = std::mem::take(&mut self.order);
         match (context.surfaces.pieces(), context.tiles) {
@@ -87,6 +91,7 @@ impl Found {
                         landed.tile.inspect(|tile| tiles.fetch_shares(*tile));
                     }
                     for landed in &batch {
+                        self.nearness[landed.number as usize] = landed.distance.recip();
                         self.take(context, pieces, tiles, landed);
                     }
                 }
@@ -98,6 +103,7 @@ impl Found {
                     let hit = context.surfaces.cast(ray, *seed);
                     if let Some(hit) = hit.filter(|hit| hit.albedo != Vec3::ZERO && hit.faces(ray.direction))
                     {
+                        self.nearness[number as usize] = hit.position.distance(ray.origin).recip();
                         self.look_at(context, number, hit.position, hit.normal, hit.albedo);
                     }
                 }
@@ -149,6 +155,13 @@ impl Found {
             true => Shares::lost(arriving.element_sum() / 3.0),
             false => Shares::of(weighed, chance),
         };
+    }
+
+    /// The harmonic mean distance of what one of the receivers sees (Ward and Heckbert 1992), scene units; infinite where its
+    /// rays hit nothing.
+    pub fn distance(&self, receiver: usize) -> f32 {
+        let rays = self.first_rays[receiver] as usize..self.first_rays[receiver + 1] as usize;
+        rays.map(|ray| self.nearness[ray] * self.rays.shares[ray]).sum::<f32>().recip()
     }
 
     /// Adds up what the rays of one of the receivers brought, by sender.

@@ -2,9 +2,10 @@
 //! receivers already say (Eq. 17).
 
 use super::OperatorSettings;
-use super::choose::choose;
+use super::choose::{choose, choose_pooled};
 use super::directions::Directions;
 use super::found::Found;
+use super::pool::{Difference, Row, neighbourhood, variance};
 use super::tally::Tally;
 use super::tiles::Tiles;
 use crate::basis::{Leveled, Relations};
@@ -90,6 +91,9 @@ pub struct Scratch {
     /// What rays find, and what coarser receivers say: [`FOUND`], [`SAID`].
     senders: Tally<2>,
     found: Found,
+    /// A receiver's own differences and its neighbourhood's.
+    pooled: Tally<4>,
+    pool: Vec<(usize, f32)>,
 }
 
 /// The place of a sender's sums in a [`Scratch`].
@@ -99,16 +103,21 @@ const SAID: usize = 1;
 impl Scratch {
     /// Working memory for this many senders.
     pub fn new(senders: usize) -> Self {
-        Self { senders: Tally::new(senders), found: Found::default() }
+        Self {
+            senders: Tally::new(senders),
+            found: Found::default(),
+            pooled: Tally::new(senders),
+            pool: Vec::new(),
+        }
     }
 }
 
 impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
-    /// The links of some receivers of a level, and more: tells `done` of each of them in turn. Fastest for neighbours.
-    /// `values` holds the [values](Gathered::value) of all coarser levels.
+    /// The links of some receivers of a level, and more: tells `cast` the rays of each, and `done` what they make, in turn. Fastest
+    /// for neighbours. `values` holds the [values](Gathered::value) of all coarser levels.
     ///
     /// # Errors
-    /// What `done` returns.
+    /// What `cast` returns.
     pub fn links<E>(
         &self,
         receivers: &[usize],
@@ -116,12 +125,16 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         directions: &Directions,
         values: &[Vec<Link>],
         scratch: &mut Scratch,
-        mut done: impl FnMut(usize, Gathered) -> Result<(), E>,
+        mut cast: impl FnMut(u64) -> Result<(), E>,
+        mut done: impl FnMut(usize, Gathered),
     ) -> Result<(), E> {
+        if self.settings.is_pooled(level) {
+            return self.pooled_links(receivers, level, directions, values, scratch, cast, done);
+        }
         // The variance of a mean of rays that either hit a sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
-        let Scratch { senders, found } = scratch;
+        let Scratch { senders, found, .. } = scratch;
         for group in receivers.chunks(receivers_together(directions)) {
             found.cast(self, group, directions);
             for (k, &receiver) in group.iter().enumerate() {
@@ -136,8 +149,72 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
                     gathered.value = self.value(level, senders);
                 }
                 senders.clear();
-                done(receiver, gathered)?;
+                cast(cost.rays)?;
+                done(receiver, gathered);
             }
+        }
+        Ok(())
+    }
+
+    /// As [`Self::links`], of receivers that share what their rays find.
+    fn pooled_links<E>(
+        &self,
+        receivers: &[usize],
+        level: usize,
+        directions: &Directions,
+        values: &[Vec<Link>],
+        scratch: &mut Scratch,
+        mut cast: impl FnMut(u64) -> Result<(), E>,
+        mut done: impl FnMut(usize, Gathered),
+    ) -> Result<(), E> {
+        let (mut rows, mut costs) = (Vec::new(), Vec::new());
+        let Scratch { senders, found, pooled, pool } = scratch;
+        for group in receivers.chunks(receivers_together(directions)) {
+            found.cast(self, group, directions);
+            for (k, &receiver) in group.iter().enumerate() {
+                costs.push(GatherCost { rays: directions.len() as u64, ..found.add(k, senders) });
+                self.predict(receiver, values, senders);
+                let mut differences = Vec::new();
+                senders.each(|sender, [found, said]| {
+                    let magnitude = found.abs().max(said.abs());
+                    differences.push(Difference { sender, amount: found - said, magnitude });
+                });
+                senders.clear();
+                rows.push(Row { differences, distance: found.distance(k) });
+                cast(directions.len() as u64)?;
+            }
+        }
+        let support = self.points.levels[level].support_radius;
+        let epsilon = self.settings.epsilon_on(level);
+        let rays = directions.len() as f32;
+        for (k, &receiver) in receivers.iter().enumerate() {
+            neighbourhood(self.points, receivers, &rows, k, support, pool);
+            for difference in &rows[k].differences {
+                pooled.add_each(
+                    difference.sender as usize,
+                    [difference.amount, difference.magnitude, 0.0, 0.0],
+                );
+            }
+            for &(neighbour, weight) in pool.iter() {
+                for difference in &rows[neighbour].differences {
+                    let (amount, magnitude) = (weight * difference.amount, weight * difference.magnitude);
+                    pooled.add_each(difference.sender as usize, [0.0, 0.0, amount, magnitude]);
+                }
+            }
+            let significance = self.settings.significance * rows[k].strictness(support);
+            let noise = significance.powi(2) * variance(pool) / rays;
+            let links = choose_pooled(pooled, epsilon, noise, rays.recip());
+            pooled.clear();
+            let mut gathered = Gathered { cost: costs[k], links, ..Gathered::default() };
+            if self.is_read(receiver, level) {
+                self.predict(receiver, values, senders);
+                for link in &gathered.links {
+                    senders.add(SAID, link.sender(), link.amount());
+                }
+                gathered.value = self.value(level, senders);
+                senders.clear();
+            }
+            done(receiver, gathered);
         }
         Ok(())
     }

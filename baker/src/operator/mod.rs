@@ -9,6 +9,7 @@
 //! * [`found`] – what those of some receivers find;
 //! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
 //! * [`tally`] – what a gather sums up, by sender;
+//! * [`pool`] – what neighbours share;
 //! * [`choose`] – which of it becomes a link;
 //! * [`bytes`] – what is done, as bytes;
 //! * [`journal`] – where what is done is kept, to go on from;
@@ -26,6 +27,7 @@ pub mod gather;
 pub mod hemisphere;
 pub mod journal;
 pub mod order;
+pub mod pool;
 pub mod refine;
 pub mod reflected;
 pub mod series;
@@ -55,8 +57,11 @@ pub struct OperatorSettings {
     pub levels: usize,
     /// Rays per receiver, by level; the last entry holds for all finer levels.
     pub rays: Vec<u32>,
-    /// Links under this many standard deviations of their own Monte Carlo noise are dropped.
+    /// Links under this many standard deviations of their own Monte Carlo noise are dropped; of as many more as a receiver of the
+    /// [pooled levels](Self::pooled_levels) is [bare](pool::Row::strictness).
     pub significance: f32,
+    /// Finest levels whose receivers [share](pool) what their rays find; never the coarsest level.
+    pub pooled_levels: usize,
     /// Bounces of light; `None`: all.
     pub bounces: Option<u32>,
     /// Light that bounced is gathered and sent on by the functions of this many coarsest levels,
@@ -91,6 +96,11 @@ impl OperatorSettings {
     /// ε of the links for later bounces: what they bring is averaged over all that a receiver sees.
     pub fn epsilon_later(&self) -> f32 {
         self.epsilon * self.reflected
+    }
+
+    /// Whether receivers of a level share what their rays find.
+    pub fn is_pooled(&self, level: usize) -> bool {
+        level > 0 && level + self.pooled_levels >= self.levels
     }
 
     /// Rays per receiver on a level.

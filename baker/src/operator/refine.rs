@@ -19,10 +19,17 @@ use crate::watch::{Stopped, Uncounted, Watch};
 use glam::Vec3A;
 use rayon::prelude::*;
 use rebounce_shared::link::Link;
+use std::ops::Range;
 use std::sync::Mutex;
 
-/// Receivers that are gathered one after another by one thread, and kept together.
-pub const CHUNK: usize = 64;
+/// Receivers that are gathered one after another by one thread, and kept together; more where they share what they find, so that
+/// few of them lie at an edge.
+const CHUNK: [usize; 2] = [64, 512];
+
+/// Receivers of a level that are kept together.
+pub fn chunk(settings: &OperatorSettings, level: usize) -> usize {
+    CHUNK[settings.is_pooled(level) as usize]
+}
 
 /// Computes T. A unit of `watch` is a ray.
 ///
@@ -179,7 +186,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let (context, l) = (&self.context, self.level);
         let Some(level) = context.points.levels.get(l) else { return Ok(Traffic::default()) };
         let range = level.range();
-        let mut found = KnownRows::new(range.start, range.end);
+        let mut found = KnownRows::new(range.clone(), chunk(context.settings, l));
         let mut traffic = Traffic::default();
         for chunk in 0..found.rows.len() {
             let (first, count) = found.place(chunk);
@@ -208,11 +215,9 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
                 let (wanted, others): (Vec<usize>, Vec<usize>) =
                     (first..first + count).partition(|i| this.is_wanted(*i));
                 let mut rows = vec![Gathered::default(); count];
-                context.links(&wanted, l, &directions, &this.values, &mut scratch, |i, gathered| {
-                    let rays = gathered.cost.rays;
-                    rows[i - first] = gathered;
-                    watch.step(rays)
-                })?;
+                let cast = |rays| watch.step(rays);
+                let done = |i: usize, gathered| rows[i - first] = gathered;
+                context.links(&wanted, l, &directions, &this.values, &mut scratch, cast, done)?;
                 for i in others {
                     rows[i - first] = context.inherit(i, l, &this.values, &mut scratch);
                     watch.step(0)?;
@@ -250,9 +255,10 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
             found.rows.iter_mut().for_each(|rows| *rows = rows.take().or(Some(Vec::new())));
         }
         let rows = found.rows.into_iter().collect::<Option<Vec<_>>>().ok_or(TeamError::Garbled(0))?;
-        for (chunk, rows) in rows.into_iter().enumerate() {
+        let size = chunk(self.context.settings, l);
+        for (number, rows) in rows.into_iter().enumerate() {
             for (k, gathered) in rows.into_iter().enumerate() {
-                self.take_in(range.start + chunk * CHUNK + k, gathered);
+                self.take_in(range.start + number * size + k, gathered);
             }
         }
         self.operator.lost_share = if self.seen > 0.0 { self.lost / self.seen } else { 0.0 };
@@ -302,26 +308,27 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
 struct KnownRows {
     start: usize,
     end: usize,
+    /// Receivers of a chunk; the last one may have fewer.
+    size: usize,
     rows: Vec<Option<Vec<Gathered>>>,
 }
 
 impl KnownRows {
-    fn new(start: usize, end: usize) -> Self {
-        Self { start, end, rows: vec![None; (end - start).div_ceil(CHUNK)] }
+    fn new(Range { start, end }: Range<usize>, size: usize) -> Self {
+        Self { start, end, size, rows: vec![None; (end - start).div_ceil(size)] }
     }
 
     /// The first receiver of a chunk, and how many there are.
     fn place(&self, chunk: usize) -> (usize, usize) {
-        let first = self.start + chunk * CHUNK;
-        (first, CHUNK.min(self.end - first))
+        let first = self.start + chunk * self.size;
+        (first, self.size.min(self.end - first))
     }
 
     /// Takes the rows of a chunk; `None` where they do not fit.
     fn set(&mut self, first: usize, rows: Vec<Gathered>) -> Option<()> {
-        let chunk = first.checked_sub(self.start)? / CHUNK;
-        let place = self.rows.get_mut(chunk)?;
-        let is_one = first == self.start + chunk * CHUNK && rows.len() == CHUNK.min(self.end - first);
-        is_one.then(|| *place = Some(rows))
+        let chunk = first.checked_sub(self.start)? / self.size;
+        let is_one = chunk < self.rows.len() && (first, rows.len()) == self.place(chunk);
+        is_one.then(|| self.rows[chunk] = Some(rows))
     }
 
     /// The first member tells the others which chunks it has from an earlier run. How many bytes that took.

@@ -46,6 +46,16 @@ impl<const N: usize> Tally<N> {
         self.words[sender / 4096] |= 1 << (sender / 64 % 64);
     }
 
+    /// Adds to all of a sender's sums.
+    #[inline]
+    pub fn add_each(&mut self, sender: usize, amounts: [f32; N]) {
+        for (sum, amount) in self.sums[sender].iter_mut().zip(amounts) {
+            *sum += amount;
+        }
+        self.touched[sender / 64] |= 1 << (sender % 64);
+        self.words[sender / 4096] |= 1 << (sender / 64 % 64);
+    }
+
     /// Visits the senders that anything was added to, ascending.
     #[inline]
     pub fn each(&self, mut visit: impl FnMut(u32, [f32; N])) {

@@ -31,6 +31,7 @@ impl Identity {
             levels: epsilon_levels,
             rays,
             significance,
+            pooled_levels,
             bounces,
             later_levels,
             far_levels,
@@ -42,7 +43,7 @@ impl Identity {
             env!("REBOUNCE_SOURCES"),
             container::VERSION
         );
-        let parts: [(&str, &dyn Debug); 20] = [
+        let parts: [(&str, &dyn Debug); 21] = [
             ("preset", &preset.name()),
             ("viewpoints", &viewpoints),
             ("camera", &camera),
@@ -59,6 +60,7 @@ impl Identity {
             ("epsilon levels", &epsilon_levels),
             ("rays", &rays),
             ("significance", &significance),
+            ("pooled levels", &pooled_levels),
             ("bounces", &bounces),
             ("later levels", &later_levels),
             ("far levels", &far_levels),
