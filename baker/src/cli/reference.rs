@@ -11,7 +11,7 @@ use rebounce::triangles::TriangleSurfaces;
 /// Arguments of `rebounce reference`.
 #[derive(Args, Debug)]
 pub struct ReferenceArgs {
-    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
+    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:attic, builtin:library, builtin:theatre,
     /// builtin:two-rooms-door, builtin:two-rooms, builtin:furnace
     scene: String,
     #[command(flatten)]

@@ -77,28 +77,52 @@ pub const POOLED_MAGNITUDE: usize = 3;
 /// As [`choose`], of a receiver whose neighbourhood decides which links there are: where the mean difference stands out of ε and
 /// of its noise. A link holds the receiver's own difference where that stands out of the mean by its standard deviation, and the
 /// mean elsewhere. `noise` is the variance of a mean sum per unit of magnitude that links must stand out of, `own_noise` the
-/// variance of an own one.
-pub fn choose_pooled(tally: &Tally<4>, epsilon: f32, noise: f32, own_noise: f32) -> Vec<Link> {
+/// variance of an own one, `sum_noise` the variance that the sum of a row without links must stand out of.
+pub fn choose_pooled(
+    tally: &Tally<4>,
+    epsilon: f32,
+    noise: f32,
+    own_noise: f32,
+    sum_noise: f32,
+) -> Vec<Link> {
     let mut row: Vec<Link> = Vec::new();
-    let (mut sums, mut held) = ([0f32; 4], 0f32);
+    let (mut sums, mut totals, mut has_other) = ([0f32; 4], [0f32; 4], false);
+    let (mut held, mut strongest) = (0f32, (0, 0f32));
     tally.each(|sender, more| {
-        for (sum, more) in sums.iter_mut().zip(more) {
+        for ((sum, total), more) in sums.iter_mut().zip(&mut totals).zip(more) {
             *sum += more;
+            *total += more;
+        }
+        if more[POOLED_MAGNITUDE] > strongest.1 {
+            strongest = (sender, more[POOLED_MAGNITUDE]);
         }
         let [own, own_magnitude, pooled, magnitude] = sums;
         if pooled * pooled > (noise * magnitude).max(epsilon * epsilon) {
             let is_other = (own - pooled).powi(2) > own_noise * own_magnitude;
             let amount = if is_other { own } else { pooled };
+            has_other |= is_other;
             let link = Link::pack(sender, amount);
-            held = link.amount();
             row.push(link);
+            held += link.amount();
             // What packing lost is carried over.
-            sums = [amount - held, 0.0, amount - held, 0.0];
+            sums = [amount - link.amount(), 0.0, amount - link.amount(), 0.0];
         }
     });
-    // What is left at the end.
-    if let Some(link) = row.last_mut() {
-        *link = Link::pack(link.sender() as u32, held + sums[POOLED]);
+    // The row keeps its sum: what is left goes to the last link, and what packing that loses to the smallest.
+    let left = totals[if has_other { OWN } else { POOLED }] - held;
+    if row.is_empty() {
+        if left.abs() > LEAST_SUM * epsilon && left * left > sum_noise {
+            row.push(Link::pack(strongest.0, left));
+        }
+        return row;
+    }
+    let smallest = |a: &usize, b: &usize| row[*a].amount().abs().total_cmp(&row[*b].amount().abs());
+    let (last, smallest) = (row.len() - 1, (0..row.len()).min_by(smallest).unwrap_or_default());
+    let mut left = left;
+    for at in [last, smallest] {
+        let before = row[at].amount();
+        row[at] = Link::pack(row[at].sender() as u32, before + left);
+        left -= row[at].amount() - before;
     }
     row
 }
@@ -115,7 +139,7 @@ mod tests {
         for &(sender, own, pooled) in senders {
             tally.add_each(sender as usize, [own, 0.01, pooled, 0.01]);
         }
-        let links = choose_pooled(&tally, EPSILON, noise, 1.0 / 512.0);
+        let links = choose_pooled(&tally, EPSILON, noise, 1.0 / 512.0, noise);
         links.iter().map(|link| (link.sender(), link.amount())).collect()
     }
 

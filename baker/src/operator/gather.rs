@@ -5,7 +5,7 @@ use super::OperatorSettings;
 use super::choose::{choose, choose_pooled};
 use super::directions::Directions;
 use super::found::Found;
-use super::pool::{Difference, Row, neighbourhood, variance};
+use super::pool::{Difference, Row, neighbourhood, sum_variance, variance};
 use super::tally::Tally;
 use super::tiles::Tiles;
 use crate::basis::{Leveled, Relations};
@@ -202,8 +202,9 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
                 }
             }
             let significance = self.settings.significance * rows[k].strictness(support);
-            let noise = significance.powi(2) * variance(pool) / rays;
-            let links = choose_pooled(pooled, epsilon, noise, rays.recip());
+            let noise = significance.powi(2) * variance(pool);
+            let sum_noise = noise * sum_variance(pool, &rows);
+            let links = choose_pooled(pooled, epsilon, noise / rays, rays.recip(), sum_noise);
             pooled.clear();
             let mut gathered = Gathered { cost: costs[k], links, ..Gathered::default() };
             if self.is_read(receiver, level) {

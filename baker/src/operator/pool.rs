@@ -37,6 +37,11 @@ pub struct Row {
 }
 
 impl Row {
+    /// All differences together.
+    fn sum(&self) -> f32 {
+        self.differences.iter().map(|difference| difference.amount).sum()
+    }
+
     /// How much stricter than elsewhere links must stand out of their noise, for a receiver of this support radius.
     pub fn strictness(&self, support: f32) -> f32 {
         1.0 + (STRICTER - 1.0) * (self.distance / (BARE * support)).min(1.0)
@@ -71,6 +76,12 @@ pub fn neighbourhood(
     }
     let total: f32 = pool.iter().map(|entry| entry.1).sum();
     pool.iter_mut().for_each(|entry| entry.1 /= total);
+}
+
+/// The variance of the sum of a row, from those of a neighbourhood.
+pub fn sum_variance(pool: &[(usize, f32)], rows: &[Row]) -> f32 {
+    let mean: f32 = pool.iter().map(|(k, weight)| weight * rows[*k].sum()).sum();
+    pool.iter().map(|(k, weight)| weight * (rows[*k].sum() - mean).powi(2)).sum()
 }
 
 /// The variance of a neighbourhood's mean over that of one receiver.

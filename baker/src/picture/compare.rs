@@ -135,7 +135,7 @@ fn pixels_of_blocks<'a>(
 }
 
 /// The value under which this share of the values lies, interpolated; 0 of none.
-fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
+pub(super) fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let at = share * values.len().saturating_sub(1) as f64;
     let (low, high) = (at.floor() as usize, at.ceil() as usize);

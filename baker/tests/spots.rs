@@ -1,0 +1,37 @@
+//! Bare walls have no spots, also where a small patch lights all of a room.
+
+use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::picture::Only;
+use rebounce::picture::expose::Exposure;
+use rebounce::picture::spots::{Rectangle, Spots, spots};
+use rebounce::render::render;
+use rebounce::scene;
+use rebounce::triangles::TriangleSurfaces;
+
+/// Two bare walls in the first camera's picture.
+const WALLS: [Rectangle; 2] = [[0.03, 0.15, 0.40, 0.60], [0.47, 0.25, 0.85, 0.65]];
+
+/// Spots on the walls of the attic at `draft`, by how many levels share what their rays find.
+fn attic(pooled_levels: usize, seed: u64) -> [Spots; 2] {
+    let scene = scene::load("builtin:attic").unwrap();
+    let mut settings = BakeSettings::new(Preset::Draft);
+    settings.operator.seed = seed;
+    settings.operator.pooled_levels = pooled_levels;
+    let (file, _) = bake(&scene, &settings, &()).unwrap();
+    let surfaces = TriangleSurfaces::from_scene(&scene);
+    let exposure = Exposure { size: [480, 270], samples: 1, seed: 1 };
+    let picture = render(&file, &surfaces, &scene.cameras[0], &scene.lights, exposure, Only::Indirect, || ());
+    WALLS.map(|wall| spots(&picture, wall))
+}
+
+#[test]
+fn bare_walls_have_no_spots_where_neighbours_share_what_their_rays_find() {
+    let shared = BakeSettings::new(Preset::Draft).operator.pooled_levels;
+    for seed in [1, 2] {
+        let (alone, together) = (attic(0, seed), attic(shared, seed));
+        println!("{alone:?} {together:?}");
+        for (alone, together) in alone.iter().zip(&together) {
+            assert!(together.deviation < 0.7 * alone.deviation, "{together:?}, alone {alone:?}");
+        }
+    }
+}
