@@ -68,6 +68,22 @@ pub fn place(text: &str) -> Result<[f64; 3], String> {
     numbers.try_into().map_err(|_| format!("{wanted} is needed"))
 }
 
+/// A rectangle of a picture: left, top, right and bottom as shares of its width and height, as in `0.1,0.2,0.5,0.6`.
+///
+/// # Errors
+/// What is needed.
+pub fn rectangle(text: &str) -> Result<[f64; 4], String> {
+    let wanted = "left, top, right and bottom as shares of the picture, as in 0.1,0.2,0.5,0.6,";
+    let sides: Vec<f64> = text
+        .split(',')
+        .map(|part| number(part, wanted, |x| (0.0..=1.0).contains(&x)))
+        .collect::<Result<_, _>>()?;
+    match sides[..] {
+        [left, top, right, bottom] if left < right && top < bottom => Ok([left, top, right, bottom]),
+        _ => Err(format!("{wanted} is needed")),
+    }
+}
+
 /// What a surface reflects, as in `0.8` or `0.8,0.7,0.6`: each from 0 to 1.
 ///
 /// # Errors
@@ -138,6 +154,10 @@ mod tests {
             assert!(over_zero_single(text).is_err() && within(text, 0.5..=4.0).is_err(), "{text}");
             assert!(bytes(text).is_err() && count(text, 100).is_err(), "{text}");
             assert!(place(&format!("0,{text},1")).is_err() || text == "-1", "{text}");
+        }
+        assert_eq!(rectangle("0,0.25,0.5,1"), Ok([0.0, 0.25, 0.5, 1.0]));
+        for text in ["0,0,1", "0.5,0,0.5,1", "0,0,1,1.5", "0,1,1,0", "0,0,1,1,x", "0,0,1,1,1"] {
+            assert!(rectangle(text).is_err(), "{text}");
         }
         assert_eq!((albedo("0.5"), albedo("0,0.5,1")), (Ok([0.5; 3]), Ok([0.0, 0.5, 1.0])));
         for text in ["1.5", "-0.1", "0.5,0.5", "", "0,0,0,0", "red"] {

@@ -64,15 +64,11 @@ pub fn choose<const N: usize>(
     row
 }
 
-/// The place of a sender's sums in what [`choose_pooled`] reads: a receiver's own [`Difference`](super::pool::Difference), and the mean
-/// over its neighbourhood.
-pub const OWN: usize = 0;
-/// Magnitude of the receiver's own difference.
-pub const OWN_MAGNITUDE: usize = 1;
-/// Mean difference.
-pub const POOLED: usize = 2;
-/// Mean magnitude.
-pub const POOLED_MAGNITUDE: usize = 3;
+/// Places of a sender's sums in what [`choose_pooled`] reads: the receiver's own [`Difference`](super::pool::Difference), amount and
+/// magnitude, and the mean over its neighbourhood.
+const OWN: usize = 0;
+const POOLED: usize = 2;
+const POOLED_MAGNITUDE: usize = 3;
 
 /// As [`choose`], of a receiver whose neighbourhood decides which links there are: where the mean difference stands out of ε and
 /// of its noise. A link holds the receiver's own difference where that stands out of the mean by its standard deviation, and the

@@ -19,6 +19,18 @@ pub struct Case {
     pub references: [PathBuf; 2],
     /// Where another renderer made the references: the same picture by the project's own path tracer.
     pub traced: Option<PathBuf>,
+    /// Bare walls in the picture, where spots are measured: left, top, right, bottom, as shares of it.
+    pub bare: &'static [&'static str],
+}
+
+/// Bare walls of a scene in the view that is measured.
+fn bare(name: &str) -> &'static [&'static str] {
+    match name {
+        "attic" => &["0.03,0.15,0.40,0.60", "0.47,0.25,0.85,0.65"],
+        "two-rooms-door" => &["0.05,0.10,0.30,0.60"],
+        "gallery-walls" => &["0.68,0.30,0.98,0.62", "0.25,0.75,0.52,0.98"],
+        _ => &[],
+    }
 }
 
 /// Samples a pixel of each reference that is made here.
@@ -57,7 +69,7 @@ impl Case {
 
 /// The scenes that the project generates; their references are made once.
 pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
-    [("cornell-box", "240x240"), ("two-rooms-door", "320x180"), ("library", "320x180")]
+    [("attic", "480x270"), ("cornell-box", "240x240"), ("two-rooms-door", "320x180"), ("library", "320x180")]
         .into_iter()
         .map(|(name, size)| {
             let references = ["a", "b"].map(|which| tool.file(&format!("{name}.{which}.exr")));
@@ -68,6 +80,7 @@ pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
                 size: Some(size),
                 references,
                 traced: None,
+                bare: bare(name),
             };
             case.trace(tool, &case.references, SAMPLES)?;
             Ok(case)
@@ -103,7 +116,16 @@ pub fn in_folder(tool: &Tool, folder: &Path) -> Result<Vec<Case>> {
             ["a", "b"].map(|which| folder.join("references").join(format!("{name}.indirect.{which}.exr")));
         let scene = shots.join(shot.get("scene")?.as_str()?).display().to_string();
         let complete = references.iter().all(|file| file.exists());
-        complete.then(|| Case { name, scene, shot: Some(file.clone()), size: None, references, traced: None })
+        let bare = bare(&name);
+        complete.then(|| Case {
+            name,
+            scene,
+            shot: Some(file.clone()),
+            size: None,
+            references,
+            traced: None,
+            bare,
+        })
     };
     let mut cases: Vec<Case> = files.iter().filter_map(case).collect();
     for case in &mut cases {

@@ -8,18 +8,33 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What `rebounce compare --json` prints.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 pub struct Comparison {
     error: Option<f64>,
     error_at_most: Option<f64>,
     pub bias: f64,
     pub p95: f64,
+    #[serde(default)]
+    spots: Vec<Spots>,
+}
+
+/// Spots on a bare wall, thousandths of a stop.
+#[derive(Clone, Debug, Deserialize)]
+struct Spots {
+    deviation: f64,
+    greatest: f64,
 }
 
 impl Comparison {
     /// The error; what it is at most where the references' noise hides it.
     pub fn error(&self) -> f64 {
         self.error.or(self.error_at_most).unwrap_or(f64::INFINITY)
+    }
+
+    /// Spots as a cell of a table: standard deviation and 99.5th percentile on each bare wall.
+    pub fn spots_cell(&self) -> String {
+        let walls = self.spots.iter().map(|wall| format!("{:.0}/{:.0}", wall.deviation, wall.greatest));
+        walls.collect::<Vec<_>>().join(", ")
     }
 
     /// The error as a cell of a table.
@@ -116,6 +131,9 @@ impl Tool {
         let mut panel = Vec::new();
         if let Some(shown) = shown {
             panel.extend(["--panel".into(), shown.as_os_str().to_owned()]);
+        }
+        for wall in case.bare {
+            panel.extend(["--spots".into(), (*wall).into()]);
         }
         let [a, b] = &case.references;
         Ok(Measured {

@@ -27,7 +27,9 @@ const HEAD: &str = "\
 
 Bounced light of baked scenes against path-traced references. *Error* is the root mean square difference over the
 reference's root mean square (0 is perfect), *bias* the difference of the means, *p95* the 95th percentile of the
-difference over blocks of 8 by 8 pixels; noise of the references is cancelled out. No parameter set by hand. Scenes that
+difference over blocks of 8 by 8 pixels; noise of the references is cancelled out. *Spots*, where the picture has bare
+walls: of what is of their size there, standard deviation and 99.5th percentile on each wall, in thousandths of a stop
+(`compare --spots`; 15, which is 1%, begins to be seen). No parameter set by hand. Scenes that
 came with references of another renderer (Mitsuba 3) are held to these, generated ones to the project's own path tracer.
 `cargo xtask fidelity` makes this page; `rebounce compare` takes one measurement.
 
@@ -38,18 +40,19 @@ impl fmt::Display for Page {
         f.write_str(HEAD)?;
         writeln!(
             f,
-            "| scene | preset | error | bias | p95 | seconds | peak memory | file | links | functions |"
+            "| scene | preset | error | bias | p95 | spots | seconds | peak memory | file | links | functions |"
         )?;
-        writeln!(f, "|---|---|---|---|---|---|---|---|---|---|")?;
+        writeln!(f, "|---|---|---|---|---|---|---|---|---|---|---|")?;
         for m in &self.scenes {
             let (c, r) = (&m.comparison, &m.report);
             writeln!(
                 f,
-                "| {} ({} k triangles) | {} | {} | {:.0} | {:.0} MB | {:.0} MB | {} | {} k |",
+                "| {} ({} k triangles) | {} | {} | {} | {:.0} | {:.0} MB | {:.0} MB | {} | {} k |",
                 m.scene,
                 r.triangles.div_ceil(1000),
                 m.preset,
                 cells(c),
+                c.spots_cell(),
                 seconds(m),
                 r.peak_memory_bytes as f64 / 1e6,
                 r.file_bytes as f64 / 1e6,
