@@ -11,7 +11,7 @@ use rebounce::basis::{Relations, relate};
 use rebounce::operator::bounces::{add_later_bounces, column_count};
 use rebounce::operator::directions::Directions;
 use rebounce::operator::found::BATCH;
-use rebounce::operator::gather::{GatherContext, Gathered, Scratch};
+use rebounce::operator::gather::{Gather, GatherContext, Gathered, Scratch};
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::order::sort;
 use rebounce::operator::refine::{Refiner, Senders};
@@ -165,11 +165,10 @@ impl Room {
 
     fn gather(&self, receivers: &[usize], level: usize, scratch: &mut Scratch) -> Vec<Gathered> {
         let mut all = Vec::with_capacity(receivers.len());
-        let keep = |_, gathered| -> Result<(), Infallible> {
-            all.push(gathered);
-            Ok(())
-        };
-        let Ok(()) = self.context().links(receivers, level, &self.directions, &self.values, scratch, keep);
+        let cast = |_| -> Result<(), Infallible> { Ok(()) };
+        let (directions, values) = (&self.directions, &self.values[..]);
+        let gather = Gather { receivers, level, directions, values };
+        let Ok(()) = self.context().links(&gather, scratch, cast, |_, gathered| all.push(gathered));
         all
     }
 

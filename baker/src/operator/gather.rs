@@ -47,6 +47,18 @@ pub fn receivers_together(directions: &Directions) -> usize {
     (TOGETHER / directions.len().max(1)).max(1)
 }
 
+/// Some receivers of a level to gather for.
+pub struct Gather<'a> {
+    /// The receivers.
+    pub receivers: &'a [usize],
+    /// Their level.
+    pub level: usize,
+    /// The directions of their rays.
+    pub directions: &'a Directions,
+    /// The [values](Gathered::value) of all coarser levels.
+    pub values: &'a [Vec<Link>],
+}
+
 /// What one gather leaves besides links.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GatherCost {
@@ -114,22 +126,20 @@ impl Scratch {
 
 impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// The links of some receivers of a level, and more: tells `cast` the rays of each, and `done` what they make, in turn. Fastest
-    /// for neighbours. `values` holds the [values](Gathered::value) of all coarser levels.
+    /// for neighbours.
     ///
     /// # Errors
     /// What `cast` returns.
     pub fn links<E>(
         &self,
-        receivers: &[usize],
-        level: usize,
-        directions: &Directions,
-        values: &[Vec<Link>],
+        gather: &Gather,
         scratch: &mut Scratch,
         mut cast: impl FnMut(u64) -> Result<(), E>,
         mut done: impl FnMut(usize, Gathered),
     ) -> Result<(), E> {
+        let &Gather { receivers, level, directions, values } = gather;
         if self.settings.is_pooled(level) {
-            return self.pooled_links(receivers, level, directions, values, scratch, cast, done);
+            return self.pooled_links(gather, scratch, cast, done);
         }
         // The variance of a mean of rays that either hit a sender or do not, per unit seen.
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
@@ -159,14 +169,12 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// As [`Self::links`], of receivers that share what their rays find.
     fn pooled_links<E>(
         &self,
-        receivers: &[usize],
-        level: usize,
-        directions: &Directions,
-        values: &[Vec<Link>],
+        gather: &Gather,
         scratch: &mut Scratch,
         mut cast: impl FnMut(u64) -> Result<(), E>,
         mut done: impl FnMut(usize, Gathered),
     ) -> Result<(), E> {
+        let &Gather { receivers, level, directions, values } = gather;
         let (mut rows, mut costs) = (Vec::new(), Vec::new());
         let Scratch { senders, found, pooled, pool } = scratch;
         for group in receivers.chunks(receivers_together(directions)) {

@@ -79,6 +79,9 @@ pub struct OperatorSettings {
 /// smaller by a fifth 2.6 M, 0.065 and 3.2 M, 0.079.
 const COARSER: f32 = 0.5;
 
+/// Receivers of a chunk; more where they share what they find, so that few of them lie at an edge.
+const CHUNK: [usize; 2] = [64, 512];
+
 impl OperatorSettings {
     /// ε on a level, irradiance per unit irradiance: smaller on coarser levels, whose dropped links are errors over
     /// larger supports ([`COARSER`]).
@@ -101,6 +104,11 @@ impl OperatorSettings {
     /// Whether receivers of a level share what their rays find.
     pub fn is_pooled(&self, level: usize) -> bool {
         level > 0 && level + self.pooled_levels >= self.levels
+    }
+
+    /// Receivers of a level that one thread gathers for one after another, and that are kept together.
+    pub fn chunk_on(&self, level: usize) -> usize {
+        CHUNK[self.is_pooled(level) as usize]
     }
 
     /// Rays per receiver on a level.

@@ -5,7 +5,7 @@
 
 use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
-use super::gather::{GatherContext, GatherCost, Gathered, Scratch};
+use super::gather::{Gather, GatherContext, GatherCost, Gathered, Scratch};
 use super::journal::Journal;
 use super::tiles::{Layout, Tiles};
 use super::{Operator, OperatorSettings, among, tint};
@@ -21,15 +21,6 @@ use rayon::prelude::*;
 use rebounce_shared::link::Link;
 use std::ops::Range;
 use std::sync::Mutex;
-
-/// Receivers that are gathered one after another by one thread, and kept together; more where they share what they find, so that
-/// few of them lie at an edge.
-const CHUNK: [usize; 2] = [64, 512];
-
-/// Receivers of a level that are kept together.
-pub fn chunk(settings: &OperatorSettings, level: usize) -> usize {
-    CHUNK[settings.is_pooled(level) as usize]
-}
 
 /// Computes T. A unit of `watch` is a ray.
 ///
@@ -186,7 +177,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let (context, l) = (&self.context, self.level);
         let Some(level) = context.points.levels.get(l) else { return Ok(Traffic::default()) };
         let range = level.range();
-        let mut found = KnownRows::new(range.clone(), chunk(context.settings, l));
+        let mut found = KnownRows::new(range.clone(), context.settings.chunk_on(l));
         let mut traffic = Traffic::default();
         for chunk in 0..found.rows.len() {
             let (first, count) = found.place(chunk);
@@ -217,7 +208,9 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
                 let mut rows = vec![Gathered::default(); count];
                 let cast = |rays| watch.step(rays);
                 let done = |i: usize, gathered| rows[i - first] = gathered;
-                context.links(&wanted, l, &directions, &this.values, &mut scratch, cast, done)?;
+                let (directions, values) = (&directions, &this.values[..]);
+                let gather = Gather { receivers: &wanted, level: l, directions, values };
+                context.links(&gather, &mut scratch, cast, done)?;
                 for i in others {
                     rows[i - first] = context.inherit(i, l, &this.values, &mut scratch);
                     watch.step(0)?;
@@ -255,7 +248,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
             found.rows.iter_mut().for_each(|rows| *rows = rows.take().or(Some(Vec::new())));
         }
         let rows = found.rows.into_iter().collect::<Option<Vec<_>>>().ok_or(TeamError::Garbled(0))?;
-        let size = chunk(self.context.settings, l);
+        let size = self.context.settings.chunk_on(l);
         for (number, rows) in rows.into_iter().enumerate() {
             for (k, gathered) in rows.into_iter().enumerate() {
                 self.take_in(range.start + number * size + k, gathered);
