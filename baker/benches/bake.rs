@@ -17,7 +17,7 @@ use rebounce::operator::found::BATCH;
 use rebounce::operator::gather::receivers_together;
 use rebounce::operator::hemisphere::{GatherRays, gather_rays};
 use rebounce::operator::order::sort;
-use rebounce::operator::refine::{CHUNK, Refiner, Senders};
+use rebounce::operator::refine::{Refiner, Senders};
 use rebounce::operator::{reflected::reflected_share, tint::tints};
 use rebounce::points::{Points, cut, footprint, place};
 use rebounce::scene::{self, Scene};
@@ -152,7 +152,10 @@ impl Rays {
             .enumerate()
             .map(|(l, receivers)| {
                 let directions = Directions::new(self.operator.rays_on(l));
-                receivers.par_chunks(CHUNK).map(|chunk| walk(self, chunk, &directions)).sum::<Duration>()
+                receivers
+                    .par_chunks(self.operator.chunk_on(l))
+                    .map(|chunk| walk(self, chunk, &directions))
+                    .sum::<Duration>()
             })
             .sum();
         spent.as_secs_f64() / rayon::current_num_threads() as f64
