@@ -42,7 +42,7 @@ const PARTS = {
   failures, unsupported, downloads, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
-const DAMAGED = ["60", "2"];
+const DAMAGED = ["24", "2"];
 
 /** Runs the tests of the page. `paths`: the programs rebounce, compare and damage, and a folder to work in. */
 export async function runPageTests(harness, paths) {
