@@ -156,6 +156,12 @@ export async function panel(harness, context) {
       same(await state(), lights, `the lights after ${bad}`);
       await page.evaluate(() => (viewer.shadowRoot.querySelector("[role=status]").textContent = ""));
     }
+    // What nothing would follow is not offered.
+    equal(await page.getByRole("button", { name: "Copy link" }).isVisible(), false, "a link without state-in-link");
+    await page.evaluate(() => {
+      viewer.stateInLink = true;
+      viewer.exposure = 0.5;
+    });
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
     await page.getByRole("button", { name: "Copy link" }).click();
     await said("The link is copied.");
