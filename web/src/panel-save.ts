@@ -33,7 +33,7 @@ export function saving({ host, root, say, history }: Desk): Section {
   };
   const shoot = async () => {
     const [width, height] = pixels(size.value);
-    say("The picture is on its way.");
+    say("Saving the picture…", true);
     try {
       download(await host.toBlob("image/png", undefined, { width, height, transparent: clear.checked }), "picture.png");
       say("The picture is saved in picture.png.");

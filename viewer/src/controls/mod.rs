@@ -10,6 +10,7 @@ pub mod drag;
 pub mod fly;
 pub mod gizmo;
 pub mod orbit;
+pub mod sun;
 pub mod surroundings;
 
 use crate::triangles::{Hit, Triangles};

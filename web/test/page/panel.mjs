@@ -174,7 +174,7 @@ export async function panel(harness, context) {
   });
 
   await harness.test("panel::figures_are_those_of_stats", async () => {
-    await page.getByText("Figures").click();
+    await page.getByText("Statistics").click();
     const scene = page.getByRole("table", { name: "In this scene" });
     const cell = (name) => scene.getByRole("row", { name }).getByRole("cell").first();
     const number = async (name) => Number((await cell(name).textContent()).replace(/\D/g, ""));
