@@ -46,6 +46,7 @@ pub fn sunlight(stage: &Stage) -> [f64; 3] {
 }
 
 /// The direction with this number; the usual one is the last.
+#[inline(never)]
 fn direction(i: usize) -> Vec3 {
     if i == TRIES {
         return USUAL;
