@@ -94,7 +94,7 @@ input[type="color"] { width: 3.5rem; height: 1.8rem; padding: 0; border: 0; back
   display: block; padding: 0.5rem 0.8rem; color: #ffd08f; overflow-wrap: anywhere; border-top: 1px solid var(--edge);
 }
 .status :not(.stays) { animation: gone 1ms 12s forwards; }
-@keyframes gone { to { display: none; } }
+@keyframes gone { to { font-size: 0; padding: 0; border: 0; } }
 @media (pointer: coarse) { .dock > * { --target: 44px; } .hint { display: none; } }
 /* On a phone a sheet, below the picture. */
 @container (max-width: 30rem) {
