@@ -166,6 +166,9 @@ fn a_scene_is_baked_as_a_draft_before_it_is_viewed() {
     std::fs::write(folder.join("broken.gltf"), "{}").unwrap();
     let broken = rebounce(folder, &["view", "--no-open", "broken.gltf"]).output().unwrap();
     fails(&broken, &["broken.gltf"]);
+    let unknown = rebounce(folder, &["view", "--no-open", "builtin:cornell"]).output().unwrap();
+    fails(&unknown, &["no built-in scene `cornell`"]);
+    assert!(!String::from_utf8_lossy(&unknown.stderr).contains("baking"), "a draft of nothing is announced");
     let missing = rebounce(folder, &["view", "--no-open", "missing.glb"]).output().unwrap();
     fails(&missing, &["cannot read missing.glb"]);
     std::fs::write(folder.join("chair.obj"), "v 0 0 0").unwrap();

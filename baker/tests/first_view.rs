@@ -68,6 +68,33 @@ fn landscape(stream: &mut Stream) -> Scene {
     house
 }
 
+/// A hollow vessel that is open at its top, as a lathe turns it: radii and heights of its outside from below, of which the
+/// inside stays by a thickness.
+fn vessel(profile: &[Vec2], thickness: f32, scale: f32) -> Scene {
+    const SIDES: u32 = 32;
+    let inside = profile.iter().rev().map(|p| Vec2::new((p.x - thickness).max(1e-3), p.y.max(thickness)));
+    let outline: Vec<Vec2> = profile.iter().copied().chain(inside).collect();
+    let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+    let at = |side: u32, p: Vec2| {
+        let (sin, cos) = (std::f32::consts::TAU * (side % SIDES) as f32 / SIDES as f32).sin_cos();
+        scale * vec3(p.x * cos, p.y, p.x * sin)
+    };
+    for pair in outline.windows(2) {
+        for side in 0..SIDES {
+            let corners =
+                [at(side, pair[0]), at(side, pair[1]), at(side + 1, pair[1]), at(side + 1, pair[0])];
+            let normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]).normalize_or(Vec3::Y);
+            let first = scene.positions.len() as u32;
+            scene.positions.extend(corners);
+            scene.normals.extend([normal; 4]);
+            scene.uvs.extend([Vec2::ZERO; 4]);
+            scene.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+            scene.triangle_material.extend([0; 2]);
+        }
+    }
+    scene
+}
+
 struct Seen {
     surfaces: TriangleSurfaces,
     frame: CameraFrame,
@@ -107,21 +134,29 @@ impl Seen {
         let ray = Ray { max_distance: to.length(), ..Ray::blind(self.frame.eye, to.normalize()) };
         assert!(self.surfaces.see(&ray, 0).is_none(), "{what}: hidden");
         let lights = [self.light.source([0.0; 3])];
+        let lit = self.lit();
         // The middle of a picture may be between two things.
         if let Some(target) = self.look(0.0, 0.0) {
             assert!(direct::at_hit(&self.surfaces, &lights, &target).x > 0.0, "{what}: the target is dark");
         }
         // Lit surfaces have a sensible radiance: intensities are neither of stars nor of candles far away.
-        let places = (0..400).map(|i| (i % 20, i / 20)).map(|(x, y)| [x, y].map(|k| k as f32 / 10.0 - 0.95));
-        let hits: Vec<Hit> = places.filter_map(|[x, y]| self.look(x, y)).collect();
-        let lit: Vec<f32> = hits
-            .iter()
-            .map(|hit| direct::at_hit(&self.surfaces, &lights, hit).x)
-            .filter(|light| *light > 0.0)
-            .collect();
-        let mean = (lit.iter().map(|light| light.ln()).sum::<f32>() / lit.len().max(1) as f32).exp();
+        let mean = geometric_mean(&lit);
         assert!((0.3..6.0).contains(&mean), "{what}: irradiance {mean}");
-        assert!(lit.len() * 10 > hits.len() * 2, "{what}: {} of {} lit", lit.len(), hits.len());
+        let hits = self.seen().count();
+        assert!(lit.len() * 10 > hits * 2, "{what}: {} of {hits} lit", lit.len());
+    }
+
+    /// What places all over the picture show.
+    fn seen(&self) -> impl Iterator<Item = Hit> {
+        let places = (0..400).map(|i| (i % 20, i / 20)).map(|(x, y)| [x, y].map(|k| k as f32 / 10.0 - 0.95));
+        places.filter_map(|[x, y]| self.look(x, y))
+    }
+
+    /// Irradiance of what is lit of that.
+    fn lit(&self) -> Vec<f32> {
+        let lights = [self.light.source([0.0; 3])];
+        let irradiance = self.seen().map(|hit| direct::at_hit(&self.surfaces, &lights, &hit).x);
+        irradiance.filter(|light| *light > 0.0).collect()
     }
 
     /// How far the nearest surface is from the lamp.
@@ -132,6 +167,10 @@ impl Seen {
         };
         (0..400).map(distance).fold(f32::INFINITY, f32::min)
     }
+}
+
+fn geometric_mean(light: &[f32]) -> f32 {
+    (light.iter().map(|light| light.ln()).sum::<f32>() / light.len().max(1) as f32).exp()
 }
 
 fn vec2_of(x: f32, y: f32) -> Vec2 {
@@ -171,6 +210,11 @@ fn a_room_is_seen_from_the_height_of_eyes_over_its_floor_and_its_lamp_hangs_in_t
         seen.check_lamp(&what);
         assert!(seen.lamp().y < high.y && seen.lamp().cmpgt(low).all(), "{what}: not below the ceiling");
         assert!(seen.free() > 0.08 * size.y, "{what}: {} free", seen.free());
+        // Little of the ceiling is burnt out.
+        let lit = seen.lit();
+        let mean = geometric_mean(&lit);
+        let burnt = lit.iter().filter(|light| **light > 6.0 * mean).count() as f32 / lit.len() as f32;
+        assert!(burnt < 0.07, "{what}: {burnt} of the picture is burnt out");
         assert!(matches!(seen.light, Light::Point { .. }));
     }
 }
@@ -199,6 +243,22 @@ fn an_object_fills_the_picture_and_its_lamp_hangs_beside_it() {
         let aim = Vec3::from(direction.map(|x| x as f32)).normalize();
         let to = (0.5 * (low + high) - lamp).normalize();
         assert!(aim.dot(to) > 0.999 && *outer_cone_deg >= 15.0, "{what}");
+    }
+}
+
+#[test]
+fn a_vessel_is_seen_from_outside_though_one_could_look_around_in_it() {
+    let of = |places: &[(f32, f32)]| places.iter().map(|(x, y)| Vec2::new(*x, *y)).collect::<Vec<_>>();
+    let vase = of(&[(1e-3, 0.0), (0.35, 0.0), (0.5, 0.25), (0.42, 0.6), (0.2, 0.9), (0.28, 1.1)]);
+    let bucket = of(&[(1e-3, 0.0), (0.45, 0.0), (0.45, 1.0)]);
+    for (name, profile, scale) in
+        [("vase", &vase, 1.0), ("vase", &vase, 2.5), ("vase", &vase, 100.0), ("bucket", &bucket, 1.0)]
+    {
+        let seen = Seen::new(&vessel(profile, 0.03, scale));
+        let (low, high) = seen.surfaces.bounds();
+        let eye = seen.frame.eye;
+        assert!(eye.cmplt(low).any() || eye.cmpgt(high).any(), "{name} x {scale}: from within, at {eye}");
+        assert!(seen.look(0.0, 0.0).is_some(), "{name} x {scale}: not in the middle");
     }
 }
 

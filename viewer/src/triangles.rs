@@ -54,6 +54,8 @@ pub struct Hit {
     pub distance: f32,
     /// Unit vector square to the surface, on the ray's side.
     pub normal: Vec3,
+    /// Whether it is glass or blended.
+    pub clear: bool,
 }
 
 impl Triangles {
@@ -66,7 +68,7 @@ impl Triangles {
     /// The first surface before `most` along a ray of unit direction that shows the ray its front.
     pub fn cast(&self, origin: Vec3, direction: Vec3, most: f32) -> Option<Hit> {
         let nearest = Cell::new(most);
-        let mut normal = None;
+        let mut met = None;
         // Not zero: a box's face may go through the origin.
         let inverse = direction.map(|x| 1.0 / if x == 0.0 { 1e-20 } else { x });
         let meets = |centre: Vec3, half: Vec3| {
@@ -74,16 +76,17 @@ impl Triangles {
             let (near, far) = (a.min(b).max_element(), a.max(b).min_element());
             near <= far && far >= 0.0 && near < nearest.get()
         };
-        self.visit(origin, &meets, &mut |triangle| {
+        self.visit(origin, &meets, &mut |triangle, clear| {
             let distance = along(origin, direction, triangle);
             if distance > 0.0 && distance < nearest.get() {
                 nearest.set(distance);
-                normal = Some(square(triangle));
+                met = Some((square(triangle), clear));
             }
         });
-        let normal = normal?.normalize();
+        let (normal, clear) = met?;
+        let normal = normal.normalize();
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        Some(Hit { distance: nearest.get(), normal })
+        Some(Hit { distance: nearest.get(), normal, clear })
     }
 
     /// The nearest place within `radius` on a surface that shows its front.
@@ -94,7 +97,7 @@ impl Triangles {
             let outside = ((to - centre).abs() - half).max(Vec3::ZERO);
             outside.length() < least.get()
         };
-        self.visit(to, &meets, &mut |triangle| {
+        self.visit(to, &meets, &mut |triangle, _| {
             let place = nearest_on(triangle, to);
             let distance = place.distance(to);
             if distance < least.get() {
@@ -105,8 +108,9 @@ impl Triangles {
         found
     }
 
-    /// Calls `each` with front-facing triangles, as seen from `from`, in boxes (centre, half width) that `meets` accepts.
-    fn visit(&self, from: Vec3, meets: &dyn Fn(Vec3, Vec3) -> bool, each: &mut dyn FnMut([Vec3; 3])) {
+    /// Calls `each` with front-facing triangles, as seen from `from`, in boxes (centre, half width) that `meets` accepts,
+    /// and whether they are glass or blended.
+    fn visit(&self, from: Vec3, meets: &dyn Fn(Vec3, Vec3) -> bool, each: &mut dyn FnMut([Vec3; 3], bool)) {
         let meets = |aabb: &Aabb, to: &Affine3A| {
             let [centre, half] = aabb.moved(to);
             meets(centre, half)
@@ -125,7 +129,7 @@ impl Triangles {
                     for corners in chunk.as_chunks::<3>().0 {
                         let triangle = corners.map(|i| to.transform_point3(self.positions[i as usize]));
                         if !run.one_sided || square(triangle).dot(from - triangle[0]) > 0.0 {
-                            each(triangle);
+                            each(triangle, run.glass || run.blended);
                         }
                     }
                 }

@@ -28,7 +28,8 @@ export function activation(canvas: HTMLCanvasElement, interaction: () => Interac
   canvas.addEventListener("touchmove", touch, { signal, passive: false });
   // Not every browser takes the focus away when something without focus is touched.
   addEventListener("pointerdown", (event) => event.composedPath().includes(root) || sleep(), { signal, capture: true });
-  canvas.addEventListener("keydown", (event) => event.key === "Escape" && !event.defaultPrevented && sleep(), { signal });
+  const key = (event: KeyboardEvent) => event.key === "Escape" && !event.defaultPrevented && event.composedPath()[0] === canvas && sleep();
+  addEventListener("keydown", key, { signal });
 
   return {
     wheel: (event) => event.ctrlKey || event.metaKey || interaction() === "all" || (interaction() === "auto" && root.activeElement),

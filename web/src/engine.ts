@@ -66,10 +66,10 @@ export class Engine {
       tell: (type, detail) => tell(element, type, detail),
       wantFrame: () => this.wantFrame(),
     });
-    const { root } = this.tree;
-    const history = (this.history = new History(element, root, this.player, () => this.#panel.update()));
+    const history = (this.history = new History(element, this.tree.root, this.player, () => this.#panel.update()));
     const surfaceAt = (x: number, y: number) => this.use((viewer) => surfaceIn(viewer, this.tree.canvas, x, y));
-    this.#panel = new PanelSlot({ host: element, root, history, surfaceAt }, this.tree);
+    const sunlight = () => this.use((viewer) => viewer.sunlight());
+    this.#panel = new PanelSlot({ host: element, root: this.tree.root, history, surfaceAt, sunlight }, this.tree);
   }
 
   /** Whether there is a scene. */

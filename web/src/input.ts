@@ -10,6 +10,9 @@ export type WithViewer = (use: (viewer: Viewer) => void) => void;
 /** How near to a handle's middle a finger takes it, CSS pixels. */
 const FINGER = 24;
 
+/** What takes text or arrow keys itself. */
+const TYPING = 'input:not([type="checkbox"]), select, textarea, [contenteditable]';
+
 /** Where input goes. */
 export interface Input {
   withViewer: WithViewer;
@@ -47,6 +50,7 @@ export function listen(canvas: HTMLCanvasElement, { withViewer, interaction, ges
     withViewer((viewer) => viewer.key(code, false));
     if (held.delete(code)) gesture(code, false);
   };
+  const letKeysGo = () => [...held, "ShiftLeft", "ShiftRight"].forEach(keyUp);
 
   const down = (event: PointerEvent) => {
     const { pointerId, pointerType, button, shiftKey, ctrlKey, metaKey } = event;
@@ -74,9 +78,17 @@ export function listen(canvas: HTMLCanvasElement, { withViewer, interaction, ges
     const unit = [1, 16, 400][event.deltaMode] ?? 1;
     withViewer((viewer) => viewer.wheel(event.deltaY * unit));
   });
-  on("keydown", (event) => {
+  // Keys count wherever the focus is in the element, but where it takes text or arrows.
+  const root = canvas.getRootNode();
+  const isOurs = (event: KeyboardEvent) => {
+    const all = interaction() === "all" && event.target === document.body;
+    return all || (interaction() !== "none" && event.composedPath().includes(root) && !(event.composedPath()[0] as Element).matches(TYPING));
+  };
+  const onPage = <K extends keyof WindowEventMap>(type: K, work: (event: WindowEventMap[K]) => unknown) =>
+    addEventListener(type, work, { signal });
+  onPage("keydown", (event) => {
     const { code } = event;
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || !isOurs(event)) return;
     if (code === "KeyR") return reset();
     withViewer((viewer) => {
       if (!viewer.key(code, true)) return;
@@ -87,8 +99,9 @@ export function listen(canvas: HTMLCanvasElement, { withViewer, interaction, ges
       gesture(code, true);
     });
   });
-  on("keyup", (event) => keyUp(event.code));
-  on("blur", () => [...held, "ShiftLeft", "ShiftRight"].forEach(keyUp));
+  onPage("keyup", (event) => (held.has(event.code) || isOurs(event)) && keyUp(event.code));
+  onPage("focusout", letKeysGo);
+  onPage("blur", letKeysGo);
   // After the keys: an Escape that has ended a drag does not end more.
   const active = activation(canvas, interaction, signal);
 }

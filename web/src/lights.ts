@@ -19,12 +19,34 @@ function ground(camera: Camera): { ahead: Triple; right: Triple } {
   return { ahead, right: [-ahead[2], 0, ahead[0]] };
 }
 
-/** A new light a little before what the camera looks at, as bright there as others at their distance. */
-export function newLight(type: Light["type"], camera: Camera): Light {
+/** Places that are tried for a new light, on a spiral. */
+const TRIES = 40;
+
+/**
+ * A new light a little before what the camera looks at, beside others that are there, as bright there as others at their
+ * distance; a sun that shines as `sunlight` says, or nearly so.
+ */
+export function newLight(type: Light["type"], camera: Camera, lights: Light[], sunlight: () => Triple): Light {
   const color: Triple = [1, 1, 1];
-  if (type === "directional") return { type, direction: [-0.4, -1, -0.3], intensity: 2, color };
+  const isSun = type === "directional";
   const away = distance(camera.position, camera.target);
-  const position = sum(camera.position, sum(camera.target, camera.position, -1), 0.7);
+  const middle = isSun ? unit(sunlight(), [0, -1, 0]) : sum(camera.position, sum(camera.target, camera.position, -1), 0.7);
+  const { right } = ground(camera);
+  // Suns lie on a map of all directions: farther apart.
+  const gap = isSun ? 0.4 : 0.14;
+  /** The direction in which a handle lies. */
+  const seen = (place: Triple) => unit(isSun ? place : sum(place, camera.position, -1), right);
+  const others = lights.filter((light) => isSun === (light.type === "directional"));
+  const place = (i: number) => {
+    const far = gap * Math.sqrt(i) * (isSun ? 1 : away);
+    return sum(sum(middle, right, far * Math.cos(2.4 * i)), [0, 1, 0], far * Math.sin(2.4 * i));
+  };
+  const isFree = (at: Triple) =>
+    others.every((other) => distance(seen(at), seen("position" in other ? other.position : other.direction)) > 0.6 * gap);
+  let i = 0;
+  while (i < TRIES && !isFree(place(i))) i += 1;
+  const position = place(i % TRIES);
+  if (isSun) return { type, direction: position, intensity: 2, color };
   // The illuminance of 4 lux at a third of the way.
   const intensity = Number((4 * (away / 3) ** 2).toPrecision(2));
   if (type === "point") return { type, position, intensity, color };

@@ -1,6 +1,6 @@
 /**
  * Camera, lights and settings as the hash of a link, to be read by people too:
- * `#camera=0,1,4,0,1,0,0,1,0,60&light=point,1,2,0,20,1,1,1&exposure=1`.
+ * `#camera=0,1,4,0,1,0,0,1,0,60&light=point,1,2,0,20,1,1,1,Name&exposure=1`.
  */
 
 import { Failure } from "./failure.js";
@@ -17,7 +17,7 @@ export interface LinkState {
 /** Attributes that go into a link. */
 export const LINK_SETTINGS = ["exposure", "auto-exposure", "tone-mapping", "mode"] as const;
 
-/** Members of each kind of light in order, with how many numbers each has. */
+/** Members of each kind of light in order, with how many numbers each has; a name may follow. */
 const FORMS: Record<Light["type"], readonly (readonly [string, number])[]> = {
   point: [["position", 3], ["intensity", 1], ["color", 3]],
   spot: [["position", 3], ["direction", 3], ["outer_cone_deg", 1], ["inner_cone_deg", 1], ["intensity", 1], ["color", 3]],
@@ -39,7 +39,8 @@ export function stateHash({ camera, lights = [], settings }: LinkState, prefix =
     // A hard edge is a full cone as wide as the whole; a colour that is not there is white.
     const instead = (name: string) => (name === "color" ? [1, 1, 1] : (member("outer_cone_deg") ?? 0));
     const numbers = FORMS[light.type].flatMap(([name]) => member(name) ?? instead(name));
-    parts.push(`light=${[light.type, ...numbers.map(short)]}`);
+    const name = light.name ? [encodeURIComponent(light.name)] : [];
+    parts.push(`light=${[light.type, ...numbers.map(short), ...name]}`);
   }
   if (camera && lights.length === 0) parts.push("light=none");
   for (const [name, value] of Object.entries(settings)) {
@@ -72,8 +73,10 @@ function light(value: string): Light {
   const [type = "", ...texts] = value.split(",");
   const form = Object.hasOwn(FORMS, type) ? FORMS[type as Light["type"]] : undefined;
   if (!form) throw new Failure("bad-json", `The link holds a light of the unknown kind “${type}”; copy it once more.`);
-  const n = numbers(texts, form.reduce((count, [, size]) => count + size, 0), "light");
-  const result: Record<string, unknown> = { type };
+  const count = form.reduce((sum, [, size]) => sum + size, 0);
+  const n = numbers(texts.slice(0, count), count, "light");
+  const name = texts.slice(count).join();
+  const result: Record<string, unknown> = { type, ...(name && { name }) };
   let at = 0;
   for (const [name, size] of form) {
     result[name] = size === 1 ? n[at] : triple(n, at);

@@ -6,14 +6,16 @@ import { button } from "./panel-parts.js";
 
 /** Views to go to. */
 export function views({ host }: Desk): Section {
-  const element = make("div", { class: "buttons" });
+  const buttons = make("div", { class: "buttons" });
+  const hint = make("p", { class: "hint" }, "Drag to look; W A S D or arrows to move, the wheel to go ahead.");
+  const element = make("div", { class: "stack" }, buttons, hint);
   let shown = "";
   const update = () => {
     const cameras = host.cameras.length > 1 ? host.cameras : [];
-    if (shown === (shown = cameras.map(({ name }) => name).join("\n")) && element.firstChild) return;
+    if (shown === (shown = cameras.map(({ name }) => name).join("\n")) && buttons.firstChild) return;
     const first = button("First view (R)", () => host.resetView());
     const others = cameras.map(({ name, camera }) => button(name, () => (host.camera = camera)));
-    element.replaceChildren(first, ...others);
+    buttons.replaceChildren(first, ...others);
   };
   return { element, update };
 }

@@ -46,8 +46,8 @@ export class LightFields {
     this.#intensity(light);
     this.#color();
     if (light.type === "spot") {
-      this.#angle("outer_cone_deg", "Cone, degrees");
-      this.#angle("inner_cone_deg", "Full cone, degrees");
+      this.#angle("outer_cone_deg", "Outer angle, degrees");
+      this.#angle("inner_cone_deg", "Inner angle, degrees");
     }
     if (light.type === "directional") this.#sun();
     else this.#vector("position", "Position");
@@ -100,7 +100,7 @@ export class LightFields {
     this.#follow.push(({ color: now }) => {
       if (idle(color)) color.value = hexColor(now);
       const kelvin = colorKelvin(now);
-      bar.show(kelvin ?? 6500, kelvin ? `${kelvin} K` : "not that of a white");
+      bar.show(kelvin ?? 6500, kelvin ? `${kelvin} K` : "not a white");
     });
     this.nodes.push(make("label", { class: "row" }, "Colour", color), bar.element);
   }

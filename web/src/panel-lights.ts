@@ -184,7 +184,7 @@ export class LightList implements Section {
     signal.addEventListener("abort", () => (canvas.style.cursor = ""));
     canvas.style.cursor = "crosshair";
     canvas.focus();
-    say(`Click where ${this.#called(host.lights[index], index)} is to shine. Esc: nowhere else.`);
+    say(`Click or tap where ${this.#called(host.lights[index], index)} is to shine; Esc leaves it as it is.`, true);
     const key = (event: Event) => {
       if ((event as KeyboardEvent).key !== "Escape") return;
       event.stopPropagation();
@@ -219,12 +219,12 @@ export class LightList implements Section {
   }
 
   #new(type: Light["type"]): void {
-    const { host, say } = this.#desk;
-    const { camera } = host;
+    const { host, say, sunlight } = this.#desk;
+    const { camera, lights } = host;
     if (!camera) return;
     this.#try(() => {
       const before = type === "directional" && host.readPixels(64, 36);
-      const light = newLight(type, camera);
+      const light = newLight(type, camera, lights, () => [...sunlight()] as Triple);
       const index = host.addLight(light);
       this.#bases[index] = light.intensity;
       this.#chosen = index;

@@ -8,7 +8,7 @@ import { signed, slider } from "./panel-parts.js";
 const CHOICES = {
   mode: ["Light", { all: "Both", direct: "Direct", indirect: "Indirect" }],
   toneMapping: ["Tone mapping", { neutral: "Neutral", agx: "AgX" }],
-  overlay: ["Show basis", { none: "None", points: "Points", levels: "Levels" }],
+  overlay: ["Show light points", { none: "None", points: "Points", levels: "Levels" }],
 } as const;
 
 /** Settings of the picture. */

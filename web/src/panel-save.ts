@@ -33,7 +33,7 @@ export function saving({ host, root, say, history }: Desk): Section {
   };
   const shoot = async () => {
     const [width, height] = pixels(size.value);
-    say("The picture is on its way.");
+    say("Saving the picture…", true);
     try {
       download(await host.toBlob("image/png", undefined, { width, height, transparent: clear.checked }), "picture.png");
       say("The picture is saved in picture.png.");
@@ -65,6 +65,7 @@ export function saving({ host, root, say, history }: Desk): Section {
       say("Copy the link from the field.");
     }
   };
+  const copying = button("Copy link", () => void copy(), { title: "An address of this page with lights and camera" });
   file.addEventListener("change", () => {
     const chosen = file.files?.[0];
     if (chosen) void load(chosen);
@@ -81,11 +82,13 @@ export function saving({ host, root, say, history }: Desk): Section {
       { class: "buttons" },
       button("Save lights", save, { title: "Lights and camera as a JSON file" }),
       make("label", { class: "button" }, "Load lights", file),
-      button("Copy link", () => void copy(), { title: "An address of this page with lights and camera" }),
+      copying,
       link,
     ),
   );
   const update = () => {
+    // Elsewhere nothing in the page would follow the link.
+    copying.hidden = !host.stateInLink;
     for (const option of size.options) {
       const words = { 1: "As shown, ", 2: "Twice, " }[option.value] ?? "";
       option.textContent = words + pixels(option.value).join(" × ");

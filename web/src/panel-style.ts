@@ -27,6 +27,7 @@ svg { width: 1.15rem; height: 1.15rem; fill: none; stroke: currentColor; stroke-
   right: 0.75rem; bottom: 0.75rem; width: var(--head); height: var(--head); padding: 0;
   display: grid; place-items: center; background: #15171ae6; border-color: var(--edge); z-index: -1;
 }
+.panel[open] ~ .screen { right: 20.5rem; }
 .screen:hover { background: #2b2e32; }
 .body { display: flex; flex-direction: column; max-height: calc(var(--height) - var(--head) - 2px); }
 .panel form { padding: 0.7rem 0.8rem; display: grid; gap: 0.7rem; margin: 0; overflow: auto; overscroll-behavior: contain; }
@@ -88,14 +89,17 @@ input::-webkit-inner-spin-button { appearance: none; margin: 0; }
 .axes input, .units > *, .panel .name, .panel .row select { width: 100%; flex: 1; }
 input[type="color"] { width: 3.5rem; height: 1.8rem; padding: 0; border: 0; background: none; }
 .hint { margin: 0; font-size: 0.8rem; color: #b8bec5; }
-.status {
-  margin: 0; padding: 0.5rem 0.8rem; color: #ffd08f; overflow-wrap: anywhere; border-top: 1px solid var(--edge);
+.status { margin: 0; }
+.panel .status span {
+  display: block; padding: 0.5rem 0.8rem; color: #ffd08f; overflow-wrap: anywhere; border-top: 1px solid var(--edge);
 }
-.status:empty { display: none; }
+.status :not(.stays) { animation: gone 1ms 12s forwards; }
+@keyframes gone { to { font-size: 0; padding: 0; border: 0; } }
 @media (pointer: coarse) { .dock > * { --target: 44px; } .hint { display: none; } }
 /* On a phone a sheet, below the picture. */
 @container (max-width: 30rem) {
   .dock > * { --target: 44px; }
+  .panel[open] ~ .screen { right: 0.75rem; bottom: calc(50cqh + 0.75rem); }
   .panel[open] {
     inset: auto 0 0; width: auto; max-width: none; --height: 50cqh; border-radius: 12px 12px 0 0; border-width: 1px 0 0;
   }

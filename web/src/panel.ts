@@ -26,12 +26,14 @@ export interface Loan {
   readonly history: History;
   /** The place that is seen at a place of the element, CSS pixels from its top left; none where no surface is. */
   surfaceAt(x: number, y: number): Triple | undefined;
+  /** Direction of a new sun's light. */
+  sunlight(): Float64Array;
 }
 
 /** What sections work with. */
 export interface Desk extends Loan {
-  /** Says what has happened, for those who do not see it; errors for all. */
-  say(text: string): void;
+  /** Says what has happened. It is no longer seen after some seconds, unless it stays. */
+  say(text: string, stays?: boolean): void;
 }
 
 /** The panel's elements and how they follow the viewer. */
@@ -44,14 +46,15 @@ export class Panel {
     const { host, root, history } = loan;
     root.adoptedStyleSheets.push(panelStyle());
     const status = make("p", { class: "status", role: "status" });
-    const desk = { ...loan, say: (text: string) => (status.textContent = text) };
+    const say = (text: string, stays?: boolean) => status.replaceChildren(...(text ? [make("span", stays ? { class: "stays" } : {}, text)] : []));
+    const desk = { ...loan, say };
     this.#sections = [
       steps(desk),
       fold("Lights", new LightList(desk), true),
       playRow(host),
       fold("Camera", views(desk)),
       fold("Picture", picture(desk)),
-      fold("Figures", new Figures(host)),
+      fold("Statistics", new Figures(host)),
       fold("Save", saving(desk)),
     ];
     const form = make("form", {}, ...this.#sections.map(({ element }) => element));
@@ -90,7 +93,7 @@ function steps({ history, say }: Desk): Section {
     say(history[way]() ? `${done}: ${words(names)}.` : `Nothing to ${way}.`);
   };
   const undo = button(icon("undo"), () => step("undo", "Undone"), { "aria-label": "Undo", title: "Undo: Ctrl+Z" });
-  const redo = button(icon("redo"), () => step("redo", "Done again"), { "aria-label": "Redo", title: "Redo: Ctrl+Shift+Z" });
+  const redo = button(icon("redo"), () => step("redo", "Redone"), { "aria-label": "Redo", title: "Redo: Ctrl+Shift+Z" });
   const update = () => {
     undo.ariaDisabled = String(history.undoes.length === 0);
     redo.ariaDisabled = String(history.redoes.length === 0);

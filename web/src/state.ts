@@ -2,7 +2,6 @@
 
 import { LINK_SETTINGS, readState, stateHash } from "./link.js";
 import type { RebounceViewer } from "./rebounce-viewer.js";
-import type { Light } from "./shot.js";
 
 /** Names in a link begin with the element's id, where it has one: a page may hold several. */
 const prefix = ({ id }: Element) => (id && `${id}.`);
@@ -22,13 +21,7 @@ export function restoreState(element: RebounceViewer, link: string): boolean {
   const state = readState(link.includes("#") ? link.slice(link.indexOf("#")) : "", prefix(element));
   if (!state) return false;
   if (state.camera) element.camera = state.camera;
-  // Links have no names: lights that are there keep theirs.
-  const before = element.lights;
-  const named = (light: Light, i: number): Light => {
-    const name = before[i]?.type === light.type && before[i].name;
-    return name ? { ...light, name } : light;
-  };
-  if (state.lights) element.lights = before.length === state.lights.length ? state.lights.map(named) : state.lights;
+  if (state.lights) element.lights = state.lights;
   for (const name of LINK_SETTINGS) {
     const value = state.settings[name];
     if (value) element.setAttribute(name, value);

@@ -7,7 +7,6 @@ const PAUSE = 500;
 
 /** Follows the server's file. Camera, lights and settings are kept in the page's address meanwhile. */
 export function watch(viewer: RebounceViewer): void {
-  viewer.setAttribute("state-in-link", "");
   let shown = "";
   const keep = () => {
     if (viewer.loaded) history.replaceState(null, "", viewer.stateLink());

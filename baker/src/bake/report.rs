@@ -236,7 +236,7 @@ impl fmt::Display for BakeReport {
             let ([x, y, z], place) = (self.camera, if self.is_open { "outside" } else { "in a room" });
             writeln!(
                 f,
-                "camera        none in the scene; one was added {place}, at {x:.2}, {y:.2}, {z:.2} (--viewpoint x,y,z: in the room there)"
+                "camera        none in the scene; one was added {place}, at {x:.2}, {y:.2}, {z:.2} (--viewpoint x,y,z: from there)"
             )?;
         }
         let levels: Vec<String> = self.levels.iter().map(|l| l.functions.to_string()).collect();

@@ -2,6 +2,7 @@
 
 use super::read_baked;
 use anyhow::{Context, Result, bail, ensure};
+use rebounce::scene::builtin;
 use std::io::{self, BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
@@ -28,6 +29,10 @@ pub enum Draft {
 pub fn of(file: &Path, is_watching: bool, yes: bool) -> Result<Draft> {
     let Some(builtin) = scene_kind(file) else { return Ok(Draft::Shown(file.to_owned())) };
     let scene = file.display();
+    // A wrong name is told before a draft is announced.
+    if let Some(name) = file.to_str().and_then(|file| file.strip_prefix("builtin:")) {
+        builtin::check(name)?;
+    }
     ensure!(!is_watching, "--watch is for baked files: give the .rbn that {scene} is baked into");
     // What is built in is as old as the program.
     let source = if builtin { std::env::current_exe()? } else { file.to_owned() };
@@ -52,10 +57,13 @@ pub fn of(file: &Path, is_watching: bool, yes: bool) -> Result<Draft> {
             &mut io::stdin().lock(),
         )?
     {
-        eprintln!("`rebounce bake {scene}` bakes it better than a draft");
+        eprintln!("`rebounce bake {scene}` makes a finer bake than a draft");
         return Ok(Draft::Not(ExitCode::SUCCESS));
     }
-    eprintln!("baking a draft of {scene} into {}; `rebounce bake {scene}` bakes it better", draft.display());
+    eprintln!(
+        "baking a draft of {scene} into {}; `rebounce bake {scene}` makes a finer one",
+        draft.display()
+    );
     bake(file, draft)
 }
 

@@ -3,7 +3,7 @@
 use super::candidates::{Candidates, bounced, from_viewpoint};
 use super::viewpoint;
 use crate::random::{Stream, mix};
-use crate::surface::{Ray, Surfaces};
+use crate::surface::{Hit, Ray, Surfaces};
 use glam::Vec3;
 
 /// A scene is open if more than this share of what its surfaces send leaves it. Of rooms and courts it is under 0.04, of a
@@ -14,10 +14,18 @@ const OPEN: f32 = 0.2;
 const ALL_AROUND: f32 = 0.75;
 /// Or if surfaces are nearer than so many metres on average: nobody fits in. glTF counts in metres.
 const ROOMY: f32 = 0.4;
+/// What shows fronts to the outside is an object, too, if surfaces within are nearer than so many metres on average, or
+/// if less than this share of them is level or upright, as floors and walls are.
+const NARROW: f32 = 0.7;
+const BUILT: f32 = 0.5;
+/// Heights of unit normals between level and upright.
+const UPRIGHT: std::ops::Range<f32> = 0.1..0.99;
 /// Pictures are about so many times as wide as high.
 const WIDE: f32 = 1.5;
 /// Rays from around the part that has the detail, and the share of them that end beside it in a landscape.
 const LANDSCAPE: (u64, f32) = (1024, 0.1);
+/// The least share of fronts among what is seen from around an object.
+const SOLID: f32 = 0.95;
 /// Particles that tell, and their bounces.
 const PARTICLES: u64 = 4096;
 const BOUNCES: u32 = 8;
@@ -84,7 +92,10 @@ impl Vantage {
     pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> Option<Self> {
         let viewpoints = viewpoint::find(surfaces, lights, seed);
         let outlook = Outlook::new(surfaces, &viewpoints, seed);
-        let is_open = outlook.is_open() || outlook.seen < ALL_AROUND || is_landscape(surfaces, seed);
+        let is_open = outlook.is_open()
+            || outlook.seen < ALL_AROUND
+            || is_landscape(surfaces, seed)
+            || (outlook.is_rounded() && is_solid(surfaces, seed));
         let vantage = Self { viewpoints, is_open, ..Self::default() };
         let sees_any = !Candidates::new(surfaces, &vantage, seed).batch().is_empty();
         sees_any.then_some(vantage)
@@ -97,19 +108,33 @@ fn is_landscape<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> bool {
     if (low, high) == surfaces.bounds() {
         return false;
     }
+    let is_beside =
+        |hit: &(Hit, bool)| hit.1 && (hit.0.position.cmplt(low).any() || hit.0.position.cmpgt(high).any());
+    let beside = from_around(surfaces, seed).filter(is_beside).count();
+    beside as f32 > LANDSCAPE.1 * LANDSCAPE.0 as f32
+}
+
+/// Whether what is seen from anywhere around are fronts, as of a vase; of the box of a room these are backs.
+fn is_solid<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> bool {
+    let (fronts, backs): (Vec<bool>, Vec<bool>) =
+        from_around(surfaces, seed).map(|hit| hit.1).partition(|front| *front);
+    fronts.len() as f32 > SOLID * (fronts.len() + backs.len()) as f32
+}
+
+/// What rays towards the part that has the detail meet, from anywhere around, and whether a reflecting side.
+fn from_around<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> impl Iterator<Item = (Hit, bool)> {
+    let (low, high) = surfaces.main_part();
     let (middle, radius) = (0.5 * (low + high), (high - low).length());
-    let ends_beside = |i: &u64| {
-        let mut stream = Stream::new(seed ^ 0x706c_6169, *i);
+    (0..LANDSCAPE.0).filter_map(move |i| {
+        let mut stream = Stream::new(seed ^ 0x706c_6169, i);
         let direction = stream.sphere();
         let (across, up) = direction.any_orthonormal_pair();
         let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sin_cos();
         let offset = (across * cos + up * sin) * stream.unit().sqrt() - direction;
         let ray = Ray::blind(middle + offset * radius, direction);
-        let hit = surfaces.cast(&ray, mix(stream.bits()) as u32).filter(|hit| hit.faces(direction));
-        hit.is_some_and(|hit| hit.position.cmplt(low).any() || hit.position.cmpgt(high).any())
-    };
-    let beside = (0..LANDSCAPE.0).filter(ends_beside).count();
-    beside as f32 > LANDSCAPE.1 * LANDSCAPE.0 as f32
+        let hit = surfaces.cast(&ray, mix(stream.bits()) as u32)?;
+        Some((hit, hit.faces(direction)))
+    })
 }
 
 /// What is seen from some viewpoints.
@@ -120,6 +145,8 @@ struct Outlook {
     distance: f32,
     /// The share of what surfaces send to each other and to the sky that leaves the scene.
     left: f32,
+    /// The share of what is seen that is level or upright.
+    built: f32,
 }
 
 impl Outlook {
@@ -127,8 +154,13 @@ impl Outlook {
         self.left > OPEN || self.distance < ROOMY
     }
 
+    /// Whether it is like the inside of a vessel, not like a room.
+    fn is_rounded(&self) -> bool {
+        self.built < BUILT || self.distance < NARROW
+    }
+
     fn new<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: &[Vec3], seed: u64) -> Self {
-        let (mut seen, mut distance) = (0u32, 0.0);
+        let (mut seen, mut distance, mut built) = (0u32, 0.0, 0u32);
         let (mut sent, mut left) = (0u32, 0u32);
         for (particle, viewpoint) in (0..PARTICLES).zip(viewpoints.iter().cycle()) {
             let mut stream = Stream::new(seed ^ 0x6f70_656e, particle);
@@ -144,6 +176,8 @@ impl Outlook {
                 if bounce == 0 {
                     seen += 1;
                     distance += hit.distance;
+                    let up = hit.geometric_normal.y.abs();
+                    built += (!UPRIGHT.contains(&up)) as u32;
                 }
                 let Some(on) = bounced(&hit, surfaces.epsilon_at(hit.position), &mut stream) else { break };
                 ray = on;
@@ -153,6 +187,7 @@ impl Outlook {
             seen: seen as f32 / PARTICLES as f32,
             distance: distance / seen.max(1) as f32,
             left: left as f32 / sent.max(1) as f32,
+            built: built as f32 / seen.max(1) as f32,
         }
     }
 }

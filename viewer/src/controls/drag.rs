@@ -1,7 +1,8 @@
 //! Dragging the lights' handles.
 //!
 //! A light follows the pointer in a plane that faces the camera, but stays before the first surface that the eye sees
-//! there: it slides along what comes nearer. A spot's second handle turns it, a sun's handle turns the sun.
+//! there: it slides along what comes nearer. A spot's second handle aims it at the surface under the pointer, a sun's handle
+//! turns the sun.
 
 use super::Stage;
 use super::gizmo::{self, Handle};
@@ -53,9 +54,10 @@ impl Grip {
         let ahead = ray.dot(frame.forward);
         let mut distance = self.depth * factor as f32 / ahead;
         let is_light = !self.handle.aim;
-        if is_light && !self.free {
-            let gap = 0.5 * stage.clearance;
-            let hit = stage.seen_along(ray, distance + gap);
+        if !self.free {
+            // A spot is aimed at what is seen, however far it is.
+            let gap = if is_light { 0.5 * stage.clearance } else { 0.0 };
+            let hit = stage.seen_along(ray, if is_light { distance + gap } else { f32::INFINITY });
             distance = hit.map_or(distance, |hit| (hit.distance - gap).max(0.5 * hit.distance));
         }
         if factor != 1.0 {
@@ -181,6 +183,24 @@ mod tests {
         dragged(&mut s, SPOT, [30.0, -50.0], false, true);
         let ([u, v], farther) = gizmo::projected(&s, SPOT).unwrap();
         assert!((u - x).hypot(v - y) < 0.1 && farther > 1.2 * depth, "{u} {v} {farther}");
+    }
+
+    #[test]
+    fn a_spot_is_aimed_at_the_surface_under_the_pointer() {
+        let wall = [Vec3::new(-90.0, -50.0, -4.0), Vec3::new(90.0, -50.0, -1.0), Vec3::new(0.0, 90.0, -6.0)];
+        let aim = Handle { light: 0, aim: true };
+        for [x, y] in [[60.0, 40.0], [-90.0, 30.0], [-150.0, 120.0], [30.0, -170.0]] {
+            let mut s = Stage { triangles: two_sided(&[wall]).into(), ..lit() };
+            let ([u, v], _) = gizmo::projected(&s, aim).unwrap();
+            dragged(&mut s, aim, [x, y], false, false);
+            let there = DVec3::from(s.surface_at([u as f64 + x, v as f64 + y]).unwrap());
+            let Light::Spot { position, direction, .. } = s.lights[0] else { panic!() };
+            let to = (there - DVec3::from(position)).normalize();
+            assert!(DVec3::from(direction).normalize().dot(to) > 0.99999, "{direction:?} and {to}");
+            // The handle stays there, on what is lit.
+            let ([p, q], _) = gizmo::projected(&s, aim).unwrap();
+            assert!((p as f64 - u as f64 - x).hypot(q as f64 - v as f64 - y) < 0.5, "{p} {q}");
+        }
     }
 
     #[test]

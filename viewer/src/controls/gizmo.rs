@@ -1,6 +1,6 @@
 //! The lights' handles in the view: where they lie and which one is under a pointer.
 //!
-//! Point and spot lights have a handle at their place; spots a second one along their direction, which stays in the
+//! Point and spot lights have a handle at their place; spots a second one where they shine, or on the way there, in the
 //! picture; directional lights one on a map of all directions around the picture's middle.
 
 use super::Stage;
@@ -9,7 +9,7 @@ use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::Light;
 use std::f32::consts::PI;
 
-/// Share of the scene's diagonal: how far a spot's second handle is from the first, where the picture has room.
+/// Share of the scene's diagonal: how far a spot's second handle is from the first, where the spot meets no surface.
 const AIM: f64 = 0.12;
 /// Shares of the picture around its middle in which second handles stay, the first that can be.
 const MIDDLE: [f32; 2] = [0.9, 0.99];
@@ -100,7 +100,9 @@ pub(super) fn projected(stage: &Stage, handle: Handle) -> Option<([f32; 2], f32)
         (Light::Point { position, .. } | Light::Spot { position, .. }, false) => from_eye(position),
         (Light::Spot { position, direction, .. }, true) => {
             let (place, along) = (from_eye(position), seen(&frame, unit(direction)));
-            place + along * visible(&frame, size, place, along, (AIM * stage.extent) as f32)
+            let hit = stage.triangles.cast(stage.local(*position), unit(direction), f32::INFINITY);
+            let wanted = hit.map_or((AIM * stage.extent) as f32, |hit| hit.distance);
+            place + along * visible(&frame, size, place, along, wanted)
         }
         (Light::Directional { direction, .. }, false) => {
             // Straight ahead is the middle, straight behind the map's edge.

@@ -10,6 +10,7 @@ pub mod drag;
 pub mod fly;
 pub mod gizmo;
 pub mod orbit;
+pub mod sun;
 pub mod surroundings;
 
 use crate::triangles::{Hit, Triangles};
@@ -26,6 +27,9 @@ use std::rc::Rc;
 const WHEEL: f64 = 2.5e-4;
 /// Scene diagonals that one walks when two pointers are moved apart to e times their distance.
 const PINCH: f64 = 0.15;
+
+/// Radians that a drag over the picture's height orbits.
+const ORBIT: f64 = 3.0;
 
 /// What the controls act on, world space.
 #[derive(Clone)]
@@ -209,16 +213,21 @@ impl Controls {
                 dolly(stage, 1.0 / wider);
             }
         } else {
-            let turn = [-delta[0] * 3.0 / height, -delta[1] * 3.0 / height];
             match button {
                 PointerButton::Turn if !self.is_inside() => {
                     let mut wanted = stage.camera.clone();
-                    orbit::orbit(&mut wanted, turn[0], turn[1]);
+                    orbit::orbit(&mut wanted, -delta[0] * ORBIT / height, -delta[1] * ORBIT / height);
                     collide::advance(stage, wanted, Motion::Orbit);
                 }
-                // The picture is grabbed, as in orbiting.
+                // The picture is grabbed: what is under the pointer stays there.
                 PointerButton::Turn | PointerButton::Look => {
-                    orbit::look(&mut stage.camera, -turn[0], -turn[1]);
+                    let tan = stage.camera.frame([0.0; 3]).tan_half_yfov;
+                    let angle = |at: [f64; 2], i: usize| {
+                        let across = (2.0 * at[i] - f64::from(stage.size[i])) / height;
+                        f64::from((across as f32 * tan).atan2(1.0))
+                    };
+                    let [yaw, pitch] = [0, 1].map(|i| angle(at, i) - angle(before, i));
+                    orbit::look(&mut stage.camera, yaw, pitch);
                 }
                 PointerButton::Pan => {
                     fly::travel(stage, [-delta[0] * pixel, delta[1] * pixel, 0.0], false);

@@ -82,6 +82,24 @@ fn inside_a_drag_looks_around_and_a_page_may_have_it_otherwise() {
 }
 
 #[test]
+fn what_is_under_the_pointer_stays_there_while_one_looks_around() {
+    for (by, yfov_deg) in
+        [([90.0, 0.0], 60.0), ([0.0, -70.0], 60.0), ([200.0, 0.0], 25.0), ([60.0, 50.0], 90.0)]
+    {
+        let mut s = room();
+        s.camera.yfov_deg = yfov_deg;
+        let at = [0, 1].map(|i| MIDDLE[i] - 0.4 * by[i]);
+        let place = DVec3::from(s.surface_at(at).unwrap());
+        let mut controls = Controls::default();
+        controls.pointer_down(1, at, PointerButton::Look, 0.0, &s);
+        let to = [0, 1].map(|i| at[i] + by[i]);
+        controls.pointer_move(1, to, false, false, &mut s);
+        let there = DVec3::from(s.surface_at(to).unwrap());
+        assert!(place.distance(there) < 0.3, "{by:?}: {place} and {there}");
+    }
+}
+
+#[test]
 fn a_held_pointer_keeps_what_it_does_and_the_next_one_looks_anew() {
     let mut s = room();
     let mut controls = press(&mut s, ASIDE, PointerButton::Turn, 30.0);

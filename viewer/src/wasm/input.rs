@@ -1,7 +1,7 @@
 //! Pointers, wheel and keys, as the element hands them to the class [`Viewer`].
 
 use super::Viewer;
-use crate::controls::{Controls, PointerButton, Stage};
+use crate::controls::{Controls, PointerButton, Stage, sun};
 use wasm_bindgen::prelude::*;
 
 impl Viewer {
@@ -57,6 +57,12 @@ impl Viewer {
         let state = self.state.borrow();
         let stage = state.renderer.stage([state.config.width, state.config.height]);
         stage.surface_at([x, y]).map(|place| place.to_vec())
+    }
+
+    /// Direction of light for a new sun: in through an opening where the view is closed.
+    pub fn sunlight(&self) -> Vec<f64> {
+        let state = self.state.borrow();
+        sun::sunlight(&state.renderer.stage([state.config.width, state.config.height])).to_vec()
     }
 
     /// The wheel turns by `delta_y` pixels: walk, dolly, or take a dragged light farther.

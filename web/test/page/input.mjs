@@ -94,6 +94,43 @@ export async function input(harness, context) {
     check(cosine > 0.99, `it went ${moved}, not ${forward}`);
   });
 
+  await harness.test("input::keys_act_wherever_the_focus_is_in_the_element", async () => {
+    const html = '<rebounce-viewer src="scene.rbn" controls></rebounce-viewer>';
+    const { page } = await loaded(context, html, { viewport: { width: 640, height: 360 } });
+    const moves = async (key) => {
+      const place = () => page.evaluate(() => JSON.stringify(viewer.camera.position));
+      const before = await place();
+      await page.keyboard.down(key);
+      await page.evaluate(() => pause(400));
+      await page.keyboard.up(key);
+      await page.evaluate(() => still());
+      return (await place()) !== before;
+    };
+    const first = await page.evaluate(() => viewer.camera.position);
+    equal(await moves("w"), false, "without the focus");
+    await page.evaluate(() => (viewer.interaction = "all"));
+    equal(await moves("w"), true, "without the focus, in a viewer that fills its page");
+    await page.mouse.click(20, 300);
+    await page.keyboard.press("Escape");
+    equal(await moves("s"), true, "after Escape");
+    await page.evaluate(() => (viewer.interaction = "auto"));
+    await page.getByText("Lights and settings").click();
+    equal(await moves("d"), true, "with the focus on the panel");
+    await page.keyboard.press("r");
+    same(await page.evaluate(() => viewer.camera.position), first, "where R brings it back to");
+    await page.getByRole("button", { name: /^(Lamp|Spot) 1 / }).click();
+    await page.getByLabel("Name").focus();
+    equal(await moves("w"), false, "in a name");
+    // The ring is seen: an outline within the picture.
+    await page.evaluate(() => viewer.shadowRoot.querySelector("canvas").focus());
+    const [style, offset] = await page.evaluate(() => {
+      const { outlineStyle, outlineOffset } = getComputedStyle(viewer.shadowRoot.querySelector("canvas"));
+      return [outlineStyle, outlineOffset];
+    });
+    same([style, offset], ["solid", "-3px"], "the ring");
+    await page.close();
+  });
+
   await harness.test(
     "input::the_wheel_and_a_finger_are_the_pages_where_it_says_so",
     async () => {

@@ -213,6 +213,8 @@ async function links(harness, { readState, stateHash }) {
     equal(readState(stateHash({ camera, lights, settings: {} }, "a."), "b."), undefined, "another element's state");
     equal(readState(stateHash({ camera, lights, settings: {} }, "a."), "a.").lights.length, 3, "its own");
     equal(readState("#section-3"), undefined, "some other hash");
+    const name = "Bed, left & 100 % of it";
+    equal(readState(stateHash({ camera, lights: [{ ...lights[0], name }], settings: {} })).lights[0].name, name, "a name");
   });
   await harness.test("modules::a_damaged_link_is_refused", () => {
     for (const bad of ["camera=1,2", "camera=1,2,3,4,5,6,7,8,9,x", "light=lamp,1", "light=point,1,2,3,4,5,6", "light=", "light=constructor,1", "camera=,,,,,,,,,"]) {
@@ -242,11 +244,27 @@ async function steps(harness, { hexColor, linearColor, newLight, stepped }) {
   });
   await harness.test("modules::new_lights_lie_in_view", () => {
     for (const type of ["point", "spot", "directional"]) {
-      const light = newLight(type, camera);
+      const light = newLight(type, camera, [], () => [0, -3, 0]);
       equal(light.type, type, "the kind");
       check(light.intensity > 0, "no light");
       if (light.position) same(light.position.map((x) => Math.round(x * 1e6) / 1e6), [3, 0.6, 0], "the place");
+      else same(light.direction.map((x) => x + 0), [0, -1, 0], "the direction");
     }
+  });
+  await harness.test("modules::new_lights_lie_beside_each_other", () => {
+    const lights = [];
+    for (let i = 0; i < 16; i += 1) lights.push(newLight(["point", "spot", "directional"][i % 3], camera, lights, () => [0.5, -1, 0.2]));
+    // Unit vectors from the eye, or to the sun.
+    const seen = ({ position, direction }) => {
+      const way = position ? position.map((x, i) => x - camera.position[i]) : direction;
+      return way.map((x) => x / Math.hypot(...way));
+    };
+    lights.forEach((a, i) =>
+      lights.slice(i + 1).forEach((b) => {
+        const apart = Math.hypot(...seen(a).map((x, k) => x - seen(b)[k]));
+        if (!a.position === !b.position) check(apart > (a.position ? 0.08 : 0.2), `${i}: only ${apart} apart`);
+      }),
+    );
   });
   await harness.test("modules::colours_come_back", () => {
     for (const hex of ["#000000", "#ffffff", "#0a80c8", "#ff0105"]) equal(hexColor(linearColor(hex)), hex, "the colour");

@@ -92,7 +92,7 @@ export async function panelLights(harness, context) {
       return Math.abs(parseFloat(words) - 2700) <= 50;
     }));
     await color.fill("#00ff00");
-    await follows("Colour temperature", "not that of a white");
+    await follows("Colour temperature", "not a white");
   });
 
   await harness.test("panel::lights::a_sun_is_set_by_azimuth_and_elevation", async () => {

@@ -156,6 +156,12 @@ export async function panel(harness, context) {
       same(await state(), lights, `the lights after ${bad}`);
       await page.evaluate(() => (viewer.shadowRoot.querySelector("[role=status]").textContent = ""));
     }
+    // What nothing would follow is not offered.
+    equal(await page.getByRole("button", { name: "Copy link" }).isVisible(), false, "a link without state-in-link");
+    await page.evaluate(() => {
+      viewer.stateInLink = true;
+      viewer.exposure = 0.5;
+    });
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
     await page.getByRole("button", { name: "Copy link" }).click();
     await said("The link is copied.");
@@ -168,7 +174,7 @@ export async function panel(harness, context) {
   });
 
   await harness.test("panel::figures_are_those_of_stats", async () => {
-    await page.getByText("Figures").click();
+    await page.getByText("Statistics").click();
     const scene = page.getByRole("table", { name: "In this scene" });
     const cell = (name) => scene.getByRole("row", { name }).getByRole("cell").first();
     const number = async (name) => Number((await cell(name).textContent()).replace(/\D/g, ""));

@@ -139,6 +139,8 @@ export async function walking(harness, context) {
     const { page: phone } = await loaded(context, undefined, { media: { hasTouch: true, isMobile: true } });
     check(!(await shown(phone)), "a stick outside");
     await stand(phone, INSIDE);
+    check(!(await shown(phone)), "a stick in what is not yet tapped, where it would keep the page from scrolling");
+    await phone.evaluate(() => viewer.focus());
     check(await shown(phone), "no stick inside");
     const { width, height, label } = await phone.evaluate(() => {
       const stick = viewer.shadowRoot.querySelector(".stick");

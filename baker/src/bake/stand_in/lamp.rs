@@ -12,11 +12,13 @@ use std::f32::consts::PI;
 /// Where in the picture lamps are tried, from its middle, over half its width and half its height: in the left or right
 /// third, where their handles are well within the picture.
 const ACROSS: [f32; 5] = [0.38, 0.46, 0.55, 0.65, 0.75];
-const UP: [f32; 7] = [0.72, 0.62, 0.52, 0.42, 0.32, 0.22, 0.12];
+const UP: [f32; 8] = [0.72, 0.62, 0.52, 0.42, 0.32, 0.22, 0.12, 0.05];
 /// How far away, over the distance of what is behind them there.
 const AWAY: [f32; 7] = [0.85, 0.75, 0.65, 0.55, 0.45, 0.35, 0.25];
-/// How far up to the ceiling a lamp hangs best.
-const HIGH: f32 = 0.75;
+/// How far below the ceiling a lamp hangs best, over the eye's height: nearer it burns the ceiling out. In high rooms half
+/// way between eye and ceiling, in low ones at least so high, over the eye's height.
+const BELOW: f32 = 0.75;
+const LEAST: f32 = 1.05;
 /// The widest spot, degrees: wider ones take six shadow maps.
 const WIDEST: f32 = 60.0;
 /// The cone of a spot over what the object's sphere takes: what the object stands on is lit, and fades out.
@@ -26,6 +28,9 @@ const BACK: f32 = 0.7;
 /// The best so many places are looked at closely, with so many rays of the picture.
 const CLOSELY: usize = 96;
 const RAYS: u32 = 160;
+/// What gets so many times the usual light is burnt out in the picture, and the share of it that is little.
+const BURNT: f32 = 5.0;
+const FEW_BURNT: f32 = 0.03;
 /// Free space around a lamp in a room, over the room's height there; and in the open, over the scene's diagonal.
 const FREE: f32 = 0.12;
 const FREE_IN_OPEN: f32 = 0.05;
@@ -150,13 +155,14 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         direct::at_hit(self.surfaces, &lights, hit).element_sum() / 3.0
     }
 
+    /// The irradiance of points in the picture that get light from 1 cd at `place`.
+    fn lit(&self, place: Vec3) -> Vec<f32> {
+        self.seen.iter().map(|hit| self.irradiance(place, hit)).filter(|light| *light > 0.0).collect()
+    }
+
     /// Geometric mean of the irradiance of lit points in the picture, from 1 cd at `place`.
     fn gain(&self, place: Vec3) -> f32 {
-        let lit: Vec<f32> =
-            self.seen.iter().map(|hit| self.irradiance(place, hit)).filter(|light| *light > 0.0).collect();
-        let count = lit.len().max(1) as f32;
-        let logs: f32 = lit.iter().map(|light| light.ln()).sum();
-        let mean = if lit.is_empty() { 0.0 } else { (logs / count).exp() };
+        let mean = geometric_mean(&self.lit(place));
         let distance = 0.5 * self.diagonal();
         mean.max(1e-3 / (distance * distance).max(f32::MIN_POSITIVE))
     }
@@ -180,8 +186,11 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         rated.sort_by(|a, b| b.0.total_cmp(&a.0));
         rated.truncate(CLOSELY);
         let closely = |(rate, place): &(f32, Vec3)| {
-            let lit = self.seen.iter().filter(|hit| self.irradiance(*place, hit) > 0.0).count();
-            rate * (0.1 + (lit as f32 / self.seen.len().max(1) as f32).powi(3))
+            let lit: Vec<f32> = self.lit(*place);
+            let usual = BURNT * geometric_mean(&lit);
+            let share = |count: usize| count as f32 / self.seen.len().max(1) as f32;
+            let burnt = share(lit.iter().filter(|light| **light > usual).count()) / FEW_BURNT;
+            rate * (0.1 + share(lit.len()).powi(3)) / (1.0 + burnt * burnt)
         };
         let closely: Vec<f32> = rated.par_iter().map(closely).collect();
         let best = (0..rated.len()).max_by(|a, b| closely[*a].total_cmp(&closely[*b]).then(b.cmp(a)));
@@ -204,7 +213,12 @@ impl<'a, S: Surfaces> Sight<'a, S> {
             (0.75 + 0.25 * up.clamp(-1.0, 1.2), away.min(1.0).powi(2))
         } else {
             let up = match room.above {
-                Some(above) => bell(below / (above + below) - HIGH, 0.25),
+                Some(above) => {
+                    let high = above + below;
+                    let wanted =
+                        (high - BELOW * self.tall).min(0.5 * (self.tall + high)).max(LEAST * self.tall);
+                    bell((below - wanted) / high, 0.15)
+                }
                 None => bell(below / self.tall - SKY[0], 1.5),
             };
             (up, (room.aside / (ASIDE * tall)).min(1.0))
@@ -224,6 +238,12 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         let free = if free < 1.0 { 0.001 * free } else { 1.0 };
         free * (0.02 + up.max(0.0)) * (0.2 + 0.8 * aside) * reached * depth * third + f32::MIN_POSITIVE
     }
+}
+
+/// 0 of nothing.
+fn geometric_mean(light: &[f32]) -> f32 {
+    let logs: f32 = light.iter().map(|light| light.ln()).sum();
+    if light.is_empty() { 0.0 } else { (logs / light.len() as f32).exp() }
 }
 
 fn bell(x: f32, width: f32) -> f32 {

@@ -30,11 +30,21 @@ pub fn load(name: &str) -> Result<Scene, SceneError> {
         "theatre" => Ok(theatre::scene()),
         "two-rooms" => Ok(two_rooms::scene(false)),
         "two-rooms-door" => Ok(two_rooms::scene(true)),
-        _ => {
-            let known = NAMES.map(|n| format!("builtin:{n}")).join(", ");
-            Err(SceneError::UnknownBuiltin { name: name.to_owned(), known })
-        }
+        _ => Err(unknown(name)),
     }
+}
+
+/// Whether there is a built-in scene of this name.
+///
+/// # Errors
+/// [`SceneError::UnknownBuiltin`].
+pub fn check(name: &str) -> Result<(), SceneError> {
+    if NAMES.contains(&name) { Ok(()) } else { Err(unknown(name)) }
+}
+
+fn unknown(name: &str) -> SceneError {
+    let known = NAMES.map(|n| format!("builtin:{n}")).join(", ");
+    SceneError::UnknownBuiltin { name: name.to_owned(), known }
 }
 
 /// A one-sided material of this linear RGB albedo.
