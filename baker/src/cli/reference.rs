@@ -12,7 +12,7 @@ use rebounce::triangles::TriangleSurfaces;
 #[derive(Args, Debug)]
 pub struct ReferenceArgs {
     /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
-    /// builtin:two-rooms-door, builtin:two-rooms, builtin:furnace
+    /// builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic, builtin:furnace
     scene: String,
     #[command(flatten)]
     load: LoadArgs,
