@@ -11,8 +11,8 @@ use rebounce::triangles::TriangleSurfaces;
 /// Arguments of `rebounce reference`.
 #[derive(Args, Debug)]
 pub struct ReferenceArgs {
-    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:attic, builtin:library, builtin:theatre,
-    /// builtin:two-rooms-door, builtin:two-rooms, builtin:furnace
+    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
+    /// builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic, builtin:furnace
     scene: String,
     #[command(flatten)]
     load: LoadArgs,
