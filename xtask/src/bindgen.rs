@@ -5,6 +5,12 @@ use std::collections::HashMap;
 use std::path::Path;
 use wasm_bindgen_cli_support::Bindgen;
 
+/// How values are written out in the messages of panics, and what is shorter: what is used no more is left out of the bundle.
+const DEBUG: [&str; 2] = ["debugString(arg", "String(arg"];
+/// Where the script's own ways to load begin, and the one that is used.
+const LOAD: &str = "async function __wbg_load(";
+const INIT: &str = include_str!("init.js");
+
 /// Writes `NAME.js`, `NAME.d.ts` and `NAME_bg.wasm` for a page that loads them as ES modules.
 ///
 /// # Errors
@@ -37,6 +43,14 @@ pub fn module(wasm: &Path, name: &str, out: &Path) -> Result<()> {
             _ => format!("{line}\n"),
         })
         .collect();
+    let load = script.find(LOAD).filter(|_| script.contains(DEBUG[0]));
+    script.truncate(load.with_context(|| {
+        format!(
+            "what wasm-bindgen writes has no {:?} or {LOAD:?} any more: see xtask/src/bindgen.rs",
+            DEBUG[0]
+        )
+    })?);
+    script = script.replace(DEBUG[0], DEBUG[1]) + INIT;
     output.emit(out).with_context(file)?;
     let file = out.join(name).with_extension("js");
     std::fs::write(&file, script).with_context(|| file.display().to_string())
