@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4};
-use rebounce_shared::camera::CameraFrame;
+use rebounce_shared::camera::{Camera, CameraFrame};
 
 /// A picture's camera, in scene-local space. 160 bytes.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -28,6 +28,19 @@ pub struct Frame {
     pub unfiltered: u32,
     /// Unused.
     pub pad: [u32; 4],
+}
+
+/// Most of the tangent of half the vertical field of view in high pictures: 100 degrees.
+const WIDEST: f32 = 1.19;
+
+/// The frame of a camera, local space, for a picture of this size, pixels. In a picture that is higher than wide the camera's
+/// field of view is that across: a view composed for a screen keeps its middle, as wide as high, on a phone.
+#[inline(never)]
+pub fn frame(camera: &Camera, origin: [f64; 3], [width, height]: [u32; 2]) -> CameraFrame {
+    let mut frame = camera.frame(origin);
+    let tan = frame.tan_half_yfov;
+    frame.tan_half_yfov = (tan * height as f32 / width as f32).min(WIDEST).max(tan);
+    frame
 }
 
 impl Frame {
@@ -104,6 +117,21 @@ mod tests {
     use super::*;
     use glam::Vec3;
     use rebounce_shared::camera::Camera;
+
+    #[test]
+    fn high_pictures_are_as_wide_as_the_view_is_high() {
+        let camera =
+            Camera { position: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], yfov_deg: 50.0 };
+        let tan = |size| frame(&camera, [0.0; 3], size).tan_half_yfov;
+        for size in [[1280, 720], [300, 300]] {
+            assert_eq!(tan(size), camera.frame([0.0; 3]).tan_half_yfov);
+        }
+        assert!((tan([400, 800]) * 0.5 - tan([400, 400])).abs() < 1e-6);
+        // A little less where it would be grotesque, and never narrower than asked for.
+        assert_eq!(tan([100, 1000]), WIDEST);
+        let wide = Camera { yfov_deg: 120.0, ..camera.clone() };
+        assert_eq!(frame(&wide, [0.0; 3], [390, 844]).tan_half_yfov, wide.frame([0.0; 3]).tan_half_yfov);
+    }
 
     #[test]
     fn projection_and_reconstruction_are_inverse() {

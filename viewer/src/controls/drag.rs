@@ -49,7 +49,7 @@ impl Grip {
     pub fn put(&mut self, stage: &mut Stage, at: [f64; 2], factor: f64) {
         let [width, height] = stage.size;
         let [x, y] = [0, 1].map(|i| (at[i] - self.offset[i]) as f32);
-        let frame = stage.camera.frame([0.0; 3]);
+        let frame = stage.frame();
         let ray = frame.direction(x, y, width, height);
         let ahead = ray.dot(frame.forward);
         let mut distance = self.depth * factor as f32 / ahead;

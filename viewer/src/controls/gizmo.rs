@@ -93,7 +93,7 @@ pub(super) fn map_radius(size: [f32; 2]) -> f32 {
 /// Where a handle lies in the picture, pixels, and its distance along the view, world units. `None` behind the eye.
 pub(super) fn projected(stage: &Stage, handle: Handle) -> Option<([f32; 2], f32)> {
     let size = stage.size.map(|side| side as f32);
-    let frame = stage.camera.frame([0.0; 3]);
+    let frame = stage.frame();
     let from_eye =
         |p: &[f64; 3]| seen(&frame, (DVec3::from(*p) - DVec3::from(stage.camera.position)).as_vec3());
     let place = match (stage.lights.get(handle.light)?, handle.aim) {

@@ -14,12 +14,13 @@ pub mod sun;
 pub mod surroundings;
 
 use crate::triangles::{Hit, Triangles};
+use crate::view::frame;
 use collide::Motion;
 use drag::Grip;
 use fly::Fly;
 use gizmo::{Handle, Marks};
 use glam::{DVec3, Vec3};
-use rebounce_shared::camera::Camera;
+use rebounce_shared::camera::{Camera, CameraFrame};
 use rebounce_shared::light::Light;
 use std::rc::Rc;
 
@@ -53,10 +54,15 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// The camera's frame in the picture, its eye aside.
+    pub fn frame(&self) -> CameraFrame {
+        frame(&self.camera, [0.0; 3], self.size)
+    }
+
     /// The place that is seen at a pixel, world space.
     pub fn surface_at(&self, at: [f64; 2]) -> Option<[f64; 3]> {
         let [width, height] = self.size;
-        let ray = self.camera.frame([0.0; 3]).direction(at[0] as f32, at[1] as f32, width, height);
+        let ray = self.frame().direction(at[0] as f32, at[1] as f32, width, height);
         self.seen_along(ray, f32::INFINITY).map(|hit| self.along(ray, hit.distance))
     }
 
@@ -199,7 +205,7 @@ impl Controls {
         self.dragged |= (at[0] - start[0]).hypot(at[1] - start[1]) > slack;
         let delta = [at[0] - before[0], at[1] - before[1]];
         let height = stage.size[1].max(1) as f64;
-        let pixel = orbit::pixel_at_target(&stage.camera, height);
+        let pixel = orbit::pixel_at_target(&stage.camera, stage.frame().tan_half_yfov, height);
         if let Some(grip) = &mut self.grip {
             grip.drag(stage, [before, at], shift, alt);
         } else if let Some(other) = self.pointers.iter().find(|p| p.id != id) {
@@ -221,7 +227,7 @@ impl Controls {
                 }
                 // The picture is grabbed: what is under the pointer stays there.
                 PointerButton::Turn | PointerButton::Look => {
-                    let tan = stage.camera.frame([0.0; 3]).tan_half_yfov;
+                    let tan = stage.frame().tan_half_yfov;
                     let angle = |at: [f64; 2], i: usize| {
                         let across = (2.0 * at[i] - f64::from(stage.size[i])) / height;
                         f64::from((across as f32 * tan).atan2(1.0))

@@ -20,9 +20,9 @@ fn axes(camera: &Camera) -> (DVec3, DVec3, DVec3, f64) {
 }
 
 /// World units per pixel in the plane of the target, for a picture `height` pixels high.
-pub fn pixel_at_target(camera: &Camera, height: f64) -> f64 {
+pub fn pixel_at_target(camera: &Camera, tan_half_yfov: f32, height: f64) -> f64 {
     let (.., distance) = axes(camera);
-    2.0 * distance * (camera.yfov_deg.to_radians() * 0.5).tan() / height.max(1.0)
+    2.0 * distance * f64::from(tan_half_yfov) / height.max(1.0)
 }
 
 /// The forward direction turned by `yaw` around the up axis and `pitch` around the right axis,

@@ -13,7 +13,7 @@ const RAYS: [usize; 2] = [10, 6];
 
 /// Direction of sunlight that lights most of what is seen; the usual one unless that lights less than half of it.
 pub fn sunlight(stage: &Stage) -> [f64; 3] {
-    let frame = stage.camera.frame([0.0; 3]);
+    let frame = stage.frame();
     let eye = stage.local(stage.camera.position);
     let [width, height] = stage.size;
     let gap = 0.05 * stage.clearance;

@@ -10,7 +10,7 @@ use crate::scope::Scope;
 use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::target::Target;
 use crate::timing::Pass;
-use crate::view::{Frame, Sample};
+use crate::view::{Frame, Sample, frame};
 use wgpu::TextureFormat;
 
 impl Renderer {
@@ -111,7 +111,7 @@ impl Renderer {
         target.set_way(&self.gpu, &self.pipelines, scene, way);
         self.way = target.display.way();
         self.viewed |= timed;
-        let camera = self.camera.frame(scene.meta.origin);
+        let camera = frame(&self.camera, scene.meta.origin, target.size);
         let frame = Frame::new(&camera, scene.near, target.size, sample);
         self.gpu.queue.write_buffer(&target.frame, 0, bytemuck::bytes_of(&frame));
         let timing = self.timing.as_mut().filter(|_| timed);
