@@ -99,9 +99,9 @@ input[type="color"] { width: 3.5rem; height: 1.8rem; padding: 0; border: 0; back
 /* On a phone a sheet, below the picture. */
 @container (max-width: 30rem) {
   .dock > * { --target: 44px; }
-  .panel[open] ~ .screen { right: 0.75rem; bottom: calc(50cqh + 0.75rem); }
+  .panel[open] ~ .screen { right: 0.75rem; bottom: calc(max(50cqh, min(100cqh, 16rem)) + 0.75rem); }
   .panel[open] {
-    inset: auto 0 0; width: auto; max-width: none; --height: 50cqh; border-radius: 12px 12px 0 0; border-width: 1px 0 0;
+    inset: auto 0 0; width: auto; max-width: none; --height: max(50cqh, min(100cqh, 16rem)); border-radius: 12px 12px 0 0; border-width: 1px 0 0;
   }
 }
 `;

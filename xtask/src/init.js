@@ -1,5 +1,6 @@
-/** Starts the wasm module from the response that holds it. */
-export default async function init({ module_or_path }) {
+/** Starts the wasm module from the response that holds it, where it does not run yet; its exports. */
+export default async function init({ module_or_path } = {}) {
+  if (wasm) return wasm;
   const response = await module_or_path;
   if (!response.ok) throw new Error(`${response.status} ${response.url}`);
   // A server that gives it another type keeps it from being compiled while it comes.

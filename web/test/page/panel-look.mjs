@@ -33,6 +33,21 @@ export async function panelLook(harness, context) {
   const axe = await readFile(AXE, "utf8");
   const opened = (options) => loaded(context, CONTROLS, options);
 
+  await harness.test("panel::look::in_a_low_picture_the_sheet_takes_all_of_its_height", async () => {
+    const { page, faults } = await opened({ ...PHONE, viewport: { width: 390, height: 220 } });
+    await page.getByText("Lights and settings").click();
+    const [panel, add] = await page.evaluate(() =>
+      [".panel", ".panel button[part], .panel .body button"].map((name) => {
+        const { top, bottom } = viewer.shadowRoot.querySelector(name).getBoundingClientRect();
+        const whole = viewer.getBoundingClientRect();
+        return [top - whole.top, whole.bottom - bottom];
+      }),
+    );
+    check(Math.abs(panel[0]) < 2 && Math.abs(panel[1]) < 2, `the sheet leaves ${panel}`);
+    check(add[1] > 0, `the first button lies ${-add[1]} below the picture`);
+    same(faults, []);
+  });
+
   for (const options of SIZES) {
     const { width, height } = options.viewport;
     await harness.test(`panel::look::at_${width}_by_${height}_it_leaves_the_picture_and_clips_nothing`, async () => {
