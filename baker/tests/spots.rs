@@ -11,10 +11,11 @@ use rebounce::triangles::TriangleSurfaces;
 /// Two bare walls in the first camera's picture.
 const WALLS: [Rectangle; 2] = [[0.03, 0.15, 0.40, 0.60], [0.47, 0.25, 0.85, 0.65]];
 
-/// Spots on the walls of the attic at `draft`, by how many levels share what their rays find.
+/// Spots on the walls of the attic at `draft` with fewer functions, by how many levels share what their rays find.
 fn attic(pooled_levels: usize) -> [Spots; 2] {
     let scene = scene::load("builtin:attic").unwrap();
     let mut settings = BakeSettings::new(Preset::Draft);
+    settings.place.functions = 10_000;
     settings.operator.pooled_levels = pooled_levels;
     let (file, _) = bake(&scene, &settings, &()).unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);
