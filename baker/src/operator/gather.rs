@@ -153,10 +153,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
                 self.predict(receiver, values, senders);
                 gathered.links = choose(senders, |[found, said]| (found, said), epsilon, noise);
                 if self.is_read(receiver, level) {
-                    for link in &gathered.links {
-                        senders.add(SAID, link.sender(), link.amount());
-                    }
-                    gathered.value = self.value(level, senders);
+                    gathered.value = self.value_with(&gathered.links, level, senders);
                 }
                 senders.clear();
                 cast(cost.rays)?;
@@ -217,10 +214,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             let mut gathered = Gathered { cost: costs[k], links, ..Gathered::default() };
             if self.is_read(receiver, level) {
                 self.predict(receiver, values, senders);
-                for link in &gathered.links {
-                    senders.add(SAID, link.sender(), link.amount());
-                }
-                gathered.value = self.value(level, senders);
+                gathered.value = self.value_with(&gathered.links, level, senders);
                 senders.clear();
             }
             done(receiver, gathered);
@@ -260,6 +254,14 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// A receiver's value as its children will subtract it.
     fn value(&self, level: usize, sums: &Tally<2>) -> Vec<Link> {
         choose(sums, |[_, said]| (said, 0.0), VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
+    }
+
+    /// The same of a receiver with links of its own: the sum of these and the parents' values in `sums`.
+    fn value_with(&self, links: &[Link], level: usize, sums: &mut Tally<2>) -> Vec<Link> {
+        for link in links {
+            sums.add(SAID, link.sender(), link.amount());
+        }
+        self.value(level, sums)
     }
 
     /// Eq. 17: what the parents' values say at this receiver, as the push will interpolate it.

@@ -2,9 +2,8 @@
 //! sun comes from the arcade's side, so that none of it falls between the pillars. Metres.
 
 use super::super::{Scene, WorldMesh};
-use super::{block, matt};
+use super::{block, camera, matt};
 use glam::{DVec3, dvec3};
-use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::Material;
 
@@ -34,12 +33,7 @@ pub(super) fn scene() -> Scene {
     court(&mut mesh);
     arcade(&mut mesh);
     furniture(&mut mesh);
-    let look = |position: DVec3, target: DVec3| Camera {
-        position: position.to_array(),
-        target: target.to_array(),
-        up: [0.0, 1.0, 0.0],
-        yfov_deg: 60.0,
-    };
+    let look = |position: DVec3, target: DVec3| camera(position, target, 60.0);
     let curtain = Material { double_sided: true, ..matt("curtain", [0.45, 0.08, 0.06]) };
     let mut scene = Scene {
         name: "arcade".into(),

@@ -2,9 +2,8 @@
 //! on the floor and a wall. Bare walls show the slightest spot. Metres; walls are 20 cm thick.
 
 use super::super::{Scene, WorldMesh};
-use super::{block, matt};
+use super::{block, camera, matt};
 use glam::{DVec3, dvec3};
-use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 
 const ROOM: DVec3 = dvec3(5.0, 2.6, 4.0);
@@ -30,12 +29,7 @@ pub(super) fn scene() -> Scene {
     piece([head, 0.0], [ROOM.y, ROOM.z]);
     piece([sill, 0.0], [head, near]);
     piece([sill, far], [head, ROOM.z]);
-    let look = |position: [f64; 3], target: [f64; 3]| Camera {
-        position,
-        target,
-        up: [0.0, 1.0, 0.0],
-        yfov_deg: 60.0,
-    };
+    let look = |position: [f64; 3], target: [f64; 3]| camera(position, target, 60.0);
     let mut scene = Scene {
         name: "attic".into(),
         materials: vec![matt("plaster", [0.7, 0.68, 0.62])],

@@ -1,9 +1,8 @@
 //! A corridor behind a door that is ajar, and the room with the lamp: what light there is comes through the gap. Metres.
 
 use super::super::{Scene, WorldMesh};
-use super::{block, matt};
+use super::{block, camera, matt};
 use glam::{DVec3, dvec3};
-use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 
 /// Depth (z) of the room, width (x) of room and corridor, height (y).
@@ -31,12 +30,7 @@ pub(super) fn scene() -> Scene {
     block(&mut mesh, dvec3(3.6, 0.0, -WALL - 0.4), dvec3(4.6, 0.8, -WALL), 4);
     block(&mut mesh, dvec3(5.3, 0.0, -WALL - WIDTH + 0.1), dvec3(5.8, 0.45, -WALL - WIDTH + 0.55), 3);
     block(&mut mesh, dvec3(3.4, 0.7, 1.6), dvec3(5.0, 0.75, 2.6), 4);
-    let look = |position: DVec3, target: DVec3| Camera {
-        position: position.to_array(),
-        target: target.to_array(),
-        up: [0.0, 1.0, 0.0],
-        yfov_deg: 65.0,
-    };
+    let look = |position: DVec3, target: DVec3| camera(position, target, 65.0);
     let mut scene = Scene {
         name: "corridor".into(),
         materials: vec![

@@ -12,6 +12,7 @@ mod two_rooms;
 
 use super::{Scene, SceneError, WorldMesh};
 use glam::{DVec3, Vec2};
+use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::meta::Material;
 
 /// The names after `builtin:`.
@@ -64,6 +65,11 @@ fn unknown(name: &str) -> SceneError {
 /// A one-sided material of this linear RGB albedo.
 fn matt(name: &str, [r, g, b]: [f32; 3]) -> Material {
     Material { name: name.to_owned(), base_color: [r, g, b, 1.0], ..Material::default() }
+}
+
+/// A camera at `position` that looks at `target`, upright; places in world space, vertical field of view in degrees.
+fn camera(position: impl Into<[f64; 3]>, target: impl Into<[f64; 3]>, yfov_deg: f64) -> Camera {
+    Camera { position: position.into(), target: target.into(), up: [0.0, 1.0, 0.0], yfov_deg }
 }
 
 /// Adds a box with edges along the axes, seen from outside.

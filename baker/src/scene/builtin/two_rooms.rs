@@ -3,9 +3,8 @@
 //! leave them.
 
 use super::super::{Scene, WorldMesh};
-use super::{block, matt};
+use super::{block, camera, matt};
 use glam::{DVec3, dvec3};
-use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 
 const HALF_WALL: f64 = 0.025;
@@ -28,12 +27,7 @@ pub(super) fn scene(door: bool) -> Scene {
     } else {
         wall(&mut mesh, [0.0, 0.0], [HEIGHT, DEPTH]);
     }
-    let look = |position: DVec3, target: DVec3| Camera {
-        position: position.to_array(),
-        target: target.to_array(),
-        up: [0.0, 1.0, 0.0],
-        yfov_deg: 65.0,
-    };
+    let look = |position: DVec3, target: DVec3| camera(position, target, 65.0);
     let mut scene = Scene {
         name: if door { "two-rooms-door" } else { "two-rooms" }.into(),
         materials: vec![

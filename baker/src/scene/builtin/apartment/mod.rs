@@ -5,9 +5,8 @@
 mod furniture;
 
 use super::super::{Scene, WorldMesh};
-use super::{block, matt};
+use super::{block, camera, matt};
 use glam::{DVec3, dvec3};
-use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 
 /// Width (x), height (y) and depth (z) within the outer walls.
@@ -81,12 +80,7 @@ pub(super) fn scene() -> Scene {
     furniture::bedroom(&mut mesh);
     furniture::study(&mut mesh);
     furniture::hall(&mut mesh);
-    let look = |position: [f64; 3], target: [f64; 3]| Camera {
-        position,
-        target,
-        up: [0.0, 1.0, 0.0],
-        yfov_deg: 62.0,
-    };
+    let look = |position: [f64; 3], target: [f64; 3]| camera(position, target, 62.0);
     let mut scene = Scene {
         name: "apartment".into(),
         materials: MATERIALS.iter().map(|(name, albedo)| matt(name, *albedo)).collect(),
