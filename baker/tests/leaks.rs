@@ -17,7 +17,7 @@ fn rooms(name: &str, functions: usize) -> (f32, f32, f32) {
     settings.operator.rays = vec![512, 256, 256, 128, 128];
     let (file, _) = bake(&scene, &settings, &()).unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);
-    let relit = Relit::new(&file, &surfaces, &scene.lights);
+    let relit = Relit::new(&file, &surfaces, &scene.lights, true);
     let seen_from = |world: DVec3| {
         let origin = (world - DVec3::from(scene.origin)).as_vec3();
         let mut stream = Stream::new(3, 3);
@@ -25,7 +25,7 @@ fn rooms(name: &str, functions: usize) -> (f32, f32, f32) {
         for _ in 0..n {
             let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
             let hit = surfaces.cast(&ray, 0).unwrap();
-            let light = relit.indirect(hit.position, hit.normal).dot(Vec3::splat(1.0 / 3.0));
+            let light = relit.indirect(&surfaces, &hit, &mut stream).dot(Vec3::splat(1.0 / 3.0));
             sum += light;
             greatest = greatest.max(light);
         }

@@ -138,7 +138,7 @@ fn quick() -> BakeSettings {
 fn seen(scene: &Scene, only: Only) -> [Vec3; 2] {
     let (file, _) = bake(scene, &quick(), &()).unwrap();
     let surfaces = TriangleSurfaces::from_baked(&file).unwrap();
-    let relit = Relit::new(&file, &surfaces, &scene.lights);
+    let relit = Relit::new(&file, &surfaces, &scene.lights, true);
     let lights: Vec<_> = scene.lights.iter().map(|light| light.source(scene.origin)).collect();
     let origin = -DVec3::from(scene.origin).as_vec3();
     let mut sums = [Vec3::ZERO; 2];
@@ -253,7 +253,7 @@ fn an_unlit_surface_shows_its_colour_and_bounces_light_like_others() {
     let lamp = Light::Point { position: [0.2, 0.1, 0.0], intensity: 3.0, color: [1.0; 3] };
     let (file, _) = bake(&Scene { lights: vec![lamp.clone()], ..scene.clone() }, &quick(), &()).unwrap();
     for lights in [vec![], vec![lamp.clone()]] {
-        let relit = Relit::new(&file, &surfaces, &lights);
+        let relit = Relit::new(&file, &surfaces, &lights, true);
         let sources: Vec<_> = lights.iter().map(|light| light.source(scene.origin)).collect();
         let ray = Ray { origin, direction: -Vec3::X, max_distance: f32::INFINITY, spread: 0.0 };
         for (only, expected) in

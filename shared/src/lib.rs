@@ -5,6 +5,7 @@
 //! * [`kernel`] – the weight function of the meshless basis (Lehtinen et al. 2008, Eq. 8 to 10);
 //! * [`basis`] – which functions cover a place, and who is whose parent and child;
 //! * [`footprint`] – where direct light is sampled around a point;
+//! * [`openness`] – what near surfaces leave of the light between points;
 //! * [`exposure`] – how far an automatic exposure may go;
 //! * [`octahedral`], [`colour`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
 //! * [`random`] – random numbers that depend on nothing but their arguments;
@@ -27,6 +28,7 @@ pub mod kernel;
 pub mod light;
 pub mod link;
 pub mod octahedral;
+pub mod openness;
 pub mod random;
 pub mod rbn;
 pub mod relight;

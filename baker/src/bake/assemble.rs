@@ -69,6 +69,7 @@ pub(super) fn assemble(
         texture_bytes,
         points: records,
         cuts,
+        openness: points.openness.clone(),
         relations: relations.clone(),
         links: LinkMatrix::from_rows(&operator.links),
         later: LinkMatrix::from_rows(&operator.later),

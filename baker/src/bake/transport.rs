@@ -12,7 +12,7 @@ use crate::operator::journal::Journal;
 use crate::operator::refine::{Refiner, Senders, refine};
 use crate::operator::{Operator, reflected::reflected_share, tint};
 use crate::points::vantage::Vantage;
-use crate::points::{Placer, Points, cut, footprint, place};
+use crate::points::{Placer, Points, cut, footprint, openness, place};
 use crate::scene::Scene;
 use crate::team::Team;
 use crate::triangles::TriangleSurfaces;
@@ -92,7 +92,7 @@ impl Transport<'_> {
             settings = settings.deepened(placer.levels());
             tracker.expect(|estimate| estimate.found_levels(&settings));
         }
-        let points = self.points(placer, &settings, tracker, checkpoint)?;
+        let mut points = self.points(placer, &settings, tracker, checkpoint)?;
         // Links can name so many senders: beyond, the finest levels receive and do not send.
         while points.count_on(settings.operator.sender_levels) > MAX_SENDERS
             && settings.operator.sender_levels > 1
@@ -110,6 +110,9 @@ impl Transport<'_> {
         report.sender_levels = settings.operator.sender_levels as u64;
         let task = tracker.task(Stage::Basis, None);
         let relations = relate(&points, settings.direct_levels)?;
+        if self.team.rank() == 0 {
+            openness(self.surfaces, &mut points, &Uncounted(&task))?;
+        }
         task.step(points.points.len() as u64)?;
         drop(task);
         let task = tracker.task(Stage::Colours, None);

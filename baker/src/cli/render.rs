@@ -4,7 +4,7 @@ use super::picture::{PictureArgs, Rows, shot_or_own};
 use super::read_baked;
 use anyhow::Result;
 use clap::Args;
-use rebounce::render::render;
+use rebounce::render::{Content, render};
 use rebounce::triangles::TriangleSurfaces;
 use std::path::PathBuf;
 
@@ -22,6 +22,9 @@ pub struct RenderArgs {
     /// Leaves out the grey behind an object and its shadow on the ground, in a PNG
     #[arg(long)]
     no_backdrop: bool,
+    /// Leaves out detail finer than the functions: bounced light is interpolated between the points alone
+    #[arg(long)]
+    no_detail: bool,
 }
 
 /// Runs the command.
@@ -33,8 +36,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let surfaces = TriangleSurfaces::from_baked(&scene)?;
     let exposure = args.picture.exposure(&shot, args.spp);
     let rows = Rows::new(exposure.size[1]);
-    let only = args.picture.only();
-    let picture = render(&scene, &surfaces, &shot.camera, &shot.lights, exposure, only, || rows.done());
+    let content = Content { only: args.picture.only(), detail: !args.no_detail };
+    let picture = render(&scene, &surfaces, &shot.camera, &shot.lights, exposure, content, || rows.done());
     rows.finish();
     let frame = shot.camera.frame(scene.meta.origin);
     let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.meta.origin)).collect();

@@ -4,7 +4,7 @@
 //! viewpoint when none is given, [`vantage`] whether the scene is open, [`focus`] where points must be fine, [`dart`] throws the
 //! candidates as darts into one level's Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
 //! [`round`] rounds them to what the file keeps, [`cut`] ends supports at walls, [`footprint`] finds
-//! where direct light is sampled.
+//! where direct light is sampled, [`openness`] how much near surfaces hide.
 
 pub mod candidates;
 mod cut;
@@ -12,6 +12,7 @@ pub mod dart;
 mod fill;
 pub mod focus;
 mod footprint;
+mod openness;
 pub mod place;
 pub mod round;
 pub mod vantage;
@@ -21,6 +22,7 @@ use crate::surface::{Hit, Surfaces};
 pub use cut::cut;
 pub use footprint::footprint;
 use glam::Vec3;
+pub use openness::{open_share, openness};
 pub use place::{PlaceError, PlaceSettings, PlacedMark, Placer, expected_counts, place};
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::bulk::{Cut, Point};
@@ -78,6 +80,8 @@ pub struct Points {
     pub cuts: Vec<Vec<Cut>>,
     /// Each point's samples of direct light, one bit a sample; none before [`footprint`].
     pub samples: Vec<u8>,
+    /// Each point's [openness](rebounce_shared::openness), as a file keeps it; none before [`openness`].
+    pub openness: Vec<u8>,
 }
 
 impl Points {

@@ -13,15 +13,33 @@ use crate::basis::{Evaluator, Leveled, Support};
 use crate::light::direct;
 use crate::picture::expose::{Exposure, expose};
 use crate::picture::{Only, Picture};
+use crate::points::open_share;
 use crate::random::Stream;
-use crate::surface::{Ray, Surfaces};
+use crate::surface::{Hit, Ray, Surfaces};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{Light, LightSource};
+use rebounce_shared::openness::{REACH, gain, received};
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::relight;
 use std::f32::consts::FRAC_1_PI;
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Content {
+    /// Which light.
+    pub only: Only,
+    /// Whether bounced light follows the openness of what is seen.
+    pub detail: bool,
+}
+
+impl From<Only> for Content {
+    /// With detail.
+    fn from(only: Only) -> Self {
+        Self { only, detail: true }
+    }
+}
 
 /// A baked scene under certain lights.
 pub struct Relit {
@@ -29,17 +47,28 @@ pub struct Relit {
     /// Bounced irradiance of every point along its own normal.
     irradiance: Vec<Vec3>,
     basis: Leveled,
+    /// Reach of a pixel's openness, scene units; `None` without detail.
+    reach: Option<f32>,
 }
 
+/// Rows and columns of the rays of a sample's openness.
+const OPENNESS_SIDE: u32 = 2;
+
 impl Relit {
-    /// Relights `scene`. `surfaces` are those of the same file.
-    pub fn new(scene: &Scene, surfaces: &impl Surfaces, lights: &[Light]) -> Self {
+    /// Relights `scene`. `surfaces` are those of the same file. With `detail`, light between the points follows the
+    /// [openness](rebounce_shared::openness) of what is seen, where the file has that of the points.
+    pub fn new(scene: &Scene, surfaces: &impl Surfaces, lights: &[Light], detail: bool) -> Self {
         let lights: Vec<LightSource> = lights.iter().map(|l| l.source(scene.meta.origin)).collect();
         let irradiance: Vec<Vec3> = scene.points[..scene.direct_count()]
             .par_iter()
             .map(|point| direct::at_footprint(surfaces, &lights, point))
             .collect();
-        let irradiance = relight::relight(scene, irradiance);
+        let mut irradiance = relight::relight(scene, irradiance);
+        let finest = scene.meta.levels.last().map_or(0.0, |level| level.support_radius);
+        let reach = (detail && !scene.openness.is_empty()).then_some(REACH * finest);
+        if reach.is_some() {
+            irradiance.iter_mut().zip(&scene.openness).for_each(|(e, open)| *e *= gain(*open));
+        }
         let level = |l: usize| {
             let range = scene.level(l);
             let support = |i: usize| {
@@ -54,17 +83,20 @@ impl Relit {
             Evaluator::new(range.clone().map(support), range.start as u32)
         };
         let basis = Leveled::new((0..scene.meta.levels.len()).map(level).collect());
-        Self { lights, irradiance, basis }
+        Self { lights, irradiance, basis, reach }
     }
 
-    /// RGB irradiance of the bounced light on a surface element, local space. Zero where no
-    /// function of any level covers it.
-    pub fn indirect(&self, position: Vec3, normal: Vec3) -> Vec3 {
+    /// RGB irradiance of the bounced light where a ray hit. Zero where no function of any level covers it.
+    pub fn indirect(&self, surfaces: &impl Surfaces, hit: &Hit, stream: &mut Stream) -> Vec3 {
         let mut weights = Vec::with_capacity(64);
-        self.basis.interpolate(position, normal, &mut weights);
+        self.basis.interpolate(hit.position, hit.normal, &mut weights);
         let sum: Vec3 =
             weights.iter().map(|(index, weight)| self.irradiance[*index as usize] * *weight).sum();
-        sum.max(Vec3::ZERO)
+        let open = |reach| {
+            let normals = [hit.normal, hit.geometric_normal];
+            received(open_share(surfaces, hit.position, normals, reach, OPENNESS_SIDE, stream))
+        };
+        sum.max(Vec3::ZERO) * self.reach.map_or(1.0, open)
     }
 
     /// The linear RGB radiance that comes along `ray`.
@@ -82,7 +114,7 @@ impl Relit {
                 irradiance += direct::at_hit(surfaces, &self.lights, &hit);
             }
             if only != Only::Direct {
-                irradiance += self.indirect(hit.position, hit.normal);
+                irradiance += self.indirect(surfaces, &hit, stream);
             }
         }
         let emission = if only == Only::All { hit.emission } else { Vec3::ZERO };
@@ -97,10 +129,11 @@ pub fn render(
     camera: &Camera,
     lights: &[Light],
     exposure: Exposure,
-    only: Only,
+    content: impl Into<Content>,
     row_done: impl Fn() + Sync,
 ) -> Picture {
-    let relit = Relit::new(scene, surfaces, lights);
+    let Content { only, detail } = content.into();
+    let relit = Relit::new(scene, surfaces, lights, detail);
     let radiance = |ray: &Ray, stream: &mut Stream| relit.radiance(surfaces, ray, only, stream);
     expose(&camera.frame(scene.meta.origin), exposure, radiance, row_done)
 }

@@ -20,7 +20,7 @@ pub mod shown;
 
 pub use check::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_MATERIALS, MAX_ROW, MAX_TRIANGLES};
 pub use matrix::LinkMatrix;
-pub use scene::{COPY_SECTIONS, EXTRAS_SECTION, SECTIONS, SHOWN_SECTION, Scene};
+pub use scene::{COPY_SECTIONS, EXTRAS_SECTION, OPENNESS_SECTION, SECTIONS, SHOWN_SECTION, Scene};
 
 /// Why a .rbn file could not be read or written.
 #[derive(Debug, thiserror::Error)]

@@ -1,13 +1,14 @@
 //! A whole .rbn file in memory.
 
 use super::bulk::{Copies, Cut, Instance, Point, Vertex};
-use super::codec::{Damaged, columns, links};
+use super::codec::{Damaged, Reader, Writer, columns, links};
 use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
 use super::{RbnError, container, extras, shown};
 use crate::basis::Relations;
 use crate::interpolation::Rows;
 use crate::link::{LaterLink, Link};
+use crate::openness::LEVELS;
 use std::ops::Range;
 
 /// A baked scene: what a .rbn file holds.
@@ -29,6 +30,9 @@ pub struct Scene {
     pub points: Vec<Point>,
     /// Planes that end the points' supports.
     pub cuts: Vec<Cut>,
+    /// [Openness](crate::openness) of each point, 0 to [`LEVELS`]; empty where it is not known. Section `OPEN`, which only
+    /// files with it have: readers that do not know it show the light between the points without detail.
+    pub openness: Vec<u8>,
     /// Parents and children. They are not in the file but follow from the points: [`Self::relate`].
     pub relations: Relations,
     /// T: from what the senders send to irradiance along the points' normals; a row per point of all levels.
@@ -44,6 +48,8 @@ pub const SECTIONS: [[u8; 4]; 8] =
 pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
 /// The one that files have besides, after these, where a material has [extras].
 pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
+/// The one that files have besides, after these, where the points' openness is known.
+pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
 /// The one that files have besides, last, where there are names or a ground: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 
@@ -158,6 +164,10 @@ impl Scene {
         }
         let extras = extras::encode(&self.meta.materials)?;
         sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
+        let mut openness = Writer::default();
+        openness.bytes(&self.openness);
+        let openness = (!self.openness.is_empty()).then(|| openness.finish(self.openness.len()));
+        sections.extend(openness.iter().map(|bytes| (OPENNESS_SECTION, bytes.as_slice())));
         let shown = shown::encode(&self.meta.shown);
         sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
@@ -195,6 +205,7 @@ impl Scene {
             copies: if has_copies { records("COPY", bytes(*b"COPY")?)? } else { Vec::new() },
             points: records("PNTS", bytes(*b"PNTS")?)?,
             cuts: records("CUTS", bytes(*b"CUTS")?)?,
+            openness: Vec::new(),
             relations: Relations::default(),
             links: matrix("LINK", bytes(*b"LINK")?)?,
             later: matrix("LATL", bytes(*b"LATL")?)?,
@@ -203,6 +214,12 @@ impl Scene {
         if has_extras {
             extras::decode(bytes(EXTRAS_SECTION)?, &mut scene.meta.materials)?;
         }
+        if sections.iter().any(|s| s.name == OPENNESS_SECTION) {
+            let mut reader = Reader::new(bytes(OPENNESS_SECTION)?);
+            let openness = reader.bytes_up_to(scene.points.len());
+            scene.openness =
+                openness.map_err(|Damaged| RbnError::invalid("OPEN", "its bytes cannot be unpacked"))?;
+        }
         if sections.iter().any(|s| s.name == SHOWN_SECTION) {
             let shown = shown::decode(bytes(SHOWN_SECTION)?);
             scene.meta.shown = shown.ok_or_else(|| RbnError::invalid("SHOW", "names or ground"))?;
@@ -210,6 +227,15 @@ impl Scene {
         scene.check()?;
         scene.relate()?;
         Ok(scene)
+    }
+}
+
+impl Scene {
+    /// Whether the openness of all points is known, or of none.
+    pub(super) fn check_openness(&self) -> Result<(), RbnError> {
+        let is_sound = self.openness.is_empty()
+            || self.openness.len() == self.points.len() && self.openness.iter().all(|v| *v <= LEVELS);
+        if is_sound { Ok(()) } else { Err(RbnError::invalid("OPEN", "it does not fit the points")) }
     }
 }
 

@@ -87,6 +87,7 @@ impl Scene {
         if !self.cuts.iter().all(|cut| cut.towards.iter().all(|x| x.is_finite())) {
             return Err(bad("CUTS", "a number is not finite"));
         }
+        self.check_openness()?;
         let senders = self.sender_count();
         if senders > MAX_SENDERS {
             return Err(RbnError::TooLarge(format!(
