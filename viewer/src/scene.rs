@@ -8,6 +8,7 @@ use crate::relight::Relight;
 use crate::shadow_fit::Extent;
 use crate::upload::Upload;
 use glam::Vec3;
+use rebounce_shared::openness::REACH;
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::Meta;
 use std::ops::Range;
@@ -30,6 +31,8 @@ pub struct LoadedScene {
     pub triangles: usize,
     /// Support radius of the finest functions, scene units: that which a tenth of them fall short of.
     pub finest_radius: f32,
+    /// Reach of openness, scene units; 0 where the file has none.
+    pub open_reach: f32,
     /// Distance of the near plane, scene units.
     pub near: f32,
     /// Where it lies.
@@ -69,6 +72,7 @@ impl LoadedScene {
             materials,
             relight,
             finest_radius,
+            open_reach: if scene.openness.is_empty() { 0.0 } else { REACH * finest_support },
             near,
             extent,
         })

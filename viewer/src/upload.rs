@@ -9,6 +9,7 @@ use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::triangles::Triangles;
 use rebounce_shared::link::{Link, Sent};
+use rebounce_shared::openness;
 use rebounce_shared::rbn::bulk::{Instance, Point};
 use rebounce_shared::rbn::meta::{Alpha, Draw};
 use rebounce_shared::rbn::{LinkMatrix, Scene};
@@ -100,6 +101,9 @@ pub struct Upload {
     pub points: wgpu::Buffer,
     /// Section `CUTS`.
     pub cuts: wgpu::Buffer,
+    /// By function, what its light is multiplied with where pixels' openness counts: section `OPEN` by
+    /// [`rebounce_shared::openness::gain`].
+    pub gains: wgpu::Buffer,
     /// Which functions may cover a place ([`rebounce_shared::basis::Lookup`]).
     pub lookup: wgpu::Buffer,
     /// Offsets of the push rows.
@@ -145,6 +149,7 @@ impl Upload {
         let stored = |name, content: &[u8]| section(name, BufferUsages::STORAGE, content);
         let cast = bytemuck::cast_slice::<u32, u8>;
         let (mut runs, relations) = (runs(scene), &scene.relations);
+        let gains: Vec<f32> = scene.openness.iter().copied().map(openness::gain).collect();
         let instances = [&[Instance::IDENTITY], &scene.instances[..]].concat();
         let shadow_runs = merged(&runs);
         let indices = fronts::indices(scene, &runs);
@@ -160,6 +165,7 @@ impl Upload {
             instances: section("INST", BufferUsages::VERTEX, bytemuck::cast_slice(&instances)),
             points: stored("PNTS", bytemuck::cast_slice(&scene.points)),
             cuts: stored("CUTS", bytemuck::cast_slice(&scene.cuts)),
+            gains: stored("OPEN", bytemuck::cast_slice(&gains)),
             lookup: stored("PNTS", cast(&relations.lookup.words)),
             push_offsets: stored("PNTS", cast(&relations.push_offsets)),
             push_entries: stored("PNTS", bytemuck::cast_slice(&relations.push_entries)),

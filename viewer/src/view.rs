@@ -26,8 +26,10 @@ pub struct Frame {
     pub forward: [f32; 3],
     /// 1 where textures are read without mip levels.
     pub unfiltered: u32,
+    /// Reach of a pixel's openness, scene units; 0 without detail.
+    pub open_reach: f32,
     /// Unused.
-    pub pad: [u32; 4],
+    pub pad: [u32; 3],
 }
 
 /// Most of the tangent of half the vertical field of view in high pictures: 100 degrees.
@@ -67,7 +69,8 @@ impl Frame {
             height,
             forward: forward.to_array(),
             unfiltered: sample.unfiltered as u32,
-            pad: [0; 4],
+            open_reach: 0.0,
+            pad: [0; 3],
         }
     }
 }

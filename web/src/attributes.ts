@@ -25,6 +25,7 @@ const ALLOWED = {
   "tone-mapping": ["neutral", "agx"],
   display: ["auto", "lookup", "splat"],
   backdrop: ["auto", "none"],
+  detail: ["on", "off"],
   "camera-controls": ["auto", "look", "orbit"],
   loading: ["eager", "lazy"],
   "auto-exposure": ["on", "off"],
@@ -50,6 +51,7 @@ export class AttributeElement extends ElementBase {
     "overlay",
     "display",
     "backdrop",
+    "detail",
     "handles",
     "interaction",
     "camera-controls",
@@ -156,6 +158,14 @@ export class AttributeElement extends ElementBase {
   }
   set backdrop(what: Backdrop) {
     this.setAttribute("backdrop", what);
+  }
+
+  /** Whether folds and contacts finer than the bake's points darken bounced light. */
+  get detail(): boolean {
+    return among(this, "detail") === "on";
+  }
+  set detail(on: boolean) {
+    this.setAttribute("detail", on ? "on" : "off");
   }
 
   /** Whether lights have handles in the picture. */

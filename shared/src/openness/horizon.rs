@@ -65,3 +65,85 @@ pub fn horizon(view: &View<'_>, pixel: [u32; 2], position: Vec3, normal: Vec3, r
     }
     (sum / SLICES as f32).clamp(0.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::mix;
+    use glam::Vec2;
+
+    const SIZE: [u32; 2] = [160, 120];
+
+    /// A floor at y = 0 and a wall at x = 0 that goes up from it, seen from above.
+    struct Corner {
+        eye: Vec3,
+        axes: [Vec3; 3],
+    }
+
+    impl Corner {
+        fn new() -> Self {
+            let eye = Vec3::new(1.2, 1.5, 1.0);
+            let forward = (Vec3::new(0.2, 0.0, -0.2) - eye).normalize();
+            let right = forward.cross(Vec3::Y).normalize();
+            Self { eye, axes: [right, right.cross(forward), forward] }
+        }
+
+        /// Distance to the first surface from a place, along a direction.
+        fn distance(from: Vec3, direction: Vec3) -> f32 {
+            let [wall, floor] = [0, 1].map(|axis| -from[axis] / direction[axis]);
+            let wall = if wall > 1e-4 && from.y + wall * direction.y >= 0.0 { wall } else { f32::INFINITY };
+            if floor > 1e-4 && from.x + floor * direction.x >= 0.0 { wall.min(floor) } else { wall }
+        }
+
+        fn position(&self, x: u32, y: u32) -> Option<Vec3> {
+            let at = (Vec2::new(x as f32, y as f32) + 0.5 - 0.5 * Vec2::new(SIZE[0] as f32, SIZE[1] as f32))
+                / 100.0;
+            let [right, up, forward] = self.axes;
+            let direction = (forward + right * at.x - up * at.y).normalize();
+            let distance = Self::distance(self.eye, direction);
+            distance.is_finite().then(|| self.eye + direction * distance)
+        }
+    }
+
+    /// Openness by rays.
+    fn by_rays(position: Vec3, normal: Vec3, reach: f32) -> f32 {
+        let (tangent, bitangent) = normal.any_orthonormal_pair();
+        let number = |i: u64| (mix(i) >> 40) as f32 / (1u64 << 24) as f32;
+        let rays = (0..4096u64).map(|i| {
+            let (radius, angle) = (number(2 * i).sqrt(), number(2 * i + 1) * std::f32::consts::TAU);
+            let flat = (tangent * angle.cos() + bitangent * angle.sin()) * radius;
+            let direction = flat + normal * (1.0 - radius * radius).sqrt();
+            open(Corner::distance(position + normal * 1e-3, direction) / reach)
+        });
+        rays.sum::<f32>() / 4096.0
+    }
+
+    #[test]
+    fn horizons_find_about_the_openness_that_rays_find() {
+        let corner = Corner::new();
+        let position = |x, y| corner.position(x, y);
+        let view = View {
+            eye: corner.eye,
+            axes: corner.axes,
+            pixels_per_unit: 100.0,
+            size: SIZE,
+            position: &position,
+        };
+        let (mut square, mut count, mut least) = (0.0, 0, 1f32);
+        for y in (10..SIZE[1] - 10).step_by(5) {
+            for x in (10..SIZE[0] - 10).step_by(5) {
+                // Of a reach of a few pixels the horizons miss more.
+                let near = |place: &Vec3| place.distance(corner.eye) < 2.5;
+                let Some(place) = corner.position(x, y).filter(near) else { continue };
+                let normal = if place.x < place.y { Vec3::X } else { Vec3::Y };
+                let found = horizon(&view, [x, y], place, normal, 0.5);
+                let expected = by_rays(place, normal, 0.5);
+                assert!((found - expected).abs() < 0.15, "{place}: {found}, {expected} by rays");
+                square += (found - expected).powi(2);
+                (count, least) = (count + 1, least.min(found));
+            }
+        }
+        let error = (square / count as f32).sqrt();
+        assert!(count > 400 && error < 0.04 && least < 0.75, "{count} places, {error}, least {least}");
+    }
+}

@@ -38,7 +38,8 @@ pub struct LookupTarget {
 impl LookupPass {
     /// Makes the pipelines; `find` is the layout of find.wgsl.
     pub fn new(gpu: &Gpu, find: &wgpu::BindGroupLayout) -> Self {
-        let gather = [Slot::Uniform, Slot::Uniform, Slot::Read, Slot::Read, Slot::Read, Slot::Write];
+        let [uniform, read] = [Slot::Uniform, Slot::Read];
+        let gather = [uniform, uniform, read, read, read, Slot::Write, read, read];
         let gather_layout = layout(gpu, "gather", ShaderStages::COMPUTE, &gather);
         Self {
             blocks: compute(gpu, "blocks", shaders::FIND, &[find], &[]),
@@ -65,6 +66,8 @@ impl LookupPass {
             slots.counts.as_entire_binding(),
             from.scene.relight.display.as_entire_binding(),
             slots.light.as_entire_binding(),
+            from.scene.upload.gains.as_entire_binding(),
+            slots.open.as_entire_binding(),
         ];
         let gather = group(&own, "gather", &self.gather_layout, &resources);
         LookupTarget { find: find(&own, &rows), gather, own }

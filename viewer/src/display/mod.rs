@@ -99,6 +99,8 @@ pub struct SlotBuffers {
     pub by_pixel: wgpu::Buffer,
     /// Bounced irradiance by slot: RGB, and its tilt (tilt.wgsl).
     pub light: wgpu::Buffer,
+    /// What part of the points' light the slot's place receives: f32 by slot (openness.wgsl).
+    pub open: wgpu::Buffer,
 }
 
 /// What one way needs.
@@ -128,6 +130,7 @@ impl SlotBuffers {
             counts: empty_buffer(scope, "counts", counted, 16),
             by_pixel: empty_buffer(scope, "slots", storage, 4 * pixels),
             light: empty_buffer(scope, "light", storage, 16 * capacity),
+            open: empty_buffer(scope, "open", storage, 4 * capacity),
         }
     }
 }
@@ -143,6 +146,7 @@ impl DisplayPass {
             Slot::Read,
             Slot::Read,
             Slot::Read,
+            Slot::Write,
             Slot::Write,
             Slot::Write,
             Slot::Write,
@@ -187,6 +191,7 @@ impl DisplayPass {
                 rows.as_entire_binding(),
                 slots.by_pixel.as_entire_binding(),
                 slots.counts.as_entire_binding(),
+                slots.open.as_entire_binding(),
             ];
             group(scope, "find", &self.find_layout, &resources)
         };

@@ -59,6 +59,7 @@ const SEEN: u64 = 92;
 
 /// The pipelines.
 pub struct SplatPass {
+    blocks: wgpu::ComputePipeline,
     edges: wgpu::ComputePipeline,
     quads: (wgpu::ComputePipeline, wgpu::BindGroupLayout),
     brightest: (wgpu::ComputePipeline, wgpu::BindGroupLayout),
@@ -123,6 +124,7 @@ impl SplatPass {
             Slot::Read,
             Slot::Read,
             Slot::Read,
+            Slot::Read,
         ];
         let resolve = [
             Slot::Uniform,
@@ -135,9 +137,11 @@ impl SplatPass {
             Slot::Read,
             Slot::Write,
             Slot::Write,
+            Slot::Read,
         ];
         let draw_layout = layout(gpu, "splat", ShaderStages::VERTEX_FRAGMENT, &draw);
         Self {
+            blocks: compute(gpu, "blocks", shaders::FIND, &[find], &[("ROWS", 0.0)]),
             edges: compute(gpu, "edges", shaders::FIND, &[find], &[("ROWS", 0.0)]),
             quads: kernel(
                 "quads_of_level",
@@ -270,6 +274,7 @@ impl SplatPass {
                         slots.light.as_entire_binding(),
                         quads.as_entire_binding(),
                         scene.relight.display.as_entire_binding(),
+                        scene.upload.gains.as_entire_binding(),
                     ],
                 ),
                 resolve: bind(
@@ -283,6 +288,7 @@ impl SplatPass {
                         brightest_bits.as_entire_binding(),
                         slots.light.as_entire_binding(),
                         coarser.as_entire_binding(),
+                        slots.open.as_entire_binding(),
                     ],
                 ),
             });
@@ -319,8 +325,10 @@ impl SplatPass {
             timestamp_writes: stamps.map(|s| s.compute(true, true)),
         });
         let [width, height] = slots.size;
-        pass.set_pipeline(&self.edges);
         pass.set_bind_group(0, &target.find, &[]);
+        pass.set_pipeline(&self.blocks);
+        pass.dispatch_workgroups(width.div_ceil(16), height.div_ceil(16), 1);
+        pass.set_pipeline(&self.edges);
         pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
         pass.set_pipeline(&self.quads.0);
         for level in &target.levels {

@@ -112,7 +112,8 @@ impl Renderer {
         self.way = target.display.way();
         self.viewed |= timed;
         let camera = frame(&self.camera, scene.meta.origin, target.size);
-        let frame = Frame::new(&camera, scene.near, target.size, sample);
+        let open_reach = if self.detail { scene.open_reach } else { 0.0 };
+        let frame = Frame { open_reach, ..Frame::new(&camera, scene.near, target.size, sample) };
         self.gpu.queue.write_buffer(&target.frame, 0, bytemuck::bytes_of(&frame));
         let timing = self.timing.as_mut().filter(|_| timed);
         let stamps = timing.and_then(|t| t.stamps(Pass::GBuffer)).map(|s| s.render(true, true));

@@ -83,6 +83,7 @@ pub struct Renderer {
     overlay: Overlay,
     gizmos: bool,
     backdrop: bool,
+    detail: bool,
     every_pixel: bool,
     choice: Choice,
     /// How the last picture's slots were filled.
@@ -146,6 +147,7 @@ impl Renderer {
             overlay: Overlay::None,
             gizmos: true,
             backdrop: true,
+            detail: true,
             every_pixel: false,
             way: Way::default(),
             viewed: false,

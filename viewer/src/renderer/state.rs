@@ -176,6 +176,12 @@ impl Renderer {
         self.gizmos = on;
     }
 
+    /// Turns detail on or off: whether bounced light follows the openness of pixels.
+    pub fn set_detail(&mut self, on: bool) {
+        self.dirty.view |= self.detail != on;
+        self.detail = on;
+    }
+
     /// Whether an object stands before a backdrop; else what is behind it is black.
     pub fn backdrop(&self) -> bool {
         self.backdrop

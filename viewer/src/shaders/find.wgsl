@@ -11,6 +11,9 @@ override ROWS = true;
 // Rows beyond those of the blocks; functions looked at; kernels evaluated.
 @group(0) @binding(9) var<storage, read_write> counts: array<atomic<u32>, 3>;
 
+// By slot, what part of the points' light a place receives: see openness.wgsl.
+@group(0) @binding(10) var<storage, read_write> open: array<f32>;
+
 // Neighbours on one surface: their plane distance over the reach, and their normals' cosine.
 const FLATNESS = 0.1;
 const SAME_NORMAL = 0.99;
@@ -88,7 +91,12 @@ fn add_counts(thread: u32) {
 fn blocks(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) thread: u32) {
     let size = slots_blocks(frame);
     if all(id.xy < size) {
-        write_row(id.y * size.x + id.x, place_at(2u * id.xy));
+        let slot = id.y * size.x + id.x;
+        let place = place_at(2u * id.xy);
+        open[slot] = received(2u * id.xy, place);
+        if ROWS {
+            write_row(slot, place);
+        }
     }
     add_counts(thread);
 }
@@ -121,8 +129,11 @@ fn edges(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_ind
                     slot = blocks.x * blocks.y + atomicAdd(&counts[0], 1u);
                     if slot >= slot_layout.capacity {
                         slot = 0u;
-                    } else if ROWS {
-                        write_row(slot, place);
+                    } else {
+                        open[slot] = received(id.xy, place);
+                        if ROWS {
+                            write_row(slot, place);
+                        }
                     }
                 }
             }

@@ -13,6 +13,8 @@ struct Frame {
     forward: vec3f,
     // 1 where textures are read without mip levels, for pictures that are averaged from many.
     unfiltered: u32,
+    // Reach of openness (openness.wgsl), scene units; 0 without detail.
+    open_reach: f32,
 }
 
 // The local position seen at a pixel (its centre, y down) with this depth-buffer value.

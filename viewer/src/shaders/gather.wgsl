@@ -6,6 +6,9 @@
 @group(0) @binding(3) var<storage, read> counts: array<u32, 3>;
 // Irradiance along each point's normal, and its tilt.
 @group(0) @binding(4) var<storage, read> display: array<vec4f>;
+// By function, what its light is multiplied with; by slot, what part of that a place receives (openness.wgsl).
+@group(0) @binding(6) var<storage, read> gains: array<f32>;
+@group(0) @binding(7) var<storage, read> open: array<f32>;
 @group(0) @binding(5) var<storage, read_write> light: array<vec4f>;
 
 @compute @workgroup_size(64)
@@ -24,12 +27,16 @@ fn gather(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) 
             break;
         }
         let w = slots_weight(entry);
-        let function = display[entry & POINT_MASK];
+        var function = display[entry & POINT_MASK];
+        if frame.open_reach > 0.0 {
+            function = vec4f(function.xyz * gains[entry & POINT_MASK], function.w);
+        }
         sum += w * function.xyz;
         total += w;
         if slot_layout.tilts != 0u {
             tilt += vec4f(tilt_unpack(function.w), 1.0) * (w * tilt_weight(function.xyz));
         }
     }
-    light[slot] = vec4f(max(sum, vec3f(0.0)) / max(total, 1e-30), select(0.0, tilt_mean(tilt), slot_layout.tilts != 0u));
+    let part = open[slot] / max(total, 1e-30);
+    light[slot] = vec4f(max(sum, vec3f(0.0)) * part, select(0.0, tilt_mean(tilt), slot_layout.tilts != 0u));
 }

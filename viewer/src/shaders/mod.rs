@@ -38,7 +38,7 @@ modules! {
     BLENDED: "octahedral" "frame" "material" "detail" "passage" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "lights" "lights_third"
         "visibility" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
-    FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place" "slots" "find";
+    FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place" "slots" "openness" "find";
     /// From functions to pixels.
     GATHER: "frame" "slots" "tilt" "gather";
     /// Where functions may be seen.

@@ -5,6 +5,7 @@
 @group(0) @binding(4) var light_sums: texture_2d<f32>;
 @group(0) @binding(5) var tilt_sums: texture_2d<f32>;
 @group(0) @binding(8) var<storage, read_write> light: array<vec4f>;
+@group(0) @binding(10) var<storage, read> open: array<f32>;
 // How the next coarser level is drawn (display/splat.rs).
 @group(0) @binding(9) var<storage, read_write> draws: array<atomic<u32>>;
 
@@ -28,12 +29,12 @@ fn resolve(@builtin(global_invocation_id) id: vec3u) {
         if level.tilts != 0u {
             tilt = tilt_mean(textureLoad(tilt_sums, id.xy, 0));
         }
-        light[slot] = vec4f(max(sums.rgb, vec3f(0.0)) * (PARTS / (sums.w * splat_scale())), tilt);
+        light[slot] = vec4f(max(sums.rgb, vec3f(0.0)) * (open[slot] * PARTS / (sums.w * splat_scale())), tilt);
         return;
     }
-    let open = level.index > 0u && textureLoad(depth_texture, atlas_pixel(id.xy), 0) > 0.0;
-    light[slot] = vec4f(0.0, 0.0, 0.0, select(0.0, OPEN, open));
-    if open {
+    let is_open = level.index > 0u && textureLoad(depth_texture, atlas_pixel(id.xy), 0) > 0.0;
+    light[slot] = vec4f(0.0, 0.0, 0.0, select(0.0, OPEN, is_open));
+    if is_open {
         atomicStore(&draws[PIXELS], atomicLoad(&draws[PIXELS + ALL]));
         atomicStore(&draws[BLOCKS], atomicLoad(&draws[BLOCKS + ALL]));
         atomicStore(&draws[MASK], 3u);

@@ -10,6 +10,9 @@
 // Irradiance along each point's normal, and its tilt.
 @group(0) @binding(10) var<storage, read> display: array<vec4f>;
 
+// As in gather.wgsl.
+@group(0) @binding(11) var<storage, read> gains: array<f32>;
+
 // Tilts are summed in so much of the light, which is larger.
 const TILT_SHARE = 0.015625;
 
@@ -43,12 +46,16 @@ fn vertex(@builtin(vertex_index) index: u32) -> Splat {
     let at = select(unpack2x16snorm(quad.x), unpack2x16snorm(quad.y), vec2<bool>((corner & 1u) != 0u, corner > 1u));
     let p = points[quad.w];
     let value = display[quad.w];
+    var gain = splat_scale();
+    if frame.open_reach > 0.0 {
+        gain *= gains[quad.w];
+    }
     return Splat(
         vec4f(at, bitcast<f32>(quad.z), 1.0),
         vec4f(point_position(p), p.radius),
         unpack_normal(p.normal),
         p.cuts,
-        vec4f(value.xyz * splat_scale(), value.w),
+        vec4f(value.xyz * gain, value.w),
     );
 }
 

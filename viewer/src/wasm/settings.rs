@@ -155,6 +155,15 @@ impl Viewer {
         })
     }
 
+    /// Whether bounced light follows the openness of pixels; true at first.
+    #[wasm_bindgen(setter)]
+    pub fn set_detail(&self, on: bool) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_detail(on);
+            Ok(())
+        })
+    }
+
     /// Whether an object stands before a backdrop; true at first.
     #[wasm_bindgen(setter)]
     pub fn set_backdrop(&self, on: bool) -> Result<(), JsValue> {

@@ -17,7 +17,7 @@ export async function attributes(harness, context) {
           alt: "A room", poster: "room.png", width: 320, height: 200, exposure: 1.5, autoExposure: false,
           toneMapping: "agx", mode: "direct", overlay: "levels", loading: "lazy", controls: true, autoplay: true,
           animationName: "night", stateInLink: true, handles: false, interaction: "page", display: "splat", backdrop: "none",
-          cameraControls: "orbit",
+          detail: false, cameraControls: "orbit",
         };
         for (const [name, value] of Object.entries(values)) {
           const attribute = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
@@ -44,7 +44,7 @@ export async function attributes(harness, context) {
       const defaults = {
         alt: "", poster: "", width: 0, height: 0, exposure: 0, autoExposure: true, toneMapping: "neutral", mode: "all",
         overlay: "none", loading: "eager", controls: false, autoplay: false, animationName: "", stateInLink: false,
-        handles: true, interaction: "auto", display: "auto", backdrop: "auto", cameraControls: "auto",
+        handles: true, interaction: "auto", display: "auto", backdrop: "auto", detail: true, cameraControls: "auto",
       };
       same(found.defaults, defaults, "defaults");
       equal(found.src, `${context.address}missing.rbn`, "src, in full");
@@ -55,7 +55,7 @@ export async function attributes(harness, context) {
     `property src, property alt, property poster, property width, property height, property exposure
     property autoExposure, property toneMapping, property mode, property overlay, property loading, property controls
     property autoplay, property animationName, property stateInLink, property handles, property interaction
-    property display, property backdrop`,
+    property display, property backdrop, property detail`,
   );
 
   await harness.test("attributes::a_value_that_means_nothing_is_warned_of_once_with_those_that_do", async () => {

@@ -1,0 +1,57 @@
+// Openness: the cosine-weighted share of the hemisphere over a place that near surfaces leave free, from the horizons in
+// the depth buffer (ground-truth ambient occlusion, Jimenez et al. 2016). shared/src/openness/horizon.rs does the same.
+
+const SLICES = 4u;
+const STEPS = 3u;
+const NEAR_ALBEDO = 0.8;
+const LEAST_OPEN = 0.3;
+const HALF_PI = 1.57079633;
+
+fn openness(pixel: vec2u, place: Place) -> f32 {
+    let reach = frame.open_reach;
+    let size = vec2f(frame.width, frame.height);
+    let to_eye = normalize(frame.eye - place.position);
+    let across = reach * 0.5 * frame.width / (length(frame.right) * dot(place.position - frame.eye, frame.forward));
+    var sum = 0.0;
+    for (var slice = 0u; slice < SLICES; slice++) {
+        let angle = 2.0 * HALF_PI * f32(slice) / f32(SLICES);
+        let way = vec2f(cos(angle), sin(angle));
+        // Rows run down.
+        let axis = normalize(cross(normalize(frame.right) * way.x - normalize(frame.up) * way.y, to_eye));
+        let projected = place.normal - axis * dot(place.normal, axis);
+        let tilt = atan2(dot(projected, cross(to_eye, axis)), dot(projected, to_eye));
+        for (var side = -1.0; side < 2.0; side += 2.0) {
+            // The horizon of the surface itself.
+            let own = cos(tilt + side * HALF_PI);
+            var highest = own;
+            for (var k = 1u; k <= STEPS; k++) {
+                let share = f32(k) / f32(STEPS);
+                let at = floor(vec2f(pixel) + 0.5 + way * (side * across * share * share));
+                if any(at < vec2f(0.0)) || any(at >= size) {
+                    continue;
+                }
+                let depth = textureLoad(depth_texture, vec2u(at), 0);
+                if depth <= 0.0 {
+                    continue;
+                }
+                let offset = position_at(frame, at + 0.5, depth) - place.position;
+                let distance = max(length(offset), 1e-6 * reach);
+                let height = dot(offset, to_eye) / distance;
+                let open = min(distance / reach, 1.0);
+                highest = max(highest, mix(height, own, open * open));
+            }
+            let horizon = side * acos(clamp(highest, -1.0, 1.0));
+            sum += length(projected) * 0.25 * (cos(tilt) + 2.0 * horizon * sin(tilt) - cos(2.0 * horizon - tilt));
+        }
+    }
+    return sum / f32(SLICES);
+}
+
+// Irradiance of a place over that of an open one; 1 without detail.
+fn received(pixel: vec2u, place: Place) -> f32 {
+    if frame.open_reach <= 0.0 || !place.present {
+        return 1.0;
+    }
+    let v = clamp(openness(pixel, place), LEAST_OPEN, 1.0);
+    return v / (1.0 - NEAR_ALBEDO * (1.0 - v));
+}
