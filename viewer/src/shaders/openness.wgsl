@@ -1,7 +1,7 @@
 // Openness: the cosine-weighted share of the hemisphere over a place that near surfaces leave free, from the horizons in
 // the depth buffer (ground-truth ambient occlusion, Jimenez et al. 2016). shared/src/openness/horizon.rs does the same.
 
-const SLICES = 4u;
+const SLICES = 3u;
 const STEPS = 3u;
 const NEAR_ALBEDO = 0.8;
 const LEAST_OPEN = 0.3;
@@ -26,7 +26,7 @@ fn openness(pixel: vec2u, place: Place) -> f32 {
             var highest = own;
             for (var k = 1u; k <= STEPS; k++) {
                 let share = f32(k) / f32(STEPS);
-                let at = floor(vec2f(pixel) + 0.5 + way * (side * across * share * share));
+                let at = floor(vec2f(pixel) + 0.5 + way * (side * across * share));
                 if any(at < vec2f(0.0)) || any(at >= size) {
                     continue;
                 }
