@@ -333,9 +333,9 @@ impl Renderer {
         };
         self.collect_times();
         self.viewed = false;
-        self.update_lights(&mut encoder, &scene);
+        self.update_lights(&mut encoder, &scene, Some(full));
         self.update_picture(&mut encoder, &scene, &mut target);
-        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture, view, format);
+        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture.present, view, format);
         self.draw_overlay(&mut encoder, &scene, &target, view, format, full);
         if let Some(timing) = &mut self.timing {
             timing.resolve(&mut encoder);

@@ -237,7 +237,7 @@ pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
     let layers: u32 = lights.iter().map(|light| shadow_fit::most_layers(&light.source([0.0; 3]))).sum();
     if layers > shadow_fit::MAX_LAYERS {
         return Err(ViewerError::BadArgument(format!(
-            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light up to two, others one",
+            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light up to five, others one",
             lights.len(),
             shadow_fit::MAX_LAYERS
         )));

@@ -1,0 +1,119 @@
+//! Edges smoothed in a picture of one sample a pixel, as the viewer does while something moves (smooth.wgsl): the mean
+//! along an edge through the pixel (Lottes 2009, FXAA, in its shortest form).
+
+use glam::{Vec2, Vec3};
+
+/// Contrast of brightness, as the eye counts, at which an edge is smoothed.
+const CONTRAST: f32 = 0.06;
+/// Pixels averaged along an edge, at most, on each side.
+const REACH: f32 = 6.0;
+
+/// A picture: linear display values in rows from the top.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixels<'a> {
+    /// Pixels across; rows are as long.
+    pub width: usize,
+    /// As many rows as there are.
+    pub pixels: &'a [Vec3],
+}
+
+impl Pixels<'_> {
+    /// A pixel, the nearest one where `x` or `y` lies beside the picture.
+    fn at(&self, x: i32, y: i32) -> Vec3 {
+        let inside = |v: i32, end: usize| v.clamp(0, end as i32 - 1) as usize;
+        let rows = self.pixels.len() / self.width;
+        self.pixels[inside(y, rows) * self.width + inside(x, self.width)]
+    }
+
+    /// The value between pixels; centres at halves.
+    fn bilinear(&self, place: Vec2) -> Vec3 {
+        let low = (place - 0.5).floor();
+        let share = place - 0.5 - low;
+        let row = |y: i32| self.at(low.x as i32, y).lerp(self.at(low.x as i32 + 1, y), share.x);
+        row(low.y as i32).lerp(row(low.y as i32 + 1), share.y)
+    }
+
+    /// The smoothed value at a place, pixels from the left and from the top.
+    pub fn smoothed(&self, place: Vec2) -> Vec3 {
+        let own = self.bilinear(place);
+        let middle = brightness(own);
+        let corner = |dx: i32, dy: i32| brightness(self.at(place.x as i32 + dx, place.y as i32 + dy));
+        let corners = [corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)];
+        let [low, high] = [f32::min, f32::max].map(|of| corners.into_iter().fold(middle, of));
+        if high - low < CONTRAST {
+            return own;
+        }
+        let [a, b, c, d] = corners;
+        let along = Vec2::new(c + d - a - b, a + c - b - d);
+        let least = along.abs().min_element() + 0.03 * (a + b + c + d) + 0.01;
+        let along = (along / least).clamp(Vec2::splat(-REACH), Vec2::splat(REACH));
+        let pair = |share: f32| self.bilinear(place - share * along) + self.bilinear(place + share * along);
+        let near = 0.5 * pair(1.0 / 6.0);
+        let far = 0.5 * near + 0.25 * pair(0.5);
+        if (low..=high).contains(&brightness(far)) { far } else { near }
+    }
+
+    /// All pixels smoothed.
+    pub fn all_smoothed(&self) -> Vec<Vec3> {
+        let place = |i: usize| Vec2::new((i % self.width) as f32, (i / self.width) as f32) + 0.5;
+        (0..self.pixels.len()).map(|i| self.smoothed(place(i))).collect()
+    }
+}
+
+/// Brightness as the eye counts it, of linear display values.
+fn brightness(color: Vec3) -> f32 {
+    color.clamp(Vec3::ZERO, Vec3::ONE).dot(Vec3::new(0.2126, 0.7152, 0.0722)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: usize = 48;
+
+    /// Bright above a line through the middle with this slope: the mean of so many samples a side of each pixel.
+    fn edge(slope: f32, samples: usize) -> Vec<Vec3> {
+        let share = |i: usize| {
+            let [x, y] = [i % SIDE, i / SIDE].map(|v| v as f32 - SIDE as f32 / 2.0);
+            let at = |k: usize| (k as f32 + 0.5) / samples as f32;
+            let is_above = |k: &usize| y + at(k / samples) < slope * (x + at(k % samples)) + 0.3;
+            (0..samples * samples).filter(is_above).count() as f32 / (samples * samples) as f32
+        };
+        (0..SIDE * SIDE).map(|i| Vec3::splat(0.1).lerp(Vec3::new(0.8, 0.7, 0.6), share(i))).collect()
+    }
+
+    fn smoothed(pixels: &[Vec3]) -> Vec<Vec3> {
+        Pixels { width: SIDE, pixels }.all_smoothed()
+    }
+
+    fn mean(pixels: &[Vec3]) -> Vec3 {
+        pixels.iter().sum::<Vec3>() / pixels.len() as f32
+    }
+
+    fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
+        a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).sum::<f32>().sqrt()
+    }
+
+    #[test]
+    fn what_is_flat_or_nearly_so_stays_as_it_is() {
+        let ramp: Vec<_> = (0..SIDE * SIDE).map(|i| Vec3::splat(0.2 + 0.005 * (i % SIDE) as f32)).collect();
+        for pixels in [vec![Vec3::new(0.3, 0.9, 0.1); SIDE * SIDE], ramp] {
+            let out = smoothed(&pixels);
+            assert!(pixels.iter().zip(&out).all(|(a, b)| a.distance(*b) < 1e-6));
+        }
+    }
+
+    #[test]
+    fn an_edge_keeps_its_mean_and_comes_nearer_to_what_many_samples_show() {
+        for slope in [0.0, 0.13, 0.3, -0.45, 0.8, 1.0, -2.5] {
+            let (one, many) = (edge(slope, 1), edge(slope, 16));
+            let out = smoothed(&one);
+            assert!(mean(&out).distance(mean(&one)) < 0.004, "{slope}: {} {}", mean(&out), mean(&one));
+            if slope != 0.0 {
+                let [before, after] = [&one, &out].map(|picture| apart(picture, &many));
+                println!("{slope}: {before} {after}");
+                assert!(after < 0.8 * before, "{slope}: {after}, before {before}");
+            }
+        }
+    }
+}
