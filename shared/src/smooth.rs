@@ -1,12 +1,12 @@
-//! Edges smoothed in a picture of one sample a pixel, as the viewer does while something moves (smooth.wgsl): the mean
-//! along an edge through the pixel (Lottes 2009, FXAA, in its shortest form).
+//! Edges smoothed in a picture of one sample a pixel, as the viewer does while something moves (smooth.wgsl), by Lottes
+//! 2011, FXAA 3.11.
 
 use glam::{Vec2, Vec3};
 
 /// Contrast of brightness, as the eye counts, at which an edge is smoothed.
-const CONTRAST: f32 = 0.06;
-/// Pixels averaged along an edge, at most, on each side.
-const REACH: f32 = 6.0;
+const CONTRAST: f32 = 0.03;
+/// Pixels looked at along an edge, at most, on each side.
+const REACH: f32 = 8.0;
 
 /// A picture: linear display values in rows from the top.
 #[derive(Clone, Copy, Debug)]
@@ -33,24 +33,56 @@ impl Pixels<'_> {
         row(low.y as i32).lerp(row(low.y as i32 + 1), share.y)
     }
 
-    /// The smoothed value at a place, pixels from the left and from the top.
+    /// Brightness at a place between pixels.
+    fn brightness(&self, place: Vec2) -> f32 {
+        brightness(self.bilinear(place))
+    }
+
+    /// How far an edge goes on from `start` by these steps of a pixel, and by how much its brightness is off `mean` there,
+    /// by at least `least` where it ends.
+    fn edge_end(&self, start: Vec2, along: Vec2, mean: f32, least: f32) -> (f32, f32) {
+        let (mut far, mut off) = (0.0, 0.0f32);
+        while far < REACH && off.abs() < least {
+            far += 1.0;
+            off = self.brightness(start + far * along) - mean;
+        }
+        (far, off)
+    }
+
+    /// The value at a place, pixels from the left and from the top: moved across an edge by the share of the pixel that
+    /// lies beyond it.
     pub fn smoothed(&self, place: Vec2) -> Vec3 {
         let own = self.bilinear(place);
-        let middle = brightness(own);
-        let corner = |dx: i32, dy: i32| brightness(self.at(place.x as i32 + dx, place.y as i32 + dy));
-        let corners = [corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)];
-        let [low, high] = [f32::min, f32::max].map(|of| corners.into_iter().fold(middle, of));
-        if high - low < CONTRAST {
+        let m = brightness(own);
+        let at = |x: f32, y: f32| self.brightness(place + Vec2::new(x, y));
+        let beside = [at(-1.0, 0.0), at(1.0, 0.0), at(0.0, -1.0), at(0.0, 1.0)];
+        let corners = [at(-1.0, -1.0), at(1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0)];
+        let range = beside.into_iter().fold(m, f32::max) - beside.into_iter().fold(m, f32::min);
+        if range < CONTRAST {
             return own;
         }
-        let [a, b, c, d] = corners;
-        let along = Vec2::new(c + d - a - b, a + c - b - d);
-        let least = along.abs().min_element() + 0.03 * (a + b + c + d) + 0.01;
-        let along = (along / least).clamp(Vec2::splat(-REACH), Vec2::splat(REACH));
-        let pair = |share: f32| self.bilinear(place - share * along) + self.bilinear(place + share * along);
-        let near = 0.5 * pair(1.0 / 6.0);
-        let far = 0.5 * near + 0.25 * pair(0.5);
-        if (low..=high).contains(&brightness(far)) { far } else { near }
+        let bend = |a: f32, middle: f32, b: f32| (a + b - 2.0 * middle).abs();
+        let ([left, right, above, below], [a, b, c, d]) = (beside, corners);
+        let rows = 2.0 * bend(above, m, below) + bend(a, left, c) + bend(b, right, d);
+        let columns = 2.0 * bend(left, m, right) + bend(a, above, b) + bend(c, below, d);
+        let (along, across, pair) = if rows >= columns {
+            (Vec2::X, Vec2::Y, [above, below])
+        } else {
+            (Vec2::Y, Vec2::X, [left, right])
+        };
+        let first = (pair[0] - m).abs() >= (pair[1] - m).abs();
+        let (across, other) = if first { (-across, pair[0]) } else { (across, pair[1]) };
+        let (mean, least) = (0.5 * (m + other), 0.25 * (other - m).abs());
+        let back = self.edge_end(place + 0.5 * across, -along, mean, least);
+        let on = self.edge_end(place + 0.5 * across, along, mean, least);
+        let end = if back.0 < on.0 { back } else { on };
+        // Where the nearer end is on this pixel's side, the edge cuts another pixel.
+        let edge = if (m < mean) == (end.1 < 0.0) { 0.0 } else { 0.5 - end.0 / (back.0 + on.0) };
+        // What differs from all around it is thinner than a pixel.
+        let sum = |of: [f32; 4]| of.into_iter().sum::<f32>();
+        let thin = ((2.0 * sum(beside) + sum(corners)) / 12.0 - m).abs() / range;
+        let thin = thin.min(1.0) * thin.min(1.0) * (3.0 - 2.0 * thin.min(1.0));
+        self.bilinear(place + across * edge.max(thin * thin))
     }
 
     /// All pixels smoothed.

@@ -65,8 +65,8 @@ mod tests {
             for i in 0..200_000 {
                 let x = i as f32 * 1e-3;
                 let y = curve(Vec3::new(x, 0.5 * x, 0.2 * x));
-                // AgX's polynomial is flat within this at both ends.
-                assert!(y.cmpge(last - 1e-3).all() && y.max_element() <= 1.0, "{x}: {y} after {last}");
+                // AgX, a polynomial, falls by this just below 1.
+                assert!(y.cmpge(last - 2e-3).all() && y.max_element() <= 1.0, "{x}: {y} after {last}");
                 assert!(y.distance(last) < 4e-3, "a step at {x}");
                 last = last.max(y);
             }

@@ -10,8 +10,8 @@ use rebounce_shared::camera::CameraFrame;
 
 /// Cascades of a directional light.
 pub const CASCADES: u32 = 3;
-/// A cascade is so many times as wide as the one before.
-const RATIO: f32 = 3.0;
+/// Widths of cascades as shares of the scene's.
+const WIDTHS: [f32; CASCADES as usize] = [1.0 / 9.0, 1.0 / 3.0, 1.0];
 /// Steps across a cascade by which it moves.
 const STEPS: f32 = 16.0;
 /// Bytes that cascades may take.
@@ -39,7 +39,7 @@ pub struct Seen {
 impl Seen {
     /// What is seen in a picture of this size.
     pub fn new(camera: &CameraFrame, [width, height]: [u32; 2]) -> Self {
-        let tan = camera.tan_half_yfov * (width as f32 / height as f32).hypot(1.0);
+        let tan = camera.tan_half_yfov * (1.0 + (width as f32 / height as f32).powi(2)).sqrt();
         Self { eye: camera.eye, forward: camera.forward, tan }
     }
 }
@@ -49,9 +49,8 @@ pub fn fit(direction: Vec3, extent: &Extent, seen: &Seen, size: u32) -> [Mat4; C
     let sun = Parallel::new(direction, extent.all);
     let all = extent.detail.unwrap_or(extent.all);
     let whole = sun.half_width(all);
-    std::array::from_fn(|i| {
-        let half = whole * RATIO.powi(i as i32 + 1 - CASCADES as i32);
-        let half = half * (1.0 + 2.0 * BORDER / size as f32);
+    WIDTHS.map(|share| {
+        let half = whole * share * (1.0 + 2.0 * BORDER / size as f32);
         // Whole texels.
         let step = 2.0 * half / STEPS;
         // The sphere around the frustum as far as it fits beside the steps.
@@ -59,7 +58,7 @@ pub fn fit(direction: Vec3, extent: &Extent, seen: &Seen, size: u32) -> [Mat4; C
         // No part of the map lies beside the scene, if that is avoidable.
         let along = |axis: Vec3| {
             let (middle, free) = (axis.dot(middle(all)), (reach(axis, all) - half).max(0.0));
-            let steps = ((axis.dot(at) - middle).max(-free).min(free) / step).round();
+            let steps = ((axis.dot(at) - middle).max(-free).min(free) / step + 0.5).floor();
             middle + steps * step
         };
         sun.view(along(sun.right), along(sun.up), half)
@@ -115,7 +114,7 @@ mod tests {
                 assert!(clip.x.abs().max(clip.y.abs()) < 1.0 && (0.0..=1.0).contains(&clip.z));
             }
             let widths = [0, 1].map(|i| width(&cascades[i + 1]) / width(&cascades[i]));
-            assert!(widths.iter().all(|ratio| (ratio - RATIO).abs() < 1e-3), "{widths:?}");
+            assert!(widths.iter().all(|ratio| (ratio - 3.0).abs() < 1e-3), "{widths:?}");
         }
         assert!(compared > 200, "{compared}");
     }

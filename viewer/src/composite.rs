@@ -34,7 +34,7 @@ pub struct Shading {
     pub blend: f32,
     /// Pixels across one output pixel of [`CompositePass::indirect`].
     pub scale: u32,
-    /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`], [`TINTED`], [`UNLIT`], [`BACKDROP`].
+    /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`], [`TINTED`], [`UNLIT`], [`BACKDROP`], [`SMOOTH`].
     pub flags: u32,
     /// Pixels of the screen across one of the picture.
     pub enlarge: u32,
@@ -58,6 +58,8 @@ pub const TINTED: u32 = 16;
 pub const UNLIT: u32 = 32;
 /// Behind all surfaces is a backdrop.
 pub const BACKDROP: u32 = 64;
+/// Edges are smoothed when the picture is presented.
+pub const SMOOTH: u32 = 128;
 
 /// The pipelines.
 pub struct CompositePass {

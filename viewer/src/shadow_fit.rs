@@ -110,7 +110,7 @@ pub fn size(layers: u32, glass: bool) -> u32 {
 /// blocks a point or spot light.
 pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit {
     let mut out = Fit { size, ..Default::default() };
-    let first: u32 = lights.iter().map(|light| extent.layers(light)).sum();
+    let first = lights.iter().map(|light| extent.layers(light)).sum::<u32>() as f32;
     let mut cascades = first;
     for light in lights {
         let layer = out.matrices.len() as u32;
@@ -119,11 +119,13 @@ pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit
         let mut position = light.position.to_array();
         if light.kind == LightKind::Directional {
             let sun = Parallel::new(light.direction, extent.all);
-            out.matrices
-                .extend(extent.detail.iter().chain([&extent.all]).map(|shown| sun.around(*shown, border)));
+            if let Some(detail) = extent.detail {
+                out.matrices.push(sun.around(detail, border));
+            }
+            out.matrices.push(sun.around(extent.all, border));
             // As a directional light has no place.
-            position = [cascades as f32, first as f32, 0.0];
-            cascades += CASCADES;
+            position = [cascades, first, 0.0];
+            cascades += CASCADES as f32;
             (texel, depth_scale) = (0.0, 1.0 / sun.depth);
         } else if extent.layers(light) == 1 {
             let tan = ((1.0 - light.cos_outer * light.cos_outer).sqrt() / light.cos_outer).max(1e-3) * border;

@@ -59,6 +59,7 @@ fn renderer((gpu, pipelines): &Device, scene: &Scene) -> Renderer {
     let mut renderer = Renderer::with(gpu.clone(), pipelines.clone());
     let loaded = pollster::block_on(LoadedScene::upload(gpu, pipelines, scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
+    renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer.set_auto_exposure(false);
     renderer.set_still_pictures(1);
     renderer

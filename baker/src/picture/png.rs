@@ -1,12 +1,11 @@
 //! PNG for the eye: exposed automatically, tone mapped, sRGB.
 //!
-//! Exposure: as in the page ([`exposure`](rebounce_shared::exposure)). Tone mapping: Khronos PBR Neutral,
-//! which keeps the base colours of what is not very bright.
+//! Exposure and tone mapping: as in the page ([`exposure`](rebounce_shared::exposure), [`agx`]).
 
 use super::Picture;
 use glam::Vec3;
 use rebounce_shared::exposure;
-use rebounce_shared::tone::neutral;
+use rebounce_shared::tone::agx;
 
 /// Rec. 709 luminance of linear RGB.
 pub fn luminance(rgb: Vec3) -> f32 {
@@ -35,7 +34,7 @@ fn srgb(c: f32) -> u8 {
 
 /// An exposed, tone-mapped picture: linear RGB from 0 to 1.
 pub fn developed(picture: &Picture, exposure: f32) -> Picture {
-    let pixels = picture.pixels.iter().map(|&p| neutral(p * exposure)).collect();
+    let pixels = picture.pixels.iter().map(|&p| agx(p * exposure)).collect();
     Picture { pixels, ..*picture }
 }
 

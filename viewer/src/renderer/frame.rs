@@ -210,7 +210,9 @@ impl Renderer {
                 | flag(veiled.is_some(), composite::VEILED)
                 | flag(veiled.is_some_and(|scene| scene.upload.tinted), composite::TINTED)
                 | flag(unlit, composite::UNLIT)
-                | flag(backdrop, composite::BACKDROP),
+                | flag(backdrop, composite::BACKDROP)
+                // A picture alone, or the mean of two.
+                | flag(self.antialias && blend > 0.4, composite::SMOOTH),
             enlarge: 1,
             unit: veiled.map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lights, scene.extent.all)),
             pad: [0; 3],

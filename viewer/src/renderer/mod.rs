@@ -84,6 +84,7 @@ pub struct Renderer {
     gizmos: bool,
     backdrop: bool,
     every_pixel: bool,
+    antialias: bool,
     choice: Choice,
     /// How the last picture's slots were filled.
     way: Way,
@@ -122,6 +123,7 @@ impl Renderer {
         let timing = Timing::new(&gpu);
         Self {
             choice: Choice::new(gpu.software),
+            antialias: !gpu.software,
             gpu,
             pipelines,
             shadows,

@@ -187,6 +187,13 @@ impl Renderer {
         self.backdrop = on;
     }
 
+    /// Smooths edges in pictures that are not averaged, as moving ones, or leaves them as they are. On at first but on
+    /// software adapters, where it takes longer than it is worth.
+    pub fn set_antialias(&mut self, on: bool) {
+        self.dirty.shade |= self.antialias != on;
+        self.antialias = on;
+    }
+
     /// Highlights handles.
     pub fn set_marks(&mut self, marks: Marks) {
         self.dirty.present |= self.marks != marks;

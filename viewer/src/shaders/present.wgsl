@@ -1,4 +1,4 @@
-// Encodes sRGB and dithers to 8 bits. A picture that is not yet averaged has its edges smoothed; a sketch is enlarged.
+// Encodes sRGB and dithers to 8 bits. A picture that is not yet averaged may have its edges smoothed; a sketch is enlarged.
 
 struct Shading {
     lights: vec4f,
@@ -9,6 +9,9 @@ struct Shading {
     // Pixels of the screen across one of the picture.
     enlarge: u32,
 }
+
+// In shade.wgsl are the other flags.
+const SMOOTH = 128u;
 
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @group(0) @binding(1) var bilinear: sampler;
@@ -25,11 +28,10 @@ fn noise(pixel: vec2f) -> f32 {
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    var color: vec3f;
-    if shading.blend > 0.4 {
-        color = saturate(smoothed(position.xy / f32(shading.enlarge)));
-    } else {
-        color = saturate(textureLoad(picture, vec2u(position.xy), 0).rgb);
+    let place = position.xy / f32(shading.enlarge);
+    var color = bilinear_at(place);
+    if (shading.flags & SMOOTH) != 0u {
+        color = smoothed(place);
     }
-    return vec4f(encode(color) + (noise(position.xy) - 0.5) / 255.0, 1.0);
+    return vec4f(encode(saturate(color)) + (noise(position.xy) - 0.5) / 255.0, 1.0);
 }
