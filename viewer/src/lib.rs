@@ -10,6 +10,7 @@
 mod bindings;
 pub mod blended;
 pub mod blended_fit;
+pub mod cascades;
 pub mod composite;
 pub mod controls;
 pub mod display;
@@ -31,6 +32,7 @@ pub mod settings;
 pub mod shaders;
 pub mod shadow;
 pub mod shadow_fit;
+pub mod shadow_maps;
 pub mod stats;
 pub mod still;
 pub mod target;

@@ -84,6 +84,7 @@ pub struct Renderer {
     gizmos: bool,
     backdrop: bool,
     every_pixel: bool,
+    antialias: bool,
     choice: Choice,
     /// How the last picture's slots were filled.
     way: Way,
@@ -122,6 +123,7 @@ impl Renderer {
         let timing = Timing::new(&gpu);
         Self {
             choice: Choice::new(gpu.software),
+            antialias: !gpu.software,
             gpu,
             pipelines,
             shadows,
@@ -333,9 +335,9 @@ impl Renderer {
         };
         self.collect_times();
         self.viewed = false;
-        self.update_lights(&mut encoder, &scene);
+        self.update_lights(&mut encoder, &scene, Some(full));
         self.update_picture(&mut encoder, &scene, &mut target);
-        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture, view, format);
+        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture.present, view, format);
         self.draw_overlay(&mut encoder, &scene, &target, view, format, full);
         if let Some(timing) = &mut self.timing {
             timing.resolve(&mut encoder);

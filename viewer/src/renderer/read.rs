@@ -41,7 +41,7 @@ impl Renderer {
         let average = |label| texture_target(&own, label, TextureFormat::Rgba32Float, width, height);
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.update_lights(&mut encoder, &scene);
+        self.update_lights(&mut encoder, &scene, None);
         // One submission a picture: their uniforms differ.
         for picture in 0..PICTURES {
             std::mem::swap(&mut before, &mut out);
@@ -89,7 +89,7 @@ impl Renderer {
         let out = texture_target(&own, "pixels", format, width, height);
         let view = out.create_view(&Default::default());
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.update_lights(&mut encoder, &scene);
+        self.update_lights(&mut encoder, &scene, Some([width, height]));
         // One submission a picture: their uniforms differ.
         for picture in 0..self.still_pictures {
             self.draw_view(&mut encoder, &scene, &mut target, Sample::of(picture), false);
@@ -98,7 +98,7 @@ impl Renderer {
             self.gpu.queue.submit([encoder.finish()]);
             encoder = self.gpu.device.create_command_encoder(&Default::default());
         }
-        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture, &view, format);
+        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture.present, &view, format);
         self.gpu.queue.submit([encoder.finish()]);
         Ok(Readback::texture(&self.gpu, &out, 4))
     }
