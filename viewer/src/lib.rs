@@ -10,6 +10,8 @@
 mod bindings;
 pub mod blended;
 pub mod blended_fit;
+#[cfg(target_arch = "wasm32")]
+mod browser;
 pub mod cascades;
 pub mod composite;
 pub mod controls;
@@ -24,6 +26,7 @@ pub mod overlay;
 pub mod pace;
 pub mod pipelines;
 pub mod readback;
+mod refusals;
 pub mod relight;
 pub mod renderer;
 pub mod scene;

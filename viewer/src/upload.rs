@@ -5,7 +5,7 @@ use crate::blended_fit;
 use crate::composite;
 use crate::error::ViewerError;
 use crate::fronts;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, LIMITS};
 use crate::scope::Scope;
 use crate::triangles::Triangles;
 use rebounce_shared::link::{Link, Sent};
@@ -138,7 +138,7 @@ impl Upload {
     /// # Errors
     /// [`ViewerError::TooLarge`] when a section is larger than a buffer may be; then nothing is uploaded.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, ViewerError> {
-        let most = Most::of(&gpu.device.limits());
+        let most = Most::of(&LIMITS);
         most.check(scene)?;
         let own = Scope::new(gpu);
         let section = |name, usage, content: &[u8]| buffer(&own, name, usage, content);

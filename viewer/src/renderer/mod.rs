@@ -14,7 +14,7 @@ use crate::controls::gizmo::Marks;
 use crate::display::Way;
 use crate::display::choice::Choice;
 use crate::error::ViewerError;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, LIMITS};
 use crate::pipelines::Pipelines;
 use crate::readback::Readback;
 use crate::scene::LoadedScene;
@@ -374,7 +374,7 @@ impl Renderer {
     }
 
     fn check_size(&self, width: u32, height: u32) -> Result<(), ViewerError> {
-        let limit = self.gpu.device.limits().max_texture_dimension_2d;
+        let limit = LIMITS.max_texture_dimension_2d;
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(ViewerError::BadArgument(format!(
                 "a picture of {width} x {height} pixels: both must be between 1 and {limit}"

@@ -4,6 +4,7 @@ use super::Renderer;
 use crate::bindings::target as texture_target;
 use crate::composite::{self, Shading};
 use crate::error::ViewerError;
+use crate::gpu::LIMITS;
 use crate::readback::Readback;
 use crate::scope::Scope;
 use crate::upload::MAX_BUFFER;
@@ -33,7 +34,7 @@ impl Renderer {
                 "a picture of {width} x {height} pixels takes {bytes} bytes, at most {MAX_BUFFER} can be read"
             )));
         }
-        let limit = self.gpu.device.limits().max_texture_dimension_2d;
+        let limit = LIMITS.max_texture_dimension_2d;
         let fits = 2 * width.max(height) <= limit && 4 * width as u64 * height as u64 <= MOST_PIXELS;
         let scale = if fits { 2 } else { 1 };
         let mut target = self.new_target(&scene, [width * scale, height * scale], 1);
