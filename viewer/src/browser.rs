@@ -18,6 +18,9 @@ extern "C" {
     /// What it offers beyond the least.
     #[wasm_bindgen(method, getter)]
     pub fn features(this: &Device) -> js_sys::Set;
+    /// What it can do.
+    #[wasm_bindgen(method, getter)]
+    pub fn limits(this: &Device) -> Limits;
     /// Opens an error scope.
     #[wasm_bindgen(method, js_name = pushErrorScope)]
     pub fn push(this: &Device, filter: &str);
@@ -27,6 +30,15 @@ extern "C" {
     /// Told of errors outside of all scopes.
     #[wasm_bindgen(method, setter)]
     pub fn set_onuncapturederror(this: &Device, callback: JsValue);
+
+    /// `GPUSupportedLimits`.
+    pub type Limits;
+    /// Most bytes of a buffer.
+    #[wasm_bindgen(method, getter, js_name = maxBufferSize)]
+    pub fn buffer(this: &Limits) -> f64;
+    /// Most bytes of a buffer that shaders read.
+    #[wasm_bindgen(method, getter, js_name = maxStorageBufferBindingSize)]
+    pub fn binding(this: &Limits) -> f64;
 
     /// `GPUUncapturedErrorEvent`.
     pub type Uncaptured;

@@ -116,6 +116,21 @@ impl Gpu {
         Ok(pollster::block_on(Self::request(&adapter))?.gpu)
     }
 
+    /// Most bytes of a buffer, and of a buffer that shaders read as storage.
+    pub fn buffer_limits(&self) -> [u64; 2] {
+        #[cfg(target_arch = "wasm32")]
+        let limits = {
+            let limits = crate::browser::device(&self.device).limits();
+            [limits.buffer() as u64, limits.binding() as u64]
+        };
+        #[cfg(not(target_arch = "wasm32"))]
+        let limits = {
+            let limits = self.device.limits();
+            [limits.max_buffer_size, limits.max_storage_buffer_binding_size]
+        };
+        limits
+    }
+
     /// A handle of the same device for another user of it, with errors of its own: see [`Gpu::watch`].
     pub fn share(&self) -> Self {
         Self { opened: self.opened.clone(), errors: Errors::default() }
