@@ -11,6 +11,7 @@
 //! * [`random`] – random numbers that depend on nothing but their arguments;
 //! * [`rbn`] – the .rbn file: header, sections, checksums, metadata;
 //! * [`exposure`], [`backdrop`] – how bright a picture is shown, and what it shows behind an object;
+//! * [`tone`], [`smooth`] – display values from radiance, and their edges smoothed;
 //! * [`relight`] – one frame of relighting on the CPU, the truth that the GPU is held against;
 //! * [`shot`], [`light`], [`camera`] – a picture to take: SHOT.json, lights and cameras.
 //!
@@ -33,5 +34,7 @@ pub mod random;
 pub mod rbn;
 pub mod relight;
 pub mod shot;
+pub mod smooth;
+pub mod tone;
 
 pub use glam;

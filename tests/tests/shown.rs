@@ -14,6 +14,7 @@ use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::DetailTexture;
 use rebounce_shared::rbn::shown::{Ground, SIDE};
 use rebounce_tests::small::{everything, small};
+use rebounce_viewer::settings::ToneMapping;
 
 const SIZE: [u32; 2] = [160, 90];
 /// Pixels are compared where no other one so near differs by more than `EDGE` of 255: shadows' edges are a texel of a map
@@ -48,6 +49,7 @@ fn on_cpu(scene: &Scene) -> Vec<u8> {
 fn in_viewer(scene: &Scene) -> Option<Vec<u8>> {
     let mut renderer = common::renderer(scene)?;
     renderer.set_auto_exposure(true);
+    renderer.set_tone_mapping(ToneMapping::default());
     let read = renderer.read_pixels(SIZE[0], SIZE[1]).unwrap();
     let pixels = pollster::block_on(read.wait()).unwrap();
     Some(pixels.chunks(4).flat_map(|pixel| pixel[..3].to_vec()).collect())

@@ -34,7 +34,7 @@ pub struct Shading {
     pub blend: f32,
     /// Pixels across one output pixel of [`CompositePass::indirect`].
     pub scale: u32,
-    /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`], [`TINTED`], [`UNLIT`], [`BACKDROP`].
+    /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`], [`TINTED`], [`UNLIT`], [`BACKDROP`], [`SMOOTH`].
     pub flags: u32,
     /// Pixels of the screen across one of the picture.
     pub enlarge: u32,
@@ -58,6 +58,8 @@ pub const TINTED: u32 = 16;
 pub const UNLIT: u32 = 32;
 /// Behind all surfaces is a backdrop.
 pub const BACKDROP: u32 = 64;
+/// Edges are smoothed when the picture is presented.
+pub const SMOOTH: u32 = 128;
 
 /// The pipelines.
 pub struct CompositePass {
@@ -130,7 +132,8 @@ pub struct Picture {
     shade: wgpu::BindGroup,
     look: wgpu::BindGroup,
     measure: wgpu::BindGroup,
-    present: wgpu::BindGroup,
+    /// For [`CompositePass::present`].
+    pub present: wgpu::BindGroup,
 }
 
 impl CompositePass {
@@ -218,16 +221,7 @@ impl CompositePass {
             shade,
             look: group(scope, "look", &self.look.1, &resources),
             measure: group(scope, "key", &self.key.1, &measured),
-            present: group(
-                scope,
-                "present",
-                &self.present_layout,
-                &[
-                    view(&texture),
-                    wgpu::BindingResource::Sampler(&self.bilinear),
-                    from.shading.as_entire_binding(),
-                ],
-            ),
+            present: self.present_group(scope, &texture, from.shading),
             texture,
             shading: from.shading.clone(),
         }
@@ -287,17 +281,28 @@ impl CompositePass {
         self.pass(encoder, pipeline, &out, &[&picture.shade, lights, &before], None);
     }
 
-    /// Encodes the picture to a target of this format.
+    /// What [`Self::present`] encodes: a picture of linear display values, and the uniform that [`shading`] makes.
+    pub fn present_group(
+        &self,
+        gpu: &Gpu,
+        picture: &wgpu::TextureView,
+        shading: &wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        let sampler = wgpu::BindingResource::Sampler(&self.bilinear);
+        group(gpu, "present", &self.present_layout, &[view(picture), sampler, shading.as_entire_binding()])
+    }
+
+    /// Encodes a picture to a target of this format.
     pub fn present(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        picture: &Picture,
+        picture: &wgpu::BindGroup,
         target: &wgpu::TextureView,
         format: TextureFormat,
     ) {
         let pipeline = self.present_pipeline(gpu, format);
-        self.pass(encoder, &pipeline, target, &[&picture.present], None);
+        self.pass(encoder, &pipeline, target, &[picture], None);
     }
 
     fn present_pipeline(&self, gpu: &Gpu, format: TextureFormat) -> wgpu::RenderPipeline {

@@ -2,9 +2,13 @@
 
 use crate::error::ViewerError;
 use crate::oneshot::{self, Receiver};
+use crate::refusals::{self, Refusal};
 use std::future::Future;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// What a device is asked for.
+pub const LIMITS: wgpu::Limits = wgpu::Limits::defaults();
 
 /// A handle of a device. Several may share one; the device is destroyed with the last of them.
 #[derive(Clone)]
@@ -47,19 +51,9 @@ impl Deref for Gpu {
 #[derive(Clone, Default)]
 struct Errors(Arc<Mutex<Option<Refusal>>>);
 
-/// What the device has refused.
-#[derive(Clone)]
-struct Refusal {
-    /// For want of memory.
-    is_memory: bool,
-    /// The device's words.
-    message: String,
-}
-
 impl Errors {
-    fn note(&self, error: &wgpu::Error) {
-        let is_memory = matches!(error, wgpu::Error::OutOfMemory { .. });
-        self.first().get_or_insert_with(|| Refusal { is_memory, message: error.to_string() });
+    fn note(&self, refusal: Refusal) {
+        self.first().get_or_insert(refusal);
     }
 
     fn first(&self) -> MutexGuard<'_, Option<Refusal>> {
@@ -88,7 +82,7 @@ impl Gpu {
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("rebounce"),
                 required_features: offered & wanted,
-                required_limits: wgpu::Limits::default(),
+                required_limits: LIMITS,
                 ..Default::default()
             })
             .await
@@ -97,17 +91,14 @@ impl Gpu {
         device.set_device_lost_callback(move |_reason, message| sender.send(message));
         let errors = Errors::default();
         let sink = errors.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| sink.note(&error)));
-        let info = adapter.get_info();
-        let software = info.device_type == wgpu::DeviceType::Cpu || is_fallback(&device);
-        let features = device.features();
-        let name = adapter_name(&device);
+        refusals::listen(&device, move |refusal| sink.note(refusal));
+        let (name, software) = (adapter_name(&device), is_software(&device));
         let opened = Opened {
+            timestamps: has_timestamps(&device),
             device,
             queue,
-            adapter: if info.name.is_empty() { name } else { info.name },
+            adapter: name,
             software,
-            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
             errors: errors.clone(),
         };
         Ok(Requested { gpu: Self { opened: Arc::new(opened), errors }, lost })
@@ -125,6 +116,21 @@ impl Gpu {
         Ok(pollster::block_on(Self::request(&adapter))?.gpu)
     }
 
+    /// Most bytes of a buffer, and of a buffer that shaders read as storage.
+    pub fn buffer_limits(&self) -> [u64; 2] {
+        #[cfg(target_arch = "wasm32")]
+        let limits = {
+            let limits = crate::browser::device(&self.device).limits();
+            [limits.buffer() as u64, limits.binding() as u64]
+        };
+        #[cfg(not(target_arch = "wasm32"))]
+        let limits = {
+            let limits = self.device.limits();
+            [limits.max_buffer_size, limits.max_storage_buffer_binding_size]
+        };
+        limits
+    }
+
     /// A handle of the same device for another user of it, with errors of its own: see [`Gpu::watch`].
     pub fn share(&self) -> Self {
         Self { opened: self.opened.clone(), errors: Errors::default() }
@@ -133,23 +139,12 @@ impl Gpu {
     /// Does some work; what the device refuses of it is an error of this handle (and its clones), not of those that
     /// share the device.
     pub fn watch<T>(&self, work: impl FnOnce() -> T) -> T {
-        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
-        let mut watches =
-            Vec::from([OutOfMemory, Internal, Validation].map(|f| self.device.push_error_scope(f)));
+        let watch = refusals::begin(&self.device);
         let done = work();
-        let mut answers = Vec::new();
-        while let Some(watch) = watches.pop() {
-            answers.push(watch.pop());
-        }
-        let errors = self.errors.clone();
+        let (refused, errors) = (refusals::end(watch), self.errors.clone());
         meanwhile(async move {
-            // Whatever uses what there was no memory for is refused, too: memory is the cause, and known last.
-            let mut cause = None;
-            for answer in answers {
-                cause = answer.await.or(cause);
-            }
-            if let Some(error) = cause {
-                errors.note(&error);
+            if let Some(refusal) = refused.await {
+                errors.note(refusal);
             }
         });
         done
@@ -159,7 +154,7 @@ impl Gpu {
     pub async fn settle(&self) {
         // The device answers in order; the second question is asked when those who wait for answers have them.
         for _ in 0..2 {
-            self.device.push_error_scope(wgpu::ErrorFilter::Validation).pop().await;
+            refusals::end(refusals::begin(&self.device)).await;
         }
     }
 
@@ -195,7 +190,7 @@ fn meanwhile(work: impl Future<Output = ()>) {
 /// `GPUDevice.adapterInfo` of this name.
 #[cfg(target_arch = "wasm32")]
 fn adapter_info(device: &wgpu::Device, name: &str) -> Option<wasm_bindgen::JsValue> {
-    let info = js_sys::Reflect::get(device.as_webgpu()?, &"adapterInfo".into()).ok()?;
+    let info = js_sys::Reflect::get(crate::browser::device(device), &"adapterInfo".into()).ok()?;
     js_sys::Reflect::get(&info, &name.into()).ok()
 }
 
@@ -209,16 +204,26 @@ fn adapter_name(device: &wgpu::Device) -> String {
 
 /// Whether the browser says that the adapter is one of software.
 #[cfg(target_arch = "wasm32")]
-fn is_fallback(device: &wgpu::Device) -> bool {
+fn is_software(device: &wgpu::Device) -> bool {
     adapter_info(device, "isFallbackAdapter").is_some_and(|flag| flag.is_truthy())
 }
 
-#[cfg(not(target_arch = "wasm32"))]
-fn is_fallback(_: &wgpu::Device) -> bool {
-    false
+#[cfg(target_arch = "wasm32")]
+fn has_timestamps(device: &wgpu::Device) -> bool {
+    crate::browser::device(device).features().has(&"timestamp-query".into())
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-fn adapter_name(_: &wgpu::Device) -> String {
-    String::new()
+fn adapter_name(device: &wgpu::Device) -> String {
+    device.adapter_info().name
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn is_software(device: &wgpu::Device) -> bool {
+    device.adapter_info().device_type == wgpu::DeviceType::Cpu
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn has_timestamps(device: &wgpu::Device) -> bool {
+    device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
 }

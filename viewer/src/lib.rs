@@ -10,6 +10,9 @@
 mod bindings;
 pub mod blended;
 pub mod blended_fit;
+#[cfg(target_arch = "wasm32")]
+mod browser;
+pub mod cascades;
 pub mod composite;
 pub mod controls;
 pub mod display;
@@ -23,6 +26,7 @@ pub mod overlay;
 pub mod pace;
 pub mod pipelines;
 pub mod readback;
+mod refusals;
 pub mod relight;
 pub mod renderer;
 pub mod scene;
@@ -31,6 +35,7 @@ pub mod settings;
 pub mod shaders;
 pub mod shadow;
 pub mod shadow_fit;
+pub mod shadow_maps;
 pub mod stats;
 pub mod still;
 pub mod target;

@@ -2,14 +2,13 @@
 
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use crate::oneshot::{self, Receiver};
+use crate::oneshot::{self, Receiver, Sender};
 use crate::scope::Scope;
 
 /// A copy that is under way.
 pub struct Readback {
     own: Scope,
-    buffer: wgpu::Buffer,
-    done: Receiver<Result<(), wgpu::BufferAsyncError>>,
+    bytes: Receiver<Result<Vec<u8>, String>>,
     row_bytes: usize,
     padded_row_bytes: usize,
 }
@@ -51,9 +50,7 @@ impl Readback {
     }
 
     fn begin(own: Scope, buffer: wgpu::Buffer, row_bytes: usize, padded_row_bytes: usize) -> Self {
-        let (sender, done) = oneshot::channel();
-        buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| sender.send(result));
-        Self { own, buffer, done, row_bytes, padded_row_bytes }
+        Self { own, bytes: bytes(&buffer), row_bytes, padded_row_bytes }
     }
 
     /// The bytes, rows tightly packed.
@@ -66,20 +63,45 @@ impl Readback {
             .device
             .poll(wgpu::PollType::wait_indefinitely())
             .map_err(|e| ViewerError::DeviceLost(e.to_string()))?;
-        self.done.await.map_err(|e| ViewerError::DeviceLost(e.to_string()))?;
-        let bytes = {
-            let mapped =
-                self.buffer.slice(..).get_mapped_range().map_err(|e| ViewerError::Internal(e.to_string()))?;
-            let mut bytes = Vec::with_capacity(mapped.len());
-            for row in mapped.chunks(self.padded_row_bytes.max(1)) {
-                bytes.extend_from_slice(&row[..self.row_bytes]);
-            }
-            bytes
-        };
-        self.buffer.unmap();
+        let mut bytes = self.bytes.await.map_err(ViewerError::DeviceLost)?;
         self.own.check()?;
+        let (row, padded) = (self.row_bytes, self.padded_row_bytes.max(1));
+        let rows = bytes.len() / padded;
+        for i in 1..rows {
+            bytes.copy_within(i * padded..i * padded + row, i * row);
+        }
+        bytes.truncate(rows * row);
         Ok(bytes)
     }
+}
+
+/// The bytes of a buffer that can be mapped, or why there are none; it can be used again when they are there.
+pub fn bytes(buffer: &wgpu::Buffer) -> Receiver<Result<Vec<u8>, String>> {
+    let (sender, bytes) = oneshot::channel();
+    send(buffer.clone(), sender);
+    bytes
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn send(buffer: wgpu::Buffer, sender: Sender<Result<Vec<u8>, String>>) {
+    let held = buffer.clone();
+    buffer.slice(..).map_async(wgpu::MapMode::Read, move |mapped| {
+        let bytes = mapped.map_err(|e| e.to_string()).and_then(|()| {
+            let bytes =
+                held.slice(..).get_mapped_range().map(|range| range.to_vec()).map_err(|e| e.to_string());
+            held.unmap();
+            bytes
+        });
+        sender.send(bytes);
+    });
+}
+
+#[cfg(target_arch = "wasm32")]
+fn send(buffer: wgpu::Buffer, sender: Sender<Result<Vec<u8>, String>>) {
+    wasm_bindgen_futures::spawn_local(async move {
+        let bytes = crate::browser::bytes(buffer).await;
+        sender.send(bytes.map_err(|error| js_sys::Object::from(error).to_string().into()));
+    });
 }
 
 fn staging(own: &Scope, size: u64) -> wgpu::Buffer {

@@ -63,11 +63,11 @@ named! {
 named! {
     /// How radiance becomes display values.
     ToneMapping, "tone mapping":
-    /// Khronos PBR Neutral: colours stay what they are.
+    /// AgX: softer, dark colours keep their shades and bright ones fade to white.
     #[default]
-    Neutral "neutral",
-    /// AgX: softer, bright colours fade to white.
-    Agx "agx"
+    Agx "agx",
+    /// Khronos PBR Neutral: colours stay what they are.
+    Neutral "neutral"
 }
 
 named! {
@@ -94,7 +94,7 @@ mod tests {
         assert_eq!(Mode::parse("all").unwrap(), Mode::default());
         let error = ToneMapping::parse("filmic").unwrap_err().to_string();
         assert!(
-            error.contains("tone mapping \"filmic\"") && error.contains("\"neutral\", \"agx\""),
+            error.contains("tone mapping \"filmic\"") && error.contains("\"agx\", \"neutral\""),
             "{error}"
         );
     }

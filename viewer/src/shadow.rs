@@ -3,21 +3,23 @@
 use crate::bindings::{
     Draw, Slot, bilinear, blended, depth_attachment, empty_buffer, group, layout, part, view,
 };
+use crate::cascades;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
 use crate::shadow_fit::{self, Extent, Fit, LightRecord};
+use crate::shadow_maps::{Maps, TINTS};
 use crate::upload::{Run, Upload, VERTEX_BUFFERS};
+use glam::Mat4;
+use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::LightSource;
 use std::cell::OnceCell;
 use std::rc::Rc;
-use wgpu::{BlendFactor, BlendOperation, BufferUsages, CompareFunction, ShaderStages, TextureFormat};
+use wgpu::{BlendFactor, BlendOperation, BufferUsages, CompareFunction, ShaderStages};
 
 /// Distance of matrices in the uniform buffer, bytes.
 const STRIDE: u64 = 256;
 const MATRIX: u64 = 64;
-/// Colours behind glass; alpha is the depth of the nearest.
-const TINTS: TextureFormat = TextureFormat::Rgba16Float;
 
 /// What draws shadow maps and what reads them; depends on no scene.
 #[derive(Clone)]
@@ -49,6 +51,7 @@ impl ShadowPipelines {
             Slot::Unfiltered,
             Slot::TextureArray,
             Slot::Sampler,
+            Slot::DepthArray,
         ];
         let layout = layout(gpu, "lights", stages, &slots);
         let draw = Draw {
@@ -115,8 +118,14 @@ impl ShadowPipelines {
 pub struct Shadows {
     pipelines: ShadowPipelines,
     maps: Maps,
+    /// Cascades of directional lights, which follow the camera.
+    near: Maps,
     records: Records,
     fit: Fit,
+    /// What the cascades show: their matrices come after those of `fit`.
+    cascades: Vec<Mat4>,
+    /// The matrices of the cascades are elsewhere on the GPU, or not there.
+    unwritten: bool,
     /// Widest map, texels: [`shadow_fit::LARGEST`] unless a test asks for another.
     pub largest: u32,
     /// Layers drawn so far.
@@ -126,12 +135,15 @@ pub struct Shadows {
 impl Shadows {
     /// Without lights.
     pub fn new(gpu: &Gpu, pipelines: &ShadowPipelines) -> Self {
-        let maps = Maps::new(gpu, 1, 1, false);
+        let [maps, near] = [(); 2].map(|()| Maps::new(gpu, 1, 1, false));
         Self {
             pipelines: pipelines.clone(),
-            records: Records::new(gpu, pipelines, &maps, 1),
+            records: Records::new(gpu, pipelines, &maps, &near, 1),
             maps,
+            near,
             fit: Fit::default(),
+            cascades: Vec::new(),
+            unwritten: false,
             largest: shadow_fit::LARGEST,
             drawn: 0,
         }
@@ -165,9 +177,14 @@ impl Shadows {
         if replaced {
             self.maps = Maps::new(gpu, size, layers.max(1), glass);
         }
-        if replaced || self.records.capacity < layers {
-            let capacity = layers.max(1).next_power_of_two();
-            self.records = Records::new(gpu, &self.pipelines, &self.maps, capacity);
+        let views =
+            layers + cascades::CASCADES * fit.lights.iter().filter_map(LightRecord::sun).count() as u32;
+        let moves = self.fit.matrices.len() != fit.matrices.len();
+        let refit = replaced || self.records.capacity < views;
+        self.unwritten |= refit || moves;
+        if refit {
+            let capacity = views.max(1).next_power_of_two();
+            self.records = Records::new(gpu, &self.pipelines, &self.maps, &self.near, capacity);
         }
         self.records.write(gpu, &fit);
         let is_new =
@@ -177,9 +194,48 @@ impl Shadows {
         changed
     }
 
+    /// Makes the cascades of directional lights follow a camera whose picture has this size; returns the layers that must
+    /// be drawn.
+    pub fn follow(
+        &mut self,
+        gpu: &Gpu,
+        camera: &CameraFrame,
+        picture: [u32; 2],
+        extent: &Extent,
+    ) -> Vec<u32> {
+        let suns: Vec<_> = self.fit.lights.iter().filter_map(LightRecord::sun).collect();
+        if suns.is_empty() {
+            return Vec::new();
+        }
+        let size = cascades::size(suns.len() as u32, picture[1], self.size()).min(self.largest);
+        let seen = cascades::Seen::new(camera, picture);
+        let matrices: Vec<_> = suns.iter().flat_map(|sun| cascades::fit(*sun, extent, &seen, size)).collect();
+        let first = self.fit.matrices.len();
+        if self.near.texture.width() != size || self.near.layers.len() < matrices.len() {
+            self.near = Maps::new(gpu, size, matrices.len() as u32, false);
+            self.records = Records::new(gpu, &self.pipelines, &self.maps, &self.near, self.records.capacity);
+            self.records.write(gpu, &self.fit);
+            self.cascades.clear();
+        }
+        let is_new = |i: &usize| self.cascades.get(*i) != Some(&matrices[*i]);
+        let changed: Vec<_> = (0..matrices.len()).filter(is_new).map(|i| (first + i) as u32).collect();
+        if std::mem::take(&mut self.unwritten) || !changed.is_empty() {
+            self.records.write_matrices(gpu, first, &matrices);
+            self.cascades = matrices;
+        }
+        changed
+    }
+
     /// Forgets what the maps hold, as after loading another scene.
     pub fn forget(&mut self) {
         self.fit = Fit::default();
+        self.cascades.clear();
+    }
+
+    /// What a layer is drawn to.
+    fn map(&self, layer: u32) -> &wgpu::TextureView {
+        let (layer, far) = (layer as usize, self.fit.matrices.len());
+        if layer < far { &self.maps.layers[layer] } else { &self.near.layers[layer - far] }
     }
 
     /// Draws one layer.
@@ -195,7 +251,7 @@ impl Shadows {
         self.drawn += 1;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow"),
-            depth_stencil_attachment: depth_attachment(&self.maps.layers[layer as usize], true),
+            depth_stencil_attachment: depth_attachment(self.map(layer), true),
             timestamp_writes: timestamps,
             ..Default::default()
         });
@@ -239,58 +295,12 @@ impl Shadows {
 
     /// Bytes of the maps.
     pub fn bytes(&self) -> u64 {
-        self.maps.own.bytes()
+        self.maps.own.bytes() + self.near.own.bytes()
     }
 
     /// Width of a map, texels.
     pub fn size(&self) -> u32 {
         self.maps.texture.width()
-    }
-}
-
-/// A depth texture and a view of each layer.
-struct Maps {
-    own: Scope,
-    texture: wgpu::Texture,
-    layers: Vec<wgpu::TextureView>,
-    /// Colours behind glass, of half the size; a texel where there is none, and then no view of a layer.
-    tint: wgpu::Texture,
-    tints: Vec<wgpu::TextureView>,
-}
-
-impl Maps {
-    fn new(gpu: &Gpu, size: u32, layers: u32, glass: bool) -> Self {
-        let own = Scope::new(gpu);
-        let array = |label, format, size: u32, layers| {
-            own.texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-        };
-        let texture = array("shadow maps", TextureFormat::Depth32Float, size, layers);
-        let tint = match glass {
-            true => array("tint maps", TINTS, (size / 2).max(2), layers),
-            false => array("no tint maps", TINTS, 1, 1),
-        };
-        let views = |texture: &wgpu::Texture, layers| -> Vec<wgpu::TextureView> {
-            let layer = |base_array_layer| {
-                texture.create_view(&wgpu::TextureViewDescriptor {
-                    dimension: Some(wgpu::TextureViewDimension::D2),
-                    base_array_layer,
-                    array_layer_count: Some(1),
-                    ..Default::default()
-                })
-            };
-            (0..layers).map(layer).collect()
-        };
-        let tints = views(&tint, if glass { layers } else { 0 });
-        Self { layers: views(&texture, layers), texture, tints, tint, own }
     }
 }
 
@@ -306,7 +316,7 @@ struct Records {
 }
 
 impl Records {
-    fn new(gpu: &Gpu, pipelines: &ShadowPipelines, maps: &Maps, capacity: u32) -> Self {
+    fn new(gpu: &Gpu, pipelines: &ShadowPipelines, maps: &Maps, near: &Maps, capacity: u32) -> Self {
         let own = Scope::new(gpu);
         let make = |label, usage, record: u64| {
             empty_buffer(&own, label, usage | BufferUsages::COPY_DST, record * capacity as u64)
@@ -320,7 +330,7 @@ impl Records {
                 ..Default::default()
             })
         };
-        let [depths, tints] = [&maps.texture, &maps.tint].map(all);
+        let [depths, tints, near] = [&maps.texture, &maps.tint, &near.texture].map(all);
         let resources = [
             lights.as_entire_binding(),
             matrices.as_entire_binding(),
@@ -329,6 +339,7 @@ impl Records {
             wgpu::BindingResource::Sampler(&pipelines.depths),
             view(&tints),
             wgpu::BindingResource::Sampler(&pipelines.tints),
+            view(&near),
         ];
         Self {
             capacity,
@@ -345,12 +356,17 @@ impl Records {
         if fit.lights.is_empty() {
             return;
         }
-        let mut spread = vec![0u8; STRIDE as usize * fit.matrices.len()];
-        for (part, matrix) in spread.chunks_mut(STRIDE as usize).zip(&fit.matrices) {
+        gpu.queue.write_buffer(&self.lights, 0, bytemuck::cast_slice(&fit.lights));
+        self.write_matrices(gpu, 0, &fit.matrices);
+    }
+
+    /// Writes the matrices of some layers from `first` on.
+    fn write_matrices(&self, gpu: &Gpu, first: usize, matrices: &[Mat4]) {
+        let mut spread = vec![0u8; STRIDE as usize * matrices.len()];
+        for (part, matrix) in spread.chunks_mut(STRIDE as usize).zip(matrices) {
             part[..MATRIX as usize].copy_from_slice(bytemuck::bytes_of(matrix));
         }
-        gpu.queue.write_buffer(&self.uniforms, 0, &spread);
-        gpu.queue.write_buffer(&self.lights, 0, bytemuck::cast_slice(&fit.lights));
-        gpu.queue.write_buffer(&self.matrices, 0, bytemuck::cast_slice(&fit.matrices));
+        gpu.queue.write_buffer(&self.uniforms, STRIDE * first as u64, &spread);
+        gpu.queue.write_buffer(&self.matrices, MATRIX * first as u64, bytemuck::cast_slice(matrices));
     }
 }

@@ -1,5 +1,6 @@
 //! How lights are fitted with shadow maps: which layers, which projections. No GPU.
 
+use crate::cascades::CASCADES;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use rebounce_shared::light::{LightKind, LightSource};
@@ -13,7 +14,7 @@ const BUDGET: u64 = 64 << 20;
 /// Widest shadow map, texels.
 pub const LARGEST: u32 = 2048;
 /// Border around a map for the filter's taps, texels.
-const BORDER: f32 = 3.0;
+pub(crate) const BORDER: f32 = 3.0;
 
 /// `Light` in lights.wgsl. 64 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -32,6 +33,11 @@ pub struct LightRecord {
 }
 
 impl LightRecord {
+    /// The way the light travels where it is a directional one.
+    pub fn sun(&self) -> Option<Vec3> {
+        (self.kind == LightKind::Directional as u32).then_some(self.direction.into())
+    }
+
     /// Whether it is on.
     pub fn shines(&self) -> bool {
         self.intensity != [0.0; 3]
@@ -57,8 +63,7 @@ const FAR_LARGER: f32 = 4.0;
 pub struct Extent {
     /// Of the scene.
     pub all: [Vec3; 2],
-    /// Of the part that has the detail, in a scene that is far larger: a directional light has a map of its own for it, the
-    /// first of two cascades.
+    /// Of the part that has the detail, in a scene that is far larger: a directional light has a map of its own for it.
     pub detail: Option<[Vec3; 2]>,
 }
 
@@ -73,18 +78,18 @@ impl Extent {
     /// Number of layers that a light needs.
     pub fn layers(&self, light: &LightSource) -> u32 {
         match light.kind {
-            LightKind::Directional if self.detail.is_none() => 1,
+            LightKind::Directional => 1 + self.detail.is_some() as u32,
             _ => most_layers(light),
         }
     }
 }
 
-/// Number of layers that a light may need, whatever the scene.
+/// Number of layers that a light may need, whatever the scene, cascades included.
 pub fn most_layers(light: &LightSource) -> u32 {
     match light.kind {
         LightKind::Point => 6,
         LightKind::Spot if light.cos_outer < WIDEST_COS => 6,
-        LightKind::Directional => 2,
+        LightKind::Directional => 2 + CASCADES,
         LightKind::Spot => 1,
     }
 }
@@ -105,26 +110,23 @@ pub fn size(layers: u32, glass: bool) -> u32 {
 /// blocks a point or spot light.
 pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit {
     let mut out = Fit { size, ..Default::default() };
+    let first = lights.iter().map(|light| extent.layers(light)).sum::<u32>() as f32;
+    let mut cascades = first;
     for light in lights {
         let layer = out.matrices.len() as u32;
         let border = 1.0 + 2.0 * BORDER / size as f32;
         let (texel, depth_scale);
         let mut position = light.position.to_array();
         if light.kind == LightKind::Directional {
-            let (matrix, width, depth) = orthographic(light.direction, extent.all, extent.all, border);
-            let whole = width / size as f32;
-            depth_scale = 1.0 / depth;
-            texel = match extent.detail {
-                Some(detail) => {
-                    let (matrix, width, _) = orthographic(light.direction, detail, extent.all, border);
-                    out.matrices.push(matrix);
-                    // The second cascade's texels, as a directional light has no place.
-                    position[0] = whole;
-                    width / size as f32
-                }
-                None => whole,
-            };
-            out.matrices.push(matrix);
+            let sun = Parallel::new(light.direction, extent.all);
+            if let Some(detail) = extent.detail {
+                out.matrices.push(sun.around(detail, border));
+            }
+            out.matrices.push(sun.around(extent.all, border));
+            // As a directional light has no place.
+            position = [cascades, first, 0.0];
+            cascades += CASCADES as f32;
+            (texel, depth_scale) = (0.0, 1.0 / sun.depth);
         } else if extent.layers(light) == 1 {
             let tan = ((1.0 - light.cos_outer * light.cos_outer).sqrt() / light.cos_outer).max(1e-3) * border;
             out.matrices.push(perspective(
@@ -174,23 +176,52 @@ fn perspective(eye: Vec3, forward: Vec3, up: Vec3, tan: f32, near: f32) -> Mat4 
     from_rows(plane(right / tan), plane(up / tan), Vec3::ZERO.extend(near), plane(forward))
 }
 
-/// A square parallel view of `shown` along `forward`; depth is 1 where the light comes from, 0 at the far end of `all`.
-/// Also its width and its depth in scene units.
-fn orthographic(forward: Vec3, shown: [Vec3; 2], all: [Vec3; 2], border: f32) -> (Mat4, f32, f32) {
-    let right = forward.cross(any_up(forward)).normalize_or(Vec3::X);
-    let up = right.cross(forward);
-    let middle = |[low, high]: [Vec3; 2]| 0.5 * (low + high);
-    let extent = |axis: Vec3, [low, high]: [Vec3; 2]| axis.abs().dot(0.5 * (high - low)).max(1e-20);
-    let width = 2.0 * extent(right, shown).max(extent(up, shown)) * border;
-    let depth = 2.0 * extent(forward, all) * 1.01;
-    let plane = |v: Vec3, offset: f32, of: [Vec3; 2]| v.extend(offset - v.dot(middle(of)));
-    let matrix = from_rows(
-        plane(right * (2.0 / width), 0.0, shown),
-        plane(up * (2.0 / width), 0.0, shown),
-        plane(-forward / depth, 0.5, all),
-        Vec3::ZERO.extend(1.0),
-    );
-    (matrix, width, depth)
+/// Square parallel views along a direction. Depth is 1 where the light comes from, 0 at the far end of the scene.
+pub(crate) struct Parallel {
+    /// Unit vectors of the views.
+    pub right: Vec3,
+    /// Square to `right`.
+    pub up: Vec3,
+    /// Scene units from depth 1 to depth 0.
+    depth: f32,
+    plane: glam::Vec4,
+}
+
+impl Parallel {
+    /// Views along `forward` in a scene with these bounds.
+    pub fn new(forward: Vec3, all: [Vec3; 2]) -> Self {
+        let right = forward.cross(any_up(forward)).normalize_or(Vec3::X);
+        let depth = 2.0 * reach(forward, all) * 1.01;
+        let plane = (-forward / depth).extend(0.5 + forward.dot(middle(all)) / depth);
+        Self { right, up: right.cross(forward), depth, plane }
+    }
+
+    /// Half the width of the square that holds a box.
+    pub fn half_width(&self, shown: [Vec3; 2]) -> f32 {
+        reach(self.right, shown).max(reach(self.up, shown))
+    }
+
+    /// The view of a box, with a border: a share of its width.
+    fn around(&self, shown: [Vec3; 2], border: f32) -> Mat4 {
+        let at = middle(shown);
+        self.view(self.right.dot(at), self.up.dot(at), self.half_width(shown) * border)
+    }
+
+    /// The view around a place along `right` and `up`.
+    pub fn view(&self, x: f32, y: f32, half_width: f32) -> Mat4 {
+        let axis = |axis: Vec3, at: f32| (axis / half_width).extend(-at / half_width);
+        from_rows(axis(self.right, x), axis(self.up, y), self.plane, Vec3::ZERO.extend(1.0))
+    }
+}
+
+/// Middle of a box.
+pub(crate) fn middle([low, high]: [Vec3; 2]) -> Vec3 {
+    0.5 * (low + high)
+}
+
+/// Half the extent of a box along an axis.
+pub(crate) fn reach(axis: Vec3, [low, high]: [Vec3; 2]) -> f32 {
+    axis.abs().dot(0.5 * (high - low)).max(1e-20)
 }
 
 #[cfg(test)]
@@ -229,7 +260,8 @@ mod tests {
         let fit = fit(&[sun], &extent, 1e-3, 1024);
         let [light] = &fit.lights[..] else { panic!("{:?}", fit.lights) };
         assert!(light.layers == 2 && fit.matrices.len() == 2);
-        assert!(1024.0 * light.texel < 40.0 && 1024.0 * light.position[0] > 10_000.0, "{light:?}");
+        let widths = [0, 1].map(|i| 2.0 / fit.matrices[i].row(0).truncate().length());
+        assert!(widths[0] < 40.0 && widths[1] > 10_000.0, "{widths:?}");
         for corner in 0..8 {
             let at =
                 |of: [Vec3; 2]| Vec3::from_array(std::array::from_fn(|axis| of[(corner >> axis) & 1][axis]));

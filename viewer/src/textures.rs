@@ -5,7 +5,7 @@
 
 use crate::bindings::{Draw, Slot, attachment, bilinear, group, layout, opaque, view};
 use crate::error::ViewerError;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, LIMITS};
 use crate::scope::Scope;
 use crate::shaders;
 use rebounce_shared::rbn::Scene;
@@ -80,7 +80,7 @@ impl Mips {
 /// # Errors
 /// [`ViewerError::Texture`] for the first that cannot be decoded.
 pub async fn load(scope: &Scope, mips: &Mips, scene: &Scene) -> Result<Vec<wgpu::TextureView>, ViewerError> {
-    let limit = scope.device.limits().max_texture_dimension_2d;
+    let limit = LIMITS.max_texture_dimension_2d;
     let (firsts, shared) = distinct(&scene.meta.textures);
     let mut views = Vec::with_capacity(firsts.len());
     for batch in firsts.chunks(BATCH) {

@@ -2,7 +2,8 @@
 
 use crate::display::Way;
 use crate::gpu::Gpu;
-use crate::oneshot::{self, Receiver};
+use crate::oneshot::Receiver;
+use crate::readback;
 use crate::scope::Scope;
 use wgpu::BufferUsages;
 
@@ -81,7 +82,7 @@ pub struct Timing {
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: wgpu::Buffer,
-    pending: Option<(Receiver<bool>, [bool; PASSES], Option<Way>)>,
+    pending: Option<(Receiver<Result<Vec<u8>, String>>, [bool; PASSES], Option<Way>)>,
     displayed: Option<(Way, f64)>,
     used: [bool; PASSES],
     last: Milliseconds,
@@ -144,9 +145,7 @@ impl Timing {
     /// Call after the frame is submitted; with how it filled the slots, if that is new.
     pub fn submitted(&mut self, way: Option<Way>) {
         if self.pending.is_none() && self.used.contains(&true) {
-            let (sender, receiver) = oneshot::channel();
-            self.staging.slice(..).map_async(wgpu::MapMode::Read, move |result| sender.send(result.is_ok()));
-            self.pending = Some((receiver, std::mem::take(&mut self.used), way));
+            self.pending = Some((readback::bytes(&self.staging), std::mem::take(&mut self.used), way));
         }
     }
 
@@ -164,9 +163,9 @@ impl Timing {
         let _ = gpu;
         let Some((receiver, used, way)) = &self.pending else { return self.last };
         let (used, way) = (*used, *way);
-        let Some(mapped) = receiver.try_take() else { return self.last };
-        if mapped && let Ok(view) = self.staging.slice(..).get_mapped_range() {
-            let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&view);
+        let Some(bytes) = receiver.try_take() else { return self.last };
+        if let Ok(bytes) = bytes {
+            let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
             for (i, _) in used.iter().enumerate().filter(|(_, used)| **used) {
                 let ms = stamps[2 * i + 1].wrapping_sub(stamps[2 * i]) as f64 * self.period_ns * 1e-6;
                 let slot = match i {
@@ -183,9 +182,6 @@ impl Timing {
             if let (Some(way), Some(find), Some(gather)) = (way, self.last.find, self.last.gather) {
                 self.displayed = Some((way, find + 2.0 * gather));
             }
-        }
-        if mapped {
-            self.staging.unmap();
         }
         self.pending = None;
         self.last

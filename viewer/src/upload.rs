@@ -142,7 +142,7 @@ impl Upload {
     /// # Errors
     /// [`ViewerError::TooLarge`] when a section is larger than a buffer may be; then nothing is uploaded.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, ViewerError> {
-        let most = Most::of(&gpu.device.limits());
+        let most = Most::of(gpu.buffer_limits());
         most.check(scene)?;
         let own = Scope::new(gpu);
         let section = |name, usage, content: &[u8]| buffer(&own, name, usage, content);
@@ -205,9 +205,9 @@ struct Most {
 
 impl Most {
     /// No more than what WebGPU guarantees: what opens here opens everywhere.
-    fn of(limits: &wgpu::Limits) -> Self {
-        let buffer = limits.max_buffer_size.min(MAX_BUFFER);
-        Self { buffer, binding: limits.max_storage_buffer_binding_size.min(MAX_BINDING).min(buffer) }
+    fn of([buffer, binding]: [u64; 2]) -> Self {
+        let buffer = buffer.min(MAX_BUFFER);
+        Self { buffer, binding: binding.min(MAX_BINDING).min(buffer) }
     }
 
     /// Whether everything of a scene fits; before anything of it is on its way.
@@ -358,7 +358,7 @@ mod tests {
         assert_eq!(refusal(240, 11, &scene), Some(("LINK", 12, 11)));
         let text = ViewerError::TooLarge { section: "VERT", bytes: 240, limit: 239 }.to_string();
         assert!(text.contains("240 bytes") && text.contains("239"), "{text}");
-        let default = Most::of(&wgpu::Limits::default());
+        let default = Most::of([u64::MAX; 2]);
         assert_eq!((default.buffer, default.binding), (MAX_BUFFER, MAX_BINDING));
     }
 

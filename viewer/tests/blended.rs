@@ -17,7 +17,7 @@ use rebounce_viewer::pipelines::Pipelines;
 use rebounce_viewer::readback::Readback;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
-use rebounce_viewer::settings::Mode;
+use rebounce_viewer::settings::{Mode, ToneMapping};
 use std::rc::Rc;
 
 const SIZE: u32 = 33;
@@ -68,6 +68,7 @@ fn renderer_with(gpu: &Gpu, pipelines: &Rc<Pipelines>, scene: &Scene) -> Rendere
     let mut renderer = Renderer::with(gpu.clone(), pipelines.clone());
     let loaded = pollster::block_on(LoadedScene::upload(gpu, pipelines, scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
+    renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer.set_auto_exposure(false);
     renderer
 }

@@ -54,6 +54,7 @@ fn renderer(gpu: &Gpu, scene: &Scene, mode: Mode) -> Renderer {
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
     let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
+    renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer.set_auto_exposure(false);
     renderer.set_mode(mode);
     renderer

@@ -15,7 +15,7 @@ use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
-use rebounce_viewer::settings::{Display, Mode};
+use rebounce_viewer::settings::{Display, Mode, ToneMapping};
 use rebounce_viewer::view::Sample;
 
 const WIDTH: u32 = 48;
@@ -25,6 +25,7 @@ fn renderer(gpu: &Gpu, scene: &Scene) -> Renderer {
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
     let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
+    renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer
 }
 

@@ -14,7 +14,7 @@ renderer.setPixelRatio(1);
 renderer.setSize(innerWidth, innerHeight);
 renderer.shadowMap.enabled = true;
 renderer.shadowMap.type = THREE.PCFShadowMap;
-renderer.toneMapping = THREE.NeutralToneMapping;
+renderer.toneMapping = THREE.AgXToneMapping;
 document.body.append(renderer.domElement);
 await renderer.init();
 

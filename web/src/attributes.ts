@@ -13,7 +13,7 @@ export type Interaction = "auto" | "all" | "page" | "none";
 /** What a drag does to the camera: what suits the place, look around, or orbit. */
 export type CameraControls = "auto" | "look" | "orbit";
 /** How radiance becomes colours of the screen. */
-export type ToneMapping = "neutral" | "agx";
+export type ToneMapping = "agx" | "neutral";
 /** How light gets from functions to pixels: pixels look functions up, functions are splatted, or whichever is faster. */
 export type Display = "auto" | "lookup" | "splat";
 
@@ -22,7 +22,7 @@ const ALLOWED = {
   mode: ["all", "direct", "indirect"],
   overlay: ["none", "points", "levels"],
   interaction: ["auto", "all", "page", "none"],
-  "tone-mapping": ["neutral", "agx"],
+  "tone-mapping": ["agx", "neutral"],
   display: ["auto", "lookup", "splat"],
   backdrop: ["auto", "none"],
   detail: ["on", "off"],

@@ -7,7 +7,7 @@ import { signed, slider } from "./panel-parts.js";
 /** Choices by the name of their property. */
 const CHOICES = {
   mode: ["Light", { all: "Both", direct: "Direct", indirect: "Indirect" }],
-  toneMapping: ["Tone mapping", { neutral: "Neutral", agx: "AgX" }],
+  toneMapping: ["Tone mapping", { agx: "AgX", neutral: "Neutral" }],
   overlay: ["Show light points", { none: "None", points: "Points", levels: "Levels" }],
 } as const;
 

@@ -1,11 +1,11 @@
 //! PNG for the eye: exposed automatically, tone mapped, sRGB.
 //!
-//! Exposure: as in the page ([`exposure`](rebounce_shared::exposure)). Tone mapping: Khronos PBR Neutral,
-//! which keeps the base colours of what is not very bright.
+//! Exposure and tone mapping: as in the page ([`exposure`](rebounce_shared::exposure), [`agx`]).
 
 use super::Picture;
 use glam::Vec3;
 use rebounce_shared::exposure;
+use rebounce_shared::tone::agx;
 
 /// Rec. 709 luminance of linear RGB.
 pub fn luminance(rgb: Vec3) -> f32 {
@@ -25,23 +25,6 @@ pub fn exposure_of_lit(picture: &Picture, most: f32) -> f32 {
     automatic_exposure(picture, most, |[x, y]| picture.pixels[(y * picture.width + x) as usize] != Vec3::ZERO)
 }
 
-/// Khronos PBR Neutral tone mapper: exposed linear RGB to displayable linear RGB.
-pub fn tone_map(mut color: Vec3) -> Vec3 {
-    const START: f32 = 0.8 - 0.04;
-    const DESATURATION: f32 = 0.15;
-    let least = color.min_element().max(0.0);
-    color -= if least < 0.08 { least - 6.25 * least * least } else { 0.04 };
-    let peak = color.max_element();
-    if peak < START {
-        return color.max(Vec3::ZERO);
-    }
-    let d = 1.0 - START;
-    let new_peak = 1.0 - d * d / (peak + d - START);
-    color *= new_peak / peak;
-    let g = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
-    color.lerp(Vec3::splat(new_peak), g).max(Vec3::ZERO)
-}
-
 /// Linear to sRGB, 8 bits.
 fn srgb(c: f32) -> u8 {
     let c = c.clamp(0.0, 1.0);
@@ -51,7 +34,7 @@ fn srgb(c: f32) -> u8 {
 
 /// An exposed, tone-mapped picture: linear RGB from 0 to 1.
 pub fn developed(picture: &Picture, exposure: f32) -> Picture {
-    let pixels = picture.pixels.iter().map(|&p| tone_map(p * exposure)).collect();
+    let pixels = picture.pixels.iter().map(|&p| agx(p * exposure)).collect();
     Picture { pixels, ..*picture }
 }
 
@@ -77,18 +60,6 @@ pub fn encode_display(picture: &Picture) -> Result<Vec<u8>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn tone_mapping_is_continuous_rises_and_stays_below_one() {
-        let mut last = Vec3::ZERO;
-        for i in 0..200_000 {
-            let x = i as f32 * 1e-3;
-            let y = tone_map(Vec3::new(x, 0.5 * x, 0.2 * x));
-            assert!(y.cmpge(last - 1e-5).all() && y.max_element() <= 1.0, "{x}");
-            assert!(y.distance(last) < 2e-3, "a step at {x}");
-            last = y;
-        }
-    }
 
     #[test]
     fn exposure_does_not_depend_on_the_unit() {

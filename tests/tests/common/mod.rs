@@ -5,11 +5,12 @@ use glam::Vec3;
 use rebounce_shared::rbn::Scene;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::settings::ToneMapping;
 
 #[path = "../../../viewer/tests/device/mod.rs"]
 mod device;
 
-/// A renderer that shows this scene at a fixed exposure; `None` (said aloud) where there is no adapter.
+/// A renderer that shows this scene at a fixed exposure, toned so that radiance can be told; `None` (said aloud) where there is no adapter.
 pub fn renderer(scene: &Scene) -> Option<Renderer> {
     let gpu = device::gpu()?;
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
@@ -17,6 +18,7 @@ pub fn renderer(scene: &Scene) -> Option<Renderer> {
     let loaded = LoadedScene::upload(&gpu, &pipelines, scene.clone());
     renderer.install(pollster::block_on(loaded).unwrap()).unwrap();
     renderer.set_auto_exposure(false);
+    renderer.set_tone_mapping(ToneMapping::Neutral);
     Some(renderer)
 }
 

@@ -171,7 +171,7 @@ impl DisplayPass {
     /// Fills the slots in another way, where it can be, from the next [`Self::find`] on. The tallest pictures cannot be
     /// splatted.
     pub fn set_way(&self, gpu: &Gpu, target: &mut DisplayTarget, from: Sources<'_>, way: Way) {
-        if target.way() != way && (way == Way::Lookup || splat::fits(gpu, target.slots.size)) {
+        if target.way() != way && (way == Way::Lookup || splat::fits(target.slots.size)) {
             target.made = self.make(gpu, &target.slots, from, way);
         }
     }
@@ -197,7 +197,7 @@ impl DisplayPass {
         };
         let own = Scope::new(gpu);
         match way {
-            Way::Splat if splat::fits(gpu, slots.size) => {
+            Way::Splat if splat::fits(slots.size) => {
                 Made::Splat(self.splat(gpu).target(own, slots, from, find))
             }
             _ => Made::Lookup(self.lookup.target(own, slots, from, find)),

@@ -10,7 +10,7 @@ use crate::bindings::{
     Draw, Slot, WORKGROUP, attachment, blended, buffer, compute, empty_buffer, grid, group, layout, opaque,
     target, view,
 };
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, LIMITS};
 use crate::scope::Scope;
 use crate::shaders;
 use crate::timing::Stamps;
@@ -101,8 +101,8 @@ fn atlas([width, height]: [u32; 2]) -> [u32; 2] {
 }
 
 /// Whether a picture of this size can be splatted.
-pub fn fits(gpu: &Gpu, size: [u32; 2]) -> bool {
-    atlas(size)[1] <= gpu.device.limits().max_texture_dimension_2d
+pub fn fits(size: [u32; 2]) -> bool {
+    atlas(size)[1] <= LIMITS.max_texture_dimension_2d
 }
 
 impl SplatPass {

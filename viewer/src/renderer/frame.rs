@@ -14,28 +14,43 @@ use crate::view::{Frame, Sample, frame};
 use wgpu::TextureFormat;
 
 impl Renderer {
-    /// Brings shadow maps and bounced light up to date with the lights.
-    pub(super) fn update_lights(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &LoadedScene) {
-        if !std::mem::take(&mut self.dirty.lights) {
-            return;
+    /// Brings shadow maps and bounced light up to date with the lights and, for a picture of this size that shows direct
+    /// light, with the camera.
+    pub(super) fn update_lights(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &LoadedScene,
+        picture: Option<[u32; 2]>,
+    ) {
+        let moved = std::mem::take(&mut self.dirty.lights);
+        let mut changed = Vec::new();
+        if moved {
+            let sources: Vec<_> = self.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
+            let (near, glass) = (0.1 * scene.near, !scene.upload.glass_runs.is_empty());
+            changed = self.shadows.set_lights(&self.gpu, &sources, &scene.extent, near, glass);
         }
-        self.dirty.display = true;
-        let sources: Vec<_> = self.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
-        let near = 0.1 * scene.near;
-        let changed = self.shadows.set_lights(
-            &self.gpu,
-            &sources,
-            &scene.extent,
-            near,
-            !scene.upload.glass_runs.is_empty(),
-        );
+        if let Some(size) = picture {
+            let camera = self.camera.frame(scene.meta.origin);
+            changed.extend(self.shadows.follow(&self.gpu, &camera, size, &scene.extent));
+        }
+        self.draw_shadows(encoder, scene, &changed);
+        if moved {
+            self.dirty.display = true;
+            self.update_relight(encoder, scene);
+        }
+    }
+
+    fn draw_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &LoadedScene, changed: &[u32]) {
         for (i, &layer) in changed.iter().enumerate() {
             let stamps = self.timing.as_mut().filter(|_| i == 0 || i + 1 == changed.len());
             let stamps = stamps.and_then(|t| t.stamps(Pass::Shadows));
             let stamps = stamps.map(|s| s.render(i == 0, i + 1 == changed.len()));
             self.shadows.draw(&self.gpu, encoder, &scene.upload, &scene.materials.groups, layer, stamps);
         }
-        if sources.iter().all(|light| light.intensity == glam::Vec3::ZERO) {
+    }
+
+    fn update_relight(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &LoadedScene) {
+        if !self.shadows.lights().iter().any(|light| light.shines()) {
             scene.relight.clear(encoder);
             return;
         }
@@ -196,7 +211,9 @@ impl Renderer {
                 | flag(veiled.is_some(), composite::VEILED)
                 | flag(veiled.is_some_and(|scene| scene.upload.tinted), composite::TINTED)
                 | flag(unlit, composite::UNLIT)
-                | flag(backdrop, composite::BACKDROP),
+                | flag(backdrop, composite::BACKDROP)
+                // A picture alone, or the mean of two.
+                | flag(self.antialias && blend > 0.4, composite::SMOOTH),
             enlarge: 1,
             unit: veiled.map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lights, scene.extent.all)),
             pad: [0; 3],

@@ -14,7 +14,7 @@ use crate::controls::gizmo::Marks;
 use crate::display::Way;
 use crate::display::choice::Choice;
 use crate::error::ViewerError;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, LIMITS};
 use crate::pipelines::Pipelines;
 use crate::readback::Readback;
 use crate::scene::LoadedScene;
@@ -85,6 +85,7 @@ pub struct Renderer {
     backdrop: bool,
     detail: bool,
     every_pixel: bool,
+    antialias: bool,
     choice: Choice,
     /// How the last picture's slots were filled.
     way: Way,
@@ -123,6 +124,7 @@ impl Renderer {
         let timing = Timing::new(&gpu);
         Self {
             choice: Choice::new(gpu.software),
+            antialias: !gpu.software,
             gpu,
             pipelines,
             shadows,
@@ -335,9 +337,9 @@ impl Renderer {
         };
         self.collect_times();
         self.viewed = false;
-        self.update_lights(&mut encoder, &scene);
+        self.update_lights(&mut encoder, &scene, Some(full));
         self.update_picture(&mut encoder, &scene, &mut target);
-        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture, view, format);
+        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture.present, view, format);
         self.draw_overlay(&mut encoder, &scene, &target, view, format, full);
         if let Some(timing) = &mut self.timing {
             timing.resolve(&mut encoder);
@@ -374,7 +376,7 @@ impl Renderer {
     }
 
     fn check_size(&self, width: u32, height: u32) -> Result<(), ViewerError> {
-        let limit = self.gpu.device.limits().max_texture_dimension_2d;
+        let limit = LIMITS.max_texture_dimension_2d;
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(ViewerError::BadArgument(format!(
                 "a picture of {width} x {height} pixels: both must be between 1 and {limit}"

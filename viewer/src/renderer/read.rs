@@ -4,6 +4,7 @@ use super::Renderer;
 use crate::bindings::target as texture_target;
 use crate::composite::{self, Shading};
 use crate::error::ViewerError;
+use crate::gpu::LIMITS;
 use crate::readback::Readback;
 use crate::scope::Scope;
 use crate::upload::MAX_BUFFER;
@@ -33,7 +34,7 @@ impl Renderer {
                 "a picture of {width} x {height} pixels takes {bytes} bytes, at most {MAX_BUFFER} can be read"
             )));
         }
-        let limit = self.gpu.device.limits().max_texture_dimension_2d;
+        let limit = LIMITS.max_texture_dimension_2d;
         let fits = 2 * width.max(height) <= limit && 4 * width as u64 * height as u64 <= MOST_PIXELS;
         let scale = if fits { 2 } else { 1 };
         let mut target = self.new_target(&scene, [width * scale, height * scale], 1);
@@ -41,7 +42,7 @@ impl Renderer {
         let average = |label| texture_target(&own, label, TextureFormat::Rgba32Float, width, height);
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.update_lights(&mut encoder, &scene);
+        self.update_lights(&mut encoder, &scene, None);
         // One submission a picture: their uniforms differ.
         for picture in 0..PICTURES {
             std::mem::swap(&mut before, &mut out);
@@ -89,7 +90,7 @@ impl Renderer {
         let out = texture_target(&own, "pixels", format, width, height);
         let view = out.create_view(&Default::default());
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.update_lights(&mut encoder, &scene);
+        self.update_lights(&mut encoder, &scene, Some([width, height]));
         // One submission a picture: their uniforms differ.
         for picture in 0..self.still_pictures {
             self.draw_view(&mut encoder, &scene, &mut target, Sample::of(picture), false);
@@ -98,7 +99,7 @@ impl Renderer {
             self.gpu.queue.submit([encoder.finish()]);
             encoder = self.gpu.device.create_command_encoder(&Default::default());
         }
-        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture, &view, format);
+        self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture.present, &view, format);
         self.gpu.queue.submit([encoder.finish()]);
         Ok(Readback::texture(&self.gpu, &out, 4))
     }

@@ -193,6 +193,13 @@ impl Renderer {
         self.backdrop = on;
     }
 
+    /// Smooths edges in pictures that are not averaged, as moving ones, or leaves them as they are. On at first but on
+    /// software adapters, where it takes longer than it is worth.
+    pub fn set_antialias(&mut self, on: bool) {
+        self.dirty.shade |= self.antialias != on;
+        self.antialias = on;
+    }
+
     /// Highlights handles.
     pub fn set_marks(&mut self, marks: Marks) {
         self.dirty.present |= self.marks != marks;
@@ -243,7 +250,7 @@ pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
     let layers: u32 = lights.iter().map(|light| shadow_fit::most_layers(&light.source([0.0; 3]))).sum();
     if layers > shadow_fit::MAX_LAYERS {
         return Err(ViewerError::BadArgument(format!(
-            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light up to two, others one",
+            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light up to five, others one",
             lights.len(),
             shadow_fit::MAX_LAYERS
         )));

@@ -1,4 +1,5 @@
-// The tone-mapped picture, linear display values, averaged over a series of pictures by blending.
+// The tone-mapped picture, linear display values, averaged over a series of pictures by blending; curves as in
+// shared/src/tone.rs.
 
 // The automatic exposure: what radiance is multiplied with.
 @group(0) @binding(7) var<storage, read> key: array<f32>;
@@ -6,20 +7,18 @@
 // AgX (Troy Sobotka), in the form of Benjamin Wrensch: linear display values.
 fn agx(linear: vec3f) -> vec3f {
     let inset = mat3x3f(
-        vec3f(0.842479062253094, 0.0423282422610123, 0.0423756549057051),
-        vec3f(0.0784335999999992, 0.878468636469772, 0.0784336),
-        vec3f(0.0792237451477643, 0.0791661274605434, 0.879142973793104),
+        vec3f(0.84247906, 0.042328242, 0.042375655),
+        vec3f(0.0784336, 0.87846864, 0.0784336),
+        vec3f(0.079223745, 0.07916613, 0.87914297),
     );
     let outset = mat3x3f(
-        vec3f(1.19687900512017, -0.0528968517574562, -0.0529716355144438),
-        vec3f(-0.0980208811401368, 1.15190312990417, -0.0980434501171241),
-        vec3f(-0.0990297440797205, -0.0989611768448433, 1.15107367264116),
+        vec3f(1.196879, -0.052896852, -0.052971635),
+        vec3f(-0.09802088, 1.1519031, -0.09804345),
+        vec3f(-0.09902974, -0.09896118, 1.1510737),
     );
     let stops = log2(max(inset * linear, vec3f(1e-10)));
-    let x = saturate((stops + 12.47393) / (12.47393 + 4.026069));
-    let x2 = x * x;
-    let x4 = x2 * x2;
-    let curve = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
+    let x = saturate((stops + 12.47393) / 16.5);
+    let curve = (((((15.5 * x - 40.14) * x + 31.96) * x - 6.868) * x + 0.4298) * x + 0.1191) * x - 0.00232;
     return pow(saturate(outset * curve), vec3f(2.2));
 }
 

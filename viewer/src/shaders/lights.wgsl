@@ -5,7 +5,7 @@ const SPOT = 1u;
 const DIRECTIONAL = 2u;
 
 struct Light {
-    // Of a directional light with two cascades, x is the width of the second one's texels.
+    // Of a directional light, x is the first matrix of its own cascades, y that of all.
     position: vec3f,
     kind: u32,
     // The way the light travels.
@@ -13,11 +13,11 @@ struct Light {
     cone_scale: f32,
     intensity: vec3f,
     cone_offset: f32,
-    // First layer of the shadow map, and how many: 1, 6 for a cube, 2 for the cascades
-    // of a directional light in a scene far larger than its detail.
+    // First layer of the shadow map, and how many: 1, 6 for a cube, 2 for
+    // a directional light in a scene far larger than its detail.
     layer: u32,
     layers: u32,
-    // Width of a shadow-map texel: at distance 1, or everywhere for a directional light.
+    // Width of a shadow-map texel at distance 1; not used for a directional light.
     texel: f32,
     // Change of the shadow map's depth per unit of distance; directional lights only.
     depth_scale: f32,

@@ -58,7 +58,7 @@ modules! {
     /// Bounced light alone.
     INDIRECT: "octahedral" "frame" "lights" "lights_second" "visibility" "slots" "tilt" "surface" "brdf" "reflect" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
-    PRESENT: "fullscreen" "present";
+    PRESENT: "fullscreen" "smooth" "present";
     /// Mip levels.
     MIPS: "fullscreen" "mips";
     /// Dots over the picture.

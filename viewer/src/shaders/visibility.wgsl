@@ -8,13 +8,17 @@
 // Colour behind glass, and the depth of the nearest (tint.wgsl); one texel wide where there is none.
 @group(LIGHTS) @binding(5) var tint_maps: texture_2d_array<f32>;
 @group(LIGHTS) @binding(6) var tint_sampler: sampler;
+// The cascades of directional lights, which follow the camera (cascades.rs).
+@group(LIGHTS) @binding(7) var near_maps: texture_depth_2d_array;
 
 // How far off a packed flat normal (gbuffer.wgsl: 8 bits an axis) may be, times the texels that the filter reaches.
 const LOOSE = 0.016;
 // The share of what a wall at a right angle rises by that is let be: all of it would let light creep under thin walls.
 const RISE = 0.6;
-// Share of the first cascade that counts: what lies beyond is too near to its edge for the filter.
+// Share of a cascade that counts: what lies beyond is too near to its edge for the filter.
 const CASCADE = 0.98;
+// As in cascades.rs.
+const CASCADES = 3u;
 // Steepest surface, depth over width.
 const MOST_SLOPE = 32.0;
 
@@ -30,22 +34,33 @@ fn cube_face(v: vec3f) -> u32 {
     return select(5u, 4u, v.z > 0.0);
 }
 
-// The layer of the shadow maps that shows `position`.
-fn shadow_layer(light: Light, position: vec3f) -> u32 {
-    if light.layers > 1u {
-        if light.kind == DIRECTIONAL {
-            // Two cascades: the detail's, and where that ends, the scene's.
-            let clip = shadow_matrices[light.layer] * vec4f(position, 1.0);
-            return light.layer + u32(max(abs(clip.x), abs(clip.y)) > CASCADE);
+// The first of `count` cascades from `first` on that shows `position`, or what follows them.
+fn cascade(first: u32, count: u32, position: vec3f) -> u32 {
+    for (var i = first; i < first + count; i++) {
+        let clip = shadow_matrices[i] * vec4f(position, 1.0);
+        if max(abs(clip.x), abs(clip.y)) < CASCADE {
+            return i;
         }
-        return light.layer + cube_face(position - light.position);
     }
-    return light.layer;
+    return first + count;
 }
 
-// Width of a texel of a layer that shadow_layer names.
-fn shadow_texel(light: Light, layer: u32) -> f32 {
-    return select(light.texel, light.position.x, light.kind == DIRECTIONAL && layer > light.layer);
+// The layer of the shadow maps that shows `position`, whatever the camera sees.
+fn shadow_layer(light: Light, position: vec3f) -> u32 {
+    if light.layers < 2u {
+        return light.layer;
+    }
+    if light.kind == DIRECTIONAL {
+        // The detail's, and where that ends, the scene's.
+        return cascade(light.layer, 1u, position);
+    }
+    return light.layer + cube_face(position - light.position);
+}
+
+// Width of a texel of a view on a map of this size; at distance 1 but for a directional light.
+fn shadow_texel(light: Light, clip_from_local: mat4x4f, size: f32) -> f32 {
+    let across = vec3f(clip_from_local[0].x, clip_from_local[1].x, clip_from_local[2].x);
+    return select(light.texel, 2.0 / (size * length(across)), light.kind == DIRECTIONAL);
 }
 
 // Share of the light that reaches `position`, which lies `lift` above a surface with the unit normal `normal`: one
@@ -58,7 +73,8 @@ fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, lif
     let cosine = dot(normal, to_light);
     let side = select(-1.0, 1.0, cosine >= 0.0);
     let sine = sqrt(saturate(1.0 - cosine * cosine));
-    let texel = shadow_texel(light, layer) * (clip_from_local * vec4f(position, 1.0)).w;
+    let size = f32(textureDimensions(shadow_maps).x);
+    let texel = shadow_texel(light, clip_from_local, size) * (clip_from_local * vec4f(position, 1.0)).w;
     let clip = clip_from_local * vec4f(position + normal * (side * max(texel * (1.42 * sine + 0.1) - lift, 0.0)), 1.0);
     let bias = 0.5 * texel;
     var depth = clip.z / max(clip.w - bias, 1e-20);
@@ -86,11 +102,22 @@ fn on_map(clip_from_local: mat4x4f, size: f32, position: vec3f) -> vec4f {
 // where a floor meets a wall that has no thickness stays dark though light passes just behind. Of a blended surface only a share of the
 // texels hold it; it is not `solid`, and light that passes it tells as much.
 fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, solid: bool) -> f32 {
-    let layer = shadow_layer(light, position);
-    let clip_from_local = shadow_matrices[layer];
-    let size = f32(textureDimensions(shadow_maps).x);
+    var layer = shadow_layer(light, position);
+    var clip_from_local = shadow_matrices[layer];
+    var size = f32(textureDimensions(shadow_maps).x);
+    var near = false;
+    if light.kind == DIRECTIONAL {
+        let first = u32(light.position.x);
+        let shown = cascade(first, CASCADES, position);
+        near = shown < first + CASCADES;
+        if near {
+            layer = shown - u32(light.position.y);
+            clip_from_local = shadow_matrices[shown];
+            size = f32(textureDimensions(near_maps).x);
+        }
+    }
     let place = on_map(clip_from_local, size, position);
-    let texel = shadow_texel(light, layer);
+    let texel = shadow_texel(light, clip_from_local, size);
     let width = texel * place.w;
     let aside = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(normal.x) > 0.5);
     let tangent = normalize(cross(normal, aside)) * (4.0 * width);
@@ -119,7 +146,12 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
         for (var x = 0; x < 2; x++) {
             let corner = first + 2.0 * vec2f(f32(x), f32(y));
             // Texels in the order (0, 1), (1, 1), (1, 0), (0, 0).
-            let found = textureGather(shadow_maps, depth_sampler, corner / size, layer);
+            var found: vec4f;
+            if near {
+                found = textureGather(near_maps, depth_sampler, corner / size, layer);
+            } else {
+                found = textureGather(shadow_maps, depth_sampler, corner / size, layer);
+            }
             let off = corner - 0.5 - place.xy;
             let right = off.x + vec4f(0.0, 1.0, 1.0, 0.0);
             let down = off.y + vec4f(1.0, 1.0, 0.0, 0.0);

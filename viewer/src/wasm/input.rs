@@ -10,7 +10,7 @@ impl Viewer {
         let (result, changed) = {
             let mut state = self.state.borrow_mut();
             let state = &mut *state;
-            let mut stage = state.renderer.stage([state.config.width, state.config.height]);
+            let mut stage = state.renderer.stage(state.size);
             let result = work(&mut state.controls, &mut stage);
             state.renderer.apply(stage);
             state.renderer.set_marks(state.controls.marks());
@@ -55,14 +55,14 @@ impl Viewer {
     #[wasm_bindgen(js_name = surfaceAt)]
     pub fn surface_at(&self, x: f64, y: f64) -> Option<Vec<f64>> {
         let state = self.state.borrow();
-        let stage = state.renderer.stage([state.config.width, state.config.height]);
+        let stage = state.renderer.stage(state.size);
         stage.surface_at([x, y]).map(|place| place.to_vec())
     }
 
     /// Direction of light for a new sun: in through an opening where the view is closed.
     pub fn sunlight(&self) -> Vec<f64> {
         let state = self.state.borrow();
-        sun::sunlight(&state.renderer.stage([state.config.width, state.config.height])).to_vec()
+        sun::sunlight(&state.renderer.stage(state.size)).to_vec()
     }
 
     /// The wheel turns by `delta_y` pixels: walk, dolly, or take a dragged light farther.

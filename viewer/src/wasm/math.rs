@@ -22,8 +22,17 @@ answered! {
     tan(x): f64 = tan,
     asin(x): f64 = asin,
     exp(x): f64 = exp,
+    log(x): f64 = log,
     pow(x, y): f64 = pow,
+    hypot(x, y): f64 = hypot,
+    hypotf(x, y): f32 = hypot,
     sinf(x): f32 = sin,
     cosf(x): f32 = cos,
     atan2f(y, x): f32 = atan2
+}
+
+// SAFETY: as above.
+#[unsafe(no_mangle)]
+extern "C" fn exp2f(x: f32) -> f32 {
+    Math::pow(2.0, f64::from(x)) as f32
 }

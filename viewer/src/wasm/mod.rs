@@ -14,10 +14,11 @@ mod read;
 mod settings;
 mod shared;
 
+use crate::browser::{self, Context};
 use crate::composite::FIRST_KEY;
 use crate::controls::Controls;
 use crate::error::ViewerError;
-use crate::oneshot;
+use crate::gpu::LIMITS;
 use crate::pace::{Pace, Work};
 use crate::renderer::Renderer;
 use crate::scene::LoadedScene;
@@ -64,21 +65,48 @@ struct State {
     renderer: Renderer,
     controls: Controls,
     canvas: HtmlCanvasElement,
-    surface: wgpu::Surface<'static>,
-    config: wgpu::SurfaceConfiguration,
+    context: Context,
+    /// Width and height of the canvas's pictures, pixels.
+    size: [u32; 2],
     configured: bool,
-    max_size: u32,
     _shared: Rc<Shared>,
 }
 
 impl Drop for State {
     /// Takes the pictures from the canvas, which may live on.
     fn drop(&mut self) {
-        let Ok(Some(context)) = self.canvas.get_context("webgpu") else { return };
-        let unconfigure = js_sys::Reflect::get(&context, &"unconfigure".into());
-        if let Ok(Ok(unconfigure)) = unconfigure.map(|it| it.dyn_into::<js_sys::Function>()) {
-            let _ = unconfigure.call0(&context);
+        self.context.unconfigure();
+    }
+}
+
+impl State {
+    /// What the next picture is drawn on; nothing where the canvas has none now.
+    fn texture(&mut self) -> Option<wgpu::Texture> {
+        let ([width, height], shared) = (self.size, &self._shared);
+        if !self.configured {
+            self.canvas.set_width(width);
+            self.canvas.set_height(height);
+            let device: &JsValue = browser::device(&shared.gpu.device);
+            let members = [
+                ("device", device.clone()),
+                ("format", if shared.is_bgra { "bgra8unorm" } else { "rgba8unorm" }.into()),
+                ("alphaMode", "opaque".into()),
+            ];
+            self.context.configure(&page::object(members)).ok()?;
+            self.configured = true;
         }
+        let descriptor = wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: shared.format(),
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        };
+        let texture = self.context.texture().ok()?;
+        Some(shared.gpu.device.create_texture_from_webgpu_handle(texture, &descriptor, None))
     }
 }
 
@@ -114,17 +142,9 @@ impl Viewer {
     pub fn create(canvas: HtmlCanvasElement) -> js_sys::Promise {
         promise(async move {
             let shared = Shared::get().await?;
-            let (width, height) = (canvas.width().max(1), canvas.height().max(1));
-            let surface = shared
-                .instance
-                .create_surface(wgpu::SurfaceTarget::Canvas(canvas.clone()))
-                .map_err(|e| ViewerError::NoDevice(e.to_string()))?;
-            let mut config = surface
-                .get_default_config(&shared.adapter, width, height)
-                .ok_or_else(|| ViewerError::NoDevice("the canvas has no usable format".into()))?;
-            config.alpha_mode = wgpu::CompositeAlphaMode::Opaque;
-            // The shader encodes sRGB itself, so the plain 8-bit format is the one wanted.
-            config.format = config.format.remove_srgb_suffix();
+            let size = [canvas.width().max(1), canvas.height().max(1)];
+            let context = canvas.get_context("webgpu").ok().flatten();
+            let context = context.ok_or_else(|| ViewerError::NoDevice("the canvas has no context".into()))?;
             let callbacks = Rc::new(Callbacks::default());
             shared.watch(&callbacks);
             // Errors of its own, on the shared device.
@@ -135,12 +155,11 @@ impl Viewer {
             }
             let state = State {
                 pace,
-                max_size: gpu.device.limits().max_texture_dimension_2d,
                 renderer: gpu.watch(|| Renderer::with(gpu.clone(), shared.pipelines.clone())),
                 controls: Controls::default(),
                 canvas,
-                surface,
-                config,
+                context: context.unchecked_into(),
+                size,
                 configured: false,
                 _shared: shared,
             };
@@ -180,12 +199,11 @@ impl Viewer {
     pub fn resize(&self, width: u32, height: u32) {
         {
             let mut state = self.state.borrow_mut();
-            let (width, height) = (width.clamp(1, state.max_size), height.clamp(1, state.max_size));
-            if (state.config.width, state.config.height) == (width, height) && state.configured {
+            let size = [width, height].map(|length| length.clamp(1, LIMITS.max_texture_dimension_2d));
+            if state.size == size && state.configured {
                 return;
             }
-            state.config.width = width;
-            state.config.height = height;
+            state.size = size;
             state.configured = false;
             state.renderer.invalidate();
         }
@@ -203,7 +221,7 @@ impl Viewer {
         let state = &mut *state;
         let gpu = state.renderer.gpu().clone();
         gpu.check().map_err(|e| js_error(&e))?;
-        let mut stage = state.renderer.stage([state.config.width, state.config.height]);
+        let mut stage = state.renderer.stage(state.size);
         let moving = state.controls.advance(now_ms, &mut stage);
         state.renderer.apply(stage);
         if state.pace.is_busy() {
@@ -223,30 +241,20 @@ impl Viewer {
         } else {
             Work::Other
         };
-        let surface = &state.surface;
-        if !state.configured {
-            surface.configure(&gpu.device, &state.config);
-            state.configured = true;
-        }
         state.renderer.want_key(self.callbacks.key.get() <= 0.0);
-        let texture = match surface.get_current_texture() {
-            wgpu::CurrentSurfaceTexture::Success(t) | wgpu::CurrentSurfaceTexture::Suboptimal(t) => t,
-            _ => {
-                state.configured = false;
-                return Ok(true);
-            }
+        let Some(texture) = state.texture() else {
+            state.configured = false;
+            return Ok(true);
         };
-        let view = texture.texture.create_view(&Default::default());
-        let (format, width, height) = (state.config.format, state.config.width, state.config.height);
-        let drawn = gpu.watch(|| state.renderer.draw(&view, format, width, height));
-        gpu.queue.present(texture);
+        let view = texture.create_view(&Default::default());
+        let [width, height] = state.size;
+        let drawn = gpu.watch(|| state.renderer.draw(&view, texture.format(), width, height));
         let (done, start) = (state.pace.begin(work), js_sys::Date::now());
-        let (sender, finished) = oneshot::channel();
-        gpu.queue.on_submitted_work_done(move || sender.send(()));
+        let finished = browser::queue(&gpu.queue).done();
         let (errors, callbacks) = (gpu.clone(), Rc::downgrade(&self.callbacks));
         let (untimed, held) = (state.renderer.untimed(), Rc::downgrade(&self.state));
         spawn_local(async move {
-            finished.await;
+            let _ = finished.await;
             let taken = js_sys::Date::now() - start;
             done(taken);
             if let (Some(way), Some(state)) = (untimed, held.upgrade()) {

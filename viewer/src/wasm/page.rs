@@ -26,7 +26,7 @@ pub fn promise<T: Into<JsValue>>(
 }
 
 /// An object of the page.
-fn object<const N: usize>(members: [(&str, JsValue); N]) -> JsValue {
+pub fn object<const N: usize>(members: [(&str, JsValue); N]) -> JsValue {
     let object = js_sys::Object::new();
     for (name, value) in members {
         let _ = js_sys::Reflect::set(&object, &name.into(), &value);

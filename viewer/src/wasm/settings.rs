@@ -95,7 +95,7 @@ impl Viewer {
         })
     }
 
-    /// How radiance becomes display values: `"neutral"` or `"agx"`.
+    /// How radiance becomes display values: `"agx"` or `"neutral"`.
     #[wasm_bindgen(getter, js_name = toneMapping)]
     pub fn tone_mapping(&self) -> String {
         self.state.borrow().renderer.tone_mapping().name().into()

@@ -1,12 +1,14 @@
 //! The page's device: all viewers of a page draw with one, as long as any of them lives.
 
 use super::Callbacks;
+use crate::browser;
 use crate::error::ViewerError;
 use crate::gpu::{Gpu, Requested};
 use crate::oneshot::{self, Receiver, Sender};
 use crate::pipelines::Pipelines;
 use std::cell::{Cell, RefCell};
 use std::rc::{Rc, Weak};
+use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 
 thread_local! {
@@ -30,14 +32,12 @@ enum Next {
 
 /// A device and what belongs to it alone.
 pub struct Shared {
-    /// Makes surfaces.
-    pub instance: wgpu::Instance,
-    /// The adapter.
-    pub adapter: wgpu::Adapter,
     /// The device.
     pub gpu: Gpu,
     /// Its pipelines.
     pub pipelines: Rc<Pipelines>,
+    /// Whether blue comes first in the format that canvases are shown in without a copy.
+    pub is_bgra: bool,
     is_lost: Cell<bool>,
     /// Who is told when the device is lost.
     viewers: RefCell<Vec<Weak<Callbacks>>>,
@@ -68,12 +68,12 @@ impl Shared {
     }
 
     async fn open() -> Result<Rc<Self>, ViewerError> {
-        let present = js_sys::Reflect::get(&js_sys::global(), &"navigator".into())
+        let page = js_sys::Reflect::get(&js_sys::global(), &"navigator".into())
             .and_then(|navigator| js_sys::Reflect::get(&navigator, &"gpu".into()))
-            .is_ok_and(|gpu| gpu.is_truthy());
-        if !present {
-            return Err(ViewerError::NoWebGpu);
-        }
+            .ok()
+            .filter(JsValue::is_truthy)
+            .ok_or(ViewerError::NoWebGpu)?;
+        let is_bgra = page.unchecked_into::<browser::Gpu>().format() == "bgra8unorm";
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::BROWSER_WEBGPU,
             ..wgpu::InstanceDescriptor::new_without_display_handle()
@@ -88,7 +88,7 @@ impl Shared {
         let Requested { gpu, lost } = Gpu::request(&adapter).await?;
         let pipelines = Rc::new(Pipelines::new(&gpu)?);
         let (is_lost, viewers) = (Cell::new(false), RefCell::default());
-        let shared = Rc::new(Self { instance, adapter, gpu, pipelines, is_lost, viewers });
+        let shared = Rc::new(Self { gpu, pipelines, is_bgra, is_lost, viewers });
         let held = Rc::downgrade(&shared);
         spawn_local(async move {
             let message = lost.await;
@@ -98,6 +98,11 @@ impl Shared {
             }
         });
         Ok(shared)
+    }
+
+    /// The format of pictures on canvases. The shader encodes sRGB itself.
+    pub fn format(&self) -> wgpu::TextureFormat {
+        if self.is_bgra { wgpu::TextureFormat::Bgra8Unorm } else { wgpu::TextureFormat::Rgba8Unorm }
     }
 
     /// Tells these when the device is lost.

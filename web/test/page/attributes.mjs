@@ -15,7 +15,7 @@ export async function attributes(harness, context) {
         const wrong = [];
         const values = {
           alt: "A room", poster: "room.png", width: 320, height: 200, exposure: 1.5, autoExposure: false,
-          toneMapping: "agx", mode: "direct", overlay: "levels", loading: "lazy", controls: true, autoplay: true,
+          toneMapping: "neutral", mode: "direct", overlay: "levels", loading: "lazy", controls: true, autoplay: true,
           animationName: "night", stateInLink: true, handles: false, interaction: "page", display: "splat", backdrop: "none",
           detail: false, cameraControls: "orbit",
         };
@@ -42,7 +42,7 @@ export async function attributes(harness, context) {
       });
       same(found.wrong, [], "what is wrong");
       const defaults = {
-        alt: "", poster: "", width: 0, height: 0, exposure: 0, autoExposure: true, toneMapping: "neutral", mode: "all",
+        alt: "", poster: "", width: 0, height: 0, exposure: 0, autoExposure: true, toneMapping: "agx", mode: "all",
         overlay: "none", loading: "eager", controls: false, autoplay: false, animationName: "", stateInLink: false,
         handles: true, interaction: "auto", display: "auto", backdrop: "auto", detail: true, cameraControls: "auto",
       };
@@ -63,7 +63,7 @@ export async function attributes(harness, context) {
     const warnings = [];
     page.on("console", (message) => message.type() === "warning" && message.text().includes("rebounce-viewer") && warnings.push(message.text()));
     const wrong = { mode: "sideways", overlay: "dots", display: "x", "tone-mapping": "aces", interaction: "yes", loading: "late", "auto-exposure": "no", handles: "false" };
-    const right = { mode: "direct", overlay: "levels", display: "splat", "tone-mapping": "agx", interaction: "page", loading: "lazy", "auto-exposure": "off", handles: "off", alt: "foo", exposure: "1" };
+    const right = { mode: "direct", overlay: "levels", display: "splat", "tone-mapping": "neutral", interaction: "page", loading: "lazy", "auto-exposure": "off", handles: "off", alt: "foo", exposure: "1" };
     await page.evaluate(([wrong, right]) => {
       for (const values of [wrong, right, wrong]) for (const [name, value] of Object.entries(values)) viewer.setAttribute(name, value);
       const second = document.createElement("rebounce-viewer");
@@ -128,12 +128,11 @@ export async function attributes(harness, context) {
     "attributes::settings_reach_the_viewer",
     async () => {
       const look = () => page.evaluate(async () => Array.from(await viewer.readPixels(32, 18)));
-      const neutral = await look();
-      await page.evaluate(() => (viewer.toneMapping = "agx"));
       const agx = await look();
+      await page.evaluate(() => (viewer.toneMapping = "neutral"));
+      const neutral = await look();
       check(spread(agx).mean !== spread(neutral).mean, "AgX looks like the other");
       await page.evaluate(() => {
-        viewer.toneMapping = "neutral";
         viewer.autoExposure = false;
         viewer.exposure = 4;
       });

@@ -112,10 +112,10 @@ export async function panel(harness, context) {
     await exposure.fill("2");
     await page.getByLabel("Direct", { exact: true }).check();
     await page.getByLabel("Points").check();
-    await page.getByLabel("AgX").check();
+    await page.getByLabel("Neutral").check();
     await page.getByLabel("Automatic exposure").uncheck();
     const found = await page.evaluate(() => [viewer.exposure, viewer.mode, viewer.overlay, viewer.toneMapping, viewer.autoExposure]);
-    same(found, [2, "direct", "points", "agx", false], "exposure, mode, overlay, tone mapping, automatic");
+    same(found, [2, "direct", "points", "neutral", false], "exposure, mode, overlay, tone mapping, automatic");
     await page.evaluate(() => {
       for (const name of ["exposure", "mode", "overlay", "tone-mapping", "auto-exposure"]) viewer.removeAttribute(name);
     });

@@ -173,7 +173,7 @@ export async function pictures(harness, shared) {
     await writeFile(gltf, squares([[0, 3, [0, 0.4, 0], 1], [1, 1, [0.4, 0, 0], 0.5], [1.2, 1, [0, 0, 0.4], 0.25]]));
     await exec(context.rebounce, ["bake", gltf, ...QUICK, "-o", baked]);
     const body = await readFile(baked);
-    const html = '<rebounce-viewer src="glass.rbn" auto-exposure="off" mode="direct"></rebounce-viewer>';
+    const html = '<rebounce-viewer src="glass.rbn" auto-exposure="off" tone-mapping="neutral" mode="direct"></rebounce-viewer>';
     const { page, faults } = await loaded(context, html, { routes: { "**/glass.rbn": (route) => route.fulfill({ body }) } });
     const [above, below, layers] = await page.evaluate(async () => {
       const middle = async (y) => {

@@ -64,7 +64,7 @@ export async function policy(harness, context) {
         viewer.animations = [{ name: "on", duration: 1, tracks: [{ light: 0, property: "intensity", times: [0, 1], values: [1, 2] }] }];
         viewer.play({ repetitions: 1 });
         await until(() => events.some(({ type }) => type === "finished"));
-        Object.assign(viewer, { overlay: "levels", toneMapping: "agx", mode: "indirect", exposure: 1, width: 400, height: 300 });
+        Object.assign(viewer, { overlay: "levels", toneMapping: "neutral", mode: "indirect", exposure: 1, width: 400, height: 300 });
         await viewer.toBlob();
         await viewer.counts();
         location.hash = new URL(viewer.stateLink()).hash;

@@ -1,0 +1,113 @@
+//! The browser's WebGPU objects, called as they are where wgpu's way to the same takes kilobytes of a bundle.
+
+use js_sys::{Promise, Uint8Array};
+use wasm_bindgen::prelude::*;
+use wgpu::webgpu::GpuTexture;
+
+#[wasm_bindgen]
+extern "C" {
+    /// `GPU`.
+    pub type Gpu;
+    /// The format that canvases are shown in without a copy.
+    #[wasm_bindgen(method, js_name = getPreferredCanvasFormat)]
+    pub fn format(this: &Gpu) -> String;
+
+    /// `GPUDevice`.
+    #[derive(Clone)]
+    pub type Device;
+    /// What it offers beyond the least.
+    #[wasm_bindgen(method, getter)]
+    pub fn features(this: &Device) -> js_sys::Set;
+    /// What it can do.
+    #[wasm_bindgen(method, getter)]
+    pub fn limits(this: &Device) -> Limits;
+    /// Opens an error scope.
+    #[wasm_bindgen(method, js_name = pushErrorScope)]
+    pub fn push(this: &Device, filter: &str);
+    /// Closes the last one: its first error, or null.
+    #[wasm_bindgen(method, js_name = popErrorScope)]
+    pub fn pop(this: &Device) -> Promise;
+    /// Told of errors outside of all scopes.
+    #[wasm_bindgen(method, setter)]
+    pub fn set_onuncapturederror(this: &Device, callback: JsValue);
+
+    /// `GPUSupportedLimits`.
+    pub type Limits;
+    /// Most bytes of a buffer.
+    #[wasm_bindgen(method, getter, js_name = maxBufferSize)]
+    pub fn buffer(this: &Limits) -> f64;
+    /// Most bytes of a buffer that shaders read.
+    #[wasm_bindgen(method, getter, js_name = maxStorageBufferBindingSize)]
+    pub fn binding(this: &Limits) -> f64;
+
+    /// `GPUUncapturedErrorEvent`.
+    pub type Uncaptured;
+    /// What the device refused.
+    #[wasm_bindgen(method, getter)]
+    pub fn error(this: &Uncaptured) -> Error;
+
+    /// `GPUError`.
+    pub type Error;
+    /// The device's words.
+    #[wasm_bindgen(method, getter)]
+    pub fn message(this: &Error) -> String;
+    /// `GPUOutOfMemoryError`.
+    #[wasm_bindgen(js_name = GPUOutOfMemoryError)]
+    pub type OutOfMemory;
+
+    /// `GPUQueue`.
+    pub type Queue;
+    /// Kept when what was submitted so far is done.
+    #[wasm_bindgen(method, js_name = onSubmittedWorkDone)]
+    pub fn done(this: &Queue) -> Promise;
+
+    /// `GPUBuffer`.
+    pub type Buffer;
+    /// Kept when the buffer can be read (mode 1).
+    #[wasm_bindgen(method, js_name = mapAsync)]
+    pub fn map(this: &Buffer, mode: u32) -> Promise;
+    /// Its bytes, as long as it is mapped.
+    #[wasm_bindgen(method, catch, js_name = getMappedRange)]
+    pub fn range(this: &Buffer) -> Result<JsValue, JsValue>;
+    /// Gives it back to the device.
+    #[wasm_bindgen(method)]
+    pub fn unmap(this: &Buffer);
+
+    /// `GPUCanvasContext`.
+    pub type Context;
+    /// Says which device draws on the canvas.
+    #[wasm_bindgen(method, catch)]
+    pub fn configure(this: &Context, configuration: &JsValue) -> Result<(), JsValue>;
+    /// Takes the pictures from the canvas.
+    #[wasm_bindgen(method)]
+    pub fn unconfigure(this: &Context);
+    /// What the next picture is drawn on.
+    #[wasm_bindgen(method, catch, js_name = getCurrentTexture)]
+    pub fn texture(this: &Context) -> Result<GpuTexture, JsValue>;
+}
+
+fn object<T: JsCast>(handle: Option<&impl AsRef<JsValue>>) -> &T {
+    handle.map_or(const { &JsValue::UNDEFINED }, AsRef::as_ref).unchecked_ref()
+}
+
+/// The browser's object behind a device.
+pub fn device(device: &wgpu::Device) -> &Device {
+    object(device.as_webgpu())
+}
+
+/// The browser's object behind a queue.
+pub fn queue(queue: &wgpu::Queue) -> &Queue {
+    object(queue.as_webgpu())
+}
+
+/// The bytes of a buffer that can be mapped.
+///
+/// # Errors
+/// What the browser says, where the buffer or its device is gone.
+pub async fn bytes(buffer: wgpu::Buffer) -> Result<Vec<u8>, JsValue> {
+    let buffer: &Buffer = object(buffer.as_webgpu());
+    buffer.map(1).await?;
+    let bytes = Uint8Array::new(&buffer.range()?).to_vec();
+    buffer.unmap();
+    Ok(bytes)
+}
