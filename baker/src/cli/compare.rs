@@ -4,7 +4,7 @@ use super::picture::{check_panel, write_panel};
 use super::{TOO_NOISY, number};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use rebounce::picture::compare::{Comparison, compare, signed_difference};
+use rebounce::picture::compare::{Comparison, compare, noticed, signed_difference};
 use rebounce::picture::exr;
 use rebounce::picture::spots::{Spots, spots};
 use rebounce::picture::uncertainty::{Answer, shown};
@@ -19,7 +19,7 @@ Of one reference the error has the noise in it, and is too large.
 Exit codes: 0 done, and within --max-error; 1 failed, or the error is above --max-error; 2 wrong arguments; 4 the references are too \
 noisy to tell whether it is above --max-error: take both with more samples a pixel (rebounce reference --spp).
 
---json prints one object: error (null where it is too noisy to tell), error_at_least and error_at_most (null with one reference), bias, p95, and with --spots \
+--json prints one object: error (null where it is too noisy to tell), error_at_least and error_at_most (null with one reference), bias, p95, flip, and with --spots \
 spots: deviation and greatest of each rectangle.";
 
 /// Arguments of `rebounce compare`.
@@ -61,6 +61,7 @@ pub struct CompareArgs {
 struct Printed {
     #[serde(flatten)]
     found: Comparison,
+    flip: f64,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     spots: Vec<Spots>,
 }
@@ -88,11 +89,13 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
         write_panel(out, Some(&[&reference, &picture]), &[&difference])?;
     }
     let spots: Vec<Spots> = args.spots.iter().map(|rectangle| spots(&picture, *rectangle)).collect();
+    let flip = noticed(&picture, &reference);
     if args.json {
-        println!("{}", serde_json::to_string(&Printed { found, spots })?);
+        println!("{}", serde_json::to_string(&Printed { found, flip, spots })?);
     } else {
         let noise = if args.second.is_none() { ", the reference's noise in it" } else { "" };
-        println!("{}{noise}  bias {:+.4}  p95 {:.4}", found.error.said(DECIMALS), found.bias, found.p95);
+        let Comparison { error, bias, p95 } = &found;
+        println!("{}{noise}  bias {bias:+.4}  p95 {p95:.4}  flip {flip:.4}", error.said(DECIMALS));
         for Spots { deviation, greatest } in spots {
             println!("spots {deviation:.1}, greatest {greatest:.0}, in thousandths of a stop");
         }

@@ -1,6 +1,7 @@
 //! Pictures: taken, read, written.
 //!
 //! * [`compare`] – how far one is from another; [`uncertainty`] – how sure noisy references are of it;
+//! * [`flip`] – how much of a difference an eye notices;
 //! * [`spots`] – how spotty bare surfaces are in it;
 //! * [`expose`] – averages the samples of each pixel;
 //! * [`exr`] – linear radiance, the form for measuring;
@@ -9,6 +10,7 @@
 pub mod compare;
 pub mod expose;
 pub mod exr;
+pub mod flip;
 pub mod png;
 pub mod spots;
 pub mod uncertainty;

@@ -14,6 +14,7 @@ pub struct Comparison {
     error_at_most: Option<f64>,
     pub bias: f64,
     pub p95: f64,
+    pub flip: f64,
     #[serde(default)]
     spots: Vec<Spots>,
 }

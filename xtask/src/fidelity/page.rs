@@ -27,7 +27,9 @@ const HEAD: &str = "\
 
 Bounced light of baked scenes against path-traced references. *Error* is the root mean square difference over the
 reference's root mean square (0 is perfect), *bias* the difference of the means, *p95* the 95th percentile of the
-difference over blocks of 8 by 8 pixels; noise of the references is cancelled out. *Spots*, where the picture has bare
+difference over blocks of 8 by 8 pixels; noise of the references is cancelled out. *FLIP* is how much of the difference
+an eye notices that flips between both, tone-mapped (Andersson et al. 2020; 0 to 1, with what is left of the references'
+noise in it). *Spots*, where the picture has bare
 walls: of what is of their size there, standard deviation and 99.5th percentile on each wall, in thousandths of a stop
 (`compare --spots`; 15, which is 1%, begins to be seen). No parameter set by hand. Scenes that
 came with references of another renderer (Mitsuba 3) are held to these, generated ones to the project's own path tracer.
@@ -40,9 +42,9 @@ impl fmt::Display for Page {
         f.write_str(HEAD)?;
         writeln!(
             f,
-            "| scene | preset | error | bias | p95 | spots | seconds | peak memory | file | links | functions |"
+            "| scene | preset | error | bias | p95 | FLIP | spots | seconds | peak memory | file | links | functions |"
         )?;
-        writeln!(f, "|---|---|---|---|---|---|---|---|---|---|---|")?;
+        writeln!(f, "|---|---|---|---|---|---|---|---|---|---|---|---|")?;
         for m in &self.scenes {
             let (c, r) = (&m.comparison, &m.report);
             writeln!(
@@ -154,9 +156,9 @@ fn named(m: &Measured) -> String {
     format!("{} at {}", m.scene, m.preset)
 }
 
-/// Error, bias and p95 as cells of a table.
+/// Error, bias, p95 and FLIP as cells of a table.
 fn cells(c: &Comparison) -> String {
-    format!("{} | {:+.3} | {:.2}", c.error_cell(), c.bias, c.p95)
+    format!("{} | {:+.3} | {:.2} | {:.3}", c.error_cell(), c.bias, c.p95, c.flip)
 }
 
 fn seconds(m: &Measured) -> f64 {
