@@ -79,6 +79,10 @@ pub struct OperatorSettings {
 /// smaller by a fifth 2.6 M, 0.065 and 3.2 M, 0.079.
 const COARSER: f32 = 0.5;
 
+/// ε of the links for later bounces over that of the finest level's. With 1 the errors of five scenes are the same within 0.001,
+/// and files are larger by 4 to 40%.
+const LATER: f32 = 3.0;
+
 /// Receivers of a chunk; more where they share what they find, so that few of them lie at an edge.
 const CHUNK: [usize; 2] = [64, 512];
 
@@ -96,9 +100,9 @@ impl OperatorSettings {
         self.epsilon * self.reflected / 8.0
     }
 
-    /// ε of the links for later bounces: what they bring is averaged over all that a receiver sees.
+    /// ε of the links for later bounces: what they bring is averaged over all that a receiver sees ([`LATER`]).
     pub fn epsilon_later(&self) -> f32 {
-        self.epsilon * self.reflected
+        LATER * self.epsilon * self.reflected
     }
 
     /// Whether receivers of a level share what their rays find.

@@ -8,7 +8,7 @@
 
 use super::{Points, SurfacePoint};
 use crate::random::mix;
-use crate::surface::{Ray, Surfaces};
+use crate::surface::{Hit, Ray, Surfaces};
 use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -28,6 +28,15 @@ const STANDING: f32 = 0.35;
 /// no more than this (cosine).
 const BEHIND: f32 = 0.1;
 const LEVEL: f32 = 0.98;
+/// A function reaches this far towards what is behind its sheet, over the distance to it: sheets bend.
+const BACK: f32 = 0.1;
+/// Rays that look for what is behind a sheet, all around.
+const BACK_RAYS: usize = 8;
+/// A sheet bends that, so far away, lies deeper than the plane by this, over the support radius.
+const BENT_AT: f32 = 0.5;
+const FLAT: f32 = 0.02;
+/// Surfaces that are turned by more than this (cosine) have no functions in common.
+const TURNED: f32 = 0.5;
 /// A plane cuts if at least this share of the places behind it is out of sight.
 const HIDDEN: f32 = 0.75;
 /// And if it takes at least this many places (of RAYS · PLACES) that no other cut takes.
@@ -88,6 +97,9 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
     if let Some(lid) = &lid {
         cuts.push(Cut::new(normal, lid.distance + margin));
     }
+    if let Some(distance) = behind(surfaces, point, radius, epsilon, seed) {
+        cuts.push(Cut::new(-normal, distance + margin));
+    }
     let lift = (LIFT * radius).min(lid.map_or(f32::INFINITY, |lid| 0.5 * lid.distance));
     let (tangent, bitangent) = normal.any_orthonormal_pair();
     let mut sight = Sight { directions: [Vec3::ZERO; RAYS], free: [f32::INFINITY; RAYS] };
@@ -127,6 +139,43 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
         left.retain(|(place, _)| !behind(plane, *place));
     }
     cuts
+}
+
+/// Where a point's surface is a thin sheet that hangs before another one which functions of this side would cover: how far behind
+/// the sheet a plane lies that ends them. Sheets that bend have none, nor has what is turned by more than functions reach.
+fn behind<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    point: &SurfacePoint,
+    radius: f32,
+    epsilon: f32,
+    seed: u32,
+) -> Option<f32> {
+    let normal = point.normal;
+    let is_covered = |hit: &Hit, ray: &Ray| {
+        let turned = hit.geometric_normal.dot(normal) * -hit.geometric_normal.dot(ray.direction).signum();
+        turned > TURNED && hit.faces(ray.direction)
+    };
+    let seen = |origin: Vec3, direction: Vec3, max_distance: f32| {
+        let ray = Ray { origin, direction, max_distance, spread: Ray::BLIND };
+        surfaces.cast(&ray, seed).filter(|hit| is_covered(hit, &ray)).map(|hit| hit.distance)
+    };
+    let (height, lift) = (radius / (1.0 + SQUASH), LIFT * radius);
+    let back = point.position - point.geometric_normal * epsilon;
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let directions = (0..BACK_RAYS).map(|k| {
+        let (sin, cos) = (k as f32 / BACK_RAYS as f32 * std::f32::consts::TAU).sin_cos();
+        tangent * cos + bitangent * sin
+    });
+    let straight = seen(back, -normal, height);
+    let beside = || directions.clone().any(|along| seen(back - normal * lift, along, radius).is_some());
+    let depth = straight.filter(|depth| *depth > lift).map(|depth| BACK * depth);
+    let depth = depth.or_else(|| (straight.is_some() || beside()).then_some(0.0))?;
+    // Own surface that lies below the plane must not be ended.
+    let bends = |along: Vec3| {
+        let above = point.position + (along * BENT_AT * radius) + normal * lift;
+        seen(above, -normal, lift + height).is_some_and(|down| down > lift + depth + FLAT * radius)
+    };
+    (!directions.clone().any(bends)).then_some(depth)
 }
 
 /// Whether the point's surface runs on behind what a ray along it hit at this distance: the fold of a curtain or a block stands on
@@ -196,6 +245,23 @@ mod tests {
                 assert!(ended(&cuts, position(to) - position(from)), "from {from}, {radius}: {cuts:?}");
                 assert!(!ended(&cuts, position(-0.17) - position(from)), "from {from}, {radius}: {cuts:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_curtain_ends_what_hangs_on_it_before_what_is_behind() {
+        let scene = scene::load("builtin:arcade").unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let position = |x: f64, z: f64| (dvec3(x, 2.0, z) - DVec3::from(scene.origin)).as_vec3();
+        // On the court's side of a fold that goes from (-0.18, 9.05) to (-0.32, 9.19), away from a pillar's side.
+        let normal = vec3(0.14, 0.0, 0.1417).normalize();
+        for share in [0.1, 0.3, 0.6] {
+            let on_fold = |share: f64| position(-0.18 - 0.14 * share, 9.05 + 0.1417 * share);
+            let point = SurfacePoint { position: on_fold(share), normal, geometric_normal: normal };
+            let cuts = cuts_of(&surfaces, &point, 0.25, 1);
+            assert!(ended(&cuts, position(-0.3, 9.05) - point.position), "{share}: {cuts:?}");
+            assert!(!ended(&cuts, on_fold(0.9) - point.position), "{share}: {cuts:?}");
+            assert!(!ended(&cuts, position(-0.1, 9.05) - point.position), "{share}: {cuts:?}");
         }
     }
 
