@@ -1,7 +1,7 @@
 //! Reads SHOT.json.
 
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::Light;
+use rebounce_shared::light::{Light, WIDEST_DEG};
 use rebounce_shared::shot::Shot;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -59,12 +59,22 @@ const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
 /// What a light is called, which pictures do not show.
 const NAME: &str = "name";
 const LIGHTS: [(&str, &[&str]); 3] = [
-    ("point", &["type", NAME, "position", "intensity", "color"]),
+    ("point", &["type", NAME, "position", "intensity", "color", "radius"]),
     (
         "spot",
-        &["type", NAME, "position", "direction", "outer_cone_deg", "inner_cone_deg", "intensity", "color"],
+        &[
+            "type",
+            NAME,
+            "position",
+            "direction",
+            "outer_cone_deg",
+            "inner_cone_deg",
+            "intensity",
+            "color",
+            "radius",
+        ],
     ),
-    ("directional", &["type", NAME, "direction", "intensity", "color"]),
+    ("directional", &["type", NAME, "direction", "intensity", "color", "radius_deg"]),
 ];
 
 /// Refuses what would be passed over: a name that is spelt wrongly is a value that is not taken.
@@ -125,6 +135,13 @@ fn check(shot: &Shot) -> Result<(), String> {
         let (Light::Point { intensity, color, .. }
         | Light::Spot { intensity, color, .. }
         | Light::Directional { intensity, color, .. }) = light;
+        if light.size() < 0.0
+            || matches!(light, Light::Directional { radius_deg, .. } if *radius_deg > WIDEST_DEG)
+        {
+            return Err(format!(
+                "light {i}: radius is 0 or more, and radius_deg lies between 0 and {WIDEST_DEG}"
+            ));
+        }
         if *intensity < 0.0 {
             return Err(format!("light {i} has a negative intensity"));
         }
@@ -151,9 +168,9 @@ mod tests {
     #[test]
     fn what_would_be_passed_over_is_refused_and_all_that_can_be_written_is_known() {
         let shot = r#"{"scene":"a.glb","size":[9,9],"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,1,0],"yfov_deg":60},
-            "lights":[{"type":"point","name":"Lamp","position":[0,0,0],"intensity":1,"color":[1,1,1]},
-            {"type":"spot","position":[0,0,0],"direction":[0,0,1],"outer_cone_deg":40,"inner_cone_deg":30,"intensity":1,"color":[1,1,1]},
-            {"type":"directional","direction":[0,0,1],"intensity":1,"color":[1,1,1]}]}"#;
+            "lights":[{"type":"point","name":"Lamp","position":[0,0,0],"intensity":1,"color":[1,1,1],"radius":0.1},
+            {"type":"spot","position":[0,0,0],"direction":[0,0,1],"outer_cone_deg":40,"inner_cone_deg":30,"intensity":1,"color":[1,1,1],"radius":0.1},
+            {"type":"directional","direction":[0,0,1],"intensity":1,"color":[1,1,1],"radius_deg":0.27}]}"#;
         assert_eq!(parse(shot), Ok(()));
         assert!(parse(&shot.replace("\"Lamp\"", "7")).unwrap_err().contains("name is a text"));
         assert_eq!(parse(&format!("\u{feff}{shot}")), Ok(()));
@@ -205,6 +222,18 @@ mod tests {
             (
                 format!(r#"{{{camera},"lights":[{{"type":"point","position":[0,0,0],"intensity":-1}}]}}"#),
                 "negative",
+            ),
+            (
+                format!(
+                    r#"{{{camera},"lights":[{{"type":"point","position":[0,0,0],"intensity":1,"radius":-1}}]}}"#
+                ),
+                "radius is",
+            ),
+            (
+                format!(
+                    r#"{{{camera},"lights":[{{"type":"directional","direction":[0,0,1],"intensity":1,"radius_deg":31}}]}}"#
+                ),
+                "radius_deg lies",
             ),
             (
                 format!(

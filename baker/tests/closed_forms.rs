@@ -87,7 +87,8 @@ fn upwards(
 fn a_point_light_over_a_plane() {
     let plane = Squares(vec![Square { y: 0.0, half: 1e4, facing: 1.0, albedo: 0.6 }]);
     let height = 1.5f32;
-    let light = Light::Point { position: [0.0, height as f64, 0.0], intensity: 7.0, color: [1.0; 3] };
+    let light =
+        Light::Point { position: [0.0, height as f64, 0.0], intensity: 7.0, color: [1.0; 3], radius: 0.0 };
     let mut stream = Stream::new(1, 1);
     for distance in [0.0f32, 0.4, 1.0, 3.0, 20.0] {
         let expected = 0.6 / PI * 7.0 * height / (height * height + distance * distance).powf(1.5);
@@ -111,7 +112,8 @@ fn two_parallel_squares_exchange_their_form_factor() {
         Square { y: 0.0, half: 0.5, facing: 1.0, albedo: lower },
         Square { y: 1.0, half: 0.5, facing: -1.0, albedo: upper },
     ]);
-    let sun = Light::Directional { direction: [1.2, 1.0, 0.0], intensity: 3.0, color: [1.0; 3] };
+    let sun =
+        Light::Directional { direction: [1.2, 1.0, 0.0], intensity: 3.0, color: [1.0; 3], radius_deg: 0.0 };
     let on_upper = 3.0 / (1.0f32 + 1.2 * 1.2).sqrt();
     let mean = |bounces| {
         let n = 400_000;
@@ -132,4 +134,34 @@ fn two_parallel_squares_exchange_their_form_factor() {
     let more = mean(Some(3)) / found - 1.0;
     let twice = lower * upper * FORM_FACTOR * FORM_FACTOR;
     assert!((1.0..1.15).contains(&(more / twice)), "{more} over {twice}");
+}
+
+/// Share of a disc of radius 1 that lies beyond a straight edge at `s`.
+fn beyond(s: f32) -> f32 {
+    let s = s.max(-1.0).min(1.0);
+    (s.acos() - s * (1.0 - s * s).sqrt()) / PI
+}
+
+#[test]
+fn behind_an_edge_lights_with_a_size_make_penumbrae_as_wide_as_they_look() {
+    let floor = Square { y: 0.0, half: 1e4, facing: 1.0, albedo: 0.6 };
+    // Its edge is at x = 1.
+    let above = Square { y: 1.0, half: 1.0, facing: 1.0, albedo: 0.6 };
+    let (bare, shaded) = (Squares(vec![floor.clone()]), Squares(vec![floor, above]));
+    let color = [1.0; 3];
+    let lamp = Light::Point { position: [1.0, 2.0, 0.0], intensity: 7.0, color, radius: 0.2 };
+    let sun = Light::Directional { direction: [0.0, -1.0, 0.0], intensity: 3.0, color, radius_deg: 10.0 };
+    // As far behind the edge as the light's radius shows on the floor.
+    for (light, wide) in [(lamp, 0.2), (sun, 10f32.to_radians().tan())] {
+        for s in [-1.3, -0.9, -0.5, -0.2, 0.0, 0.3, 0.6, 0.9, 1.3] {
+            let mut stream = Stream::new(1, 1);
+            let mut mean = |squares| {
+                let mut radiance =
+                    || upwards(squares, &light, [1.0 - s * wide, 0.0], Settings::default(), &mut stream);
+                (0..20_000).map(|_| f64::from(radiance())).sum::<f64>() / 20_000.0
+            };
+            let share = (mean(&shaded) / mean(&bare)) as f32;
+            assert!((share - beyond(s)).abs() < 0.02, "{light:?}, {s}: {share}, not {}", beyond(s));
+        }
+    }
 }

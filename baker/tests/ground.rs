@@ -113,7 +113,12 @@ fn error(judge: &Judge, baked: &rbn::Scene) -> f64 {
 #[test]
 fn a_house_on_a_plain_without_end_gets_the_functions() {
     let mut scene = loaded(&house(), Some(4000.0));
-    let sun = Light::Directional { direction: [-0.5, -1.0, -0.8], intensity: 3.0, color: [1.0; 3] };
+    let sun = Light::Directional {
+        direction: [-0.5, -1.0, -0.8],
+        intensity: 3.0,
+        color: [1.0; 3],
+        radius_deg: 0.0,
+    };
     let shot = Shot { scene: None, size: [120, 90], camera: camera(), lights: vec![sun] };
     let truth = scene.clone();
     let judge = Judge::new(&truth, &shot, None, || ()).unwrap();
@@ -183,7 +188,7 @@ fn a_stray_changes_nothing() {
         Block(DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 2.0), true),
         block([-0.8, 0.0, -0.8], [0.2, 1.0, 0.2]),
     ];
-    let lamp = Light::Point { position: [0.0, 2.4, 0.0], intensity: 10.0, color: [1.0; 3] };
+    let lamp = Light::Point { position: [0.0, 2.4, 0.0], intensity: 10.0, color: [1.0; 3], radius: 0.0 };
     let position = [0.0, 1.5, 1.9];
     let camera = Camera { position, target: [0.0, 1.3, 0.0], up: [0.0, 1.0, 0.0], yfov_deg: 63.0 };
     let shot = Shot { scene: None, size: [120, 90], camera: camera.clone(), lights: vec![lamp] };

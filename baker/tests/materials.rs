@@ -42,7 +42,7 @@ fn room(panes: &[f32], pane: String, picture: Option<&[u8]>) -> Scene {
     let bytes = glb(&quads, &[matt([0.5; 3], ""), pane], picture, "");
     let mut scene = scene::from_bytes("room", &bytes).unwrap();
     let direction = [1.0, -1.0, 0.0];
-    scene.lights = vec![Light::Directional { direction, intensity: 10.0, color: [1.0; 3] }];
+    scene.lights = vec![Light::Directional { direction, intensity: 10.0, color: [1.0; 3], radius_deg: 0.0 }];
     scene
 }
 
@@ -250,7 +250,7 @@ fn an_unlit_surface_shows_its_colour_and_bounces_light_like_others() {
     let scene = room(&[-1.0], unlit, None);
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let origin = -DVec3::from(scene.origin).as_vec3();
-    let lamp = Light::Point { position: [0.2, 0.1, 0.0], intensity: 3.0, color: [1.0; 3] };
+    let lamp = Light::Point { position: [0.2, 0.1, 0.0], intensity: 3.0, color: [1.0; 3], radius: 0.0 };
     let (file, _) = bake(&Scene { lights: vec![lamp.clone()], ..scene.clone() }, &quick(), &()).unwrap();
     for lights in [vec![], vec![lamp.clone()]] {
         let relit = Relit::new(&file, &surfaces, &lights, true);

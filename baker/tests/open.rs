@@ -74,8 +74,13 @@ fn error(scene: &Scene, baked: &rbn::Scene, from: Vec3) -> f64 {
         up: [0.0, 1.0, 0.0],
         yfov_deg: 45.0,
     };
-    let sun = Light::Directional { direction: [-0.4, -1.0, -0.3], intensity: 3.0, color: [1.0; 3] };
-    let lamp = Light::Point { position: [-3.0, 3.0, -3.0], intensity: 30.0, color: [1.0; 3] };
+    let sun = Light::Directional {
+        direction: [-0.4, -1.0, -0.3],
+        intensity: 3.0,
+        color: [1.0; 3],
+        radius_deg: 0.0,
+    };
+    let lamp = Light::Point { position: [-3.0, 3.0, -3.0], intensity: 30.0, color: [1.0; 3], radius: 0.0 };
     let shot = Shot { scene: None, size: [96, 72], camera, lights: vec![sun, lamp] };
     let judge = Judge::new(scene, &shot, None, || ()).unwrap();
     let verdict = judge.verdict(&judge.picture(baked).unwrap()).unwrap();
@@ -150,7 +155,12 @@ fn a_room_is_looked_at_from_within_whichever_way_its_walls_face() {
     // Nothing but a lamp tells an empty box from an object.
     let mut empty = scene(&[shell(out)], true);
     assert!(baked(&empty).1.is_open);
-    empty.lights.push(Light::Point { position: [0.5, 2.0, 0.3], intensity: 10.0, color: [1.0; 3] });
+    empty.lights.push(Light::Point {
+        position: [0.5, 2.0, 0.3],
+        intensity: 10.0,
+        color: [1.0; 3],
+        radius: 0.0,
+    });
     let (file, report) = baked(&empty);
     assert!(!report.lamp_added && file.meta.lights == empty.lights);
     assert!(!report.is_open && within(&report), "{:?}", report.viewpoints);
@@ -182,7 +192,8 @@ fn a_lamp_that_is_added_to_a_room_lights_it_and_is_not_beside_a_wall() {
 fn lights_that_reach_nothing_are_told() {
     let mut scene = scene(&[vec![shell(inward)], furniture()].concat(), false);
     let down = [0.0, -1.0, 0.0];
-    scene.lights = vec![Light::Directional { direction: down, intensity: 3.0, color: [1.0; 3] }];
+    scene.lights =
+        vec![Light::Directional { direction: down, intensity: 3.0, color: [1.0; 3], radius_deg: 0.0 }];
     let (_, report) = baked(&scene);
     println!("{report}");
     // One-sided walls let no light in; the sun is outside.

@@ -1,11 +1,13 @@
-//! Lights after KHR_lights_punctual, as SHOT.json writes them.
+//! Lights after KHR_lights_punctual, as SHOT.json writes them, with a size.
+
+mod stored;
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// A light in world space. Point and spot intensity in candela (1 cd counts as 1 W/sr per
-/// channel), directional in lux; colours linear RGB.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, bincode::Encode, bincode::Decode)]
+/// channel), directional in lux; colours linear RGB. A .rbn file holds all but its size (light/stored.rs).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub enum Light {
     /// Shines all around.
@@ -17,6 +19,9 @@ pub enum Light {
         /// Linear RGB.
         #[serde(default = "white")]
         color: [f64; 3],
+        /// Of the sphere that shines, scene units; 0: a point.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        radius: f64,
     },
     /// Shines within a cone.
     Spot {
@@ -34,6 +39,9 @@ pub enum Light {
         /// Linear RGB.
         #[serde(default = "white")]
         color: [f64; 3],
+        /// Of the sphere that shines, scene units; 0: a point.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        radius: f64,
     },
     /// Shines from infinitely far.
     Directional {
@@ -44,11 +52,21 @@ pub enum Light {
         /// Linear RGB.
         #[serde(default = "white")]
         color: [f64; 3],
+        /// Half the angle that the disc of the sun spans, degrees (the sun 0.27); 0: a point.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        radius_deg: f64,
     },
 }
 
+/// The widest disc of a directional light: the angle that its radius spans, degrees.
+pub const WIDEST_DEG: f64 = 30.0;
+
 fn white() -> [f64; 3] {
     [1.0; 3]
+}
+
+fn is_zero(size: &f64) -> bool {
+    *size == 0.0
 }
 
 /// What kind a [`LightSource`] is; the numbers are those of the shaders.
@@ -80,6 +98,9 @@ pub struct LightSource {
     pub cone_offset: f32,
     /// Cosine of the outer half angle; −1 where there is no cone.
     pub cos_outer: f32,
+    /// Radius of the sphere that shines; of a directional light, the tangent of the angle that its disc's radius spans. 0
+    /// for a point.
+    pub size: f32,
 }
 
 /// How a light reaches a point, but for visibility.
@@ -107,20 +128,29 @@ impl Light {
     pub fn is_usable(&self) -> bool {
         let far = |v: &[f64; 3]| v.iter().all(|x| x.abs() < 1e15);
         let (place, angles, intensity, color) = match self {
-            Light::Point { position, intensity, color } => (far(position), [0.0; 2], intensity, color),
-            Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color } => (
+            Light::Point { position, intensity, color, .. } => (far(position), [0.0; 2], intensity, color),
+            Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color, .. } => (
                 far(position) && far(direction),
                 [*outer_cone_deg, inner_cone_deg.unwrap_or_default()],
                 intensity,
                 color,
             ),
-            Light::Directional { direction, intensity, color } => {
+            Light::Directional { direction, intensity, color, .. } => {
                 (far(direction), [0.0; 2], intensity, color)
             }
         };
         place
             && angles.iter().all(|angle| angle.is_finite())
+            && self.size().abs() < 1e15
             && color.iter().chain([intensity]).all(|x| x.abs() < 1e18)
+    }
+
+    /// Its radius: scene units, of a directional light degrees.
+    pub fn size(&self) -> f64 {
+        match self {
+            Light::Point { radius, .. } | Light::Spot { radius, .. } => *radius,
+            Light::Directional { radius_deg, .. } => *radius_deg,
+        }
     }
 
     /// Makes the light ready for scene-local space, where `origin` (world space) is zero.
@@ -128,8 +158,12 @@ impl Light {
         let local = |p: &[f64; 3]| (DVec3::from(*p) - DVec3::from(origin)).as_vec3();
         let unit = |d: &[f64; 3]| DVec3::from(*d).try_normalize().unwrap_or(DVec3::NEG_Y).as_vec3();
         let rgb = |color: &[f64; 3], intensity: f64| (DVec3::from(*color) * intensity).as_vec3();
+        let size = match self {
+            Light::Directional { radius_deg, .. } => radius_deg.max(0.0).min(WIDEST_DEG).to_radians().tan(),
+            _ => self.size().max(0.0),
+        } as f32;
         match self {
-            Light::Point { position, intensity, color } => LightSource {
+            Light::Point { position, intensity, color, .. } => LightSource {
                 kind: LightKind::Point,
                 position: local(position),
                 direction: Vec3::NEG_Y,
@@ -137,8 +171,9 @@ impl Light {
                 cone_scale: 0.0,
                 cone_offset: 1.0,
                 cos_outer: -1.0,
+                size,
             },
-            Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color } => {
+            Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color, .. } => {
                 let outer = outer_cone_deg.clamp(0.01, 90.0);
                 let cos_outer = outer.to_radians().cos();
                 let cos_inner =
@@ -153,9 +188,10 @@ impl Light {
                     cone_scale: scale as f32,
                     cone_offset: (-cos_outer * scale) as f32,
                     cos_outer: cos_outer as f32,
+                    size,
                 }
             }
-            Light::Directional { direction, intensity, color } => LightSource {
+            Light::Directional { direction, intensity, color, .. } => LightSource {
                 kind: LightKind::Directional,
                 position: Vec3::ZERO,
                 direction: unit(direction),
@@ -163,6 +199,7 @@ impl Light {
                 cone_scale: 0.0,
                 cone_offset: 1.0,
                 cos_outer: -1.0,
+                size,
             },
         }
     }
@@ -208,6 +245,7 @@ mod tests {
             inner_cone_deg: None,
             intensity: 8.0,
             color: [1.0, 0.5, 0.0],
+            radius: 0.0,
         }
         .source([1.0, 0.0, 0.0]);
         let below = spot.incident(Vec3::new(0.0, 1.0, 0.0)).unwrap();
@@ -219,8 +257,13 @@ mod tests {
 
     #[test]
     fn directional_light_is_the_same_everywhere() {
-        let sun = Light::Directional { direction: [0.0, -1.0, 0.0], intensity: 3.0, color: [1.0; 3] }
-            .source([0.0; 3]);
+        let sun = Light::Directional {
+            direction: [0.0, -1.0, 0.0],
+            intensity: 3.0,
+            color: [1.0; 3],
+            radius_deg: 0.0,
+        }
+        .source([0.0; 3]);
         for p in [Vec3::ZERO, Vec3::splat(1e6)] {
             let at = sun.incident(p).unwrap();
             assert_eq!((at.to_light, at.irradiance), (Vec3::Y, Vec3::splat(3.0)));

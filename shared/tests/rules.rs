@@ -34,7 +34,7 @@ fn scene() -> Scene {
             materials: vec![Material::default()],
             draws: vec![Draw { first_index: 0, index_count: 3, material: 0 }],
             cameras: vec![camera],
-            lights: vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3] }],
+            lights: vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3], radius: 0.0 }],
             animations: vec![Animation { name: "way".into(), duration: 2.0, tracks: vec![track] }],
             ..Meta::default()
         },
@@ -58,6 +58,7 @@ fn light(x: f64, intensity: f64, cone: f64) -> Light {
         inner_cone_deg: None,
         intensity,
         color: [1.0; 3],
+        radius: 0.0,
     }
 }
 
@@ -299,6 +300,7 @@ fn lights_of_any_numbers_end_in_no_panic() {
                 inner_cone_deg: Some(inner),
                 intensity: inner,
                 color: [outer; 3],
+                radius: 0.0,
             };
             let source = light.source([0.0; 3]);
             if light.is_usable() {

@@ -9,7 +9,7 @@ use rebounce_shared::rbn::{SHOWN_SECTION, Scene, container};
 /// Nothing but two cameras and a lamp.
 fn scene(shown: Shown) -> Scene {
     let camera = Camera { position: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], yfov_deg: 50.0 };
-    let lights = vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3] }];
+    let lights = vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3], radius: 0.0 }];
     Scene { meta: Meta { cameras: vec![camera; 2], lights, shown, ..Meta::default() }, ..Scene::default() }
 }
 

@@ -80,8 +80,13 @@ fn a_picture_of_copies_is_one_of_things_of_their_own() {
         let mut room = scene::from_bytes("crowd", &glb(Said::Instances)).unwrap();
         (room.materials[1].alpha, room.materials[1].base_color[3]) = (alpha, 0.6);
         room.lights = vec![
-            Light::Point { position: [1.0, 3.6, 0.5], intensity: 30.0, color: [1.0, 0.9, 0.8] },
-            Light::Directional { direction: [0.3, -1.0, 0.4], intensity: 2.0, color: [0.7, 0.8, 1.0] },
+            Light::Point { position: [1.0, 3.6, 0.5], intensity: 30.0, color: [1.0, 0.9, 0.8], radius: 0.0 },
+            Light::Directional {
+                direction: [0.3, -1.0, 0.4],
+                intensity: 2.0,
+                color: [0.7, 0.8, 1.0],
+                radius_deg: 0.0,
+            },
         ];
         let mut settings = settings(3000);
         settings.viewpoints = vec![[0.0, 3.5, 0.0]];

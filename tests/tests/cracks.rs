@@ -68,7 +68,8 @@ fn wall(has_depth: bool) -> Scene {
         }
     }
     piece(&mut scene, [Vec2::splat(-0.9), Vec2::splat(0.95)], -0.45, white + 1);
-    scene.lights = vec![Light::Point { position: [0.1, 0.3, 0.9], intensity: 1.0, color: [1.0; 3] }];
+    scene.lights =
+        vec![Light::Point { position: [0.1, 0.3, 0.9], intensity: 1.0, color: [1.0; 3], radius: 0.0 }];
     scene.cameras = vec![camera(0.0, 0.0)];
     scene
 }

@@ -20,7 +20,8 @@ const SIZE: u32 = 64;
 
 /// Lamps in the middle of two rooms beside each other, of these intensities.
 fn lamps(intensities: [f64; 2]) -> Vec<Light> {
-    let lamp = |(x, intensity)| Light::Point { position: [x, 1.3, 2.0], intensity, color: [1.0; 3] };
+    let lamp =
+        |(x, intensity)| Light::Point { position: [x, 1.3, 2.0], intensity, color: [1.0; 3], radius: 0.0 };
     [-2.0, 2.0].into_iter().zip(intensities).map(lamp).collect()
 }
 

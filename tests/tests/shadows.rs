@@ -54,8 +54,8 @@ fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
         Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
     let color = [1.0; 3];
     let lights = [
-        ("point", Light::Point { position: [0.2, 4.9, -1.2], intensity: 20.0, color }),
-        ("a flat point", Light::Point { position: [-2.5, 0.35, -0.4], intensity: 20.0, color }),
+        ("point", Light::Point { position: [0.2, 4.9, -1.2], intensity: 20.0, color, radius: 0.0 }),
+        ("a flat point", Light::Point { position: [-2.5, 0.35, -0.4], intensity: 20.0, color, radius: 0.0 }),
         (
             "a flat spot",
             Light::Spot {
@@ -65,10 +65,17 @@ fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
                 inner_cone_deg: Some(49.0),
                 intensity: 40.0,
                 color,
+                radius: 0.0,
             },
         ),
-        ("directional", Light::Directional { direction: [0.5, -0.6, -1.0], intensity: 4.0, color }),
-        ("a flat directional", Light::Directional { direction: [0.3, -0.08, -1.0], intensity: 30.0, color }),
+        (
+            "directional",
+            Light::Directional { direction: [0.5, -0.6, -1.0], intensity: 4.0, color, radius_deg: 0.0 },
+        ),
+        (
+            "a flat directional",
+            Light::Directional { direction: [0.3, -0.08, -1.0], intensity: 30.0, color, radius_deg: 0.0 },
+        ),
     ];
     for (name, light) in lights {
         let exposure = Exposure { size: [SIZE; 2], samples: 256, seed: 5 };

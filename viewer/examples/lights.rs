@@ -40,6 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 color: [1.0; 3],
                 inner_cone_deg: Some(20.0),
                 outer_cone_deg: 59.0,
+                radius: 0.0,
             }
         };
         let mut time = |moves: &dyn Fn(usize) -> bool| -> Result<f64, Box<dyn Error>> {

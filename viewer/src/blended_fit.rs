@@ -153,8 +153,12 @@ mod tests {
     fn light_of_any_strength_becomes_numbers_of_one_size() {
         let bounds = [Vec3::ZERO, Vec3::splat(4.0)];
         for strength in [1e-6, 1.0, 3e7] {
-            let sun =
-                Light::Directional { direction: [0.0, -1.0, 0.0], intensity: strength, color: [1.0; 3] };
+            let sun = Light::Directional {
+                direction: [0.0, -1.0, 0.0],
+                intensity: strength,
+                color: [1.0; 3],
+                radius_deg: 0.0,
+            };
             let unit = unit(&Meta::default(), &[sun], bounds);
             let radiance = strength as f32 / std::f32::consts::PI;
             assert!((1.0..2.0).contains(&(unit * radiance / MIDDLE)), "{strength}: {unit}");

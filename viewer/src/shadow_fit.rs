@@ -16,7 +16,7 @@ pub const LARGEST: u32 = 2048;
 /// Border around a map for the filter's taps, texels.
 pub(crate) const BORDER: f32 = 3.0;
 
-/// `Light` in lights.wgsl. 64 bytes.
+/// `Light` in lights.wgsl. 80 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct LightRecord {
@@ -30,6 +30,8 @@ pub struct LightRecord {
     layers: u32,
     texel: f32,
     depth_scale: f32,
+    size: f32,
+    padding: [f32; 3],
 }
 
 impl LightRecord {
@@ -154,6 +156,8 @@ pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit
             layers: out.matrices.len() as u32 - layer,
             texel,
             depth_scale,
+            size: light.size,
+            padding: [0.0; 3],
         });
     }
     out
@@ -240,7 +244,12 @@ mod tests {
 
     #[test]
     fn a_directional_light_sees_all_of_the_bounds() {
-        let sun = Light::Directional { direction: [0.3, -1.0, 0.2], intensity: 1.0, color: [1.0; 3] };
+        let sun = Light::Directional {
+            direction: [0.3, -1.0, 0.2],
+            intensity: 1.0,
+            color: [1.0; 3],
+            radius_deg: 0.0,
+        };
         let bounds = [Vec3::new(-3.0, 0.0, -20.0), Vec3::new(5.0, 9.0, 2.0)];
         let fit = fit(&[sun.source([0.0; 3])], &plain(bounds[0], bounds[1]), 1e-3, 1024);
         for corner in 0..8 {
@@ -251,7 +260,12 @@ mod tests {
 
     #[test]
     fn a_house_on_a_plain_has_a_cascade_of_its_own() {
-        let sun = Light::Directional { direction: [0.3, -1.0, 0.2], intensity: 1.0, color: [1.0; 3] };
+        let sun = Light::Directional {
+            direction: [0.3, -1.0, 0.2],
+            intensity: 1.0,
+            color: [1.0; 3],
+            radius_deg: 0.0,
+        };
         let sun = sun.source([0.0; 3]);
         let all = [Vec3::new(-5000.0, -1.0, -5000.0), Vec3::new(5000.0, 9.0, 5000.0)];
         let house = [Vec3::new(90.0, 0.0, -8.0), Vec3::new(110.0, 5.0, 8.0)];
@@ -277,7 +291,7 @@ mod tests {
 
     #[test]
     fn every_direction_of_a_point_light_falls_into_the_layer_that_the_shader_picks() {
-        let light = Light::Point { position: [1.0, 2.0, 3.0], intensity: 1.0, color: [1.0; 3] };
+        let light = Light::Point { position: [1.0, 2.0, 3.0], intensity: 1.0, color: [1.0; 3], radius: 0.0 };
         let fit = fit(&[light.source([0.0; 3])], &plain(Vec3::ZERO, Vec3::ONE), 1e-3, 512);
         assert_eq!(fit.matrices.len(), 6);
         for i in 0..500 {
@@ -308,6 +322,7 @@ mod tests {
                 inner_cone_deg: None,
                 intensity: 1.0,
                 color: [1.0; 3],
+                radius: 0.0,
             }
             .source([0.0; 3])
         };

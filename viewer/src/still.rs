@@ -76,8 +76,12 @@ mod tests {
 
     fn records(intensities: &[f64]) -> Vec<LightRecord> {
         let source = |(i, intensity): (usize, &f64)| {
-            let light =
-                Source::Point { position: [i as f64, 0.0, 0.0], intensity: *intensity, color: [1.0; 3] };
+            let light = Source::Point {
+                position: [i as f64, 0.0, 0.0],
+                intensity: *intensity,
+                color: [1.0; 3],
+                radius: 0.0,
+            };
             light.source([0.0; 3])
         };
         let sources: Vec<_> = intensities.iter().enumerate().map(source).collect();

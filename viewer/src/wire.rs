@@ -3,8 +3,8 @@
 //!
 //! ```text
 //! camera  10 numbers  position, target, up: three each; yfov_deg
-//! light   13 numbers  kind (0 point, 1 spot, 2 directional); position, direction: three each; outer_cone_deg;
-//!                     inner_cone_deg, NaN where absent; intensity; color: three
+//! light   14 numbers  kind (0 point, 1 spot, 2 directional); position, direction: three each; outer_cone_deg;
+//!                     inner_cone_deg, NaN where absent; intensity; color: three; radius
 //! ```
 //!
 //! Numbers that a kind does not have are zero, and not read.
@@ -16,7 +16,7 @@ use rebounce_shared::light::{Light, LightKind};
 /// Numbers of a camera.
 pub const CAMERA: usize = 10;
 /// Numbers of a light.
-pub const LIGHT: usize = 13;
+pub const LIGHT: usize = 14;
 
 fn wrong(what: &'static str) -> ViewerError {
     ViewerError::BadJson { what, problem: "the list of numbers has another length or kind".into() }
@@ -55,14 +55,14 @@ pub fn light_numbers(lights: &[Light]) -> Vec<f64> {
     for light in lights {
         let none = [0.0; 3];
         let (kind, position, direction, cone, intensity, color) = match light {
-            Light::Point { position, intensity, color } => {
+            Light::Point { position, intensity, color, .. } => {
                 (LightKind::Point, *position, none, [0.0; 2], *intensity, *color)
             }
-            Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color } => {
+            Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color, .. } => {
                 let cone = [*outer_cone_deg, inner_cone_deg.unwrap_or(f64::NAN)];
                 (LightKind::Spot, *position, *direction, cone, *intensity, *color)
             }
-            Light::Directional { direction, intensity, color } => {
+            Light::Directional { direction, intensity, color, .. } => {
                 (LightKind::Directional, none, *direction, [0.0; 2], *intensity, *color)
             }
         };
@@ -72,6 +72,7 @@ pub fn light_numbers(lights: &[Light]) -> Vec<f64> {
         out.extend(cone);
         out.push(intensity);
         out.extend(color);
+        out.push(light.size());
     }
     out
 }
@@ -86,8 +87,9 @@ pub fn lights_of(numbers: &[f64]) -> Result<Vec<Light>, ViewerError> {
     }
     let light = |n: &[f64]| {
         let (position, direction, intensity, color) = (three(&n[1..]), three(&n[4..]), n[9], three(&n[10..]));
+        let radius = n[13];
         Ok(match n[0] as u32 {
-            0 => Light::Point { position, intensity, color },
+            0 => Light::Point { position, intensity, color, radius },
             1 => Light::Spot {
                 position,
                 direction,
@@ -95,8 +97,9 @@ pub fn lights_of(numbers: &[f64]) -> Result<Vec<Light>, ViewerError> {
                 inner_cone_deg: Some(n[8]).filter(|angle| !angle.is_nan()),
                 intensity,
                 color,
+                radius,
             },
-            2 => Light::Directional { direction, intensity, color },
+            2 => Light::Directional { direction, intensity, color, radius_deg: radius },
             _ => return Err(wrong("lights")),
         })
     };
@@ -124,12 +127,13 @@ mod tests {
             inner_cone_deg,
             intensity: 7.0,
             color,
+            radius: 0.3,
         };
         let lights = vec![
-            Light::Point { position, intensity: 2.0, color },
+            Light::Point { position, intensity: 2.0, color, radius: 0.3 },
             spot(None),
             spot(Some(20.0)),
-            Light::Directional { direction, intensity: 3.0, color },
+            Light::Directional { direction, intensity: 3.0, color, radius_deg: 0.27 },
         ];
         assert_eq!(lights_of(&light_numbers(&lights)).ok(), Some(lights));
     }
@@ -137,7 +141,7 @@ mod tests {
     #[test]
     fn other_lists_are_refused() {
         assert!(camera_of(&[0.0; 9]).is_err() && camera_of(&[0.0; 11]).is_err());
-        assert!(lights_of(&[0.0; 12]).is_err() && lights_of(&[3.0; 13]).is_err());
+        assert!(lights_of(&[0.0; 13]).is_err() && lights_of(&[3.0; 14]).is_err());
         assert_eq!(lights_of(&[]).ok(), Some(Vec::new()));
     }
 }

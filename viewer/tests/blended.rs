@@ -247,7 +247,7 @@ fn the_first_picture_of_a_view_and_of_a_moved_lamp_has_no_noise() {
     }
     let Light::Point { intensity, .. } = common::lamp([0.0; 3]) else { panic!() };
     for x in [0.25, -0.3] {
-        let lamp = Light::Point { position: [x, 0.4, 0.3], intensity, color: [1.0, 0.8, 0.6] };
+        let lamp = Light::Point { position: [x, 0.4, 0.3], intensity, color: [1.0, 0.8, 0.6], radius: 0.0 };
         renderer.set_lights(vec![lamp]).unwrap();
         check(&mut renderer, "a lamp");
     }
@@ -264,8 +264,15 @@ fn shadows_of_panes_are_even_and_as_dark_as_their_alphas_say() {
         let [position, direction] = [[0.0, 0.0, 0.9], [0.0, 0.0, -1.0]];
         let (outer_cone_deg, inner_cone_deg) = (40.0, Some(39.0));
         let color = [1.0; 3];
-        scene.meta.lights =
-            vec![Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color }];
+        scene.meta.lights = vec![Light::Spot {
+            position,
+            direction,
+            outer_cone_deg,
+            inner_cone_deg,
+            intensity,
+            color,
+            radius: 0.0,
+        }];
         for (i, side) in panes.iter().enumerate() {
             let centre = Vec3::Z * (0.6 - 0.1 * i as f32);
             let material = Material {

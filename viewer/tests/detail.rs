@@ -87,7 +87,8 @@ fn bounced(gpu: &Gpu, scene: &Scene, way: Display) -> f32 {
 fn a_flat_normal_map_changes_nothing() {
     let Some(gpu) = common::gpu() else { return };
     let mut plain = common::room(&[3, 6]);
-    plain.meta.lights = vec![Light::Point { position: [0.3, 0.4, 0.2], intensity: 0.7, color: [1.0; 3] }];
+    plain.meta.lights =
+        vec![Light::Point { position: [0.3, 0.4, 0.2], intensity: 0.7, color: [1.0; 3], radius: 0.0 }];
     let flat = bumped(&plain, Vec3::Z);
     let direct = [&plain, &flat].map(|scene| value(&gpu, scene, Mode::Direct));
     let [lookup, splat] =

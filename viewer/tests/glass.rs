@@ -165,8 +165,9 @@ fn light_behind_glass_has_its_colour() {
             inner_cone_deg: Some(39.0),
             intensity: 8.0,
             color,
+            radius: 0.0,
         },
-        Light::Point { position, intensity: 8.0, color },
+        Light::Point { position, intensity: 8.0, color, radius: 0.0 },
     ];
     let (first, second) = ([0.9, 0.6, 0.4], [0.5, 0.9, 0.7]);
     let both = (Vec3::from(first) * Vec3::from(second)).to_array();
@@ -181,7 +182,7 @@ fn light_behind_glass_has_its_colour() {
     }
     // In front of the glass there is none: the lamp is between it and the wall.
     let Light::Point { .. } = &lights[1] else { panic!() };
-    let near = Light::Point { position: [0.1, 0.05, 0.2], intensity: 4.0, color };
+    let near = Light::Point { position: [0.1, 0.05, 0.2], intensity: 4.0, color, radius: 0.0 };
     assert_near(
         lit(&device, &near, &[clear(first)], white),
         lit(&device, &near, &[], white),

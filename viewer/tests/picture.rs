@@ -288,6 +288,7 @@ fn lights_come_and_go() {
         inner_cone_deg: None,
         intensity: 1.0,
         color: [1.0; 3],
+        radius: 0.0,
     };
     let lamp = common::lamp([0.3, 0.4, 0.2]);
     for lights in [vec![], vec![spot.clone()], vec![lamp.clone(), spot.clone()], vec![], vec![lamp, spot]] {
@@ -361,7 +362,15 @@ fn what_little_is_lit_does_not_burn_out() {
         let [position, direction] = [[0.0; 3], [0.2, -0.1, -1.0]];
         let color = [1.0; 3];
         let inner_cone_deg = Some(0.9 * outer_cone_deg);
-        let spot = Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color };
+        let spot = Light::Spot {
+            position,
+            direction,
+            outer_cone_deg,
+            inner_cone_deg,
+            intensity,
+            color,
+            radius: 0.0,
+        };
         renderer.set_lights(vec![spot]).unwrap();
         pollster::block_on(renderer.read_pixels(96, 72).unwrap().wait()).unwrap();
         let bytes = pollster::block_on(renderer.take_measured().unwrap().wait()).unwrap();

@@ -20,8 +20,8 @@ fn light(i: usize, shift: f64) -> Light {
     let position = [0.1 * i as f64 - 0.7, 0.5 - 0.05 * i as f64, shift];
     let (intensity, color) = (0.5 + 0.1 * i as f64, [1.0, 0.8, 0.6]);
     match i % 3 {
-        0 => Light::Point { position, intensity, color },
-        1 => Light::Directional { direction: [0.3, -1.0, shift], intensity, color },
+        0 => Light::Point { position, intensity, color, radius: 0.0 },
+        1 => Light::Directional { direction: [0.3, -1.0, shift], intensity, color, radius_deg: 0.0 },
         _ => Light::Spot {
             position,
             direction: [0.2, -1.0, 0.1],
@@ -29,6 +29,7 @@ fn light(i: usize, shift: f64) -> Light {
             outer_cone_deg: 40.0,
             intensity,
             color,
+            radius: 0.0,
         },
     }
 }

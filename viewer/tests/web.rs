@@ -35,7 +35,7 @@ fn triangle() -> Scene {
                 up: [0.0, 1.0, 0.0],
                 yfov_deg: 50.0,
             }],
-            lights: vec![Light::Point { position: [0.0; 3], intensity: 0.0, color: [1.0; 3] }],
+            lights: vec![Light::Point { position: [0.0; 3], intensity: 0.0, color: [1.0; 3], radius: 0.0 }],
             animations: vec![Animation {
                 name: "glow".into(),
                 duration: 2.0,
@@ -134,7 +134,8 @@ async fn without_lights_there_is_no_light_and_the_first_one_shines() {
     let covered = image.chunks(4).filter(|pixel| pixel[3] > 0.0).count();
     assert!(covered > 0 && covered < 256, "{covered} of 256 pixels are covered");
     // The first light of a scene that had none.
-    let light = Light::Point { position: [1_000_000.3, 0.3, 2.0], intensity: 10.0, color: [1.0; 3] };
+    let light =
+        Light::Point { position: [1_000_000.3, 0.3, 2.0], intensity: 10.0, color: [1.0; 3], radius: 0.0 };
     viewer.set_lights(&wire::light_numbers(&[light])).unwrap();
     let picture = JsFuture::from(viewer.read_pixels(16, 16)).await.unwrap();
     let picture = picture.unchecked_into::<Uint8Array>().to_vec();

@@ -1,6 +1,7 @@
 /**
  * Camera, lights and settings as the hash of a link, to be read by people too:
- * `#camera=0,1,4,0,1,0,0,1,0,60&light=point,1,2,0,20,1,1,1,Name&exposure=1`.
+ * `#camera=0,1,4,0,1,0,0,1,0,60&light=point,1,2,0,20,1,1,1,Name&exposure=1`. A light's radius, where it has one, is
+ * beside its kind: `light=point*0.1,…`.
  */
 
 import { Failure } from "./failure.js";
@@ -24,6 +25,9 @@ const FORMS: Record<Light["type"], readonly (readonly [string, number])[]> = {
   directional: [["direction", 3], ["intensity", 1], ["color", 3]],
 };
 
+/** The member that says how large a light is. */
+const sizeName = (type: string) => (type === "directional" ? "radius_deg" : "radius");
+
 /** Five digits are enough for what is seen. */
 const short = (x: number) => String(Math.abs(x) < 1e-9 ? 0 : Number(x.toPrecision(5)));
 
@@ -40,7 +44,9 @@ export function stateHash({ camera, lights = [], settings }: LinkState, prefix =
     const instead = (name: string) => (name === "color" ? [1, 1, 1] : (member("outer_cone_deg") ?? 0));
     const numbers = FORMS[light.type].flatMap(([name]) => member(name) ?? instead(name));
     const name = light.name ? [encodeURIComponent(light.name)] : [];
-    parts.push(`light=${[light.type, ...numbers.map(short), ...name]}`);
+    const size = member(sizeName(light.type));
+    const type = size ? `${light.type}*${short(size as number)}` : light.type;
+    parts.push(`light=${[type, ...numbers.map(short), ...name]}`);
   }
   if (camera && lights.length === 0) parts.push("light=none");
   for (const [name, value] of Object.entries(settings)) {
@@ -70,7 +76,8 @@ export function readState(hash: string, prefix = ""): LinkState | undefined {
 }
 
 function light(value: string): Light {
-  const [type = "", ...texts] = value.split(",");
+  const [sized = "", ...texts] = value.split(",");
+  const [type = "", size] = sized.split("*");
   const form = Object.hasOwn(FORMS, type) ? FORMS[type as Light["type"]] : undefined;
   if (!form) throw new Failure("bad-json", `The link holds a light of the unknown kind “${type}”; copy it once more.`);
   const count = form.reduce((sum, [, size]) => sum + size, 0);
@@ -82,6 +89,7 @@ function light(value: string): Light {
     result[name] = size === 1 ? n[at] : triple(n, at);
     at += size;
   }
+  if (size !== undefined) result[sizeName(type)] = numbers([size], 1, "light")[0];
   return result as unknown as Light;
 }
 

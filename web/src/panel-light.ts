@@ -1,4 +1,4 @@
-/** The fields of one light: name, intensity, colour, cone, place, the way it shines. */
+/** The fields of one light: name, intensity, colour, cone, size, place, the way it shines. */
 
 import { make } from "./element.js";
 import { hexColor, linearColor } from "./lights.js";
@@ -49,6 +49,8 @@ export class LightFields {
       this.#angle("outer_cone_deg", "Outer angle, degrees");
       this.#angle("inner_cone_deg", "Inner angle, degrees");
     }
+    if (light.type === "directional") this.#angle("radius_deg", "Size: radius, degrees", "30", 0);
+    else this.#angle("radius", "Size: radius", "", 0);
     if (light.type === "directional") this.#sun();
     else this.#vector("position", "Position");
     if (light.type === "spot") {
@@ -129,10 +131,10 @@ export class LightFields {
     this.nodes.push(from.element, height.element);
   }
 
-  #angle(name: string, words: string): void {
-    const get = (light: Light) => (light as unknown as Members)[name] as number;
+  #angle(name: string, words: string, max = "90", absent?: number): void {
+    const get = (light: Light) => ((light as unknown as Members)[name] ?? absent) as number;
     if (get(this.#desk.now()) === undefined) return;
-    const input = this.#number(words, (value) => this.#desk.set({ [name]: value }), get, { max: "90" });
+    const input = this.#number(words, (value) => this.#desk.set({ [name]: value }), get, { max });
     this.nodes.push(make("div", { class: "row" }, make("span", { "aria-hidden": "true" }, words), input));
   }
 

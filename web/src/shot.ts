@@ -35,6 +35,8 @@ export interface PointLight extends Named {
   /** Candela. */
   intensity: number;
   color?: Triple;
+  /** Of the sphere that shines, scene units; a point when absent. */
+  radius?: number;
 }
 
 /** Shines within a cone. */
@@ -50,6 +52,8 @@ export interface SpotLight extends Named {
   /** Candela. */
   intensity: number;
   color?: Triple;
+  /** Of the sphere that shines, scene units; a point when absent. */
+  radius?: number;
 }
 
 /** Shines from infinitely far. */
@@ -60,6 +64,8 @@ export interface DirectionalLight extends Named {
   /** Lux on a surface that faces the light. */
   intensity: number;
   color?: Triple;
+  /** Half the angle that its disc spans, degrees; the sun 0.27, a point when absent. */
+  radius_deg?: number;
 }
 
 /** Any light. */

@@ -8,7 +8,7 @@ import type { Counts, Stats } from "./stats.js";
 const KINDS = ["point", "spot", "directional"] as const;
 /** Numbers of a camera and of a light. */
 const CAMERA = 10;
-const LIGHT = 13;
+const LIGHT = 14;
 
 function wrong(what: string, problem: string): Failure {
   return new Failure("bad-json", `${what}: ${problem}`);
@@ -54,7 +54,7 @@ function lightNumbers(lights: readonly Light[]): Float64Array {
   const out: number[] = [];
   for (const [i, light] of lights.entries()) {
     const at = `lights[${i}]`;
-    const { type, name, position, direction, outer_cone_deg, inner_cone_deg, intensity, color } = members(at, light);
+    const { type, name, position, direction, outer_cone_deg, inner_cone_deg, intensity, color, radius, radius_deg } = members(at, light);
     const kind = KINDS.indexOf(type as Light["type"]);
     if (kind < 0) throw wrong(`${at}.type`, `must be one of ${KINDS.join(", ")}`);
     if (typeof (name ?? "") !== "string") throw wrong(`${at}.name`, "must be a text");
@@ -68,6 +68,7 @@ function lightNumbers(lights: readonly Light[]): Float64Array {
       spot ? number(`${at}.inner_cone_deg`, inner_cone_deg ?? undefined, NaN) : 0,
       number(`${at}.intensity`, intensity),
       ...numbers(`${at}.color`, color, 3, [1, 1, 1]),
+      type === "directional" ? number(`${at}.radius_deg`, radius_deg, 0) : number(`${at}.radius`, radius, 0),
     );
   }
   return new Float64Array(out);
@@ -80,11 +81,13 @@ function lightsOf(numbers: Float64Array): Light[] {
     const n = [...numbers.subarray(i, i + LIGHT)] as [number, ...number[]];
     const three = (at: number) => n.slice(at, at + 3) as Triple;
     const [outer_cone_deg, inner_cone_deg, intensity] = n.slice(7) as Triple;
-    const rest = { intensity, color: three(10) };
+    const size = n[13] as number;
+    const rest = { intensity, color: three(10), ...(size && { radius: size }) };
     const type = KINDS[n[0]];
     if (type === "point") lights.push({ type, position: three(1), ...rest });
-    else if (type === "directional") lights.push({ type, direction: three(4), ...rest });
-    else if (type === "spot") {
+    else if (type === "directional") {
+      lights.push({ type, direction: three(4), intensity, color: rest.color, ...(size && { radius_deg: size }) });
+    } else if (type === "spot") {
       const inner = Number.isNaN(inner_cone_deg) ? {} : { inner_cone_deg };
       lights.push({ type, position: three(1), direction: three(4), outer_cone_deg, ...inner, ...rest });
     }

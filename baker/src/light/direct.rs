@@ -1,6 +1,8 @@
 //! Direct irradiance with ray-cast visibility. Lambert's cosine law, inverse squares; the units
 //! are those of [`rebounce_shared::light`].
 
+use super::sized;
+use crate::random::Stream;
 use crate::surface::{Hit, Surfaces};
 use glam::Vec3;
 use rebounce_shared::footprint;
@@ -27,11 +29,27 @@ pub fn at_footprint(surfaces: &impl Surfaces, lights: &[LightSource], point: &Po
     if count > 0 { total / count as f32 } else { at_point(surfaces, lights, position, normal) }
 }
 
-/// RGB irradiance where a ray hit.
+/// RGB irradiance where a ray hit, of lights as points.
 pub fn at_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit) -> Vec3 {
     sum(surfaces, lights, hit.position, hit.normal, |to_light| {
         hit.offset_origin(to_light, surfaces.epsilon_at(hit.position))
     })
+}
+
+/// One estimate of the RGB irradiance where a ray hit, of lights with their size: of each, one place is looked for.
+pub fn toward_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit, stream: &mut Stream) -> Vec3 {
+    let origin = |to_light| hit.offset_origin(to_light, surfaces.epsilon_at(hit.position));
+    let mut total = Vec3::ZERO;
+    for light in lights {
+        let Some(mut at) = light.incident(hit.position) else { continue };
+        if light.size > 0.0 {
+            let sample = sized::sample(light, &at, stream.square());
+            at.irradiance *= sample.share;
+            (at.to_light, at.distance) = (sample.to_light, sample.distance);
+        }
+        total += reaching(surfaces, light, &at, hit.position, hit.normal, origin);
+    }
+    total
 }
 
 #[inline]
@@ -44,22 +62,37 @@ fn sum(
 ) -> Vec3 {
     let mut total = Vec3::ZERO;
     for light in lights {
-        let Some(Incident { to_light, distance, irradiance }) = light.incident(position) else { continue };
-        let cosine = normal.dot(to_light);
-        if cosine <= 0.0 {
-            continue;
-        }
-        let to = if distance.is_finite() {
-            light.position
-        } else {
-            let (low, high) = surfaces.bounds();
-            let beyond = 2.0 * (high - low).length() + 2.0 * (position - low).length();
-            position + to_light * beyond
-        };
-        let visible = surfaces.transmittance(origin(to_light), to);
-        total += irradiance * (visible * cosine);
+        let Some(at) = light.incident(position) else { continue };
+        total += reaching(surfaces, light, &at, position, normal, &origin);
     }
     total
+}
+
+/// What of the light at `position` reaches it, along its normal.
+#[inline]
+fn reaching(
+    surfaces: &impl Surfaces,
+    light: &LightSource,
+    at: &Incident,
+    position: Vec3,
+    normal: Vec3,
+    origin: impl Fn(Vec3) -> Vec3,
+) -> Vec3 {
+    let Incident { to_light, distance, irradiance } = *at;
+    let cosine = normal.dot(to_light);
+    if cosine <= 0.0 {
+        return Vec3::ZERO;
+    }
+    let to = if !distance.is_finite() {
+        let (low, high) = surfaces.bounds();
+        let beyond = 2.0 * (high - low).length() + 2.0 * (position - low).length();
+        position + to_light * beyond
+    } else if light.size > 0.0 {
+        position + to_light * distance
+    } else {
+        light.position
+    };
+    irradiance * (surfaces.transmittance(origin(to_light), to) * cosine)
 }
 
 #[cfg(test)]
@@ -88,7 +121,12 @@ mod tests {
     fn the_sun_is_hidden_by_a_roof_and_only_by_it() {
         let scene = crate::scene::load("builtin:furnace").unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
-        let sun = Light::Directional { direction: [0.0, -3.0, 0.0], intensity: 5.0, color: [1.0, 0.5, 0.0] };
+        let sun = Light::Directional {
+            direction: [0.0, -3.0, 0.0],
+            intensity: 5.0,
+            color: [1.0, 0.5, 0.0],
+            radius_deg: 0.0,
+        };
         let lights = [sun.source(scene.origin)];
         let above = at_point(&surfaces, &lights, Vec3::new(0.2, 1.0, 0.1), Vec3::Y);
         assert_eq!(above, Vec3::new(5.0, 2.5, 0.0));

@@ -71,7 +71,7 @@ pub fn radiance(
             break;
         }
         if depth > 0 || settings.only != Only::Indirect {
-            total += throughput * FRAC_1_PI * direct::at_hit(surfaces, lights, &hit);
+            total += throughput * FRAC_1_PI * direct::toward_hit(surfaces, lights, &hit, stream);
         }
         if depth >= last {
             break;

@@ -1,6 +1,6 @@
 //! The truth about a baked file on the CPU: what the viewer should show.
 //!
-//! Direct light is sampled at the file's points with ray-cast visibility, the operator is
+//! Direct light is sampled, of lights as points, at the file's points with ray-cast visibility, the operator is
 //! applied ([`rebounce_shared::relight`]), and at every visible point the display basis is
 //! evaluated exactly: `E(x, n) = max(0, n · Σ w_j V_j / Σ w_j)` (paper, Eq. 6 and 8), reflected
 //! with albedo / π.
@@ -111,7 +111,7 @@ impl Relit {
         let mut irradiance = Vec3::ZERO;
         if hit.albedo != Vec3::ZERO {
             if only != Only::Indirect {
-                irradiance += direct::at_hit(surfaces, &self.lights, &hit);
+                irradiance += direct::toward_hit(surfaces, &self.lights, &hit, stream);
             }
             if only != Only::Direct {
                 irradiance += self.indirect(surfaces, &hit, stream);

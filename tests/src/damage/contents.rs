@@ -221,6 +221,7 @@ fn light(scene: &mut Scene, random: &mut Random) -> String {
             inner_cone_deg: Some(random.float() as f64),
             intensity: 1.0,
             color: [1.0; 3],
+            radius: 0.0,
         }),
     }
     format!("{what} {value}")

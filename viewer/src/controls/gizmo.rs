@@ -209,13 +209,14 @@ pub(super) mod tests {
             inner_cone_deg: None,
             intensity: 1.0,
             color,
+            radius: 0.0,
         };
         Stage {
             camera: Camera { position: [0.0, 0.0, 10.0], ..super::super::tests::stage().camera },
             lights: vec![
                 spot,
-                Light::Directional { direction: [1.0, 0.0, 0.0], intensity: 1.0, color },
-                Light::Point { position: [0.0, 0.0, 20.0], intensity: 1.0, color },
+                Light::Directional { direction: [1.0, 0.0, 0.0], intensity: 1.0, color, radius_deg: 0.0 },
+                Light::Point { position: [0.0, 0.0, 20.0], intensity: 1.0, color, radius: 0.0 },
             ],
             ..super::super::tests::stage()
         }

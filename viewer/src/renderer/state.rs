@@ -240,10 +240,11 @@ pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
             && source.direction.is_finite()
             && source.intensity.is_finite()
             && source.cone_scale.is_finite()
-            && source.cone_offset.is_finite();
-        if !finite || source.intensity.min_element() < 0.0 {
+            && source.cone_offset.is_finite()
+            && source.size.is_finite();
+        if !finite || source.intensity.min_element() < 0.0 || light.size() < 0.0 {
             return Err(ViewerError::BadArgument(format!(
-                "light {i}: all numbers must be finite, intensity and colour not negative"
+                "light {i}: all numbers must be finite, intensity, colour and radius not negative"
             )));
         }
     }

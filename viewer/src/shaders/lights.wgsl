@@ -21,6 +21,8 @@ struct Light {
     texel: f32,
     // Change of the shadow map's depth per unit of distance; directional lights only.
     depth_scale: f32,
+    // Radius; of a directional light, tangent of the angle that its disc's radius spans. 0 for a point.
+    size: f32,
 }
 
 struct Incident {

@@ -1,4 +1,4 @@
-// Visibility of lights from the shadow maps. Group LIGHTS holds lights and shadow maps.
+// Visibility of lights from the shadow maps, of those with a size through penumbra.wgsl. Group LIGHTS holds lights and shadow maps.
 
 @group(LIGHTS) @binding(0) var<storage, read> lights: array<Light>;
 @group(LIGHTS) @binding(1) var<storage, read> shadow_matrices: array<mat4x4f>;
@@ -130,6 +130,18 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
     let slope = clamp(tilt, vec2f(-MOST_SLOPE * unit), vec2f(MOST_SLOPE * unit));
     let cosine = dot(normal, to_light);
     let bias = unit * (0.35 + LOOSE / max(cosine * cosine, 1e-3));
+    if light.size > 0.0 {
+        let rim = unit * place.w / light.size;
+        var map = MapPlace(place.xyz, slope, bias, unit * LOOSE / max(cosine * cosine, 1e-3), rim, layer, near);
+        if abs(area) < 1e-3 || any(slope != tilt) {
+            // Seen edge-on, the surface has no plane on the map: what is well before it counts.
+            map = MapPlace(place.xyz, vec2f(0.0), bias, 2.0 * MOST_SLOPE * unit, rim, layer, near);
+        }
+        let part = penumbra(map);
+        if part >= 0.0 {
+            return part;
+        }
+    }
     let behind = select(1e30, 4.0 * bias, solid);
     let steep = length(slope) / unit;
     let rise = RISE * unit * (steep + min(1.0 / max(steep, 1e-3), 3.0));
@@ -200,9 +212,11 @@ fn lit(light: Light, position: vec3f, normal: vec3f, lift: f32) -> Incident {
     return at;
 }
 
-// The same on a surface in a picture, with soft edges; `flat_normal` is the normal of the triangle.
+// The same on a surface in a picture, with soft edges, of a light with its size; `flat_normal` is the normal of the
+// triangle.
 fn lit_softly(light: Light, position: vec3f, normal: vec3f, flat_normal: vec3f, solid: bool) -> Incident {
-    var at = facing_light(light, position, normal);
+    var at = incident(light, position);
+    at.irradiance *= above_horizon(light, position, dot(normal, at.to_light));
     if any(at.irradiance > vec3f(0.0)) {
         at.irradiance *= soft_visibility(light, position, flat_normal, at.to_light, solid) * tinted(light, position);
     }

@@ -105,7 +105,7 @@ pub fn room(sides: &[u32]) -> Scene {
 
 /// A lamp in the room.
 pub fn lamp(position: [f64; 3]) -> Light {
-    Light::Point { position, intensity: 3.0, color: [1.0, 0.7, 0.4] }
+    Light::Point { position, intensity: 3.0, color: [1.0, 0.7, 0.4], radius: 0.0 }
 }
 
 fn link(scene: &mut Scene) {

@@ -39,6 +39,39 @@ export async function lights(harness, context) {
     check(after > before * 1.1, `${before} before, ${after} after`);
   });
 
+  await harness.test("lights::a_size_is_kept_and_softens_shadows", async () => {
+    const found = await page.evaluate(async () => {
+      const { mode, camera } = viewer;
+      viewer.mode = "direct";
+      // Down onto the floor, where the blocks' shadows end.
+      viewer.camera = { position: [0, 4.6, -0.4], target: [0, 0.3, -3.2], yfov_deg: 60 };
+      const lit = async (radius) => {
+        const size = radius === undefined ? {} : { radius };
+        viewer.lights = [{ type: "point", position: [-1.5, 4.5, -1.5], intensity: 20, color: [1, 1, 1], ...size }];
+        return { pixels: await viewer.readPixels(96, 54), radius: viewer.lights[0].radius };
+      };
+      const [sharp, again, soft] = [await lit(), await lit(0), await lit(0.4)];
+      const differing = (a, b) => a.pixels.filter((value, i) => Math.abs(value - b.pixels[i]) > 16).length;
+      viewer.lights = [{ type: "directional", direction: [0, -1, 0], intensity: 1, color: [1, 1, 1], radius_deg: 0.27 }];
+      const sun = viewer.lights;
+      let refused = "";
+      try {
+        viewer.lights = [{ type: "point", position: [0, 3, -2], intensity: 1, radius: -1 }];
+      } catch (error) {
+        refused = error.code;
+      }
+      Object.assign(viewer, { mode, camera });
+      const radii = [sharp, soft].map(({ radius }) => radius);
+      return { radii, same: differing(sharp, again), softer: differing(sharp, soft), sun, refused };
+    });
+    same(found.radii, [undefined, 0.4], "radii");
+    equal(found.sun[0].radius_deg, 0.27, "the sun's");
+    equal(found.same, 0, "numbers that differ without a size");
+    // Of 96 x 54 pixels, three a pixel.
+    check(found.softer > 200, `${found.softer} numbers differ`);
+    equal(found.refused, "bad-argument", "a negative one");
+  });
+
   await harness.test("lights::sixteen_of_them_work", async () => {
     const found = await page.evaluate(async () => {
       viewer.lights = [];

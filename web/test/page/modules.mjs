@@ -213,11 +213,15 @@ async function links(harness, { readState, stateHash }) {
     equal(readState(stateHash({ camera, lights, settings: {} }, "a."), "b."), undefined, "another element's state");
     equal(readState(stateHash({ camera, lights, settings: {} }, "a."), "a.").lights.length, 3, "its own");
     equal(readState("#section-3"), undefined, "some other hash");
+    const sized = [{ ...lights[0], radius: 0.1 }, { ...lights[2], color: [1, 1, 1], radius_deg: 0.27 }];
+    const link = stateHash({ camera, lights: sized, settings: {} });
+    if (!link.endsWith("&light=point*0.1,1,2,3,20,1,0.5,0.25&light=directional*0.27,0.3,-1,0.2,2,1,1,1")) throw new Error(link);
+    same(readState(link).lights, sized, "lights with a size");
     const name = "Bed, left & 100 % of it";
     equal(readState(stateHash({ camera, lights: [{ ...lights[0], name }], settings: {} })).lights[0].name, name, "a name");
   });
   await harness.test("modules::a_damaged_link_is_refused", () => {
-    for (const bad of ["camera=1,2", "camera=1,2,3,4,5,6,7,8,9,x", "light=lamp,1", "light=point,1,2,3,4,5,6", "light=", "light=constructor,1", "camera=,,,,,,,,,"]) {
+    for (const bad of ["camera=1,2", "camera=1,2,3,4,5,6,7,8,9,x", "light=lamp,1", "light=point,1,2,3,4,5,6", "light=", "light=constructor,1", "light=point*,1,2,3,20,1,1,1", "light=point*x,1,2,3,20,1,1,1", "camera=,,,,,,,,,"]) {
       equal(code(() => readState(bad)), "bad-json", bad);
     }
   });

@@ -71,7 +71,7 @@ pub fn lamp<S: Surfaces>(surfaces: &S, frame: &CameraFrame, is_open: bool, origi
     let gain = sight.gain(place);
     let intensity = two_digits(f64::from(if is_open { PI } else { 0.5 * PI } / gain));
     if !is_open {
-        return Light::Point { position, intensity, color };
+        return Light::Point { position, intensity, color, radius: 0.0 };
     }
     let (low, high) = sight.part;
     let (to, radius) = (0.5 * (low + high) - place, 0.5 * (high - low).length());
@@ -84,6 +84,7 @@ pub fn lamp<S: Surfaces>(surfaces: &S, frame: &CameraFrame, is_open: bool, origi
         inner_cone_deg: Some((outer / f64::from(CONE)).round()),
         intensity,
         color,
+        radius: 0.0,
     }
 }
 
@@ -150,7 +151,7 @@ impl<'a, S: Surfaces> Sight<'a, S> {
 
     fn irradiance(&self, place: Vec3, hit: &Hit) -> f32 {
         let position = place.as_dvec3().to_array();
-        let light = Light::Point { position, intensity: 1.0, color: [1.0; 3] };
+        let light = Light::Point { position, intensity: 1.0, color: [1.0; 3], radius: 0.0 };
         let lights: [LightSource; 1] = [light.source([0.0; 3])];
         direct::at_hit(self.surfaces, &lights, hit).element_sum() / 3.0
     }

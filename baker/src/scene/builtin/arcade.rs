@@ -49,6 +49,7 @@ pub(super) fn scene() -> Scene {
             direction: [0.5, -1.0, 0.12],
             intensity: 40.0,
             color: [1.0, 0.95, 0.86],
+            radius_deg: 0.0,
         }],
         cameras: vec![
             look(dvec3(-1.5, 1.6, 10.4), dvec3(-1.7, 1.2, 2.0)),

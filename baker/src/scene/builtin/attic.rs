@@ -37,6 +37,7 @@ pub(super) fn scene() -> Scene {
             direction: [-0.8, -0.7, -0.1],
             intensity: 50.0,
             color: [1.0, 0.95, 0.85],
+            radius_deg: 0.0,
         }],
         cameras: vec![look([4.6, 1.5, 0.5], [0.0, 1.2, 3.2]), look([4.6, 1.3, 3.5], [0.0, 1.2, 0.6])],
         ..Scene::default()

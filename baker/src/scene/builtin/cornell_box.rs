@@ -70,6 +70,7 @@ pub(super) fn scene() -> Scene {
             inner_cone_deg: Some(50.0),
             intensity: 120.0,
             color: [1.0, 0.85, 0.65],
+            radius: 0.0,
         }],
         cameras: vec![Camera {
             position: place([278.0, 273.0, -800.0]).to_array(),

@@ -47,6 +47,7 @@ pub(super) fn scene() -> Scene {
             inner_cone_deg: Some(50.0),
             intensity: 60.0,
             color: [1.0, 0.9, 0.76],
+            radius: 0.0,
         }],
         cameras: vec![
             look(dvec3(6.6, 1.6, -1.4), dvec3(1.5, 1.1, -0.8)),

@@ -24,7 +24,7 @@ pub(super) fn scene() -> Scene {
     let mut scene = Scene {
         name: "furnace".into(),
         materials: vec![matt("half", [0.5; 3])],
-        lights: vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3] }],
+        lights: vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3], radius: 0.0 }],
         cameras: vec![Camera {
             position: [0.0, 0.0, 0.9],
             target: [0.0; 3],

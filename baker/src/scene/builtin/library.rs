@@ -48,6 +48,7 @@ pub(super) fn scene() -> Scene {
             inner_cone_deg: Some(36.0),
             intensity: 60.0,
             color: [1.0, 0.9, 0.76],
+            radius: 0.0,
         }],
         cameras: vec![Camera {
             position: [3.9, 1.6, 3.5],

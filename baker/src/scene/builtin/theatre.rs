@@ -43,6 +43,7 @@ pub(super) fn scene() -> Scene {
         inner_cone_deg: Some(20.0),
         intensity,
         color,
+        radius: 0.0,
     };
     let camera = |position, target| Camera { position, target, up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
     let mut scene = Scene {
@@ -57,7 +58,12 @@ pub(super) fn scene() -> Scene {
         lights: vec![
             spot(4.0, 500.0, [1.0, 0.86, 0.7]),
             spot(16.0, 400.0, [0.78, 0.88, 1.0]),
-            Light::Point { position: [10.0, 5.5, 17.0], intensity: 60.0, color: [1.0, 0.9, 0.75] },
+            Light::Point {
+                position: [10.0, 5.5, 17.0],
+                intensity: 60.0,
+                color: [1.0, 0.9, 0.75],
+                radius: 0.0,
+            },
         ],
         cameras: vec![
             camera([5.0, 4.6, 23.0], [11.0, 1.6, 6.0]),

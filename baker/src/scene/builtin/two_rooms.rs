@@ -43,6 +43,7 @@ pub(super) fn scene(door: bool) -> Scene {
             inner_cone_deg: Some(45.0),
             intensity: 60.0,
             color: [1.0, 0.92, 0.8],
+            radius: 0.0,
         }],
         cameras: vec![
             look(dvec3(3.6, 1.6, 3.6), dvec3(0.2, 1.0, 0.9)),

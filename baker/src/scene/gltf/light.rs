@@ -115,8 +115,8 @@ pub(super) fn of(source: &Source, node: &Placed, index: usize, told: &mut Told) 
     let (color, intensity) = (light.color.map(|c| c.max(0.0)), light.intensity.max(0.0));
     let (position, direction) = placement(&node.world);
     let light = match light.kind.as_str() {
-        "point" => Light::Point { position, intensity, color },
-        "directional" => Light::Directional { direction, intensity, color },
+        "point" => Light::Point { position, intensity, color, radius: 0.0 },
+        "directional" => Light::Directional { direction, intensity, color, radius_deg: 0.0 },
         _ => Light::Spot {
             position,
             direction,
@@ -124,6 +124,7 @@ pub(super) fn of(source: &Source, node: &Placed, index: usize, told: &mut Told) 
             inner_cone_deg: Some(light.spot.inner_cone_angle.to_degrees()),
             intensity,
             color,
+            radius: 0.0,
         },
     };
     if light.is_usable() {

@@ -112,13 +112,19 @@ fn lights() -> Vec<Light> {
         inner_cone_deg: Some(outer - 14.0),
         intensity,
         color: warm,
+        radius: 0.0,
     };
     vec![
-        Light::Directional { direction: [0.52, -0.62, -0.59], intensity: 40.0, color: [1.0, 0.93, 0.82] },
-        Light::Point { position: [0.5, 1.52, 6.5], intensity: 5.0, color: warm },
+        Light::Directional {
+            direction: [0.52, -0.62, -0.59],
+            intensity: 40.0,
+            color: [1.0, 0.93, 0.82],
+            radius_deg: 0.0,
+        },
+        Light::Point { position: [0.5, 1.52, 6.5], intensity: 5.0, color: warm, radius: 0.0 },
         spot([4.3, 1.78, 5.7], [0.0, -1.0, 0.0], 58.0, 10.0),
         spot([1.9, 2.6, 1.1], [0.0, -1.0, -0.15], 56.0, 10.0),
-        Light::Point { position: [5.98, 0.85, 4.62], intensity: 2.5, color: warm },
+        Light::Point { position: [5.98, 0.85, 4.62], intensity: 2.5, color: warm, radius: 0.0 },
         spot([8.55, 0.98, 0.62], [-0.5, -1.0, 0.3], 52.0, 5.0),
     ]
 }

@@ -1,0 +1,84 @@
+//! Penumbrae of lights with a size: the page's are the CPU's.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod common;
+
+use common::{mean_and_stops, picture};
+use glam::Vec3;
+use rebounce::picture::{Only, expose::Exposure};
+use rebounce::render::render;
+use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::Light;
+use rebounce_tests::small::small;
+use rebounce_viewer::settings::Mode;
+
+const SIZE: u32 = 192;
+/// What differs by more from a point's light, relative to the brighter, is penumbra.
+const SEEN: f32 = 0.1;
+/// RMS difference there to the CPU's picture, as a share of that of the CPU's picture of a point.
+const MOST: f32 = 0.45;
+
+/// The same light without a size.
+fn point(light: &Light) -> Light {
+    let mut light = light.clone();
+    match &mut light {
+        Light::Point { radius, .. } | Light::Spot { radius, .. } => *radius = 0.0,
+        Light::Directional { radius_deg, .. } => *radius_deg = 0.0,
+    }
+    light
+}
+
+#[test]
+fn penumbrae_are_as_wide_as_the_cpus() {
+    let scene = small("builtin:cornell-box", 600).unwrap();
+    let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
+    let Some(mut renderer) = common::renderer(&scene) else { return };
+    renderer.set_mode(Mode::Direct);
+    // Down onto the floor and the blocks.
+    let camera =
+        Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
+    renderer.set_camera(camera.clone()).unwrap();
+    let color = [1.0; 3];
+    let lights = [
+        ("point", Light::Point { position: [0.2, 4.7, -1.2], intensity: 20.0, color, radius: 0.25 }),
+        (
+            "spot",
+            Light::Spot {
+                position: [-1.5, 4.5, -1.5],
+                direction: [0.4, -1.0, -0.4],
+                outer_cone_deg: 55.0,
+                inner_cone_deg: Some(40.0),
+                intensity: 20.0,
+                color,
+                radius: 0.25,
+            },
+        ),
+        ("sun", Light::Directional { direction: [0.4, -0.8, -1.0], intensity: 4.0, color, radius_deg: 1.0 }),
+    ];
+    for (name, light) in lights {
+        let exposure = Exposure { size: [SIZE; 2], samples: 512, seed: 5 };
+        let truth =
+            |light: Light| render(&scene, &surfaces, &camera, &[light], exposure, Only::Direct, || ()).pixels;
+        let (soft, sharp) = (truth(light.clone()), truth(point(&light)));
+        let (_, stops) = mean_and_stops(&soft);
+        let most = Vec3::splat(0.7 * (-stops).exp2());
+        renderer.set_lights(vec![light]).unwrap();
+        let ours = picture(&mut renderer, [SIZE; 2], stops);
+        // Where the light's size is seen.
+        let penumbra: Vec<usize> = (0..soft.len())
+            .filter(|at| {
+                (soft[*at] - sharp[*at]).length() > SEEN * sharp[*at].length().max(soft[*at].length())
+            })
+            .collect();
+        let rms = |picture: &[Vec3]| {
+            let off = |at: &usize| (picture[*at].min(most) - soft[*at].min(most)).length_squared();
+            (penumbra.iter().map(off).sum::<f32>() / penumbra.len() as f32).sqrt()
+        };
+        let share = rms(&ours) / rms(&sharp);
+        println!("{name}: {} pixels of penumbra, off by {share:.3} of what a point is", penumbra.len());
+        assert!(penumbra.len() > soft.len() / 50, "{name}: too little to compare");
+        assert!(share < MOST, "{name}: off by {share} of what a point is");
+    }
+    renderer.gpu().check().unwrap();
+}

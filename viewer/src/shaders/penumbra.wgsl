@@ -1,0 +1,105 @@
+// Penumbrae of lights with a size: percentage-closer soft shadows (Fernando 2005). What hides a light is looked for around
+// a place of its map; how far away it is says how wide the penumbra is.
+
+// Texels that are looked at for what hides a light, and for how much of it that does.
+const SEARCHED = 32u;
+const FILTERED = 40u;
+// Farthest of them from the place, as a share of the map's width.
+const REACH = 0.0625;
+// Narrower penumbrae are no wider than the filter of a point's shadow.
+const NARROW = 1.5;
+
+// A place of a shadow map, and the surface there.
+struct MapPlace {
+    // Texels, depth.
+    at: vec3f,
+    // Change of the surface's depth, per texel.
+    slope: vec2f,
+    // What is nearer to the light than the surface by less is the surface.
+    bias: f32,
+    // How far off the surface may be, per texel.
+    loose: f32,
+    // Change of depth per texel along the rim of the cone from the place to the light.
+    rim: f32,
+    layer: u32,
+    // Whether the map is that of a cascade.
+    near: bool,
+}
+
+// The i-th of `count` places on a spiral over the unit disc; `power` 0.5 fills it evenly.
+fn on_disc(i: u32, count: u32, power: f32) -> vec2f {
+    let angle = 2.39996323 * f32(i);
+    return pow((f32(i) + 0.5) / f32(count), power) * vec2f(cos(angle), sin(angle));
+}
+
+// The least depth, beside the place, of what is in front of the surface under all of the four texels that a tap reads.
+fn in_front(map: MapPlace, off: vec2f) -> f32 {
+    let surface = dot(map.slope, off) + dot(abs(map.slope), vec2f(1.0));
+    return map.at.z + surface + map.bias + map.loose * (1.0 + length(off));
+}
+
+// The cosine of a light's middle above a surface, or for a light that the surface's horizon cuts, what the part above it
+// gives.
+fn above_horizon(light: Light, position: vec3f, cosine: f32) -> f32 {
+    var sine = light.size;
+    if light.kind != DIRECTIONAL {
+        sine = min(sine / length(light.position - position), 1.0);
+    }
+    if abs(cosine) < sine {
+        return (cosine + sine) * (cosine + sine) / (4.0 * sine);
+    }
+    return max(cosine, 0.0);
+}
+
+// 1 on the map, 0 beside it, where nothing is known.
+fn on_map_share(uv: vec2f) -> f32 {
+    return select(0.0, 1.0, all(uv == saturate(uv)));
+}
+
+// Share of a light with a size that is seen from a place; -1 where its shadows are as sharp as a point's.
+fn penumbra(map: MapPlace) -> f32 {
+    var size = vec2f(textureDimensions(shadow_maps));
+    if map.near {
+        size = vec2f(textureDimensions(near_maps));
+    }
+    let reach = REACH * size.x;
+    // The harmonic mean of the widths that each would make: what is near the surface hides most of the light, however much
+    // of the map what is far away fills.
+    var sum = vec2f(0.0);
+    for (var i = 0u; i < SEARCHED; i++) {
+        // More of them near the place, or narrow penumbrae were not found.
+        let off = on_disc(i, SEARCHED, 1.5) * reach;
+        let uv = (map.at.xy + off) / size;
+        var found: vec4f;
+        if map.near {
+            found = textureGather(near_maps, depth_sampler, uv, map.layer);
+        } else {
+            found = textureGather(shadow_maps, depth_sampler, uv, map.layer);
+        }
+        // In front, and within the cone to the light.
+        let least = max(in_front(map, off), map.at.z + map.rim * length(off));
+        let hiding = step(vec4f(least), found) * on_map_share(uv);
+        let narrow = map.rim / max(found - map.at.z, vec4f(1e-12));
+        sum += vec2f(dot(hiding, vec4f(1.0)), dot(hiding, narrow));
+    }
+    if sum.x < 0.5 {
+        return -1.0;
+    }
+    let wide = min(sum.x / sum.y, reach);
+    if wide < NARROW {
+        return -1.0;
+    }
+    var seen = vec2f(0.0);
+    for (var i = 0u; i < FILTERED; i++) {
+        let off = on_disc(i, FILTERED, 0.5) * wide;
+        let uv = (map.at.xy + off) / size;
+        var share = 0.0;
+        if map.near {
+            share = textureSampleCompareLevel(near_maps, shadow_sampler, uv, map.layer, in_front(map, off));
+        } else {
+            share = textureSampleCompareLevel(shadow_maps, shadow_sampler, uv, map.layer, in_front(map, off));
+        }
+        seen += vec2f(share, 1.0) * on_map_share(uv);
+    }
+    return seen.x / max(seen.y, 1.0);
+}
