@@ -178,7 +178,9 @@ mod tests {
         });
         let found = map(&b, &a);
         let greatest = found.iter().fold(0f32, |most, v| most.max(*v));
-        for (found, published) in [(greatest, 0.8359), (found[5 * 48 + 7], 0.24955), (found[20 * 48 + 40], 0.71266)] {
+        for (found, published) in
+            [(greatest, 0.8359), (found[5 * 48 + 7], 0.24955), (found[20 * 48 + 40], 0.71266)]
+        {
             assert!((found - published).abs() < 1e-3, "{found}, published {published}");
         }
         assert!((flip(&b, &a) - 0.532_637).abs() < 5e-4, "{}", flip(&b, &a));

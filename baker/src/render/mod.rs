@@ -86,17 +86,23 @@ impl Relit {
         Self { lights, irradiance, basis, reach }
     }
 
-    /// RGB irradiance of the bounced light where a ray hit. Zero where no function of any level covers it.
-    pub fn indirect(&self, surfaces: &impl Surfaces, hit: &Hit, stream: &mut Stream) -> Vec3 {
+    /// What the points' light interpolates to on a surface element, RGB, local space: without detail, the irradiance of
+    /// the bounced light. Zero where no function of any level covers it.
+    pub fn interpolated(&self, position: Vec3, normal: Vec3) -> Vec3 {
         let mut weights = Vec::with_capacity(64);
-        self.basis.interpolate(hit.position, hit.normal, &mut weights);
+        self.basis.interpolate(position, normal, &mut weights);
         let sum: Vec3 =
             weights.iter().map(|(index, weight)| self.irradiance[*index as usize] * *weight).sum();
+        sum.max(Vec3::ZERO)
+    }
+
+    /// RGB irradiance of the bounced light where a ray hit.
+    pub fn indirect(&self, surfaces: &impl Surfaces, hit: &Hit, stream: &mut Stream) -> Vec3 {
         let open = |reach| {
             let normals = [hit.normal, hit.geometric_normal];
             received(open_share(surfaces, hit.position, normals, reach, OPENNESS_SIDE, stream))
         };
-        sum.max(Vec3::ZERO) * self.reach.map_or(1.0, open)
+        self.interpolated(hit.position, hit.normal) * self.reach.map_or(1.0, open)
     }
 
     /// The linear RGB radiance that comes along `ray`.
