@@ -13,6 +13,8 @@ use std::f32::consts::TAU;
 const SIDE: u32 = 4;
 /// Rounds of a point by which some ray has met something.
 const ROUNDS: u32 = 4;
+/// Points after which it is asked whether to go on: a few milliseconds.
+const ASKED: usize = 256;
 /// Seed of the rays, apart from all others.
 const SEED: u64 = 0x6f70_656e;
 
@@ -28,7 +30,9 @@ pub fn openness<S: Surfaces + ?Sized>(
 ) -> Result<(), Stopped> {
     let reach = REACH * points.levels.last().map_or(0.0, |level| level.support_radius);
     let found = points.points.par_iter().enumerate().map(|(i, point)| {
-        watch.step(0)?;
+        if i % ASKED == 0 {
+            watch.step(0)?;
+        }
         let normals = [point.normal, point.geometric_normal];
         let round = |round: u32| {
             let mut stream = Stream::new(SEED + round as u64, i as u64);
