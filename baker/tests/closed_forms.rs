@@ -138,7 +138,7 @@ fn two_parallel_squares_exchange_their_form_factor() {
 
 /// Share of a disc of radius 1 that lies beyond a straight edge at `s`.
 fn beyond(s: f32) -> f32 {
-    let s = s.max(-1.0).min(1.0);
+    let s = s.clamp(-1.0, 1.0);
     (s.acos() - s * (1.0 - s * s).sqrt()) / PI
 }
 

@@ -159,7 +159,7 @@ impl Light {
         let unit = |d: &[f64; 3]| DVec3::from(*d).try_normalize().unwrap_or(DVec3::NEG_Y).as_vec3();
         let rgb = |color: &[f64; 3], intensity: f64| (DVec3::from(*color) * intensity).as_vec3();
         let size = match self {
-            Light::Directional { radius_deg, .. } => radius_deg.max(0.0).min(WIDEST_DEG).to_radians().tan(),
+            Light::Directional { radius_deg, .. } => radius_deg.clamp(0.0, WIDEST_DEG).to_radians().tan(),
             _ => self.size().max(0.0),
         } as f32;
         match self {

@@ -5,10 +5,13 @@ use crate::gpu::Gpu;
 use crate::oneshot::{self, Receiver, Sender};
 use crate::scope::Scope;
 
+/// The bytes of a buffer, or why there are none.
+pub type Read = Result<Vec<u8>, String>;
+
 /// A copy that is under way.
 pub struct Readback {
     own: Scope,
-    bytes: Receiver<Result<Vec<u8>, String>>,
+    bytes: Receiver<Read>,
     row_bytes: usize,
     padded_row_bytes: usize,
 }
@@ -76,14 +79,14 @@ impl Readback {
 }
 
 /// The bytes of a buffer that can be mapped, or why there are none; it can be used again when they are there.
-pub fn bytes(buffer: &wgpu::Buffer) -> Receiver<Result<Vec<u8>, String>> {
+pub fn bytes(buffer: &wgpu::Buffer) -> Receiver<Read> {
     let (sender, bytes) = oneshot::channel();
     send(buffer.clone(), sender);
     bytes
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-fn send(buffer: wgpu::Buffer, sender: Sender<Result<Vec<u8>, String>>) {
+fn send(buffer: wgpu::Buffer, sender: Sender<Read>) {
     let held = buffer.clone();
     buffer.slice(..).map_async(wgpu::MapMode::Read, move |mapped| {
         let bytes = mapped.map_err(|e| e.to_string()).and_then(|()| {
@@ -97,7 +100,7 @@ fn send(buffer: wgpu::Buffer, sender: Sender<Result<Vec<u8>, String>>) {
 }
 
 #[cfg(target_arch = "wasm32")]
-fn send(buffer: wgpu::Buffer, sender: Sender<Result<Vec<u8>, String>>) {
+fn send(buffer: wgpu::Buffer, sender: Sender<Read>) {
     wasm_bindgen_futures::spawn_local(async move {
         let bytes = crate::browser::bytes(buffer).await;
         sender.send(bytes.map_err(|error| js_sys::Object::from(error).to_string().into()));

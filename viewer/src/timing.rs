@@ -3,7 +3,7 @@
 use crate::display::Way;
 use crate::gpu::Gpu;
 use crate::oneshot::Receiver;
-use crate::readback;
+use crate::readback::{self, Read};
 use crate::scope::Scope;
 use wgpu::BufferUsages;
 
@@ -82,7 +82,7 @@ pub struct Timing {
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: wgpu::Buffer,
-    pending: Option<(Receiver<Result<Vec<u8>, String>>, [bool; PASSES], Option<Way>)>,
+    pending: Option<(Receiver<Read>, [bool; PASSES], Option<Way>)>,
     displayed: Option<(Way, f64)>,
     used: [bool; PASSES],
     last: Milliseconds,
