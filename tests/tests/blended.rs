@@ -7,7 +7,7 @@ use common::{mean_and_stops, picture};
 use glam::{Vec2, Vec3};
 use rebounce::bake::bake;
 use rebounce::picture::{Only, expose::Exposure};
-use rebounce::render::render;
+use rebounce::render::{Content, render};
 use rebounce::scene;
 use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::Camera;
@@ -102,8 +102,12 @@ fn compare(glass: bool) {
     // One is enough to tell whether colours are right.
     for (name, camera) in views.into_iter().take(if glass { 1 } else { 2 }) {
         let exposure = Exposure { size: [WIDTH, HEIGHT], samples: 1024, seed: 3 };
-        let truth =
-            |only| render(&scene, &surfaces, &camera, &scene.meta.lights, exposure, only, || ()).pixels;
+        // Blended surfaces have no detail in the viewer.
+        let truth = |only| {
+            let content = Content { only, detail: false };
+            render(&scene, &surfaces, &camera, &scene.meta.lights, exposure, content, || ()).pixels
+        };
+        renderer.set_detail(false);
         renderer.set_camera(camera.clone()).unwrap();
         let read = renderer.read_indirect(WIDTH, HEIGHT).unwrap();
         let bytes = pollster::block_on(read.wait()).unwrap();

@@ -7,7 +7,7 @@ mod common;
 use rebounce::picture::Only;
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::png::display_bytes;
-use rebounce::render::{render, shown::Shown};
+use rebounce::render::{Content, render, shown::Shown};
 use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::Scene;
@@ -31,7 +31,9 @@ fn on_cpu(scene: &Scene) -> Vec<u8> {
     let surfaces = TriangleSurfaces::from_baked(scene).unwrap();
     let exposure = Exposure { size: SIZE, samples: 64, seed: 1 };
     let (camera, lights) = (&scene.meta.cameras[0], &scene.meta.lights);
-    let radiance = render(scene, &surfaces, camera, lights, exposure, Only::All, || ());
+    // Detail, which is had in two ways, has a test of its own (openness.rs).
+    let content = Content { only: Only::All, detail: false };
+    let radiance = render(scene, &surfaces, camera, lights, exposure, content, || ());
     let sources: Vec<_> = lights.iter().map(|light| light.source(scene.meta.origin)).collect();
     let frame = camera.frame(scene.meta.origin);
     let ground = scene.meta.shown.ground();
@@ -49,6 +51,7 @@ fn on_cpu(scene: &Scene) -> Vec<u8> {
 fn in_viewer(scene: &Scene) -> Option<Vec<u8>> {
     let mut renderer = common::renderer(scene)?;
     renderer.set_auto_exposure(true);
+    renderer.set_detail(false);
     renderer.set_tone_mapping(ToneMapping::default());
     let read = renderer.read_pixels(SIZE[0], SIZE[1]).unwrap();
     let pixels = pollster::block_on(read.wait()).unwrap();

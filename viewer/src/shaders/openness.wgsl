@@ -1,11 +1,16 @@
 // Openness: the cosine-weighted share of the hemisphere over a place that near surfaces leave free, from the horizons in
-// the depth buffer (ground-truth ambient occlusion, Jimenez et al. 2016). shared/src/openness/horizon.rs does the same.
+// the depth buffer (after Jimenez et al. 2016, ground-truth ambient occlusion). shared/src/openness/horizon.rs is its twin.
 
 const SLICES = 3u;
 const STEPS = 3u;
 const NEAR_ALBEDO = 0.8;
 const LEAST_OPEN = 0.3;
 const HALF_PI = 1.57079633;
+
+// Integral of the cosine in a slice, from the eye's direction to this angle.
+fn openness_part(tilt: f32, angle: f32) -> f32 {
+    return 0.25 * (cos(tilt) + 2.0 * angle * sin(tilt) - cos(2.0 * angle - tilt));
+}
 
 fn openness(pixel: vec2u, place: Place) -> f32 {
     let reach = frame.open_reach;
@@ -21,12 +26,13 @@ fn openness(pixel: vec2u, place: Place) -> f32 {
         let projected = place.normal - axis * dot(place.normal, axis);
         let tilt = atan2(dot(projected, cross(to_eye, axis)), dot(projected, to_eye));
         for (var side = -1.0; side < 2.0; side += 2.0) {
-            // The horizon of the surface itself.
-            let own = cos(tilt + side * HALF_PI);
-            var highest = own;
+            // The horizon of the surface itself, and what lies between it and the eye.
+            var highest = cos(tilt + side * HALF_PI);
+            var free = openness_part(tilt, side * acos(clamp(highest, -1.0, 1.0)));
+            var before = 0.0;
+            sum += length(projected) * free;
             for (var k = 1u; k <= STEPS; k++) {
-                let share = f32(k) / f32(STEPS);
-                let at = floor(vec2f(pixel) + 0.5 + way * (side * across * share));
+                let at = floor(vec2f(pixel) + 0.5 + way * (side * across * f32(k) / f32(STEPS)));
                 if any(at < vec2f(0.0)) || any(at >= size) {
                     continue;
                 }
@@ -37,11 +43,16 @@ fn openness(pixel: vec2u, place: Place) -> f32 {
                 let offset = position_at(frame, at + 0.5, depth) - place.position;
                 let distance = max(length(offset), 1e-6 * reach);
                 let height = dot(offset, to_eye) / distance;
-                let open = min(distance / reach, 1.0);
-                highest = max(highest, mix(height, own, open * open));
+                if height > highest {
+                    highest = height;
+                    let left = openness_part(tilt, side * acos(min(height, 1.0)));
+                    // What rises here is met between the place before and this one.
+                    let open = min(0.5 * (before + distance) / reach, 1.0);
+                    sum -= length(projected) * (free - left) * (1.0 - open * open);
+                    free = left;
+                }
+                before = distance;
             }
-            let horizon = side * acos(clamp(highest, -1.0, 1.0));
-            sum += length(projected) * 0.25 * (cos(tilt) + 2.0 * horizon * sin(tilt) - cos(2.0 * horizon - tilt));
         }
     }
     return sum / f32(SLICES);
