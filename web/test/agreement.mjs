@@ -29,14 +29,14 @@ export async function serve(rebounce, file, more = []) {
  * Sets a shot in a page whose scene is loaded, reads the indirect light back, has the CPU render the
  * same, and compares. `tools`: the programs rebounce and compare, the baked file, a folder to work in.
  * `finer`: how many times as many pixels a side the browser draws for each pixel compared, since the
- * CPU takes so many `samples` a pixel. Gives the difference and the file of the browser's picture.
+ * CPU takes so many `samples` a pixel. `detail`: whether both have it. Gives the difference and the file of the browser's picture.
  */
-export async function agreement(page, tools, name, shot, size, finer, samples = 256) {
+export async function agreement(page, tools, name, shot, size, finer, samples = 256, detail = true) {
   const stem = path.join(tools.work, name.replaceAll(/\W+/g, "-"));
   await writeFile(`${stem}.json`, JSON.stringify({ ...shot, size }));
-  const cpu = ["render", tools.baked, "--shot", `${stem}.json`, "-o", `${stem}.exr`];
+  const cpu = ["render", tools.baked, "--shot", `${stem}.json`, "-o", `${stem}.exr`, ...(detail ? [] : ["--no-detail"])];
   await exec(tools.rebounce, [...cpu, "--only", "indirect", "--spp", String(samples)]);
-  const base64 = await within("readIndirect", page.evaluate(readIndirect, { shot, size, finer }));
+  const base64 = await within("readIndirect", page.evaluate(readIndirect, { shot, size, finer, detail }));
   const file = `${stem}-${size.join("x")}.f32`;
   await writeFile(file, Buffer.from(base64, "base64"));
   return { file, difference: await difference(tools, file, `${stem}.exr`) };
@@ -54,9 +54,10 @@ export async function readShot(file) {
 }
 
 /** In the page: the indirect light of a shot, each pixel the mean of finer x finer ones; floats as base64. */
-async function readIndirect({ shot, size: [width, height], finer }) {
+async function readIndirect({ shot, size: [width, height], finer, detail }) {
   const viewer = document.querySelector("rebounce-viewer");
   viewer.shot = shot;
+  viewer.detail = detail;
   // The events tell of it with the next frame.
   await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
   const fine = await viewer.readIndirect(width * finer, height * finer);

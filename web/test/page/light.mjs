@@ -11,6 +11,8 @@ const SIZE = [256, 144];
 const FINER = 4;
 /** The most that the browser's indirect light may differ from the CPU's, relative RMS; and that of lookup from that of splats. */
 const TOLERANCE = 0.01;
+/** The same with detail, which the browser has from its depth buffer and the CPU by rays. */
+const DETAILED = 0.02;
 
 const CAMERA = { position: [0.4, 2.9, 3.2], target: [-0.2, 2.3, -3], up: [0, 1, 0], yfov_deg: 65 };
 const SPOT = {
@@ -36,13 +38,25 @@ export async function light(harness, context) {
   for (const [name, shot] of Object.entries(SHOTS)) {
     await harness.test(`page::indirect_light_is_that_of_the_cpu: ${name}`, async () => {
       equal((await outcome(page)).type, "load", "the event");
-      const { file, difference } = await agreement(page, context, name, shot, SIZE, FINER);
+      const { file, difference } = await agreement(page, context, name, shot, SIZE, FINER, 256, false);
       console.log(`    ${name}: ${JSON.stringify(difference)}`);
       files.push(file);
       const rms = difference.error;
       check(rms <= TOLERANCE, `relative RMS difference ${rms}, at most ${TOLERANCE} is allowed`);
     });
   }
+  await harness.test(
+    "page::detail_is_that_of_the_cpu_and_can_be_left_out",
+    async () => {
+      const [[name, shot]] = Object.entries(SHOTS);
+      const { file, difference: found } = await agreement(page, context, `${name}, detailed`, shot, SIZE, FINER);
+      console.log(`    ${name}, with detail: ${JSON.stringify(found)}`);
+      check(found.error <= DETAILED, `relative RMS difference ${found.error}, at most ${DETAILED} is allowed`);
+      const { error: changed } = await difference(context, file, files[0]);
+      check(changed > 0.001, `the picture without it differs by ${changed} only`);
+    },
+    "attribute detail",
+  );
   await harness.test("page::moving_the_light_changes_the_picture", async () => {
     equal(files.length, 2, "pictures");
     const { error: rms } = await difference(context, files[0], files[1]);
