@@ -9,11 +9,13 @@ export class Harness {
 
   /** Runs one test and says how it went. Never throws. `covers`: what of the element it looks at, one a line. */
   async test(name, work, covers = "") {
+    const began = performance.now();
     try {
       await work();
       this.passed += 1;
       for (const what of covers.split(/[,\n]/)) this.covered.add(what.trim());
-      console.log(`test ${name} ... ok`);
+      const seconds = Math.round((performance.now() - began) / 1000);
+      console.log(`test ${name} ... ok${seconds < 5 ? "" : ` (${seconds} s)`}`);
     } catch (error) {
       this.failed += 1;
       console.log(`test ${name} ... FAILED\n${indent(error?.stack ?? String(error))}`);
