@@ -150,6 +150,7 @@ impl DisplayPass {
             Slot::Write,
             Slot::Write,
             Slot::Write,
+            Slot::Read,
         ];
         let find_layout = layout(gpu, "find", ShaderStages::COMPUTE, &find);
         Self { lookup: LookupPass::new(gpu, &find_layout), splat: OnceCell::new(), find_layout }
@@ -192,6 +193,7 @@ impl DisplayPass {
                 slots.by_pixel.as_entire_binding(),
                 slots.counts.as_entire_binding(),
                 slots.open.as_entire_binding(),
+                upload.gains.as_entire_binding(),
             ];
             group(scope, "find", &self.find_layout, &resources)
         };

@@ -13,6 +13,8 @@ override ROWS = true;
 
 // By slot, what part of the points' light a place receives: see openness.wgsl.
 @group(0) @binding(10) var<storage, read_write> open: array<f32>;
+// As in gather.wgsl.
+@group(0) @binding(11) var<storage, read> gains: array<f32>;
 
 // Neighbours on one surface: their plane distance over the reach, and their normals' cosine.
 const FLATNESS = 0.1;
@@ -38,8 +40,9 @@ fn replace_smallest(slot: u32, entry: u32) {
     }
 }
 
-// Writes the row of a place: the functions of the finest level that covers it.
-fn write_row(slot: u32, place: Place) {
+// Writes the row of a place: the functions of the finest level that covers it. Whether something is near one of them.
+fn write_row(slot: u32, place: Place) -> bool {
+    var most = 1.0;
     var count = 0u;
     var looks = 0u;
     var kernels = 0u;
@@ -57,6 +60,7 @@ fn write_row(slot: u32, place: Place) {
                     continue;
                 }
                 total += w;
+                most = max(most, gains[min(j, arrayLength(&gains) - 1u)]);
                 let entry = slots_entry(j, w);
                 if count < slot_layout.row_length {
                     rows[count * slot_layout.capacity + slot] = entry;
@@ -76,6 +80,19 @@ fn write_row(slot: u32, place: Place) {
     }
     atomicAdd(&looked_at, looks);
     atomicAdd(&evaluated, kernels);
+    return most > 1.0;
+}
+
+// Fills a slot. Where nothing is near any of the functions, nothing is near the place.
+fn fill(slot: u32, pixel: vec2u, place: Place) {
+    var near = true;
+    if ROWS {
+        near = write_row(slot, place);
+    }
+    open[slot] = 1.0;
+    if near {
+        open[slot] = received(pixel, place);
+    }
 }
 
 fn add_counts(thread: u32) {
@@ -93,10 +110,7 @@ fn blocks(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_in
     if all(id.xy < size) {
         let slot = id.y * size.x + id.x;
         let place = place_at(2u * id.xy);
-        open[slot] = received(2u * id.xy, place);
-        if ROWS {
-            write_row(slot, place);
-        }
+        fill(slot, 2u * id.xy, place);
     }
     add_counts(thread);
 }
@@ -130,10 +144,7 @@ fn edges(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_ind
                     if slot >= slot_layout.capacity {
                         slot = 0u;
                     } else {
-                        open[slot] = received(id.xy, place);
-                        if ROWS {
-                            write_row(slot, place);
-                        }
+                        fill(slot, id.xy, place);
                     }
                 }
             }
