@@ -8,7 +8,7 @@ import { open, outcome } from "./open.mjs";
 /** Pictures are compared at this size; the browser's is averaged from FINER times as many pixels a
  * side, since the CPU takes 64 samples a pixel. */
 const SIZE = [256, 144];
-const FINER = 4;
+const FINER = 2;
 /** The most that the browser's indirect light may differ from the CPU's, relative RMS; and that of lookup from that of splats. */
 const TOLERANCE = 0.01;
 /** The same with detail, which the browser has from its depth buffer and the CPU by rays. */
@@ -73,7 +73,7 @@ export async function light(harness, context) {
         const told = [];
         for (const way of ["lookup", "splat", "auto"]) {
           viewer.setAttribute("display", way);
-          pictures.push(await viewer.readIndirect(320, 180));
+          pictures.push(await viewer.readIndirect(160, 90));
           told.push(viewer.stats().display);
         }
         viewer.removeAttribute("display");
