@@ -97,12 +97,6 @@ fn traced(scene: &Scene, only: Only) -> Vec<Vec3> {
     path_trace(&surfaces, scene.origin, camera, lights, exposure(16), settings, || ()).pixels
 }
 
-/// Root mean square of the difference over the root mean square.
-fn difference(a: &[Vec3], b: &[Vec3]) -> f32 {
-    let squares = |of: &dyn Fn(usize) -> Vec3| (0..a.len()).map(|i| of(i).length_squared()).sum::<f32>();
-    (squares(&|i| a[i] - b[i]) / squares(&|i| b[i])).sqrt()
-}
-
 /// Pixels that differ from the median of those around them by more than this share of it and of the mean together, of which
 /// steps of 8 bits are less, where those of the `truth` do not.
 fn speckles(picture: &[Vec3], truth: &[Vec3], share: f32) -> usize {
@@ -146,7 +140,7 @@ fn so_the_viewer_shows_it() {
     let (_, stops) = mean_and_stops(&truth);
     let Some(mut renderer) = common::renderer(&files[0]) else { return };
     let shown = picture(&mut renderer, [SIZE; 2], stops);
-    let error = difference(&shown, &truth);
+    let error = common::difference(&shown, &truth).0;
     println!("viewer and CPU: {error}");
     assert!(error < 0.04, "{error}");
     let Some(mut open) = common::renderer(&files[1]) else { return };
@@ -154,7 +148,7 @@ fn so_the_viewer_shows_it() {
         renderer.set_mode(Mode::Direct);
         picture(renderer, [SIZE; 2], stops)
     });
-    let error = difference(&direct[0], &direct[1]);
+    let error = common::difference(&direct[0], &direct[1]).0;
     println!("closed and opened, direct: {error}");
     assert!(error < 0.01, "{error}");
     let lit = |pixel: &Vec3| pixel.max_element() > 0.0;
@@ -169,12 +163,12 @@ fn two_faces_back_to_back_are_as_one_with_both_sides() {
     let [pairs, plain] = [0, 1].map(|i| rendered(&files[i], Only::Direct));
     assert_eq!(pairs, plain, "direct light");
     let [pairs, plain] = [0, 1].map(|i| rendered(&files[i], Only::Indirect));
-    let (error, count) = (difference(&pairs, &plain), speckles(&pairs, &plain, 0.1));
+    let (error, count) = (common::difference(&pairs, &plain).0, speckles(&pairs, &plain, 0.1));
     let bias = pairs.iter().sum::<Vec3>().x / plain.iter().sum::<Vec3>().x - 1.0;
     println!("bounced light: {error}, bias {bias}, {count} speckles");
     assert!(error < 0.05 && bias.abs() < 0.01 && count == 0, "{error}, {bias}, {count}");
     let [pairs, plain] = [true, false].map(|pairs| traced(&boards(pairs), Only::All));
-    let error = difference(&pairs, &plain);
+    let error = common::difference(&pairs, &plain).0;
     println!("path traced: {error}");
     let bias = pairs.iter().sum::<Vec3>().x / plain.iter().sum::<Vec3>().x - 1.0;
     assert!(bias.abs() < 0.01, "{bias}");
@@ -184,7 +178,7 @@ fn two_faces_back_to_back_are_as_one_with_both_sides() {
     let shown = picture(&mut renderer, [SIZE; 2], stops);
     let Some(mut renderer) = common::renderer(&files[1]) else { return };
     let plain = picture(&mut renderer, [SIZE; 2], stops);
-    let (error, count) = (difference(&shown, &plain), speckles(&shown, &plain, 0.1));
+    let (error, count) = (common::difference(&shown, &plain).0, speckles(&shown, &plain, 0.1));
     println!("viewer: {error}, {count} speckles");
     assert!(error < 0.03 && count == 0, "{error}, {count}");
     renderer.gpu().check().unwrap();
@@ -200,7 +194,7 @@ fn so_they_are_in_given_scenes() {
     let files = ["two_opposite.glb", "two_plain.glb"].map(|name| baked(&load(name)));
     for only in [Only::Direct, Only::Indirect] {
         let [opposite, plain] = [0, 1].map(|i| rendered(&files[i], only));
-        let (error, count) = (difference(&opposite, &plain), speckles(&opposite, &plain, 0.1));
+        let (error, count) = (common::difference(&opposite, &plain).0, speckles(&opposite, &plain, 0.1));
         println!("{only:?}: {error}, {count} speckles");
         assert!(error < 0.05 && count == 0, "{only:?}: {error}, {count}");
     }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{mean_and_stops, picture};
+use common::{difference, indirect, mean_and_stops, picture};
 use glam::{Vec2, Vec3};
 use rebounce::bake::bake;
 use rebounce::picture::{Only, expose::Exposure};
@@ -71,15 +71,6 @@ fn is_even(truth: &[Vec3], at: usize, most: f32) -> bool {
     })
 }
 
-/// Root of the mean square of the difference, relative to the CPU's picture, and the bias.
-fn difference(ours: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
-    let sum = |f: &dyn Fn(Vec3, Vec3) -> f32| -> f32 { ours.iter().zip(truth).map(|(a, b)| f(*a, *b)).sum() };
-    let power = sum(&|_, b| b.length_squared());
-    assert!(power > 0.0 && ours.len() == truth.len(), "nothing to compare");
-    let error = (sum(&|a, b| (a - b).length_squared()) / power).sqrt();
-    (error, sum(&|a, _| a.element_sum()) / sum(&|_, b| b.element_sum()) - 1.0)
-}
-
 #[test]
 fn the_viewers_picture_of_panes_is_the_mean_of_the_cpus() {
     compare(false);
@@ -109,12 +100,7 @@ fn compare(glass: bool) {
         };
         renderer.set_detail(false);
         renderer.set_camera(camera.clone()).unwrap();
-        let read = renderer.read_indirect(WIDTH, HEIGHT).unwrap();
-        let bytes = pollster::block_on(read.wait()).unwrap();
-        let ours: Vec<Vec3> = bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes)
-            .iter()
-            .map(|p| Vec3::from_slice(p))
-            .collect();
+        let ours = indirect(&mut renderer, [WIDTH, HEIGHT]);
         let (error, bias) = difference(&ours, &truth(Only::Indirect));
         println!("{name}, bounced light: {error:.4}, bias {bias:+.4}");
         assert!(error < 0.03 && bias.abs() < 0.01, "{name}, bounced light: {error}, bias {bias}");

@@ -21,7 +21,6 @@ use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::bulk::Vertex;
 use rebounce_shared::rbn::meta::Alpha;
 use rebounce_tests::small::settings;
-use rebounce_viewer::renderer::Renderer;
 
 const SIZE: [u32; 2] = [96, 64];
 
@@ -67,13 +66,6 @@ fn different(a: &[Vec3], b: &[Vec3]) -> (f32, f32) {
     (share, mean(a) / mean(b) - 1.0)
 }
 
-/// The bounced light in a picture.
-fn indirect(renderer: &mut Renderer) -> Vec<Vec3> {
-    let read = renderer.read_indirect(SIZE[0], SIZE[1]).unwrap();
-    let bytes = pollster::block_on(read.wait()).unwrap();
-    bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes).iter().map(|p| Vec3::from_slice(p)).collect()
-}
-
 #[test]
 fn a_picture_of_copies_is_one_of_things_of_their_own() {
     for alpha in [Alpha::Opaque, Alpha::Blend] {
@@ -101,7 +93,7 @@ fn a_picture_of_copies_is_one_of_things_of_their_own() {
         };
         let mut taken = [&mut copies, &mut others].map(|renderer| {
             renderer.set_camera(camera.clone()).unwrap();
-            let bounced = indirect(renderer);
+            let bounced = common::indirect(renderer, SIZE);
             let (_, stops) = mean_and_stops(&bounced);
             (picture(renderer, SIZE, stops), bounced)
         });

@@ -2,7 +2,6 @@
 //! them open, through which nothing behind the wall is seen in the viewer.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[allow(dead_code, reason = "other tests use more")]
 mod common;
 #[path = "common/panel.rs"]
 mod panel;

@@ -2,7 +2,6 @@
 //! them, in the sun as under lamps.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[allow(dead_code, reason = "other tests use more")]
 mod common;
 
 use glam::Vec3;

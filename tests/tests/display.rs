@@ -1,7 +1,6 @@
 //! Functions that are looked up and functions that are splatted make the same picture.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[allow(dead_code, reason = "other tests use more")]
 mod common;
 
 use rebounce_shared::rbn::Scene;

@@ -1,7 +1,6 @@
 //! The automatic exposure brings no light into a room that has next to none, beside one that is lit.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[allow(dead_code, reason = "no radiance is compared")]
 mod common;
 
 use rebounce::light::{direct, level::level};

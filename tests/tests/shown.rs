@@ -1,7 +1,6 @@
 //! What `rebounce render` writes as a PNG is what the page shows: exposure, tone mapping, emission, backdrop.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[allow(dead_code, reason = "no radiance is compared")]
 mod common;
 
 use rebounce::picture::Only;

@@ -1,5 +1,6 @@
 //! The viewer beside the CPU: a renderer of a scene, and what its pictures say about radiance.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(dead_code, reason = "each test uses a part of it")]
 
 use glam::Vec3;
 use rebounce_shared::rbn::Scene;
@@ -27,6 +28,21 @@ pub fn renderer(scene: &Scene) -> Option<Renderer> {
 pub fn mean_and_stops(truth: &[Vec3]) -> (f32, f32) {
     let mean = truth.iter().map(|p| p.max_element()).sum::<f32>() / truth.len() as f32;
     (mean, (0.25 / mean).log2())
+}
+
+/// Bounced radiance of the viewer's camera and lights.
+pub fn indirect(renderer: &mut Renderer, [width, height]: [u32; 2]) -> Vec<Vec3> {
+    let bytes = pollster::block_on(renderer.read_indirect(width, height).unwrap().wait()).unwrap();
+    bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes).iter().map(|p| Vec3::from_slice(p)).collect()
+}
+
+/// Root of the mean square of the difference, relative to the CPU's picture, and the bias.
+pub fn difference(ours: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
+    let sum = |f: &dyn Fn(Vec3, Vec3) -> f32| -> f32 { ours.iter().zip(truth).map(|(a, b)| f(*a, *b)).sum() };
+    let power = sum(&|_, b| b.length_squared());
+    assert!(power > 0.0 && ours.len() == truth.len(), "nothing to compare");
+    let error = (sum(&|a, b| (a - b).length_squared()) / power).sqrt();
+    (error, sum(&|a, _| a.element_sum()) / sum(&|_, b| b.element_sum()) - 1.0)
 }
 
 /// The radiance that a picture of so many pixels shows at this exposure.
