@@ -58,10 +58,7 @@ fn on_map_share(uv: vec2f) -> f32 {
 
 // Share of a light with a size that is seen from a place; -1 where its shadows are as sharp as a point's.
 fn penumbra(map: MapPlace) -> f32 {
-    var size = vec2f(textureDimensions(shadow_maps));
-    if map.near {
-        size = vec2f(textureDimensions(near_maps));
-    }
+    let size = vec2f(map_size(map.near));
     let reach = REACH * size.x;
     // The harmonic mean of the widths that each would make: what is near the surface hides most of the light, however much
     // of the map what is far away fills.
@@ -70,12 +67,7 @@ fn penumbra(map: MapPlace) -> f32 {
         // More of them near the place, or narrow penumbrae were not found.
         let off = on_disc(i, SEARCHED, 1.5) * reach;
         let uv = (map.at.xy + off) / size;
-        var found: vec4f;
-        if map.near {
-            found = textureGather(near_maps, depth_sampler, uv, map.layer);
-        } else {
-            found = textureGather(shadow_maps, depth_sampler, uv, map.layer);
-        }
+        let found = map_depths(map.near, uv, map.layer);
         // In front, and within the cone to the light.
         let least = max(in_front(map, off), map.at.z + map.rim * length(off));
         let hiding = step(vec4f(least), found) * on_map_share(uv);

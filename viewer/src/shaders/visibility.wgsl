@@ -85,6 +85,19 @@ fn visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, lif
     return textureSampleCompareLevel(shadow_maps, shadow_sampler, uv, layer, depth);
 }
 
+// Texels across the cascades' maps where `near`, else across those of all views.
+fn map_size(near: bool) -> vec2u {
+    return select(textureDimensions(shadow_maps), textureDimensions(near_maps), near);
+}
+
+// Depths of the four texels around a place of a layer.
+fn map_depths(near: bool, uv: vec2f, layer: u32) -> vec4f {
+    if near {
+        return textureGather(near_maps, depth_sampler, uv, layer);
+    }
+    return textureGather(shadow_maps, depth_sampler, uv, layer);
+}
+
 // A position on a shadow map: texels, depth, distance (1 for a directional light).
 fn on_map(clip_from_local: mat4x4f, size: f32, position: vec3f) -> vec4f {
     let clip = clip_from_local * vec4f(position, 1.0);
@@ -104,7 +117,6 @@ fn on_map(clip_from_local: mat4x4f, size: f32, position: vec3f) -> vec4f {
 fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, solid: bool) -> f32 {
     var layer = shadow_layer(light, position);
     var clip_from_local = shadow_matrices[layer];
-    var size = f32(textureDimensions(shadow_maps).x);
     var near = false;
     if light.kind == DIRECTIONAL {
         let first = u32(light.position.x);
@@ -113,9 +125,9 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
         if near {
             layer = shown - u32(light.position.y);
             clip_from_local = shadow_matrices[shown];
-            size = f32(textureDimensions(near_maps).x);
         }
     }
+    let size = f32(map_size(near).x);
     let place = on_map(clip_from_local, size, position);
     let texel = shadow_texel(light, clip_from_local, size);
     let width = texel * place.w;
@@ -158,12 +170,7 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
         for (var x = 0; x < 2; x++) {
             let corner = first + 2.0 * vec2f(f32(x), f32(y));
             // Texels in the order (0, 1), (1, 1), (1, 0), (0, 0).
-            var found: vec4f;
-            if near {
-                found = textureGather(near_maps, depth_sampler, corner / size, layer);
-            } else {
-                found = textureGather(shadow_maps, depth_sampler, corner / size, layer);
-            }
+            let found = map_depths(near, corner / size, layer);
             let off = corner - 0.5 - place.xy;
             let right = off.x + vec4f(0.0, 1.0, 1.0, 0.0);
             let down = off.y + vec4f(1.0, 1.0, 0.0, 0.0);
