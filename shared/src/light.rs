@@ -19,7 +19,7 @@ pub enum Light {
         /// Linear RGB.
         #[serde(default = "white")]
         color: [f64; 3],
-        /// Of the sphere that shines, scene units; 0: a point.
+        /// Radius of the emitting sphere, scene units; 0: a point.
         #[serde(default, skip_serializing_if = "is_zero")]
         radius: f64,
     },
@@ -39,7 +39,7 @@ pub enum Light {
         /// Linear RGB.
         #[serde(default = "white")]
         color: [f64; 3],
-        /// Of the sphere that shines, scene units; 0: a point.
+        /// Radius of the emitting sphere, scene units; 0: a point.
         #[serde(default, skip_serializing_if = "is_zero")]
         radius: f64,
     },
@@ -52,13 +52,13 @@ pub enum Light {
         /// Linear RGB.
         #[serde(default = "white")]
         color: [f64; 3],
-        /// Half the angle that the disc of the sun spans, degrees (the sun 0.27); 0: a point.
+        /// Angular radius of the disc, degrees (the sun 0.27); 0: a point.
         #[serde(default, skip_serializing_if = "is_zero")]
         radius_deg: f64,
     },
 }
 
-/// The widest disc of a directional light: the angle that its radius spans, degrees.
+/// Largest angular radius of a directional light's disc, degrees.
 pub const WIDEST_DEG: f64 = 30.0;
 
 fn white() -> [f64; 3] {
@@ -98,7 +98,7 @@ pub struct LightSource {
     pub cone_offset: f32,
     /// Cosine of the outer half angle; −1 where there is no cone.
     pub cos_outer: f32,
-    /// Radius of the sphere that shines; of a directional light, the tangent of the angle that its disc's radius spans. 0
+    /// Radius of the emitting sphere; of a directional light, the tangent of its disc's angular radius. 0
     /// for a point.
     pub size: f32,
 }

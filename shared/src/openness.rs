@@ -17,7 +17,7 @@ pub use horizon::{SLICES, STEPS, View, horizon};
 pub const REACH: f32 = 1.0;
 /// Reflectance that surfaces nearby are taken to have.
 pub const NEAR_ALBEDO: f32 = 0.8;
-/// Less openness counts as this much: below, noise and rounding would be enlarged.
+/// Lower bound of openness: below, noise and rounding would be enlarged.
 pub const LEAST: f32 = 0.3;
 /// Values of a stored openness, less one.
 pub const LEVELS: u8 = 31;

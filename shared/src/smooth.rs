@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 const CONTRAST: f32 = 0.03;
 /// Pixels looked at along an edge, at most, on each side.
 const REACH: f32 = 8.0;
-/// How little is made of what differs from all around it: 2 in FXAA, less for moving pictures to flicker less.
+/// Exponent of the blend for features thinner than a pixel: 2 in FXAA, smaller against flicker in motion.
 const THIN: f32 = 1.75;
 
 /// A picture: linear display values in rows from the top.

@@ -19,7 +19,7 @@ pub fn neutral(mut color: Vec3) -> Vec3 {
     color.lerp(Vec3::splat(new_peak), g).max(Vec3::ZERO)
 }
 
-/// Where AgX's logarithm begins, and how far it goes, stops.
+/// Start and extent of AgX's logarithm, stops.
 const AGX_STOPS: [f32; 2] = [-12.473_93, 16.5];
 
 /// AgX (Troy Sobotka), in the form of Benjamin Wrensch: softer, bright colours fade to white.

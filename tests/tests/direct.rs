@@ -12,15 +12,15 @@ use rebounce_tests::small::small;
 use rebounce_viewer::settings::Mode;
 
 const SIZE: [u32; 2] = [256, 144];
-/// Edges of shadows lie this near to where the CPU's are, pixels; around the CPU's, as much is not compared.
+/// Largest distance of a shadow's edge from the CPU's, pixels; pixels as near to the CPU's edges are not compared.
 const NEAR: u32 = 2;
 /// Relative RMS difference of what is compared.
 const RMS: f32 = 0.03;
-/// What changes by more within that distance, relative to the largest there, is an edge.
+/// Relative change within that distance that makes an edge.
 const EDGE: f32 = 0.2;
-/// A pixel lies between the extremes of the other picture's near it, but for this share of the picture's largest value.
+/// Tolerance of a pixel beyond the other picture's range nearby, as a share of the picture's maximum.
 const LOOSE: f32 = 0.1;
-/// All but one in so many pixels.
+/// One pixel in this number may be astray.
 const ONE_IN: usize = 400;
 
 /// Least and greatest of the pixels near one, by component.
@@ -42,7 +42,7 @@ fn is_edge([least, most]: [Vec3; 2]) -> bool {
     (most - least).max_element() > EDGE * most.max_element()
 }
 
-/// How many pixels of `a` are none that `b` has nearby: what lies between two pictures' edges that are too far apart.
+/// Number of pixels of `a` outside the range of `b` nearby: the area between edges too far apart.
 fn astray(a: &[Vec3], b: &[Vec3], loose: f32) -> usize {
     let is_astray = |at: &usize| {
         let [least, most] = range(b, *at);

@@ -22,7 +22,7 @@ const AGREE: [f32; 2] = [0.05, 0.05];
 /// But for one in so many: where a floor meets a wall without thickness, behind which light passes, a texel may lie on
 /// either.
 const ONE_IN: usize = 1500;
-/// What changes by more within that distance, relative to the largest there, is an edge.
+/// Relative change within that distance that makes an edge.
 const EDGE: f32 = 0.2;
 
 /// Whether the picture changes at a pixel or up to `NEAR` of them away.

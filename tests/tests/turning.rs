@@ -1,5 +1,5 @@
 //! Nothing shimmers: while a camera turns slowly, the viewer's pictures change from one to the next about as much as the
-//! CPU's, of which each pixel is the mean of many rays.
+//! CPU's, averaged over many rays a pixel.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;

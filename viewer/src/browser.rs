@@ -1,4 +1,4 @@
-//! The browser's WebGPU objects, called as they are where wgpu's way to the same takes kilobytes of a bundle.
+//! The browser's WebGPU objects, called directly where wgpu's wrapper costs kilobytes of the bundle.
 
 use js_sys::{Promise, Uint8Array};
 use wasm_bindgen::prelude::*;
@@ -15,10 +15,10 @@ extern "C" {
     /// `GPUDevice`.
     #[derive(Clone)]
     pub type Device;
-    /// What it offers beyond the least.
+    /// Optional features of the device.
     #[wasm_bindgen(method, getter)]
     pub fn features(this: &Device) -> js_sys::Set;
-    /// What it can do.
+    /// Limits of the device.
     #[wasm_bindgen(method, getter)]
     pub fn limits(this: &Device) -> Limits;
     /// Opens an error scope.
@@ -27,7 +27,7 @@ extern "C" {
     /// Closes the last one: its first error, or null.
     #[wasm_bindgen(method, js_name = popErrorScope)]
     pub fn pop(this: &Device) -> Promise;
-    /// Told of errors outside of all scopes.
+    /// Handler of errors outside every error scope.
     #[wasm_bindgen(method, setter)]
     pub fn set_onuncapturederror(this: &Device, callback: JsValue);
 
@@ -42,7 +42,7 @@ extern "C" {
 
     /// `GPUUncapturedErrorEvent`.
     pub type Uncaptured;
-    /// What the device refused.
+    /// The refused operation's error.
     #[wasm_bindgen(method, getter)]
     pub fn error(this: &Uncaptured) -> Error;
 
@@ -66,22 +66,22 @@ extern "C" {
     /// Kept when the buffer can be read (mode 1).
     #[wasm_bindgen(method, js_name = mapAsync)]
     pub fn map(this: &Buffer, mode: u32) -> Promise;
-    /// Its bytes, as long as it is mapped.
+    /// The mapped bytes.
     #[wasm_bindgen(method, catch, js_name = getMappedRange)]
     pub fn range(this: &Buffer) -> Result<JsValue, JsValue>;
-    /// Gives it back to the device.
+    /// Unmaps the buffer.
     #[wasm_bindgen(method)]
     pub fn unmap(this: &Buffer);
 
     /// `GPUCanvasContext`.
     pub type Context;
-    /// Says which device draws on the canvas.
+    /// Configures the canvas for a device.
     #[wasm_bindgen(method, catch)]
     pub fn configure(this: &Context, configuration: &JsValue) -> Result<(), JsValue>;
-    /// Takes the pictures from the canvas.
+    /// Removes the configuration.
     #[wasm_bindgen(method)]
     pub fn unconfigure(this: &Context);
-    /// What the next picture is drawn on.
+    /// The current texture of the canvas.
     #[wasm_bindgen(method, catch, js_name = getCurrentTexture)]
     pub fn texture(this: &Context) -> Result<GpuTexture, JsValue>;
 }
@@ -103,7 +103,7 @@ pub fn queue(queue: &wgpu::Queue) -> &Queue {
 /// The bytes of a buffer that can be mapped.
 ///
 /// # Errors
-/// What the browser says, where the buffer or its device is gone.
+/// The browser's error, after the buffer or the device is destroyed.
 pub async fn bytes(buffer: wgpu::Buffer) -> Result<Vec<u8>, JsValue> {
     let buffer: &Buffer = object(buffer.as_webgpu());
     buffer.map(1).await?;

@@ -28,7 +28,7 @@ pub fn size(suns: u32, height: u32, others: u32) -> u32 {
     size
 }
 
-/// What a camera sees.
+/// A camera's view frustum, as a cone.
 pub struct Seen {
     eye: Vec3,
     forward: Vec3,
@@ -37,7 +37,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// What is seen in a picture of this size.
+    /// From a camera and a picture size.
     pub fn new(camera: &CameraFrame, [width, height]: [u32; 2]) -> Self {
         let tan = camera.tan_half_yfov * (1.0 + (width as f32 / height as f32).powi(2)).sqrt();
         Self { eye: camera.eye, forward: camera.forward, tan }

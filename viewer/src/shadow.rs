@@ -122,7 +122,7 @@ pub struct Shadows {
     near: Maps,
     records: Records,
     fit: Fit,
-    /// What the cascades show: their matrices come after those of `fit`.
+    /// Matrices of the cascades, stored after those of `fit`.
     cascades: Vec<Mat4>,
     /// The matrices of the cascades are elsewhere on the GPU, or not there.
     unwritten: bool,
@@ -194,7 +194,7 @@ impl Shadows {
         changed
     }
 
-    /// Makes the cascades of directional lights follow a camera whose picture has this size; returns the layers that must
+    /// Fits the cascades of directional lights to a camera and a picture size; returns the layers to
     /// be drawn.
     pub fn follow(
         &mut self,

@@ -35,7 +35,7 @@ pub struct LightRecord {
 }
 
 impl LightRecord {
-    /// The way the light travels where it is a directional one.
+    /// Direction in which a directional light travels.
     pub fn sun(&self) -> Option<Vec3> {
         (self.kind == LightKind::Directional as u32).then_some(self.direction.into())
     }
@@ -65,7 +65,7 @@ const FAR_LARGER: f32 = 4.0;
 pub struct Extent {
     /// Of the scene.
     pub all: [Vec3; 2],
-    /// Of the part that has the detail, in a scene that is far larger: a directional light has a map of its own for it.
+    /// Bounds of the detailed part of a far larger scene: a directional light has a map of its own for that part.
     pub detail: Option<[Vec3; 2]>,
 }
 

@@ -15,14 +15,14 @@ pub struct Maps {
     pub texture: wgpu::Texture,
     /// A view of each layer.
     pub layers: Vec<wgpu::TextureView>,
-    /// Colours behind glass, of half the size; a texel where there is none, and then no view of one.
+    /// Colours behind glass, of half the size; one texel and no view without glass.
     pub tint: wgpu::Texture,
     /// A view of each of its layers.
     pub tints: Vec<wgpu::TextureView>,
 }
 
 impl Maps {
-    /// Maps of this many texels each way, with or without colours behind `glass`.
+    /// Square maps of this width in texels, with or without colours behind `glass`.
     pub fn new(gpu: &Gpu, size: u32, layers: u32, glass: bool) -> Self {
         let own = Scope::new(gpu);
         let array = |label, format, size: u32, layers| {

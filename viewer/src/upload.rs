@@ -101,7 +101,7 @@ pub struct Upload {
     pub points: wgpu::Buffer,
     /// Section `CUTS`.
     pub cuts: wgpu::Buffer,
-    /// By function, what its light is multiplied with where pixels' openness counts: section `OPEN` by
+    /// Gain of each function's irradiance with detail: section `OPEN` by
     /// [`rebounce_shared::openness::gain`].
     pub gains: wgpu::Buffer,
     /// Which functions may cover a place ([`rebounce_shared::basis::Lookup`]).

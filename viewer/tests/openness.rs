@@ -1,4 +1,4 @@
-//! Openness on the GPU is that of its Rust twin, and light that follows it.
+//! Openness on the GPU equals its Rust twin's, and light follows openness.
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 

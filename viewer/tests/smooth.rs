@@ -80,7 +80,7 @@ fn encoded(value: f32) -> f32 {
     255.0 * if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Pixels that differ, and pixels that the CPU has otherwise than they were.
+/// Number of pixels that differ, and of pixels changed on the CPU.
 fn compare(bytes: &[u8], shown: &[Vec3], pixels: &[Vec3]) -> [usize; 2] {
     let differs = |i: &usize| {
         let expected = shown[*i].to_array().map(encoded);

@@ -36,7 +36,7 @@ pub fn at_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit) -> Ve
     })
 }
 
-/// One estimate of the RGB irradiance where a ray hit, of lights with their size: of each, one place is looked for.
+/// One estimate of the RGB irradiance at a hit from lights with a size: one random place of each light.
 pub fn toward_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit, stream: &mut Stream) -> Vec3 {
     let origin = |to_light| hit.offset_origin(to_light, surfaces.epsilon_at(hit.position));
     let mut total = Vec3::ZERO;

@@ -1,4 +1,4 @@
-//! Lights with a size: spheres that send as much as the point in their middle, and discs of suns.
+//! Lights with a size: spheres with the intensity of a point at their centre, and discs of suns.
 
 use glam::{Vec2, Vec3};
 use rebounce_shared::light::{Incident, LightSource};
@@ -11,7 +11,7 @@ pub struct Sample {
     pub to_light: Vec3,
     /// How far the ray goes, to the disc through the sphere's middle; infinite for directional lights.
     pub distance: f32,
-    /// What its irradiance on a surface that faces it is to that of the light's middle.
+    /// Irradiance on a facing surface over that of the light's centre.
     pub share: f32,
 }
 

@@ -100,7 +100,7 @@ impl OperatorSettings {
         self.epsilon * self.reflected / 8.0
     }
 
-    /// ε of the links for later bounces: what they bring is averaged over all that a receiver sees ([`LATER`]).
+    /// ε of the links for later bounces, larger than the first bounce's: a receiver averages over its whole hemisphere ([`LATER`]).
     pub fn epsilon_later(&self) -> f32 {
         LATER * self.epsilon * self.reflected
     }

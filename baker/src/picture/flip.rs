@@ -14,15 +14,15 @@ const PIXELS_PER_DEGREE: f32 = 0.7 * (3840.0 / 0.7) * (PI / 180.0);
 /// Exponents of the colour and of the feature difference.
 const COLOUR_EXPONENT: f32 = 0.7;
 const FEATURE_EXPONENT: f32 = 0.5;
-/// Colour differences under this share of the greatest one take this share of the range.
+/// Colour differences below the first share of the maximum map to the second share of the range.
 const KNEE: [f32; 2] = [0.4, 0.95];
 /// Width of what counts as a feature, degrees.
 const FEATURE_WIDTH: f32 = 0.082;
 /// Columns: linear sRGB to XYZ.
 const XYZ_FROM_RGB: Mat3 = Mat3::from_cols(
-    Vec3::new(0.412_390_8, 0.212_639_01, 0.019_330_82),
+    Vec3::new(0.412_390_8, 0.212_639, 0.019_330_82),
     Vec3::new(0.357_584_33, 0.715_168_66, 0.119_194_78),
-    Vec3::new(0.180_480_79, 0.072_192_32, 0.950_532_16),
+    Vec3::new(0.180_480_8, 0.072_192_32, 0.950_532_16),
 );
 /// Contrast sensitivity of luminance, red to green and blue to yellow: two Gaussians each, weight and width (table 1).
 const SENSITIVITY: [[Vec2; 2]; 3] = [
@@ -118,7 +118,7 @@ fn seen(pixels: &[Vec3], size: [usize; 2]) -> Vec<Vec3> {
     blurred.into_iter().map(|p| hunt(rgb_of_ycxcz(p).clamp(Vec3::ZERO, Vec3::ONE))).collect()
 }
 
-/// How much of an edge, and how much of a point there is at each pixel.
+/// Edge strength and point strength at each pixel.
 fn features(pixels: &[Vec3], size: [usize; 2]) -> Vec<Vec2> {
     let values: Vec<f32> = pixels.iter().map(|p| (p.x + 16.0) / 116.0).collect();
     let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;

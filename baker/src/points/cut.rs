@@ -28,14 +28,14 @@ const STANDING: f32 = 0.35;
 /// no more than this (cosine).
 const BEHIND: f32 = 0.1;
 const LEVEL: f32 = 0.98;
-/// A function reaches this far towards what is behind its sheet, over the distance to it: sheets bend.
+/// Place of the plane behind a sheet, over the distance to the surface behind: sheets bend.
 const BACK: f32 = 0.1;
-/// Rays that look for what is behind a sheet, all around.
+/// Rays around a point that look for surfaces behind a sheet.
 const BACK_RAYS: usize = 8;
-/// A sheet bends that, so far away, lies deeper than the plane by this, over the support radius.
+/// Distance from the point at which a sheet is probed for bending, and the depth below the plane that counts, over the support radius.
 const BENT_AT: f32 = 0.5;
 const FLAT: f32 = 0.02;
-/// Surfaces that are turned by more than this (cosine) have no functions in common.
+/// Surfaces turned by more than this angle (cosine) share no functions.
 const TURNED: f32 = 0.5;
 /// A plane cuts if at least this share of the places behind it is out of sight.
 const HIDDEN: f32 = 0.75;
@@ -141,8 +141,8 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
     cuts
 }
 
-/// Where a point's surface is a thin sheet that hangs before another one which functions of this side would cover: how far behind
-/// the sheet a plane lies that ends them. Sheets that bend have none, nor has what is turned by more than functions reach.
+/// Distance of the plane that ends a function behind its thin sheet, where the support reaches a second surface there with a similar
+/// normal. `None` for sheets that bend, and where the surface behind is turned too far to share the function.
 fn behind<S: Surfaces + ?Sized>(
     surfaces: &S,
     point: &SurfacePoint,

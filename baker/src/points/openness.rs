@@ -9,16 +9,16 @@ use rayon::prelude::*;
 use rebounce_shared::openness::{REACH, open, stored};
 use std::f32::consts::TAU;
 
-/// Rays of a round lie in the cells of a square grid of this many rows and columns.
+/// Rows and columns of the stratification grid of a round of rays.
 const SIDE: u32 = 4;
-/// Rounds of a point by which some ray has met something.
+/// Rounds of a point whose first round met a surface.
 const ROUNDS: u32 = 4;
-/// Points after which it is asked whether to go on: a few milliseconds.
+/// Points between two calls of the watch: a few milliseconds.
 const ASKED: usize = 256;
 /// Seed of the rays, apart from all others.
 const SEED: u64 = 0x6f70_656e;
 
-/// Finds each point's openness, within the reach of the finest level's functions. The same points give the same numbers.
+/// Computes the openness of each point within the reach of the finest level. Deterministic.
 /// No unit of `watch` is counted.
 ///
 /// # Errors

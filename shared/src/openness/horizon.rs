@@ -6,7 +6,7 @@
 use super::open;
 use glam::Vec3;
 
-/// Slices of the hemisphere. They are the same in all pixels: noise that a filter must take out would shimmer.
+/// Slices of the hemisphere, equal in every pixel: per-pixel rotation is noise, and shimmers.
 pub const SLICES: u32 = 3;
 /// Places looked at on each side of a slice.
 pub const STEPS: u32 = 3;
@@ -21,11 +21,11 @@ pub struct View<'a> {
     pub pixels_per_unit: f32,
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// The local position that a pixel shows; `None` where it shows nothing.
+    /// Local position seen at a pixel; `None` for the background.
     pub position: &'a dyn Fn(u32, u32) -> Option<Vec3>,
 }
 
-/// Openness of a pixel that shows this place, with its unit normal and a reach in scene units.
+/// Openness of a pixel, from its position, unit normal and a reach in scene units.
 pub fn horizon(view: &View<'_>, pixel: [u32; 2], position: Vec3, normal: Vec3, reach: f32) -> f32 {
     let [right, up, forward] = view.axes;
     let to_eye = (view.eye - position).normalize();

@@ -48,7 +48,7 @@ pub const SECTIONS: [[u8; 4]; 8] =
 pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
 /// The one that files have besides, after these, where a material has [extras].
 pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
-/// The one that files have besides, after these, where the points' openness is known.
+/// The optional section for the points' openness, after the others.
 pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
 /// The one that files have besides, last, where there are names or a ground: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";

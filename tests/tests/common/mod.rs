@@ -11,7 +11,7 @@ use rebounce_viewer::settings::ToneMapping;
 #[path = "../../../viewer/tests/device/mod.rs"]
 mod device;
 
-/// A renderer that shows this scene at a fixed exposure, toned so that radiance can be told; `None` (said aloud) where there is no adapter.
+/// A renderer of a scene at a fixed exposure, with the invertible tone curve; `None`, with a message, without an adapter.
 pub fn renderer(scene: &Scene) -> Option<Renderer> {
     let gpu = device::gpu()?;
     let mut renderer = Renderer::new(gpu.clone()).unwrap();

@@ -99,7 +99,7 @@ pub struct SlotBuffers {
     pub by_pixel: wgpu::Buffer,
     /// Bounced irradiance by slot: RGB, and its tilt (tilt.wgsl).
     pub light: wgpu::Buffer,
-    /// What part of the points' light the slot's place receives: f32 by slot (openness.wgsl).
+    /// Received share of the interpolated irradiance: f32 by slot (openness.wgsl).
     pub open: wgpu::Buffer,
 }
 

@@ -80,7 +80,7 @@ impl Drop for State {
 }
 
 impl State {
-    /// What the next picture is drawn on; nothing where the canvas has none now.
+    /// Texture for the next picture; `None` while the canvas has no texture.
     fn texture(&mut self) -> Option<wgpu::Texture> {
         let ([width, height], shared) = (self.size, &self._shared);
         if !self.configured {

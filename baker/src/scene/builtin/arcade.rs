@@ -101,7 +101,7 @@ fn arcade(mesh: &mut WorldMesh) {
 /// A curtain in folds from one z to another.
 fn curtain(mesh: &mut WorldMesh, from: f64, to: f64) {
     let at = |k: usize, y: f64| {
-        let x = -0.5 * PILLAR + if k % 2 == 0 { 0.07 } else { -0.07 };
+        let x = -0.5 * PILLAR + if k.is_multiple_of(2) { 0.07 } else { -0.07 };
         dvec3(x, y, from + (to - from) * k as f64 / (2 * FOLDS) as f64)
     };
     for k in 0..2 * FOLDS {
