@@ -1,5 +1,6 @@
 //! What a .rbn file may not say: each broken rule is refused, by the name of its section.
 
+use rebounce_shared::basis::ParentWeights;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::Light;
@@ -71,8 +72,10 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 }
 
 #[test]
-fn only_files_with_glass_or_unlit_materials_are_of_the_newest_version() {
-    let mut scene = scene();
+fn files_of_older_weights_are_of_the_least_version_that_holds_them() {
+    assert_eq!(scene().version(), container::VERSION);
+    let mut scene = Scene { parent_weights: ParentWeights::Shepard, ..scene() };
+    scene.relate().unwrap();
     assert_eq!(scene.version(), container::WITHOUT_COPIES);
     scene.meta.materials = vec![Material::default(); 3];
     scene.meta.materials[1].extras = Extras { unlit: true, ..Extras::default() };
@@ -85,7 +88,7 @@ fn only_files_with_glass_or_unlit_materials_are_of_the_newest_version() {
         scattered_color: [0.4, 0.5, 0.6],
     };
     scene.meta.textures = vec![Texture::default()];
-    assert_eq!(scene.version(), container::VERSION);
+    assert_eq!(scene.version(), container::SHEPARD_WEIGHTS);
     let bytes = scene.to_bytes().unwrap();
     assert_eq!(Scene::from_bytes(&bytes).unwrap(), scene);
     let sections: Vec<_> = container::read(&bytes).unwrap();
@@ -99,7 +102,7 @@ fn only_files_with_glass_or_unlit_materials_are_of_the_newest_version() {
         let parts: Vec<_> = changed.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
         Scene::from_bytes(&container::write(version, &parts))
     };
-    assert_eq!(with(container::VERSION, &<[u8]>::to_vec).unwrap(), scene);
+    assert_eq!(with(container::SHEPARD_WEIGHTS, &<[u8]>::to_vec).unwrap(), scene);
     // Older readers would not see it; materials come in order, each once, and there are no others.
     let wrong: [(u32, &dyn Fn(&[u8]) -> Vec<u8>); 4] = [
         (container::WITHOUT_EXTRAS, &<[u8]>::to_vec),

@@ -10,6 +10,7 @@ use crate::scene::{Model, Scene};
 use crate::weld::firsts;
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::basis::ParentWeights;
 use rebounce_shared::octahedral::pack_rounded;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Meta};
@@ -61,6 +62,7 @@ pub(super) fn assemble(
         point.tint = *tint;
     }
     rbn::Scene {
+        parent_weights: ParentWeights::default(),
         meta,
         vertices,
         indices,

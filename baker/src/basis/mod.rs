@@ -7,6 +7,7 @@ mod evaluator;
 
 use crate::points::Points;
 pub use evaluator::{Evaluator, Leveled, Support};
+use rebounce_shared::basis::ParentWeights;
 pub use rebounce_shared::basis::Relations;
 use rebounce_shared::rbn::RbnError;
 
@@ -16,7 +17,7 @@ use rebounce_shared::rbn::RbnError;
 /// [`RbnError`] where far too many functions lie in one place.
 pub fn relate(points: &Points, direct_levels: usize) -> Result<Relations, RbnError> {
     let (records, cuts, levels) = points.records();
-    Relations::new(&records, &cuts, &levels, direct_levels)
+    Relations::new(&records, &cuts, &levels, direct_levels, ParentWeights::default())
 }
 
 /// Support over disk radius of a function that takes what a ray finds: narrow, so that the direct

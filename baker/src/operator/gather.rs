@@ -5,7 +5,7 @@ use super::OperatorSettings;
 use super::choose::{choose, choose_pooled};
 use super::directions::Directions;
 use super::found::Found;
-use super::pool::{Difference, Row, neighbourhood, sum_variance, variance};
+use super::pool::{Difference, Neighbourhood, Row, SenderBlocks};
 use super::tally::Tally;
 use super::tiles::Tiles;
 use crate::basis::{Leveled, Relations};
@@ -30,6 +30,8 @@ pub struct GatherContext<'a, S: Surfaces + ?Sized> {
     pub tiles: Option<&'a Tiles>,
     /// The [duals](super::tint::duals) of the points' tints.
     pub duals: &'a [Vec3A],
+    /// Where the senders are, roughly.
+    pub sender_blocks: &'a SenderBlocks,
     /// Settings.
     pub settings: &'a OperatorSettings,
 }
@@ -105,7 +107,7 @@ pub struct Scratch {
     found: Found,
     /// A receiver's own differences and its neighbourhood's.
     pooled: Tally<4>,
-    pool: Vec<(usize, f32)>,
+    neighbourhood: Neighbourhood,
 }
 
 /// The place of a sender's sums in a [`Scratch`].
@@ -119,7 +121,7 @@ impl Scratch {
             senders: Tally::new(senders),
             found: Found::default(),
             pooled: Tally::new(senders),
-            pool: Vec::new(),
+            neighbourhood: Neighbourhood::default(),
         }
     }
 }
@@ -173,7 +175,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     ) -> Result<(), E> {
         let &Gather { receivers, level, directions, values } = gather;
         let (mut rows, mut costs) = (Vec::new(), Vec::new());
-        let Scratch { senders, found, pooled, pool } = scratch;
+        let Scratch { senders, found, pooled, neighbourhood } = scratch;
         for group in receivers.chunks(receivers_together(directions)) {
             found.cast(self, group, directions);
             for (k, &receiver) in group.iter().enumerate() {
@@ -193,22 +195,19 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         let epsilon = self.settings.epsilon_on(level);
         let rays = directions.len() as f32;
         for (k, &receiver) in receivers.iter().enumerate() {
-            neighbourhood(self.points, receivers, &rows, k, support, pool);
+            neighbourhood.gather(self.points, receivers, k, support);
             for difference in &rows[k].differences {
                 pooled.add_each(
                     difference.sender as usize,
                     [difference.amount, difference.magnitude, 0.0, 0.0],
                 );
             }
-            for &(neighbour, weight) in pool.iter() {
-                for difference in &rows[neighbour].differences {
-                    let (amount, magnitude) = (weight * difference.amount, weight * difference.magnitude);
-                    pooled.add_each(difference.sender as usize, [0.0, 0.0, amount, magnitude]);
-                }
-            }
-            let significance = self.settings.significance * rows[k].strictness(support);
-            let noise = significance.powi(2) * variance(pool);
-            let sum_noise = noise * sum_variance(pool, &rows);
+            neighbourhood.each(self.points, self.sender_blocks, &rows, |sender, amount, magnitude| {
+                pooled.add_each(sender as usize, [0.0, 0.0, amount, magnitude]);
+            });
+            let strictness = rows[k].strictness(support, self.settings.levels - 1 - level);
+            let noise = (self.settings.significance * strictness).powi(2);
+            let sum_noise = noise * neighbourhood.sum_variance(&rows);
             let links = choose_pooled(pooled, epsilon, noise / rays, rays.recip(), sum_noise);
             pooled.clear();
             let mut gathered = Gathered { cost: costs[k], links, ..Gathered::default() };

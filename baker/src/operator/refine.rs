@@ -7,6 +7,7 @@ use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
 use super::gather::{Gather, GatherContext, GatherCost, Gathered, Scratch};
 use super::journal::Journal;
+use super::pool::SenderBlocks;
 use super::tiles::{Layout, Tiles};
 use super::{Operator, OperatorSettings, among, tint};
 use crate::basis::{Leveled, Relations, sender_evaluator};
@@ -50,6 +51,7 @@ pub struct Senders {
     coarse_count: usize,
     tiles: Option<Tiles>,
     duals: Vec<Vec3A>,
+    blocks: SenderBlocks,
 }
 
 impl Senders {
@@ -80,6 +82,7 @@ impl Senders {
             coarse_count: points.count_on(coarse_levels),
             tiles: tiles.transpose()?,
             duals,
+            blocks: SenderBlocks::new(points, points.count_on(levels)),
         })
     }
 
@@ -99,6 +102,7 @@ impl Senders {
             coarse_count: self.coarse_count,
             tiles: self.tiles.as_ref(),
             duals: &self.duals,
+            sender_blocks: &self.blocks,
             settings,
         }
     }

@@ -9,8 +9,9 @@
 //! flattening of section 4.1 exact and free, needs one level's functions at a ray's hit instead
 //! of three, and turns Eq. 17's sum over all coarser levels into one over the parents' values.
 
+mod least_squares;
 mod lookup;
 mod relations;
 
 pub use lookup::{LEVEL_WORDS, Lookup};
-pub use relations::Relations;
+pub use relations::{ParentWeights, Relations};

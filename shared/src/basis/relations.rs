@@ -1,11 +1,22 @@
 //! Parents and children (paper, section 2.1).
 
 use super::Lookup;
+use super::least_squares::make_linear;
 use crate::interpolation::{Entry, Rows, pack_row};
 use crate::kernel::{LEAST_WEIGHT, weight};
 use crate::rbn::RbnError;
 use crate::rbn::bulk::{Cut, Point};
 use crate::rbn::meta::Level;
+
+/// How a point's parents are weighed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ParentWeights {
+    /// By their functions, normalised (Eq. 7; Shepard 1968), as in files up to version 8.
+    Shepard,
+    /// The same made linear: [moving least squares](super::least_squares), kept positive.
+    #[default]
+    LeastSquares,
+}
 
 /// Who is whose parent and child, and what may cover a place.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,7 +47,8 @@ const MOST_PARENTS: usize = 32;
 const MANY: usize = 1 << 16;
 
 impl Relations {
-    /// Finds the relations of points; those of `direct_levels` levels but the last get children.
+    /// Finds the relations of points; those of `direct_levels` levels but the last get children, and parents have
+    /// these weights.
     ///
     /// The same points give the same relations, bit by bit, on every machine.
     ///
@@ -47,6 +59,7 @@ impl Relations {
         cuts: &[Cut],
         levels: &[Level],
         direct_levels: usize,
+        weights: ParentWeights,
     ) -> Result<Self, RbnError> {
         let lookup = Lookup::new(points, levels);
         let crowded = |most: usize| {
@@ -64,6 +77,9 @@ impl Relations {
             for p in &points[level.first as usize..(level.first + level.count) as usize] {
                 let tested = parents(points, cuts, &relations.lookup, l, p, &mut row);
                 tests = tests.checked_sub(tested).ok_or_else(|| crowded(MOST_TESTED))?;
+                if weights == ParentWeights::LeastSquares {
+                    make_linear(p.normal(), &mut row, |k| points[k as usize].position() - p.position());
+                }
                 pack_row(&row, &mut relations.push_entries);
                 if relations.push_entries.len() > most_entries {
                     return Err(crowded(MOST_PARENTS));
@@ -182,14 +198,18 @@ mod tests {
     fn crowds_that_would_take_for_ever_are_refused() {
         for counts in [[2500, 2500], [2000, 200_000], [400, 400_000]] {
             let (points, levels) = crowd(counts, 1e-6);
-            let refused = Relations::new(&points, &[], &levels, 2).unwrap_err().to_string();
+            let refused =
+                Relations::new(&points, &[], &levels, 2, ParentWeights::Shepard).unwrap_err().to_string();
             assert!(refused.contains("on top of each other"), "{counts:?}: {refused}");
         }
         // As dense as scenes are, and few on top of each other, are not.
         let (points, levels) = crowd([16_000, 16_000], 0.5);
-        let relations = Relations::new(&points, &[], &levels, 2).unwrap();
+        let relations = Relations::new(&points, &[], &levels, 2, ParentWeights::Shepard).unwrap();
         assert!(relations.push_entries.len() > 4 * 16_000);
         let (points, levels) = crowd([100, 100], 0.0);
-        assert_eq!(Relations::new(&points, &[], &levels, 2).unwrap().push_entries.len(), 100 * 100);
+        assert_eq!(
+            Relations::new(&points, &[], &levels, 2, ParentWeights::Shepard).unwrap().push_entries.len(),
+            100 * 100
+        );
     }
 }

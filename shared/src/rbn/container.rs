@@ -35,9 +35,12 @@ fn checksum(bytes: &[u8]) -> u32 {
 
 /// The first eight bytes.
 pub const MAGIC: [u8; 8] = *b"REBOUNCE";
-/// The format's version: this code reads it and those before down to [`WITHOUT_COPIES`]. Files are written in the least
-/// version that has all they need, which older readers know.
-pub const VERSION: u32 = 8;
+/// The format's version: this code reads it and those before down to [`WITHOUT_COPIES`]. In files of this
+/// version parents have [linear weights](crate::basis::ParentWeights::LeastSquares); a file that was read in an older version
+/// is written in the least version that has all it needs.
+pub const VERSION: u32 = 9;
+/// The last version of files whose parents have [Shepard's weights](crate::basis::ParentWeights::Shepard).
+pub const SHEPARD_WEIGHTS: u32 = 8;
 /// The version of files with triangles that stand in several places, without materials that have [extras](super::extras).
 pub const WITHOUT_EXTRAS: u32 = 7;
 /// The version of files whose triangles all stand once, too.

@@ -5,7 +5,7 @@ use super::codec::{Damaged, Reader, Writer, columns, links};
 use super::matrix::LinkMatrix;
 use super::meta::{self, Meta};
 use super::{RbnError, container, extras, shown};
-use crate::basis::Relations;
+use crate::basis::{ParentWeights, Relations};
 use crate::interpolation::Rows;
 use crate::link::{LaterLink, Link};
 use crate::openness::LEVELS;
@@ -33,6 +33,8 @@ pub struct Scene {
     /// [Openness](crate::openness) of each point, 0 to [`LEVELS`]; empty where it is not known. Section `OPEN`, which only
     /// files with it have: readers that do not know it show the light between the points without detail.
     pub openness: Vec<u8>,
+    /// How parents are weighed, which the file's version tells.
+    pub parent_weights: ParentWeights,
     /// Parents and children. They are not in the file but follow from the points: [`Self::relate`].
     pub relations: Relations,
     /// T: from what the senders send to irradiance along the points' normals; a row per point of all levels.
@@ -110,7 +112,8 @@ impl Scene {
     /// [`RbnError`] where far too many functions lie in one place.
     pub fn relate(&mut self) -> Result<(), RbnError> {
         let direct_levels = self.meta.direct_levels as usize;
-        self.relations = Relations::new(&self.points, &self.cuts, &self.meta.levels, direct_levels)?;
+        let Self { points, cuts, meta, parent_weights, .. } = self;
+        self.relations = Relations::new(points, cuts, &meta.levels, direct_levels, *parent_weights)?;
         Ok(())
     }
 
@@ -134,10 +137,11 @@ impl Scene {
     /// The version of the format that its file has: the least that can hold it.
     pub fn version(&self) -> u32 {
         let has_extras = self.meta.materials.iter().any(|m| m.extras != extras::Extras::default());
-        match (has_extras, self.copies.is_empty()) {
-            (true, _) => container::VERSION,
-            (false, false) => container::WITHOUT_EXTRAS,
-            (false, true) => container::WITHOUT_COPIES,
+        match (self.parent_weights, has_extras, self.copies.is_empty()) {
+            (ParentWeights::LeastSquares, ..) => container::VERSION,
+            (_, true, _) => container::SHEPARD_WEIGHTS,
+            (_, false, false) => container::WITHOUT_EXTRAS,
+            (_, false, true) => container::WITHOUT_COPIES,
         }
     }
 
@@ -194,7 +198,7 @@ impl Scene {
         if has_copies && version < container::WITHOUT_EXTRAS {
             return Err(RbnError::invalid("COPY", "a file of this version has none"));
         }
-        if has_extras && version < container::VERSION {
+        if has_extras && version < container::SHEPARD_WEIGHTS {
             return Err(RbnError::invalid("MATX", "a file of this version has none"));
         }
         let mut scene = Self {
@@ -206,6 +210,10 @@ impl Scene {
             points: records("PNTS", bytes(*b"PNTS")?)?,
             cuts: records("CUTS", bytes(*b"CUTS")?)?,
             openness: Vec::new(),
+            parent_weights: match version {
+                ..=container::SHEPARD_WEIGHTS => ParentWeights::Shepard,
+                _ => ParentWeights::LeastSquares,
+            },
             relations: Relations::default(),
             links: matrix("LINK", bytes(*b"LINK")?)?,
             later: matrix("LATL", bytes(*b"LATL")?)?,

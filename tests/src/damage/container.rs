@@ -1,7 +1,7 @@
 //! Damage to a file's bytes, its table and its sections.
 
 use super::{Damaged, Outcome, Random, Sections};
-use rebounce_shared::rbn::{COPY_SECTIONS, EXTRAS_SECTION, container};
+use rebounce_shared::rbn::container;
 use std::ops::Range;
 use xxhash_rust::xxh32::xxh32;
 
@@ -22,13 +22,7 @@ fn sections(file: &[u8]) -> Sections {
 /// A file of these sections; all checksums fit.
 pub fn sealed(sections: &Sections) -> Vec<u8> {
     let parts: Vec<_> = sections.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
-    let has = |some: &[[u8; 4]]| parts.iter().any(|(name, _)| some.contains(name));
-    let version = match (has(&[EXTRAS_SECTION]), has(&COPY_SECTIONS)) {
-        (true, _) => container::VERSION,
-        (false, true) => container::WITHOUT_EXTRAS,
-        (false, false) => container::WITHOUT_COPIES,
-    };
-    container::write(version, &parts)
+    container::write(container::VERSION, &parts)
 }
 
 fn text(name: [u8; 4]) -> String {

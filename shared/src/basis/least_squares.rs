@@ -1,0 +1,106 @@
+//! Parents' weights that interpolate linearly: moving least squares of degree 1 (Lancaster and Salkauskas 1981), kept positive.
+//!
+//! Shepard's weights w_k / Σ w reproduce constants. Along a gradient they make terraces: each parent's value with a steep
+//! change half way to the next, a wave as wide as the parents are apart. Moving least squares reproduce linear functions, too:
+//!
+//! ```text
+//! p_k = w_k / Σ w · (1 − s (d_k − d̄)ᵀ C⁻¹ d̄),   d̄ = Σ w d / Σ w,   C = Σ w (d − d̄)(d − d̄)ᵀ / Σ w + μ tr(C) I
+//! ```
+//!
+//! with `d_k` the way from the point to parent k in the point's tangent plane. μ bounds C⁻¹ where parents stand in a line. s is 1
+//! where no weight would become negative, which is where parents stand all around; at the rim of a surface it is smaller.
+
+use glam::{Vec2, Vec3};
+
+/// μ.
+const RIDGE: f32 = 0.01;
+/// Most of its weight that a parent may lose.
+const MOST_LOST: f32 = 0.95;
+/// Least determinant of C over its trace squared.
+const LEAST_DETERMINANT: f32 = 1e-6;
+
+/// Makes the weights of a row of parents linear at a point with this unit normal. `way` is the way from the point to a
+/// parent, scene units. The sum of the weights and their order stay as they are.
+pub fn make_linear(normal: Vec3, row: &mut [(u32, f32)], way: impl Fn(u32) -> Vec3) {
+    let total: f32 = row.iter().map(|entry| entry.1).sum();
+    if row.len() < 2 || total <= 0.0 {
+        return;
+    }
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let flat = |parent: u32| {
+        let way = way(parent);
+        Vec2::new(way.dot(tangent), way.dot(bitangent))
+    };
+    let mean = row.iter().fold(Vec2::ZERO, |sum, entry| sum + flat(entry.0) * entry.1) / total;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for &(parent, weight) in row.iter() {
+        let d = flat(parent) - mean;
+        xx += weight * d.x * d.x;
+        xy += weight * d.x * d.y;
+        yy += weight * d.y * d.y;
+    }
+    let trace = xx + yy;
+    xx += RIDGE * trace;
+    yy += RIDGE * trace;
+    let determinant = xx * yy - xy * xy;
+    if determinant <= LEAST_DETERMINANT * trace * trace {
+        return;
+    }
+    let tilt = Vec2::new(yy * mean.x - xy * mean.y, xx * mean.y - xy * mean.x) * (total / determinant);
+    let lost = |parent: u32| (flat(parent) - mean).dot(tilt);
+    let most = row.iter().fold(0f32, |most, entry| most.max(lost(entry.0)));
+    let scale = if most > MOST_LOST { MOST_LOST / most } else { 1.0 };
+    for (parent, weight) in row {
+        *weight *= 1.0 - scale * lost(*parent);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Parents around the origin, in a plane across `normal`, with weights of their own.
+    fn row(count: u32) -> Vec<(u32, f32)> {
+        (0..count).map(|k| (k, 0.2 + 0.3 * (k % 3) as f32)).collect()
+    }
+
+    fn way(normal: Vec3, parent: u32) -> Vec3 {
+        let (t, b) = normal.any_orthonormal_pair();
+        let angle = 2.4 * parent as f32;
+        let length = 0.5 + 0.4 * (1.7 * parent as f32).sin();
+        length * (t * angle.cos() + b * angle.sin()) + 0.01 * normal
+    }
+
+    #[test]
+    fn linear_functions_are_reproduced_among_parents_all_around() {
+        for normal in [Vec3::Y, Vec3::new(0.6, 0.0, -0.8)] {
+            let mut row = row(9);
+            let before: f32 = row.iter().map(|entry| entry.1).sum();
+            let mean = |row: &[(u32, f32)]| -> Vec3 {
+                row.iter().map(|(k, weight)| way(normal, *k) * *weight).sum::<Vec3>() / before
+            };
+            let shepard = mean(&row).reject_from(normal).length();
+            make_linear(normal, &mut row, |k| way(normal, k));
+            let linear = mean(&row).reject_from(normal).length();
+            assert!(linear < 0.03 * shepard, "{linear} and {shepard}");
+            let after: f32 = row.iter().map(|entry| entry.1).sum();
+            assert!((after - before).abs() < 1e-5 && row.iter().all(|entry| entry.1 > 0.0));
+        }
+    }
+
+    #[test]
+    fn weights_stay_positive_at_a_rim_and_where_parents_stand_in_a_line() {
+        let beside = |k: u32| Vec3::new(1.0 + 0.3 * k as f32, 0.0, 0.2 * (k % 2) as f32);
+        let line = |k: u32| Vec3::new(0.5 * k as f32 - 0.7, 0.0, 0.0);
+        let one = |_: u32| Vec3::new(0.3, 0.0, 0.1);
+        let places: [&dyn Fn(u32) -> Vec3; 3] = [&beside, &line, &one];
+        for place in places {
+            let mut tilted = row(5);
+            make_linear(Vec3::Y, &mut tilted, place);
+            let sum: f32 = tilted.iter().map(|entry| entry.1).sum();
+            let before: f32 = row(5).iter().map(|entry| entry.1).sum();
+            assert!((sum - before).abs() < 1e-5, "{sum}");
+            assert!(tilted.iter().all(|entry| entry.1 > 0.0 && entry.1.is_finite()), "{tilted:?}");
+        }
+    }
+}
