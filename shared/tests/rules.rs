@@ -202,8 +202,12 @@ fn copied() -> Scene {
 }
 
 #[test]
-fn only_copies_ask_for_a_newer_version() {
-    let (scene, copied) = (scene(), copied());
+fn of_older_weights_only_copies_ask_for_a_newer_version() {
+    let (mut scene, mut copied) = (scene(), copied());
+    for scene in [&mut scene, &mut copied] {
+        scene.parent_weights = ParentWeights::Shepard;
+        scene.relate().unwrap();
+    }
     let version = |bytes: &[u8]| u32::from_le_bytes(bytes[8..12].try_into().unwrap());
     let (before, now) = (scene.to_bytes().unwrap(), copied.to_bytes().unwrap());
     assert_eq!((version(&before), version(&now)), (6, 7));

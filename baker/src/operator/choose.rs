@@ -67,34 +67,35 @@ pub fn choose<const N: usize>(
 /// Places of a sender's sums in what [`choose_pooled`] reads: the receiver's own [`Difference`](super::pool::Difference), amount and
 /// magnitude, and the mean over its neighbourhood.
 const OWN: usize = 0;
-const POOLED: usize = 2;
 const POOLED_MAGNITUDE: usize = 3;
+
+/// Variances that [`choose_pooled`] holds sums to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PooledNoise {
+    /// Of a mean sum per unit of magnitude, which links must stand out of.
+    pub pooled: f32,
+    /// Of an own sum per unit of magnitude, which an own amount must stand out of.
+    pub own: f32,
+    /// Which the sum of a row without links must stand out of.
+    pub sum: f32,
+}
 
 /// As [`choose`], of a receiver whose neighbourhood decides which links there are: where the mean difference stands out of ε and
 /// of its noise. A link holds the receiver's own difference where that stands out of the mean by its standard deviation, and the
-/// mean elsewhere. `noise` is the variance of a mean sum per unit of magnitude that links must stand out of, `own_noise` the
-/// variance of an own one, `sum_noise` the variance that the sum of a row without links must stand out of.
-pub fn choose_pooled(
-    tally: &Tally<4>,
-    epsilon: f32,
-    noise: f32,
-    own_noise: f32,
-    sum_noise: f32,
-) -> Vec<Link> {
+/// mean elsewhere. The row's sum is the receiver's own where one of its links is, and `sum`, the neighbourhood's, elsewhere.
+pub fn choose_pooled(tally: &Tally<4>, sum: f32, epsilon: f32, noise: PooledNoise) -> Vec<Link> {
     let mut row: Vec<Link> = Vec::new();
-    let (mut sums, mut totals, mut has_other) = ([0f32; 4], [0f32; 4], false);
+    let (mut sums, mut own_sum, mut has_other) = ([0f32; 4], 0f32, false);
     let (mut held, mut strongest) = (0f32, (0, 0f32));
     tally.each(|sender, more| {
-        for ((sum, total), more) in sums.iter_mut().zip(&mut totals).zip(more) {
-            *sum += more;
-            *total += more;
-        }
+        sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        own_sum += more[OWN];
         if more[POOLED_MAGNITUDE] > strongest.1 {
             strongest = (sender, more[POOLED_MAGNITUDE]);
         }
         let [own, own_magnitude, pooled, magnitude] = sums;
-        if pooled * pooled > (noise * magnitude).max(epsilon * epsilon) {
-            let is_other = (own - pooled).powi(2) > own_noise * own_magnitude;
+        if pooled * pooled > (noise.pooled * magnitude).max(epsilon * epsilon) {
+            let is_other = (own - pooled).powi(2) > noise.own * own_magnitude;
             let amount = if is_other { own } else { pooled };
             has_other |= is_other;
             let link = Link::pack(sender, amount);
@@ -105,9 +106,9 @@ pub fn choose_pooled(
         }
     });
     // The row keeps its sum: what is left goes to the last link, and what packing that loses to the smallest.
-    let left = totals[if has_other { OWN } else { POOLED }] - held;
+    let left = if has_other { own_sum } else { sum } - held;
     if row.is_empty() {
-        if left.abs() > LEAST_SUM * epsilon && left * left > sum_noise {
+        if left.abs() > LEAST_SUM * epsilon && left * left > noise.sum {
             row.push(Link::pack(strongest.0, left));
         }
         return row;
@@ -135,7 +136,9 @@ mod tests {
         for &(sender, own, pooled) in senders {
             tally.add_each(sender as usize, [own, 0.01, pooled, 0.01]);
         }
-        let links = choose_pooled(&tally, EPSILON, noise, 1.0 / 512.0, noise);
+        let sum = senders.iter().map(|sender| sender.2).sum();
+        let noise = PooledNoise { pooled: noise, own: 1.0 / 512.0, sum: noise };
+        let links = choose_pooled(&tally, sum, EPSILON, noise);
         links.iter().map(|link| (link.sender(), link.amount())).collect()
     }
 

@@ -2,7 +2,7 @@
 //! receivers already say (Eq. 17).
 
 use super::OperatorSettings;
-use super::choose::{choose, choose_pooled};
+use super::choose::{PooledNoise, choose, choose_pooled};
 use super::directions::Directions;
 use super::found::Found;
 use super::pool::{Difference, Neighbourhood, Row, SenderBlocks};
@@ -207,8 +207,9 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             });
             let strictness = rows[k].strictness(support, self.settings.levels - 1 - level);
             let noise = (self.settings.significance * strictness).powi(2);
-            let sum_noise = noise * neighbourhood.sum_variance(&rows);
-            let links = choose_pooled(pooled, epsilon, noise / rays, rays.recip(), sum_noise);
+            let (sum, variance) = neighbourhood.sum(&rows);
+            let noises = PooledNoise { pooled: noise / rays, own: rays.recip(), sum: noise * variance };
+            let links = choose_pooled(pooled, sum, epsilon, noises);
             pooled.clear();
             let mut gathered = Gathered { cost: costs[k], links, ..Gathered::default() };
             if self.is_read(receiver, level) {

@@ -159,12 +159,12 @@ impl Neighbourhood {
         }
     }
 
-    /// The variance of the sum of the mean difference, from those of its members.
-    pub fn sum_variance(&self, rows: &[Row]) -> f32 {
+    /// The mean of the members' sums over all senders, and its variance.
+    pub fn sum(&self, rows: &[Row]) -> (f32, f32) {
         let mean: f32 = self.members.iter().map(|(row, weights)| weights[0] * rows[*row].sum()).sum();
         let deviation = |row: usize| (rows[row].sum() - mean).powi(2);
         let of_one: f32 = self.members.iter().map(|(row, weights)| weights[0] * deviation(*row)).sum();
-        self.variances[0] * of_one
+        (mean, self.variances[0] * of_one)
     }
 }
 
