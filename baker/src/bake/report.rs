@@ -71,6 +71,8 @@ pub struct BakeReport {
     pub bounces: u32,
     /// Share of the reflected light that no sender covers.
     pub lost_share: f64,
+    /// Share of the reflected light that links leave out, once a bounce; negative where they add to it.
+    pub link_loss: f64,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(String, f64)>,
     /// Processes that baked together.
@@ -162,6 +164,7 @@ impl BakeReport {
         self.rays = operator.rays;
         self.bounces = operator.bounces;
         self.lost_share = operator.lost_share;
+        self.link_loss = operator.link_loss;
     }
 
     pub(super) fn add_traffic(&mut self, stage: Stage, level: Option<usize>, traffic: Traffic) {
@@ -255,7 +258,13 @@ impl fmt::Display for BakeReport {
             self.reflected
         )?;
         writeln!(f, "rays          {:.1} M", self.rays as f64 / 1e6)?;
-        writeln!(f, "bounces       {}; {:.3}% of the light lost", self.bounces, 100.0 * self.lost_share)?;
+        writeln!(
+            f,
+            "bounces       {}; a bounce loses {:.3}% of the light where no function is and {:.3}% in links",
+            self.bounces,
+            100.0 * self.lost_share,
+            100.0 * self.link_loss
+        )?;
         let seconds: Vec<String> = self.seconds.iter().map(|(name, s)| format!("{name} {s:.1}")).collect();
         writeln!(f, "seconds       {:.1} ({})", self.total_seconds(), seconds.join(", "))?;
         if self.processes > 1 {

@@ -140,6 +140,9 @@ pub struct Operator {
     pub receivers: u64,
     /// Share of the reflected light that no sender's function covers, and that is lost.
     pub lost_share: f64,
+    /// Share of the reflected light that links leave out where all senders are lit alike; negative where they add to it.
+    /// Later bounces lose it once a bounce.
+    pub link_loss: f64,
     /// Bounces that the operator holds; where all are wanted, those followed until the light settled.
     pub bounces: u32,
 }

@@ -19,6 +19,7 @@ use crate::team::{Team, TeamError};
 use crate::watch::{Stopped, Uncounted, Watch};
 use glam::Vec3A;
 use rayon::prelude::*;
+use rebounce_shared::interpolation::mean;
 use rebounce_shared::link::Link;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -117,8 +118,13 @@ pub struct Refiner<'a, S: Surfaces + ?Sized> {
     values: Vec<Vec<Link>>,
     /// The next level.
     level: usize,
+    /// The sum of each receiver's row: its irradiance where all senders have a unit of light.
+    row_sums: Vec<f32>,
+    /// What gathered receivers get where all senders have a unit of light: by their rays, of it where no function is, and by
+    /// their rows.
     seen: f64,
     lost: f64,
+    kept: f64,
 }
 
 impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
@@ -139,8 +145,10 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
             values: links.clone(),
             operator: Operator { links, tints, bounces: 1, ..Operator::default() },
             level: 0,
+            row_sums: vec![0.0; points.points.len()],
             seen: 0.0,
             lost: 0.0,
+            kept: 0.0,
         }
     }
 
@@ -258,7 +266,10 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
                 self.take_in(range.start + number * size + k, gathered);
             }
         }
-        self.operator.lost_share = if self.seen > 0.0 { self.lost / self.seen } else { 0.0 };
+        if self.seen > 0.0 {
+            self.operator.lost_share = self.lost / self.seen;
+            self.operator.link_loss = 1.0 - self.operator.lost_share - self.kept / self.seen;
+        }
         self.level += 1;
         Ok(traffic)
     }
@@ -281,6 +292,12 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         self.operator.rays += gathered.cost.rays;
         self.seen += gathered.cost.seen;
         self.lost += gathered.cost.lost;
+        let own: f32 = gathered.links.iter().map(|link| link.amount()).sum();
+        let parents = mean(self.context.relations.push().row(i), 0.0, |parent| self.row_sums[parent]);
+        self.row_sums[i] = own + parents.unwrap_or(0.0);
+        if gathered.cost.rays > 0 {
+            self.kept += self.row_sums[i] as f64;
+        }
         self.operator.links[i] = gathered.links;
         self.values[i] = gathered.value;
     }
