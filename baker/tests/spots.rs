@@ -9,7 +9,7 @@ use rebounce::scene;
 use rebounce::triangles::TriangleSurfaces;
 
 /// Two bare walls in the first camera's picture.
-const WALLS: [Rectangle; 2] = [[0.03, 0.15, 0.40, 0.60], [0.47, 0.25, 0.85, 0.65]];
+const WALLS: [Rectangle; 2] = [[0.03, 0.30, 0.36, 0.62], [0.47, 0.30, 0.83, 0.65]];
 
 /// Spots on the walls of the attic at `draft` with fewer functions, by how many levels share what their rays find.
 fn attic(pooled_levels: usize) -> [Spots; 2] {
