@@ -1,18 +1,22 @@
 //! Laws of a whole bake, on the built-in furnace: a closed box of albedo 0.5.
 
 use glam::Vec3;
-use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::bake::{BakeReport, BakeSettings, Preset, bake};
 use rebounce::scene;
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::relight;
 
 fn baked() -> Scene {
+    baked_with_report().0
+}
+
+fn baked_with_report() -> (Scene, BakeReport) {
     let mut settings = BakeSettings::new(Preset::Draft);
     settings.place.levels = 4;
     settings.place.functions = 4000;
     settings.operator.rays = vec![512, 512, 512, 256];
     let scene = scene::load("builtin:furnace").unwrap();
-    bake(&scene, &settings, &()).unwrap().0
+    bake(&scene, &settings, &()).unwrap()
 }
 
 #[test]
@@ -25,6 +29,14 @@ fn a_furnace_is_as_bright_everywhere_as_the_series_says() {
     for (i, e) in irradiance.iter().enumerate() {
         assert!((*e - 1.0).abs().max_element() < 0.005, "point {i}: {e}");
     }
+}
+
+#[test]
+fn a_bounce_in_a_closed_room_loses_no_light_and_reports_say_so() {
+    let (_, report) = baked_with_report();
+    assert!(report.lost_share < 1e-4, "{}", report.lost_share);
+    assert!(report.link_loss.abs() < 5e-4, "{}", report.link_loss);
+    assert!(report.to_string().contains("a bounce loses 0.00"), "{report}");
 }
 
 #[test]
