@@ -6,7 +6,7 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::bulk::{Point, Vertex};
 use rebounce_shared::rbn::meta::{Animation, Draw, Interpolation, Level, Material, Meta, Property, Track};
-use rebounce_shared::rbn::{LinkMatrix, RbnError, Scene};
+use rebounce_shared::rbn::{LinkMatrix, RbnError, Scene, container};
 use rebounce_viewer::wasm::Viewer;
 use rebounce_viewer::wire;
 use wasm_bindgen::convert::TryFromJsValue;
@@ -104,7 +104,7 @@ async fn files_that_are_none_are_refused_with_a_code() {
     damaged[whole.len() / 2] ^= 1;
     assert_eq!(refusal(&viewer, &damaged).await, "corrupt");
     // Another version's file may have checksums of another kind: the version comes first.
-    for (version, said) in [(9u32, "newer-version"), (5, "older-version")] {
+    for (version, said) in [(container::VERSION + 1, "newer-version"), (5, "older-version")] {
         let mut other = whole.clone();
         other[8..12].copy_from_slice(&version.to_le_bytes());
         assert_eq!(refusal(&viewer, &other).await, said);

@@ -105,7 +105,8 @@ pub fn choose_pooled(tally: &Tally<4>, sum: f32, epsilon: f32, noise: PooledNois
             sums = [amount - link.amount(), 0.0, amount - link.amount(), 0.0];
         }
     });
-    // The row keeps its sum: what is left goes to the last link, and what packing that loses to the smallest.
+    // The row keeps its sum: what is left is said of the sender that gives most, and what packing that loses of the
+    // smallest link's. The former is near, and as bright as most: a lit sender far away would make a spot of it.
     let left = if has_other { own_sum } else { sum } - held;
     if row.is_empty() {
         if left.abs() > LEAST_SUM * epsilon && left * left > noise.sum {
@@ -114,9 +115,13 @@ pub fn choose_pooled(tally: &Tally<4>, sum: f32, epsilon: f32, noise: PooledNois
         return row;
     }
     let smallest = |a: &usize, b: &usize| row[*a].amount().abs().total_cmp(&row[*b].amount().abs());
-    let (last, smallest) = (row.len() - 1, (0..row.len()).min_by(smallest).unwrap_or_default());
+    let smallest = (0..row.len()).min_by(smallest).map(|at| row[at].sender());
     let mut left = left;
-    for at in [last, smallest] {
+    for sender in [Some(strongest.0 as usize), smallest].into_iter().flatten() {
+        let at = row.partition_point(|link| link.sender() < sender);
+        if row.get(at).is_none_or(|link| link.sender() != sender) {
+            row.insert(at, Link::pack(sender as u32, 0.0));
+        }
         let before = row[at].amount();
         row[at] = Link::pack(row[at].sender() as u32, before + left);
         left -= row[at].amount() - before;

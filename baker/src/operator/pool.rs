@@ -22,10 +22,8 @@ const BLOCK: usize = 32;
 /// Bare are surfaces that see what is at least so many support radii away.
 const BARE: f32 = 50.0;
 /// How much stricter the test against noise is on bare surfaces, where a spot shows, than in front of details: on the
-/// [`FINE`] finest levels, and on coarser ones, where a spot is larger.
+/// finest level, and on coarser ones, where a spot is larger.
 const STRICTER: [f32; 2] = [10.0, 20.0];
-/// See [`STRICTER`].
-const FINE: usize = 2;
 
 /// What a receiver gets from a sender less what coarser receivers expect it to get (Eq. 17).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +54,7 @@ impl Row {
     /// How much stricter than elsewhere links must stand out of their noise, for a receiver of this support radius so many
     /// levels above the finest.
     pub fn strictness(&self, support: f32, above_finest: usize) -> f32 {
-        let most = STRICTER[(above_finest >= FINE) as usize];
+        let most = STRICTER[(above_finest > 0) as usize];
         1.0 + (most - 1.0) * (self.distance / (BARE * support)).min(1.0)
     }
 }
@@ -234,7 +232,7 @@ mod tests {
     fn bare_surfaces_are_tested_more_strictly() {
         let row = |distance| Row { distance, ..Row::default() };
         assert!(row(0.05).strictness(0.2, 0) < 1.1);
-        assert_eq!(row(f32::INFINITY).strictness(0.2, 1), STRICTER[0]);
-        assert_eq!(row(f32::INFINITY).strictness(0.2, 2), STRICTER[1]);
+        assert_eq!(row(f32::INFINITY).strictness(0.2, 0), STRICTER[0]);
+        assert_eq!(row(f32::INFINITY).strictness(0.2, 1), STRICTER[1]);
     }
 }

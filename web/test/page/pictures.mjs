@@ -201,7 +201,7 @@ export async function pictures(harness, shared) {
     await writeFile(gltf, tiles());
     await exec(context.rebounce, ["bake", gltf, ...QUICK, "-o", baked]);
     const body = await readFile(baked);
-    equal(body.readUInt32LE(8), 7, "the format's version, which says that there are copies");
+    equal(body.includes("INST"), true, "a section with the places of copies");
     const html = '<rebounce-viewer src="tiles.rbn" auto-exposure="off" mode="direct"></rebounce-viewer>';
     const { page, faults } = await loaded(context, html, { routes: { "**/tiles.rbn": (route) => route.fulfill({ body }) } });
     const [pixels, triangles] = await page.evaluate(async () => {
