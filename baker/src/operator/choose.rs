@@ -123,7 +123,7 @@ pub fn choose_pooled(tally: &Tally<4>, sum: f32, epsilon: f32, noise: PooledNois
             row.insert(at, Link::pack(sender as u32, 0.0));
         }
         let before = row[at].amount();
-        row[at] = Link::pack(row[at].sender() as u32, before + left);
+        row[at] = Link::pack(sender as u32, before + left);
         left -= row[at].amount() - before;
     }
     row
