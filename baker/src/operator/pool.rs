@@ -16,7 +16,7 @@ const FAR: f32 = 5.0;
 /// Radii of neighbourhoods: the support, halved so many times less one; and the receiver alone.
 const RADII: usize = 4;
 /// Neighbours of less weight cost as much as others and bring little.
-const LEAST_WEIGHT: f32 = 0.1;
+const LEAST_SHARED: f32 = 0.1;
 /// Senders of a block.
 const BLOCK: usize = 32;
 /// Bare are surfaces that see what is at least so many support radii away.
@@ -99,19 +99,13 @@ impl Neighbourhood {
         for (k, &other) in receivers.iter().enumerate() {
             let neighbour = &points.points[other];
             let way = neighbour.position - point.position;
+            let weight =
+                |radius| weight(way, neighbour.normal, point.normal, support / (1u32 << radius) as f32);
             if k == of {
                 self.members.push((k, [1.0; RADII]));
-            } else if way.length_squared() < support * support
-                && !is_hidden(receiver, way)
-                && !is_hidden(other, -way)
-            {
-                let mut weights = [0.0; RADII];
-                for (radius, w) in weights[..RADII - 1].iter_mut().enumerate() {
-                    *w = weight(way, neighbour.normal, point.normal, support / (1u32 << radius) as f32);
-                }
-                if weights[0] > LEAST_WEIGHT {
-                    self.members.push((k, weights));
-                }
+            } else if weight(0) > LEAST_SHARED && !is_hidden(receiver, way) && !is_hidden(other, -way) {
+                let weight = |radius| if radius + 1 < RADII { weight(radius) } else { 0.0 };
+                self.members.push((k, std::array::from_fn(weight)));
             }
         }
         for radius in 0..RADII {
