@@ -25,15 +25,16 @@ pub struct Page {
 const HEAD: &str = "\
 # Fidelity
 
-Bounced light of baked scenes against path-traced references. *Error* is the root mean square difference over the
-reference's root mean square (0 is perfect), *bias* the difference of the means, *p95* the 95th percentile of the
-difference over blocks of 8 by 8 pixels; noise of the references is cancelled out. *FLIP* is how much of the difference
-an eye notices that flips between both, tone-mapped (Andersson et al. 2020; 0 to 1, with what is left of the references'
-noise in it). *Spots*, where the picture has bare
-walls: of what is of their size there, standard deviation and 99.5th percentile on each wall, in thousandths of a stop
-(`compare --spots`; 15, which is 1%, begins to be seen). No parameter set by hand. Scenes that
-came with references of another renderer (Mitsuba 3) are held to these, generated ones to the project's own path tracer.
-`cargo xtask fidelity` makes this page; `rebounce compare` takes one measurement.
+Bounced light of baked scenes against path-traced references. *Error* is the root mean square
+difference over the reference's root mean square (0 is perfect), *bias* the difference of the means,
+*p95* the 95th percentile of the difference over blocks of 8 by 8 pixels; noise of the references is
+cancelled out. *FLIP* is how much of the difference an eye notices that flips between both,
+tone-mapped (Andersson et al. 2020; 0 to 1, with what is left of the references' noise in it).
+*Spots*, where the picture has bare walls: of what is of their size there, standard deviation and
+99.5th percentile on each wall, in thousandths of a stop (`compare --spots`; 15, which is 1%, begins
+to be seen). No parameter set by hand. Scenes that came with references of another renderer (Mitsuba
+3) are held to these, generated ones to the project's own path tracer. `cargo xtask fidelity` makes
+this page; `rebounce compare` takes one measurement.
 
 ";
 
@@ -107,8 +108,8 @@ impl fmt::Display for Page {
 const TRACER: &str = "
 ## The path tracer itself
 
-`rebounce reference`, 64 samples a pixel, against the same references. Its tests hold it against closed forms, too:
-a furnace, a point light over a plane, two parallel squares.
+`rebounce reference`, 64 samples a pixel, against the same references. Its tests hold it against
+closed forms, too: a furnace, a point light over a plane, two parallel squares.
 
 | scene | bias |
 |---|---|
@@ -117,8 +118,8 @@ a furnace, a point light over a plane, two parallel squares.
 const LEAKS: &str = "
 ## Light through walls
 
-Two rooms of 4 m with a wall of 5 cm between them and no door, `builtin:two-rooms`; floor, ceiling and long walls run on
-past the wall. Mean bounced light in the dark room over that in the lit one:
+Two rooms of 4 m with a wall of 5 cm between them and no door, `builtin:two-rooms`; floor, ceiling
+and long walls run on past the wall. Mean bounced light in the dark room over that in the lit one:
 
 | preset | leak |
 |---|---|
@@ -127,9 +128,10 @@ past the wall. Mean bounced light in the dark room over that in the lit one:
 const STEPS: &str = "
 ## A moving light
 
-A spot light goes along the library's shelves in 200 steps, its shadows sweep over everything. The largest change of the
-bounced light from one step to the next: root mean square over the whole picture, and 95th percentile over blocks of 8 by
-8 pixels. Where ours is no larger than the path tracer's, nothing pops.
+A spot light goes along the library's shelves in 200 steps, its shadows sweep over everything. The
+largest change of the bounced light from one step to the next: root mean square over the whole
+picture, and 95th percentile over blocks of 8 by 8 pixels. Where ours is no larger than the path
+tracer's, nothing pops.
 
 | | whole picture | blocks |
 |---|---|---|
