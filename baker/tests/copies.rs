@@ -1,8 +1,6 @@
 //! What stands in a scene many times is there once, and gives the light that as many things of their own give.
 
-mod common {
-    pub mod crowd;
-}
+use crate::common;
 
 use common::crowd::{COPIES, FINE, Said, glb, places};
 use glam::Vec3;

@@ -8,8 +8,7 @@ use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-#[path = "common/program.rs"]
-mod program;
+use crate::common::program;
 
 fn rebounce(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rebounce"));

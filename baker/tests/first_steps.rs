@@ -6,8 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, SystemTime};
 
-#[path = "common/program.rs"]
-mod program;
+use crate::common::program;
 
 const VERBS: [&str; 6] = ["bake", "info", "render", "reference", "compare", "view"];
 /// A scene of few triangles.

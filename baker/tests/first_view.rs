@@ -12,8 +12,7 @@ use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::Material;
 
-#[path = "common/boxes.rs"]
-mod boxes;
+use crate::common::boxes;
 
 /// Boxes, each of its own material: the first one's sides face in.
 fn scene(blocks: &[(Vec3, Vec3)], is_room: bool) -> Scene {

@@ -6,8 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-#[path = "common/program.rs"]
-mod program;
+use crate::common::program;
 
 const SCENE: &str = "builtin:two-rooms-door";
 

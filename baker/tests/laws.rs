@@ -1,6 +1,6 @@
 //! Laws of points, basis and operator, on a closed box known through the surface interface alone.
 
-mod box_room;
+use crate::box_room;
 
 use box_room::BoxRoom;
 use glam::Vec3;

@@ -1,8 +1,7 @@
 //! What materials do to light: windows, surfaces that no light changes, and how many there may be.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[path = "common/quads.rs"]
-mod quads;
+use crate::common::quads;
 
 use glam::{DVec3, Vec3, vec3};
 use quads::{Quad, glb};

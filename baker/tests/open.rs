@@ -13,8 +13,7 @@ use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Material;
 use rebounce_shared::shot::Shot;
 
-#[path = "common/boxes.rs"]
-mod boxes;
+use crate::common::boxes;
 
 /// A closed box whose sides face out, or in.
 #[derive(Clone, Copy)]

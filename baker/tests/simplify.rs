@@ -10,10 +10,8 @@ use rebounce::triangles::TriangleSurfaces;
 use split::split;
 use std::path::Path;
 
-#[path = "common/soup.rs"]
-mod soup;
-#[path = "common/split.rs"]
-mod split;
+use crate::common::soup;
+use crate::common::split;
 
 /// Whether two hits of a ray are on one surface, `allowed` being how far off it may be.
 fn is_same(a: &Hit, b: &Hit, direction: Vec3, allowed: f32) -> bool {

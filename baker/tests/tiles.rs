@@ -13,8 +13,7 @@ use rebounce_shared::interpolation::mean;
 use rebounce_shared::link::Sent;
 use split::split;
 
-#[path = "common/split.rs"]
-mod split;
+use crate::common::split;
 
 /// Surfaces that do not tell their pieces.
 struct HitByHit<'a>(&'a TriangleSurfaces);

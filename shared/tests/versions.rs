@@ -1,8 +1,10 @@
 //! Files of every version: those of this one mean what they meant when they were written; older ones say who wrote them.
 //!
 //! `files/format-N.rbn` is a file of version N, made of `baker/tests/gltf/plain.glb` by the Rebounce that wrote it first and
-//! never made again (7: of the Cornell box, with a wall in two places); `files/format-N.head` is the begin of one that was not released.
+//! never made again (7: of the Cornell box, with a wall in two places; 8 and 9: of a floor, a wall and a half-transparent
+//! board); `files/format-N.head` is the begin of one that was not released.
 
+use rebounce_shared::basis::ParentWeights;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::rbn::{RbnError, Scene, container};
 use rebounce_shared::relight::relight;
@@ -56,6 +58,41 @@ fn a_file_of_version_7_means_what_it_meant() {
     let mean = light.iter().sum::<Vec3>() / light.len() as f32;
     assert!((mean - Vec3::new(0.40261978, 0.46042323, 0.39337125)).abs().max_element() < 1e-5, "{mean}");
     assert!(scene.to_bytes().unwrap() == bytes);
+}
+
+/// Files of one scene in versions 8 and 9: what is in them, and their mean light where all senders have a unit of it.
+fn board(name: &str) -> (Scene, [usize; 5], Vec3) {
+    let bytes = file(name);
+    let scene = Scene::from_bytes(&bytes).unwrap();
+    assert_eq!(scene.meta.scene_name, "board");
+    assert_eq!(scene.meta.materials[1].extras.transmission, 0.5);
+    let counts = [
+        scene.vertices.len(),
+        scene.points.len(),
+        scene.cuts.len(),
+        scene.links.links.len(),
+        scene.later.links.len(),
+    ];
+    let light = relight(&scene, vec![Vec3::ONE; scene.direct_count()]);
+    let mean = light.iter().sum::<Vec3>() / light.len() as f32;
+    assert!(scene.to_bytes().unwrap() == bytes);
+    (scene, counts, mean)
+}
+
+#[test]
+fn a_file_of_version_8_means_what_it_meant() {
+    let (scene, counts, mean) = board("format-8.rbn");
+    assert_eq!((scene.version(), scene.parent_weights), (container::SHEPARD_WEIGHTS, ParentWeights::Shepard));
+    assert_eq!(counts, [12, 83, 22, 975, 1140]);
+    assert!((mean - Vec3::new(0.2456204, 0.22067507, 0.18441641)).abs().max_element() < 1e-5, "{mean}");
+}
+
+#[test]
+fn a_file_of_version_9_means_what_it_meant() {
+    let (scene, counts, mean) = board("format-9.rbn");
+    assert_eq!((scene.version(), scene.parent_weights), (9, ParentWeights::LeastSquares));
+    assert_eq!(counts, [12, 83, 22, 960, 1143]);
+    assert!((mean - Vec3::new(0.24589814, 0.21918626, 0.18344763)).abs().max_element() < 1e-5, "{mean}");
 }
 
 #[test]

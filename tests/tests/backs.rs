@@ -2,9 +2,8 @@
 //! the CPU. Two faces back to back are as one that has both sides.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
-#[path = "common/panel.rs"]
-mod panel;
+use crate::common;
+use crate::panel;
 
 use common::{mean_and_stops, picture};
 use glam::{Vec3, vec3};

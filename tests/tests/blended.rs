@@ -1,7 +1,7 @@
 //! Blended surfaces: the viewer lays them over what is behind, the CPU lets rays through at random. On average the same.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use common::{difference, indirect, mean_and_stops, picture};
 use glam::{Vec2, Vec3};

@@ -1,10 +1,8 @@
 //! Copies of models in the viewer: a picture of them is one of as many things of their own, and what the CPU sees.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
-#[path = "../../baker/tests/common/crowd.rs"]
-#[allow(dead_code, reason = "not all tests use all of it")]
-mod crowd;
+use crate::common;
+use crate::crowd;
 
 use common::{mean_and_stops, picture};
 use crowd::{Said, glb};

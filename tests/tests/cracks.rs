@@ -2,9 +2,8 @@
 //! them open, through which nothing behind the wall is seen in the viewer.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
-#[path = "common/panel.rs"]
-mod panel;
+use crate::common;
+use crate::panel;
 
 use common::{picture, renderer};
 use glam::{DVec3, Vec2, Vec3, vec3};

@@ -2,7 +2,7 @@
 //! them, in the sun as under lamps.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use glam::Vec3;
 use rebounce::picture::{Only, expose::Exposure};

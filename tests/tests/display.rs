@@ -1,7 +1,7 @@
 //! Functions that are looked up and functions that are splatted make the same picture.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce_shared::rbn::Scene;
 use rebounce_tests::small::{everything, small};

@@ -1,7 +1,7 @@
 //! The automatic exposure brings no light into a room that has next to none, beside one that is lit.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce::light::{direct, level::level};
 use rebounce::picture::png::{developed, exposure_of_lit, luminance};

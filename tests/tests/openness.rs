@@ -1,7 +1,7 @@
 //! Detail of the viewer, from the depth buffer, beside that of the CPU, by rays.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use glam::Vec3;
 use rebounce::picture::{Only, expose::Exposure};

@@ -1,7 +1,7 @@
 //! Penumbrae of lights with a size: the page's are the CPU's.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use common::{mean_and_stops, picture};
 use glam::Vec3;

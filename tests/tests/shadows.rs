@@ -2,7 +2,7 @@
 //! that creeps under what stands on a floor, no dark lines where two lit walls meet.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use common::{mean_and_stops, picture};
 use glam::Vec3;

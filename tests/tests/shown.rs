@@ -1,7 +1,7 @@
 //! What `rebounce render` writes as a PNG is what the page shows: exposure, tone mapping, emission, backdrop.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce::picture::Only;
 use rebounce::picture::expose::Exposure;

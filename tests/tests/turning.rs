@@ -2,7 +2,7 @@
 //! CPU's, averaged over many rays a pixel.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use glam::Vec3;
 use rebounce::picture::{Only, expose::Exposure};

@@ -1,8 +1,7 @@
 //! Blended surfaces: in order from everywhere, without noise in the first picture of a view, free where there are none.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;

@@ -1,8 +1,7 @@
 //! What pictures add to Lambertian surfaces: normal maps, highlights, emission, tone mapping.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::Light;

@@ -1,8 +1,7 @@
 //! Glass: what is seen through it and lit through it has its colour. Unlit surfaces: their colour, whatever the light.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;

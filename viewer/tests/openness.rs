@@ -1,8 +1,7 @@
 //! Openness on the GPU equals its Rust twin's, and light follows openness.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::openness::{LEVELS, REACH, View, gain, horizon, received};

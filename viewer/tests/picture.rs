@@ -1,8 +1,7 @@
 //! The GPU's picture of the bounced light, made in either way, against a direct evaluation on the CPU, and what is drawn when.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;

@@ -1,8 +1,7 @@
 //! The GPU's relighting against the CPU's, step by step.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::rbn::{LinkMatrix, Scene};

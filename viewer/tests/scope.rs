@@ -1,8 +1,7 @@
 //! Who owns what lies on the GPU, and whose failures are whose.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod device;
+use crate::common;
 
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::scope::Scope;
@@ -24,7 +23,7 @@ fn copy(gpu: &Gpu, from: &wgpu::Buffer, to: &wgpu::Buffer) {
 
 #[test]
 fn what_a_scope_made_is_usable_until_it_is_dropped_and_destroyed_then() {
-    let Some(gpu) = device::gpu() else { return };
+    let Some(gpu) = common::gpu() else { return };
     let (kept, dropped) = (Scope::new(&gpu), Scope::new(&gpu));
     let (a, b) = (buffer(&kept, 32), buffer(&dropped, 64));
     assert_eq!((kept.bytes(), dropped.bytes()), (32, 64));
@@ -41,7 +40,7 @@ fn what_a_scope_made_is_usable_until_it_is_dropped_and_destroyed_then() {
 
 #[test]
 fn a_failure_is_told_to_the_handle_that_watched() {
-    let Some(gpu) = device::gpu() else { return };
+    let Some(gpu) = common::gpu() else { return };
     let (first, second) = (gpu.share(), gpu.share());
     let scope = Scope::new(&second);
     // Larger than any device allows.
@@ -54,7 +53,7 @@ fn a_failure_is_told_to_the_handle_that_watched() {
 
 #[test]
 fn a_device_lives_as_long_as_any_handle() {
-    let Some(gpu) = device::gpu() else { return };
+    let Some(gpu) = common::gpu() else { return };
     let scope = Scope::new(&gpu.share());
     drop(gpu);
     let (a, b) = (buffer(&scope, 16), buffer(&scope, 16));

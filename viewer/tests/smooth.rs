@@ -1,8 +1,7 @@
 //! Smoothed edges on the GPU against the CPU's, on the same picture.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod device;
+use crate::common;
 
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::smooth::Pixels;
@@ -92,7 +91,7 @@ fn compare(bytes: &[u8], shown: &[Vec3], pixels: &[Vec3]) -> [usize; 2] {
 
 #[test]
 fn edges_are_smoothed_as_on_the_cpu_and_else_stay_as_they_are() {
-    let Some(gpu) = device::gpu() else { return };
+    let Some(gpu) = common::gpu() else { return };
     let pixels = picture();
     let smoothed = Pixels { width: SIZE[0] as usize, pixels: &pixels }.all_smoothed();
     let [differ, changed] = compare(&presented(&gpu, &pixels, SMOOTH), &smoothed, &pixels);

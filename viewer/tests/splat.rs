@@ -1,8 +1,7 @@
 //! The quads that bound what functions reach: the GPU's are the CPU's, less those that reach no pixel's middle.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec2;

@@ -1,8 +1,7 @@
 //! The sum that is kept of lights at rest, with the others on top, is the light of all of them.
-#![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
+use crate::common;
 
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::Scene;

@@ -44,27 +44,48 @@ const PARTS = {
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
 const DAMAGED = ["24", "2"];
 
-/** Runs the tests of the page. `paths`: the programs rebounce, compare and damage, and a folder to work in. */
-export async function runPageTests(harness, paths) {
-  await modules(harness);
-  await soak(harness);
+/** Parts that run at the same time, each in a browser of its own: much of a part's time is spent waiting. */
+const LANES = 2;
+
+/** Runs the tests of the page, or one of its parts. `paths`: the programs rebounce, compare and damage, and a folder to
+ * work in. */
+export async function runPageTests(harness, paths, only) {
+  const left = Object.entries({ ...PARTS, recovery }).filter(([name]) => name === (only ?? name)).map(([, part]) => part);
+  if (left.length === 0) throw new Error(`there is no part ${only}; there are ${Object.keys(PARTS).join(", ")}, recovery`);
+  if (!only) {
+    await modules(harness);
+    await soak(harness);
+  }
   const baked = path.join(paths.work, "cornell-box.rbn");
   await exec(paths.rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "-o", baked]);
   const folder = path.join(paths.work, "damaged");
   await rm(folder, { recursive: true, force: true });
   await exec(paths.damage, [folder, ...DAMAGED]);
   const server = await serve(paths.rebounce, baked);
-  let browser = await launch();
-  const context = { ...paths, damaged: folder, baked, browser, address: server.address, bytes: await readFile(baked) };
+  const shared = { ...paths, damaged: folder, baked, address: server.address, bytes: await readFile(baked) };
+  const last = left.indexOf(recovery) < 0 ? [] : [left.pop()];
   try {
-    for (const part of Object.values(PARTS)) await part(harness, context);
-    await browser.close();
+    const lanes = await Promise.allSettled(
+      Array.from({ length: LANES }, () => inBrowser(shared, async (context) => {
+        for (let part = left.shift(); part; part = left.shift()) await part(harness, context);
+      })),
+    );
+    const lost = lanes.find((lane) => lane.status === "rejected");
+    if (lost) throw lost.reason;
     // In a browser of its own: some lose patience with pages whose devices go.
-    browser = context.browser = await launch();
-    await recovery(harness, context);
+    for (const part of last) await inBrowser(shared, (context) => part(harness, context));
   } finally {
-    await browser.close();
     server.process.kill();
   }
-  await readme(harness);
+  if (!only) await readme(harness);
+}
+
+/** Does some work with a browser, and closes that. */
+async function inBrowser(shared, work) {
+  const context = { ...shared, browser: await launch() };
+  try {
+    await work(context);
+  } finally {
+    await context.browser.close();
+  }
 }

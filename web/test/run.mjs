@@ -1,5 +1,6 @@
-// node test/run.mjs [--wasm DIR/NAME]... [--page WORK REBOUNCE COMPARE DAMAGE] [--package WORK REBOUNCE TARBALL]
+// node test/run.mjs [--wasm DIR/NAME]... [--only PART] [--page WORK REBOUNCE COMPARE DAMAGE] [--package WORK REBOUNCE TARBALL]
 // [--site FOLDER]: tests that need a browser.
+// --only: before --page: of its parts those with this name (`PARTS` in page.mjs).
 // --wasm: a test program, where wasm-bindgen wrote NAME.js and NAME_bg.wasm.
 // --page: the tests of the page, with a folder to work in and three programs.
 // --package: those of the npm package, with a folder to work in, the program rebounce, and the tarball.
@@ -15,6 +16,7 @@ import { runWasmTests } from "./wasm.mjs";
 
 const harness = new Harness();
 const args = process.argv.slice(2);
+let only;
 while (args.length > 0) {
   const kind = args.shift();
   if (kind === "--wasm") {
@@ -26,11 +28,13 @@ while (args.length > 0) {
     } catch (error) {
       await harness.test(name, () => Promise.reject(error));
     }
+  } else if (kind === "--only") {
+    only = args.shift();
   } else if (kind === "--page") {
     const [work, rebounce, compare, damage] = args.splice(0, 4);
     console.log("\npage tests in headless Chromium");
     try {
-      await runPageTests(harness, { work, rebounce, compare, damage });
+      await runPageTests(harness, { work, rebounce, compare, damage }, only);
     } catch (error) {
       await harness.test("page", () => Promise.reject(error));
     }

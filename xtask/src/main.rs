@@ -30,9 +30,10 @@ const USAGE: &str = "\
 cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
                      bakes a scene (builtin:cornell-box), builds the viewer, serves it on 127.0.0.1;
                      with --screenshot: takes a picture in headless Chromium instead, and ends
-cargo xtask test [native|wasm|page|package|site|install|mpi]
+cargo xtask test [native|wasm|page|package|site|install|mpi [NAME]]
                      runs every test, those in the browser and of bakes over several processes included; or
-                     one part. install, only by name: of the command that `cargo install` makes
+                     one part. install, only by name: of the command that `cargo install` makes.
+                     native NAME: tests whose path has NAME in it; page NAME: one of the files of web/test/page
 cargo xtask web      builds the viewer and its page into web/dist
 cargo xtask site [--preset NAME] [--samples N] [--quick] [--serve] [--port N]
                      builds the site of web/site into target/site, and serves it on 127.0.0.1;

@@ -10,15 +10,19 @@ use std::process::Stdio;
 /// package, of the site, of the command that `cargo install` makes, and of bakes under mpirun.
 const PARTS: [&str; 7] = ["native", "wasm", "page", "package", "site", "install", "mpi"];
 
-/// Runs every test, or one part. All parts run, whatever becomes of the first; that of the installed command, which
-/// compiles everything once more, only where it is named.
+/// Runs every test, or one part, or of the parts `native` and `page` the tests of one name. All parts run, whatever
+/// becomes of the first; that of the installed command, which compiles everything once more, only where it is named.
 ///
 /// # Errors
 /// If something needed is missing, does not compile, or a test fails.
 pub fn run(args: &[String]) -> Result<()> {
     let part = args.first().map(String::as_str);
-    if part.is_some_and(|part| !PARTS.contains(&part)) || args.len() > 1 {
+    if part.is_some_and(|part| !PARTS.contains(&part)) || args.len() > 2 {
         bail!("there are these parts: {}; without a name all of them are run", PARTS.join(", "));
+    }
+    let name = args.get(1).map(String::as_str);
+    if name.is_some() && !matches!(part, Some("native" | "page")) {
+        bail!("the tests of one name can be run of the parts native and page alone");
     }
     if part == Some("mpi") {
         return over_mpi();
@@ -37,7 +41,7 @@ pub fn run(args: &[String]) -> Result<()> {
         return installed::test();
     }
     let native = match part {
-        None | Some("native") => native(&[]),
+        None | Some("native") => native(name.as_slice()),
         Some("wasm") => Ok(()),
         Some(_) => native(&["--no-run"]),
     };
@@ -48,7 +52,7 @@ pub fn run(args: &[String]) -> Result<()> {
         return native;
     }
     let programs = if wanted("wasm") { wasm_tests(toolchain::find()?)? } else { Vec::new() };
-    let browser = browser(&programs, wanted);
+    let browser = browser(&programs, wanted, name);
     if let Err(error) = &browser {
         println!("{error:#}");
     }
@@ -76,12 +80,13 @@ fn over_mpi() -> Result<()> {
     install::ensure(&install::MPI)?;
     // One after another: each starts processes of its own. Tests of the library need no MPI, and run in the part `native`.
     let mut command = process::cargo();
-    command.args(["test", "--locked", "--package", "rebounce", "--features", "mpi", "--test", "mpi"]);
+    // Of the workspace, as the other tests: with other features dependencies would be compiled again.
+    command.args(["test", "--locked", "--workspace", "--features", "rebounce/mpi", "--test", "mpi"]);
     process::run(command.args(["--", "--test-threads", "1"]))
 }
 
 /// Runs wasm tests, and those of the wanted parts, in headless Chromium.
-fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool) -> Result<()> {
+fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool, name: Option<&str>) -> Result<()> {
     let work = process::target().join("browser-tests");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
     let bin = |name: &str| process::target().join("debug").join(name);
@@ -92,6 +97,9 @@ fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool) -> Result<()
         let dir = work.join("wasm");
         bindgen::tests(file, &name, &dir)?;
         node.arg("--wasm").arg(dir.join(name));
+    }
+    if let Some(name) = name {
+        node.args(["--only", name]);
     }
     if wanted("page") {
         node.arg("--page").arg(&work).args(["rebounce", "compare", "damage"].map(bin));

@@ -1,0 +1,33 @@
+//! Tests of the baker, in one program: as many programs would each link all of it.
+
+mod box_room;
+mod common {
+    pub mod boxes;
+    pub mod crowd;
+    pub mod program;
+    pub mod quads;
+    pub mod soup;
+    pub mod split;
+}
+
+mod closed_forms;
+mod copies;
+mod faults;
+mod first_steps;
+mod first_view;
+mod furnace;
+mod gltf;
+mod ground;
+mod kill;
+mod laws;
+mod leaks;
+mod materials;
+mod open;
+mod points;
+mod resume;
+mod simplify;
+mod size;
+mod spots;
+mod target;
+mod team;
+mod tiles;

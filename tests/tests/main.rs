@@ -1,0 +1,22 @@
+//! Tests that span crates, in one program: as many programs would each link all of them.
+
+mod common;
+#[path = "../../baker/tests/common/crowd.rs"]
+#[allow(dead_code, reason = "not all of it is used here")]
+mod crowd;
+#[path = "common/panel.rs"]
+mod panel;
+
+mod backs;
+mod blended;
+mod compare;
+mod copies;
+mod cracks;
+mod direct;
+mod display;
+mod exposure;
+mod openness;
+mod penumbra;
+mod shadows;
+mod shown;
+mod turning;
