@@ -7,10 +7,10 @@ use glam::Vec3;
 use rebounce::bake::{
     BakeError, BakeSettings, Checkpoint, Identity, Observer, Preset, bake, bake_with_checkpoint,
 };
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
 use rebounce::scene::{self, Scene};
-use rebounce::surface::{Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::rbn;
 use rebounce_shared::relight::relight;
 use std::sync::atomic::{AtomicUsize, Ordering};

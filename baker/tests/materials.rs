@@ -6,14 +6,14 @@ use crate::common::quads;
 use glam::{DVec3, Vec3, vec3};
 use quads::{Quad, glb};
 use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
 use rebounce::light::direct;
 use rebounce::path_trace::{Settings, radiance};
 use rebounce::picture::Only;
 use rebounce::random::Stream;
 use rebounce::render::Relit;
 use rebounce::scene::{self, Scene, SceneError};
-use rebounce::surface::{Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn;
 

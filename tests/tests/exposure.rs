@@ -3,11 +3,11 @@
 
 use crate::common;
 
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::light::{direct, level::level};
 use rebounce::picture::png::{developed, exposure_of_lit, luminance};
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::exposure;
 use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::rbn::Scene;

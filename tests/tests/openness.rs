@@ -4,9 +4,9 @@
 use crate::common;
 
 use glam::Vec3;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::{Content, render};
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::rbn::Scene;
 use rebounce_tests::small::small;
 

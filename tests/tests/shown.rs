@@ -3,11 +3,11 @@
 
 use crate::common;
 
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::Only;
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::png::display_bytes;
 use rebounce::render::{Content, render, shown::Shown};
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::DetailTexture;

@@ -3,10 +3,10 @@
 use super::BakeSettings;
 use super::stand_in::{Staged, outside};
 use crate::basis::Relations;
-use crate::operator::Operator;
-use crate::points::Points;
-use crate::points::round::{least_step, power_of_two_under, to_steps};
+use crate::sampling::Points;
+use crate::sampling::round::{least_step, power_of_two_under, to_steps};
 use crate::scene::{Model, Scene};
+use crate::transport::direct_to_indirect::Operator;
 use crate::weld::firsts;
 use glam::Vec3;
 use rayon::prelude::*;

@@ -2,8 +2,8 @@
 //! where it shows after.
 
 use super::{BakeSettings, Preset, assemble};
+use crate::geometry::mesh::MOST_PRIMITIVES;
 use crate::scene::{Scene, Texture};
-use crate::triangles::MOST_PIECES;
 use glam::Vec3;
 use rebounce_shared::link::{LaterLink, Link, Sent};
 use rebounce_shared::rbn::codec::links;
@@ -101,7 +101,8 @@ pub fn plan(
         functions = functions.min(affordable as usize);
     }
     if let Some(wanted) = budget.memory {
-        let copied = scene.triangles_placed().min(MOST_PIECES).saturating_sub(scene.triangles.len() as u64);
+        let copied =
+            scene.triangles_placed().min(MOST_PRIMITIVES).saturating_sub(scene.triangles.len() as u64);
         let of_one = MEMORY[1] + if budget.is_judged { JUDGED } else { 0.0 };
         let triangles = of_one * scene.triangles.len() as f64
             + COPIED[0] * scene.instances() as f64

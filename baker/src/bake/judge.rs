@@ -1,6 +1,8 @@
 //! How far baked light is from the truth: in one view, under its lamps, the bounced light of a path tracer and of the
 //! baked file, as [`compare`] has it.
 
+use crate::geometry::mesh::TriangleSurfaces;
+use crate::geometry::{Ray, Surfaces};
 use crate::path_trace::{Settings, path_trace};
 use crate::picture::compare::{CompareError, Comparison, compare};
 use crate::picture::expose::Exposure;
@@ -8,8 +10,6 @@ use crate::picture::uncertainty::{Answer, Estimate};
 use crate::picture::{Only, Picture};
 use crate::render::render;
 use crate::scene::{Scene, SceneError};
-use crate::surface::{Ray, Surfaces};
-use crate::triangles::TriangleSurfaces;
 use glam::{DVec3, Vec3};
 use rebounce_shared::rbn;
 use rebounce_shared::shot::Shot;
@@ -247,7 +247,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The material and the place in the middle of each pixel; none where the surfaces do not tell their pieces.
+/// The material and the place in the middle of each pixel; none where the surfaces do not tell their primitives.
 fn seen(
     surfaces: &TriangleSurfaces,
     scene: &Scene,
@@ -256,12 +256,12 @@ fn seen(
 ) -> Vec<Option<(u32, Vec3)>> {
     let frame = shot.camera.frame(scene.origin);
     let at = |pixel: u32| {
-        let pieces = surfaces.pieces()?;
+        let primitives = surfaces.primitives()?;
         let [x, y] = [pixel % width, pixel / width].map(|at| at as f32 + 0.5);
         let direction = frame.direction(x, y, width, height);
         let ray = Ray { origin: frame.eye, direction, max_distance: f32::INFINITY, spread: 0.0 };
-        let (place, distance) = pieces.find_seen(&ray, pixel)?;
-        Some((pieces.piece(place.piece).kind, frame.eye + direction * distance))
+        let (place, distance) = primitives.find_seen(&ray, pixel)?;
+        Some((primitives.primitive(place.primitive).kind, frame.eye + direction * distance))
     };
     (0..width * height).map(at).collect()
 }

@@ -1,6 +1,7 @@
 //! The verbs of the command line, one a file. They read arguments, call the library and print.
 
 pub mod bake;
+mod communicator;
 pub mod compare;
 mod draft;
 mod http;
@@ -13,7 +14,6 @@ mod progress;
 pub mod reference;
 pub mod render;
 mod stop;
-mod team;
 pub mod view;
 
 use anyhow::{Context, Result};

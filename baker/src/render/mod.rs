@@ -10,12 +10,12 @@ pub mod shown;
 pub mod unlit;
 
 use crate::basis::{Evaluator, Leveled, Support};
+use crate::geometry::{Hit, Ray, Surfaces};
 use crate::light::direct;
 use crate::picture::expose::{Exposure, expose};
 use crate::picture::{Only, Picture};
-use crate::points::open_share;
 use crate::random::Stream;
-use crate::surface::{Hit, Ray, Surfaces};
+use crate::sampling::open_share;
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::camera::Camera;

@@ -7,8 +7,8 @@ use super::plan::Plan;
 use anyhow::{Context, Result};
 use rebounce::bake::budget::{self, Thinned};
 use rebounce::bake::{BakeError, BakeReport, Checkpoint, Identity, bake_in_team};
+use rebounce::communicator::Communicator;
 use rebounce::scene::Scene;
-use rebounce::team::Team;
 use rebounce::write::write_whole;
 use rebounce_shared::rbn::{self, container};
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 pub struct Tries<'a> {
     pub args: &'a BakeArgs,
     pub scene: &'a Scene,
-    pub team: &'a dyn Team,
+    pub team: &'a dyn Communicator,
     pub watcher: Watcher,
     /// Where the file goes.
     pub output: PathBuf,
@@ -61,7 +61,9 @@ impl Tries<'_> {
                 // Nobody but the first process has no result.
                 Ok(None) => return Ok(Ended::Elsewhere),
                 Err(BakeError::Stopped) => return Ok(Ended::Stopped),
-                Err(error @ (BakeError::Checkpoint(_) | BakeError::Apart(_) | BakeError::Team(_))) => {
+                Err(
+                    error @ (BakeError::Checkpoint(_) | BakeError::Apart(_) | BakeError::Communicator(_)),
+                ) => {
                     return Err(error.into());
                 }
                 Err(error) => {
