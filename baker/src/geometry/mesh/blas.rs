@@ -1,4 +1,6 @@
-//! Triangles in one space: a hierarchy over them, and what they look like.
+//! Bottom-level acceleration structure (BLAS): the triangles of one space in the order of a [BVH8](super::bvh8)'s leaves, and
+//! their shading attributes. It answers nearest-hit, visibility and transmittance queries for a single ray; bundles of rays
+//! use [packet traversal](super::packet_traversal).
 
 use super::bvh8::{Bvh8, LARGEST_LEAF, Visit};
 use super::geometry::{Surface, Triangle};
@@ -21,7 +23,7 @@ const TURNED: u8 = 1 << 3;
 /// Which corner is across from its longest side: [`SurfaceCoordinates::at`](crate::geometry::SurfaceCoordinates::at) counts from there.
 pub(super) const FIRST: u8 = 3;
 
-/// What a triangle attributes like: one cache line, of which the walk reads nothing.
+/// What a triangle looks like: one cache line, of which the walk reads nothing.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct ShadingAttributes {
@@ -166,7 +168,7 @@ impl Blas {
         if self.marks[triangle] & TURNED == 0 { spanned } else { -spanned }
     }
 
-    /// Whether a direction meets the back of a triangle that reflects on its front static_blas.
+    /// Whether a direction meets the back of a triangle that reflects on its front alone.
     #[inline]
     pub fn is_dark(&self, triangle: usize, direction: Vec3) -> bool {
         self.marks[triangle] & TWO_SIDED == 0 && self.front(triangle).dot(direction) > 0.0

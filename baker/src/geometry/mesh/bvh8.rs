@@ -1,9 +1,9 @@
-//! A hierarchy of nodes with eight children each, made from obvhs' binary one.
+//! BVH8: a bounding volume hierarchy with eight children a node, collapsed from obvhs' binary BVH (Wald, Benthin and Boulos
+//! 2008, *Getting Rid of Packets*).
 //!
-//! A node holds its children's boxes side by side, so that all eight are tested at once: with AVX2 where the processor has
-//! it, and by the same arithmetic where not. The boxes are kept as they are: in 256 steps of the node's extent a node was
-//! half as large, but making numbers of the steps took a sixth of a ray's time, in a million triangles, too. (obvhs has
-//! such a hierarchy for GPUs, CWBVH; it loses a few hits in a thousand on large scenes.)
+//! The boxes of a node's children are stored side by side (structure of arrays) and tested by one slab test of eight lanes:
+//! AVX2 where the processor has it, the same arithmetic in scalar code elsewhere. Invariant: traversal finds what brute force
+//! over all triangles finds. Boxes keep 32-bit floats; obvhs' compressed wide BVH (CWBVH) misses hits in large scenes.
 
 use crate::processor;
 use glam::Vec3;

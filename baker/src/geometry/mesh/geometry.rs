@@ -290,10 +290,10 @@ impl TryFrom<&rbn::Scene> for Geometry {
         // What stands once, then models, each of draw calls that follow each other.
         let stands = |draw: usize| scene.copies_of(draw);
         let draws = || scene.meta.draws.iter().enumerate();
-        let static_blas = draws().filter(|(draw, _)| stands(*draw).is_empty());
+        let alone = draws().filter(|(draw, _)| stands(*draw).is_empty());
         let copied = draws().filter(|(draw, _)| !stands(*draw).is_empty());
         let mut last = 0..0;
-        for (number, draw) in static_blas.chain(copied) {
+        for (number, draw) in alone.chain(copied) {
             let (first, copies) = (triangles.len(), stands(number));
             if !copies.is_empty() && copies != last {
                 let local_from_model = scene.instances[copies.clone()].iter().map(Instance::local_from_model);

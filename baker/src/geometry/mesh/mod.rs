@@ -1,12 +1,12 @@
-//! Triangles as [`Surfaces`]: a bounding volume hierarchy over all of them, and of [models](crate::scene::Model) one for
-//! each and one over their copies.
+//! Triangle meshes as [`Surfaces`]: a two-level BVH, one [BLAS](blas) for what is not instanced, one for each [instanced
+//! mesh](crate::scene::Model), and a [TLAS](tlas) over the instances.
 //!
-//! obvhs builds them, `wide` makes eight-wide nodes of them. Boxes are padded by some rounding errors, and the triangle
-//! test has no gaps, so that what is found equals what trying all triangles finds; a test holds that.
+//! obvhs builds the binary BVHs, [`bvh8`] collapses them. Boxes are padded by some rounding errors and the triangle test is
+//! watertight, so traversal finds what brute force finds; a test holds that.
 //!
-//! * [`geometry`] – what there is; `glass` – what lets light through; `triangle` – a ray against one; `wide` – nodes;
-//! * `blas` – the triangles of one space; `instances` – where models stand;
-//! * `split` – large triangles around the detail; `packet` – rays that go alike; `together` – how they walk; `primitives` – triangles by number.
+//! * [`geometry`]: the input; `glass`: transmission and alpha; `triangle`: watertight ray/triangle test;
+//! * `bvh8`, `blas`, `tlas`: acceleration structures; `packet`, `packet_traversal`: bundles of rays;
+//! * `split`: large triangles cut up around the detail; `primitives`: triangles by number.
 
 mod blas;
 mod bvh8;
@@ -112,9 +112,9 @@ impl TriangleSurfaces {
         let bounds = geometry.model_bounds();
         let Geometry { triangles, models, colors, surfaces } = geometry;
         let end = models.first().map_or(triangles.len(), |model| model.triangles.start);
-        let static_blas = (end > 0).then(|| blas::bounds(&triangles[..end]));
+        let alone = (end > 0).then(|| blas::bounds(&triangles[..end]));
         let boxes = models.iter().zip(&bounds).flat_map(|(model, bounds)| Tlas::boxes(model, *bounds));
-        let (low, high) = static_blas.into_iter().chain(boxes).reduce(union).unwrap_or_default();
+        let (low, high) = alone.into_iter().chain(boxes).reduce(union).unwrap_or_default();
         let main = main.unwrap_or((low, high));
         let diagonal = (high - low).length();
         let padding = PADDING * diagonal;
@@ -218,19 +218,19 @@ impl TriangleSurfaces {
     #[inline]
     fn nearest(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, TriangleHit)> {
         let line = Line { origin: ray.origin, direction: ray.direction };
-        let static_blas = self.static_blas.nearest(&self.surfaces, &line, ray.max_distance, false, seed);
-        self.with_all(ray, seed, static_blas)
+        let alone = self.static_blas.nearest(&self.surfaces, &line, ray.max_distance, false, seed);
+        self.with_all(ray, seed, alone)
     }
 
-    /// The same, where of the triangles that stand static_blas it is known.
+    /// The same, where of the triangles that stand alone it is known.
     #[inline]
     fn with_all(
         &self,
         ray: &Ray,
         seed: u32,
-        static_blas: Option<(usize, TriangleHit)>,
+        alone: Option<(usize, TriangleHit)>,
     ) -> Option<(Found<'_>, TriangleHit)> {
-        let (found, meeting) = self.with_copies(ray, seed, static_blas, Blas::nearest)?;
+        let (found, meeting) = self.with_copies(ray, seed, alone, Blas::nearest)?;
         if found.is_dark(ray.direction)
             && let Some(front) = self.front_at(ray, seed, found, meeting)
         {
@@ -264,34 +264,33 @@ impl TriangleSurfaces {
     #[inline]
     fn nearest_seen(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, TriangleHit)> {
         let line = Line { origin: ray.origin, direction: ray.direction };
-        let static_blas = self.static_blas.nearest_seen(&self.surfaces, &line, ray.max_distance, false, seed);
-        self.with_copies(ray, seed, static_blas, Blas::nearest_seen)
+        let alone = self.static_blas.nearest_seen(&self.surfaces, &line, ray.max_distance, false, seed);
+        self.with_copies(ray, seed, alone, Blas::nearest_seen)
     }
 
-    /// The nearest triangle, where of those that stand static_blas it is known; in a model it is found `by` this.
+    /// The nearest triangle, where of those that stand alone it is known; in a model it is found `by` this.
     #[inline]
     fn with_copies(
         &self,
         ray: &Ray,
         seed: u32,
-        static_blas: Option<(usize, TriangleHit)>,
+        alone: Option<(usize, TriangleHit)>,
         by: impl Fn(&Blas, &[Surface], &Line, f32, bool, u32) -> Option<(usize, TriangleHit)>,
     ) -> Option<(Found<'_>, TriangleHit)> {
         let line = Line { origin: ray.origin, direction: ray.direction };
         if !self.instances.all.is_empty() {
-            let limit = static_blas.map_or(ray.max_distance, |(_, meeting)| meeting.distance);
+            let limit = alone.map_or(ray.max_distance, |(_, meeting)| meeting.distance);
             let find = |copy: &Instance, line: &Line, limit: f32, strictly: bool| {
                 let model = &self.models[copy.model as usize];
                 by(model, &self.surfaces, line, limit, strictly, copy.seed(seed))
             };
             if let Some((copy, triangle, meeting)) =
-                self.instances.nearest(&line, limit, static_blas.is_some(), find)
+                self.instances.nearest(&line, limit, alone.is_some(), find)
             {
                 return Some((self.of_copy(copy, triangle), meeting));
             }
         }
-        static_blas
-            .map(|(triangle, meeting)| (Found { blas: &self.static_blas, triangle, copy: None }, meeting))
+        alone.map(|(triangle, meeting)| (Found { blas: &self.static_blas, triangle, copy: None }, meeting))
     }
 
     #[inline]
@@ -300,7 +299,7 @@ impl TriangleSurfaces {
         Found { blas: &self.models[copy.model as usize], triangle, copy: Some(copy) }
     }
 
-    /// A primitive by number: those that stand static_blas first, then copy after copy.
+    /// A primitive by number: those that stand alone first, then copy after copy.
     #[inline]
     fn found(&self, primitive: u32) -> Found<'_> {
         if (primitive as usize) < self.static_blas.corners.len() {
@@ -346,8 +345,8 @@ impl Surfaces for TriangleSurfaces {
         }
         let line = Line { origin: ray.origin, direction: ray.direction };
         let tint = |blas: &Blas, line: &Line, limit: f32| blas.tint(&self.surfaces, line, limit, from_eye);
-        let static_blas = tint(&self.static_blas, &line, distance);
-        static_blas * self.instances.product(&self.models, &line, distance, tint)
+        let alone = tint(&self.static_blas, &line, distance);
+        alone * self.instances.product(&self.models, &line, distance, tint)
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {

@@ -1,4 +1,4 @@
-//! Rays that go alike, as nodes are tested against them: a packet.
+//! Ray packet: up to 64 rays of one octant and major axis, with their interval bounds for conservative slab tests.
 
 use super::bvh8::{BEYOND, Node, SMALL, SlabRay, WIDTH};
 use super::triangle::{ShearedRay, ShearedRays};
@@ -165,9 +165,9 @@ impl Packet {
         }
     }
 
-    /// One of the rays, as nodes and triangles are tested against it static_blas.
+    /// One of the rays, as nodes and triangles are tested against it alone.
     #[inline]
-    pub fn static_blas(&self, ray: usize) -> (SlabRay, ShearedRay) {
+    pub fn alone(&self, ray: usize) -> (SlabRay, ShearedRay) {
         let of = |all: &[All; 3]| -> [f32; 3] {
             std::array::from_fn(|axis| bytemuck::cast_ref::<All, Each>(&all[axis])[ray])
         };

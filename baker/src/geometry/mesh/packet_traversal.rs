@@ -1,10 +1,10 @@
-//! Rays that go alike, walked through a hierarchy together.
+//! Packet traversal of a BVH8 (Wald et al. 2001; interval culling after Boulos et al. 2006).
 //!
-//! A node's eight children are tested at once against the bounds of all rays; a child that may be met, against each ray,
-//! eight at once; and each triangle in it, against those that meet its box. So what lies in memory is read, and what is
-//! next is decided, once for all of them; a ray that parts from the others goes on static_blas. Each is tested against the
-//! triangles of the leaves whose boxes it meets, by the arithmetic of a ray that walks static_blas, though in another order; as no
-//! hit lies before its box by more than rounding, and of two at one place the first triangle counts, it finds the same.
+//! The eight children of a node are tested against the interval bounds of all rays; a child that passes, against each active
+//! ray, eight rays at a time; a triangle, against the rays that hit its leaf's box. A ray that diverges from the packet goes
+//! on by single-ray traversal. Invariant: each ray finds the hit of single-ray traversal, to the last bit. The triangle test
+//! is the same arithmetic, no hit lies before its box by more than rounding, and of two triangles at one distance the first
+//! counts.
 
 use super::blas::{Blas, Nearest, Stop};
 use super::bvh8::{LEAF, Node, SlabRay8, WIDTH, distance, entry, move_half, places};
@@ -113,7 +113,7 @@ impl Together<'_> {
                 } else if rays & (rays - 1) != 0 {
                     break (next, rays);
                 } else {
-                    self.static_blas(next, rays.trailing_zeros() as usize);
+                    self.alone(next, rays.trailing_zeros() as usize);
                 }
                 self.packet.limits.find_farthest();
             };
@@ -160,14 +160,14 @@ impl Together<'_> {
     #[cold]
     #[inline(never)]
     fn meet_alone(&self, place: usize, ray: usize) -> Option<TriangleHit> {
-        self.blas.corners[place].meet(&self.packet.static_blas(ray).1, self.packet.limits.of(ray))
+        self.blas.corners[place].meet(&self.packet.alone(ray).1, self.packet.limits.of(ray))
     }
 
     /// One ray goes on from a node.
     #[target_feature(enable = "avx2,bmi1,lzcnt")]
     #[inline(never)]
-    fn static_blas(&mut self, from: u32, ray: usize) {
-        let (walker, sheared) = self.packet.static_blas(ray);
+    fn alone(&mut self, from: u32, ray: usize) {
+        let (walker, sheared) = self.packet.alone(ray);
         let mut nearest = Nearest { stop: self.stop(ray), sheared };
         let meet = |node: &Node, walker: &SlabRay8, limit| node.meet_avx2(walker, limit);
         let limit = self.packet.limits.of(ray);

@@ -1,4 +1,4 @@
-//! Triangles as [`Primitives`].
+//! Triangles as numbered [`Primitives`], so that a [hit cache](crate::transport::direct_to_indirect) can be laid over them.
 
 use super::blas::{FIRST, TWO_SIDED};
 #[cfg(target_arch = "x86_64")]
@@ -90,11 +90,11 @@ impl Primitives for TriangleSurfaces {
             }
             // SAFETY: the processor has all that the function asks for.
             #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-            let static_blas =
+            let alone =
                 unsafe { self.static_blas.nearest_together(&self.surfaces, some.iter().map(of), first) };
-            found.extend(some.iter().zip(static_blas).map(|(number, static_blas)| {
+            found.extend(some.iter().zip(alone).map(|(number, alone)| {
                 let (ray, seed) = of(number);
-                let (found, meeting) = self.with_all(ray, *seed, static_blas)?;
+                let (found, meeting) = self.with_all(ray, *seed, alone)?;
                 self.place_of(ray, found, meeting)
             }));
         }

@@ -2,7 +2,7 @@
 //!
 //! Where a ray meets a triangle is off by a share of the triangle's size: by a millimetre on a plain of ten kilometres,
 //! which is too much beside a house. So around a scene's detail, which is where its local space begins, edges longer than
-//! the detail is wide, and longer than they are far away, are halved. An edge static_blas decides, so neighbours stay joined.
+//! the detail is wide, and longer than they are far away, are halved. An edge alone decides, so neighbours stay joined.
 
 use super::geometry::{Geometry, Triangle};
 use glam::Vec3;
@@ -10,7 +10,7 @@ use glam::Vec3;
 /// Halves an edge at most so often: from any scene down to the exactness of numbers.
 const MOST: u32 = 40;
 
-/// Cuts up what stands static_blas, around a detail of this size at the origin, scene units.
+/// Cuts up what stands alone, around a detail of this size at the origin, scene units.
 pub(super) fn split(geometry: &mut Geometry, size: f32) {
     let end = geometry.models.first().map_or(geometry.triangles.len(), |model| model.triangles.start);
     let has_colors = !geometry.colors.is_empty();

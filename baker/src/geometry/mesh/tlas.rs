@@ -1,4 +1,5 @@
-//! Tlas of models: the upper level of the hierarchy.
+//! Top-level acceleration structure (TLAS): a [BVH8](super::bvh8) over the boxes of instances, each a [BLAS](super::blas) and a
+//! transform. A ray is transformed into an instance's space without renormalising its direction, so distances compare.
 
 use super::blas::{Blas, Line, Padded, build};
 use super::bvh8::Bvh8;

@@ -1,4 +1,4 @@
-//! What a receiver gets, summed by sender while its rays come in.
+//! Sparse accumulator: a receiver's row, summed by sender while its rays are shaded; and the row format of coarse irradiance.
 
 use crate::processor;
 use crate::random::{mix, unit};

@@ -1,4 +1,5 @@
-//! What the points of the coarse levels get from each other, of light that leaves them as later bounces do: C = F P.
+//! Coarse transport matrix C = F P: the irradiance of the coarse points from each other, of light that leaves them
+//! interpolated (P) to the finest senders and arrives over the links T (F is the part of T that ends at coarse points).
 
 use super::accumulator::{IrradianceRow, SparseAccumulator};
 use super::{OperatorSettings, tint};

@@ -1,5 +1,4 @@
-//! One receiver's links from all senders: a hemispherical gather (Eq. 16), less what the coarser
-//! receivers already say (Eq. 17).
+//! Hemispherical gather: a receiver's row of irradiance from all senders (Eq. 16), less what its parents predict (Eq. 17).
 
 use super::OperatorSettings;
 use super::accumulator::SparseAccumulator;

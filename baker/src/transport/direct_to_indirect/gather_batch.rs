@@ -1,8 +1,7 @@
-//! What the rays of some receivers find (Eq. 16).
+//! Gather batch: the rays of several receivers, cast in [sorted order](super::ray_sort) and shaded (Eq. 16).
 //!
-//! Rays are cast in the order of their directions, not of their receivers: receivers next to each other see the same
-//! things, so that nodes, triangles, texels and functions are still near when they are wanted again. What is found is
-//! kept by ray, and added up in the order of a receiver's own rays: the sums are those of one receiver alone.
+//! Receivers of a batch are neighbours, so that nodes, triangles, texels and functions are in cache. Results are kept by ray
+//! and added up in the order of each receiver's own rays: sums do not depend on the batch.
 
 use super::accumulator::SparseAccumulator;
 use super::directions::Directions;

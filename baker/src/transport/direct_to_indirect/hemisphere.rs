@@ -1,4 +1,4 @@
-//! The rays of one receiver's gather, in the order that they are cast.
+//! The rays of one receiver's hemispherical gather, in the order in which they are cast.
 
 use super::directions::Directions;
 use super::ray_sort::cells;

@@ -1,4 +1,4 @@
-//! Where finished parts of the operator are kept, so that a bake that ended early can go on.
+//! Partial results: where finished chunks of the operator are kept, so that a bake that was ended can be resumed.
 
 use super::gather::Gathered;
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! How bright a scene is: the share of light that its surfaces pass on to each other.
+//! Mean albedo of a scene: the share of light that its surfaces reflect to each other. ε is relative to it.
 
 use crate::geometry::{Ray, Surfaces};
 use crate::random::Stream;

@@ -1,11 +1,10 @@
-//! Neighbouring receivers share what their rays find: on the finest levels a link is chosen from the mean of the
+//! Neighbourhoods of receivers share what their rays find: on the finest levels a link is decided by the weighted mean of the
 //! [differences](Difference) of receivers on the same surface.
 //!
 //! Light from a small lit patch reaches a receiver along a few of its rays, so that most of one receiver's difference is
-//! noise, and a link made of it is a spot on a bare wall. The mean over a neighbourhood has a fraction of the variance.
-//! What a sender at distance d gives changes over a distance s by about s / d of itself, by the split-sphere bound (Ward,
-//! Rubinstein and Clear 1988). So each sender has a neighbourhood of its own: no wider than a fifth of its distance. In the
-//! corner of a room what comes from afar is shared, and what comes from the other wall is not.
+//! noise, and a link made of it is a spot on a bare wall. The mean has a fraction of the variance. The irradiance from a
+//! sender at distance d changes over a distance s by about s / d of itself, by the split-sphere bound (Ward, Rubinstein and
+//! Clear 1988). So each sender has a neighbourhood of its own: no wider than a fifth of its distance.
 
 use crate::sampling::{Points, SurfacePoint};
 use glam::Vec3;

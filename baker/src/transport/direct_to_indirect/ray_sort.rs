@@ -1,5 +1,5 @@
-//! The order in which rays are cast: by their directions, so that those that go alike can [walk
-//! together](crate::geometry::Primitives::intersect_packet).
+//! Ray sort: rays of a gather batch are cast by octant, major axis and direction, so that consecutive rays are coherent and
+//! fill [packets](crate::geometry::Primitives::intersect_packet).
 
 use super::directions::{LANES, Lanes};
 use crate::geometry::Ray;

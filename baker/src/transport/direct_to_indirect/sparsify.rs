@@ -1,4 +1,6 @@
-//! Which of what a receiver gets becomes a link.
+//! Row sparsification: which entries of a receiver's gathered row become links. The criterion of Fig. 5 (an entry over ε),
+//! with error diffusion along the senders' space-filling curve: an entry that is too small is added to the next sender, so that
+//! a row keeps its sum.
 
 use super::accumulator::SparseAccumulator;
 use rebounce_shared::link::{Link, Sent};

@@ -65,7 +65,7 @@ fn of_two_faces_back_to_back_a_ray_finds_the_one_that_faces_it() {
             let on = Ray::visibility(origin, hit.normal);
             assert!(pairs.cast(&on, 0).is_none_or(|next| next.distance > 0.1 * epsilon), "{ray:?}");
         }
-        // A ray that passes an edge nearer than the faces are apart, one in some thousands, meets one of them static_blas.
+        // A ray that passes an edge nearer than the faces are apart, one in some thousands, meets one of them alone.
         assert!(dark <= missed && far <= missed, "{apart}: {dark} dark, {far} elsewhere");
     }
 }
@@ -76,18 +76,18 @@ fn together_rays_find_the_same_faces_of_pairs() {
     let pairs: Vec<Triangle> = triangles.iter().step_by(2).map(|t| reversed(t, 0.0)).collect();
     triangles.extend(pairs);
     packet_traversal::find_the_same(&surfaces(triangles.clone(), &[white()]), &triangles);
-    // A copy's face on one that stands static_blas, and two copies back to back.
+    // A copy's face on one that stands alone, and two copies back to back.
     let mut crowd = tlas::crowd();
     crowd.surfaces[1].double_sided = false;
     let model = crowd.models[0].triangles.clone();
     let at = crowd.models[0].local_from_model[0];
     let placed = |t: &Triangle| triangle(t.positions.map(|p| at.transform_point3(p)), 0);
-    let static_blas: Vec<Triangle> =
+    let alone: Vec<Triangle> =
         crowd.triangles[model.clone()].iter().map(|t| reversed(&placed(t), 0.0)).collect();
     let first = model.start;
-    crowd.triangles.splice(first..first, static_blas.iter().copied());
+    crowd.triangles.splice(first..first, alone.iter().copied());
     for model in &mut crowd.models {
-        model.triangles = model.triangles.start + static_blas.len()..model.triangles.end + static_blas.len();
+        model.triangles = model.triangles.start + alone.len()..model.triangles.end + alone.len();
     }
     let corners = crowd.triangles.clone();
     let surfaces = TriangleSurfaces::new(crowd);
@@ -95,7 +95,7 @@ fn together_rays_find_the_same_faces_of_pairs() {
     // From outside the model, at its copy: whichever of the two faces comes first, a ray finds one that faces it.
     let mut stream = Stream::new(8, 0);
     let (mut met, mut dark) = (0, 0);
-    for t in static_blas.iter().cycle().take(5_000) {
+    for t in alone.iter().cycle().take(5_000) {
         let [a, b, c] = t.positions;
         let (u, v) = (0.1 + 0.4 * stream.unit(), 0.1 + 0.4 * stream.unit());
         let place = a + (b - a) * u + (c - a) * v;

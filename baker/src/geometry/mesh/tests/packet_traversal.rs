@@ -1,4 +1,4 @@
-//! Rays that walk together find what each finds static_blas.
+//! Rays that walk together find what each finds alone.
 
 use super::*;
 
@@ -74,12 +74,12 @@ pub(super) fn find_the_same(surfaces: &TriangleSurfaces, corners: &[Triangle]) {
             assert_eq!(found.len(), numbers.len());
             for (number, together) in numbers.iter().zip(&found) {
                 let (ray, seed) = &rays[*number as usize];
-                let static_blas = primitives.find(ray, *seed);
+                let alone = primitives.find(ray, *seed);
                 let bits = |found: Option<(SurfaceCoordinates, f32)>| {
                     found.map(|(p, d)| (p.primitive, p.is_back, [p.at.x, p.at.y, d].map(f32::to_bits)))
                 };
-                assert_eq!(bits(*together), bits(static_blas), "{ray:?}");
-                ended += static_blas.is_some() as usize;
+                assert_eq!(bits(*together), bits(alone), "{ray:?}");
+                ended += alone.is_some() as usize;
                 rays_cast += 1;
             }
         }
@@ -142,7 +142,7 @@ fn eight_rays_meet_a_triangle_as_one_by_one() {
                 #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
                 let meetings = unsafe { corners.meet_together(&together, limits, 0xff) };
                 for (ray, sheared) in sheared.iter().enumerate() {
-                    let static_blas = corners.meet(sheared, limits[ray]);
+                    let alone = corners.meet(sheared, limits[ray]);
                     let may = meetings.met >> ray & 1 != 0;
                     if meetings.unclear >> ray & 1 != 0 {
                         unclear += 1;
@@ -150,7 +150,7 @@ fn eight_rays_meet_a_triangle_as_one_by_one() {
                         continue;
                     }
                     let bits = |m: TriangleHit| [m.distance, m.v, m.w].map(f32::to_bits);
-                    assert_eq!(may.then(|| bits(meetings.of(ray))), static_blas.map(bits), "{:?}", some[ray]);
+                    assert_eq!(may.then(|| bits(meetings.of(ray))), alone.map(bits), "{:?}", some[ray]);
                     met += may as u32;
                 }
             }
@@ -190,12 +190,9 @@ fn what_one_of_them_meets_all_of_them_may() {
                     for (i, ray) in some.iter().enumerate() {
                         let walker = SlabRay::new(ray.origin, ray.direction);
                         let sheared = ShearedRay::new(ray.origin, ray.direction);
-                        assert_eq!(
-                            format!("{:?}", packet.static_blas(i)),
-                            format!("{:?}", (&walker, sheared))
-                        );
-                        let (near, static_blas) = node.meet(&walker, ray.max_distance * BEYOND);
-                        for child in (0..WIDTH).filter(|child| static_blas >> child & 1 != 0) {
+                        assert_eq!(format!("{:?}", packet.alone(i)), format!("{:?}", (&walker, sheared)));
+                        let (near, alone) = node.meet(&walker, ray.max_distance * BEYOND);
+                        for child in (0..WIDTH).filter(|child| alone >> child & 1 != 0) {
                             expected[child] |= 1 << i;
                             assert!(any >> child & 1 != 0 && nearest[child] <= near[child], "{ray:?}");
                             met += 1;

@@ -20,14 +20,14 @@ fn places(count: usize) -> Vec<Affine3A> {
 /// A closed room, and copies of two models in it: some scrap, and a single triangle.
 pub(super) fn crowd() -> Geometry {
     let mut triangles = scrap(1);
-    let static_blas = triangles.len();
+    let alone = triangles.len();
     let mut model: Vec<Triangle> = scrap(7).into_iter().step_by(9).collect();
     model.iter_mut().for_each(|t| t.material = 1);
     triangles.extend(model);
     let end = triangles.len();
     triangles.push(triangle([Vec3::X, Vec3::Y, Vec3::Z], 1));
     let models = vec![
-        Placed { triangles: static_blas..end, local_from_model: places(20) },
+        Placed { triangles: alone..end, local_from_model: places(20) },
         Placed { triangles: end..end + 1, local_from_model: places(7) },
     ];
     let materials = [white(), Material { double_sided: true, ..white() }];

@@ -1,4 +1,4 @@
-//! How a triangle is laid with tiles.
+//! Layout of a triangle's tiles: a grid along its two sides, and the tile of surface coordinates.
 
 use glam::Vec2;
 

@@ -1,9 +1,9 @@
-//! What rays find, worked out beforehand: the functions that cover a hit, and how much light they get, for every small
-//! tile of the surfaces.
+//! Hit cache: for every small tile of the surfaces the basis functions that cover it, and the light they send per unit, so that
+//! shading a gather ray costs one lookup of 32 bytes instead of an evaluation of the basis and of textures.
 //!
-//! Many rays hit what few places are: half a function's radius across, a tile is so small that the functions'
-//! weights hardly change over it, and each is hit by dozens of rays. So what a hit costs is one look at 32 bytes, not at a
-//! dozen functions and some texels. The means over tiles are those over rays: rays do not know about tiles.
+//! A tile is half a support radius across, over which weights change little. Entries are means over four samples of the tile.
+//! Hits are shaded one by one where a mean would be wrong: on tiles that a clip plane crosses, closer than a tile's width, and
+//! on primitives with too many tiles.
 
 mod layout;
 mod weights;

@@ -1,4 +1,4 @@
-//! Light passed to a few functions.
+//! Packed weights: the light that a tile passes to at most four functions, 32 bytes.
 
 /// Functions that a tile, or a hit, passes its light to.
 const SLOTS: usize = 4;
