@@ -9,6 +9,7 @@ use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::sampling::place;
 use rebounce::scene::{self, Scene};
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn;
@@ -106,7 +107,7 @@ fn settings() -> BakeSettings {
     settings
 }
 
-fn error(judge: &Judge, baked: &rbn::Scene) -> f64 {
+fn error(judge: &Judge, baked: &BakedScene) -> f64 {
     judge.verdict(&judge.picture(baked).unwrap()).unwrap().comparison.error.figure()
 }
 

@@ -4,6 +4,7 @@
 
 use crate::common;
 use crate::panel;
+use rebounce_shared::baked::BakedScene;
 
 use common::{mean_and_stops, picture};
 use glam::{Vec3, vec3};
@@ -75,7 +76,7 @@ fn boards(pairs: bool) -> Scene {
     scene
 }
 
-fn baked(scene: &Scene) -> rbn::Scene {
+fn baked(scene: &Scene) -> BakedScene {
     bake(scene, &settings(2_000), &()).unwrap().0
 }
 
@@ -83,7 +84,7 @@ fn exposure(samples: u32) -> Exposure {
     Exposure { size: [SIZE; 2], samples, seed: 5 }
 }
 
-fn rendered(file: &rbn::Scene, only: Only) -> Vec<Vec3> {
+fn rendered(file: &BakedScene, only: Only) -> Vec<Vec3> {
     let surfaces = TriangleSurfaces::from_baked(file).unwrap();
     let (camera, lights) = (&file.meta.cameras[0], &file.meta.lights);
     render(file, &surfaces, camera, lights, exposure(16), only, || ()).pixels

@@ -9,7 +9,8 @@
 //! `rebounce render FILE.rbn --shot SHOT.json --only indirect`, and writes their difference to OUT.png;
 //! `--from` takes another viewer's `readIndirect` (RGBA 32-bit floats) instead of drawing.
 
-use rebounce_shared::{rbn::Scene, shot::Shot};
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::{BakedScene, shot::Shot};
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;

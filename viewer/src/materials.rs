@@ -8,8 +8,8 @@ use crate::pipelines::Pipelines;
 use crate::scope::Scope;
 use crate::textures;
 use bytemuck::{Pod, Zeroable};
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::{Alpha, Material, Texture, Wrap};
 use std::num::NonZeroU64;
 use wgpu::{BufferUsages, ShaderStages};
@@ -113,7 +113,7 @@ impl Materials {
     ///
     /// # Errors
     /// [`ViewerError::Texture`] for one that cannot be decoded.
-    pub async fn new(gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<Self, ViewerError> {
+    pub async fn new(gpu: &Gpu, pipelines: &Pipelines, scene: &BakedScene) -> Result<Self, ViewerError> {
         let own = Scope::new(gpu);
         let textures = textures::load(&own, &pipelines.mips, scene).await?;
         Ok(gpu.watch(|| Self::with(own, &pipelines.material, scene, &textures)))
@@ -122,7 +122,7 @@ impl Materials {
     fn with(
         own: Scope,
         layout: &wgpu::BindGroupLayout,
-        scene: &Scene,
+        scene: &BakedScene,
         textures: &[wgpu::TextureView],
     ) -> Self {
         let white = textures::white(&own);

@@ -8,8 +8,8 @@ use crate::relight::Relight;
 use crate::shadow_fit::Extent;
 use crate::upload::Upload;
 use glam::Vec3;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::openness::REACH;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::Meta;
 use std::ops::Range;
 
@@ -45,7 +45,7 @@ impl LoadedScene {
     /// # Errors
     /// [`ViewerError::TooLarge`] before anything is uploaded, [`ViewerError::Texture`], [`ViewerError::OutOfMemory`], or
     /// [`ViewerError::Internal`] where the device refuses something else.
-    pub async fn upload(gpu: &Gpu, pipelines: &Pipelines, scene: Scene) -> Result<Self, ViewerError> {
+    pub async fn upload(gpu: &Gpu, pipelines: &Pipelines, scene: BakedScene) -> Result<Self, ViewerError> {
         let (upload, relight) = gpu.watch(|| {
             let upload = Upload::new(gpu, &scene)?;
             let relight = Relight::new(gpu, &pipelines.relight, &upload, &scene);
@@ -95,7 +95,7 @@ fn tenth(values: impl ExactSizeIterator<Item = f32> + Clone) -> f32 {
 }
 
 /// Least and greatest corner of the supports of the two finest levels, local space.
-fn finest(scene: &Scene) -> [Vec3; 2] {
+fn finest(scene: &BakedScene) -> [Vec3; 2] {
     let levels = scene.meta.levels.len();
     let points = (levels.saturating_sub(2)..levels).flat_map(|l| &scene.points[scene.level(l)]);
     let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];

@@ -8,11 +8,12 @@ use crate::fronts;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::triangles::Triangles;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::link::{Link, Sent};
 use rebounce_shared::openness;
+use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Instance, Point};
 use rebounce_shared::rbn::meta::{Alpha, Draw};
-use rebounce_shared::rbn::{LinkMatrix, Scene};
 use std::ops::Range;
 use std::rc::Rc;
 use wgpu::BufferUsages;
@@ -81,7 +82,7 @@ impl Run {
 }
 
 /// Where a run's triangles stand.
-pub fn instances<'a>(scene: &'a Scene, run: &Run) -> &'a [Instance] {
+pub fn instances<'a>(scene: &'a BakedScene, run: &Run) -> &'a [Instance] {
     match run.instances.start {
         0 => &[Instance::IDENTITY],
         first => &scene.instances[first as usize - 1..run.instances.end as usize - 1],
@@ -141,7 +142,7 @@ impl Upload {
     ///
     /// # Errors
     /// [`ViewerError::TooLarge`] when a section is larger than a buffer may be; then nothing is uploaded.
-    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, ViewerError> {
+    pub fn new(gpu: &Gpu, scene: &BakedScene) -> Result<Self, ViewerError> {
         let most = Most::of(gpu.buffer_limits());
         most.check(scene)?;
         let own = Scope::new(gpu);
@@ -211,7 +212,7 @@ impl Most {
     }
 
     /// Whether everything of a scene fits; before anything of it is on its way.
-    fn check(&self, scene: &Scene) -> Result<(), ViewerError> {
+    fn check(&self, scene: &BakedScene) -> Result<(), ViewerError> {
         let relations = &scene.relations;
         let longest = scene.links.offsets.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
         let sections = [
@@ -278,7 +279,7 @@ fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
 
 /// Draw calls sorted so that opaque ones come first, blended ones last, and equal materials follow each other, as do one-sided
 /// ones.
-fn runs(scene: &Scene) -> Vec<Run> {
+fn runs(scene: &BakedScene) -> Vec<Run> {
     let run = |(number, d): (usize, &Draw)| {
         let instances = match scene.copies_of(number) {
             copies if copies.is_empty() => 0..1,
@@ -345,13 +346,13 @@ mod tests {
 
     #[test]
     fn what_is_too_large_is_told_with_both_numbers() {
-        let mut scene = Scene { vertices: vec![Default::default(); 10], ..Scene::default() };
+        let mut scene = BakedScene { vertices: vec![Default::default(); 10], ..BakedScene::default() };
         scene.links.offsets = vec![0, 3, 4];
-        let refusal = |buffer: u64, binding: u64, scene: &Scene| match (Most { buffer, binding }).check(scene)
-        {
-            Err(ViewerError::TooLarge { section, bytes, limit }) => Some((section, bytes, limit)),
-            other => other.map(|()| None).unwrap(),
-        };
+        let refusal =
+            |buffer: u64, binding: u64, scene: &BakedScene| match (Most { buffer, binding }).check(scene) {
+                Err(ViewerError::TooLarge { section, bytes, limit }) => Some((section, bytes, limit)),
+                other => other.map(|()| None).unwrap(),
+            };
         assert_eq!(refusal(240, 12, &scene), None);
         assert_eq!(refusal(239, 12, &scene), Some(("VERT", 240, 239)));
         // Three links in a row are not divided; neither are the rows' offsets.
@@ -364,7 +365,7 @@ mod tests {
 
     #[test]
     fn copies_keep_to_their_own_runs() {
-        let mut scene = Scene::default();
+        let mut scene = BakedScene::default();
         scene.meta.materials = vec![Material::default(), Material::default()];
         let draw = |material: u32, k: u32| Draw { material, first_index: 3 * k, index_count: 3 };
         scene.meta.draws = vec![draw(0, 0), draw(1, 1), draw(0, 2), draw(1, 3), draw(0, 4)];
@@ -387,7 +388,7 @@ mod tests {
 
     #[test]
     fn shadows_draw_the_same_triangles() {
-        let mut scene = Scene::default();
+        let mut scene = BakedScene::default();
         scene.meta.materials = vec![
             Material::default(),
             Material { alpha: Alpha::Blend, ..Default::default() },

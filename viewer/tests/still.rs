@@ -3,8 +3,8 @@
 
 use crate::common;
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn::Scene;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::pipelines::Pipelines;
 use rebounce_viewer::readback::Readback;
@@ -33,7 +33,7 @@ fn light(i: usize, shift: f64) -> Light {
     }
 }
 
-fn renderer(gpu: &Gpu, pipelines: &Rc<Pipelines>, scene: &Scene) -> Renderer {
+fn renderer(gpu: &Gpu, pipelines: &Rc<Pipelines>, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::with(gpu.clone(), pipelines.clone());
     renderer.set_largest_shadow_map(64);
     renderer.set_still_pictures(1);

@@ -5,9 +5,10 @@ use super::{BakeSettings, Preset, assemble};
 use crate::geometry::mesh::MOST_PRIMITIVES;
 use crate::scene::{Scene, Texture};
 use glam::Vec3;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::link::{LaterLink, Link, Sent};
 use rebounce_shared::rbn::codec::links;
-use rebounce_shared::rbn::{self, LinkMatrix, RbnError, container};
+use rebounce_shared::rbn::{LinkMatrix, RbnError, container};
 
 /// Why a budget cannot be met.
 #[derive(Debug, thiserror::Error)]
@@ -181,7 +182,7 @@ pub struct Thinned {
 ///
 /// # Errors
 /// [`BudgetError::Bytes`] where even the strongest link of each row is too many.
-pub fn fit(file: &mut rbn::Scene, bytes: u64) -> Result<Option<Thinned>, BudgetError> {
+pub fn fit(file: &mut BakedScene, bytes: u64) -> Result<Option<Thinned>, BudgetError> {
     let whole = file.to_bytes()?.len() as u64;
     if whole <= bytes {
         return Ok(None);
@@ -277,7 +278,7 @@ mod tests {
         let scene = scene::load("builtin:two-rooms-door").unwrap();
         let (whole, _) = bake(&scene, &small(), &()).unwrap();
         let bytes = whole.to_bytes().unwrap().len() as u64;
-        let sums = |file: &rbn::Scene| -> Vec<f32> {
+        let sums = |file: &BakedScene| -> Vec<f32> {
             file.links.iter().map(|row| row.iter().map(|link| link.amount()).sum()).collect()
         };
         let mut same = whole.clone();

@@ -11,7 +11,7 @@ use crate::picture::{Only, Picture};
 use crate::render::render;
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
-use rebounce_shared::rbn;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::shot::Shot;
 
 /// About how many pixels are looked at: of fewer ones each is wider, and what is wrong at edges goes unseen.
@@ -183,7 +183,7 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// [`JudgeError::Scene`].
-    pub fn picture(&self, baked: &rbn::Scene) -> Result<Picture, JudgeError> {
+    pub fn picture(&self, baked: &BakedScene) -> Result<Picture, JudgeError> {
         let Shot { camera, lights, .. } = self.shot;
         let surfaces = TriangleSurfaces::from_baked(baked)?;
         let exposure = Exposure { size: self.size, samples: SAMPLES, seed: 3 };
@@ -304,7 +304,7 @@ mod tests {
         let (camera, lights) = (scene.cameras[0].clone(), scene.lights.clone());
         let shot = Shot { scene: None, size: [64, 64], camera, lights };
         let judge = Judge::new(&scene, &shot, None, || ()).unwrap();
-        let error = |file: &rbn::Scene| judge.verdict(&judge.picture(file).unwrap()).unwrap();
+        let error = |file: &BakedScene| judge.verdict(&judge.picture(file).unwrap()).unwrap();
         let (coarse, _) = bake(&scene, &small(300), &()).unwrap();
         let (fine, _) = bake(&scene, &small(8_000), &()).unwrap();
         let (coarse, good) = (error(&coarse), error(&fine));

@@ -36,10 +36,11 @@ use crate::scene::Scene;
 use crate::watch::{Stopped, Watch};
 use estimate::Estimate;
 use glam::{DVec3, Vec3};
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
+use rebounce_shared::rbn::RbnError;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
-use rebounce_shared::rbn::{self, RbnError};
 use stages::{Transport, sketch_settings};
 use stand_in::Staged;
 use tracker::Tracker;
@@ -112,7 +113,7 @@ pub fn bake(
     scene: &Scene,
     settings: &BakeSettings,
     observer: &dyn Observer,
-) -> Result<(rbn::Scene, BakeReport), BakeError> {
+) -> Result<(BakedScene, BakeReport), BakeError> {
     // Who works alone is the first of its team.
     run(scene, settings, observer, None, &())?.ok_or(BakeError::Stopped)
 }
@@ -127,7 +128,7 @@ pub fn bake_with_checkpoint(
     settings: &BakeSettings,
     observer: &dyn Observer,
     checkpoint: &Checkpoint,
-) -> Result<(rbn::Scene, BakeReport), BakeError> {
+) -> Result<(BakedScene, BakeReport), BakeError> {
     bake_in_team(scene, settings, observer, Some(checkpoint), &())?.ok_or(BakeError::Stopped)
 }
 
@@ -143,7 +144,7 @@ pub fn bake_in_team(
     observer: &dyn Observer,
     checkpoint: Option<&Checkpoint>,
     team: &dyn Communicator,
-) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
     let baked = run(scene, settings, observer, checkpoint, team);
     if let Some(checkpoint) = checkpoint {
         // If this is what ended the bake, it is what went wrong.
@@ -158,7 +159,7 @@ fn run(
     observer: &dyn Observer,
     checkpoint: Option<&Checkpoint>,
     team: &dyn Communicator,
-) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
     let settings = settings.clone().normalised();
     if scene.triangles.is_empty() {
         return Err(BakeError::Empty);

@@ -18,8 +18,8 @@ use crate::transport::direct_to_indirect::refine::{Refiner, Senders, refine};
 use crate::transport::direct_to_indirect::{Operator, mean_albedo::reflected_share, tint};
 use crate::watch::{Uncounted, Watch};
 use glam::Vec3;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::link::MAX_SENDERS;
-use rebounce_shared::rbn;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 
 /// Points whose cuts and samples are kept together.
@@ -81,7 +81,7 @@ impl Transport<'_> {
         tracker: &Tracker,
         checkpoint: Option<&Checkpoint>,
         mut report: BakeReport,
-    ) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+    ) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
         report.processes = self.team.size() as u64;
         let asked = settings.clone();
         let journal: &dyn PartialResults = checkpoint.map_or(&(), |checkpoint| checkpoint);
@@ -207,7 +207,7 @@ impl Transport<'_> {
     }
 
     /// Whether a light reaches any of the points, looked at on the coarsest levels.
-    fn is_lit(&self, file: &rbn::Scene) -> bool {
+    fn is_lit(&self, file: &BakedScene) -> bool {
         let lights: Vec<_> = file.meta.lights.iter().map(|light| light.source(file.meta.origin)).collect();
         let coarse: u32 = file.meta.levels.iter().take(LIT_LEVELS).map(|level| level.count).sum();
         let mut points = file.points.iter().take(coarse as usize);
@@ -221,7 +221,7 @@ impl Transport<'_> {
         points: &Points,
         relations: &Relations,
         operator: &Operator,
-    ) -> Result<rbn::Scene, BakeError> {
+    ) -> Result<BakedScene, BakeError> {
         if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
             return Err(BakeError::TooManyCuts);
         }

@@ -2,10 +2,10 @@
 
 use super::direct;
 use crate::geometry::{Ray, Surfaces};
-use crate::picture::png::luminance;
 use crate::random::Stream;
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::colour::luminance;
 use rebounce_shared::exposure;
 use rebounce_shared::light::LightSource;
 

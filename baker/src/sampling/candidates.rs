@@ -13,9 +13,9 @@
 use super::SurfacePoint;
 use super::emitter::ParticleEmitter;
 use super::focus::Region;
+use super::particle::{bounced, from_viewpoint};
 use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::{Stream, mix};
-use glam::Vec3;
 use rayon::prelude::*;
 
 /// A particle's bounces.
@@ -187,18 +187,4 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         let origin = middle + offset * radius;
         Ray::visibility(origin, direction)
     }
-}
-
-/// A ray from a viewpoint, in any direction.
-pub(super) fn from_viewpoint(viewpoint: Vec3, stream: &mut Stream) -> Ray {
-    Ray::visibility(viewpoint, stream.sphere())
-}
-
-/// The ray that goes on from where one ended, by the cosine; `None` where the shading normal allows a direction that
-/// points into the surface.
-pub(super) fn bounced(hit: &Hit, epsilon: f32, stream: &mut Stream) -> Option<Ray> {
-    let direction = stream.cosine_hemisphere(hit.normal);
-    let origin = hit.offset_origin(direction, epsilon);
-    let ray = Ray::visibility(origin, direction);
-    (direction.dot(hit.geometric_normal) > 0.0).then_some(ray)
 }

@@ -1,9 +1,10 @@
 //! Points: where the basis functions sit (paper, section 2.3).
 //!
 //! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
-//! viewpoint when none is given, [`vantage`] whether the scene is open, [`focus`] where points must be fine, [`dart`] throws the
+//! viewpoint when none is given, [`locate`] also whether the scene is open; an [`emitter`] is what they find. [`focus`] says where points must be fine,
+//! [`poisson_disk`] throws the
 //! candidates as darts into one level's Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
-//! [`round`] rounds them to what the file keeps, [`cut`] ends supports at walls, [`footprint`] finds
+//! [`round`] rounds them to what the file keeps, `clip_planes` ends supports at walls, [`footprint`] finds
 //! where direct light is sampled, [`openness`] how much near surfaces hide.
 
 pub mod candidates;
@@ -12,13 +13,16 @@ pub mod emitter;
 mod fill;
 pub mod focus;
 mod footprint;
+pub mod locate;
 mod openness;
+mod particle;
 pub mod place;
 pub mod poisson_disk;
 pub mod round;
 pub mod viewpoint;
 
 use crate::geometry::{Hit, Surfaces};
+use crate::scene::steps::least_step;
 pub use clip_planes::cut;
 pub use footprint::footprint;
 use glam::Vec3;
@@ -43,7 +47,7 @@ impl SurfacePoint {
     /// The point at a hit, rounded to what the file keeps.
     pub fn at<S: Surfaces + ?Sized>(hit: &Hit, surfaces: &S) -> Self {
         let (low, high) = surfaces.bounds();
-        let least = round::least_step(low, high);
+        let least = least_step(low, high);
         let (position, normal) = round::rounded(hit, surfaces.epsilon_at(hit.position), least);
         Self { position, normal, geometric_normal: hit.geometric_normal }
     }

@@ -9,7 +9,7 @@
 //! Files often say of all surfaces that both of their sides reflect, and within an object that is hollow every ray ends
 //! on a back; so backs count only where a lamp is.
 
-use super::candidates::from_viewpoint;
+use super::particle::from_viewpoint;
 use crate::geometry::{Ray, Surfaces};
 use crate::random::Stream;
 use glam::{IVec3, Vec3};

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use glam::Vec3;
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::LoadedScene;
 use rebounce_viewer::settings::ToneMapping;
@@ -12,7 +12,7 @@ use rebounce_viewer::settings::ToneMapping;
 mod device;
 
 /// A renderer of a scene at a fixed exposure, with the invertible tone curve; `None`, with a message, without an adapter.
-pub fn renderer(scene: &Scene) -> Option<Renderer> {
+pub fn renderer(scene: &BakedScene) -> Option<Renderer> {
     let gpu = device::gpu()?;
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
     let pipelines = renderer.pipelines();

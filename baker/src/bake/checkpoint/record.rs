@@ -188,7 +188,7 @@ fn decode(kind: u32, contents: Vec<u8>) -> Option<Record> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::transport::direct_to_indirect::gather::GatherCost;
+    use crate::transport::direct_to_indirect::gather_context::GatherCost;
     use rebounce_shared::link::Link;
 
     fn some() -> Vec<(Record, Vec<u8>)> {

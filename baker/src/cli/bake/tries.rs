@@ -10,6 +10,7 @@ use rebounce::bake::{BakeError, BakeReport, Checkpoint, Identity, bake_in_team};
 use rebounce::communicator::Communicator;
 use rebounce::scene::Scene;
 use rebounce::write::write_whole;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::{self, container};
 use std::path::PathBuf;
 
@@ -112,7 +113,7 @@ impl Tries<'_> {
         &self,
         Plan { settings, fewer }: &Plan,
         checkpoint: &Checkpoint,
-    ) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+    ) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
         if let Some(functions) = fewer {
             eprintln!("note: about {functions} functions on the finest level, to keep within the budget");
         }
@@ -120,7 +121,7 @@ impl Tries<'_> {
     }
 
     /// Makes the file as small as it is to be.
-    fn thin(&self, baked: &mut rbn::Scene) -> Result<Option<Thinned>> {
+    fn thin(&self, baked: &mut BakedScene) -> Result<Option<Thinned>> {
         let Some(bytes) = self.args.max_bytes else { return Ok(None) };
         let thinned = budget::fit(baked, bytes).with_context(|| self.args.scene.clone())?;
         if let Some(Thinned { before, after }) = thinned {
@@ -133,7 +134,7 @@ impl Tries<'_> {
     fn measure(
         &mut self,
         plan: &Plan,
-        baked: &rbn::Scene,
+        baked: &BakedScene,
         report: &mut BakeReport,
         last: Last,
     ) -> Result<Outcome> {
@@ -145,7 +146,7 @@ impl Tries<'_> {
     }
 
     /// Writes the file. The end waits from then on.
-    fn write(&mut self, baked: &rbn::Scene, mut report: BakeReport, checkpoint: &Checkpoint) -> Result<()> {
+    fn write(&mut self, baked: &BakedScene, mut report: BakeReport, checkpoint: &Checkpoint) -> Result<()> {
         let bytes = baked.to_bytes().with_context(|| self.args.scene.clone())?;
         self.watcher.stop.hold();
         write_whole(&self.output, &bytes).with_context(|| {

@@ -6,7 +6,6 @@ use super::bvh8::{Bvh8, LARGEST_LEAF, Visit};
 use super::geometry::{Surface, Triangle};
 use super::triangle::{Corners, ShearedRay, TriangleHit};
 use crate::random::{mix, unit};
-use crate::scene::union;
 use glam::{Vec2, Vec3, Vec3A};
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
@@ -78,16 +77,6 @@ pub(super) fn build(boxes: &[Padded], leaf: u32) -> (Bvh8, Vec<u32>) {
     Bvh8::new(&build_bvh2(boxes, build, &mut Default::default()))
 }
 
-/// Least and greatest corner of triangles; both zero without any.
-pub(super) fn bounds(triangles: &[Triangle]) -> (Vec3, Vec3) {
-    triangles.par_iter().map(sides).reduce_with(union).unwrap_or_default()
-}
-
-fn sides(triangle: &Triangle) -> (Vec3, Vec3) {
-    let [a, b, c] = triangle.positions;
-    (a.min(b).min(c), a.max(b).max(c))
-}
-
 /// A ray in the space of some triangles: its direction may have any length, in which distances are counted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {
@@ -117,7 +106,7 @@ impl Blas {
         surfaces: &[Surface],
         padding: f32,
     ) -> Self {
-        let boxes: Vec<Padded> = triangles.par_iter().map(|t| Padded::new(sides(t), padding)).collect();
+        let boxes: Vec<Padded> = triangles.par_iter().map(|t| Padded::new(t.bounds(), padding)).collect();
         let (bvh, order) = build(&boxes, LARGEST_LEAF);
         drop(boxes);
         // In the hierarchy's order.

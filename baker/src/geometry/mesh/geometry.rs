@@ -1,15 +1,14 @@
 //! What the ray caster needs to know, from a loaded [`Scene`] or a baked file alike.
 
-use super::blas;
-use super::glass::{self, Detail, Glass};
-use super::tlas::Tlas;
+use super::glass::{Detail, Glass};
 use crate::geometry::simplify::{TOGETHER, simplify};
+use crate::scene::model::bounds_of_copy;
 use crate::scene::texture::{Sampler, Texels};
-use crate::scene::{Model, Scene, SceneError, detail};
+use crate::scene::{Model, Scene, SceneError, detail, needed, union};
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::octahedral;
-use rebounce_shared::rbn;
 use rebounce_shared::rbn::bulk::Instance;
 use rebounce_shared::rbn::meta::{Alpha, Material};
 use std::collections::HashSet;
@@ -176,10 +175,30 @@ fn stopped(through: Vec3) -> f32 {
     1.0 - through.element_sum() / 3.0
 }
 
+/// Least and greatest corner of triangles; both zero without any.
+pub(super) fn bounds(triangles: &[Triangle]) -> (Vec3, Vec3) {
+    triangles.par_iter().map(Triangle::bounds).reduce_with(union).unwrap_or_default()
+}
+
+impl Triangle {
+    /// Least and greatest corner.
+    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
+        let [a, b, c] = self.positions;
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+}
+
+impl Placed {
+    /// The box of each copy of a model within these bounds.
+    pub(super) fn boxes(&self, (low, high): (Vec3, Vec3)) -> impl Iterator<Item = (Vec3, Vec3)> {
+        self.local_from_model.iter().map(move |place| bounds_of_copy(place, [low, high]))
+    }
+}
+
 impl Geometry {
     /// Least and greatest corner of each model, in its space.
     pub(super) fn model_bounds(&self) -> Vec<(Vec3, Vec3)> {
-        self.models.iter().map(|model| blas::bounds(&self.triangles[model.triangles.clone()])).collect()
+        self.models.iter().map(|model| bounds(&self.triangles[model.triangles.clone()])).collect()
     }
 
     /// Corners of the [part](detail::main_part) that has the detail, local space, where that is not all.
@@ -187,7 +206,7 @@ impl Geometry {
         let end = self.models.first().map_or(self.triangles.len(), |model| model.triangles.start);
         let corners = self.triangles[..end].iter().flat_map(|triangle| triangle.positions);
         let bounds = self.model_bounds();
-        let boxes = self.models.iter().zip(&bounds).flat_map(|(model, bounds)| Tlas::boxes(model, *bounds));
+        let boxes = self.models.iter().zip(&bounds).flat_map(|(model, bounds)| model.boxes(*bounds));
         detail::part_of(corners.chain(boxes.flat_map(|(low, high)| [low, high])))
     }
 
@@ -245,17 +264,17 @@ impl From<&Scene> for Geometry {
     }
 }
 
-impl TryFrom<&rbn::Scene> for Geometry {
+impl TryFrom<&BakedScene> for Geometry {
     type Error = SceneError;
 
     /// Decodes the textures of a baked file that light needs, and those of emission.
     ///
     /// # Errors
     /// [`SceneError::Texture`] where a picture cannot be decoded.
-    fn try_from(scene: &rbn::Scene) -> Result<Self, SceneError> {
+    fn try_from(scene: &BakedScene) -> Result<Self, SceneError> {
         let materials = &scene.meta.materials;
-        let needed: HashSet<u32> = materials.iter().flat_map(glass::textures).collect();
-        let used: HashSet<u32> = materials.iter().filter_map(glass::shining).collect();
+        let needed: HashSet<u32> = materials.iter().flat_map(needed::of_light).collect();
+        let used: HashSet<u32> = materials.iter().filter_map(needed::of_emission).collect();
         let textures: Result<Vec<Option<Sampler>>, SceneError> = (0..scene.meta.textures.len())
             .into_par_iter()
             .map(|i| {

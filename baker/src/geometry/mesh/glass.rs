@@ -46,7 +46,7 @@ impl Detail {
 }
 
 impl Glass {
-    /// Of a material that lets light through. `texture` gives textures by number, those of [`textures`] at least.
+    /// Of a material that lets light through. `texture` gives textures by number, those that [light needs](crate::scene::needed::of_light) at least.
     pub fn new(material: &Material, texture: &impl Fn(u32) -> Option<Sampler>) -> Option<Box<Self>> {
         material.is_glass().then(|| {
             Box::new(Self {
@@ -65,18 +65,4 @@ impl Glass {
         let metallic = self.metallic * channel(&self.metallic_texture, 2);
         self.extras.passage(base, alpha, metallic, channel(&self.transmission_texture, 0))
     }
-}
-
-/// The textures that light needs of a material: that of its base colour, and where it lets light through, those of
-/// transmission and metalness.
-pub(crate) fn textures(material: &Material) -> impl Iterator<Item = u32> {
-    let through = material.is_glass();
-    let details = [&material.extras.transmission_texture, &material.metallic_roughness_texture];
-    let details = details.map(|detail| detail.as_ref().filter(|_| through).map(|d| d.texture));
-    details.into_iter().chain([material.base_color_texture]).flatten()
-}
-
-/// The texture that a material's emission has in pictures.
-pub(crate) fn shining(material: &Material) -> Option<u32> {
-    material.emission_texture.filter(|_| material.emission != [0.0; 3]).map(|detail| detail.texture)
 }

@@ -31,7 +31,7 @@ use crate::scene::{Scene, SceneError, union};
 use blas::{Blas, Line, TWO_SIDED};
 use geometry::{Placed, Surface};
 use glam::Vec3;
-use rebounce_shared::rbn;
+use rebounce_shared::baked::BakedScene;
 use tlas::{Instance, Tlas};
 use triangle::TriangleHit;
 
@@ -112,8 +112,8 @@ impl TriangleSurfaces {
         let bounds = geometry.model_bounds();
         let Geometry { triangles, models, colors, surfaces } = geometry;
         let end = models.first().map_or(triangles.len(), |model| model.triangles.start);
-        let alone = (end > 0).then(|| blas::bounds(&triangles[..end]));
-        let boxes = models.iter().zip(&bounds).flat_map(|(model, bounds)| Tlas::boxes(model, *bounds));
+        let alone = (end > 0).then(|| geometry::bounds(&triangles[..end]));
+        let boxes = models.iter().zip(&bounds).flat_map(|(model, bounds)| model.boxes(*bounds));
         let (low, high) = alone.into_iter().chain(boxes).reduce(union).unwrap_or_default();
         let main = main.unwrap_or((low, high));
         let diagonal = (high - low).length();
@@ -153,7 +153,7 @@ impl TriangleSurfaces {
     ///
     /// # Errors
     /// [`SceneError::Texture`] where a picture cannot be decoded.
-    pub fn from_baked(scene: &rbn::Scene) -> Result<Self, SceneError> {
+    pub fn from_baked(scene: &BakedScene) -> Result<Self, SceneError> {
         Ok(Self::new(Geometry::try_from(scene)?))
     }
 
@@ -306,8 +306,8 @@ impl TriangleSurfaces {
             return Found { blas: &self.static_blas, triangle: primitive as usize, copy: None };
         }
         // The last one that begins there or before: one without triangles begins where the next does.
-        let index = self.instances.all.partition_point(|copy| copy.first_piece <= primitive) - 1;
-        self.of_copy(index, (primitive - self.instances.all[index].first_piece) as usize)
+        let index = self.instances.all.partition_point(|copy| copy.first_primitive <= primitive) - 1;
+        self.of_copy(index, (primitive - self.instances.all[index].first_primitive) as usize)
     }
 }
 

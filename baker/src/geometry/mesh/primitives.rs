@@ -116,7 +116,7 @@ impl TriangleSurfaces {
             1 => Vec2::new(w, u),
             _ => Vec2::new(u, v),
         };
-        let first = found.copy.map_or(0, |copy| copy.first_piece);
+        let first = found.copy.map_or(0, |copy| copy.first_primitive);
         Some((SurfaceCoordinates { primitive: first + found.triangle as u32, at, is_back }, meeting.distance))
     }
 }

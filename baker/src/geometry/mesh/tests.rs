@@ -9,6 +9,7 @@ use crate::geometry::{Primitive, SurfaceCoordinates};
 use crate::random::Stream;
 use crate::scene::texture::{Sampler, Texels};
 use glam::Vec2;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::meta::{Alpha, Material, Wrap};
 use std::sync::Arc;
 
@@ -240,7 +241,7 @@ fn a_baked_file_is_hit_where_its_scene_is() {
     use rebounce_shared::rbn::bulk::Vertex;
     use rebounce_shared::rbn::meta::Draw;
     let scene = crate::scene::load("builtin:cornell-box").unwrap();
-    let mut baked = rbn::Scene::default();
+    let mut baked = BakedScene::default();
     baked.meta.materials = scene.materials.clone();
     baked.vertices = (scene.positions.iter().zip(&scene.normals).zip(&scene.uvs))
         .map(|((p, &n), uv)| Vertex { position: p.to_array(), normal: pack_snorm16(n), uv: uv.to_array() })

@@ -5,7 +5,6 @@ use super::blas::{Blas, Line, Padded, build};
 use super::bvh8::Bvh8;
 use super::geometry::Placed;
 use super::triangle::TriangleHit;
-use crate::scene::model::bounds_of_copy;
 use glam::{Affine3A, Mat3A, Vec3};
 use std::ops::ControlFlow;
 
@@ -17,7 +16,7 @@ pub(super) struct Instance {
     /// Of two copies at one place that with the smaller number counts.
     number: u32,
     /// Number of its first primitive.
-    pub first_piece: u32,
+    pub first_primitive: u32,
     local_from_model: Affine3A,
     model_from_local: Affine3A,
     /// For vectors across surfaces, as long as an area: the cofactors.
@@ -29,7 +28,7 @@ impl Instance {
         let Mat3A { x_axis, y_axis, z_axis } = local_from_model.matrix3;
         let across = Mat3A::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
         let model_from_local = local_from_model.inverse();
-        Self { model, number, first_piece: 0, local_from_model, model_from_local, across }
+        Self { model, number, first_primitive: 0, local_from_model, model_from_local, across }
     }
 
     #[cfg(test)]
@@ -74,11 +73,6 @@ pub(super) struct Tlas {
 }
 
 impl Tlas {
-    /// The box of each copy of a model within these bounds.
-    pub fn boxes(model: &Placed, (low, high): (Vec3, Vec3)) -> impl Iterator<Item = (Vec3, Vec3)> {
-        model.local_from_model.iter().map(move |place| bounds_of_copy(place, [low, high]))
-    }
-
     /// How far boxes in a model's space grow where those in local space grow by `padding`.
     pub fn padding(model: &Placed, padding: f32) -> f32 {
         let longest = |place: &Affine3A| {
@@ -88,23 +82,23 @@ impl Tlas {
         padding * model.local_from_model.iter().map(longest).fold(1.0, f32::max)
     }
 
-    /// Builds the hierarchy over all copies of models with these bounds. Their primitives have the numbers from `first_piece` on.
-    pub fn new(models: &[Placed], bounds: &[(Vec3, Vec3)], padding: f32, first_piece: u64) -> Self {
+    /// Builds the hierarchy over all copies of models with these bounds. Their primitives have the numbers from `first_primitive` on.
+    pub fn new(models: &[Placed], bounds: &[(Vec3, Vec3)], padding: f32, first_primitive: u64) -> Self {
         let mut boxes = Vec::new();
         let mut unordered = Vec::new();
         for ((number, model), bounds) in (0u32..).zip(models).zip(bounds) {
-            boxes.extend(Self::boxes(model, *bounds).map(|sides| Padded::new(sides, padding)));
+            boxes.extend(model.boxes(*bounds).map(|sides| Padded::new(sides, padding)));
             for place in &model.local_from_model {
                 unordered.push(Instance::new(number, unordered.len() as u32, *place));
             }
         }
         let (bvh, order) = build(&boxes, 1);
-        let mut next = first_piece;
+        let mut next = first_primitive;
         let mut ordered = |i: &u32| {
             let copy = unordered[*i as usize].clone();
-            let first_piece = next as u32;
+            let first_primitive = next as u32;
             next += models[copy.model as usize].triangles.len() as u64;
-            Instance { first_piece, ..copy }
+            Instance { first_primitive, ..copy }
         };
         Self { all: order.iter().map(&mut ordered).collect(), bvh }
     }

@@ -1,7 +1,8 @@
 //! Whether a vertex can go, and which neighbour takes its place.
 
+use super::patch::MOST;
 use super::patch::{COLOR, Look, NORMAL, Patch, UV};
-use super::ring::{MOST, Ring, Side};
+use super::ring::{Ring, Side};
 use glam::Vec3;
 use smallvec::{SmallVec, smallvec};
 use std::ops::ControlFlow;

@@ -1,10 +1,12 @@
 //! Some triangles and what they share.
 
-use super::ring::MOST;
 use super::{Cut, Source};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
+
+/// Triangles around a vertex, at most: more are not looked at.
+pub const MOST: usize = 24;
 
 /// No corner, no vertex.
 pub const NONE: u32 = u32::MAX;

@@ -1,11 +1,8 @@
 //! The triangles around a vertex, in order.
 
-use super::patch::Patch;
+use super::patch::{MOST, Patch};
 use smallvec::SmallVec;
 use std::ops::ControlFlow;
-
-/// Triangles around a vertex, at most: more are not looked at.
-pub const MOST: usize = 24;
 
 /// A triangle at the vertex, from one spoke to the next.
 #[derive(Clone, Copy, Debug)]

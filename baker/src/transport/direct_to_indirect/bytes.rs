@@ -1,7 +1,8 @@
 //! Finished parts of the operator as bytes: in a checkpoint, and between the processes of a team. All numbers are
 //! little-endian.
 
-use super::gather::{GatherCost, Gathered};
+use super::gather::Gathered;
+use super::gather_context::GatherCost;
 use super::journal::Columns;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

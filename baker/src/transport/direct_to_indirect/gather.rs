@@ -1,39 +1,13 @@
 //! Hemispherical gather: a receiver's row of irradiance from all senders (Eq. 16), less what its parents predict (Eq. 17).
 
-use super::OperatorSettings;
 use super::accumulator::SparseAccumulator;
 use super::directions::Directions;
 use super::gather_batch::GatherBatch;
-use super::hit_cache::HitCache;
-use super::neighbourhood::{Difference, Neighbourhood, Row, SenderBlocks};
+use super::gather_context::{GatherContext, GatherCost, PREDICTED};
+use super::neighbourhood::{Difference, Neighbourhood, Row};
 use super::sparsify::{PooledNoise, sparsify, sparsify_pooled};
-use crate::basis::{Leveled, Relations};
 use crate::geometry::Surfaces;
-use crate::sampling::Points;
-use glam::Vec3A;
 use rebounce_shared::link::{Link, Sent};
-
-/// What all gathers read.
-pub struct GatherContext<'a, S: Surfaces + ?Sized> {
-    /// The scene.
-    pub surfaces: &'a S,
-    /// All points.
-    pub points: &'a Points,
-    /// Parents and children.
-    pub relations: &'a Relations,
-    /// The sender levels' functions, coarsest first.
-    pub senders: &'a Leveled,
-    /// Number of points on the levels that later bounces travel between.
-    pub coarse_count: usize,
-    /// What rays find on each tile of the surfaces, where they tell their pieces.
-    pub tiles: Option<&'a HitCache>,
-    /// The [duals](super::tint::duals) of the points' tints.
-    pub duals: &'a [Vec3A],
-    /// Where the senders are, roughly.
-    pub sender_blocks: &'a SenderBlocks,
-    /// Settings.
-    pub settings: &'a OperatorSettings,
-}
 
 /// ε of a receiver's value as its children subtract it, over that of its links: a value's small parts are
 /// carried over like a link's, which keeps values short and changes nothing but the place that they come from.
@@ -58,17 +32,6 @@ pub struct Gather<'a> {
     pub directions: &'a Directions,
     /// The [values](Gathered::value) of all coarser levels.
     pub values: &'a [Vec<Link>],
-}
-
-/// What one gather leaves besides links.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GatherCost {
-    /// Rays cast.
-    pub rays: u64,
-    /// Cosine-weighted reflectance seen.
-    pub seen: f64,
-    /// The part of it that no sender covers.
-    pub lost: f64,
 }
 
 /// What one gather finds.
@@ -101,17 +64,13 @@ impl Gathered {
 
 /// A thread's working memory, reused from receiver to receiver.
 pub struct Scratch {
-    /// What rays find, and what coarser receivers say: [`FOUND`], [`SAID`].
+    /// What rays find, and what coarser receivers say: [`GATHERED`], [`PREDICTED`].
     senders: SparseAccumulator<2>,
     found: GatherBatch,
     /// A receiver's own differences and its neighbourhood's.
     pooled: SparseAccumulator<4>,
     neighbourhood: Neighbourhood,
 }
-
-/// The place of a sender's sums in a [`Scratch`].
-pub const FOUND: usize = 0;
-const SAID: usize = 1;
 
 impl Scratch {
     /// Working memory for this many senders.
@@ -258,7 +217,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     /// The same of a receiver with links of its own: the sum of these and the parents' values in `sums`.
     fn value_with(&self, links: &[Link], level: usize, sums: &mut SparseAccumulator<2>) -> Vec<Link> {
         for link in links {
-            sums.add(SAID, link.sender(), link.amount());
+            sums.add(PREDICTED, link.sender(), link.amount());
         }
         self.value(level, sums)
     }
@@ -267,7 +226,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
     fn predict(&self, receiver: usize, values: &[Vec<Link>], sums: &mut SparseAccumulator<2>) {
         for (parent, share) in self.parents(receiver) {
             for link in &values[parent] {
-                sums.add(SAID, link.sender(), share * link.amount());
+                sums.add(PREDICTED, link.sender(), share * link.amount());
             }
         }
     }

@@ -5,7 +5,7 @@
 
 use super::accumulator::SparseAccumulator;
 use super::directions::Directions;
-use super::gather::{FOUND, GatherContext, GatherCost};
+use super::gather_context::{GATHERED, GatherContext, GatherCost};
 use super::hemisphere::{GatherRays, gather_rays};
 use super::hit_cache::{HitCache, PackedWeights};
 use super::ray_sort::sort;
@@ -176,7 +176,7 @@ impl GatherBatch {
             if brought.is_lost() {
                 cost.lost += sum;
             }
-            brought.each(|sender, amount| senders.add(FOUND, sender, amount));
+            brought.each(|sender, amount| senders.add(GATHERED, sender, amount));
         }
         cost
     }

@@ -24,6 +24,7 @@ mod coarse_matrix;
 pub mod directions;
 pub mod gather;
 pub mod gather_batch;
+pub mod gather_context;
 pub mod hemisphere;
 pub mod hit_cache;
 pub mod journal;

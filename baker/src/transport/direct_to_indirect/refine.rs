@@ -5,7 +5,8 @@
 
 use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
-use super::gather::{Gather, GatherContext, GatherCost, Gathered, Scratch};
+use super::gather::{Gather, Gathered, Scratch};
+use super::gather_context::{GatherContext, GatherCost};
 use super::hit_cache::{HitCache, Layout};
 use super::journal::PartialResults;
 use super::neighbourhood::SenderBlocks;

@@ -1,8 +1,8 @@
 //! The rules of the metadata.
 
-use super::super::RbnError;
-use super::super::meta::{Alpha, Animation, Material, Meta, Track};
-use super::{MAX_LEVELS, MAX_MATERIALS, all_sane, sane};
+use crate::rbn::RbnError;
+use crate::rbn::limits::{MAX_LEVELS, MAX_MATERIALS, all_sane, sane};
+use crate::rbn::meta::{Alpha, Animation, Material, Meta, Track};
 
 /// Checks the metadata of a file of so many points and bytes of textures; section INDX is compared elsewhere.
 pub(super) fn check(m: &Meta, points: u64, texture_bytes: u64) -> Result<(), RbnError> {

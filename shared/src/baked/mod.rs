@@ -1,19 +1,21 @@
-//! A whole .rbn file in memory.
+//! A baked scene in memory: what a .rbn file holds, written and read, with every rule checked.
 
-use super::bulk::{Copies, Cut, Instance, Point, Vertex};
-use super::codec::{Damaged, Reader, Writer, columns, links};
-use super::matrix::LinkMatrix;
-use super::meta::{self, Meta};
-use super::{RbnError, container, extras, shown};
+mod check;
+
 use crate::basis::{ParentWeights, Relations};
 use crate::interpolation::Rows;
 use crate::link::{LaterLink, Link};
 use crate::openness::LEVELS;
+use crate::rbn::LinkMatrix;
+use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
+use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
+use crate::rbn::meta::{self, Meta};
+use crate::rbn::{RbnError, container, extras, shown};
 use std::ops::Range;
 
 /// A baked scene: what a .rbn file holds.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Scene {
+pub struct BakedScene {
     /// Materials, cameras, levels and so on.
     pub meta: Meta,
     /// Vertices of the render geometry.
@@ -43,19 +45,9 @@ pub struct Scene {
     pub later: LinkMatrix<LaterLink>,
 }
 
-/// Names of the sections, in file order.
-pub const SECTIONS: [[u8; 4]; 8] =
-    [*b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"LINK", *b"LATL", *b"TEXD"];
-/// Those that files with copies have besides, after the others.
-pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
-/// The one that files have besides, after these, where a material has [extras].
-pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
-/// The optional section for the points' openness, after the others.
-pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
-/// The one that files have besides, last, where there are names or a ground: see [shown].
-pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
+use crate::rbn::{COPY_SECTIONS, EXTRAS_SECTION, OPENNESS_SECTION, SECTIONS, SHOWN_SECTION};
 
-impl Scene {
+impl BakedScene {
     /// The points of level `l`.
     pub fn level(&self, l: usize) -> Range<usize> {
         let level = &self.meta.levels[l];
@@ -166,7 +158,7 @@ impl Scene {
         if !self.copies.is_empty() {
             sections.extend(COPY_SECTIONS.into_iter().zip(copied.iter().map(Vec::as_slice)));
         }
-        let extras = extras::encode(&self.meta.materials)?;
+        let extras = extras::encode(self.meta.materials.iter().map(|material| &material.extras))?;
         sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
         let mut openness = Writer::default();
         openness.bytes(&self.openness);
@@ -220,7 +212,9 @@ impl Scene {
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         if has_extras {
-            extras::decode(bytes(EXTRAS_SECTION)?, &mut scene.meta.materials)?;
+            let mut all: Vec<_> =
+                scene.meta.materials.iter_mut().map(|material| &mut material.extras).collect();
+            extras::decode(bytes(EXTRAS_SECTION)?, &mut all)?;
         }
         if sections.iter().any(|s| s.name == OPENNESS_SECTION) {
             let mut reader = Reader::new(bytes(OPENNESS_SECTION)?);
@@ -238,7 +232,7 @@ impl Scene {
     }
 }
 
-impl Scene {
+impl BakedScene {
     /// Whether the openness of all points is known, or of none.
     pub(super) fn check_openness(&self) -> Result<(), RbnError> {
         let is_sound = self.openness.is_empty()

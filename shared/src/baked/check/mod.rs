@@ -2,38 +2,21 @@
 
 mod meta;
 
-use super::bulk::{Copies, Instance, MAX_ALL_CUTS, MAX_CUTS, Point};
-use super::codec::links;
-use super::{RbnError, Scene};
+use super::BakedScene;
 use crate::interpolation::MAX_POINTS;
 use crate::link::MAX_SENDERS;
+use crate::rbn::RbnError;
+use crate::rbn::bulk::{Copies, Instance, MAX_ALL_CUTS, MAX_CUTS, Point};
+use crate::rbn::codec::links;
+use crate::rbn::limits::{MAX_COPIES, MAX_ROW, MAX_TRIANGLES, all_sane, sane};
+use crate::rbn::meta::Meta;
+use crate::rbn::shown::{GROUND, SIDE, Shown};
 use glam::Vec3;
 
-/// Levels of a file, at most: a pixel or a point without a function on a level asks the next coarser one.
-pub const MAX_LEVELS: usize = 32;
-/// Links of one row, at most: one invocation of a shader adds them up.
-pub const MAX_ROW: usize = 1 << 18;
-/// Triangles, those of each copy counted, at most: a small file must not keep a GPU busy for minutes.
-pub const MAX_TRIANGLES: u64 = 1 << 30;
-/// Copies at most: those of draw calls that follow each other and have the same ones count once.
-pub const MAX_COPIES: u64 = 1 << 22;
-/// Materials at most: a pixel keeps its material's number in 16 bits.
-pub const MAX_MATERIALS: usize = 0xffff;
 /// Supports are at least this large, scene units.
 const LEAST_RADIUS: f32 = 1e-15;
 
-/// Numbers of a file are smaller than this, so that their squares and sums stay finite.
-pub const LARGEST: f32 = 1e15;
-
-fn sane(x: f32) -> bool {
-    x.abs() < LARGEST
-}
-
-pub(super) fn all_sane(numbers: &[f32]) -> bool {
-    numbers.iter().all(|x| sane(*x))
-}
-
-impl Scene {
+impl BakedScene {
     /// Checks every rule of the format.
     pub(super) fn check(&self) -> Result<(), RbnError> {
         let bad = |section: &str, problem: &str| RbnError::invalid(section, problem);
@@ -51,7 +34,7 @@ impl Scene {
             )));
         }
         meta::check(m, self.points.len() as u64, self.texture_bytes.len() as u64)?;
-        if !super::shown::is_sound(m) {
+        if !is_shown_sound(m) {
             return Err(bad("SHOW", "names or ground"));
         }
         let mut drawn = 0u64;
@@ -101,7 +84,19 @@ impl Scene {
     }
 }
 
-impl Scene {
+/// Whether there are as many names as lights and cameras, or none, and the ground's numbers can be used.
+fn is_shown_sound(meta: &Meta) -> bool {
+    let Shown { names, ground } = &meta.shown;
+    let count = names.bytes().filter(|byte| *byte == 0).count();
+    let named = names.is_empty() || names.ends_with('\0') && count == meta.lights.len() + meta.cameras.len();
+    let grounded = ground.split_at_checked(32).is_none_or(|(numbers, shade)| {
+        let n: [f32; 8] = bytemuck::pod_read_unaligned(numbers);
+        all_sane(&n) && n[0] < n[2] && n[1] < n[3] && shade.len() == SIDE * SIDE
+    });
+    named && grounded && (ground.is_empty() || ground.len() == GROUND)
+}
+
+impl BakedScene {
     /// Copies of draw calls that are there, at places that can be inverted and do not mirror.
     fn check_copies(&self) -> Result<(), RbnError> {
         if self.copies.is_empty() && self.instances.is_empty() {
