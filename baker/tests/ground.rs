@@ -12,7 +12,6 @@ use rebounce::scene::{self, Scene};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn;
 use rebounce_shared::shot::Shot;
 use serde_json::{Value, json};
 

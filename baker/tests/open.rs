@@ -10,7 +10,6 @@ use rebounce::scene::Scene;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Material;
 use rebounce_shared::shot::Shot;
 

@@ -16,7 +16,6 @@ use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
 use rebounce::scene::{self, Scene};
 use rebounce_shared::camera::Camera;
-use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Material;
 use rebounce_tests::small::settings;
 use rebounce_viewer::settings::Mode;

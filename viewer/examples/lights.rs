@@ -4,7 +4,7 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use screen::screen;
 use std::error::Error;
 
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let direct = scene.direct_count();
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(gpu.clone())?;
-    let loaded = pollster::block_on(LoadedScene::upload(&gpu, &renderer.pipelines(), scene))?;
+    let loaded = pollster::block_on(GpuScene::upload(&gpu, renderer.pipelines().loaders(), scene))?;
     let [low, high] =
         loaded.extent.all.map(|corner| corner.as_dvec3() + glam::DVec3::from(loaded.meta.origin));
     renderer.install(loaded)?;

@@ -1,6 +1,6 @@
 //! Which way triangles go around, so that the backs of one-sided surfaces can be culled as they are rasterised. No GPU.
 
-use crate::upload::Run;
+use crate::draw_batch::DrawBatch;
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::octahedral;
@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 /// The scene's indices, where every triangle of a one-sided run goes counterclockwise as seen from its front: the side that
 /// its vertices' normals are on, as in the bake. Triangles of most files do already.
-pub fn indices<'a>(scene: &'a BakedScene, runs: &[Run]) -> Cow<'a, [u32]> {
+pub fn indices<'a>(scene: &'a BakedScene, runs: &[DrawBatch]) -> Cow<'a, [u32]> {
     let mut out = Cow::Borrowed(&scene.indices[..]);
     for run in runs.iter().filter(|run| run.one_sided) {
         let range = run.indices.start as usize..run.indices.end as usize;
@@ -46,7 +46,7 @@ mod tests {
         let mut scene = BakedScene { vertices: square(Vec3::Z).to_vec(), ..BakedScene::default() };
         scene.vertices.extend(square(-Vec3::Z));
         scene.indices = (0..6).chain(0..6).collect();
-        let run = |indices, one_sided| Run {
+        let run = |indices, one_sided| DrawBatch {
             material: 0,
             indices,
             instances: 0..1,

@@ -2,10 +2,11 @@
 
 use crate::bindings::buffer;
 use crate::blended_fit;
-use crate::composite;
+use crate::draw_batch::DrawBatch;
 use crate::error::ViewerError;
 use crate::fronts;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, MAX_BINDING};
+use crate::ground;
 use crate::scope::Scope;
 use crate::triangles::Triangles;
 use rebounce_shared::baked::BakedScene;
@@ -18,8 +19,6 @@ use std::ops::Range;
 use std::rc::Rc;
 use wgpu::BufferUsages;
 
-/// Bytes that WebGPU guarantees in one storage binding.
-pub const MAX_BINDING: u64 = 128 << 20;
 /// Bytes that WebGPU guarantees in one buffer.
 pub const MAX_BUFFER: u64 = 256 << 20;
 
@@ -39,54 +38,6 @@ pub struct LinkBuffers {
     pub offsets: wgpu::Buffer,
     /// Its links, in as many buffers as it takes.
     pub chunks: Vec<Chunk>,
-}
-
-/// Position, normal and texture coordinates of [`rebounce_shared::rbn::bulk::Vertex`], and the rows of an [`Instance`].
-pub const VERTEX_BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
-    Some(wgpu::VertexBufferLayout {
-        array_stride: 24,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x2, 2 => Float32x2],
-    }),
-    Some(wgpu::VertexBufferLayout {
-        array_stride: 48,
-        step_mode: wgpu::VertexStepMode::Instance,
-        attributes: &wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4],
-    }),
-];
-
-/// A run of triangles.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Run {
-    /// Their material.
-    pub material: u32,
-    /// Their part of the index buffer.
-    pub indices: Range<u32>,
-    /// Their part of the instance buffer, whose first entry is for what stands once.
-    pub instances: Range<u32>,
-    /// Whether the material cuts holes, in shadows too where it is blended.
-    pub cut: bool,
-    /// Whether the material is blended.
-    pub blended: bool,
-    /// Whether it lets light through in a colour: then shadow maps do not hold it.
-    pub glass: bool,
-    /// Whether the material has a front alone: no camera sees its back. In shadows it does not matter.
-    pub one_sided: bool,
-}
-
-impl Run {
-    /// Draws it, after [`Upload::bind`].
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.draw_indexed(self.indices.clone(), 0, self.instances.clone());
-    }
-}
-
-/// Where a run's triangles stand.
-pub fn instances<'a>(scene: &'a BakedScene, run: &Run) -> &'a [Instance] {
-    match run.instances.start {
-        0 => &[Instance::IDENTITY],
-        first => &scene.instances[first as usize - 1..run.instances.end as usize - 1],
-    }
 }
 
 /// The scene's sections on the GPU.
@@ -120,18 +71,18 @@ pub struct Upload {
     /// Section `LATL`.
     pub later: LinkBuffers,
     /// Draw calls by material, opaque ones first, without those that are blended.
-    pub runs: Vec<Run>,
+    pub runs: Vec<DrawBatch>,
     /// Draw calls of blended materials.
-    pub blended_runs: Vec<Run>,
+    pub blended_runs: Vec<DrawBatch>,
     /// Layers in which these are drawn: see [`blended_fit::layers`].
     pub blended_layers: u32,
     /// Whether these have colours: see [`blended_fit::are_tinted`].
     pub tinted: bool,
     /// Draw calls where the material does not matter, without glass: neighbouring opaque runs are one.
-    pub shadow_runs: Vec<Run>,
+    pub shadow_runs: Vec<DrawBatch>,
     /// Draw calls of glass.
-    pub glass_runs: Vec<Run>,
-    /// The ground under an object: see [`composite::ground`].
+    pub glass_runs: Vec<DrawBatch>,
+    /// The ground under an object: see [`ground::uniform`].
     pub ground: wgpu::Buffer,
     /// All triangles, on the CPU.
     pub triangles: Rc<Triangles>,
@@ -157,7 +108,7 @@ impl Upload {
         let all_runs = runs.clone();
         let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
-            ground: composite::ground(&own, &scene.meta.shown.ground),
+            ground: ground::uniform(&own, &scene.meta.shown.ground),
             links: matrix(stored, "LINK", &scene.links, most.binding),
             // One buffer: between coarse points there are few.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),
@@ -183,7 +134,7 @@ impl Upload {
         })
     }
 
-    /// Binds what [`Run`]s are drawn from.
+    /// Binds what [`DrawBatch`]s are drawn from.
     pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
@@ -279,7 +230,7 @@ fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
 
 /// Draw calls sorted so that opaque ones come first, blended ones last, and equal materials follow each other, as do one-sided
 /// ones.
-fn runs(scene: &BakedScene) -> Vec<Run> {
+fn runs(scene: &BakedScene) -> Vec<DrawBatch> {
     let run = |(number, d): (usize, &Draw)| {
         let instances = match scene.copies_of(number) {
             copies if copies.is_empty() => 0..1,
@@ -287,7 +238,7 @@ fn runs(scene: &BakedScene) -> Vec<Run> {
         };
         let material = &scene.meta.materials[d.material as usize];
         let blended = blended_fit::is_blended(&scene.meta, material);
-        Run {
+        DrawBatch {
             material: d.material,
             indices: d.first_index..d.first_index + d.index_count,
             instances,
@@ -305,15 +256,15 @@ fn runs(scene: &BakedScene) -> Vec<Run> {
 type Order = (bool, bool, bool, u32, u32);
 
 /// Runs by a key; a function pointer, so that the bundle holds one sort.
-fn sorted(mut runs: Vec<Run>, order: fn(&Run) -> Order) -> Vec<Run> {
+fn sorted(mut runs: Vec<DrawBatch>, order: fn(&DrawBatch) -> Order) -> Vec<DrawBatch> {
     runs.sort_unstable_by_key(order);
     runs
 }
 
 /// The same triangles in fewer runs: opaque neighbours in the index buffer become one, where they stand in the same places.
-fn merged(runs: &[Run]) -> Vec<Run> {
+fn merged(runs: &[DrawBatch]) -> Vec<DrawBatch> {
     let opaque = runs.iter().filter(|r| !r.cut).cloned().collect();
-    let mut out: Vec<Run> = Vec::new();
+    let mut out: Vec<DrawBatch> = Vec::new();
     for run in sorted(opaque, |run| (false, false, false, 0, run.indices.start)) {
         match out.last_mut() {
             Some(last) if last.indices.end == run.indices.start && last.instances == run.instances => {
@@ -373,7 +324,7 @@ mod tests {
         scene.copies = vec![alone, alone, two, two, three];
         scene.instances = vec![Instance::IDENTITY; 5];
         let runs = runs(&scene);
-        let of = |run: &Run| (run.indices.clone(), run.instances.clone());
+        let of = |run: &DrawBatch| (run.indices.clone(), run.instances.clone());
         assert_eq!(
             runs.iter().map(of).collect::<Vec<_>>(),
             [(0..3, 0..1), (6..9, 1..3), (12..15, 3..6), (3..6, 0..1), (9..12, 1..3),]

@@ -15,7 +15,7 @@ use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::pipelines::Pipelines;
 use rebounce_viewer::readback::Readback;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Mode, ToneMapping};
 use std::rc::Rc;
 
@@ -65,7 +65,7 @@ fn camera(from: Vec3, to: Vec3) -> Camera {
 
 fn renderer_with(gpu: &Gpu, pipelines: &Rc<Pipelines>, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::with(gpu.clone(), pipelines.clone());
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, pipelines, scene.clone())).unwrap();
+    let loaded = pollster::block_on(GpuScene::upload(gpu, pipelines.loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer.set_auto_exposure(false);

@@ -11,7 +11,7 @@ use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::meta::{DetailTexture, Texture};
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Display, Mode, ToneMapping};
 
 const SIZE: u32 = 33;
@@ -52,7 +52,8 @@ fn bumped(scene: &BakedScene, normal: Vec3) -> BakedScene {
 
 fn renderer(gpu: &Gpu, scene: &BakedScene, mode: Mode) -> Renderer {
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
+    let loaded =
+        pollster::block_on(GpuScene::upload(gpu, renderer.pipelines().loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer.set_auto_exposure(false);

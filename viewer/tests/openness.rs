@@ -8,7 +8,7 @@ use rebounce_shared::glam::Vec3;
 use rebounce_shared::openness::{LEVELS, REACH, View, gain, horizon, received};
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::Display;
 
 const SIZE: [u32; 2] = [48, 36];
@@ -17,7 +17,8 @@ const LARGE: [u32; 2] = [96, 72];
 
 fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
+    let loaded =
+        pollster::block_on(GpuScene::upload(gpu, renderer.pipelines().loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer.set_every_pixel(true);
     renderer

@@ -14,7 +14,7 @@ use rebounce_shared::rbn::bulk::Point;
 use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Display, Mode, ToneMapping};
 use rebounce_viewer::view::Sample;
 
@@ -23,7 +23,8 @@ const HEIGHT: u32 = 36;
 
 fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
+    let loaded =
+        pollster::block_on(GpuScene::upload(gpu, renderer.pipelines().loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer

@@ -9,7 +9,7 @@ use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::pipelines::Pipelines;
 use rebounce_viewer::readback::Readback;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use std::rc::Rc;
 
 const LIGHTS: usize = 16;
@@ -37,7 +37,7 @@ fn renderer(gpu: &Gpu, pipelines: &Rc<Pipelines>, scene: &BakedScene) -> Rendere
     let mut renderer = Renderer::with(gpu.clone(), pipelines.clone());
     renderer.set_largest_shadow_map(64);
     renderer.set_still_pictures(1);
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, pipelines, scene.clone())).unwrap();
+    let loaded = pollster::block_on(GpuScene::upload(gpu, pipelines.loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer
 }

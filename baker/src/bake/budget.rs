@@ -351,8 +351,12 @@ mod tests {
         // Only how many texels it has is looked at.
         let mut texels = Texels::new(1, 1, vec![[0; 4]]);
         (texels.width, texels.height) = (16_384, 8_192);
-        let meta =
-            rbn::meta::Texture { name: "sky".into(), width: 16_384, height: 8_192, ..Default::default() };
+        let meta = rebounce_shared::rbn::meta::Texture {
+            name: "sky".into(),
+            width: 16_384,
+            height: 8_192,
+            ..Default::default()
+        };
         scene.textures.push(Texture { meta, bytes: [].into(), texels: Some(texels.into()) });
         let error = plan(&scene, 500_000_000).unwrap_err().to_string();
         assert!(error.contains("\"sky\", 16384 x 8192"), "{error}");

@@ -321,7 +321,7 @@ mod tests {
                 if tint.x > 2.0 * tint.y { Vec::new() } else { row.to_vec() }
             })
             .collect();
-        broken.links = rbn::LinkMatrix::from_rows(&rows);
+        broken.links = rebounce_shared::rbn::LinkMatrix::from_rows(&rows);
         let broken = error(&broken);
         let worst = broken.worst.unwrap();
         assert!(worst.material.1 == "red" && worst.share > 0.5, "{worst:?}");

@@ -10,7 +10,7 @@ use rebounce_shared::light::Light;
 use rebounce_shared::shot::Shot;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::stats::Counts;
 use screen::screen;
 use std::error::Error;
@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut renderer = Renderer::new(gpu.clone())?;
     let relit = relit_bytes(&scene);
     let points = scene.points.len() as u64;
-    let loaded = pollster::block_on(LoadedScene::upload(&gpu, &renderer.pipelines(), scene))?;
+    let loaded = pollster::block_on(GpuScene::upload(&gpu, renderer.pipelines().loaders(), scene))?;
     let looked_up = loaded.upload.points.size() + loaded.upload.lookup.size() + loaded.upload.cuts.size();
     renderer.install(loaded)?;
     if let Some(shot) = args.next() {

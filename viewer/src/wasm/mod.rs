@@ -21,7 +21,7 @@ use crate::error::ViewerError;
 use crate::gpu::LIMITS;
 use crate::pace::{Pace, Work};
 use crate::renderer::Renderer;
-use crate::scene::LoadedScene;
+use crate::scene::GpuScene;
 use page::{coded, js_error, promise};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn;
@@ -180,7 +180,7 @@ impl Viewer {
         promise(async move {
             let scene = BakedScene::from_bytes(&bytes.to_vec())?;
             drop(bytes);
-            let loaded = LoadedScene::upload(&gpu, &pipelines, scene).await?;
+            let loaded = GpuScene::upload(&gpu, pipelines.loaders(), scene).await?;
             let state = held.upgrade().filter(|_| !callbacks.is_lost.get());
             let Some(state) = state else { return Err(ViewerError::DeviceLost("while loading".into())) };
             {

@@ -8,7 +8,6 @@ use rebounce::bake::judge::{Judge, Worst};
 use rebounce::picture::uncertainty::{Answer, Estimate};
 use rebounce::scene::Scene;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::rbn;
 use rebounce_shared::shot::Shot;
 
 /// The error that is wanted, where it is measured, and what was found so far.

@@ -11,7 +11,7 @@ use rebounce::communicator::Communicator;
 use rebounce::scene::Scene;
 use rebounce::write::write_whole;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::rbn::{self, container};
+use rebounce_shared::rbn::container;
 use std::path::PathBuf;
 
 /// Bakes of a scene by the first process of its team, or by the only one.
