@@ -280,6 +280,7 @@ fn merged(runs: &[DrawBatch]) -> Vec<DrawBatch> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::draw_batch::instances;
     use rebounce_shared::rbn::bulk::Copies;
     use rebounce_shared::rbn::meta::Material;
 
