@@ -11,18 +11,18 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_vantage};
 use rebounce::basis::relate;
-use rebounce::operator::OperatorSettings;
-use rebounce::operator::directions::Directions;
-use rebounce::operator::found::BATCH;
-use rebounce::operator::gather::receivers_together;
-use rebounce::operator::hemisphere::{GatherRays, gather_rays};
-use rebounce::operator::order::sort;
-use rebounce::operator::refine::{Refiner, Senders};
-use rebounce::operator::{reflected::reflected_share, tint::tints};
-use rebounce::points::{Points, cut, footprint, place};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Hit, Ray, Surfaces};
+use rebounce::sampling::{Points, cut, footprint, place};
 use rebounce::scene::{self, Scene};
-use rebounce::surface::{Hit, Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
+use rebounce::transport::direct_to_indirect::OperatorSettings;
+use rebounce::transport::direct_to_indirect::directions::Directions;
+use rebounce::transport::direct_to_indirect::gather::receivers_together;
+use rebounce::transport::direct_to_indirect::gather_batch::BATCH;
+use rebounce::transport::direct_to_indirect::hemisphere::{GatherRays, gather_rays};
+use rebounce::transport::direct_to_indirect::ray_sort::sort;
+use rebounce::transport::direct_to_indirect::refine::{Refiner, Senders};
+use rebounce::transport::direct_to_indirect::{mean_albedo::reflected_share, tint::tints};
 use std::hint::black_box;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -189,12 +189,12 @@ impl Rays {
                 gather_rays(&self.points.points[i], i, self.operator.seed, epsilon, directions, &mut rays);
             }
             sort(&rays.cells, &mut order);
-            // More pieces than are numbered walk one by one in a bake, too.
-            let pieces = self.surfaces.pieces();
+            // More primitives than are numbered walk one by one in a bake, too.
+            let primitives = self.surfaces.primitives();
             let began = Instant::now();
             for some in order.chunks(BATCH) {
-                match pieces {
-                    Some(pieces) => pieces.find_all(&rays.rays, some, &mut found),
+                match primitives {
+                    Some(primitives) => primitives.intersect_packet(&rays.rays, some, &mut found),
                     None => some.iter().map(|&i| &rays.rays[i as usize]).for_each(|(ray, seed)| {
                         black_box(self.surfaces.distance(ray, *seed));
                     }),

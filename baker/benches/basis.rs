@@ -9,9 +9,9 @@ mod box_room;
 use box_room::BoxRoom;
 use glam::Vec3;
 use rebounce::basis::{Evaluator, Support};
-use rebounce::points::vantage::Vantage;
-use rebounce::points::{PlaceSettings, SurfacePoint, place};
 use rebounce::random::Stream;
+use rebounce::sampling::emitter::ParticleEmitter;
+use rebounce::sampling::{PlaceSettings, SurfacePoint, place};
 use rebounce_shared::kernel::weight;
 use rstar::{AABB, RTree, RTreeObject};
 use std::time::Instant;
@@ -37,7 +37,7 @@ fn main() {
     let room =
         BoxRoom { low: Vec3::new(-2.0, -1.0, -1.5), high: Vec3::new(2.0, 1.0, 1.5), albedo: Vec3::ONE };
     let settings = PlaceSettings { levels: 6, functions: 40_000, ..PlaceSettings::default() };
-    let Ok(points) = place(&room, &Vantage::within(Vec3::ZERO), &settings, &()) else { return };
+    let Ok(points) = place(&room, &ParticleEmitter::within(Vec3::ZERO), &settings, &()) else { return };
     let finest = &points.points[points.levels[5].range()];
     println!("level functions   found/query   grid ns   R-tree ns   R-tree over grid");
     for (l, level) in points.levels.iter().enumerate() {

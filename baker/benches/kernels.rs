@@ -8,20 +8,21 @@ use anyhow::Result;
 use criterion::{Criterion, Throughput};
 use rebounce::bake::{BakeSettings, Preset, choose_vantage};
 use rebounce::basis::{Relations, relate};
-use rebounce::operator::bounces::{add_later_bounces, column_count};
-use rebounce::operator::directions::Directions;
-use rebounce::operator::found::BATCH;
-use rebounce::operator::gather::{Gather, GatherContext, Gathered, Scratch};
-use rebounce::operator::hemisphere::{GatherRays, gather_rays};
-use rebounce::operator::order::sort;
-use rebounce::operator::refine::{Refiner, Senders};
-use rebounce::operator::tiles::{Layout, Tiles};
-use rebounce::operator::{Operator, OperatorSettings, tint};
-use rebounce::points::vantage::Vantage;
-use rebounce::points::{PlaceSettings, Points, place};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Hit, Primitives, Ray, Surfaces};
+use rebounce::sampling::emitter::ParticleEmitter;
+use rebounce::sampling::{PlaceSettings, Points, place};
 use rebounce::scene;
-use rebounce::surface::{Hit, Pieces, Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
+use rebounce::transport::direct_to_indirect::bounces::{add_later_bounces, column_count};
+use rebounce::transport::direct_to_indirect::directions::Directions;
+use rebounce::transport::direct_to_indirect::gather::{Gather, Gathered, Scratch};
+use rebounce::transport::direct_to_indirect::gather_batch::BATCH;
+use rebounce::transport::direct_to_indirect::gather_context::GatherContext;
+use rebounce::transport::direct_to_indirect::hemisphere::{GatherRays, gather_rays};
+use rebounce::transport::direct_to_indirect::hit_cache::{HitCache, Layout};
+use rebounce::transport::direct_to_indirect::ray_sort::sort;
+use rebounce::transport::direct_to_indirect::refine::{Refiner, Senders};
+use rebounce::transport::direct_to_indirect::{Operator, OperatorSettings, tint};
 use rebounce_shared::link::Link;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::codec::links::{decode, encode};
@@ -44,7 +45,7 @@ const PLACES: usize = 16;
 /// What the kernels work on.
 struct Room {
     surfaces: TriangleSurfaces,
-    vantage: Vantage,
+    vantage: ParticleEmitter,
     place: PlaceSettings,
     operator: OperatorSettings,
     points: Points,
@@ -216,7 +217,7 @@ fn walk(room: &Room) -> u64 {
 fn walk_together(room: &Room) -> u64 {
     let mut found = Vec::new();
     for some in room.order.chunks(BATCH) {
-        room.surfaces.find_all(&room.near, some, &mut found);
+        room.surfaces.intersect_packet(&room.near, some, &mut found);
         black_box(&found);
     }
     room.order.len() as u64
@@ -245,7 +246,7 @@ fn cover(room: &Room) -> u64 {
 fn lay_tiles(room: &Room) -> u64 {
     let GatherContext { surfaces, senders, duals, settings, .. } = room.context();
     let tiles = Layout::new(surfaces, senders, duals.len(), &())
-        .and_then(|layout| Tiles::on(layout, surfaces, senders, duals, settings.seed, &()));
+        .and_then(|layout| HitCache::on(layout, surfaces, senders, duals, settings.seed, &()));
     black_box(tiles).map_or(0, |tiles| tiles.count() as u64)
 }
 

@@ -4,16 +4,16 @@
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
 use rebounce::bake::{BakeSettings, Preset, choose_vantage};
-use rebounce::operator::directions::Directions;
-use rebounce::operator::found::BATCH;
-use rebounce::operator::gather::receivers_together;
-use rebounce::operator::hemisphere::{GatherRays, gather_rays};
-use rebounce::operator::order::sort;
-use rebounce::points::place;
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
+use rebounce::sampling::place;
 use rebounce::scene;
-use rebounce::surface::{Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
+use rebounce::transport::direct_to_indirect::directions::Directions;
+use rebounce::transport::direct_to_indirect::gather::receivers_together;
+use rebounce::transport::direct_to_indirect::gather_batch::BATCH;
+use rebounce::transport::direct_to_indirect::hemisphere::{GatherRays, gather_rays};
+use rebounce::transport::direct_to_indirect::ray_sort::sort;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -78,7 +78,7 @@ fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
     let vantage = choose_vantage(scene, surfaces, &settings)?;
     let points = place(surfaces, &vantage, &settings.place, &())?;
     let finest: Vec<usize> = points.levels.last().map_or(Vec::new(), |level| level.range().collect());
-    let pieces = surfaces.pieces().context("too many triangles")?;
+    let primitives = surfaces.primitives().context("too many triangles")?;
     let directions = Directions::new(settings.operator.rays_on(points.levels.len() - 1));
     let mut gathered = GatherRays::default();
     let mut order = Vec::new();
@@ -101,11 +101,13 @@ fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
                 let began = Instant::now();
                 if way == 0 {
                     alone.clear();
-                    alone.extend(order.iter().map(|&i| pieces.find(&rays[i as usize].0, rays[i as usize].1)));
+                    alone.extend(
+                        order.iter().map(|&i| primitives.find(&rays[i as usize].0, rays[i as usize].1)),
+                    );
                 } else {
                     together.clear();
                     for numbers in order.chunks(BATCH) {
-                        pieces.find_all(rays, numbers, &mut some_together);
+                        primitives.intersect_packet(rays, numbers, &mut some_together);
                         together.extend_from_slice(&some_together);
                     }
                 }

@@ -3,20 +3,18 @@
 
 pub mod bake;
 pub mod basis;
+pub mod communicator;
+pub mod geometry;
 pub mod light;
 mod morton;
-pub mod operator;
 pub mod path_trace;
 pub mod picture;
-pub mod points;
 mod processor;
 pub mod render;
+pub mod sampling;
 pub mod scene;
 pub mod shot;
-pub mod simplify;
-pub mod surface;
-pub mod team;
-pub mod triangles;
+pub mod transport;
 pub mod watch;
 mod weld;
 pub mod write;

@@ -1,10 +1,10 @@
 //! The path tracer against what can be worked out by hand. Furnaces are in its own tests.
 
 use glam::Vec3;
+use rebounce::geometry::{Hit, Ray, Surfaces};
 use rebounce::path_trace::{Settings, radiance};
 use rebounce::picture::Only;
 use rebounce::random::Stream;
-use rebounce::surface::{Hit, Ray, Surfaces};
 use rebounce_shared::light::Light;
 use std::f32::consts::PI;
 

@@ -1,16 +1,17 @@
 //! What stands in a scene many times is there once, and gives the light that as many things of their own give.
 
 use crate::common;
+use rebounce_shared::baked::BakedScene;
 
 use common::crowd::{COPIES, FINE, Said, glb, places};
 use glam::Vec3;
 use rebounce::bake::{
     BakeError, BakeSettings, Checkpoint, Identity, Observer, Preset, bake, bake_with_checkpoint,
 };
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
 use rebounce::scene::{self, Scene};
-use rebounce::surface::{Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::rbn;
 use rebounce_shared::relight::relight;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -84,7 +85,7 @@ fn what_is_drawn_once_in_a_file_of_copies_is_there() {
     let mut baked = bake(&crowd(Said::Nodes), &settings(), &()).unwrap().0;
     let before = TriangleSurfaces::from_baked(&baked).unwrap();
     baked.copies.iter_mut().filter(|copies| copies.count == 0).for_each(|copies| copies.first = 3);
-    baked = rbn::Scene::from_bytes(&baked.to_bytes().unwrap()).unwrap();
+    baked = BakedScene::from_bytes(&baked.to_bytes().unwrap()).unwrap();
     let after = TriangleSurfaces::from_baked(&baked).unwrap();
     assert_eq!(after.piece_count(), before.piece_count());
     assert_eq!(different(&before, &after, Vec3::ZERO, 1e-6).0, 0.0);
@@ -129,7 +130,7 @@ fn settings() -> BakeSettings {
 }
 
 /// The light that the surfaces get altogether where they get one unit everywhere, a sum over the functions.
-fn total(scene: &rbn::Scene) -> f32 {
+fn total(scene: &BakedScene) -> f32 {
     let light = relight(scene, vec![Vec3::ONE; scene.direct_count()]);
     let finest = scene.display();
     light[finest.clone()].iter().map(|l| l.element_sum()).sum::<f32>() / finest.len() as f32
@@ -149,7 +150,7 @@ fn the_bounced_light_and_the_file_are_those_of_a_scene_without_models() {
     // The file holds it, and is as much smaller.
     let (bytes, more) = (baked.to_bytes().unwrap(), truth.to_bytes().unwrap());
     assert_eq!([baked.version(), truth.version()], [rbn::container::VERSION; 2]);
-    let read = rbn::Scene::from_bytes(&bytes).unwrap();
+    let read = BakedScene::from_bytes(&bytes).unwrap();
     assert_eq!(read, baked);
     assert_eq!(read.triangles_placed(), scene.triangles_placed());
     assert!(20 * baked.vertices.len() < truth.vertices.len() && bytes.len() < more.len());

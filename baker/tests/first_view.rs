@@ -3,11 +3,11 @@
 use boxes::add_box;
 use glam::{Vec2, Vec3, vec3};
 use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Hit, Ray, Surfaces};
 use rebounce::light::direct;
 use rebounce::random::Stream;
 use rebounce::scene::Scene;
-use rebounce::surface::{Hit, Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::Material;
@@ -122,7 +122,7 @@ impl Seen {
 
     fn look(&self, x: f32, y: f32) -> Option<Hit> {
         let direction = self.frame.direction(160.0 + 160.0 * x, 90.0 - 90.0 * y, 320, 180);
-        self.surfaces.see(&Ray::blind(self.frame.eye, direction), 0).filter(|hit| hit.faces(direction))
+        self.surfaces.see(&Ray::visibility(self.frame.eye, direction), 0).filter(|hit| hit.faces(direction))
     }
 
     /// The lamp is in the left or right third, before all surfaces, free, and lights what is looked at.
@@ -130,7 +130,7 @@ impl Seen {
         let (lamp, at) = (self.lamp(), self.at(self.lamp()));
         assert!((1.0 / 3.0..0.9).contains(&at.x.abs()) && at.y > 0.0 && at.y < 0.9, "{what}: lamp at {at}");
         let to = lamp - self.frame.eye;
-        let ray = Ray { max_distance: to.length(), ..Ray::blind(self.frame.eye, to.normalize()) };
+        let ray = Ray { max_distance: to.length(), ..Ray::visibility(self.frame.eye, to.normalize()) };
         assert!(self.surfaces.see(&ray, 0).is_none(), "{what}: hidden");
         let lights = [self.light.source([0.0; 3])];
         let lit = self.lit();
@@ -161,7 +161,7 @@ impl Seen {
     /// How far the nearest surface is from the lamp.
     fn free(&self) -> f32 {
         let distance = |i: u64| {
-            let ray = Ray::blind(self.lamp(), Stream::new(5, i).sphere());
+            let ray = Ray::visibility(self.lamp(), Stream::new(5, i).sphere());
             self.surfaces.cast(&ray, 0).map_or(f32::INFINITY, |hit| hit.distance)
         };
         (0..400).map(distance).fold(f32::INFINITY, f32::min)
@@ -189,7 +189,7 @@ fn a_room_is_seen_from_the_height_of_eyes_over_its_floor_and_its_lamp_hangs_in_t
         let eye = seen.frame.eye;
         assert!(eye.cmpgt(low).all() && eye.cmplt(high).all(), "{what}: outside");
         assert!(seen.frame.forward.y.abs() < 1e-3 && seen.frame.up.y > 0.999, "{what}: not level");
-        let floor = seen.surfaces.cast(&Ray::blind(eye, -Vec3::Y), 0).unwrap();
+        let floor = seen.surfaces.cast(&Ray::visibility(eye, -Vec3::Y), 0).unwrap();
         assert!(floor.position.y < low.y + 1e-3 * scale, "{what}: on the furniture");
         if scale == 1.0 {
             assert!((floor.distance - 1.6).abs() < 1e-3, "{what}: {} above the floor", floor.distance);

@@ -3,14 +3,14 @@
 use glam::Vec3;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake};
 use rebounce::scene;
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::relight;
 
-fn baked() -> Scene {
+fn baked() -> BakedScene {
     baked_with_report().0
 }
 
-fn baked_with_report() -> (Scene, BakeReport) {
+fn baked_with_report() -> (BakedScene, BakeReport) {
     let mut settings = BakeSettings::new(Preset::Draft);
     settings.place.levels = 4;
     settings.place.functions = 4000;
@@ -60,7 +60,7 @@ fn relighting_is_linear_in_the_light() {
 fn a_bake_survives_the_file_and_repeats_to_the_byte() {
     let scene = baked();
     let bytes = scene.to_bytes().unwrap();
-    assert_eq!(Scene::from_bytes(&bytes).unwrap(), scene);
+    assert_eq!(BakedScene::from_bytes(&bytes).unwrap(), scene);
     assert_eq!(baked().to_bytes().unwrap(), bytes);
 }
 

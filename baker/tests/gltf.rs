@@ -1,10 +1,10 @@
 //! One scene in many wrappings (`gltf/README.md`) is one scene: the same rays hit the same surfaces.
 
 use glam::Vec3;
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
 use rebounce::scene::{self, Scene};
-use rebounce::surface::{Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
 
 fn load(name: &str) -> Scene {
     let path = format!("{}/tests/gltf/{name}.glb", env!("CARGO_MANIFEST_DIR"));

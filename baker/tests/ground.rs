@@ -5,13 +5,13 @@ use glam::{DVec3, Vec3};
 use rebounce::bake::judge::Judge;
 use rebounce::bake::{BakeSettings, Preset, bake, choose_vantage};
 use rebounce::basis::{Evaluator, Leveled, Support};
-use rebounce::points::place;
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
+use rebounce::sampling::place;
 use rebounce::scene::{self, Scene};
-use rebounce::surface::{Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn;
 use rebounce_shared::shot::Shot;
 use serde_json::{Value, json};
 
@@ -106,7 +106,7 @@ fn settings() -> BakeSettings {
     settings
 }
 
-fn error(judge: &Judge, baked: &rbn::Scene) -> f64 {
+fn error(judge: &Judge, baked: &BakedScene) -> f64 {
     judge.verdict(&judge.picture(baked).unwrap()).unwrap().comparison.error.figure()
 }
 
@@ -146,7 +146,7 @@ fn all_that_is_seen_of_a_plain_is_covered() {
     let settings = settings();
     let vantage = choose_vantage(&scene, &surfaces, &settings).unwrap();
     let points = place(&surfaces, &vantage, &settings.place, &()).unwrap();
-    let of_level = |level: &rebounce::points::PointLevel| {
+    let of_level = |level: &rebounce::sampling::PointLevel| {
         let support = |i: usize| {
             let point = &points.points[i];
             let (position, normal) = (point.position, point.normal);
@@ -159,7 +159,7 @@ fn all_that_is_seen_of_a_plain_is_covered() {
     let (mut seen, mut finer) = (0, 0);
     for (x, y) in (0..64).flat_map(|x| (0..64).map(move |y| (x as f32 + 0.5, y as f32 + 0.5))) {
         let direction = frame.direction(x, y, 64, 64);
-        let Some(hit) = surfaces.cast(&Ray::blind(frame.eye, direction), 0) else { continue };
+        let Some(hit) = surfaces.cast(&Ray::visibility(frame.eye, direction), 0) else { continue };
         let radius = functions.radius_at(hit.position, hit.normal);
         assert!(radius.is_some(), "nothing covers {}, {} away", hit.position, hit.distance);
         seen += 1;
@@ -177,7 +177,7 @@ fn rooms_have_one_radius() {
         let settings = settings();
         let vantage = choose_vantage(&scene, &surfaces, &settings).unwrap();
         assert!(!vantage.views.is_empty());
-        let placer = rebounce::points::Placer::new(&surfaces, &vantage, &settings.place).unwrap();
+        let placer = rebounce::sampling::Placer::new(&surfaces, &vantage, &settings.place).unwrap();
         assert_eq!(placer.levels(), settings.place.levels, "{name}");
     }
 }

@@ -5,9 +5,11 @@ use crate::box_room;
 use box_room::BoxRoom;
 use glam::Vec3;
 use rebounce::basis::{Evaluator, Relations, Support, relate};
-use rebounce::operator::{Operator, OperatorSettings, bounces::add_later_bounces, refine::refine};
-use rebounce::points::vantage::Vantage;
-use rebounce::points::{PlaceSettings, Points, SurfacePoint, place};
+use rebounce::sampling::emitter::ParticleEmitter;
+use rebounce::sampling::{PlaceSettings, Points, SurfacePoint, place};
+use rebounce::transport::direct_to_indirect::{
+    Operator, OperatorSettings, bounces::add_later_bounces, refine::refine,
+};
 use rebounce_shared::interpolation::mean;
 use rebounce_shared::kernel::distance_5d;
 use rebounce_shared::link::{LaterLink, Sent};
@@ -38,7 +40,7 @@ fn small_operator() -> OperatorSettings {
 
 fn bake(albedo: f32) -> (Points, Relations, Operator) {
     let room = room(albedo);
-    let points = place(&room, &Vantage::within(Vec3::ZERO), &small_place(), &()).unwrap();
+    let points = place(&room, &ParticleEmitter::within(Vec3::ZERO), &small_place(), &()).unwrap();
     let relations = relate(&points, 4).unwrap();
     let mut operator = refine(&room, &points, &relations, &small_operator(), &()).unwrap();
     add_later_bounces(&mut operator, &small_operator(), &(), &(), &()).unwrap();
@@ -48,7 +50,7 @@ fn bake(albedo: f32) -> (Points, Relations, Operator) {
 #[test]
 fn points_keep_their_poisson_distance_and_cover_the_room() {
     let room = room(0.5);
-    let points = place(&room, &Vantage::within(Vec3::ZERO), &small_place(), &()).unwrap();
+    let points = place(&room, &ParticleEmitter::within(Vec3::ZERO), &small_place(), &()).unwrap();
     assert_eq!(points.levels.len(), 4);
     for (l, level) in points.levels.iter().enumerate() {
         let list = &points.points[level.range()];
@@ -82,11 +84,11 @@ fn points_keep_their_poisson_distance_and_cover_the_room() {
 
 #[test]
 fn placement_does_not_depend_on_units_or_place() {
-    let metres = place(&room(0.5), &Vantage::within(Vec3::ZERO), &small_place(), &()).unwrap();
+    let metres = place(&room(0.5), &ParticleEmitter::within(Vec3::ZERO), &small_place(), &()).unwrap();
     let scale = 1000.0;
     let room = room(0.5);
     let millimetres = BoxRoom { low: room.low * scale, high: room.high * scale, albedo: room.albedo };
-    let millimetres = place(&millimetres, &Vantage::within(Vec3::ZERO), &small_place(), &()).unwrap();
+    let millimetres = place(&millimetres, &ParticleEmitter::within(Vec3::ZERO), &small_place(), &()).unwrap();
     for (a, b) in metres.levels.iter().zip(&millimetres.levels) {
         let ratio = b.count as f32 / a.count as f32;
         assert!((0.9..1.1).contains(&ratio), "{} {}", a.count, b.count);
@@ -159,7 +161,7 @@ fn the_same_seed_gives_the_same_operator_at_any_thread_count() {
 #[test]
 fn later_bounces_stop_where_they_are_told_to() {
     let room = room(0.5);
-    let points = place(&room, &Vantage::within(Vec3::ZERO), &small_place(), &()).unwrap();
+    let points = place(&room, &ParticleEmitter::within(Vec3::ZERO), &small_place(), &()).unwrap();
     let relations = relate(&points, 4).unwrap();
     let one = refine(&room, &points, &relations, &small_operator(), &()).unwrap();
     let mut expected = 0.0;

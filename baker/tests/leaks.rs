@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
 use rebounce::render::Relit;
 use rebounce::scene;
-use rebounce::surface::{Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
 
 /// Mean bounced irradiance on what is seen from the middle of the lit room and of the other one, and
 /// the greatest in the other one.

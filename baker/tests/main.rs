@@ -11,6 +11,7 @@ mod common {
 }
 
 mod closed_forms;
+mod communicator;
 mod copies;
 mod faults;
 mod first_steps;
@@ -29,5 +30,4 @@ mod simplify;
 mod size;
 mod spots;
 mod target;
-mod team;
 mod tiles;

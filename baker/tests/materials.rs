@@ -2,18 +2,19 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common::quads;
+use rebounce_shared::baked::BakedScene;
 
 use glam::{DVec3, Vec3, vec3};
 use quads::{Quad, glb};
 use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
 use rebounce::light::direct;
 use rebounce::path_trace::{Settings, radiance};
 use rebounce::picture::Only;
 use rebounce::random::Stream;
 use rebounce::render::Relit;
 use rebounce::scene::{self, Scene, SceneError};
-use rebounce::surface::{Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn;
 
@@ -117,7 +118,7 @@ fn a_texture_says_where_light_goes_through() {
     assert_eq!([through(0.5), through(-0.5)], [Vec3::splat(0.5), Vec3::ZERO]);
     // And so where it is kept.
     let (file, _) = bake(&scene, &quick(), &()).unwrap();
-    let file = rbn::Scene::from_bytes(&file.to_bytes().unwrap()).unwrap();
+    let file = BakedScene::from_bytes(&file.to_bytes().unwrap()).unwrap();
     assert_eq!(file.version(), rbn::container::VERSION);
     assert_eq!(file.meta.materials, scene.materials);
     let kept = TriangleSurfaces::from_baked(&file).unwrap();

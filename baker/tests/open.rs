@@ -4,12 +4,12 @@ use boxes::add_box;
 use glam::{Vec3, vec3};
 use rebounce::bake::judge::Judge;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Ray, Surfaces};
 use rebounce::scene::Scene;
-use rebounce::surface::{Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Material;
 use rebounce_shared::shot::Shot;
 
@@ -58,7 +58,7 @@ fn shell(make: fn(Vec3, Vec3) -> Block) -> Block {
     make(vec3(-2.0, 0.0, -2.0), vec3(2.0, 2.5, 2.0))
 }
 
-fn baked(scene: &Scene) -> (rbn::Scene, BakeReport) {
+fn baked(scene: &Scene) -> (BakedScene, BakeReport) {
     let mut settings = BakeSettings::new(Preset::Draft);
     (settings.place.levels, settings.place.functions) = (4, 6_000);
     settings.operator.rays = vec![512];
@@ -66,7 +66,7 @@ fn baked(scene: &Scene) -> (rbn::Scene, BakeReport) {
 }
 
 /// How far the bounced light is from a path tracer's, seen from there.
-fn error(scene: &Scene, baked: &rbn::Scene, from: Vec3) -> f64 {
+fn error(scene: &Scene, baked: &BakedScene, from: Vec3) -> f64 {
     let camera = Camera {
         position: from.as_dvec3().to_array(),
         target: [0.0, 0.5, 0.0],

@@ -1,10 +1,10 @@
 //! Points, on a scene with dark corners.
 
-use rebounce::points::vantage::Vantage;
-use rebounce::points::{PlaceSettings, place};
+use rebounce::geometry::Surfaces;
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::sampling::emitter::ParticleEmitter;
+use rebounce::sampling::{PlaceSettings, place};
 use rebounce::scene;
-use rebounce::surface::Surfaces;
-use rebounce::triangles::TriangleSurfaces;
 
 #[test]
 fn how_many_points_there_are_is_no_matter_of_luck() {
@@ -16,7 +16,8 @@ fn how_many_points_there_are_is_no_matter_of_luck() {
         .map(|seed| {
             let settings =
                 PlaceSettings { levels: 4, coarse_radius: radius, seed, ..PlaceSettings::default() };
-            let points = place(&surfaces, &Vantage::within(low.lerp(high, 0.4)), &settings, &()).unwrap();
+            let points =
+                place(&surfaces, &ParticleEmitter::within(low.lerp(high, 0.4)), &settings, &()).unwrap();
             points.levels[3].count as f64
         })
         .collect();

@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::simplify::{TOGETHER, TOLERANCE, simplify};
+use rebounce::geometry::{Hit, Ray, Surfaces};
 use rebounce::random::Stream;
 use rebounce::scene::{self, Scene};
-use rebounce::simplify::{TOGETHER, TOLERANCE, simplify};
-use rebounce::surface::{Hit, Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
 use split::split;
 use std::path::Path;
 

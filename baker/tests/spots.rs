@@ -1,12 +1,12 @@
 //! Bare walls have no spots, also where a small patch lights all of a room.
 
 use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::Only;
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::spots::{Rectangle, Spots, spots};
 use rebounce::render::render;
 use rebounce::scene;
-use rebounce::triangles::TriangleSurfaces;
 
 /// Two bare walls in the first camera's picture.
 const WALLS: [Rectangle; 2] = [[0.03, 0.30, 0.36, 0.62], [0.47, 0.30, 0.83, 0.65]];

@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 use rebounce::basis::relate;
-use rebounce::operator::refine::{Senders, refine};
-use rebounce::operator::{OperatorSettings, tint};
-use rebounce::points::vantage::Vantage;
-use rebounce::points::{PlaceSettings, Points, cut, place};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::{Hit, Ray, Surfaces};
+use rebounce::sampling::emitter::ParticleEmitter;
+use rebounce::sampling::{PlaceSettings, Points, cut, place};
 use rebounce::scene::{self, Scene};
-use rebounce::surface::{Hit, Ray, Surfaces};
-use rebounce::triangles::TriangleSurfaces;
+use rebounce::transport::direct_to_indirect::refine::{Senders, refine};
+use rebounce::transport::direct_to_indirect::{OperatorSettings, tint};
 use rebounce_shared::interpolation::mean;
 use rebounce_shared::link::Sent;
 use split::split;
@@ -98,13 +98,13 @@ fn placed(name: &str) -> (Scene, TriangleSurfaces, Points) {
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let settings = PlaceSettings { levels: 4, functions: 3_000, ..PlaceSettings::default() };
     let (low, high) = surfaces.bounds();
-    let mut points = place(&surfaces, &Vantage::within(low.lerp(high, 0.4)), &settings, &()).unwrap();
+    let mut points = place(&surfaces, &ParticleEmitter::within(low.lerp(high, 0.4)), &settings, &()).unwrap();
     let count = points.points.len();
     cut(&surfaces, &mut points, count, &()).unwrap();
     (scene, surfaces, points)
 }
 
-/// Tiles say what hits say, up to less than other rays change.
+/// HitCache say what hits say, up to less than other rays change.
 fn assert_close(name: &str, surfaces: &TriangleSurfaces, points: &Points) {
     let by_tiles = received(surfaces, points, 5);
     let by_hits = received(&HitByHit(surfaces), points, 5);

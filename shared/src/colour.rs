@@ -37,6 +37,11 @@ pub fn unpack_rgb9e5(bits: u32) -> Vec3 {
     Vec3::new((bits & 511) as f32, (bits >> 9 & 511) as f32, (bits >> 18 & 511) as f32) * step
 }
 
+/// Rec. 709 luminance of linear RGB.
+pub fn luminance(rgb: Vec3) -> f32 {
+    rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -19,6 +19,7 @@
 //! Transport*, ACM Transactions on Graphics 27(3), 2008.
 
 pub mod backdrop;
+pub mod baked;
 pub mod basis;
 pub mod camera;
 pub mod colour;

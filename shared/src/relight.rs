@@ -9,14 +9,14 @@
 //! 3. *transport* ([`transport`]): `i = T e' = S e` (Eq. 15) along each point's own normal, *pushed* level after
 //!    level: a point's value is its coefficient plus what its parents' values interpolate to (Eq. 4).
 
+use crate::baked::BakedScene;
 use crate::interpolation::mean;
 use crate::link::{LaterLink, Sent};
-use crate::rbn::Scene;
 use glam::Vec3;
 
 /// Replaces, coarser level by coarser level, the direct irradiance of every point that has
 /// children by its children's mean. `irradiance` has one RGB value per direct point.
-pub fn pull(scene: &Scene, irradiance: &mut [Vec3]) {
+pub fn pull(scene: &BakedScene, irradiance: &mut [Vec3]) {
     for l in (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev() {
         for i in scene.level(l) {
             if let Some(value) = mean(scene.pull().row(i), Vec3::ZERO, |j| irradiance[j]) {
@@ -27,14 +27,14 @@ pub fn pull(scene: &Scene, irradiance: &mut [Vec3]) {
 }
 
 /// What the senders send: their irradiance in the colour of their surfaces.
-fn sent(scene: &Scene, irradiance: &[Vec3]) -> Vec<Vec3> {
+fn sent(scene: &BakedScene, irradiance: &[Vec3]) -> Vec<Vec3> {
     let senders = &scene.points[..scene.sender_count()];
     senders.iter().zip(irradiance).map(|(point, e)| point.tint() * *e).collect()
 }
 
 /// Adds to the senders' pulled direct irradiance what comes to them after one and more bounces: one bounce
 /// (F e) and all further ones (H F e) at the points of the coarse levels, interpolated at the finer senders.
-pub fn add_bounced(scene: &Scene, pulled: &mut [Vec3]) {
+pub fn add_bounced(scene: &BakedScene, pulled: &mut [Vec3]) {
     let coarse = scene.later_count();
     let first = transport(scene, &sent(scene, pulled), coarse);
     let further =
@@ -54,7 +54,7 @@ pub fn add_bounced(scene: &Scene, pulled: &mut [Vec3]) {
 /// has one RGB value per sender. A parent's irradiance is that along its own normal: it was gathered over its own
 /// hemisphere, and along another normal would leave out what that normal sees beyond (in a hall of columns 6% of the
 /// light).
-pub fn transport(scene: &Scene, sent: &[Vec3], count: usize) -> Vec<Vec3> {
+pub fn transport(scene: &BakedScene, sent: &[Vec3], count: usize) -> Vec<Vec3> {
     let mut values: Vec<Vec3> = Vec::with_capacity(count);
     for (i, row) in scene.links.iter().take(count).enumerate() {
         let own: Vec3 = row.iter().map(|link| link.amount() * sent[link.sender()]).sum();
@@ -66,7 +66,7 @@ pub fn transport(scene: &Scene, sent: &[Vec3], count: usize) -> Vec<Vec3> {
 
 /// All steps: from direct irradiance at the direct points (RGB, `direct_count` of them) to the
 /// bounced irradiance of every point along its own normal.
-pub fn relight(scene: &Scene, mut irradiance: Vec<Vec3>) -> Vec<Vec3> {
+pub fn relight(scene: &BakedScene, mut irradiance: Vec<Vec3>) -> Vec<Vec3> {
     pull(scene, &mut irradiance);
     add_bounced(scene, &mut irradiance);
     transport(scene, &sent(scene, &irradiance), scene.points.len())

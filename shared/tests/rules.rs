@@ -1,5 +1,6 @@
 //! What a .rbn file may not say: each broken rule is refused, by the name of its section.
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::basis::ParentWeights;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
@@ -10,10 +11,10 @@ use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{
     Alpha, Animation, DetailTexture, Draw, Interpolation, Level, Material, Meta, Property, Texture, Track,
 };
-use rebounce_shared::rbn::{EXTRAS_SECTION, LinkMatrix, MAX_ROW, Scene, container};
+use rebounce_shared::rbn::{EXTRAS_SECTION, LinkMatrix, MAX_ROW, container};
 
 /// A triangle with one coarse function, which has a cut, and one fine one, which has none.
-fn scene() -> Scene {
+fn scene() -> BakedScene {
     let corner = |x: f32, y: f32| Vertex { position: [x, y, 0.0], ..Vertex::default() };
     let point = |cuts: u32| Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts, tint: 0 };
     let level = |first: u32| Level { first, count: 1, disk_radius: 0.5, support_radius: 1.0 };
@@ -25,7 +26,7 @@ fn scene() -> Scene {
         times: vec![0.5, 2.0],
         values: vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
     };
-    let mut scene = Scene {
+    let mut scene = BakedScene {
         meta: Meta {
             bounds_max: [1.0; 3],
             levels: vec![level(0), level(1)],
@@ -45,7 +46,7 @@ fn scene() -> Scene {
         cuts: vec![Cut::new(Vec3::X, 0.5)],
         links: LinkMatrix::from_rows(&[vec![Link::pack(0, 0.75)], vec![Link::pack(0, -0.5)]]),
         later: LinkMatrix::from_rows(&[vec![LaterLink::pack(0, Vec3::ONE)]]),
-        ..Scene::default()
+        ..BakedScene::default()
     };
     scene.relate().unwrap();
     scene
@@ -66,7 +67,7 @@ fn light(x: f64, intensity: f64, cone: f64) -> Light {
 #[test]
 fn a_scene_that_keeps_the_rules_survives_the_file() {
     let scene = scene();
-    assert_eq!(Scene::from_bytes(&scene.to_bytes().unwrap()).unwrap(), scene);
+    assert_eq!(BakedScene::from_bytes(&scene.to_bytes().unwrap()).unwrap(), scene);
     assert!(scene.cuts_of(0)[0].ends(Vec3::X) && !scene.cuts_of(0)[0].ends(Vec3::Y));
     assert!(scene.cuts_of(1).is_empty());
 }
@@ -74,7 +75,7 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 #[test]
 fn files_of_older_weights_are_of_the_least_version_that_holds_them() {
     assert_eq!(scene().version(), container::VERSION);
-    let mut scene = Scene { parent_weights: ParentWeights::Shepard, ..scene() };
+    let mut scene = BakedScene { parent_weights: ParentWeights::Shepard, ..scene() };
     scene.relate().unwrap();
     assert_eq!(scene.version(), container::WITHOUT_COPIES);
     scene.meta.materials = vec![Material::default(); 3];
@@ -90,7 +91,7 @@ fn files_of_older_weights_are_of_the_least_version_that_holds_them() {
     scene.meta.textures = vec![Texture::default()];
     assert_eq!(scene.version(), container::SHEPARD_WEIGHTS);
     let bytes = scene.to_bytes().unwrap();
-    assert_eq!(Scene::from_bytes(&bytes).unwrap(), scene);
+    assert_eq!(BakedScene::from_bytes(&bytes).unwrap(), scene);
     let sections: Vec<_> = container::read(&bytes).unwrap();
     let sections: Vec<_> =
         sections.iter().map(|s| (s.name, bytes[s.offset..s.offset + s.len].to_vec())).collect();
@@ -100,7 +101,7 @@ fn files_of_older_weights_are_of_the_least_version_that_holds_them() {
         });
         let changed: Vec<_> = changed.collect();
         let parts: Vec<_> = changed.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
-        Scene::from_bytes(&container::write(version, &parts))
+        BakedScene::from_bytes(&container::write(version, &parts))
     };
     assert_eq!(with(container::SHEPARD_WEIGHTS, &<[u8]>::to_vec).unwrap(), scene);
     // Older readers would not see it; materials come in order, each once, and there are no others.
@@ -119,7 +120,7 @@ fn files_of_older_weights_are_of_the_least_version_that_holds_them() {
 
 #[test]
 fn every_broken_rule_is_refused_by_its_section() {
-    type Break = fn(&mut Scene);
+    type Break = fn(&mut BakedScene);
     let breaks: [(&str, Break); 57] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
@@ -192,7 +193,7 @@ fn every_broken_rule_is_refused_by_its_section() {
 }
 
 /// The same, its triangle in two places.
-fn copied() -> Scene {
+fn copied() -> BakedScene {
     let mut scene = scene();
     let mut moved = Instance::IDENTITY;
     moved.rows[1][3] = 0.5;
@@ -211,7 +212,7 @@ fn of_older_weights_only_copies_ask_for_a_newer_version() {
     let version = |bytes: &[u8]| u32::from_le_bytes(bytes[8..12].try_into().unwrap());
     let (before, now) = (scene.to_bytes().unwrap(), copied.to_bytes().unwrap());
     assert_eq!((version(&before), version(&now)), (6, 7));
-    assert_eq!(Scene::from_bytes(&now).unwrap(), copied);
+    assert_eq!(BakedScene::from_bytes(&now).unwrap(), copied);
     assert_eq!((scene.triangles_placed(), copied.triangles_placed()), (1, 2));
     assert_eq!((scene.copies_of(0), copied.copies_of(0)), (0..0, 0..2));
     let place = copied.instances[1].local_from_model();
@@ -221,7 +222,7 @@ fn of_older_weights_only_copies_ask_for_a_newer_version() {
 
 #[test]
 fn copies_that_are_not_there_or_cannot_be_turned_back_are_refused() {
-    type Break = fn(&mut Scene);
+    type Break = fn(&mut BakedScene);
     let breaks: [(&str, Break); 11] = [
         ("INST", |s| (0..3).for_each(|i| s.instances[1].rows[i][i] = 1e13)),
         ("INST", |s| (s.instances[1].rows[0][0], s.vertices[1].position[0]) = (1e8, 1e8)),
@@ -271,7 +272,7 @@ fn a_file_of_the_version_before_has_no_copies() {
     bytes[8] = 6;
     let sum = xxhash_rust::xxh32::xxh32(&bytes[..28], 0);
     bytes[28..32].copy_from_slice(&sum.to_le_bytes());
-    assert!(Scene::from_bytes(&bytes).unwrap_err().to_string().contains("COPY"));
+    assert!(BakedScene::from_bytes(&bytes).unwrap_err().to_string().contains("COPY"));
 }
 
 #[test]

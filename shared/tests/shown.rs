@@ -1,16 +1,20 @@
 //! Section SHOW: names of lights and cameras, and the ground under an object.
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::Meta;
 use rebounce_shared::rbn::shown::{Ground, SIDE, Shown};
-use rebounce_shared::rbn::{SHOWN_SECTION, Scene, container};
+use rebounce_shared::rbn::{SHOWN_SECTION, container};
 
 /// Nothing but two cameras and a lamp.
-fn scene(shown: Shown) -> Scene {
+fn scene(shown: Shown) -> BakedScene {
     let camera = Camera { position: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], yfov_deg: 50.0 };
     let lights = vec![Light::Point { position: [0.0; 3], intensity: 1.0, color: [1.0; 3], radius: 0.0 }];
-    Scene { meta: Meta { cameras: vec![camera; 2], lights, shown, ..Meta::default() }, ..Scene::default() }
+    BakedScene {
+        meta: Meta { cameras: vec![camera; 2], lights, shown, ..Meta::default() },
+        ..BakedScene::default()
+    }
 }
 
 fn ground() -> Ground {
@@ -27,7 +31,7 @@ fn names_and_ground_come_back_and_ask_for_no_newer_version() {
     let (without, with) = (scene(Shown::default()), scene(some()));
     let (before, now) = (without.to_bytes().unwrap(), with.to_bytes().unwrap());
     assert_eq!(container::version(&before), container::version(&now));
-    let read = Scene::from_bytes(&now).unwrap();
+    let read = BakedScene::from_bytes(&now).unwrap();
     assert_eq!(read.meta.shown, some());
     assert_eq!(read.meta.shown.names().collect::<Vec<_>>(), ["Stehlampe, groß", "", "Door"]);
     assert_eq!(read.meta.shown.ground(), Some(ground()));
@@ -35,7 +39,7 @@ fn names_and_ground_come_back_and_ask_for_no_newer_version() {
     // Files without any of it have no such section.
     let has = |bytes: &[u8]| container::read(bytes).unwrap().iter().any(|s| s.name == SHOWN_SECTION);
     assert!(!has(&before) && has(&now));
-    assert_eq!(Scene::from_bytes(&before).unwrap().meta, without.meta);
+    assert_eq!(BakedScene::from_bytes(&before).unwrap().meta, without.meta);
 }
 
 #[test]
@@ -83,7 +87,7 @@ fn what_cannot_be_is_refused() {
             })
             .collect();
         let parts: Vec<_> = parts.iter().map(|(name, part)| (*name, part.as_slice())).collect();
-        let error = Scene::from_bytes(&container::write(container::VERSION, &parts)).unwrap_err();
+        let error = BakedScene::from_bytes(&container::write(container::VERSION, &parts)).unwrap_err();
         assert!(error.to_string().contains("SHOW"), "{error}");
     }
 }

@@ -4,9 +4,10 @@
 //! never made again (7: of the Cornell box, with a wall in two places; 8 and 9: of a floor, a wall and a half-transparent
 //! board); `files/format-N.head` is the begin of one that was not released.
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::basis::ParentWeights;
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::rbn::{RbnError, Scene, container};
+use rebounce_shared::rbn::{RbnError, container};
 use rebounce_shared::relight::relight;
 use std::path::PathBuf;
 
@@ -18,7 +19,7 @@ fn file(name: &str) -> Vec<u8> {
 #[test]
 fn a_file_of_version_6_means_what_it_meant() {
     let bytes = file("format-6.rbn");
-    let scene = Scene::from_bytes(&bytes).unwrap();
+    let scene = BakedScene::from_bytes(&bytes).unwrap();
     assert_eq!(scene.meta.generator, "rebounce 0.1.0");
     assert_eq!(scene.meta.scene_name, "plain");
     let counts = [
@@ -46,7 +47,7 @@ fn a_file_of_version_6_means_what_it_meant() {
 #[test]
 fn a_file_of_version_7_means_what_it_meant() {
     let bytes = file("format-7.rbn");
-    let scene = Scene::from_bytes(&bytes).unwrap();
+    let scene = BakedScene::from_bytes(&bytes).unwrap();
     assert_eq!(scene.version(), container::WITHOUT_EXTRAS);
     assert_eq!(scene.meta.scene_name, "cornell-box");
     let counts = [scene.vertices.len(), scene.indices.len(), scene.instances.len(), scene.points.len()];
@@ -61,9 +62,9 @@ fn a_file_of_version_7_means_what_it_meant() {
 }
 
 /// Files of one scene in versions 8 and 9: what is in them, and their mean light where all senders have a unit of it.
-fn board(name: &str) -> (Scene, [usize; 5], Vec3) {
+fn board(name: &str) -> (BakedScene, [usize; 5], Vec3) {
     let bytes = file(name);
-    let scene = Scene::from_bytes(&bytes).unwrap();
+    let scene = BakedScene::from_bytes(&bytes).unwrap();
     assert_eq!(scene.meta.scene_name, "board");
     assert_eq!(scene.meta.materials[1].extras.transmission, 0.5);
     let counts = [
@@ -98,7 +99,7 @@ fn a_file_of_version_9_means_what_it_meant() {
 #[test]
 fn older_files_say_who_wrote_them_and_what_to_do() {
     for version in [3, 4, 5] {
-        let error = Scene::from_bytes(&file(&format!("format-{version}.head"))).unwrap_err();
+        let error = BakedScene::from_bytes(&file(&format!("format-{version}.head"))).unwrap_err();
         assert!(matches!(error, RbnError::OlderVersion { found, .. } if found == version));
         let said = error.to_string();
         assert!(said.contains(&format!("by rebounce 0.1.0 in format version {version}")), "{said}");

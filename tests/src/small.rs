@@ -3,7 +3,7 @@
 use anyhow::Result;
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::scene;
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::bulk::{Copies, Instance};
 use rebounce_shared::rbn::meta::{Animation, DetailTexture, Interpolation, Property, Texture, Track};
 
@@ -23,7 +23,7 @@ pub fn settings(functions: usize) -> BakeSettings {
 ///
 /// # Errors
 /// What the bake says.
-pub fn small(name: &str, functions: usize) -> Result<Scene> {
+pub fn small(name: &str, functions: usize) -> Result<BakedScene> {
     Ok(bake(&scene::load(name)?, &settings(functions), &())?.0)
 }
 
@@ -32,7 +32,7 @@ pub fn small(name: &str, functions: usize) -> Result<Scene> {
 ///
 /// # Errors
 /// What the bake says.
-pub fn everything(functions: usize) -> Result<Scene> {
+pub fn everything(functions: usize) -> Result<BakedScene> {
     let mut scene = small("builtin:cornell-box", functions)?;
     scene.texture_bytes = PICTURE.to_vec();
     let m = &mut scene.meta;
@@ -69,7 +69,7 @@ pub fn everything(functions: usize) -> Result<Scene> {
 }
 
 /// The same with this for every name.
-pub fn named(scene: &Scene, name: &str) -> Scene {
+pub fn named(scene: &BakedScene, name: &str) -> BakedScene {
     let mut scene = scene.clone();
     let m = &mut scene.meta;
     [&mut m.generator, &mut m.scene_name, &mut m.bake.preset]

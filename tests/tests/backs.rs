@@ -4,18 +4,18 @@
 
 use crate::common;
 use crate::panel;
+use rebounce_shared::baked::BakedScene;
 
 use common::{mean_and_stops, picture};
 use glam::{Vec3, vec3};
 use panel::panel;
 use rebounce::bake::bake;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::path_trace::{Settings, path_trace};
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
 use rebounce::scene::{self, Scene};
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::rbn;
 use rebounce_shared::rbn::meta::Material;
 use rebounce_tests::small::settings;
 use rebounce_viewer::settings::Mode;
@@ -75,7 +75,7 @@ fn boards(pairs: bool) -> Scene {
     scene
 }
 
-fn baked(scene: &Scene) -> rbn::Scene {
+fn baked(scene: &Scene) -> BakedScene {
     bake(scene, &settings(2_000), &()).unwrap().0
 }
 
@@ -83,7 +83,7 @@ fn exposure(samples: u32) -> Exposure {
     Exposure { size: [SIZE; 2], samples, seed: 5 }
 }
 
-fn rendered(file: &rbn::Scene, only: Only) -> Vec<Vec3> {
+fn rendered(file: &BakedScene, only: Only) -> Vec<Vec3> {
     let surfaces = TriangleSurfaces::from_baked(file).unwrap();
     let (camera, lights) = (&file.meta.cameras[0], &file.meta.lights);
     render(file, &surfaces, camera, lights, exposure(16), only, || ()).pixels

@@ -6,12 +6,12 @@ use crate::common;
 use common::{difference, indirect, mean_and_stops, picture};
 use glam::{Vec2, Vec3};
 use rebounce::bake::bake;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::{Content, render};
 use rebounce::scene;
-use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, Material};
 use rebounce_tests::small::settings;
@@ -22,7 +22,7 @@ const HEIGHT: u32 = 80;
 
 /// The Cornell box with panes: one across the left half, one behind it across the whole, and one that crosses both.
 /// Two of them are glass, where that is asked for.
-fn panes(glass: bool) -> Scene {
+fn panes(glass: bool) -> BakedScene {
     let mut room = scene::load("builtin:cornell-box").unwrap();
     let (low, high) = room.bounds();
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));

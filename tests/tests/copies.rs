@@ -8,14 +8,14 @@ use common::{mean_and_stops, picture};
 use crowd::{Said, glb};
 use glam::{Mat3, Vec3};
 use rebounce::bake::bake;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
 use rebounce::scene;
-use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::octahedral::{pack_snorm16, unpack_snorm16};
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::bulk::Vertex;
 use rebounce_shared::rbn::meta::Alpha;
 use rebounce_tests::small::settings;
@@ -23,8 +23,8 @@ use rebounce_tests::small::settings;
 const SIZE: [u32; 2] = [96, 64];
 
 /// The same file, each copy's triangles its own.
-fn alone(scene: &Scene) -> Scene {
-    let mut out = Scene { instances: Vec::new(), copies: Vec::new(), ..scene.clone() };
+fn alone(scene: &BakedScene) -> BakedScene {
+    let mut out = BakedScene { instances: Vec::new(), copies: Vec::new(), ..scene.clone() };
     (out.vertices, out.indices) = Default::default();
     for (number, draw) in out.meta.draws.iter_mut().enumerate() {
         let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;

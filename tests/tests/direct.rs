@@ -5,9 +5,9 @@
 use crate::common;
 
 use glam::Vec3;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_tests::small::small;
 use rebounce_viewer::settings::Mode;
 

@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use rebounce_tests::small::{everything, small};
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::settings::{Display, Mode};
@@ -31,7 +31,7 @@ fn values(renderer: &mut Renderer, way: Display, mode: Option<Mode>) -> Vec<f32>
 }
 
 /// Root of the mean square of the difference, relative to the pictures that are looked up.
-fn apart(scene: &Scene, mode: Option<Mode>) -> Option<f64> {
+fn apart(scene: &BakedScene, mode: Option<Mode>) -> Option<f64> {
     let mut renderer = common::renderer(scene)?;
     renderer.set_auto_exposure(true);
     let [lookup, splat] = [Display::Lookup, Display::Splat].map(|way| values(&mut renderer, way, mode));

@@ -3,14 +3,15 @@
 
 use crate::common;
 
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::light::{direct, level::level};
-use rebounce::picture::png::{developed, exposure_of_lit, luminance};
+use rebounce::picture::png::{developed, exposure_of_lit};
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
-use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::colour::luminance;
 use rebounce_shared::exposure;
 use rebounce_shared::light::{Light, LightSource};
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::relight;
 use rebounce_tests::small::small;
 use rebounce_viewer::renderer::Renderer;
@@ -25,7 +26,7 @@ fn lamps(intensities: [f64; 2]) -> Vec<Light> {
 }
 
 /// What a file's points say about the level of its light.
-fn level_at_points(scene: &Scene, surfaces: &TriangleSurfaces, lights: &[LightSource]) -> f32 {
+fn level_at_points(scene: &BakedScene, surfaces: &TriangleSurfaces, lights: &[LightSource]) -> f32 {
     let points = &scene.points[..scene.direct_count()];
     let mut light: Vec<_> = points.iter().map(|p| direct::at_footprint(surfaces, lights, p)).collect();
     relight::pull(scene, &mut light);

@@ -4,16 +4,16 @@
 use crate::common;
 
 use glam::Vec3;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::{Content, render};
-use rebounce::triangles::TriangleSurfaces;
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use rebounce_tests::small::small;
 
 const SIZE: [u32; 2] = [160, 120];
 
 /// Bounced light on the CPU, without and with detail, and in the viewer likewise.
-fn pictures(scene: &Scene) -> Option<[[Vec<Vec3>; 2]; 2]> {
+fn pictures(scene: &BakedScene) -> Option<[[Vec<Vec3>; 2]; 2]> {
     let mut renderer = common::renderer(scene)?;
     let surfaces = TriangleSurfaces::from_baked(scene).unwrap();
     let (camera, lights) = (&scene.meta.cameras[0], &scene.meta.lights);

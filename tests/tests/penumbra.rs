@@ -5,9 +5,9 @@ use crate::common;
 
 use common::{mean_and_stops, picture};
 use glam::Vec3;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
-use rebounce::triangles::TriangleSurfaces;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_tests::small::small;

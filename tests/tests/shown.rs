@@ -3,13 +3,13 @@
 
 use crate::common;
 
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::Only;
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::png::display_bytes;
 use rebounce::render::{Content, render, shown::Shown};
-use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::DetailTexture;
 use rebounce_shared::rbn::shown::{Ground, SIDE};
 use rebounce_tests::small::{everything, small};
@@ -26,7 +26,7 @@ const APART: u8 = 6;
 const MEANS: f64 = 2.0;
 
 /// RGB bytes of the first camera's picture.
-fn on_cpu(scene: &Scene) -> Vec<u8> {
+fn on_cpu(scene: &BakedScene) -> Vec<u8> {
     let surfaces = TriangleSurfaces::from_baked(scene).unwrap();
     let exposure = Exposure { size: SIZE, samples: 64, seed: 1 };
     let (camera, lights) = (&scene.meta.cameras[0], &scene.meta.lights);
@@ -47,7 +47,7 @@ fn on_cpu(scene: &Scene) -> Vec<u8> {
     display_bytes(&of.picture(&radiance))
 }
 
-fn in_viewer(scene: &Scene) -> Option<Vec<u8>> {
+fn in_viewer(scene: &BakedScene) -> Option<Vec<u8>> {
     let mut renderer = common::renderer(scene)?;
     renderer.set_auto_exposure(true);
     renderer.set_detail(false);
@@ -72,7 +72,7 @@ fn is_even(picture: &[u8], x: i32, y: i32) -> bool {
 }
 
 /// Compares the two pictures; the CPU's, where there is an adapter.
-fn compared(scene: &Scene) -> Option<Vec<u8>> {
+fn compared(scene: &BakedScene) -> Option<Vec<u8>> {
     let (cpu, viewer) = (on_cpu(scene), in_viewer(scene)?);
     let (a, b) = (mean(&cpu), mean(&viewer));
     let mut differences: Vec<u8> = (0..(SIZE[0] * SIZE[1]) as i32)

@@ -5,11 +5,11 @@
 use crate::common;
 
 use glam::Vec3;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::{Only, expose::Exposure};
 use rebounce::render::render;
-use rebounce::triangles::TriangleSurfaces;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::tone::neutral;
 use rebounce_tests::small::small;
 
@@ -49,7 +49,7 @@ fn apart(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     (squares.sum::<f64>() / a.iter().map(|picture| picture.len() as f64).sum::<f64>()).sqrt()
 }
 
-fn on_cpu(scene: &Scene, cameras: &[Camera], stops: f32) -> Vec<Vec<f64>> {
+fn on_cpu(scene: &BakedScene, cameras: &[Camera], stops: f32) -> Vec<Vec<f64>> {
     let surfaces = TriangleSurfaces::from_baked(scene).unwrap();
     let exposure = Exposure { size: SIZE, samples: 64, seed: 3 };
     let picture = |camera: &Camera| {
@@ -59,7 +59,7 @@ fn on_cpu(scene: &Scene, cameras: &[Camera], stops: f32) -> Vec<Vec<f64>> {
     cameras.iter().map(picture).collect()
 }
 
-fn in_viewer(scene: &Scene, cameras: &[Camera], stops: f32) -> Option<Vec<Vec<f64>>> {
+fn in_viewer(scene: &BakedScene, cameras: &[Camera], stops: f32) -> Option<Vec<Vec<f64>>> {
     let mut renderer = common::renderer(scene)?;
     renderer.set_exposure(stops).unwrap();
     // As while something moves: none is averaged.

@@ -9,10 +9,11 @@
 //! `rebounce render FILE.rbn --shot SHOT.json --only indirect`, and writes their difference to OUT.png;
 //! `--from` takes another viewer's `readIndirect` (RGBA 32-bit floats) instead of drawing.
 
-use rebounce_shared::{rbn::Scene, shot::Shot};
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::shot::Shot;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Mode, Overlay};
 use rebounce_viewer::stats::Counts;
 use screen::screen;
@@ -48,8 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let out = files.last().ok_or("which file?")?;
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(gpu.clone())?;
-    let scene = Scene::from_bytes(&std::fs::read(file)?)?;
-    let loaded = pollster::block_on(LoadedScene::upload(&gpu, &renderer.pipelines(), scene))?;
+    let scene = BakedScene::from_bytes(&std::fs::read(file)?)?;
+    let loaded = pollster::block_on(GpuScene::upload(&gpu, renderer.pipelines().loaders(), scene))?;
     renderer.install(loaded)?;
     let mut picture_size = [640, 360];
     if let Some(shot) = files.iter().find(|f| f.ends_with(".json")) {

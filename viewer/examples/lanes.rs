@@ -1,6 +1,6 @@
 //! Times `S e` by the number of threads that share a row: `lanes FILE.rbn`.
 
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::materials::material_layout;
 use rebounce_viewer::relight::{Relight, RelightPipelines};
@@ -11,7 +11,7 @@ use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let file = std::env::args().nth(1).ok_or("which file?")?;
-    let scene = Scene::from_bytes(&std::fs::read(file)?)?;
+    let scene = BakedScene::from_bytes(&std::fs::read(file)?)?;
     let gpu = Gpu::headless()?;
     let shadows = ShadowPipelines::new(&gpu, &material_layout(&gpu));
     let pipelines = RelightPipelines::new(&gpu, &shadows.layout);

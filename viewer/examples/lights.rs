@@ -1,10 +1,10 @@
 //! Times relighting by the number of lights, when all of them move, one, or one that is off: `lights FILE.rbn`.
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn::Scene;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use screen::screen;
 use std::error::Error;
 
@@ -16,11 +16,11 @@ const FRAMES: usize = 24;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let file = std::env::args().nth(1).ok_or("which file?")?;
-    let scene = Scene::from_bytes(&std::fs::read(file)?)?;
+    let scene = BakedScene::from_bytes(&std::fs::read(file)?)?;
     let direct = scene.direct_count();
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(gpu.clone())?;
-    let loaded = pollster::block_on(LoadedScene::upload(&gpu, &renderer.pipelines(), scene))?;
+    let loaded = pollster::block_on(GpuScene::upload(&gpu, renderer.pipelines().loaders(), scene))?;
     let [low, high] =
         loaded.extent.all.map(|corner| corner.as_dvec3() + glam::DVec3::from(loaded.meta.origin));
     renderer.install(loaded)?;

@@ -324,15 +324,3 @@ fn pipeline_layout(gpu: &Gpu, layouts: &[&wgpu::BindGroupLayout]) -> wgpu::Pipel
         immediate_size: 0,
     })
 }
-
-/// Bytes of a texture of 4 bytes a texel with its mip levels; of 8- and 16-byte formats accordingly.
-pub fn texture_bytes(texture: &wgpu::Texture) -> u64 {
-    let size = texture.size();
-    let texel = texture.format().block_copy_size(Some(wgpu::TextureAspect::All)).unwrap_or(4) as u64;
-    (0..texture.mip_level_count())
-        .map(|level| {
-            let side = |x: u32| (x >> level).max(1) as u64;
-            side(size.width) * side(size.height) * size.depth_or_array_layers as u64 * texel
-        })
-        .sum()
-}

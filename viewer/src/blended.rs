@@ -17,12 +17,12 @@
 //! the G-buffer, would be needed for every layer.
 
 use crate::bindings::{Draw, Slot, attachment, blended, depth_attachment, group, layout, target, view};
+use crate::draw_batch::VERTEX_BUFFERS;
 use crate::gpu::Gpu;
-use crate::scene::LoadedScene;
+use crate::scene::GpuScene;
 use crate::scope::Scope;
 use crate::shaders;
 use crate::timing::Stamps;
-use crate::upload::VERTEX_BUFFERS;
 use std::cell::OnceCell;
 use wgpu::{BlendFactor, BlendOperation, CompareFunction, ShaderStages, TextureFormat};
 
@@ -158,7 +158,7 @@ impl BlendedPass {
         &self,
         gpu: &Gpu,
         veil: Veil,
-        scene: &LoadedScene,
+        scene: &GpuScene,
         frame: &wgpu::Buffer,
         shading: &wgpu::Buffer,
         opaque: &wgpu::TextureView,
@@ -187,7 +187,7 @@ impl BlendedPass {
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         target: &BlendedTarget,
-        scene: &LoadedScene,
+        scene: &GpuScene,
         lights: &wgpu::BindGroup,
         stamps: Option<Stamps<'_>>,
     ) {
@@ -247,7 +247,7 @@ fn runs<'a>(
     pass: &mut wgpu::RenderPass<'_>,
     pipeline: impl Fn(bool) -> &'a wgpu::RenderPipeline,
     own: &wgpu::BindGroup,
-    scene: &LoadedScene,
+    scene: &GpuScene,
     lights: &wgpu::BindGroup,
 ) {
     pass.set_bind_group(0, own, &[]);

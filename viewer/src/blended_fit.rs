@@ -1,9 +1,9 @@
 //! What blended surfaces need: which there are, in how many layers they lie, what numbers hold their light. No GPU.
 
-use crate::upload::{Run, instances};
+use crate::draw_batch::{DrawBatch, instances};
 use glam::{Vec3, Vec4};
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::{Light, LightKind};
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
 
 /// Layers that are drawn at most. What lies behind so many is left out of the picture, not what is opaque behind it.
@@ -29,14 +29,14 @@ pub fn is_blended(meta: &Meta, material: &Material) -> bool {
 
 /// Whether layers need colours for what goes through them, and for what they show whatever the light: where any of
 /// these runs is glass, or unlit.
-pub fn are_tinted(meta: &Meta, runs: &[Run]) -> bool {
-    let material = |run: &Run| &meta.materials[run.material as usize];
+pub fn are_tinted(meta: &Meta, runs: &[DrawBatch]) -> bool {
+    let material = |run: &DrawBatch| &meta.materials[run.material as usize];
     runs.iter().map(material).any(|m| m.is_glass() || m.extras.unlit)
 }
 
 /// Layers in which these runs are drawn: a ray meets a plane once, so there are no more than the planes that their
 /// triangles lie in; at most [`MOST_LAYERS`].
-pub fn layers(scene: &Scene, runs: &[Run]) -> u32 {
+pub fn layers(scene: &BakedScene, runs: &[DrawBatch]) -> u32 {
     let [low, high] = [scene.meta.bounds_min, scene.meta.bounds_max].map(Vec3::from);
     // In diagonals, so that nothing overflows in any unit.
     let diagonal = (high - low).length().max(f32::MIN_POSITIVE);
@@ -111,8 +111,8 @@ mod tests {
     }
 
     /// A scene of triangles in planes of constant z and x.
-    fn panes(count: usize) -> (Scene, Run) {
-        let mut scene = Scene::default();
+    fn panes(count: usize) -> (BakedScene, DrawBatch) {
+        let mut scene = BakedScene::default();
         scene.meta.bounds_max = [1.0; 3];
         for pane in 0..count {
             let at = 0.05 * pane as f32;
@@ -123,7 +123,7 @@ mod tests {
             }
         }
         let indices = 0..scene.indices.len() as u32;
-        let run = Run {
+        let run = DrawBatch {
             material: 0,
             indices,
             instances: 0..1,

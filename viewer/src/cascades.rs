@@ -4,12 +4,10 @@
 //! (Dimitrov 2007, Cascaded Shadow Maps). It moves by whole steps of many texels, so texels keep their places in the
 //! scene, shadows do not shimmer while the camera turns, and a cascade is drawn again only where the view leaves a step.
 
-use crate::shadow_fit::{BORDER, Extent, LARGEST, Parallel, middle, reach};
+use crate::shadow_fit::{BORDER, CASCADES, Extent, LARGEST, Parallel, middle, reach};
 use glam::{Mat4, Vec3};
 use rebounce_shared::camera::CameraFrame;
 
-/// Cascades of a directional light.
-pub const CASCADES: u32 = 3;
 /// Widths of cascades as shares of the scene's.
 const WIDTHS: [f32; CASCADES as usize] = [1.0 / 9.0, 1.0 / 3.0, 1.0];
 /// Steps across a cascade by which it moves.

@@ -11,7 +11,6 @@ use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
-use rebounce_shared::rbn::shown::GROUND;
 use std::cell::{OnceCell, RefCell};
 use wgpu::{BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat};
 
@@ -96,13 +95,6 @@ pub fn shading(scope: &Scope) -> wgpu::Buffer {
     empty_buffer(scope, "shading", usage, size_of::<Shading>() as u64)
 }
 
-/// The uniform of an object's ground; zeros where there is none.
-pub fn ground(scope: &Scope, ground: &[u8]) -> wgpu::Buffer {
-    let none = [0; GROUND];
-    let bytes = if ground.is_empty() { &none } else { ground };
-    buffer(scope, "ground", BufferUsages::UNIFORM, bytes)
-}
-
 /// What a [`Picture`] is made from.
 pub struct Sources<'a> {
     /// The camera's uniform.
@@ -121,7 +113,7 @@ pub struct Sources<'a> {
     pub key: &'a wgpu::Buffer,
     /// How much light there is in the scene: [`crate::relight::Relight::levels`].
     pub levels: &'a wgpu::Buffer,
-    /// `Ground` of backdrop.wgsl, which [`ground`] makes.
+    /// `Ground` of backdrop.wgsl, which [`uniform`](crate::ground::uniform) makes.
     pub ground: &'a wgpu::Buffer,
 }
 

@@ -1,14 +1,14 @@
 //! Which way triangles go around, so that the backs of one-sided surfaces can be culled as they are rasterised. No GPU.
 
-use crate::upload::Run;
+use crate::draw_batch::DrawBatch;
 use glam::Vec3;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::octahedral;
-use rebounce_shared::rbn::Scene;
 use std::borrow::Cow;
 
 /// The scene's indices, where every triangle of a one-sided run goes counterclockwise as seen from its front: the side that
 /// its vertices' normals are on, as in the bake. Triangles of most files do already.
-pub fn indices<'a>(scene: &'a Scene, runs: &[Run]) -> Cow<'a, [u32]> {
+pub fn indices<'a>(scene: &'a BakedScene, runs: &[DrawBatch]) -> Cow<'a, [u32]> {
     let mut out = Cow::Borrowed(&scene.indices[..]);
     for run in runs.iter().filter(|run| run.one_sided) {
         let range = run.indices.start as usize..run.indices.end as usize;
@@ -22,7 +22,7 @@ pub fn indices<'a>(scene: &'a Scene, runs: &[Run]) -> Cow<'a, [u32]> {
     out
 }
 
-fn goes_clockwise(scene: &Scene, triangle: &[u32; 3]) -> bool {
+fn goes_clockwise(scene: &BakedScene, triangle: &[u32; 3]) -> bool {
     let vertices = triangle.map(|i| &scene.vertices[i as usize]);
     let [a, b, c] = vertices.map(|vertex| Vec3::from(vertex.position));
     let front: Vec3 = vertices.map(|vertex| octahedral::unpack_snorm16(vertex.normal)).into_iter().sum();
@@ -43,10 +43,10 @@ mod tests {
             uv: [0.0; 2],
         };
         let square = |normal| [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| vertex(x, y, normal));
-        let mut scene = Scene { vertices: square(Vec3::Z).to_vec(), ..Scene::default() };
+        let mut scene = BakedScene { vertices: square(Vec3::Z).to_vec(), ..BakedScene::default() };
         scene.vertices.extend(square(-Vec3::Z));
         scene.indices = (0..6).chain(0..6).collect();
-        let run = |indices, one_sided| Run {
+        let run = |indices, one_sided| DrawBatch {
             material: 0,
             indices,
             instances: 0..1,

@@ -2,10 +2,11 @@
 //! of one-sided ones, which glTF culls.
 
 use crate::bindings::{Draw, Slot, attachment, depth_attachment, group, layout, opaque, target};
+use crate::draw_batch::{DrawBatch, VERTEX_BUFFERS};
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
-use crate::upload::{Run, Upload, VERTEX_BUFFERS};
+use crate::upload::Upload;
 use std::cell::OnceCell;
 use wgpu::{CompareFunction, ShaderStages, TextureFormat};
 
@@ -95,7 +96,7 @@ impl GBufferPass {
         }
         pass.set_bind_group(0, frame, &[]);
         upload.bind(&mut pass);
-        let mut last: Option<&Run> = None;
+        let mut last: Option<&DrawBatch> = None;
         for run in &upload.runs {
             if last.is_none_or(|l| l.one_sided != run.one_sided) {
                 pass.set_pipeline(self.pipeline(gpu, target.detailed, run.one_sided));

@@ -7,6 +7,8 @@ use std::future::Future;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// Bytes that WebGPU guarantees in one storage binding.
+pub const MAX_BINDING: u64 = 128 << 20;
 /// What a device is asked for.
 pub const LIMITS: wgpu::Limits = wgpu::Limits::defaults();
 

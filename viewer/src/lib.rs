@@ -1,6 +1,6 @@
 //! The Rebounce renderer.
 //!
-//! It relights a baked scene ([`rebounce_shared::rbn::Scene`]) on the GPU and draws it: in the
+//! It relights a baked scene ([`rebounce_shared::baked::BakedScene`]) on the GPU and draws it: in the
 //! browser through WebGPU (the class `Viewer` of the module `wasm`), natively without a window.
 //!
 //! One frame, as far as something changed: [`shadow`] maps, [`relight`] (the bounced light at every
@@ -16,10 +16,12 @@ pub mod cascades;
 pub mod composite;
 pub mod controls;
 pub mod display;
+pub mod draw_batch;
 pub mod error;
 mod fronts;
 pub mod gbuffer;
 pub mod gpu;
+mod ground;
 pub mod materials;
 pub mod oneshot;
 pub mod overlay;

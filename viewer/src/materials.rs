@@ -4,12 +4,11 @@ use crate::bindings::{Slot, buffer, group, layout, view};
 use crate::blended_fit;
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
-use crate::pipelines::Pipelines;
 use crate::scope::Scope;
-use crate::textures;
+use crate::textures::{self, Mips};
 use bytemuck::{Pod, Zeroable};
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::{Alpha, Material, Texture, Wrap};
 use std::num::NonZeroU64;
 use wgpu::{BufferUsages, ShaderStages};
@@ -113,16 +112,21 @@ impl Materials {
     ///
     /// # Errors
     /// [`ViewerError::Texture`] for one that cannot be decoded.
-    pub async fn new(gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<Self, ViewerError> {
+    pub async fn new(
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        mips: &Mips,
+        scene: &BakedScene,
+    ) -> Result<Self, ViewerError> {
         let own = Scope::new(gpu);
-        let textures = textures::load(&own, &pipelines.mips, scene).await?;
-        Ok(gpu.watch(|| Self::with(own, &pipelines.material, scene, &textures)))
+        let textures = textures::load(&own, mips, scene).await?;
+        Ok(gpu.watch(|| Self::with(own, layout, scene, &textures)))
     }
 
     fn with(
         own: Scope,
         layout: &wgpu::BindGroupLayout,
-        scene: &Scene,
+        scene: &BakedScene,
         textures: &[wgpu::TextureView],
     ) -> Self {
         let white = textures::white(&own);

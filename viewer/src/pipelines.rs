@@ -9,6 +9,7 @@ use crate::gpu::Gpu;
 use crate::materials::material_layout;
 use crate::overlay::OverlayPass;
 use crate::relight::RelightPipelines;
+use crate::scene::Loaders;
 use crate::shadow::ShadowPipelines;
 use crate::textures::Mips;
 use std::cell::RefCell;
@@ -57,6 +58,11 @@ impl Pipelines {
         };
         gpu.check()?;
         Ok(pipelines)
+    }
+
+    /// What scenes are loaded with.
+    pub fn loaders(&self) -> Loaders<'_> {
+        Loaders { material: &self.material, mips: &self.mips, relight: &self.relight }
     }
 
     /// What is drawn over a picture of this format; made when first asked for.

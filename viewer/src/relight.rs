@@ -8,7 +8,7 @@ use crate::shadow_fit::MAX_LAYERS;
 use crate::still::Choice;
 use crate::upload::{LinkBuffers, Upload};
 use bytemuck::{Pod, Zeroable};
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use wgpu::{BufferUsages, ShaderStages};
 
 /// Distance of steps in their uniform buffer, bytes.
@@ -82,7 +82,7 @@ impl Dispatch {
 }
 
 /// All dispatches of a frame, in order.
-fn plan(scene: &Scene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
+fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
     let level = |kernel, l: usize| Dispatch::threads(kernel, scene.level(l).start, scene.level(l).len());
     // The irradiance of the points of the first so many levels: links and parents.
     let transport = |plan: &mut Vec<Dispatch>, levels: u32| {
@@ -129,7 +129,7 @@ fn plan(scene: &Scene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
 }
 
 /// The level is that of the finest senders, which lie evenly over all surfaces that light goes between.
-fn measure(scene: &Scene) -> Dispatch {
+fn measure(scene: &BakedScene) -> Dispatch {
     let senders = (scene.meta.sender_levels as usize).checked_sub(1).map_or(0..0, |l| scene.level(l));
     let step = Step {
         first: senders.start as u32,
@@ -235,7 +235,7 @@ pub struct Relight {
 
 impl Relight {
     /// Buffers and bind groups for a scene.
-    pub fn new(gpu: &Gpu, pipelines: &RelightPipelines, upload: &Upload, scene: &Scene) -> Self {
+    pub fn new(gpu: &Gpu, pipelines: &RelightPipelines, upload: &Upload, scene: &BakedScene) -> Self {
         let own = Scope::new(gpu);
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);

@@ -3,18 +3,28 @@
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::materials::Materials;
-use crate::pipelines::Pipelines;
-use crate::relight::Relight;
+use crate::relight::{Relight, RelightPipelines};
 use crate::shadow_fit::Extent;
+use crate::textures::Mips;
 use crate::upload::Upload;
 use glam::Vec3;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::openness::REACH;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::meta::Meta;
 use std::ops::Range;
 
+/// What scenes are loaded with.
+pub struct Loaders<'a> {
+    /// The layout of a material's bind group.
+    pub material: &'a wgpu::BindGroupLayout,
+    /// Mip levels.
+    pub mips: &'a Mips,
+    /// Relighting.
+    pub relight: &'a RelightPipelines,
+}
+
 /// A scene on the GPU; what the CPU still needs is its metadata.
-pub struct LoadedScene {
+pub struct GpuScene {
     /// Metadata.
     pub meta: Meta,
     /// Bulk sections.
@@ -39,19 +49,19 @@ pub struct LoadedScene {
     pub extent: Extent,
 }
 
-impl LoadedScene {
+impl GpuScene {
     /// Uploads a scene. Textures are decoded meanwhile, so this is not done at once.
     ///
     /// # Errors
     /// [`ViewerError::TooLarge`] before anything is uploaded, [`ViewerError::Texture`], [`ViewerError::OutOfMemory`], or
     /// [`ViewerError::Internal`] where the device refuses something else.
-    pub async fn upload(gpu: &Gpu, pipelines: &Pipelines, scene: Scene) -> Result<Self, ViewerError> {
+    pub async fn upload(gpu: &Gpu, loaders: Loaders<'_>, scene: BakedScene) -> Result<Self, ViewerError> {
         let (upload, relight) = gpu.watch(|| {
             let upload = Upload::new(gpu, &scene)?;
-            let relight = Relight::new(gpu, &pipelines.relight, &upload, &scene);
+            let relight = Relight::new(gpu, loaders.relight, &upload, &scene);
             Ok::<_, ViewerError>((upload, relight))
         })?;
-        let materials = Materials::new(gpu, pipelines, &scene).await?;
+        let materials = Materials::new(gpu, loaders.material, loaders.mips, &scene).await?;
         gpu.settle().await;
         gpu.check()?;
         let bounds = [Vec3::from(scene.meta.bounds_min), Vec3::from(scene.meta.bounds_max)];
@@ -95,7 +105,7 @@ fn tenth(values: impl ExactSizeIterator<Item = f32> + Clone) -> f32 {
 }
 
 /// Least and greatest corner of the supports of the two finest levels, local space.
-fn finest(scene: &Scene) -> [Vec3; 2] {
+fn finest(scene: &BakedScene) -> [Vec3; 2] {
     let levels = scene.meta.levels.len();
     let points = (levels.saturating_sub(2)..levels).flat_map(|l| &scene.points[scene.level(l)]);
     let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];

@@ -3,7 +3,6 @@
 //! In a browser a buffer or texture that nothing refers to keeps its memory until the garbage collector comes by, and
 //! the device, which viewers share, outlives each of them. So everything is made through a scope, and ends with it.
 
-use crate::bindings::texture_bytes;
 use crate::gpu::Gpu;
 use std::cell::RefCell;
 use std::ops::Deref;
@@ -77,4 +76,16 @@ impl Drop for Scope {
             }
         }
     }
+}
+
+/// Bytes of a texture of 4 bytes a texel with its mip levels; of 8- and 16-byte formats accordingly.
+pub fn texture_bytes(texture: &wgpu::Texture) -> u64 {
+    let size = texture.size();
+    let texel = texture.format().block_copy_size(Some(wgpu::TextureAspect::All)).unwrap_or(4) as u64;
+    (0..texture.mip_level_count())
+        .map(|level| {
+            let side = |x: u32| (x >> level).max(1) as u64;
+            side(size.width) * side(size.height) * size.depth_or_array_layers as u64 * texel
+        })
+        .sum()
 }

@@ -2,6 +2,26 @@
 
 use crate::error::ViewerError;
 
+/// How light gets from functions to pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Way {
+    /// Pixels look functions up.
+    #[default]
+    Lookup,
+    /// Functions are splatted.
+    Splat,
+}
+
+impl Way {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lookup => "lookup",
+            Self::Splat => "splat",
+        }
+    }
+}
+
 /// Which of these names it is.
 fn index(what: &str, names: &[&str], given: &str) -> Result<usize, ViewerError> {
     names.iter().position(|name| *name == given).ok_or_else(|| {

@@ -4,12 +4,13 @@ use crate::bindings::{
     Draw, Slot, bilinear, blended, depth_attachment, empty_buffer, group, layout, part, view,
 };
 use crate::cascades;
+use crate::draw_batch::{DrawBatch, VERTEX_BUFFERS};
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
 use crate::shadow_fit::{self, Extent, Fit, LightRecord};
 use crate::shadow_maps::{Maps, TINTS};
-use crate::upload::{Run, Upload, VERTEX_BUFFERS};
+use crate::upload::Upload;
 use glam::Mat4;
 use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::LightSource;
@@ -178,7 +179,7 @@ impl Shadows {
             self.maps = Maps::new(gpu, size, layers.max(1), glass);
         }
         let views =
-            layers + cascades::CASCADES * fit.lights.iter().filter_map(LightRecord::sun).count() as u32;
+            layers + shadow_fit::CASCADES * fit.lights.iter().filter_map(LightRecord::sun).count() as u32;
         let moves = self.fit.matrices.len() != fit.matrices.len();
         let refit = replaced || self.records.capacity < views;
         self.unwritten |= refit || moves;
@@ -257,7 +258,7 @@ impl Shadows {
         });
         upload.bind(&mut pass);
         pass.set_bind_group(0, &self.records.uniform_group, &[layer * STRIDE as u32]);
-        let mut last: Option<&Run> = None;
+        let mut last: Option<&DrawBatch> = None;
         for run in &upload.shadow_runs {
             if last.is_none_or(|l| l.cut != run.cut) {
                 pass.set_pipeline(if run.cut { &self.pipelines.cut } else { &self.pipelines.opaque });

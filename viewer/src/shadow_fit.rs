@@ -1,10 +1,11 @@
 //! How lights are fitted with shadow maps: which layers, which projections. No GPU.
 
-use crate::cascades::CASCADES;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use rebounce_shared::light::{LightKind, LightSource};
 
+/// Cascades of a directional light.
+pub const CASCADES: u32 = 3;
 /// Cones wider than this half angle (its cosine) are covered by a cube instead of one map.
 const WIDEST_COS: f32 = 0.5;
 /// Layers that WebGPU guarantees in a texture.

@@ -3,12 +3,13 @@
 use crate::bindings::empty_buffer;
 use crate::blended::{BlendedTarget, Veil};
 use crate::composite::{self, Picture, Sources};
-use crate::display::{self, DisplayTarget, Way};
+use crate::display::{self, DisplayTarget};
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
 use crate::pipelines::Pipelines;
-use crate::scene::LoadedScene;
+use crate::scene::GpuScene;
 use crate::scope::Scope;
+use crate::settings::Way;
 use crate::view::Frame;
 use wgpu::BufferUsages;
 
@@ -36,7 +37,7 @@ pub struct Target {
 /// What a [`Target`] is for.
 pub struct Wanted<'a> {
     /// The scene.
-    pub scene: &'a LoadedScene,
+    pub scene: &'a GpuScene,
     /// The automatic exposure.
     pub key: &'a wgpu::Buffer,
     /// Width and height, pixels.
@@ -89,7 +90,7 @@ impl Target {
     }
 
     /// Fills the slots in another way from the next picture of a view on.
-    pub fn set_way(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &LoadedScene, way: Way) {
+    pub fn set_way(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &GpuScene, way: Way) {
         let from = display::Sources { scene, frame: &self.frame, gbuffer: &self.gbuffer };
         pipelines.display.set_way(gpu, &mut self.display, from, way);
     }

@@ -8,7 +8,7 @@ use crate::error::ViewerError;
 use crate::gpu::{Gpu, LIMITS};
 use crate::scope::Scope;
 use crate::shaders;
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::meta::Texture;
 
 /// Of colours and of numbers.
@@ -79,7 +79,11 @@ impl Mips {
 ///
 /// # Errors
 /// [`ViewerError::Texture`] for the first that cannot be decoded.
-pub async fn load(scope: &Scope, mips: &Mips, scene: &Scene) -> Result<Vec<wgpu::TextureView>, ViewerError> {
+pub async fn load(
+    scope: &Scope,
+    mips: &Mips,
+    scene: &BakedScene,
+) -> Result<Vec<wgpu::TextureView>, ViewerError> {
     let limit = LIMITS.max_texture_dimension_2d;
     let (firsts, shared) = distinct(&scene.meta.textures);
     let mut views = Vec::with_capacity(firsts.len());
@@ -149,9 +153,9 @@ fn write(gpu: &Gpu, texture: &wgpu::Texture, rgba: &[u8]) {
 
 #[cfg(not(target_arch = "wasm32"))]
 mod decode {
-    use super::{Scene, Scope, create, write};
+    use super::{BakedScene, Scope, create, write};
 
-    pub fn begin(scene: &Scene, i: usize) -> Result<image::DynamicImage, String> {
+    pub fn begin(scene: &BakedScene, i: usize) -> Result<image::DynamicImage, String> {
         image::load_from_memory(scene.texture(i)).map_err(|e| e.to_string())
     }
 
@@ -176,7 +180,7 @@ mod decode {
 
 #[cfg(target_arch = "wasm32")]
 mod decode {
-    use super::{Scene, Scope, create};
+    use super::{BakedScene, Scope, create};
     use js_sys::{Function, Object, Promise, Reflect};
     use wasm_bindgen::{JsCast, JsValue};
     use wasm_bindgen_futures::JsFuture;
@@ -204,7 +208,7 @@ mod decode {
         JsFuture::from(promise).await?.dyn_into()
     }
 
-    pub fn begin(scene: &Scene, i: usize) -> Result<Promise, String> {
+    pub fn begin(scene: &BakedScene, i: usize) -> Result<Promise, String> {
         let start = || {
             let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(scene.texture(i)));
             let bag = web_sys::BlobPropertyBag::new();

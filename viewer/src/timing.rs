@@ -1,10 +1,10 @@
 //! Milliseconds per pass, where the device has timestamp queries.
 
-use crate::display::Way;
 use crate::gpu::Gpu;
 use crate::oneshot::Receiver;
 use crate::readback::{self, Read};
 use crate::scope::Scope;
+use crate::settings::Way;
 use wgpu::BufferUsages;
 
 /// The passes that are timed.

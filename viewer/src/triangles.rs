@@ -4,7 +4,7 @@
 //! local space. They test bounding boxes of meshes and of chunks of consecutive triangles, and all triangles of the chunks
 //! that are met. What is not seen is not met: the back of a one-sided surface. Glass and cut-outs are met as whole triangles.
 
-use crate::upload::Run;
+use crate::draw_batch::DrawBatch;
 use glam::{Affine3A, Vec3, Vec3A};
 use rebounce_shared::rbn::bulk::{Instance, Vertex};
 use std::cell::{Cell, OnceCell};
@@ -42,7 +42,7 @@ pub struct Triangles {
     positions: Vec<Vec3>,
     indices: Vec<u32>,
     instances: Vec<Instance>,
-    runs: Vec<Run>,
+    runs: Vec<DrawBatch>,
     /// Made with the first query.
     boxes: OnceCell<Vec<Boxes>>,
 }
@@ -60,7 +60,12 @@ pub struct Hit {
 
 impl Triangles {
     /// Takes the triangles of draw calls, fronts counterclockwise. `instances` begins with one for what stands once.
-    pub fn new(vertices: &[Vertex], indices: Vec<u32>, instances: Vec<Instance>, runs: Vec<Run>) -> Self {
+    pub fn new(
+        vertices: &[Vertex],
+        indices: Vec<u32>,
+        instances: Vec<Instance>,
+        runs: Vec<DrawBatch>,
+    ) -> Self {
         let positions = vertices.iter().map(|vertex| vertex.position.into()).collect();
         Self { positions, indices, instances, runs, boxes: OnceCell::new() }
     }
@@ -138,7 +143,7 @@ impl Triangles {
     }
 
     fn bounds(&self) -> Vec<Boxes> {
-        let of = |run: &Run| {
+        let of = |run: &DrawBatch| {
             let indices = &self.indices[run.indices.start as usize..run.indices.end as usize];
             let around = |part: &[u32]| Aabb::around(part.iter().map(|&i| self.positions[i as usize]));
             Boxes { whole: around(indices), chunks: indices.chunks(3 * CHUNK).map(around).collect() }
@@ -192,7 +197,7 @@ pub(crate) mod tests {
         let vertex = |position: &Vec3| Vertex { position: position.to_array(), ..Vertex::default() };
         let vertices: Vec<_> = triangles.iter().flatten().map(vertex).collect();
         let count = vertices.len() as u32;
-        let run = Run {
+        let run = DrawBatch {
             material: 0,
             indices: 0..count,
             instances: 0..instances.len() as u32,

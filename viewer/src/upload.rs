@@ -2,23 +2,23 @@
 
 use crate::bindings::buffer;
 use crate::blended_fit;
-use crate::composite;
+use crate::draw_batch::DrawBatch;
 use crate::error::ViewerError;
 use crate::fronts;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, MAX_BINDING};
+use crate::ground;
 use crate::scope::Scope;
 use crate::triangles::Triangles;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::link::{Link, Sent};
 use rebounce_shared::openness;
+use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Instance, Point};
 use rebounce_shared::rbn::meta::{Alpha, Draw};
-use rebounce_shared::rbn::{LinkMatrix, Scene};
 use std::ops::Range;
 use std::rc::Rc;
 use wgpu::BufferUsages;
 
-/// Bytes that WebGPU guarantees in one storage binding.
-pub const MAX_BINDING: u64 = 128 << 20;
 /// Bytes that WebGPU guarantees in one buffer.
 pub const MAX_BUFFER: u64 = 256 << 20;
 
@@ -38,54 +38,6 @@ pub struct LinkBuffers {
     pub offsets: wgpu::Buffer,
     /// Its links, in as many buffers as it takes.
     pub chunks: Vec<Chunk>,
-}
-
-/// Position, normal and texture coordinates of [`rebounce_shared::rbn::bulk::Vertex`], and the rows of an [`Instance`].
-pub const VERTEX_BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
-    Some(wgpu::VertexBufferLayout {
-        array_stride: 24,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x2, 2 => Float32x2],
-    }),
-    Some(wgpu::VertexBufferLayout {
-        array_stride: 48,
-        step_mode: wgpu::VertexStepMode::Instance,
-        attributes: &wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4],
-    }),
-];
-
-/// A run of triangles.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Run {
-    /// Their material.
-    pub material: u32,
-    /// Their part of the index buffer.
-    pub indices: Range<u32>,
-    /// Their part of the instance buffer, whose first entry is for what stands once.
-    pub instances: Range<u32>,
-    /// Whether the material cuts holes, in shadows too where it is blended.
-    pub cut: bool,
-    /// Whether the material is blended.
-    pub blended: bool,
-    /// Whether it lets light through in a colour: then shadow maps do not hold it.
-    pub glass: bool,
-    /// Whether the material has a front alone: no camera sees its back. In shadows it does not matter.
-    pub one_sided: bool,
-}
-
-impl Run {
-    /// Draws it, after [`Upload::bind`].
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.draw_indexed(self.indices.clone(), 0, self.instances.clone());
-    }
-}
-
-/// Where a run's triangles stand.
-pub fn instances<'a>(scene: &'a Scene, run: &Run) -> &'a [Instance] {
-    match run.instances.start {
-        0 => &[Instance::IDENTITY],
-        first => &scene.instances[first as usize - 1..run.instances.end as usize - 1],
-    }
 }
 
 /// The scene's sections on the GPU.
@@ -119,18 +71,18 @@ pub struct Upload {
     /// Section `LATL`.
     pub later: LinkBuffers,
     /// Draw calls by material, opaque ones first, without those that are blended.
-    pub runs: Vec<Run>,
+    pub runs: Vec<DrawBatch>,
     /// Draw calls of blended materials.
-    pub blended_runs: Vec<Run>,
+    pub blended_runs: Vec<DrawBatch>,
     /// Layers in which these are drawn: see [`blended_fit::layers`].
     pub blended_layers: u32,
     /// Whether these have colours: see [`blended_fit::are_tinted`].
     pub tinted: bool,
     /// Draw calls where the material does not matter, without glass: neighbouring opaque runs are one.
-    pub shadow_runs: Vec<Run>,
+    pub shadow_runs: Vec<DrawBatch>,
     /// Draw calls of glass.
-    pub glass_runs: Vec<Run>,
-    /// The ground under an object: see [`composite::ground`].
+    pub glass_runs: Vec<DrawBatch>,
+    /// The ground under an object: see [`ground::uniform`].
     pub ground: wgpu::Buffer,
     /// All triangles, on the CPU.
     pub triangles: Rc<Triangles>,
@@ -141,7 +93,7 @@ impl Upload {
     ///
     /// # Errors
     /// [`ViewerError::TooLarge`] when a section is larger than a buffer may be; then nothing is uploaded.
-    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, ViewerError> {
+    pub fn new(gpu: &Gpu, scene: &BakedScene) -> Result<Self, ViewerError> {
         let most = Most::of(gpu.buffer_limits());
         most.check(scene)?;
         let own = Scope::new(gpu);
@@ -156,7 +108,7 @@ impl Upload {
         let all_runs = runs.clone();
         let blended_runs = runs.split_off(runs.iter().take_while(|run| !run.blended).count());
         Ok(Self {
-            ground: composite::ground(&own, &scene.meta.shown.ground),
+            ground: ground::uniform(&own, &scene.meta.shown.ground),
             links: matrix(stored, "LINK", &scene.links, most.binding),
             // One buffer: between coarse points there are few.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),
@@ -182,7 +134,7 @@ impl Upload {
         })
     }
 
-    /// Binds what [`Run`]s are drawn from.
+    /// Binds what [`DrawBatch`]s are drawn from.
     pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
@@ -211,7 +163,7 @@ impl Most {
     }
 
     /// Whether everything of a scene fits; before anything of it is on its way.
-    fn check(&self, scene: &Scene) -> Result<(), ViewerError> {
+    fn check(&self, scene: &BakedScene) -> Result<(), ViewerError> {
         let relations = &scene.relations;
         let longest = scene.links.offsets.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
         let sections = [
@@ -278,7 +230,7 @@ fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
 
 /// Draw calls sorted so that opaque ones come first, blended ones last, and equal materials follow each other, as do one-sided
 /// ones.
-fn runs(scene: &Scene) -> Vec<Run> {
+fn runs(scene: &BakedScene) -> Vec<DrawBatch> {
     let run = |(number, d): (usize, &Draw)| {
         let instances = match scene.copies_of(number) {
             copies if copies.is_empty() => 0..1,
@@ -286,7 +238,7 @@ fn runs(scene: &Scene) -> Vec<Run> {
         };
         let material = &scene.meta.materials[d.material as usize];
         let blended = blended_fit::is_blended(&scene.meta, material);
-        Run {
+        DrawBatch {
             material: d.material,
             indices: d.first_index..d.first_index + d.index_count,
             instances,
@@ -304,15 +256,15 @@ fn runs(scene: &Scene) -> Vec<Run> {
 type Order = (bool, bool, bool, u32, u32);
 
 /// Runs by a key; a function pointer, so that the bundle holds one sort.
-fn sorted(mut runs: Vec<Run>, order: fn(&Run) -> Order) -> Vec<Run> {
+fn sorted(mut runs: Vec<DrawBatch>, order: fn(&DrawBatch) -> Order) -> Vec<DrawBatch> {
     runs.sort_unstable_by_key(order);
     runs
 }
 
 /// The same triangles in fewer runs: opaque neighbours in the index buffer become one, where they stand in the same places.
-fn merged(runs: &[Run]) -> Vec<Run> {
+fn merged(runs: &[DrawBatch]) -> Vec<DrawBatch> {
     let opaque = runs.iter().filter(|r| !r.cut).cloned().collect();
-    let mut out: Vec<Run> = Vec::new();
+    let mut out: Vec<DrawBatch> = Vec::new();
     for run in sorted(opaque, |run| (false, false, false, 0, run.indices.start)) {
         match out.last_mut() {
             Some(last) if last.indices.end == run.indices.start && last.instances == run.instances => {
@@ -328,6 +280,7 @@ fn merged(runs: &[Run]) -> Vec<Run> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::draw_batch::instances;
     use rebounce_shared::rbn::bulk::Copies;
     use rebounce_shared::rbn::meta::Material;
 
@@ -345,13 +298,13 @@ mod tests {
 
     #[test]
     fn what_is_too_large_is_told_with_both_numbers() {
-        let mut scene = Scene { vertices: vec![Default::default(); 10], ..Scene::default() };
+        let mut scene = BakedScene { vertices: vec![Default::default(); 10], ..BakedScene::default() };
         scene.links.offsets = vec![0, 3, 4];
-        let refusal = |buffer: u64, binding: u64, scene: &Scene| match (Most { buffer, binding }).check(scene)
-        {
-            Err(ViewerError::TooLarge { section, bytes, limit }) => Some((section, bytes, limit)),
-            other => other.map(|()| None).unwrap(),
-        };
+        let refusal =
+            |buffer: u64, binding: u64, scene: &BakedScene| match (Most { buffer, binding }).check(scene) {
+                Err(ViewerError::TooLarge { section, bytes, limit }) => Some((section, bytes, limit)),
+                other => other.map(|()| None).unwrap(),
+            };
         assert_eq!(refusal(240, 12, &scene), None);
         assert_eq!(refusal(239, 12, &scene), Some(("VERT", 240, 239)));
         // Three links in a row are not divided; neither are the rows' offsets.
@@ -364,7 +317,7 @@ mod tests {
 
     #[test]
     fn copies_keep_to_their_own_runs() {
-        let mut scene = Scene::default();
+        let mut scene = BakedScene::default();
         scene.meta.materials = vec![Material::default(), Material::default()];
         let draw = |material: u32, k: u32| Draw { material, first_index: 3 * k, index_count: 3 };
         scene.meta.draws = vec![draw(0, 0), draw(1, 1), draw(0, 2), draw(1, 3), draw(0, 4)];
@@ -372,7 +325,7 @@ mod tests {
         scene.copies = vec![alone, alone, two, two, three];
         scene.instances = vec![Instance::IDENTITY; 5];
         let runs = runs(&scene);
-        let of = |run: &Run| (run.indices.clone(), run.instances.clone());
+        let of = |run: &DrawBatch| (run.indices.clone(), run.instances.clone());
         assert_eq!(
             runs.iter().map(of).collect::<Vec<_>>(),
             [(0..3, 0..1), (6..9, 1..3), (12..15, 3..6), (3..6, 0..1), (9..12, 1..3),]
@@ -387,7 +340,7 @@ mod tests {
 
     #[test]
     fn shadows_draw_the_same_triangles() {
-        let mut scene = Scene::default();
+        let mut scene = BakedScene::default();
         scene.meta.materials = vec![
             Material::default(),
             Material { alpha: Alpha::Blend, ..Default::default() },

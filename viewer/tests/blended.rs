@@ -3,11 +3,11 @@
 
 use crate::common;
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::Light;
 use rebounce_shared::octahedral::pack_snorm16;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::bulk::Vertex;
 use rebounce_shared::rbn::meta::{Alpha, Draw, Material};
 use rebounce_viewer::blended_fit::MOST_LAYERS;
@@ -15,7 +15,7 @@ use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::pipelines::Pipelines;
 use rebounce_viewer::readback::Readback;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Mode, ToneMapping};
 use std::rc::Rc;
 
@@ -35,7 +35,7 @@ fn glass(emission: [f32; 3], alpha: f32) -> Material {
 }
 
 /// The parallelogram around `centre` with these half sides, added to the scene; it faces the way of their product.
-fn pane(scene: &mut Scene, centre: Vec3, u: Vec3, v: Vec3, material: Material) {
+fn pane(scene: &mut BakedScene, centre: Vec3, u: Vec3, v: Vec3, material: Material) {
     let (vertex, index) = (scene.vertices.len() as u32, scene.indices.len() as u32);
     let normal = pack_snorm16(u.cross(v).normalize());
     for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
@@ -52,7 +52,7 @@ fn pane(scene: &mut Scene, centre: Vec3, u: Vec3, v: Vec3, material: Material) {
 }
 
 /// A room without light.
-fn dark_room() -> Scene {
+fn dark_room() -> BakedScene {
     let mut scene = common::room(&[3]);
     scene.meta.lights.clear();
     scene
@@ -63,16 +63,16 @@ fn camera(from: Vec3, to: Vec3) -> Camera {
     Camera { position: array(from), target: array(to), up: [0.0, 1.0, 0.0], yfov_deg: 50.0 }
 }
 
-fn renderer_with(gpu: &Gpu, pipelines: &Rc<Pipelines>, scene: &Scene) -> Renderer {
+fn renderer_with(gpu: &Gpu, pipelines: &Rc<Pipelines>, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::with(gpu.clone(), pipelines.clone());
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, pipelines, scene.clone())).unwrap();
+    let loaded = pollster::block_on(GpuScene::upload(gpu, pipelines.loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer.set_auto_exposure(false);
     renderer
 }
 
-fn renderer(gpu: &Gpu, scene: &Scene) -> Renderer {
+fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
     renderer_with(gpu, &Rc::new(Pipelines::new(gpu).unwrap()), scene)
 }
 
@@ -197,7 +197,7 @@ fn what_is_opaque_hides_panes_and_is_seen_through_more_than_there_are_layers() {
 }
 
 /// A lit room with a curtain across it, near the wall in front of the camera.
-fn curtained() -> Scene {
+fn curtained() -> BakedScene {
     let mut scene = common::room(&[3, 6]);
     let material = Material {
         base_color: [0.8, 0.75, 0.6, 0.4],
@@ -313,7 +313,7 @@ fn scenes_without_blended_surfaces_pay_nothing_for_them() {
         // As many exporters write what is opaque.
         (material.alpha, material.base_color[3]) = (Alpha::Blend, 1.0);
     }
-    let stats = |scene: &Scene| {
+    let stats = |scene: &BakedScene| {
         let mut renderer = renderer_with(&gpu, &pipelines, scene);
         renderer.set_auto_exposure(true);
         drawn(&gpu, &mut renderer, &screen, true);

@@ -3,14 +3,15 @@
 
 use crate::common;
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::Link;
+use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::meta::{DetailTexture, Texture};
-use rebounce_shared::rbn::{LinkMatrix, Scene};
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Display, Mode, ToneMapping};
 
 const SIZE: u32 = 33;
@@ -18,7 +19,7 @@ const SIZE: u32 = 33;
 const WALL: usize = 4;
 
 /// A texture of one colour, added to the scene; its index.
-fn add_texture(scene: &mut Scene, rgb: [u8; 3], data: bool) -> u32 {
+fn add_texture(scene: &mut BakedScene, rgb: [u8; 3], data: bool) -> u32 {
     let mut png = std::io::Cursor::new(Vec::new());
     image::RgbImage::from_pixel(4, 4, image::Rgb(rgb)).write_to(&mut png, image::ImageFormat::Png).unwrap();
     let (offset, png) = (scene.texture_bytes.len() as u64, png.into_inner());
@@ -41,7 +42,7 @@ fn detail(texture: u32) -> Option<DetailTexture> {
 }
 
 /// The room with this normal, in the tangent space of a glTF normal map, all over the wall.
-fn bumped(scene: &Scene, normal: Vec3) -> Scene {
+fn bumped(scene: &BakedScene, normal: Vec3) -> BakedScene {
     let mut scene = scene.clone();
     let texel = ((normal.normalize() * 0.5 + 0.5) * 255.0).round();
     let texture = add_texture(&mut scene, texel.to_array().map(|x| x as u8), true);
@@ -49,9 +50,10 @@ fn bumped(scene: &Scene, normal: Vec3) -> Scene {
     scene
 }
 
-fn renderer(gpu: &Gpu, scene: &Scene, mode: Mode) -> Renderer {
+fn renderer(gpu: &Gpu, scene: &BakedScene, mode: Mode) -> Renderer {
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
+    let loaded =
+        pollster::block_on(GpuScene::upload(gpu, renderer.pipelines().loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer.set_auto_exposure(false);
@@ -71,12 +73,12 @@ fn middle(renderer: &mut Renderer) -> f32 {
     if linear < 0.04 { (linear / 6.25).sqrt() } else { linear + 0.04 }
 }
 
-fn value(gpu: &Gpu, scene: &Scene, mode: Mode) -> f32 {
+fn value(gpu: &Gpu, scene: &BakedScene, mode: Mode) -> f32 {
     middle(&mut renderer(gpu, scene, mode))
 }
 
 /// The bounced light, made in this way.
-fn bounced(gpu: &Gpu, scene: &Scene, way: Display) -> f32 {
+fn bounced(gpu: &Gpu, scene: &BakedScene, way: Display) -> f32 {
     let mut renderer = renderer(gpu, scene, Mode::Indirect);
     renderer.set_display(way);
     middle(&mut renderer)

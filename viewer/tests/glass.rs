@@ -3,18 +3,18 @@
 
 use crate::common;
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::Light;
 use rebounce_shared::octahedral::pack_snorm16;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::rbn::bulk::Vertex;
 use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Draw, Material, Texture};
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::pipelines::Pipelines;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Mode, ToneMapping};
 use std::rc::Rc;
 
@@ -30,7 +30,7 @@ fn clear(base: [f32; 3]) -> Material {
 }
 
 /// A square of this half side across z, added to the scene.
-fn pane(scene: &mut Scene, z: f32, half: f32, material: Material) {
+fn pane(scene: &mut BakedScene, z: f32, half: f32, material: Material) {
     let (vertex, index) = (scene.vertices.len() as u32, scene.indices.len() as u32);
     for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
         let position = [half * a, half * b, z];
@@ -54,9 +54,9 @@ fn device() -> Option<Device> {
     Some((gpu, pipelines))
 }
 
-fn renderer((gpu, pipelines): &Device, scene: &Scene) -> Renderer {
+fn renderer((gpu, pipelines): &Device, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::with(gpu.clone(), pipelines.clone());
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, pipelines, scene.clone())).unwrap();
+    let loaded = pollster::block_on(GpuScene::upload(gpu, pipelines.loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer.set_auto_exposure(false);
@@ -87,7 +87,7 @@ fn assert_near(found: [u8; 3], expected: [u8; 3], what: &str) {
 }
 
 /// A dark room whose wall in front of the camera shines like this; its blue is 0, which the tone curve keeps.
-fn glowing(emission: [f32; 3]) -> Scene {
+fn glowing(emission: [f32; 3]) -> BakedScene {
     let mut scene = common::room(&[3]);
     scene.meta.lights.clear();
     scene.meta.materials[4].emission = emission;
@@ -227,7 +227,7 @@ fn unlit_surfaces_show_their_colour_at_any_exposure() {
     let Some(device) = device() else { return };
     let unlit = Extras { unlit: true, ..Extras::default() };
     let color = [0.9, 0.3, 0.1];
-    let shown = |change: &dyn Fn(&mut Scene, &mut Renderer), panes: &[Material]| {
+    let shown = |change: &dyn Fn(&mut BakedScene, &mut Renderer), panes: &[Material]| {
         let mut scene = common::room(&[3]);
         scene.meta.materials[4] = glass(color, unlit);
         for (i, material) in panes.iter().enumerate() {
@@ -247,7 +247,7 @@ fn unlit_surfaces_show_their_colour_at_any_exposure() {
         assert_eq!(shown(&|_, r| r.set_mode(mode), &[]), [0; 3], "neither direct nor bounced light");
     }
     // Through glass, and through a picture of an unlit pane that covers half; in the dark, as panes reflect.
-    let dark = |_: &mut Scene, r: &mut Renderer| r.set_lights(vec![]).unwrap();
+    let dark = |_: &mut BakedScene, r: &mut Renderer| r.set_lights(vec![]).unwrap();
     let tint = [0.5, 1.0, 0.25];
     let through = Vec3::from(tint) * Vec3::from(color);
     assert_near(shown(&dark, &[clear(tint)]), encoded(through), "glass");

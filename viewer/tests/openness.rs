@@ -3,21 +3,22 @@
 
 use crate::common;
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::openness::{LEVELS, REACH, View, gain, horizon, received};
-use rebounce_shared::rbn::Scene;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::Display;
 
 const SIZE: [u32; 2] = [48, 36];
 /// A picture's bounced light is averaged from one of twice the size.
 const LARGE: [u32; 2] = [96, 72];
 
-fn renderer(gpu: &Gpu, scene: &Scene) -> Renderer {
+fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
+    let loaded =
+        pollster::block_on(GpuScene::upload(gpu, renderer.pipelines().loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer.set_every_pixel(true);
     renderer

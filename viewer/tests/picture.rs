@@ -3,26 +3,28 @@
 
 use crate::common;
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::kernel;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::Link;
+use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::Point;
-use rebounce_shared::rbn::{LinkMatrix, Scene};
 use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Display, Mode, ToneMapping};
 use rebounce_viewer::view::Sample;
 
 const WIDTH: u32 = 48;
 const HEIGHT: u32 = 36;
 
-fn renderer(gpu: &Gpu, scene: &Scene) -> Renderer {
+fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, &renderer.pipelines(), scene.clone())).unwrap();
+    let loaded =
+        pollster::block_on(GpuScene::upload(gpu, renderer.pipelines().loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer.set_tone_mapping(ToneMapping::Neutral);
     renderer
@@ -43,7 +45,7 @@ fn brightness(renderer: &mut Renderer) -> f64 {
 const WAYS: [Display; 2] = [Display::Lookup, Display::Splat];
 
 /// The bounced light, made in this way in every pixel.
-fn exact(gpu: &Gpu, scene: &Scene, way: Display) -> Vec<[f32; 4]> {
+fn exact(gpu: &Gpu, scene: &BakedScene, way: Display) -> Vec<[f32; 4]> {
     let mut renderer = renderer(gpu, scene);
     renderer.set_every_pixel(true);
     renderer.set_display(way);
@@ -80,7 +82,7 @@ fn hit(eye: Vec3, direction: Vec3) -> (Vec3, Vec3, usize) {
 }
 
 /// The bounced radiance in one direction, summed over all functions of the finest level that covers it.
-fn radiance(scene: &Scene, values: &[Vec3], eye: Vec3, direction: Vec3) -> Vec3 {
+fn radiance(scene: &BakedScene, values: &[Vec3], eye: Vec3, direction: Vec3) -> Vec3 {
     let (position, normal, wall) = hit(eye, direction);
     let color = scene.meta.materials[wall].base_color;
     for l in (0..scene.meta.levels.len()).rev() {
@@ -104,7 +106,7 @@ fn radiance(scene: &Scene, values: &[Vec3], eye: Vec3, direction: Vec3) -> Vec3 
 }
 
 /// Nothing blocks light within a convex room: direct irradiance without visibility.
-fn unblocked(scene: &Scene) -> Vec<Vec3> {
+fn unblocked(scene: &BakedScene) -> Vec<Vec3> {
     let lights: Vec<_> = scene.meta.lights.iter().map(|l| l.source(scene.meta.origin)).collect();
     let at = |normal: Vec3, place: Vec3| -> Vec3 {
         let sum = lights.iter().filter_map(|light| light.incident(place));
@@ -125,7 +127,7 @@ fn unblocked(scene: &Scene) -> Vec<Vec3> {
 
 /// Relative RMS difference between the GPU's picture and the CPU's of the same 64 places a pixel: 16 shifts of
 /// each quarter.
-fn difference(scene: &Scene, ours: &[[f32; 4]]) -> f64 {
+fn difference(scene: &BakedScene, ours: &[[f32; 4]]) -> f64 {
     let values = relight::relight(scene, unblocked(scene));
     let camera = scene.meta.cameras[0].frame(scene.meta.origin);
     let (mut error, mut power) = (0.0, 0.0);

@@ -3,8 +3,9 @@
 
 use crate::common;
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::rbn::{LinkMatrix, Scene};
+use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::readback::Readback;
@@ -18,7 +19,7 @@ fn floats(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<f32> {
 }
 
 /// Runs all steps but the first on the GPU, from this direct irradiance: what the senders hold, and the light at all points.
-fn run(gpu: &Gpu, scene: &Scene, direct: &[Vec3], lanes: u32) -> [Vec<f32>; 2] {
+fn run(gpu: &Gpu, scene: &BakedScene, direct: &[Vec3], lanes: u32) -> [Vec<f32>; 2] {
     let materials = rebounce_viewer::materials::material_layout(gpu);
     let shadows = ShadowPipelines::new(gpu, &materials);
     let pipelines = RelightPipelines::new(gpu, &shadows.layout);
@@ -46,7 +47,7 @@ fn irradiance(count: usize) -> Vec<Vec3> {
     (0..count).map(|i| Vec3::new(value(i, 0), value(i, 1), value(i, 2))).collect()
 }
 
-fn check(gpu: &Gpu, scene: &Scene, lanes: u32, tolerance: f32) {
+fn check(gpu: &Gpu, scene: &BakedScene, lanes: u32, tolerance: f32) {
     let direct = irradiance(scene.direct_count());
     let [pulled, values] = run(gpu, scene, &direct, lanes);
     let mut cpu_pulled = direct.clone();

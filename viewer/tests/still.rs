@@ -3,13 +3,13 @@
 
 use crate::common;
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn::Scene;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::pipelines::Pipelines;
 use rebounce_viewer::readback::Readback;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use std::rc::Rc;
 
 const LIGHTS: usize = 16;
@@ -33,11 +33,11 @@ fn light(i: usize, shift: f64) -> Light {
     }
 }
 
-fn renderer(gpu: &Gpu, pipelines: &Rc<Pipelines>, scene: &Scene) -> Renderer {
+fn renderer(gpu: &Gpu, pipelines: &Rc<Pipelines>, scene: &BakedScene) -> Renderer {
     let mut renderer = Renderer::with(gpu.clone(), pipelines.clone());
     renderer.set_largest_shadow_map(64);
     renderer.set_still_pictures(1);
-    let loaded = pollster::block_on(LoadedScene::upload(gpu, pipelines, scene.clone())).unwrap();
+    let loaded = pollster::block_on(GpuScene::upload(gpu, pipelines.loaders(), scene.clone())).unwrap();
     renderer.install(loaded).unwrap();
     renderer
 }

@@ -2,11 +2,12 @@
 #![cfg(target_arch = "wasm32")]
 
 use js_sys::{Float32Array, Promise, Reflect, Uint8Array};
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::bulk::{Point, Vertex};
 use rebounce_shared::rbn::meta::{Animation, Draw, Interpolation, Level, Material, Meta, Property, Track};
-use rebounce_shared::rbn::{LinkMatrix, RbnError, Scene, container};
+use rebounce_shared::rbn::{LinkMatrix, RbnError, container};
 use rebounce_viewer::wasm::Viewer;
 use rebounce_viewer::wire;
 use wasm_bindgen::convert::TryFromJsValue;
@@ -17,9 +18,9 @@ use wasm_bindgen_test::{wasm_bindgen_test, wasm_bindgen_test_configure};
 wasm_bindgen_test_configure!(run_in_browser);
 
 /// One triangle and one basis function: the smallest scene with anything in it.
-fn triangle() -> Scene {
+fn triangle() -> BakedScene {
     let corner = |x, y| Vertex { position: [x, y, 0.0], ..Vertex::default() };
-    let mut scene = Scene {
+    let mut scene = BakedScene {
         meta: Meta {
             scene_name: "triangle – Ünïcode".into(),
             origin: [1e6, -0.5, 0.25],
@@ -53,7 +54,7 @@ fn triangle() -> Scene {
         indices: vec![0, 1, 2],
         points: vec![Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts: 0, tint: 0 }],
         links: LinkMatrix::from_rows(&[Vec::new()]),
-        ..Scene::default()
+        ..BakedScene::default()
     };
     scene.relate().unwrap();
     scene
@@ -80,14 +81,14 @@ fn code(error: &JsValue) -> String {
 fn a_file_is_the_same_after_a_round_trip() {
     let scene = triangle();
     let bytes = scene.to_bytes().unwrap();
-    assert_eq!(Scene::from_bytes(&bytes).unwrap(), scene);
+    assert_eq!(BakedScene::from_bytes(&bytes).unwrap(), scene);
     for len in (0..bytes.len()).step_by(7) {
-        assert!(Scene::from_bytes(&bytes[..len]).is_err(), "cut to {len}");
+        assert!(BakedScene::from_bytes(&bytes[..len]).is_err(), "cut to {len}");
     }
     let damaged = |at: usize| {
         let mut bytes = bytes.clone();
         bytes[at] ^= 1;
-        Scene::from_bytes(&bytes)
+        BakedScene::from_bytes(&bytes)
     };
     assert!(matches!(damaged(0), Err(RbnError::NotRbn)));
     assert!(matches!(damaged(bytes.len() - 1), Err(RbnError::Checksum { .. })));

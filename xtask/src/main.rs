@@ -1,4 +1,4 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`, `plot-estimate`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`, `plot-estimate`, `layers`, `install`.
 
 mod audit;
 mod bench_bake;
@@ -14,6 +14,7 @@ mod install;
 mod installed;
 mod integrity;
 mod kill_bake;
+mod layers;
 mod package;
 mod plot_estimate;
 mod process;
@@ -52,6 +53,7 @@ cargo xtask bench-scale [--scene FILE] [--preset NAME]
                      bakes a scene whose triangles are split into 1, 16 and 81: time and memory
 cargo xtask fuzz [TARGET ...] [--runs N]
                      feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint, simplify
+cargo xtask layers   which module uses which: fails where an arrow runs against the order, or in a circle
 cargo xtask audit [--offline]
                      vulnerabilities, licences, doubled versions and sources of all dependencies
 cargo xtask damage [--files N] [--seed S]
@@ -87,6 +89,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("bench-bake") => bench_bake::run(&args[1..]),
         Some("audit") => audit::run(&args[1..]),
+        Some("layers") => layers::run(),
         Some("fuzz") => fuzz::run(&args[1..]),
         Some("damage") => damage::run(&args[1..]),
         Some("soak") => soak::run(&args[1..]),

@@ -2,9 +2,9 @@
 //! one takes as long for it as all do, so nobody waits, and nothing is sent.
 
 use super::{BakeError, BakeSettings, Identity};
-use crate::points::Points;
+use crate::communicator::Communicator;
+use crate::sampling::Points;
 use crate::scene::Scene;
-use crate::team::Team;
 use crate::watch::Watch;
 use sha2::{Digest, Sha256};
 
@@ -17,7 +17,7 @@ pub(super) fn agree(
     settings: &BakeSettings,
     points: &Points,
     tints: &[u32],
-    team: &dyn Team,
+    team: &dyn Communicator,
     watch: &dyn Watch,
 ) -> Result<(), BakeError> {
     if team.size() == 1 {

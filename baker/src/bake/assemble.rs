@@ -3,18 +3,19 @@
 use super::BakeSettings;
 use super::stand_in::{Staged, outside};
 use crate::basis::Relations;
-use crate::operator::Operator;
-use crate::points::Points;
-use crate::points::round::{least_step, power_of_two_under, to_steps};
+use crate::sampling::Points;
+use crate::scene::steps::{least_step, power_of_two_under, to_steps};
 use crate::scene::{Model, Scene};
+use crate::transport::direct_to_indirect::Operator;
 use crate::weld::firsts;
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::basis::ParentWeights;
 use rebounce_shared::octahedral::pack_rounded;
+use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Meta};
-use rebounce_shared::rbn::{self, LinkMatrix};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -26,7 +27,7 @@ pub(super) fn assemble(
     points: &Points,
     relations: &Relations,
     operator: &Operator,
-) -> rbn::Scene {
+) -> BakedScene {
     let Geometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let (low, high) = scene.bounds();
@@ -61,7 +62,7 @@ pub(super) fn assemble(
     for (point, tint) in records.iter_mut().zip(&operator.tints) {
         point.tint = *tint;
     }
-    rbn::Scene {
+    BakedScene {
         parent_weights: ParentWeights::default(),
         meta,
         vertices,
@@ -79,7 +80,7 @@ pub(super) fn assemble(
 }
 
 /// The scene's look alone: geometry, materials, textures.
-pub(super) fn without_light(scene: &Scene) -> rbn::Scene {
+pub(super) fn without_light(scene: &Scene) -> BakedScene {
     let Geometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let meta = Meta {
@@ -89,7 +90,7 @@ pub(super) fn without_light(scene: &Scene) -> rbn::Scene {
         cameras: vec![outside(scene)],
         ..Meta::default()
     };
-    rbn::Scene { meta, vertices, indices, instances, copies, texture_bytes, ..rbn::Scene::default() }
+    BakedScene { meta, vertices, indices, instances, copies, texture_bytes, ..BakedScene::default() }
 }
 
 /// Textures one after another; equal pictures are written once.

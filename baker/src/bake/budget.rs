@@ -2,12 +2,13 @@
 //! where it shows after.
 
 use super::{BakeSettings, Preset, assemble};
+use crate::geometry::mesh::MOST_PRIMITIVES;
 use crate::scene::{Scene, Texture};
-use crate::triangles::MOST_PIECES;
 use glam::Vec3;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::link::{LaterLink, Link, Sent};
 use rebounce_shared::rbn::codec::links;
-use rebounce_shared::rbn::{self, LinkMatrix, RbnError, container};
+use rebounce_shared::rbn::{LinkMatrix, RbnError, container};
 
 /// Why a budget cannot be met.
 #[derive(Debug, thiserror::Error)]
@@ -101,7 +102,8 @@ pub fn plan(
         functions = functions.min(affordable as usize);
     }
     if let Some(wanted) = budget.memory {
-        let copied = scene.triangles_placed().min(MOST_PIECES).saturating_sub(scene.triangles.len() as u64);
+        let copied =
+            scene.triangles_placed().min(MOST_PRIMITIVES).saturating_sub(scene.triangles.len() as u64);
         let of_one = MEMORY[1] + if budget.is_judged { JUDGED } else { 0.0 };
         let triangles = of_one * scene.triangles.len() as f64
             + COPIED[0] * scene.instances() as f64
@@ -180,7 +182,7 @@ pub struct Thinned {
 ///
 /// # Errors
 /// [`BudgetError::Bytes`] where even the strongest link of each row is too many.
-pub fn fit(file: &mut rbn::Scene, bytes: u64) -> Result<Option<Thinned>, BudgetError> {
+pub fn fit(file: &mut BakedScene, bytes: u64) -> Result<Option<Thinned>, BudgetError> {
     let whole = file.to_bytes()?.len() as u64;
     if whole <= bytes {
         return Ok(None);
@@ -276,7 +278,7 @@ mod tests {
         let scene = scene::load("builtin:two-rooms-door").unwrap();
         let (whole, _) = bake(&scene, &small(), &()).unwrap();
         let bytes = whole.to_bytes().unwrap().len() as u64;
-        let sums = |file: &rbn::Scene| -> Vec<f32> {
+        let sums = |file: &BakedScene| -> Vec<f32> {
             file.links.iter().map(|row| row.iter().map(|link| link.amount()).sum()).collect()
         };
         let mut same = whole.clone();
@@ -349,8 +351,12 @@ mod tests {
         // Only how many texels it has is looked at.
         let mut texels = Texels::new(1, 1, vec![[0; 4]]);
         (texels.width, texels.height) = (16_384, 8_192);
-        let meta =
-            rbn::meta::Texture { name: "sky".into(), width: 16_384, height: 8_192, ..Default::default() };
+        let meta = rebounce_shared::rbn::meta::Texture {
+            name: "sky".into(),
+            width: 16_384,
+            height: 8_192,
+            ..Default::default()
+        };
         scene.textures.push(Texture { meta, bytes: [].into(), texels: Some(texels.into()) });
         let error = plan(&scene, 500_000_000).unwrap_err().to_string();
         assert!(error.contains("\"sky\", 16384 x 8192"), "{error}");

@@ -3,8 +3,8 @@
 //! not count what else the machine does. What that means in seconds of the clock is measured beside it.
 
 use super::{BakeSettings, Stage};
-use crate::points::expected_counts;
-use crate::triangles::MOST_PIECES;
+use crate::geometry::mesh::MOST_PRIMITIVES;
+use crate::sampling::expected_counts;
 
 /// Seconds of one processor for a unit of work: what furnished rooms and halls take, as long as nothing is measured.
 mod cost {
@@ -234,7 +234,7 @@ impl Estimate {
 
     /// So many triangles are left for rays, those of each copy counted.
     pub(super) fn found_surfaces(&mut self, settings: &BakeSettings, ray_triangles: u64) {
-        self.ray_triangles = ray_triangles.min(MOST_PIECES) as f64;
+        self.ray_triangles = ray_triangles.min(MOST_PRIMITIVES) as f64;
         self.expect_points(settings, &expected_counts(&settings.place));
     }
 

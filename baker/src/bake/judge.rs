@@ -1,6 +1,8 @@
 //! How far baked light is from the truth: in one view, under its lamps, the bounced light of a path tracer and of the
 //! baked file, as [`compare`] has it.
 
+use crate::geometry::mesh::TriangleSurfaces;
+use crate::geometry::{Ray, Surfaces};
 use crate::path_trace::{Settings, path_trace};
 use crate::picture::compare::{CompareError, Comparison, compare};
 use crate::picture::expose::Exposure;
@@ -8,10 +10,8 @@ use crate::picture::uncertainty::{Answer, Estimate};
 use crate::picture::{Only, Picture};
 use crate::render::render;
 use crate::scene::{Scene, SceneError};
-use crate::surface::{Ray, Surfaces};
-use crate::triangles::TriangleSurfaces;
 use glam::{DVec3, Vec3};
-use rebounce_shared::rbn;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::shot::Shot;
 
 /// About how many pixels are looked at: of fewer ones each is wider, and what is wrong at edges goes unseen.
@@ -183,7 +183,7 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// [`JudgeError::Scene`].
-    pub fn picture(&self, baked: &rbn::Scene) -> Result<Picture, JudgeError> {
+    pub fn picture(&self, baked: &BakedScene) -> Result<Picture, JudgeError> {
         let Shot { camera, lights, .. } = self.shot;
         let surfaces = TriangleSurfaces::from_baked(baked)?;
         let exposure = Exposure { size: self.size, samples: SAMPLES, seed: 3 };
@@ -247,7 +247,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The material and the place in the middle of each pixel; none where the surfaces do not tell their pieces.
+/// The material and the place in the middle of each pixel; none where the surfaces do not tell their primitives.
 fn seen(
     surfaces: &TriangleSurfaces,
     scene: &Scene,
@@ -256,12 +256,12 @@ fn seen(
 ) -> Vec<Option<(u32, Vec3)>> {
     let frame = shot.camera.frame(scene.origin);
     let at = |pixel: u32| {
-        let pieces = surfaces.pieces()?;
+        let primitives = surfaces.primitives()?;
         let [x, y] = [pixel % width, pixel / width].map(|at| at as f32 + 0.5);
         let direction = frame.direction(x, y, width, height);
         let ray = Ray { origin: frame.eye, direction, max_distance: f32::INFINITY, spread: 0.0 };
-        let (place, distance) = pieces.find_seen(&ray, pixel)?;
-        Some((pieces.piece(place.piece).kind, frame.eye + direction * distance))
+        let (place, distance) = primitives.find_seen(&ray, pixel)?;
+        Some((primitives.primitive(place.primitive).kind, frame.eye + direction * distance))
     };
     (0..width * height).map(at).collect()
 }
@@ -304,7 +304,7 @@ mod tests {
         let (camera, lights) = (scene.cameras[0].clone(), scene.lights.clone());
         let shot = Shot { scene: None, size: [64, 64], camera, lights };
         let judge = Judge::new(&scene, &shot, None, || ()).unwrap();
-        let error = |file: &rbn::Scene| judge.verdict(&judge.picture(file).unwrap()).unwrap();
+        let error = |file: &BakedScene| judge.verdict(&judge.picture(file).unwrap()).unwrap();
         let (coarse, _) = bake(&scene, &small(300), &()).unwrap();
         let (fine, _) = bake(&scene, &small(8_000), &()).unwrap();
         let (coarse, good) = (error(&coarse), error(&fine));
@@ -321,7 +321,7 @@ mod tests {
                 if tint.x > 2.0 * tint.y { Vec::new() } else { row.to_vec() }
             })
             .collect();
-        broken.links = rbn::LinkMatrix::from_rows(&rows);
+        broken.links = rebounce_shared::rbn::LinkMatrix::from_rows(&rows);
         let broken = error(&broken);
         let worst = broken.worst.unwrap();
         assert!(worst.material.1 == "red" && worst.share > 0.5, "{worst:?}");

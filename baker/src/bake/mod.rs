@@ -1,7 +1,7 @@
 //! The whole bake: from a scene to a file's contents.
 //!
 //! * [`observer`] – what a bake tells, and what it can be told;
-//! * `transport` – the stages in order; `assemble` – the file's contents;
+//! * `stages` – the stages in order; `assemble` – the file's contents;
 //! * `stand_in` – camera and lamp of a scene that has none, and an object's ground;
 //! * [`budget`] – what a bake may weigh; [`judge`] – how far its light is from the truth; [`aim`] – what to try next;
 //! * `agree` – whether the members of a team work on the same;
@@ -19,30 +19,31 @@ pub mod judge;
 pub mod observer;
 mod preset;
 mod report;
+mod stages;
 mod stand_in;
 mod tracker;
-mod transport;
 
 pub use checkpoint::{Checkpoint, CheckpointError, Identity};
 pub use observer::{Observer, Preview, Progress, Stage};
 pub use preset::{BakeSettings, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 
-use crate::points::vantage::{Vantage, View};
-use crate::points::{PlaceError, candidates::Candidates};
+use crate::communicator::{Communicator, CommunicatorError};
+use crate::geometry::mesh::TriangleSurfaces;
+use crate::sampling::emitter::{ParticleEmitter, View};
+use crate::sampling::{PlaceError, candidates::Candidates};
 use crate::scene::Scene;
-use crate::team::{Team, TeamError};
-use crate::triangles::TriangleSurfaces;
 use crate::watch::{Stopped, Watch};
 use estimate::Estimate;
 use glam::{DVec3, Vec3};
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
+use rebounce_shared::rbn::RbnError;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
-use rebounce_shared::rbn::{self, RbnError};
+use stages::{Transport, sketch_settings};
 use stand_in::Staged;
 use tracker::Tracker;
-use transport::{Transport, sketch_settings};
 
 /// Why a bake failed.
 #[derive(Debug, thiserror::Error)]
@@ -71,7 +72,7 @@ pub enum BakeError {
     Apart(usize),
     /// A process of the team sent what cannot be used.
     #[error(transparent)]
-    Team(TeamError),
+    Communicator(CommunicatorError),
     /// More planes at walls than a file can hold.
     #[error("supports are cut off by over {MAX_ALL_CUTS} walls: bake with fewer --functions or --levels")]
     TooManyCuts,
@@ -86,11 +87,11 @@ impl From<Stopped> for BakeError {
     }
 }
 
-impl From<TeamError> for BakeError {
-    fn from(error: TeamError) -> Self {
+impl From<CommunicatorError> for BakeError {
+    fn from(error: CommunicatorError) -> Self {
         match error {
-            TeamError::Stopped(_) => Self::Stopped,
-            error => Self::Team(error),
+            CommunicatorError::Stopped(_) => Self::Stopped,
+            error => Self::Communicator(error),
         }
     }
 }
@@ -112,7 +113,7 @@ pub fn bake(
     scene: &Scene,
     settings: &BakeSettings,
     observer: &dyn Observer,
-) -> Result<(rbn::Scene, BakeReport), BakeError> {
+) -> Result<(BakedScene, BakeReport), BakeError> {
     // Who works alone is the first of its team.
     run(scene, settings, observer, None, &())?.ok_or(BakeError::Stopped)
 }
@@ -127,7 +128,7 @@ pub fn bake_with_checkpoint(
     settings: &BakeSettings,
     observer: &dyn Observer,
     checkpoint: &Checkpoint,
-) -> Result<(rbn::Scene, BakeReport), BakeError> {
+) -> Result<(BakedScene, BakeReport), BakeError> {
     bake_in_team(scene, settings, observer, Some(checkpoint), &())?.ok_or(BakeError::Stopped)
 }
 
@@ -142,8 +143,8 @@ pub fn bake_in_team(
     settings: &BakeSettings,
     observer: &dyn Observer,
     checkpoint: Option<&Checkpoint>,
-    team: &dyn Team,
-) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+    team: &dyn Communicator,
+) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
     let baked = run(scene, settings, observer, checkpoint, team);
     if let Some(checkpoint) = checkpoint {
         // If this is what ended the bake, it is what went wrong.
@@ -157,8 +158,8 @@ fn run(
     settings: &BakeSettings,
     observer: &dyn Observer,
     checkpoint: Option<&Checkpoint>,
-    team: &dyn Team,
-) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+    team: &dyn Communicator,
+) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
     let settings = settings.clone().normalised();
     if scene.triangles.is_empty() {
         return Err(BakeError::Empty);
@@ -221,13 +222,13 @@ pub fn choose_vantage(
     scene: &Scene,
     surfaces: &TriangleSurfaces,
     settings: &BakeSettings,
-) -> Result<Vantage, BakeError> {
+) -> Result<ParticleEmitter, BakeError> {
     let local = |world: [f64; 3]| (DVec3::from(world) - DVec3::from(scene.origin)).as_vec3();
     let seed = settings.place.seed;
     if !settings.viewpoints.is_empty() {
         let viewpoints: Vec<Vec3> = settings.viewpoints.iter().copied().map(local).collect();
         let views = viewpoints.iter().copied().map(View::around).collect();
-        return Ok(Vantage { views, ..Vantage::at(surfaces, viewpoints, seed) });
+        return Ok(ParticleEmitter { views, ..ParticleEmitter::at(surfaces, viewpoints, seed) });
     }
     let cameras = || settings.camera.iter().chain(&scene.cameras);
     let view = |camera: &Camera| {
@@ -236,11 +237,13 @@ pub fn choose_vantage(
     };
     let views = cameras().map(view).collect();
     let mut viewpoints: Vec<Vec3> = cameras().map(|camera| local(camera.position)).collect();
-    viewpoints.retain(|point| Candidates::new(surfaces, &Vantage::within(*point), seed).batch().len() > 1000);
+    viewpoints.retain(|point| {
+        Candidates::new(surfaces, &ParticleEmitter::within(*point), seed).batch().len() > 1000
+    });
     if !viewpoints.is_empty() {
-        return Ok(Vantage { views, ..Vantage::at(surfaces, viewpoints, seed) });
+        return Ok(ParticleEmitter { views, ..ParticleEmitter::at(surfaces, viewpoints, seed) });
     }
     let lamps: Vec<Vec3> = scene.lights.iter().filter_map(Light::position).map(local).collect();
-    let found = Vantage::find(surfaces, &lamps, seed).ok_or(BakeError::NoViewpoint)?;
-    Ok(Vantage { views, ..found })
+    let found = ParticleEmitter::find(surfaces, &lamps, seed).ok_or(BakeError::NoViewpoint)?;
+    Ok(ParticleEmitter { views, ..found })
 }

@@ -1,6 +1,6 @@
 //! What a bake tells while it runs, and what it can be told.
 
-use rebounce_shared::rbn;
+use rebounce_shared::baked::BakedScene;
 
 /// How far a bake is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +83,7 @@ impl Stage {
 /// A coarse file to look at while the bake goes on.
 pub struct Preview {
     /// The file's contents. Light that arrives on finer levels is as smooth as on the finest that is done.
-    pub file: rbn::Scene,
+    pub file: BakedScene,
     /// Levels whose links it has; 0 for a sketch, which has points of its own.
     pub levels: usize,
 }

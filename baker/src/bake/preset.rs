@@ -1,7 +1,7 @@
 //! Presets: one word for a whole set of parameters.
 
-use crate::operator::OperatorSettings;
-use crate::points::PlaceSettings;
+use crate::sampling::PlaceSettings;
+use crate::transport::direct_to_indirect::OperatorSettings;
 use rebounce_shared::camera::Camera;
 
 /// How good and how costly a bake is.

@@ -1,11 +1,11 @@
 //! What a bake made and what it cost: the columns of the paper's Table 1 and the file's sections.
 
 use super::{BakeSettings, Stage};
-use crate::operator::Operator;
+use crate::communicator::share::Traffic;
 use crate::picture::uncertainty::Estimate;
-use crate::points::Points;
+use crate::sampling::Points;
 use crate::scene::Scene;
-use crate::team::share::Traffic;
+use crate::transport::direct_to_indirect::Operator;
 use rebounce_shared::rbn::container::Section;
 use serde::Serialize;
 use std::fmt;
@@ -31,7 +31,7 @@ pub struct BakeReport {
     pub instances: u64,
     /// Triangles that stand in the scene, those of each copy counted.
     pub placed_triangles: u64,
-    /// Those that rays are cast at, after [simplifying](crate::simplify); those of copies counted once.
+    /// Those that rays are cast at, after [simplifying](crate::geometry::simplify); those of copies counted once.
     pub ray_triangles: u64,
     /// Where importance particles started, world space.
     pub viewpoints: Vec<[f64; 3]>,

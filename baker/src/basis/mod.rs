@@ -5,7 +5,7 @@
 
 mod evaluator;
 
-use crate::points::Points;
+use crate::sampling::Points;
 pub use evaluator::{Evaluator, Leveled, Support};
 use rebounce_shared::basis::ParentWeights;
 pub use rebounce_shared::basis::Relations;

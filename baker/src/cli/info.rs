@@ -3,7 +3,7 @@
 use super::{plain::plain, read_baked};
 use anyhow::Result;
 use clap::Args;
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::container::{self, Section};
 use rebounce_shared::rbn::meta::{Alpha, Material, Texture};
 use serde_json::{Value, json};
@@ -38,7 +38,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     }
 }
 
-fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> Value {
+fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -> Value {
     let m = &scene.meta;
     let (version, bytes) = (container::version(bytes), bytes.len());
     let names: Vec<&str> = m.shown.names().collect();
@@ -99,7 +99,7 @@ fn material_json(m: &Material) -> Value {
     })
 }
 
-fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &Scene) -> String {
+fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -> String {
     let m = &scene.meta;
     let (version, bytes) = (container::version(bytes).unwrap_or_default(), bytes.len());
     let mut out = String::new();

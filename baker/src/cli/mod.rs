@@ -1,6 +1,7 @@
 //! The verbs of the command line, one a file. They read arguments, call the library and print.
 
 pub mod bake;
+mod communicator;
 pub mod compare;
 mod draft;
 mod http;
@@ -13,12 +14,11 @@ mod progress;
 pub mod reference;
 pub mod render;
 mod stop;
-mod team;
 pub mod view;
 
 use anyhow::{Context, Result};
 use clap::{ArgAction, Parser, Subcommand};
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -66,9 +66,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 /// The bytes of a baked file and what they mean.
-fn read_baked(path: &Path) -> Result<(Vec<u8>, Scene)> {
+fn read_baked(path: &Path) -> Result<(Vec<u8>, BakedScene)> {
     let name = || path.display().to_string();
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", name()))?;
-    let scene = Scene::from_bytes(&bytes).with_context(name)?;
+    let scene = BakedScene::from_bytes(&bytes).with_context(name)?;
     Ok((bytes, scene))
 }

@@ -3,11 +3,11 @@
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::picture::expose::Exposure;
 use rebounce::picture::{Only, Picture, check_name, png};
 use rebounce::render::shown::Shown;
 use rebounce::shot;
-use rebounce::triangles::TriangleSurfaces;
 use rebounce::write::{check_place, write_whole};
 use rebounce_shared::camera::{Camera, CameraFrame};
 use rebounce_shared::light::{Light, LightSource};

@@ -5,8 +5,8 @@ use super::picture::{PictureArgs, Rows, shot_or_own};
 use anyhow::Result;
 use clap::Args;
 use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::path_trace::{Settings, path_trace};
-use rebounce::triangles::TriangleSurfaces;
 
 /// Arguments of `rebounce reference`.
 #[derive(Args, Debug)]

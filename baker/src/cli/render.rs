@@ -4,8 +4,8 @@ use super::picture::{PictureArgs, Rows, shot_or_own};
 use super::read_baked;
 use anyhow::Result;
 use clap::Args;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::render::{Content, render};
-use rebounce::triangles::TriangleSurfaces;
 use std::path::PathBuf;
 
 /// Arguments of `rebounce render`.

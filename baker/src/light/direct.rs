@@ -2,8 +2,8 @@
 //! are those of [`rebounce_shared::light`].
 
 use super::sized;
+use crate::geometry::{Hit, Surfaces};
 use crate::random::Stream;
-use crate::surface::{Hit, Surfaces};
 use glam::Vec3;
 use rebounce_shared::footprint;
 use rebounce_shared::light::{Incident, LightSource};
@@ -98,7 +98,7 @@ fn reaching(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::triangles::TriangleSurfaces;
+    use crate::geometry::mesh::TriangleSurfaces;
     use rebounce_shared::light::Light;
 
     #[test]

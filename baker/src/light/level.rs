@@ -1,11 +1,11 @@
 //! The level of a scene's direct light, whatever is in view: what the exposure of PNGs goes by.
 
 use super::direct;
-use crate::picture::png::luminance;
+use crate::geometry::{Ray, Surfaces};
 use crate::random::Stream;
-use crate::surface::{Ray, Surfaces};
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::colour::luminance;
 use rebounce_shared::exposure;
 use rebounce_shared::light::LightSource;
 
@@ -18,7 +18,7 @@ pub fn level(surfaces: &impl Surfaces, lights: &[LightSource]) -> f32 {
     let at = |ray: u64| {
         let mut stream = Stream::new(0x6c65_7665, ray);
         let place = Vec3::new(stream.unit(), stream.unit(), stream.unit());
-        let ray = Ray::blind(low + (high - low) * place, stream.sphere());
+        let ray = Ray::visibility(low + (high - low) * place, stream.sphere());
         let hit = surfaces.cast(&ray, stream.bits() as u32).filter(|hit| hit.faces(ray.direction))?;
         Some(luminance(direct::at_hit(surfaces, lights, &hit)))
     };
@@ -29,7 +29,7 @@ pub fn level(surfaces: &impl Surfaces, lights: &[LightSource]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::triangles::TriangleSurfaces;
+    use crate::geometry::mesh::TriangleSurfaces;
     use rebounce_shared::light::Light;
 
     #[test]

@@ -4,11 +4,11 @@
 //! From the eye, which backs of one-sided surfaces hide nothing from, along cosine-distributed bounces; at every surface the lamps are sampled. Paths
 //! end by Russian roulette after [`ROULETTE_DEPTH`] bounces.
 
+use crate::geometry::{Ray, Surfaces};
 use crate::light::direct;
 use crate::picture::expose::{Exposure, expose};
 use crate::picture::{Only, Picture};
 use crate::random::Stream;
-use crate::surface::{Ray, Surfaces};
 use glam::Vec3;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{Light, LightSource};
@@ -95,8 +95,8 @@ pub fn radiance(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::mesh::TriangleSurfaces;
     use crate::scene;
-    use crate::triangles::TriangleSurfaces;
 
     #[test]
     fn a_closed_room_of_albedo_half_holds_as_much_bounced_light_as_direct() {

@@ -2,8 +2,8 @@
 //! and what is left over anywhere.
 
 use super::Picture;
+use crate::geometry::Ray;
 use crate::random::Stream;
-use crate::surface::Ray;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::camera::CameraFrame;

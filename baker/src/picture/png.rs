@@ -4,13 +4,9 @@
 
 use super::Picture;
 use glam::Vec3;
+use rebounce_shared::colour::luminance;
 use rebounce_shared::exposure;
 use rebounce_shared::tone::agx;
-
-/// Rec. 709 luminance of linear RGB.
-pub fn luminance(rgb: Vec3) -> f32 {
-    rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-}
 
 /// The factor that exposes a picture automatically, at most `most`; 1 for a black one. `is_surface` says of a pixel, x and y,
 /// whether its middle is on a surface.

@@ -5,7 +5,7 @@
 
 use super::Picture;
 use super::compare::percentile;
-use super::png::luminance;
+use rebounce_shared::colour::luminance;
 
 /// Standard deviations of the two blurs, over the picture's height.
 const BLUR: [f64; 2] = [0.006, 0.04];

@@ -1,9 +1,9 @@
 //! What pictures of an object show behind it.
 
+use crate::geometry::{Ray, Surfaces};
 use crate::picture::Picture;
 use crate::picture::expose::{Exposure, expose};
 use crate::random::Stream;
-use crate::surface::{Ray, Surfaces};
 use glam::Vec3;
 use rebounce_shared::backdrop::tone;
 use rebounce_shared::camera::CameraFrame;

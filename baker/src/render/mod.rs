@@ -10,18 +10,18 @@ pub mod shown;
 pub mod unlit;
 
 use crate::basis::{Evaluator, Leveled, Support};
+use crate::geometry::{Hit, Ray, Surfaces};
 use crate::light::direct;
 use crate::picture::expose::{Exposure, expose};
 use crate::picture::{Only, Picture};
-use crate::points::open_share;
 use crate::random::Stream;
-use crate::surface::{Hit, Ray, Surfaces};
+use crate::sampling::open_share;
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::openness::{REACH, gain, received};
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::relight;
 use std::f32::consts::FRAC_1_PI;
 
@@ -57,7 +57,7 @@ const OPENNESS_SIDE: u32 = 2;
 impl Relit {
     /// Relights `scene`. `surfaces` are those of the same file. With `detail`, light between the points follows the
     /// [openness](rebounce_shared::openness) of what is seen, where the file has that of the points.
-    pub fn new(scene: &Scene, surfaces: &impl Surfaces, lights: &[Light], detail: bool) -> Self {
+    pub fn new(scene: &BakedScene, surfaces: &impl Surfaces, lights: &[Light], detail: bool) -> Self {
         let lights: Vec<LightSource> = lights.iter().map(|l| l.source(scene.meta.origin)).collect();
         let irradiance: Vec<Vec3> = scene.points[..scene.direct_count()]
             .par_iter()
@@ -130,7 +130,7 @@ impl Relit {
 
 /// Takes a picture of a baked scene. `row_done` is called after each row, from any thread.
 pub fn render(
-    scene: &Scene,
+    scene: &BakedScene,
     surfaces: &impl Surfaces,
     camera: &Camera,
     lights: &[Light],

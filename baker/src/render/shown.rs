@@ -2,11 +2,11 @@
 
 use super::backdrop::backdrop;
 use super::unlit::{developed, unlit};
+use crate::geometry::mesh::TriangleSurfaces;
+use crate::geometry::{Ray, Surfaces};
 use crate::light::level::level;
 use crate::picture::expose::Exposure;
 use crate::picture::{Only, Picture, png};
-use crate::surface::{Ray, Surfaces};
-use crate::triangles::TriangleSurfaces;
 use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::exposure::most;
 use rebounce_shared::light::LightSource;
@@ -50,7 +50,7 @@ impl Shown<'_> {
     fn is_lit(&self, [x, y]: [u32; 2]) -> bool {
         let [width, height] = self.exposure.size;
         let direction = self.camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
-        let ray = Ray::blind(self.camera.eye, direction);
+        let ray = Ray::visibility(self.camera.eye, direction);
         self.surfaces.see(&ray, 0).is_some_and(|hit| !hit.is_unlit)
     }
 }

@@ -1,9 +1,9 @@
 //! What unlit surfaces show: their colour, whatever the light.
 
+use crate::geometry::{Ray, Surfaces};
 use crate::picture::expose::{Exposure, expose};
 use crate::picture::{Picture, png};
 use crate::random::Stream;
-use crate::surface::{Ray, Surfaces};
 use glam::Vec3;
 use rebounce_shared::camera::CameraFrame;
 

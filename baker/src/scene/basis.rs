@@ -1,7 +1,7 @@
 //! Pictures of Basis Universal (ETC1S and UASTC in KTX2), which no browser decodes by itself: they become PNG.
 
 use super::foreign;
-use super::texture::check_size;
+use super::texture_size::check_size;
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 
 /// Whether these are the first bytes of a KTX2 file.

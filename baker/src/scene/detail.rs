@@ -5,7 +5,7 @@
 //! of it, most that hold any vertex lie within it. A cell counts by its vertices up to a few, so a dense mesh counts by
 //! the room that it takes; and a plain counts by its corners, however large it is.
 
-use crate::points::round::least_step;
+use super::steps::least_step;
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
 

@@ -119,9 +119,9 @@ fn without_far(mut parts: Vec<Part>) -> Vec<Part> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Surfaces;
+    use crate::geometry::mesh::TriangleSurfaces;
     use crate::scene::{WorldMesh, load};
-    use crate::surface::Surfaces;
-    use crate::triangles::TriangleSurfaces;
     use glam::dvec3;
     use rebounce_shared::rbn::meta::Material;
 

@@ -1,6 +1,6 @@
 //! Pictures of BMP, GIF, TGA and TIFF, which glTF does not have and exporters put into it: they become PNG.
 
-use super::texture::check_size;
+use super::texture_size::check_size;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader, ImageResult};
 use std::io::Cursor;

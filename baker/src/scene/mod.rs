@@ -19,10 +19,13 @@ mod foreign;
 mod gltf;
 mod merge;
 pub mod model;
+pub(crate) mod needed;
 mod notes;
 mod orientation;
 mod other_format;
+pub(crate) mod steps;
 pub mod texture;
+mod texture_size;
 
 pub use error::SceneError;
 pub use model::Model;

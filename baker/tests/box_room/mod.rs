@@ -1,7 +1,7 @@
 //! A closed box as a second kind of surface: for tests of what is told about surfaces alone.
 
 use glam::Vec3;
-use rebounce::surface::{Hit, Ray, Surfaces};
+use rebounce::geometry::{Hit, Ray, Surfaces};
 
 /// The inside of an axis-aligned box from `low` to `high`, with one albedo.
 pub struct BoxRoom {

@@ -2,8 +2,8 @@
 //! triangles that are there twice or have no area.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
+use rebounce::geometry::simplify::{TOLERANCE, simplify};
 use rebounce::scene::Scene;
-use rebounce::simplify::{TOLERANCE, simplify};
 use rebounce_shared::rbn::meta::{Alpha, Material};
 use triangle::{area, nearest};
 

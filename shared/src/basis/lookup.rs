@@ -153,9 +153,9 @@ fn hash(cell: IVec3) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::baked::BakedScene;
     use crate::kernel::weight;
     use crate::octahedral::pack_snorm16;
-    use crate::rbn::Scene;
 
     fn random(seed: u32) -> f32 {
         let x = (seed ^ 0x85eb_ca6b).wrapping_mul(0x9e37_79b9);
@@ -167,8 +167,8 @@ mod tests {
         Vec3::new(random(3 * seed), random(3 * seed + 1), random(3 * seed + 2)) * 4.0 - 2.0
     }
 
-    fn scene() -> Scene {
-        let mut scene = Scene::default();
+    fn scene() -> BakedScene {
+        let mut scene = BakedScene::default();
         for count in [40, 700] {
             let first = scene.points.len() as u32;
             for i in first..first + count {

@@ -1,7 +1,8 @@
 //! What few materials have: section `MATX`, which only files with such a material have.
 
 use super::RbnError;
-use super::meta::{DetailTexture, MAX_BYTES, Material};
+use super::limits::MAX_BYTES;
+use super::texture::DetailTexture;
 use bincode::de::Decoder;
 use bincode::enc::Encoder;
 use bincode::error::{DecodeError, EncodeError};
@@ -87,10 +88,10 @@ type Record = (u32, bool, f32, Option<DetailTexture>, [f32; 3], f32, [f32; 3]);
 ///
 /// # Errors
 /// [`RbnError::TooLarge`].
-pub(super) fn encode(materials: &[Material]) -> Result<Option<Vec<u8>>, RbnError> {
-    let some = (0u32..).zip(materials).filter(|(_, material)| material.extras != Extras::default());
+pub(crate) fn encode<'a>(materials: impl Iterator<Item = &'a Extras>) -> Result<Option<Vec<u8>>, RbnError> {
+    let some = (0u32..).zip(materials).filter(|(_, extras)| **extras != Extras::default());
     let records: Vec<Record> = some
-        .map(|(number, Material { extras: e, .. })| {
+        .map(|(number, e)| {
             let texture = e.transmission_texture;
             (number, e.unlit, e.transmission, texture, e.transmission_tint, e.scattered, e.scattered_color)
         })
@@ -111,7 +112,7 @@ pub(super) fn encode(materials: &[Material]) -> Result<Option<Vec<u8>>, RbnError
 ///
 /// # Errors
 /// [`RbnError::Invalid`].
-pub(super) fn decode(bytes: &[u8], materials: &mut [Material]) -> Result<(), RbnError> {
+pub(crate) fn decode(bytes: &[u8], materials: &mut [&mut Extras]) -> Result<(), RbnError> {
     let bad = |problem: String| RbnError::invalid("MATX", problem);
     let config = bincode::config::standard().with_limit::<MAX_BYTES>();
     let (records, used): (Vec<Record>, usize) =
@@ -126,7 +127,7 @@ pub(super) fn decode(bytes: &[u8], materials: &mut [Material]) -> Result<(), Rbn
         let material = materials.get_mut(number as usize).filter(|_| number >= least);
         let material = material.ok_or_else(|| bad(format!("there is no material {number}, or not here")))?;
         least = number + 1;
-        material.extras = Extras {
+        **material = Extras {
             unlit,
             transmission,
             transmission_texture,

@@ -4,12 +4,11 @@
 
 use super::RbnError;
 use super::extras::Extras;
+pub use super::limits::MAX_BYTES;
 use super::shown::Shown;
+pub use super::texture::DetailTexture;
 use crate::{camera::Camera, light::Light};
 use bincode::{Decode, Encode};
-
-/// Largest `META` section, bytes.
-pub const MAX_BYTES: usize = 16 << 20;
 
 /// What a file holds besides the bulk sections.
 #[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
@@ -155,15 +154,6 @@ impl Material {
         let (shine, through) = (&self.metallic_roughness_texture, &self.extras.transmission_texture);
         [&self.emission_texture, shine, &self.normal_texture, through].map(Option::as_ref)
     }
-}
-
-/// A texture besides the base colour's.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Encode, Decode)]
-pub struct DetailTexture {
-    /// Index of the texture.
-    pub texture: u32,
-    /// Its coordinates from the vertex's (u, v, 1), row by row.
-    pub uv_from_vertex: [[f32; 3]; 2],
 }
 
 /// Keyframes of lights.

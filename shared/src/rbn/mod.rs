@@ -6,21 +6,34 @@
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – how the sections are packed in the file;
 //! * [`LinkMatrix`] – transport links by receiver;
-//! * [`Scene`] – a whole file in memory, written and read, with everything checked.
+//! * [`limits`] – what a reader refuses.
+//!
+//! A whole file in memory is a [`BakedScene`](crate::baked::BakedScene).
 
 pub mod bulk;
-mod check;
 pub mod codec;
 pub mod container;
 pub mod extras;
+pub mod limits;
 mod matrix;
 pub mod meta;
-mod scene;
 pub mod shown;
+mod texture;
 
-pub use check::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_MATERIALS, MAX_ROW, MAX_TRIANGLES};
+pub use limits::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_MATERIALS, MAX_ROW, MAX_TRIANGLES};
 pub use matrix::LinkMatrix;
-pub use scene::{COPY_SECTIONS, EXTRAS_SECTION, OPENNESS_SECTION, SECTIONS, SHOWN_SECTION, Scene};
+
+/// Names of the sections, in file order.
+pub const SECTIONS: [[u8; 4]; 8] =
+    [*b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"LINK", *b"LATL", *b"TEXD"];
+/// Those that files with copies have besides, after the others.
+pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
+/// The one that files have besides, after these, where a material has [extras].
+pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
+/// The optional section for the points' openness, after the others.
+pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
+/// The one that files have besides, last, where there are names or a ground: see [shown].
+pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 
 /// Why a .rbn file could not be read or written.
 #[derive(Debug, thiserror::Error)]

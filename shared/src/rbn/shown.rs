@@ -1,7 +1,6 @@
 //! How a scene is shown besides its light: names, and the ground under an object. Section `SHOW`, which only files with any
 //! of it have; readers that do not know it show the same surfaces in the same light.
 
-use super::meta::Meta;
 use bincode::de::Decoder;
 use bincode::enc::Encoder;
 use bincode::error::{DecodeError, EncodeError};
@@ -86,26 +85,14 @@ impl Ground {
 }
 
 /// Encodes section `SHOW`; `None` for no names and no ground.
-pub(super) fn encode(shown: &Shown) -> Option<Vec<u8>> {
+pub(crate) fn encode(shown: &Shown) -> Option<Vec<u8>> {
     let is_some = *shown != Shown::default();
     is_some.then(|| [&[!shown.ground.is_empty() as u8], &shown.ground[..], shown.names.as_bytes()].concat())
 }
 
 /// Decodes section `SHOW`; `None` for malformed bytes.
-pub(super) fn decode(bytes: &[u8]) -> Option<Shown> {
+pub(crate) fn decode(bytes: &[u8]) -> Option<Shown> {
     let (has_ground, rest) = bytes.split_first()?;
     let (ground, names) = rest.split_at_checked(if *has_ground == 1 { GROUND } else { 0 })?;
     Some(Shown { names: String::from_utf8(names.to_vec()).ok()?, ground: ground.to_vec() })
-}
-
-/// Whether there are as many names as lights and cameras, or none, and the ground's numbers can be used.
-pub(super) fn is_sound(meta: &Meta) -> bool {
-    let Shown { names, ground } = &meta.shown;
-    let count = names.bytes().filter(|byte| *byte == 0).count();
-    let named = names.is_empty() || names.ends_with('\0') && count == meta.lights.len() + meta.cameras.len();
-    let grounded = ground.split_at_checked(32).is_none_or(|(numbers, shade)| {
-        let n: [f32; 8] = bytemuck::pod_read_unaligned(numbers);
-        super::check::all_sane(&n) && n[0] < n[2] && n[1] < n[3] && shade.len() == SIDE * SIDE
-    });
-    named && grounded && (ground.is_empty() || ground.len() == GROUND)
 }

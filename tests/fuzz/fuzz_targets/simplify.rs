@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use rebounce::simplify::TOGETHER;
+use rebounce::geometry::simplify::TOGETHER;
 
 #[path = "../../../baker/tests/common/soup.rs"]
 mod soup;

@@ -7,7 +7,8 @@ use rebounce_shared::link::{LaterLink, Link, MAX_SENDERS};
 use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use rebounce_shared::rbn::codec::{columns, links};
 use rebounce_shared::rbn::container::MAGIC;
-use rebounce_shared::rbn::{COPY_SECTIONS, LinkMatrix, MAX_TRIANGLES, SECTIONS, Scene, meta};
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::rbn::{COPY_SECTIONS, LinkMatrix, MAX_TRIANGLES, SECTIONS, meta};
 
 /// Bytes of a link or later link in an input: the step from the index before, or zero at a row's end; the rest.
 const LINK: usize = 6;
@@ -24,7 +25,7 @@ impl Contents {
     /// From an input, or from a .rbn file, which seeds are.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(&MAGIC) {
-            return Some(Self::of(&Scene::from_bytes(bytes).ok()?));
+            return Some(Self::of(&BakedScene::from_bytes(bytes).ok()?));
         }
         let (switches, mut rest) = bytes.split_first().filter(|(first, _)| **first & MARK == MARK)?;
         let mut parts: [Vec<u8>; 10] = Default::default();
@@ -36,7 +37,7 @@ impl Contents {
         Some(Self { switches: *switches, parts })
     }
 
-    fn of(scene: &Scene) -> Self {
+    fn of(scene: &BakedScene) -> Self {
         let parts = [
             meta::encode(&scene.meta).unwrap_or_default(),
             bytemuck::cast_slice(&scene.vertices).to_vec(),
@@ -234,7 +235,7 @@ pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize
 }
 
 /// Asserts what the viewer relies on, and what its shaders do with it on the CPU.
-pub fn keeps_promises(scene: &Scene) {
+pub fn keeps_promises(scene: &BakedScene) {
     for (i, row) in scene.links.iter().enumerate() {
         assert!(row.iter().all(|link| link.amount().is_finite()), "row {i}");
     }

@@ -3,14 +3,15 @@
 use super::container::sealed;
 use super::{Damaged, Outcome, Random, Sections};
 use bytemuck::Pod;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::codec::{columns, links};
+use rebounce_shared::rbn::meta;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Level};
-use rebounce_shared::rbn::{Scene, meta};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Changes some of what a scene says, and packs it unchecked.
-pub fn lie(scene: &Scene, random: &mut Random) -> Option<Damaged> {
+pub fn lie(scene: &BakedScene, random: &mut Random) -> Option<Damaged> {
     let mut scene = scene.clone();
     let mut what = Vec::new();
     for _ in 0..1 + random.below(2) {
@@ -37,7 +38,7 @@ pub fn lie(scene: &Scene, random: &mut Random) -> Option<Damaged> {
 }
 
 /// A scene's sections, whatever is in it.
-fn packed(scene: &Scene) -> Option<Sections> {
+fn packed(scene: &BakedScene) -> Option<Sections> {
     let mut sections = vec![
         (*b"META", meta::encode(&scene.meta).ok()?),
         (*b"VERT", columns::encode(&scene.vertices)),
@@ -87,7 +88,7 @@ fn words<T: Pod>(name: &str, records: &mut Vec<T>, random: &mut Random) -> Strin
 }
 
 /// Puts many functions in one place, or makes all supports as large.
-fn crowd(scene: &mut Scene, random: &mut Random) -> String {
+fn crowd(scene: &mut BakedScene, random: &mut Random) -> String {
     let first = scene.points[0];
     let radius = random.float();
     let is_place = random.below(2) == 0;
@@ -101,7 +102,7 @@ fn crowd(scene: &mut Scene, random: &mut Random) -> String {
     if is_place { "all points in one place".to_owned() } else { format!("all radii {radius}") }
 }
 
-fn levels(scene: &mut Scene, random: &mut Random) -> String {
+fn levels(scene: &mut BakedScene, random: &mut Random) -> String {
     let m = &mut scene.meta;
     let l = random.below(m.levels.len());
     let Level { first, count, .. } = m.levels[l];
@@ -118,7 +119,7 @@ fn levels(scene: &mut Scene, random: &mut Random) -> String {
     format!("levels {:?}, {}, {}, {}", m.levels[l], m.later_levels, m.sender_levels, m.direct_levels)
 }
 
-fn place(scene: &mut Scene, random: &mut Random) -> String {
+fn place(scene: &mut BakedScene, random: &mut Random) -> String {
     let m = &mut scene.meta;
     let (axis, value) = (random.below(3), random.float());
     let wide = if random.below(4) == 0 { 1e300 } else { value as f64 };
@@ -137,7 +138,7 @@ fn place(scene: &mut Scene, random: &mut Random) -> String {
 }
 
 /// Materials, textures and draw calls.
-fn look(scene: &mut Scene, random: &mut Random) -> String {
+fn look(scene: &mut BakedScene, random: &mut Random) -> String {
     let m = &mut scene.meta;
     let value = random.float();
     let k = random.below(m.materials.len());
@@ -193,7 +194,7 @@ fn look(scene: &mut Scene, random: &mut Random) -> String {
 }
 
 /// Lights and how they move.
-fn light(scene: &mut Scene, random: &mut Random) -> String {
+fn light(scene: &mut BakedScene, random: &mut Random) -> String {
     let m = &mut scene.meta;
     let value = if random.below(4) == 0 { 1e300 } else { random.float() as f64 };
     let what =

@@ -6,8 +6,8 @@
 mod container;
 mod contents;
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::random::Stream;
-use rebounce_shared::rbn::Scene;
 
 /// What a damaged file must come to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub struct Damaged {
 pub type Sections = Vec<([u8; 4], Vec<u8>)>;
 
 /// Damages file number `index`; `file` is `scene` packed, which has points, materials and draw calls.
-pub fn damage(file: &[u8], scene: &Scene, seed: u64, index: u64) -> Damaged {
+pub fn damage(file: &[u8], scene: &BakedScene, seed: u64, index: u64) -> Damaged {
     let mut random = Random(Stream::new(seed, index));
     loop {
         let made = match random.below(12) {
@@ -119,11 +119,11 @@ mod tests {
     use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
     use rebounce_shared::rbn::{LinkMatrix, container};
 
-    fn scene() -> Scene {
+    fn scene() -> BakedScene {
         let camera =
             Camera { position: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], yfov_deg: 50.0 };
         let point = Point { radius: 1.0, ..Point::default() };
-        let mut scene = Scene {
+        let mut scene = BakedScene {
             meta: Meta {
                 levels: vec![Level { first: 0, count: 1, disk_radius: 0.5, support_radius: 1.0 }],
                 sender_levels: 1,
@@ -138,7 +138,7 @@ mod tests {
             texture_bytes: vec![0; 8],
             points: vec![point],
             links: LinkMatrix::from_rows(&[Vec::new()]),
-            ..Scene::default()
+            ..BakedScene::default()
         };
         scene.relate().unwrap();
         scene

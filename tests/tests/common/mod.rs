@@ -3,20 +3,20 @@
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use glam::Vec3;
-use rebounce_shared::rbn::Scene;
+use rebounce_shared::baked::BakedScene;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::ToneMapping;
 
 #[path = "../../../viewer/tests/device/mod.rs"]
 mod device;
 
 /// A renderer of a scene at a fixed exposure, with the invertible tone curve; `None`, with a message, without an adapter.
-pub fn renderer(scene: &Scene) -> Option<Renderer> {
+pub fn renderer(scene: &BakedScene) -> Option<Renderer> {
     let gpu = device::gpu()?;
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
     let pipelines = renderer.pipelines();
-    let loaded = LoadedScene::upload(&gpu, &pipelines, scene.clone());
+    let loaded = GpuScene::upload(&gpu, pipelines.loaders(), scene.clone());
     renderer.install(pollster::block_on(loaded).unwrap()).unwrap();
     renderer.set_auto_exposure(false);
     renderer.set_tone_mapping(ToneMapping::Neutral);

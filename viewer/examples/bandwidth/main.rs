@@ -5,12 +5,12 @@
 //! takes at the pace of a plain copy on the same device is what no pass can be faster than; its own time is printed
 //! as a multiple of that. (Software adapters work out of caches, and say little.)
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn::Scene;
 use rebounce_shared::shot::Shot;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::LoadedScene;
+use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::stats::Counts;
 use screen::screen;
 use std::error::Error;
@@ -36,12 +36,12 @@ const COLOUR: u64 = 16;
 fn main() -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1);
     let file = args.next().ok_or("which file?")?;
-    let scene = Scene::from_bytes(&std::fs::read(file)?)?;
+    let scene = BakedScene::from_bytes(&std::fs::read(file)?)?;
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(gpu.clone())?;
     let relit = relit_bytes(&scene);
     let points = scene.points.len() as u64;
-    let loaded = pollster::block_on(LoadedScene::upload(&gpu, &renderer.pipelines(), scene))?;
+    let loaded = pollster::block_on(GpuScene::upload(&gpu, renderer.pipelines().loaders(), scene))?;
     let looked_up = loaded.upload.points.size() + loaded.upload.lookup.size() + loaded.upload.cuts.size();
     renderer.install(loaded)?;
     if let Some(shot) = args.next() {
@@ -90,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Bytes that one relighting has to read and to write: relight.rs has its steps.
-fn relit_bytes(scene: &Scene) -> u64 {
+fn relit_bytes(scene: &BakedScene) -> u64 {
     let relations = &scene.relations;
     let words = |offsets: &[u32]| 4 * offsets.len() as u64;
     let of = |content: usize, bytes: usize| (content * bytes) as u64;

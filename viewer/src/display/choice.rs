@@ -1,8 +1,7 @@
 //! Which [way](Way) to take: the one that is asked for, or the faster of the two. Both are measured on the pictures that are
 //! drawn anyway, which look the same.
 
-use super::Way;
-use crate::settings::Display;
+use crate::settings::{Display, Way};
 
 /// Pictures of each way that are measured. The first one, for which things are made, does not count.
 const PICTURES: u32 = 4;

@@ -4,10 +4,10 @@
 use super::{SlotBuffers, Sources};
 use crate::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout};
 use crate::gpu::Gpu;
+use crate::gpu::MAX_BINDING;
 use crate::scope::Scope;
 use crate::shaders;
 use crate::timing::Stamps;
-use crate::upload::MAX_BINDING;
 use wgpu::{BufferUsages, ShaderStages};
 
 /// Functions of a row at most; more than these cover a pixel only in crowded corners, and the smallest weights go.

@@ -12,10 +12,11 @@ mod splat;
 use crate::bindings::{Slot, buffer, empty_buffer, group, layout, view};
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
-use crate::scene::LoadedScene;
+use crate::gpu::MAX_BINDING;
+use crate::scene::GpuScene;
 use crate::scope::Scope;
+use crate::settings::Way;
 use crate::timing::Stamps;
-use crate::upload::MAX_BINDING;
 use bytemuck::{Pod, Zeroable};
 use lookup::{LookupPass, LookupTarget};
 use splat::{SplatPass, SplatTarget};
@@ -29,26 +30,6 @@ const SINGLE_SHARE: u64 = 5;
 const LEAST_SINGLES: u64 = 1 << 16;
 /// Distance over which light is interpolated between pixels, as a share of the finest support radius.
 const REACH: f32 = 0.25;
-
-/// How light gets from functions to pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Way {
-    /// Pixels look functions up.
-    #[default]
-    Lookup,
-    /// Functions are splatted.
-    Splat,
-}
-
-impl Way {
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Lookup => "lookup",
-            Self::Splat => "splat",
-        }
-    }
-}
 
 /// `Slots` in slots.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -72,7 +53,7 @@ pub struct DisplayPass {
 #[derive(Clone, Copy)]
 pub struct Sources<'a> {
     /// The scene.
-    pub scene: &'a LoadedScene,
+    pub scene: &'a GpuScene,
     /// The camera's uniform.
     pub frame: &'a wgpu::Buffer,
     /// What it sees.
@@ -111,7 +92,7 @@ enum Made {
 
 impl SlotBuffers {
     /// For a picture of this size; for `every_pixel` a slot each, so that nothing is interpolated.
-    fn new(scope: &Scope, scene: &LoadedScene, size: [u32; 2], every_pixel: bool) -> Self {
+    fn new(scope: &Scope, scene: &GpuScene, size: [u32; 2], every_pixel: bool) -> Self {
         let blocks = size[0].div_ceil(2) as u64 * size[1].div_ceil(2) as u64;
         let pixels = size[0] as u64 * size[1] as u64;
         let some = (pixels / SINGLE_SHARE).max(pixels.min(LEAST_SINGLES));

@@ -5,7 +5,7 @@ use crate::blended_fit;
 use crate::composite::{self, Shading};
 use crate::controls::gizmo;
 use crate::readback::Readback;
-use crate::scene::LoadedScene;
+use crate::scene::GpuScene;
 use crate::scope::Scope;
 use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::target::Target;
@@ -19,7 +19,7 @@ impl Renderer {
     pub(super) fn update_lights(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        scene: &LoadedScene,
+        scene: &GpuScene,
         picture: Option<[u32; 2]>,
     ) {
         let moved = std::mem::take(&mut self.dirty.lights);
@@ -40,7 +40,7 @@ impl Renderer {
         }
     }
 
-    fn draw_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &LoadedScene, changed: &[u32]) {
+    fn draw_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene, changed: &[u32]) {
         for (i, &layer) in changed.iter().enumerate() {
             let stamps = self.timing.as_mut().filter(|_| i == 0 || i + 1 == changed.len());
             let stamps = stamps.and_then(|t| t.stamps(Pass::Shadows));
@@ -49,7 +49,7 @@ impl Renderer {
         }
     }
 
-    fn update_relight(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &LoadedScene) {
+    fn update_relight(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
         if !self.shadows.lights().iter().any(|light| light.shines()) {
             scene.relight.clear(encoder);
             return;
@@ -67,7 +67,7 @@ impl Renderer {
     pub(super) fn update_picture(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        scene: &LoadedScene,
+        scene: &GpuScene,
         target: &mut Target,
     ) {
         let moved = self.dirty.view || self.dirty.display;
@@ -93,7 +93,7 @@ impl Renderer {
     pub(super) fn update_key(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        scene: &LoadedScene,
+        scene: &GpuScene,
         target: &Target,
         timed: bool,
     ) -> bool {
@@ -116,7 +116,7 @@ impl Renderer {
     pub(super) fn draw_view(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        scene: &LoadedScene,
+        scene: &GpuScene,
         target: &mut Target,
         sample: Sample,
         timed: bool,
@@ -157,7 +157,7 @@ impl Renderer {
     pub(super) fn draw_blended(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        scene: &LoadedScene,
+        scene: &GpuScene,
         target: &Target,
         timed: bool,
     ) {
@@ -173,7 +173,7 @@ impl Renderer {
     pub(super) fn shade(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        scene: &LoadedScene,
+        scene: &GpuScene,
         target: &Target,
         picture: u32,
         blended: bool,
@@ -223,7 +223,7 @@ impl Renderer {
     pub(super) fn draw_overlay(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        scene: &LoadedScene,
+        scene: &GpuScene,
         target: &Target,
         view: &wgpu::TextureView,
         format: TextureFormat,

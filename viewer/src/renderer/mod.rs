@@ -11,14 +11,15 @@ mod state;
 
 use crate::composite;
 use crate::controls::gizmo::Marks;
-use crate::display::Way;
 use crate::display::choice::Choice;
 use crate::error::ViewerError;
+use crate::gpu::MAX_BINDING;
 use crate::gpu::{Gpu, LIMITS};
 use crate::pipelines::Pipelines;
 use crate::readback::Readback;
-use crate::scene::LoadedScene;
+use crate::scene::GpuScene;
 use crate::scope::Scope;
+use crate::settings::Way;
 use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::shadow::Shadows;
 use crate::shadow_fit;
@@ -26,7 +27,6 @@ use crate::stats::{Bytes, Stats};
 use crate::still::StillLights;
 use crate::target::{Target, Wanted};
 use crate::timing::{Milliseconds, Timing};
-use crate::upload::MAX_BINDING;
 use rebounce_shared::{camera::Camera, light::Light};
 use state::check_lights;
 use std::rc::Rc;
@@ -72,7 +72,7 @@ pub struct Renderer {
     /// Owns what the last overlay was drawn with.
     over: Option<Scope>,
     timing: Option<Timing>,
-    scene: Option<Rc<LoadedScene>>,
+    scene: Option<Rc<GpuScene>>,
     target: Option<Target>,
     camera: Camera,
     lights: Vec<Light>,
@@ -172,7 +172,7 @@ impl Renderer {
         &self.gpu
     }
 
-    /// What [`LoadedScene::upload`] needs.
+    /// Which the [loaders](Pipelines::loaders) are part of.
     pub fn pipelines(&self) -> Rc<Pipelines> {
         self.pipelines.clone()
     }
@@ -181,7 +181,7 @@ impl Renderer {
     ///
     /// # Errors
     /// [`ViewerError::BadArgument`] for a camera that cannot be used; then all stays as it was.
-    pub fn install(&mut self, scene: LoadedScene) -> Result<(), ViewerError> {
+    pub fn install(&mut self, scene: GpuScene) -> Result<(), ViewerError> {
         if let Some(camera) = scene.meta.cameras.first() {
             self.set_camera(camera.clone())?;
         }
@@ -202,7 +202,7 @@ impl Renderer {
     }
 
     /// The scene's metadata.
-    pub fn scene(&self) -> Option<&LoadedScene> {
+    pub fn scene(&self) -> Option<&GpuScene> {
         self.scene.as_deref()
     }
 
@@ -392,7 +392,7 @@ impl Renderer {
         Ok(())
     }
 
-    fn new_target(&self, scene: &LoadedScene, size: [u32; 2], enlarge: u32) -> Target {
+    fn new_target(&self, scene: &GpuScene, size: [u32; 2], enlarge: u32) -> Target {
         let (every_pixel, way) = (self.every_pixel, self.choice.way());
         let wanted = Wanted { scene, key: &self.key.0, size, enlarge, every_pixel, way };
         Target::new(&self.gpu, &self.pipelines, &wanted)

@@ -21,8 +21,9 @@ use crate::error::ViewerError;
 use crate::gpu::LIMITS;
 use crate::pace::{Pace, Work};
 use crate::renderer::Renderer;
-use crate::scene::LoadedScene;
+use crate::scene::GpuScene;
 use page::{coded, js_error, promise};
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn;
 use shared::Shared;
 use std::cell::{Cell, RefCell};
@@ -177,9 +178,9 @@ impl Viewer {
         let gpu = self.state.borrow().renderer.gpu().clone();
         let pipelines = self.state.borrow().renderer.pipelines();
         promise(async move {
-            let scene = rbn::Scene::from_bytes(&bytes.to_vec())?;
+            let scene = BakedScene::from_bytes(&bytes.to_vec())?;
             drop(bytes);
-            let loaded = LoadedScene::upload(&gpu, &pipelines, scene).await?;
+            let loaded = GpuScene::upload(&gpu, pipelines.loaders(), scene).await?;
             let state = held.upgrade().filter(|_| !callbacks.is_lost.get());
             let Some(state) = state else { return Err(ViewerError::DeviceLost("while loading".into())) };
             {

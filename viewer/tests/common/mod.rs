@@ -1,5 +1,6 @@
 //! A small baked room made up by hand, and a device.
 
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::footprint;
@@ -7,9 +8,9 @@ use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::{LaterLink, Link};
 use rebounce_shared::octahedral::pack_snorm16;
+use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
-use rebounce_shared::rbn::{LinkMatrix, Scene};
 
 #[path = "../device/mod.rs"]
 mod device;
@@ -39,8 +40,8 @@ const WALLS: [[Vec3; 3]; 6] = [
 
 /// A closed room, the cube [-1, 1]³ seen from within, whose levels have `side`² points a wall, with
 /// links that mean nothing but fill all of the format: signs, directions, rows of all lengths.
-pub fn room(sides: &[u32]) -> Scene {
-    let mut scene = Scene::default();
+pub fn room(sides: &[u32]) -> BakedScene {
+    let mut scene = BakedScene::default();
     let mut meta =
         Meta { scene_name: "room".into(), bounds_min: [-1.0; 3], bounds_max: [1.0; 3], ..Meta::default() };
     for (wall, [normal, u, v]) in WALLS.iter().enumerate() {
@@ -108,7 +109,7 @@ pub fn lamp(position: [f64; 3]) -> Light {
     Light::Point { position, intensity: 3.0, color: [1.0, 0.7, 0.4], radius: 0.0 }
 }
 
-fn link(scene: &mut Scene) {
+fn link(scene: &mut BakedScene) {
     let senders = scene.sender_count() as u32;
     let all = scene.points.len() as u32;
     let random_size = |shift: &dyn Fn(u32) -> f32| (shift(7) * 6.0).exp2() * 0.02;

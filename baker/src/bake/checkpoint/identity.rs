@@ -1,9 +1,9 @@
 //! What a bake's result depends on.
 
 use super::super::BakeSettings;
-use crate::operator::OperatorSettings;
-use crate::points::PlaceSettings;
+use crate::sampling::PlaceSettings;
 use crate::scene::{Model, Scene};
+use crate::transport::direct_to_indirect::OperatorSettings;
 use rebounce_shared::rbn::container;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

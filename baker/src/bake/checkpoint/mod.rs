@@ -13,9 +13,9 @@ mod writer;
 pub use identity::Identity;
 pub use writer::Storage;
 
-use crate::operator::gather::Gathered;
-use crate::operator::journal::{Columns, Journal};
-use crate::points::{PlacedMark, SurfacePoint};
+use crate::sampling::{PlacedMark, SurfacePoint};
+use crate::transport::direct_to_indirect::gather::Gathered;
+use crate::transport::direct_to_indirect::journal::{Columns, PartialResults};
 use rebounce_shared::rbn::bulk::Cut;
 use record::Record;
 use std::collections::HashMap;
@@ -214,7 +214,7 @@ impl Saved {
     }
 }
 
-impl Journal for Checkpoint {
+impl PartialResults for Checkpoint {
     fn receivers(&self, first: usize, count: usize) -> Option<Vec<Gathered>> {
         let found = self.saved.lock().ok()?.receivers.remove(&first)?;
         (found.len() == count).then_some(found)

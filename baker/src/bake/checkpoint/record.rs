@@ -10,10 +10,10 @@
 //! All numbers are little-endian. The first record is the [`Identity`](super::Identity) as JSON, with salt 0; its
 //! checksum is the salt of all others, so that no record of another bake is taken for one of this.
 
-use crate::operator::bytes::{Reader, lengths, put, put_columns, put_receivers};
-use crate::operator::gather::Gathered;
-use crate::operator::journal::Columns;
-use crate::points::{PlacedMark, SurfacePoint};
+use crate::sampling::{PlacedMark, SurfacePoint};
+use crate::transport::direct_to_indirect::bytes::{Reader, lengths, put, put_columns, put_receivers};
+use crate::transport::direct_to_indirect::gather::Gathered;
+use crate::transport::direct_to_indirect::journal::Columns;
 use bytemuck::Pod;
 use glam::Vec3;
 use rebounce_shared::interpolation::MAX_POINTS;
@@ -188,7 +188,7 @@ fn decode(kind: u32, contents: Vec<u8>) -> Option<Record> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::operator::gather::GatherCost;
+    use crate::transport::direct_to_indirect::gather_context::GatherCost;
     use rebounce_shared::link::Link;
 
     fn some() -> Vec<(Record, Vec<u8>)> {

@@ -53,7 +53,7 @@ fn preset(name: &str) -> Preset {
     all.into_iter().find(|preset| preset.name() == name).unwrap()
 }
 
-/// Pieces that a part is told of.
+/// Primitives that a part is told of.
 const STEPS: usize = 50;
 
 /// A bake under way.
@@ -71,9 +71,9 @@ impl Run {
     fn part(&mut self, stage: Stage, level: Option<usize>, units: f64, seconds: f64) {
         for step in 1..=STEPS {
             let done = units * step as f64 / STEPS as f64;
-            let piece = seconds / STEPS as f64;
-            self.estimate.advance((stage, level), done, 0.0, self.stretch * piece, piece);
-            self.past += piece;
+            let primitive = seconds / STEPS as f64;
+            self.estimate.advance((stage, level), done, 0.0, self.stretch * primitive, primitive);
+            self.past += primitive;
             let (left, truth) = (self.estimate.left(), self.total - self.past);
             let truth = truth.max(1e-9 * self.total);
             self.found.push((

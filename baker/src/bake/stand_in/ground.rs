@@ -1,8 +1,8 @@
 //! What an object stands on in pictures: a level plane in the shadow of what is above it. No light falls on it and none
 //! bounces off it.
 
+use crate::geometry::{Ray, Surfaces};
 use crate::random::Stream;
-use crate::surface::{Ray, Surfaces};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::rbn::shown::{Ground, SIDE};
@@ -32,7 +32,7 @@ pub fn ground<S: Surfaces>(surfaces: &S, is_open: bool) -> Option<Ground> {
         let mut origin = least + (most - least) * Vec3::new(x, 0.0, z);
         origin.y = low.y - surfaces.epsilon();
         let of = |way: &Vec3| {
-            let ray = Ray { max_distance: reach, ..Ray::blind(origin, *way) };
+            let ray = Ray { max_distance: reach, ..Ray::visibility(origin, *way) };
             surfaces.cast(&ray, 0).map_or(0.0, |hit| 1.0 - hit.distance / reach)
         };
         let sum: f32 = ways.iter().map(of).sum();

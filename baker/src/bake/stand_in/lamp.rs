@@ -1,8 +1,8 @@
 //! A lamp for a scene that has none: in the picture, beside what is looked at, which it lights.
 
 use super::{ASPECT, spread_over_picture};
+use crate::geometry::{Hit, Ray, Surfaces};
 use crate::light::direct;
-use crate::surface::{Hit, Ray, Surfaces};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::camera::CameraFrame;
@@ -96,7 +96,7 @@ fn two_digits(x: f64) -> f64 {
 impl<'a, S: Surfaces> Sight<'a, S> {
     fn new(surfaces: &'a S, frame: &'a CameraFrame, is_open: bool) -> Self {
         let part = surfaces.main_part();
-        let down = surfaces.cast(&Ray::blind(frame.eye, -Vec3::Y), 0);
+        let down = surfaces.cast(&Ray::visibility(frame.eye, -Vec3::Y), 0);
         let tall = down.map_or(0.1 * (part.1 - part.0).length(), |hit| hit.distance);
         let mut sight = Self { surfaces, frame, is_open, part, tall, target: None, seen: Vec::new() };
         let places: Vec<[f32; 2]> = spread_over_picture(RAYS).collect();
@@ -116,7 +116,7 @@ impl<'a, S: Surfaces> Sight<'a, S> {
 
     fn hit(&self, at: [f32; 2]) -> Option<Hit> {
         let way = self.way(at);
-        self.surfaces.see(&Ray::blind(self.frame.eye, way), 0).filter(|hit| hit.faces(way))
+        self.surfaces.see(&Ray::visibility(self.frame.eye, way), 0).filter(|hit| hit.faces(way))
     }
 
     fn diagonal(&self) -> f32 {
@@ -125,7 +125,7 @@ impl<'a, S: Surfaces> Sight<'a, S> {
 
     /// How far surfaces are from a place.
     fn room(&self, place: Vec3) -> Room {
-        let free = |way: Vec3| self.surfaces.cast(&Ray::blind(place, way), 0).map(|hit| hit.distance);
+        let free = |way: Vec3| self.surfaces.cast(&Ray::visibility(place, way), 0).map(|hit| hit.distance);
         let signs = [-1.0, 0.0, 1.0];
         let ways = signs.into_iter().flat_map(|x| signs.into_iter().map(move |z| (x, z)));
         let ways = ways.flat_map(|(x, z)| signs.into_iter().map(move |y| Vec3::new(x, y, z)));

@@ -8,9 +8,9 @@ mod lamp;
 mod object;
 mod room;
 
-use crate::points::vantage::Vantage;
+use crate::geometry::mesh::TriangleSurfaces;
+use crate::sampling::emitter::ParticleEmitter;
 use crate::scene::Scene;
-use crate::triangles::TriangleSurfaces;
 use glam::Vec3;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
@@ -34,7 +34,7 @@ pub(super) struct Staged {
 
 impl Staged {
     /// The scene's own, or what takes their place.
-    pub fn new(scene: &Scene, vantage: &Vantage, surfaces: &TriangleSurfaces) -> Self {
+    pub fn new(scene: &Scene, vantage: &ParticleEmitter, surfaces: &TriangleSurfaces) -> Self {
         let (mut lights, mut cameras) = (scene.lights.clone(), scene.cameras.clone());
         let named = |names: &[String], count| {
             (0..count).map(|i| names.get(i).cloned().unwrap_or_default()).collect::<Vec<_>>()

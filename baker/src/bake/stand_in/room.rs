@@ -1,10 +1,10 @@
 //! A view of a room: from the height of eyes above a large floor, level, where it is open and shows much of the room.
 
 use super::{ASPECT, YFOV_DEG, spread_over_picture};
+use crate::geometry::{Ray, Surfaces};
 use crate::light::direct;
-use crate::points::vantage::Vantage;
 use crate::random::Stream;
-use crate::surface::{Ray, Surfaces};
+use crate::sampling::emitter::ParticleEmitter;
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::light::LightSource;
@@ -48,7 +48,7 @@ struct Stand {
 }
 
 /// The best view that is found; none where there is no floor. Lit places count, where there are lights.
-pub fn view<S: Surfaces>(surfaces: &S, vantage: &Vantage, lights: &[LightSource]) -> Option<View> {
+pub fn view<S: Surfaces>(surfaces: &S, vantage: &ParticleEmitter, lights: &[LightSource]) -> Option<View> {
     let stands = stands(surfaces, &vantage.viewpoints);
     let mut heights: Vec<f32> = stands.iter().filter_map(|stand| stand.height).collect();
     heights.sort_by(f32::total_cmp);
@@ -68,8 +68,9 @@ pub fn view<S: Surfaces>(surfaces: &S, vantage: &Vantage, lights: &[LightSource]
         ways.par_iter().map(|(_, eye, towards)| score(surfaces, *eye, *towards, tall, lights)).collect();
     let best = (0..ways.len()).max_by(|a, b| scores[*a].total_cmp(&scores[*b]).then(b.cmp(a)))?;
     let (_, eye, towards) = ways[best];
-    let far =
-        surfaces.cast(&Ray::blind(eye, towards), 0).map_or(0.25 * (high - low).length(), |hit| hit.distance);
+    let far = surfaces
+        .cast(&Ray::visibility(eye, towards), 0)
+        .map_or(0.25 * (high - low).length(), |hit| hit.distance);
     Some(View { eye, towards, far: 0.7 * far })
 }
 
@@ -81,13 +82,13 @@ fn stands<S: Surfaces>(surfaces: &S, viewpoints: &[Vec3]) -> Vec<Stand> {
         let viewpoint = *viewpoints.get(i as usize % viewpoints.len().max(1))?;
         let (z, x) = (std::f32::consts::TAU * stream.unit()).sin_cos();
         let way = Vec3::new(x, 0.5 * stream.unit() - 0.25, z).normalize();
-        let free = surfaces.cast(&Ray::blind(viewpoint, way), 0);
+        let free = surfaces.cast(&Ray::visibility(viewpoint, way), 0);
         let free = free.map_or(0.25 * (high - low).length(), |hit| hit.distance);
         let place = viewpoint + way * (free * stream.unit());
-        let down = Ray::blind(place, -Vec3::Y);
+        let down = Ray::visibility(place, -Vec3::Y);
         let floor = surfaces.cast(&down, 0).filter(|hit| hit.faces(-Vec3::Y) && hit.normal.y > 0.8)?;
         let above = floor.offset_origin(Vec3::Y, surfaces.epsilon_at(floor.position));
-        let height = surfaces.cast(&Ray::blind(above, Vec3::Y), 0).map(|hit| hit.distance);
+        let height = surfaces.cast(&Ray::visibility(above, Vec3::Y), 0).map(|hit| hit.distance);
         Some(Stand { floor: floor.position, height })
     };
     let found: Vec<Stand> = (0..TRIES).into_par_iter().filter_map(find).collect();
@@ -105,7 +106,7 @@ fn is_free<S: Surfaces>(surfaces: &S, eye: Vec3, least: f32) -> bool {
         Vec3::new(x, 0.0, z)
     });
     around.chain([Vec3::Y, -Vec3::Y]).all(|way| {
-        let ray = Ray { max_distance: least, ..Ray::blind(eye, way) };
+        let ray = Ray { max_distance: least, ..Ray::visibility(eye, way) };
         surfaces.cast(&ray, 0).is_none()
     })
 }
@@ -117,7 +118,7 @@ fn rough<S: Surfaces>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec
         Vec3::new(x, 0.0, z)
     };
     let open: Vec<f32> = (0..AROUND)
-        .map(|i| match surfaces.cast(&Ray::blind(eye, way(i)), 0) {
+        .map(|i| match surfaces.cast(&Ray::visibility(eye, way(i)), 0) {
             Some(hit) if hit.faces(way(i)) => (hit.distance / tall).ln_1p(),
             // Backs, and the sky.
             Some(_) => -1.0,
@@ -146,7 +147,7 @@ fn score<S: Surfaces>(surfaces: &S, eye: Vec3, towards: Vec3, tall: f32, lights:
     let mut kinds: HashMap<u32, u32> = HashMap::new();
     for [x, y] in spread_over_picture(RAYS) {
         let way = (towards + half * (ASPECT * x * right + y * Vec3::Y)).normalize();
-        let ray = Ray::blind(eye, way);
+        let ray = Ray::visibility(eye, way);
         let Some(hit) = surfaces.see(&ray, 0).filter(|hit| hit.faces(way)) else { continue };
         seen += 1.0;
         open += (hit.distance / tall).ln_1p();
@@ -155,10 +156,10 @@ fn score<S: Surfaces>(surfaces: &S, eye: Vec3, towards: Vec3, tall: f32, lights:
         if !lights.is_empty() && direct::at_hit(surfaces, lights, &hit) != Vec3::ZERO {
             lit += 1.0;
         }
-        if let Some(pieces) = surfaces.pieces()
-            && let Some((place, _)) = pieces.find_seen(&ray, 0)
+        if let Some(primitives) = surfaces.primitives()
+            && let Some((place, _)) = primitives.find_seen(&ray, 0)
         {
-            *kinds.entry(pieces.piece(place.piece).kind).or_default() += 1;
+            *kinds.entry(primitives.primitive(place.primitive).kind).or_default() += 1;
         }
     }
     let rays = RAYS as f32;

@@ -7,7 +7,7 @@ use rebounce::bake::aim::is_worth_another;
 use rebounce::bake::judge::{Judge, Worst};
 use rebounce::picture::uncertainty::{Answer, Estimate};
 use rebounce::scene::Scene;
-use rebounce_shared::rbn;
+use rebounce_shared::baked::BakedScene;
 use rebounce_shared::shot::Shot;
 
 /// The error that is wanted, where it is measured, and what was found so far.
@@ -78,7 +78,7 @@ impl<'a> Aim<'a> {
     ///
     /// # Errors
     /// If the file cannot be measured.
-    pub fn measure(&mut self, baked: &rbn::Scene, name: &str, last: Last) -> Result<(Estimate, Outcome)> {
+    pub fn measure(&mut self, baked: &BakedScene, name: &str, last: Last) -> Result<(Estimate, Outcome)> {
         let target = self.target;
         let picture = self.judge.picture(baked).context("--target-error")?;
         let sampling_on = |judge: &Judge, error: &Estimate| {

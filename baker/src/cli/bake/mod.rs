@@ -12,11 +12,11 @@ mod tries;
 pub use args::BakeArgs;
 
 use super::TOO_NOISY;
+use super::communicator::with_team;
 use super::load::warn;
 use super::plain::plain;
 use super::progress::{Display, Unfinished};
 use super::stop::Stop;
-use super::team::with_team;
 use super::view::PREVIEW;
 use aim::{Aim, shot_for};
 use anyhow::{Context, Result, ensure};
@@ -24,8 +24,8 @@ use cpu_time::ProcessTime;
 use observers::{Follower, Watcher};
 use plan::{Plan, open_checkpoint};
 use rebounce::bake::{BakeError, BakeReport, Checkpoint, bake_in_team};
+use rebounce::communicator::Communicator;
 use rebounce::scene::{self, Scene};
-use rebounce::team::Team;
 use std::process::ExitCode;
 use std::sync::{Arc, Once};
 use std::time::Instant;
@@ -58,7 +58,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
 }
 
 /// The part of a process that is not the first of its team: it works, and leaves files and words to the first.
-fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
+fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
     let stop = Stop::install(|| ()).context("setting up signals")?;
     let shot = args.shot()?;
     let settings = Plan::asked_for(args, scene, shot.as_ref().map(|shot| &shot.camera))?.settings;
@@ -70,7 +70,7 @@ fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
 }
 
 /// The first process's part, or all of it.
-fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
+fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
     let output = args.output();
     warn(scene);
     if let Some(far) = scene::far::far_away(scene) {
@@ -123,7 +123,11 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Team) -> Result<u8> {
 }
 
 /// What is said once when a bake is stopped, whoever comes first to say it.
-fn last_words(checkpoint: &Checkpoint, team: &dyn Team, is_json: bool) -> impl Fn() + Clone + Send + 'static {
+fn last_words(
+    checkpoint: &Checkpoint,
+    team: &dyn Communicator,
+    is_json: bool,
+) -> impl Fn() + Clone + Send + 'static {
     let kept = checkpoint.path().display().to_string();
     let why = match team.size() {
         1 => "stopped",

@@ -7,17 +7,18 @@ use super::plan::Plan;
 use anyhow::{Context, Result};
 use rebounce::bake::budget::{self, Thinned};
 use rebounce::bake::{BakeError, BakeReport, Checkpoint, Identity, bake_in_team};
+use rebounce::communicator::Communicator;
 use rebounce::scene::Scene;
-use rebounce::team::Team;
 use rebounce::write::write_whole;
-use rebounce_shared::rbn::{self, container};
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::rbn::container;
 use std::path::PathBuf;
 
 /// Bakes of a scene by the first process of its team, or by the only one.
 pub struct Tries<'a> {
     pub args: &'a BakeArgs,
     pub scene: &'a Scene,
-    pub team: &'a dyn Team,
+    pub team: &'a dyn Communicator,
     pub watcher: Watcher,
     /// Where the file goes.
     pub output: PathBuf,
@@ -61,7 +62,9 @@ impl Tries<'_> {
                 // Nobody but the first process has no result.
                 Ok(None) => return Ok(Ended::Elsewhere),
                 Err(BakeError::Stopped) => return Ok(Ended::Stopped),
-                Err(error @ (BakeError::Checkpoint(_) | BakeError::Apart(_) | BakeError::Team(_))) => {
+                Err(
+                    error @ (BakeError::Checkpoint(_) | BakeError::Apart(_) | BakeError::Communicator(_)),
+                ) => {
                     return Err(error.into());
                 }
                 Err(error) => {
@@ -110,7 +113,7 @@ impl Tries<'_> {
         &self,
         Plan { settings, fewer }: &Plan,
         checkpoint: &Checkpoint,
-    ) -> Result<Option<(rbn::Scene, BakeReport)>, BakeError> {
+    ) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
         if let Some(functions) = fewer {
             eprintln!("note: about {functions} functions on the finest level, to keep within the budget");
         }
@@ -118,7 +121,7 @@ impl Tries<'_> {
     }
 
     /// Makes the file as small as it is to be.
-    fn thin(&self, baked: &mut rbn::Scene) -> Result<Option<Thinned>> {
+    fn thin(&self, baked: &mut BakedScene) -> Result<Option<Thinned>> {
         let Some(bytes) = self.args.max_bytes else { return Ok(None) };
         let thinned = budget::fit(baked, bytes).with_context(|| self.args.scene.clone())?;
         if let Some(Thinned { before, after }) = thinned {
@@ -131,7 +134,7 @@ impl Tries<'_> {
     fn measure(
         &mut self,
         plan: &Plan,
-        baked: &rbn::Scene,
+        baked: &BakedScene,
         report: &mut BakeReport,
         last: Last,
     ) -> Result<Outcome> {
@@ -143,7 +146,7 @@ impl Tries<'_> {
     }
 
     /// Writes the file. The end waits from then on.
-    fn write(&mut self, baked: &rbn::Scene, mut report: BakeReport, checkpoint: &Checkpoint) -> Result<()> {
+    fn write(&mut self, baked: &BakedScene, mut report: BakeReport, checkpoint: &Checkpoint) -> Result<()> {
         let bytes = baked.to_bytes().with_context(|| self.args.scene.clone())?;
         self.watcher.stop.hold();
         write_whole(&self.output, &bytes).with_context(|| {

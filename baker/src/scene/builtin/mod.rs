@@ -123,8 +123,8 @@ impl WorldMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{Ray, Surfaces};
-    use crate::triangles::TriangleSurfaces;
+    use crate::geometry::mesh::TriangleSurfaces;
+    use crate::geometry::{Ray, Surfaces};
     use glam::Vec3;
 
     #[test]

@@ -1,6 +1,7 @@
 //! Keyframes of nodes and lights to keyframes of the scene's lights, in world space.
 
-use super::node::{Placed, Pose, placement};
+use super::node::{Placed, placement};
+use super::pose::Pose;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DMat4, DQuat};

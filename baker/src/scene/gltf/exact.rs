@@ -1,7 +1,7 @@
 //! What the `gltf` crate's document rounds or cannot hold, read from the same JSON: transforms and fields of view in 64
 //! bits, and what animations move.
 
-use super::node::Pose;
+use super::pose::Pose;
 use glam::DMat4;
 use serde::Deserialize;
 

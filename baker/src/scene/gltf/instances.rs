@@ -1,6 +1,7 @@
 //! Where a node's mesh stands: once, or at every place of EXT_mesh_gpu_instancing.
 
-use super::node::{self, Placed, Pose};
+use super::node::{self, Placed};
+use super::pose::Pose;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::DMat4;

@@ -5,8 +5,8 @@ use super::picture::{check_sizes, image_index, picture, sampled};
 use super::source::Source;
 use super::texture_info::{TextureInfo, UvSource};
 use super::transmission::{self, DiffuseTransmission, Numbers};
+use crate::scene::needed;
 use crate::scene::{Scene, SceneError};
-use crate::triangles::glass::{shining, textures as textures_of_light};
 use glam::DMat3;
 use gltf::json::material::AlphaMode;
 use gltf::json::validation::Checked;
@@ -275,8 +275,8 @@ impl<'a> Materials<'a> {
     /// of emission: these and the rest are for pictures, which do without what cannot be read.
     pub fn finish(mut self, scene: &mut Scene) -> Result<(), SceneError> {
         let source = self.source;
-        let needed: HashSet<u32> = self.out.iter().flat_map(textures_of_light).collect();
-        let shining: HashSet<u32> = self.out.iter().filter_map(shining).collect();
+        let needed: HashSet<u32> = self.out.iter().flat_map(needed::of_light).collect();
+        let shining: HashSet<u32> = self.out.iter().filter_map(needed::of_emission).collect();
         // Which image, whether it is decoded, and whether light needs it.
         let mut images: Vec<(usize, bool, bool)> = Vec::new();
         let mut of_image = Vec::new();

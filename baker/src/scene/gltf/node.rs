@@ -2,7 +2,7 @@
 
 use super::source::Source;
 use crate::scene::SceneError;
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DMat4, DVec3};
 use gltf::json::{Index, Node};
 use rebounce_shared::camera::Camera;
 use serde::Deserialize;
@@ -78,32 +78,6 @@ struct Visibility {
 impl Default for Visibility {
     fn default() -> Self {
         Self { visible: true }
-    }
-}
-
-/// A node's transform in parts; each of them may be animated.
-#[derive(Clone, Copy)]
-pub(super) struct Pose {
-    pub translation: [f64; 3],
-    pub rotation: [f64; 4],
-    pub scale: [f64; 3],
-}
-
-impl Default for Pose {
-    fn default() -> Self {
-        Self { translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] }
-    }
-}
-
-impl Pose {
-    pub fn matrix(&self) -> DMat4 {
-        let rotation = DQuat::from_array(self.rotation);
-        let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
-        DMat4::from_scale_rotation_translation(
-            DVec3::from(self.scale),
-            rotation,
-            DVec3::from(self.translation),
-        )
     }
 }
 

@@ -4,8 +4,8 @@ use super::beside;
 use super::container::{base64_decoded, percent_decoded, split_glb, text};
 use super::document::{Document, Extensible, Refused};
 use super::exact::Exact;
-use super::light::{self, PunctualLight};
 use super::meshopt::{self, Meshopt};
+use super::punctual::{Lights, NAME, PunctualLight};
 use crate::scene::SceneError;
 use gltf::json::Root;
 use gltf::json::validation::USize64;
@@ -67,7 +67,8 @@ impl Source {
         let unpacked = root.buffer_views.iter().map(|_| OnceLock::new()).collect();
         let (lights, buffers, notes) = Default::default();
         let mut source = Self { file, dir, root, exact, lights, buffers, unpacked, notes };
-        source.lights = light::all(&source)?;
+        let lights: Option<Lights> = source.read_extension(&source.root, &[NAME], "the file")?;
+        source.lights = lights.unwrap_or_default().lights;
         for i in 0..source.root.buffers.len() {
             let buffer = &source.root.buffers[i];
             let meshopt: Option<meshopt::Fallback> =

@@ -4,8 +4,8 @@ mod rest;
 mod told;
 
 use super::*;
-use crate::surface::{Ray, Surfaces};
-use crate::triangles::TriangleSurfaces;
+use crate::geometry::mesh::TriangleSurfaces;
+use crate::geometry::{Ray, Surfaces};
 use glam::Vec3;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{Interpolation, Property};

@@ -1,0 +1,326 @@
+//! Bottom-level acceleration structure (BLAS): the triangles of one space in the order of a [BVH8](super::bvh8)'s leaves, and
+//! their shading attributes. It answers nearest-hit, visibility and transmittance queries for a single ray; bundles of rays
+//! use [packet traversal](super::packet_traversal).
+
+use super::bvh8::{Bvh8, LARGEST_LEAF, Visit};
+use super::geometry::{Surface, Triangle};
+use super::triangle::{Corners, ShearedRay, TriangleHit};
+use crate::random::{mix, unit};
+use glam::{Vec2, Vec3, Vec3A};
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+
+/// Marks a triangle's number.
+const TRANSPARENT: u32 = 1 << 31;
+
+/// A triangle's marks: that it reflects on both sides.
+pub(super) const TWO_SIDED: u8 = 1 << 2;
+/// That its front, the side of its shading normals, is the one from where its corners go clockwise.
+const TURNED: u8 = 1 << 3;
+/// Which corner is across from its longest side: [`SurfaceCoordinates::at`](crate::geometry::SurfaceCoordinates::at) counts from there.
+pub(super) const FIRST: u8 = 3;
+
+/// What a triangle looks like: one cache line, of which the walk reads nothing.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct ShadingAttributes {
+    pub normals: [Vec3; 3],
+    uvs: [Vec2; 3],
+    pub material: u32,
+}
+
+impl From<&Triangle> for ShadingAttributes {
+    fn from(triangle: &Triangle) -> Self {
+        let &Triangle { normals, uvs, material, .. } = triangle;
+        Self { normals, uvs, material }
+    }
+}
+
+impl ShadingAttributes {
+    #[inline]
+    pub fn uv(&self, [u, v, w]: [f32; 3]) -> Vec2 {
+        self.uvs[0] * u + self.uvs[1] * v + self.uvs[2] * w
+    }
+
+    /// The share of the texture on a unit of area; `spanned` are the [corners'](Corners::spanned).
+    #[inline]
+    pub fn share(&self, spanned: Vec3) -> f32 {
+        let [p, q, r] = self.uvs;
+        (q - p).perp_dot(r - p).abs() / spanned.length().max(f32::MIN_POSITIVE)
+    }
+}
+
+/// A box of a hierarchy's.
+pub(super) struct Padded(pub Aabb);
+
+impl Padded {
+    pub fn new((low, high): (Vec3, Vec3), padding: f32) -> Self {
+        let padding = Vec3A::splat(padding);
+        Self(Aabb::new(Vec3A::from(low) - padding, Vec3A::from(high) + padding))
+    }
+}
+
+impl Boundable for Padded {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+/// A hierarchy over boxes, with at most so many of them in a leaf, and their order in it.
+pub(super) fn build(boxes: &[Padded], leaf: u32) -> (Bvh8, Vec<u32>) {
+    if boxes.is_empty() {
+        return Default::default();
+    }
+    let build = BvhBuildParams { max_prims_per_leaf: leaf, ..BvhBuildParams::medium_build() };
+    Bvh8::new(&build_bvh2(boxes, build, &mut Default::default()))
+}
+
+/// A ray in the space of some triangles: its direction may have any length, in which distances are counted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub origin: Vec3,
+    pub direction: Vec3,
+}
+
+/// Triangles.
+pub(super) struct Blas {
+    pub bvh: Bvh8,
+    /// In the order of the hierarchy's leaves.
+    pub corners: Vec<Corners>,
+    /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
+    numbers: Vec<u32>,
+    pub marks: Vec<u8>,
+    pub attributes: Vec<ShadingAttributes>,
+    /// The vertices' colours, in the same order, or none.
+    colors: Vec<[Vec3; 3]>,
+}
+
+impl Blas {
+    /// Builds the hierarchy over these triangles, the first of which has the number `first`. Boxes grow by the `padding`.
+    pub fn new(
+        triangles: &[Triangle],
+        colors: &[[Vec3; 3]],
+        first: u32,
+        surfaces: &[Surface],
+        padding: f32,
+    ) -> Self {
+        let boxes: Vec<Padded> = triangles.par_iter().map(|t| Padded::new(t.bounds(), padding)).collect();
+        let (bvh, order) = build(&boxes, LARGEST_LEAF);
+        drop(boxes);
+        // In the hierarchy's order.
+        let ordered = || order.par_iter().map(|&i| (i, &triangles[i as usize]));
+        let surface = |t: &Triangle| &surfaces[t.material as usize];
+        let marks = |t: &Triangle| {
+            let corners = Corners::new(t.positions);
+            let is_turned = corners.spanned().dot(t.normals.into_iter().sum()) < 0.0;
+            let mark = |is: bool, mark| if is { mark } else { 0 };
+            corners.first() as u8 | mark(surface(t).double_sided, TWO_SIDED) | mark(is_turned, TURNED)
+        };
+        Self {
+            bvh,
+            corners: ordered().map(|(_, t)| Corners::new(t.positions)).collect(),
+            numbers: ordered()
+                .map(|(i, t)| (first + i) | if !surface(t).is_opaque() { TRANSPARENT } else { 0 })
+                .collect(),
+            marks: ordered().map(|(_, t)| marks(t)).collect(),
+            attributes: ordered().map(|(_, t)| ShadingAttributes::from(t)).collect(),
+            colors: match colors {
+                [] => Vec::new(),
+                _ => ordered().map(|(i, _)| colors[i as usize]).collect(),
+            },
+        }
+    }
+
+    /// The share of light that a triangle lets through at a place, linear RGB.
+    #[inline]
+    fn through(&self, surfaces: &[Surface], triangle: usize, m: TriangleHit) -> Vec3 {
+        let look = &self.attributes[triangle];
+        let color = self.color(surfaces, triangle, m.shares());
+        surfaces[look.material as usize].through(color, look.uv(m.shares()))
+    }
+
+    /// Whether a triangle that may be transparent stops the ray with this seed.
+    fn stops(&self, surfaces: &[Surface], triangle: usize, m: TriangleHit, seed: u32) -> bool {
+        let look = &self.attributes[triangle];
+        let color = self.color(surfaces, triangle, m.shares());
+        let opacity = surfaces[look.material as usize].opacity(color, look.uv(m.shares()));
+        opacity >= 1.0
+            || (opacity > 0.0 && unit(mix((seed as u64) << 32 | self.numbers[triangle] as u64)) < opacity)
+    }
+
+    /// A vector across a triangle, on the side of its front, as long as twice its area.
+    #[inline]
+    pub fn front(&self, triangle: usize) -> Vec3 {
+        let spanned = self.corners[triangle].spanned();
+        if self.marks[triangle] & TURNED == 0 { spanned } else { -spanned }
+    }
+
+    /// Whether a direction meets the back of a triangle that reflects on its front alone.
+    #[inline]
+    pub fn is_dark(&self, triangle: usize, direction: Vec3) -> bool {
+        self.marks[triangle] & TWO_SIDED == 0 && self.front(triangle).dot(direction) > 0.0
+    }
+
+    /// The factor of the albedo, by the shares of a triangle's corners.
+    #[inline]
+    pub fn color(&self, surfaces: &[Surface], triangle: usize, [u, v, w]: [f32; 3]) -> Vec3 {
+        match self.colors.get(triangle) {
+            Some(c) => c[0] * u + c[1] * v + c[2] * w,
+            None => surfaces[self.attributes[triangle].material as usize].color,
+        }
+    }
+
+    /// The nearest triangle that stops the ray before `limit` or there; with `strictly`, before it.
+    #[inline(never)]
+    pub fn nearest(
+        &self,
+        surfaces: &[Surface],
+        line: &Line,
+        limit: f32,
+        strictly: bool,
+        seed: u32,
+    ) -> Option<(usize, TriangleHit)> {
+        let sheared = ShearedRay::new(line.origin, line.direction);
+        let stop = Stop { blas: self, surfaces, strictly, seed, best: None };
+        let mut nearest = Nearest { stop, sheared };
+        self.bvh.walk(line.origin, line.direction, limit, &mut nearest);
+        nearest.stop.best
+    }
+
+    /// The same where backs that do not reflect are not there.
+    #[inline(never)]
+    pub fn nearest_seen(
+        &self,
+        surfaces: &[Surface],
+        line: &Line,
+        limit: f32,
+        strictly: bool,
+        seed: u32,
+    ) -> Option<(usize, TriangleHit)> {
+        let sheared = ShearedRay::new(line.origin, line.direction);
+        let stop = Stop { blas: self, surfaces, strictly, seed, best: None };
+        let mut seen = Seen { nearest: Nearest { stop, sheared }, direction: line.direction };
+        self.bvh.walk(line.origin, line.direction, limit, &mut seen);
+        seen.nearest.stop.best
+    }
+
+    /// The share of light that gets through all triangles before `limit`, linear RGB.
+    pub fn transmittance(&self, surfaces: &[Surface], line: &Line, limit: f32) -> Vec3 {
+        let sheared = ShearedRay::new(line.origin, line.direction);
+        let mut through = Through { blas: self, surfaces, sheared, left: Vec3::ONE };
+        self.bvh.walk(line.origin, line.direction, limit, &mut through);
+        through.left.max(Vec3::ZERO)
+    }
+
+    /// The product over all triangles before `limit` of what each lets through over its mean, linear RGB.
+    /// Without backs that do not reflect where the line comes `from_eye`.
+    pub fn tint(&self, surfaces: &[Surface], line: &Line, limit: f32, from_eye: bool) -> Vec3 {
+        let sheared = ShearedRay::new(line.origin, line.direction);
+        let mut tint = Vec3::ONE;
+        let mut visit = |place: usize, limit: f32| {
+            // What lies at the limit itself stopped the ray.
+            if self.numbers[place] & TRANSPARENT != 0
+                && !(from_eye && self.is_dark(place, line.direction))
+                && let Some(meeting) = self.corners[place].meet(&sheared, limit)
+                && meeting.distance < limit
+            {
+                let through = self.through(surfaces, place, meeting);
+                let mean = through.element_sum() / 3.0;
+                tint *= if mean > 0.0 { through / mean } else { Vec3::ONE };
+            }
+            ControlFlow::Continue(limit)
+        };
+        self.bvh.walk(line.origin, line.direction, limit, &mut visit);
+        tint
+    }
+}
+
+/// Where a ray is stopped, as far as is known.
+pub(super) struct Stop<'a> {
+    pub blas: &'a Blas,
+    pub surfaces: &'a [Surface],
+    pub strictly: bool,
+    pub seed: u32,
+    /// The place of the triangle, and where it is met.
+    pub best: Option<(usize, TriangleHit)>,
+}
+
+impl Stop<'_> {
+    /// Takes in where the ray, followed so far, meets a triangle; how far to follow it now.
+    #[inline(always)]
+    pub fn take(&mut self, place: usize, meeting: TriangleHit, limit: f32) -> f32 {
+        let blas = self.blas;
+        let number = blas.numbers[place];
+        // Of two triangles at one place the first counts, in whatever order they are met.
+        let nearer = meeting.distance < limit
+            || match self.best {
+                Some((place, _)) => number < blas.numbers[place],
+                None => !self.strictly,
+            };
+        if nearer && (number & TRANSPARENT == 0 || blas.stops(self.surfaces, place, meeting, self.seed)) {
+            self.best = Some((place, meeting));
+            return meeting.distance;
+        }
+        limit
+    }
+}
+
+/// Looks for the nearest triangle that stops a ray.
+pub(super) struct Nearest<'a> {
+    pub stop: Stop<'a>,
+    pub sheared: ShearedRay,
+}
+
+impl Visit for Nearest<'_> {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        ControlFlow::Continue(match self.stop.blas.corners[place].meet(&self.sheared, limit) {
+            Some(meeting) => self.stop.take(place, meeting, limit),
+            None => limit,
+        })
+    }
+}
+
+/// Looks for the nearest triangle that a camera sees along a ray.
+struct Seen<'a> {
+    nearest: Nearest<'a>,
+    direction: Vec3,
+}
+
+impl Visit for Seen<'_> {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        if self.nearest.stop.blas.is_dark(place, self.direction) {
+            return ControlFlow::Continue(limit);
+        }
+        self.nearest.visit(place, limit)
+    }
+}
+
+/// Multiplies what the triangles on a ray's way let through.
+struct Through<'a> {
+    blas: &'a Blas,
+    surfaces: &'a [Surface],
+    sheared: ShearedRay,
+    left: Vec3,
+}
+
+impl Visit for Through<'_> {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        let blas = self.blas;
+        if let Some(meeting) = blas.corners[place].meet(&self.sheared, limit) {
+            if blas.numbers[place] & TRANSPARENT == 0 {
+                self.left = Vec3::ZERO;
+            } else {
+                self.left *= blas.through(self.surfaces, place, meeting);
+            }
+            if self.left.max_element() <= 0.0 {
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(limit)
+    }
+}

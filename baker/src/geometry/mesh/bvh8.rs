@@ -1,0 +1,340 @@
+//! BVH8: a bounding volume hierarchy with eight children a node, collapsed from obvhs' binary BVH (Wald, Benthin and Boulos
+//! 2008, *Getting Rid of Packets*).
+//!
+//! The boxes of a node's children are stored side by side (structure of arrays) and tested by one slab test of eight lanes:
+//! AVX2 where the processor has it, the same arithmetic in scalar code elsewhere. Invariant: traversal finds what brute force
+//! over all triangles finds. Boxes keep 32-bit floats; obvhs' compressed wide BVH (CWBVH) misses hits in large scenes.
+
+use crate::processor;
+use glam::Vec3;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use smallvec::SmallVec;
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::*;
+use std::ops::{ControlFlow, Range};
+
+/// Children of a node.
+pub(super) const WIDTH: usize = 8;
+/// Marks a child that is a range of triangles: three bits for their number less one, the rest for the first one.
+pub(super) const LEAF: u32 = 1 << 31;
+/// Where the number of a leaf's triangles begins.
+const COUNT_SHIFT: u32 = 28;
+/// Most triangles of a leaf.
+pub(super) const LARGEST_LEAF: u32 = 8;
+/// Boxes are met so much beyond the limit: where a triangle is slim, a hit's distance is rounded by more than its box's.
+pub(super) const BEYOND: f32 = 1.0 + 1e-5;
+/// What is smaller counts as this much where it is divided by.
+pub(super) const SMALL: f32 = 1e-12;
+/// Nodes that wait for their turn without memory of their own; in tests so few that there is often no room.
+const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 64 };
+
+/// A node.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// Low and high sides of the children's boxes along each axis; of children that there are not, such that no ray meets
+    /// them.
+    pub sides: [[[f32; WIDTH]; 2]; 3],
+    /// Nodes, or with [`LEAF`] triangles.
+    pub children: [u32; WIDTH],
+}
+
+/// A ray as nodes are tested against it.
+#[derive(Debug)]
+pub(super) struct SlabRay {
+    pub origin: [f32; 3],
+    pub inverse: [f32; 3],
+    /// For each axis whether the ray goes down it, so that a box's high side is its near one.
+    pub down: [usize; 3],
+}
+
+/// The same for all children of a node at once.
+#[cfg(target_arch = "x86_64")]
+pub(super) struct SlabRay8 {
+    origin: [__m256; 3],
+    inverse: [__m256; 3],
+    down: [usize; 3],
+}
+
+/// What is done with the triangles that a ray may meet. A closure is one, too, but is called, not inlined.
+pub(super) trait Visit {
+    /// Gets a triangle's place and the ray's present limit; returns a new limit or ends the walk.
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32>;
+}
+
+impl<F: FnMut(usize, f32) -> ControlFlow<(), f32>> Visit for F {
+    #[inline(always)]
+    fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
+        self(place, limit)
+    }
+}
+
+/// A hierarchy over triangles in [its own order](Self::order).
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bvh8 {
+    pub nodes: Vec<Node>,
+}
+
+impl Bvh8 {
+    /// From a binary hierarchy whose leaves have at most [`LARGEST_LEAF`] triangles, and the triangles' order: leaves
+    /// name places in it.
+    pub fn new(binary: &Bvh2) -> (Self, Vec<u32>) {
+        let mut order = Vec::with_capacity(binary.primitive_indices.len());
+        let mut nodes: Vec<Node> = Vec::new();
+        // Nodes yet to be filled: what is near is filled, and lies in memory, one after another.
+        let mut waiting: Vec<(usize, &Bvh2Node)> = Vec::new();
+        if let Some(root) = binary.nodes.first() {
+            nodes.push(Node::EMPTY);
+            waiting.push((0, root));
+        }
+        while let Some((place, node)) = waiting.pop() {
+            let children = children(binary, node);
+            let first = waiting.len();
+            let mut name = |child| {
+                let child: &Bvh2Node = child;
+                if child.prim_count == 0 {
+                    waiting.push((nodes.len(), child));
+                    nodes.push(Node::EMPTY);
+                    return nodes.len() as u32 - 1;
+                }
+                let range = child.first_index..child.first_index + child.prim_count;
+                let first = order.len() as u32;
+                order.extend(range.map(|i| binary.primitive_indices[i as usize]));
+                LEAF | (child.prim_count - 1) << COUNT_SHIFT | first
+            };
+            let names: SmallVec<[u32; WIDTH]> = children.iter().map(|child| name(child)).collect();
+            nodes[place] = Node::new(&children, &names);
+            waiting[first..].reverse();
+        }
+        (Self { nodes }, order)
+    }
+
+    /// Visits the triangles that a ray may meet before `limit`, near boxes first.
+    #[inline(always)]
+    pub fn walk(&self, origin: Vec3, direction: Vec3, limit: f32, visit: &mut impl Visit) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let walker = SlabRay::new(origin, direction);
+        #[cfg(target_arch = "x86_64")]
+        if processor::has_avx2() {
+            // SAFETY: the processor has all that the function asks for.
+            #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
+            return unsafe { self.walk_avx2(&walker, limit, visit) };
+        }
+        self.walk_by(&walker, 0, limit, Node::meet, visit);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,bmi1,lzcnt")]
+    #[inline]
+    fn walk_avx2(&self, walker: &SlabRay, limit: f32, visit: &mut impl Visit) {
+        self.walk_by(
+            &SlabRay8::new(walker),
+            0,
+            limit,
+            |node, walker, limit| node.meet_avx2(walker, limit),
+            visit,
+        );
+    }
+
+    /// The walk from a node on, with this test of a node's children; the limit at its end.
+    #[inline(always)]
+    pub fn walk_by<W>(
+        &self,
+        walker: &W,
+        from: u32,
+        mut limit: f32,
+        meet: impl Fn(&Node, &W, f32) -> ([f32; WIDTH], u32),
+        visit: &mut impl Visit,
+    ) -> f32 {
+        let mut reach = limit * BEYOND;
+        // Children that wait for their turn, of each node the nearest last; and those that there was no room for.
+        let (mut waiting, mut count) = ([0; WAITING], 0);
+        let mut farther: Vec<u64> = Vec::new();
+        let mut next = from;
+        loop {
+            if next & LEAF == 0 {
+                let node = &self.nodes[next as usize];
+                let (near, mut met) = meet(node, walker, reach);
+                if met != 0 {
+                    let mut take = || {
+                        let child = met.trailing_zeros() as usize;
+                        met &= met - 1;
+                        (entry(node.children[child], near[child]), met != 0)
+                    };
+                    // The nearest child is next, the others wait.
+                    let (mut nearest, mut are_more) = take();
+                    if are_more && count + WIDTH > WAITING {
+                        count = move_half(&mut waiting, &mut farther, count);
+                    }
+                    let from = count;
+                    while are_more {
+                        let another;
+                        (another, are_more) = take();
+                        // Few are met: sorted as they come.
+                        let waits = another.max(nearest);
+                        let mut place = count;
+                        while place > from && waiting[place - 1] < waits {
+                            waiting[place] = waiting[place - 1];
+                            place -= 1;
+                        }
+                        waiting[place] = waits;
+                        count += 1;
+                        nearest = another.min(nearest);
+                    }
+                    next = nearest as u32;
+                    continue;
+                }
+            } else {
+                for place in places(next) {
+                    match visit.visit(place, limit) {
+                        ControlFlow::Continue(nearer) => limit = nearer,
+                        ControlFlow::Break(()) => return limit,
+                    }
+                }
+                reach = limit * BEYOND;
+            }
+            // A box whose near side is exactly there must be opened too.
+            next = loop {
+                let entry = if count > 0 {
+                    count -= 1;
+                    waiting[count]
+                } else {
+                    let Some(entry) = farther.pop() else { return limit };
+                    entry
+                };
+                if distance(entry) <= reach {
+                    break entry as u32;
+                }
+            };
+        }
+    }
+}
+
+/// A child and how far its box is, which is not under zero, as one number: the farther, the greater.
+#[inline(always)]
+pub(super) fn entry(child: u32, near: f32) -> u64 {
+    (near.to_bits() as u64) << 32 | child as u64
+}
+
+/// How far an entry's box is.
+#[inline(always)]
+pub(super) fn distance(entry: u64) -> f32 {
+    f32::from_bits((entry >> 32) as u32)
+}
+
+/// Makes room by moving half of those that wait to `farther`; how many are left.
+#[cold]
+#[inline(never)]
+pub(super) fn move_half<T: Copy>(waiting: &mut [T], farther: &mut Vec<T>, count: usize) -> usize {
+    let half = count / 2;
+    farther.extend_from_slice(&waiting[..half]);
+    waiting.copy_within(half..count, 0);
+    count - half
+}
+
+/// The places of a leaf's triangles.
+#[inline(always)]
+pub(super) fn places(leaf: u32) -> Range<usize> {
+    let first = (leaf & ((1 << COUNT_SHIFT) - 1)) as usize;
+    first..first + ((leaf & !LEAF) >> COUNT_SHIFT) as usize + 1
+}
+
+/// Up to eight nodes that make up this one: of those there are, the largest is opened as long as there is room.
+fn children<'a>(binary: &'a Bvh2, node: &'a Bvh2Node) -> SmallVec<[&'a Bvh2Node; WIDTH]> {
+    let mut children: SmallVec<[&Bvh2Node; WIDTH]> = SmallVec::from_slice(&[node]);
+    while children.len() < WIDTH {
+        let inner = children.iter().enumerate().filter(|(_, child)| child.prim_count == 0);
+        let Some((largest, _)) = inner.max_by(|a, b| a.1.aabb.half_area().total_cmp(&b.1.aabb.half_area()))
+        else {
+            break;
+        };
+        let first = children[largest].first_index as usize;
+        children[largest] = &binary.nodes[first];
+        children.push(&binary.nodes[first + 1]);
+    }
+    children
+}
+
+impl SlabRay {
+    #[inline(always)]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        let inverse = direction.to_array().map(inverse);
+        Self { origin: origin.to_array(), inverse, down: inverse.map(|x| (x < 0.0) as usize) }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl SlabRay8 {
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    pub fn new(walker: &SlabRay) -> Self {
+        let all = |of: [f32; 3]| of.map(|x| _mm256_set1_ps(x));
+        Self { origin: all(walker.origin), inverse: all(walker.inverse), down: walker.down }
+    }
+}
+
+/// 1/x, never infinite, so that the box test has no 0 · ∞.
+#[inline(always)]
+fn inverse(x: f32) -> f32 {
+    if x.abs() < SMALL { (1.0 / SMALL).copysign(x) } else { 1.0 / x }
+}
+
+impl Node {
+    const EMPTY: Self =
+        Self { sides: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], children: [0; WIDTH] };
+
+    /// A node over these boxes, with these names.
+    fn new(boxes: &[&Bvh2Node], names: &[u32]) -> Self {
+        let mut node = Self::EMPTY;
+        for (child, b) in boxes.iter().enumerate() {
+            for axis in 0..3 {
+                node.sides[axis][0][child] = b.aabb.min[axis];
+                node.sides[axis][1][child] = b.aabb.max[axis];
+            }
+        }
+        node.children[..names.len()].copy_from_slice(names);
+        node
+    }
+
+    /// How far each child's box is along the ray, and a bit for each that is met before the limit.
+    #[inline(always)]
+    pub fn meet(&self, ray: &SlabRay, limit: f32) -> ([f32; WIDTH], u32) {
+        let (mut near, mut far) = ([0f32; WIDTH], [limit; WIDTH]);
+        for axis in 0..3 {
+            let sides = &self.sides[axis];
+            let (entry, exit) = (&sides[ray.down[axis]], &sides[1 - ray.down[axis]]);
+            for child in 0..WIDTH {
+                let along = |side: f32| (side - ray.origin[axis]) * ray.inverse[axis];
+                let (a, b) = (along(entry[child]), along(exit[child]));
+                near[child] = if a > near[child] { a } else { near[child] };
+                far[child] = if b < far[child] { b } else { far[child] };
+            }
+        }
+        (near, (0..WIDTH).fold(0, |met, child| met | ((near[child] <= far[child]) as u32) << child))
+    }
+
+    /// The same, by the same arithmetic.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    pub fn meet_avx2(&self, ray: &SlabRay8, limit: f32) -> ([f32; WIDTH], u32) {
+        let (mut near, mut far) = (_mm256_setzero_ps(), _mm256_set1_ps(limit));
+        for axis in 0..3 {
+            let sides = &self.sides[axis];
+            let along = |sides: [f32; WIDTH]| {
+                let offset = _mm256_sub_ps(bytemuck::cast(sides), ray.origin[axis]);
+                _mm256_mul_ps(offset, ray.inverse[axis])
+            };
+            near = _mm256_max_ps(along(sides[ray.down[axis]]), near);
+            far = _mm256_min_ps(along(sides[1 - ray.down[axis]]), far);
+        }
+        let met = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
+        (bytemuck::cast(near), met)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,343 @@
+//! What the ray caster needs to know, from a loaded [`Scene`] or a baked file alike.
+
+use super::glass::{Detail, Glass};
+use crate::geometry::simplify::{TOGETHER, simplify};
+use crate::scene::model::bounds_of_copy;
+use crate::scene::texture::{Sampler, Texels};
+use crate::scene::{Model, Scene, SceneError, detail, needed, union};
+use glam::{Affine3A, Vec2, Vec3};
+use rayon::prelude::*;
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::octahedral;
+use rebounce_shared::rbn::bulk::Instance;
+use rebounce_shared::rbn::meta::{Alpha, Material};
+use std::collections::HashSet;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A triangle with all it needs for shading.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Corners, local space or its model's.
+    pub positions: [Vec3; 3],
+    /// Unit shading normals at the corners.
+    pub normals: [Vec3; 3],
+    /// Texture coordinates at the corners.
+    pub uvs: [Vec2; 3],
+    /// Index of the material.
+    pub material: u32,
+}
+
+/// A material ready for lookups.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Linear RGB factor of the albedo.
+    pub color: Vec3,
+    /// Factor of alpha.
+    pub alpha_factor: f32,
+    /// Colour and alpha texture, multiplied with the factors.
+    pub texture: Option<Sampler>,
+    /// How alpha is meant; `Opaque` wherever alpha can never matter.
+    pub alpha: Alpha,
+    /// Whether the back reflects too.
+    pub double_sided: bool,
+    /// Linear RGB radiance sent out by itself, and the texture that it is multiplied with.
+    pub emission: Vec3,
+    emission_texture: Option<Box<Detail>>,
+    /// Whether pictures show the albedo as it is.
+    pub is_unlit: bool,
+    /// Where it lets light through besides what alpha does.
+    pub glass: Option<Box<Glass>>,
+}
+
+/// Some of the triangles, in a space of their own, and where they stand.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    /// Which they are.
+    pub triangles: Range<usize>,
+    /// Where their copies stand: none mirrored, all invertible.
+    pub local_from_model: Vec<Affine3A>,
+}
+
+/// Triangles and materials.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// All triangles: first those in local space, then those of [`Self::models`].
+    pub triangles: Vec<Triangle>,
+    /// What stands there more than once, in the order of the triangles.
+    pub models: Vec<Placed>,
+    /// Linear RGB factors of the albedo at the triangles' corners, in place of the materials'; empty for none.
+    pub colors: Vec<[Vec3; 3]>,
+    /// All materials.
+    pub surfaces: Vec<Surface>,
+}
+
+impl Surface {
+    /// Prepares a material. `texture` gives its textures by number.
+    pub fn new(material: &Material, texture: impl Fn(u32) -> Option<Sampler>) -> Self {
+        let [r, g, b, a] = material.base_color;
+        let glass = Glass::new(material, &texture);
+        let emission_texture = Detail::new(&material.emission_texture, &texture).map(Box::new);
+        let texture = material.base_color_texture.and_then(texture);
+        // Many exporters mark opaque surfaces as BLEND or MASK: see whether any texel is not opaque.
+        let least = |s: &Sampler| s.texels.rgba.iter().map(|t| t[3]).min().unwrap_or(255) as f32 / 255.0;
+        let alpha = match material.alpha {
+            Alpha::Opaque => Alpha::Opaque,
+            alpha => {
+                let least = a * texture.as_ref().map_or(1.0, least);
+                let opaque = match alpha {
+                    Alpha::Mask { cutoff } => least >= cutoff,
+                    _ => least >= 1.0,
+                };
+                if opaque { Alpha::Opaque } else { alpha }
+            }
+        };
+        Self {
+            color: Vec3::new(r, g, b),
+            alpha_factor: a,
+            texture,
+            alpha,
+            double_sided: material.double_sided,
+            emission: Vec3::from(material.emission),
+            emission_texture,
+            is_unlit: material.extras.unlit,
+            glass,
+        }
+    }
+
+    /// Whether it stops all light everywhere.
+    pub fn is_opaque(&self) -> bool {
+        self.alpha == Alpha::Opaque && self.glass.is_none()
+    }
+
+    /// The base colour around a texture coordinate.
+    #[inline]
+    fn base(&self, color: Vec3, uv: Vec2, share: f32) -> Vec3 {
+        match &self.texture {
+            Some(texture) => color * texture.color(uv, share, self.alpha != Alpha::Opaque),
+            None => color,
+        }
+    }
+
+    /// Linear RGB reflectance around a texture coordinate, over about this share of the texture, of what does not let a ray
+    /// through; `color` is the factor, [`Self::color`] or the vertices'.
+    #[inline]
+    pub fn albedo(&self, color: Vec3, uv: Vec2, share: f32) -> Vec3 {
+        let base = self.base(color, uv, share);
+        match &self.glass {
+            None => base,
+            // What it reflects comes from the rays that it stops.
+            Some(glass) => {
+                let passage = glass.passage(self.base(color, uv, 0.0), self.cover(uv), uv);
+                (base * (passage.reflected / stopped(passage.through).max(1e-6))).min(Vec3::ONE)
+            }
+        }
+    }
+
+    /// Linear RGB radiance that it sends out by itself around a texture coordinate, over about this share of the texture.
+    pub fn shine(&self, uv: Vec2, share: f32) -> Vec3 {
+        self.emission * self.emission_texture.as_ref().map_or(Vec3::ONE, |texture| texture.color(uv, share))
+    }
+
+    /// Alpha, 1 where it does not matter.
+    #[inline]
+    fn cover(&self, uv: Vec2) -> f32 {
+        let alpha = || self.alpha_factor * self.texture.as_ref().map_or(1.0, |t| t.alpha(uv));
+        match self.alpha {
+            Alpha::Opaque => 1.0,
+            Alpha::Mask { cutoff } => (alpha() >= cutoff) as u32 as f32,
+            Alpha::Blend => alpha(),
+        }
+    }
+
+    /// The share of light that goes through at a texture coordinate, linear RGB.
+    #[inline]
+    pub fn through(&self, color: Vec3, uv: Vec2) -> Vec3 {
+        match &self.glass {
+            None => Vec3::splat(1.0 - self.cover(uv)),
+            Some(glass) => glass.passage(self.base(color, uv, 0.0), self.cover(uv), uv).through,
+        }
+    }
+
+    /// The share of light that the surface stops at a texture coordinate, as the mean over the channels: 1 where opaque.
+    #[inline]
+    pub fn opacity(&self, color: Vec3, uv: Vec2) -> f32 {
+        match &self.glass {
+            None => self.cover(uv),
+            Some(_) => stopped(self.through(color, uv)),
+        }
+    }
+}
+
+/// The share that is stopped where so much goes through.
+#[inline]
+fn stopped(through: Vec3) -> f32 {
+    1.0 - through.element_sum() / 3.0
+}
+
+/// Least and greatest corner of triangles; both zero without any.
+pub(super) fn bounds(triangles: &[Triangle]) -> (Vec3, Vec3) {
+    triangles.par_iter().map(Triangle::bounds).reduce_with(union).unwrap_or_default()
+}
+
+impl Triangle {
+    /// Least and greatest corner.
+    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
+        let [a, b, c] = self.positions;
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+}
+
+impl Placed {
+    /// The box of each copy of a model within these bounds.
+    pub(super) fn boxes(&self, (low, high): (Vec3, Vec3)) -> impl Iterator<Item = (Vec3, Vec3)> {
+        self.local_from_model.iter().map(move |place| bounds_of_copy(place, [low, high]))
+    }
+}
+
+impl Geometry {
+    /// Least and greatest corner of each model, in its space.
+    pub(super) fn model_bounds(&self) -> Vec<(Vec3, Vec3)> {
+        self.models.iter().map(|model| bounds(&self.triangles[model.triangles.clone()])).collect()
+    }
+
+    /// Corners of the [part](detail::main_part) that has the detail, local space, where that is not all.
+    pub(super) fn main_part(&self) -> Option<(Vec3, Vec3)> {
+        let end = self.models.first().map_or(self.triangles.len(), |model| model.triangles.start);
+        let corners = self.triangles[..end].iter().flat_map(|triangle| triangle.positions);
+        let bounds = self.model_bounds();
+        let boxes = self.models.iter().zip(&bounds).flat_map(|(model, bounds)| model.boxes(*bounds));
+        detail::part_of(corners.chain(boxes.flat_map(|(low, high)| [low, high])))
+    }
+
+    /// A scene's surfaces of as few triangles as they need: [`simplify`].
+    pub fn simplified(scene: &Scene) -> Self {
+        let surfaces = surfaces(scene);
+        let corners = simplify(scene, |i| surfaces[i].is_opaque(), TOGETHER);
+        // A model's are together as before.
+        let first = |t: u32| corners.partition_point(|corners| corners[0] / 3 < t);
+        Self::of(scene, surfaces, corners.par_iter().copied(), first)
+    }
+
+    /// Triangles between corners of a scene, each three times a triangle's number and which of its corners.
+    /// `first` says which of them is the first that was one of the scene's triangles from a number on.
+    fn of(
+        scene: &Scene,
+        surfaces: Vec<Surface>,
+        corners: impl IndexedParallelIterator<Item = [u32; 3]> + Clone,
+        first: impl Fn(u32) -> usize,
+    ) -> Self {
+        let vertex = |corner: u32| scene.triangles[corner as usize / 3][corner as usize % 3] as usize;
+        let triangle = |corners: [u32; 3]| Triangle {
+            positions: corners.map(|c| scene.positions[vertex(c)]),
+            normals: corners.map(|c| scene.normals[vertex(c)]),
+            uvs: corners.map(|c| scene.uvs[vertex(c)]),
+            material: scene.triangle_material[corners[0] as usize / 3],
+        };
+        let placed = |m: &Model| Placed {
+            triangles: first(m.triangles.start)..first(m.triangles.end),
+            local_from_model: m.local_from_model.clone(),
+        };
+        let color = |c: u32| scene.corner_colors[c as usize / 3][c as usize % 3];
+        Self {
+            triangles: corners.clone().map(triangle).collect(),
+            colors: match scene.corner_colors[..] {
+                [] => Vec::new(),
+                _ => corners.map(|corners| corners.map(color)).collect(),
+            },
+            models: scene.models.iter().map(placed).collect(),
+            surfaces,
+        }
+    }
+}
+
+/// The materials of a scene.
+fn surfaces(scene: &Scene) -> Vec<Surface> {
+    let texture = |t: u32| scene.textures[t as usize].sampler();
+    scene.materials.iter().map(|m| Surface::new(m, texture)).collect()
+}
+
+impl From<&Scene> for Geometry {
+    fn from(scene: &Scene) -> Self {
+        let all = (0..scene.triangles.len() as u32).into_par_iter();
+        Self::of(scene, surfaces(scene), all.map(|t| [3 * t, 3 * t + 1, 3 * t + 2]), |t| t as usize)
+    }
+}
+
+impl TryFrom<&BakedScene> for Geometry {
+    type Error = SceneError;
+
+    /// Decodes the textures of a baked file that light needs, and those of emission.
+    ///
+    /// # Errors
+    /// [`SceneError::Texture`] where a picture cannot be decoded.
+    fn try_from(scene: &BakedScene) -> Result<Self, SceneError> {
+        let materials = &scene.meta.materials;
+        let needed: HashSet<u32> = materials.iter().flat_map(needed::of_light).collect();
+        let used: HashSet<u32> = materials.iter().filter_map(needed::of_emission).collect();
+        let textures: Result<Vec<Option<Sampler>>, SceneError> = (0..scene.meta.textures.len())
+            .into_par_iter()
+            .map(|i| {
+                let is_needed = needed.contains(&(i as u32));
+                if !is_needed && !used.contains(&(i as u32)) {
+                    return Ok(None);
+                }
+                let meta = &scene.meta.textures[i];
+                let texels = match Texels::decode(scene.texture(i)) {
+                    Ok(texels) => texels,
+                    Err(problem) if is_needed => {
+                        return Err(SceneError::Texture {
+                            file: scene.meta.scene_name.clone(),
+                            texture: meta.name.clone(),
+                            problem,
+                        });
+                    }
+                    // Pictures do without it.
+                    Err(_) => return Ok(None),
+                };
+                Ok(Some(Sampler {
+                    texels: Arc::new(texels),
+                    wrap_u: meta.wrap_u,
+                    wrap_v: meta.wrap_v,
+                    linear_filter: meta.linear_filter,
+                }))
+            })
+            .collect();
+        let textures = textures?;
+        let texture = |t: u32| textures[t as usize].clone();
+        let (mut triangles, mut models): (Vec<Triangle>, Vec<Placed>) = Default::default();
+        // What stands once, then models, each of draw calls that follow each other.
+        let stands = |draw: usize| scene.copies_of(draw);
+        let draws = || scene.meta.draws.iter().enumerate();
+        let alone = draws().filter(|(draw, _)| stands(*draw).is_empty());
+        let copied = draws().filter(|(draw, _)| !stands(*draw).is_empty());
+        let mut last = 0..0;
+        for (number, draw) in alone.chain(copied) {
+            let (first, copies) = (triangles.len(), stands(number));
+            if !copies.is_empty() && copies != last {
+                let local_from_model = scene.instances[copies.clone()].iter().map(Instance::local_from_model);
+                models.push(Placed { triangles: first..first, local_from_model: local_from_model.collect() });
+                last = copies;
+            }
+            let range = draw.first_index as usize..(draw.first_index + draw.index_count) as usize;
+            triangles.extend(scene.indices[range].as_chunks::<3>().0.iter().map(|t| {
+                let vertices = t.map(|i| scene.vertices[i as usize]);
+                Triangle {
+                    positions: vertices.map(|v| Vec3::from(v.position)),
+                    normals: vertices.map(|v| octahedral::unpack_snorm16(v.normal)),
+                    uvs: vertices.map(|v| Vec2::from(v.uv)),
+                    material: draw.material,
+                }
+            }));
+            if let Some(model) = models.last_mut() {
+                model.triangles.end = triangles.len();
+            }
+        }
+        Ok(Self {
+            triangles,
+            models,
+            colors: Vec::new(),
+            surfaces: scene.meta.materials.iter().map(|m| Surface::new(m, texture)).collect(),
+        })
+    }
+}

@@ -1,0 +1,178 @@
+//! Packet traversal of a BVH8 (Wald et al. 2001; interval culling after Boulos et al. 2006).
+//!
+//! The eight children of a node are tested against the interval bounds of all rays; a child that passes, against each active
+//! ray, eight rays at a time; a triangle, against the rays that hit its leaf's box. A ray that diverges from the packet goes
+//! on by single-ray traversal. Invariant: each ray finds the hit of single-ray traversal, to the last bit. The triangle test
+//! is the same arithmetic, no hit lies before its box by more than rounding, and of two triangles at one distance the first
+//! counts.
+
+use super::blas::{Blas, Nearest, Stop};
+use super::bvh8::{LEAF, Node, SlabRay8, WIDTH, distance, entry, move_half, places};
+use super::geometry::Surface;
+use super::packet::{LANES, MOST, Packet, Rays};
+use super::triangle::TriangleHit;
+use crate::geometry::Ray;
+
+/// Children that wait without memory of their own; in tests so few that there is often no room.
+const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 128 };
+
+/// What each ray meets first: the triangle's place, and where.
+pub(super) type Firsts = [Option<(usize, TriangleHit)>; MOST];
+
+/// A child that waits.
+#[derive(Clone, Copy, Default)]
+struct Waiting {
+    /// How near it is, and its name: that of the node that it is a child of, and its place in it.
+    entry: u64,
+    /// The rays that meet its parent.
+    rays: Rays,
+}
+
+/// Bits of a child's place in its node.
+const PLACE_BITS: u32 = WIDTH.trailing_zeros();
+
+/// A walk.
+struct Together<'a> {
+    blas: &'a Blas,
+    surfaces: &'a [Surface],
+    packet: Packet,
+    seeds: [u32; MOST],
+    found: Firsts,
+}
+
+impl Blas {
+    /// [`Blas::nearest`], not strictly, for some rays of one [class](Ray::octant_and_axis) with their seeds, at most [`MOST`].
+    #[target_feature(enable = "avx2,bmi1,lzcnt")]
+    #[inline(never)]
+    pub fn nearest_together<'r>(
+        &self,
+        surfaces: &[Surface],
+        rays: impl Iterator<Item = &'r (Ray, u32)> + Clone,
+        class: u8,
+    ) -> Firsts {
+        if self.bvh.nodes.is_empty() {
+            return [None; MOST];
+        }
+        let mut seeds = [0; MOST];
+        seeds.iter_mut().zip(rays.clone()).for_each(|(of, (_, seed))| *of = *seed);
+        let packet = Packet::new(rays.map(|(ray, _)| ray), class);
+        let mut walk = Together { blas: self, surfaces, packet, seeds, found: [None; MOST] };
+        walk.all();
+        walk.found
+    }
+}
+
+impl Together<'_> {
+    #[target_feature(enable = "avx2,bmi1,lzcnt")]
+    #[inline]
+    fn all(&mut self) {
+        let nodes = &self.blas.bvh.nodes;
+        let (mut waiting, mut count) = ([Waiting::default(); WAITING], 0);
+        let mut farther: Vec<Waiting> = Vec::new();
+        let (mut open, mut rays) = (0, Rays::MAX);
+        loop {
+            let (near, mut met) = nodes[open as usize].meet_any(&self.packet);
+            if count + WIDTH > WAITING {
+                count = move_half(&mut waiting, &mut farther, count);
+            }
+            // The nearest last. Few are met: sorted as they come.
+            let from = count;
+            while met != 0 {
+                let child = met.trailing_zeros();
+                met &= met - 1;
+                let waits = Waiting { entry: entry(open << PLACE_BITS | child, near[child as usize]), rays };
+                let mut place = count;
+                // The remainders change nothing; they say that there is room.
+                while place > from && waiting[(place - 1) % WAITING].entry < waits.entry {
+                    waiting[place % WAITING] = waiting[(place - 1) % WAITING];
+                    place -= 1;
+                }
+                waiting[place % WAITING] = waits;
+                count += 1;
+            }
+            (open, rays) = loop {
+                let next = if count > 0 {
+                    count -= 1;
+                    waiting[count % WAITING]
+                } else {
+                    let Some(next) = farther.pop() else { return };
+                    next
+                };
+                if distance(next.entry) > self.packet.limits.farthest() {
+                    continue;
+                }
+                let name = next.entry as u32;
+                let (node, child) = (&nodes[(name >> PLACE_BITS) as usize], name as usize % WIDTH);
+                let rays = node.meet_child(child, &self.packet, next.rays);
+                let next = node.children[child];
+                if rays == 0 {
+                    continue;
+                }
+                if next & LEAF != 0 {
+                    self.leaf(next, rays);
+                } else if rays & (rays - 1) != 0 {
+                    break (next, rays);
+                } else {
+                    self.alone(next, rays.trailing_zeros() as usize);
+                }
+                self.packet.limits.find_farthest();
+            };
+        }
+    }
+
+    /// Tests rays against a leaf's triangles.
+    #[target_feature(enable = "avx2,bmi1,lzcnt")]
+    #[inline]
+    fn leaf(&mut self, leaf: u32, mut rays: Rays) {
+        while rays != 0 {
+            let (names, count, sheared) = self.packet.take_eight(&mut rays);
+            let mut limits: [f32; LANES] = names.map(|ray| self.packet.limits.of(ray));
+            for place in places(leaf) {
+                let meetings = self.blas.corners[place].meet_together(&sheared, limits, (1 << count) - 1);
+                let mut met = meetings.met;
+                while met != 0 {
+                    let lane = met.trailing_zeros() as usize % LANES;
+                    met &= met - 1;
+                    let ray = names[lane];
+                    let meeting = match meetings.unclear >> lane & 1 {
+                        0 => Some(meetings.of(lane)),
+                        _ => self.meet_alone(place, ray),
+                    };
+                    if let Some(meeting) = meeting {
+                        let mut stop = self.stop(ray);
+                        limits[lane] = stop.take(place, meeting, limits[lane]);
+                        self.found[ray] = stop.best;
+                        self.packet.limits.set(ray, limits[lane]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where a ray is stopped, as far as is known.
+    #[inline]
+    fn stop(&self, ray: usize) -> Stop<'_> {
+        let &Self { blas, surfaces, .. } = self;
+        Stop { blas, surfaces, strictly: false, seed: self.seeds[ray], best: self.found[ray] }
+    }
+
+    /// A triangle and a ray that rounding makes unclear.
+    #[cold]
+    #[inline(never)]
+    fn meet_alone(&self, place: usize, ray: usize) -> Option<TriangleHit> {
+        self.blas.corners[place].meet(&self.packet.alone(ray).1, self.packet.limits.of(ray))
+    }
+
+    /// One ray goes on from a node.
+    #[target_feature(enable = "avx2,bmi1,lzcnt")]
+    #[inline(never)]
+    fn alone(&mut self, from: u32, ray: usize) {
+        let (walker, sheared) = self.packet.alone(ray);
+        let mut nearest = Nearest { stop: self.stop(ray), sheared };
+        let meet = |node: &Node, walker: &SlabRay8, limit| node.meet_avx2(walker, limit);
+        let limit = self.packet.limits.of(ray);
+        let limit = self.blas.bvh.walk_by(&SlabRay8::new(&walker), from, limit, meet, &mut nearest);
+        self.found[ray] = nearest.stop.best;
+        self.packet.limits.set(ray, limit);
+    }
+}

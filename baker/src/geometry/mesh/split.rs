@@ -1,0 +1,139 @@
+//! Large triangles cut up towards the place where numbers are exact.
+//!
+//! Where a ray meets a triangle is off by a share of the triangle's size: by a millimetre on a plain of ten kilometres,
+//! which is too much beside a house. So around a scene's detail, which is where its local space begins, edges longer than
+//! the detail is wide, and longer than they are far away, are halved. An edge alone decides, so neighbours stay joined.
+
+use super::geometry::{Geometry, Triangle};
+use glam::Vec3;
+
+/// Halves an edge at most so often: from any scene down to the exactness of numbers.
+const MOST: u32 = 40;
+
+/// Cuts up what stands alone, around a detail of this size at the origin, scene units.
+pub(super) fn split(geometry: &mut Geometry, size: f32) {
+    let end = geometry.models.first().map_or(geometry.triangles.len(), |model| model.triangles.start);
+    let has_colors = !geometry.colors.is_empty();
+    let mut triangles = Vec::with_capacity(geometry.triangles.len());
+    let mut colors = Vec::with_capacity(geometry.colors.len());
+    for (i, &triangle) in geometry.triangles[..end].iter().enumerate() {
+        let color = geometry.colors.get(i).copied().unwrap_or_default();
+        let mut left = vec![(triangle, color, 0)];
+        while let Some((triangle, color, depth)) = left.pop() {
+            match longest(&triangle, size).filter(|_| depth < 3 * MOST) {
+                Some(edge) => left.extend(halves(&triangle, color, edge).map(|(t, c)| (t, c, depth + 1))),
+                None => {
+                    triangles.push(triangle);
+                    colors.extend(has_colors.then_some(color));
+                }
+            }
+        }
+    }
+    let more = triangles.len() - end;
+    triangles.extend(&geometry.triangles[end..]);
+    colors.extend(geometry.colors.get(end..).unwrap_or_default());
+    (geometry.triangles, geometry.colors) = (triangles, colors);
+    for model in &mut geometry.models {
+        model.triangles = model.triangles.start + more..model.triangles.end + more;
+    }
+}
+
+/// The longest of the edges that are to be halved, by the corner that it begins at.
+fn longest(triangle: &Triangle, size: f32) -> Option<usize> {
+    let p = triangle.positions;
+    let edge = |i: usize| (p[(i + 1) % 3].distance(p[i]), middle(p[i], p[(i + 1) % 3]).length());
+    let long = (0..3).map(|i| (i, edge(i))).filter(|(_, (length, away))| *length > size.max(*away));
+    long.max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map(|(i, _)| i)
+}
+
+/// The same whichever way an edge goes.
+fn middle(a: Vec3, b: Vec3) -> Vec3 {
+    0.5 * (a + b)
+}
+
+/// The two halves of a triangle whose edge is halved that begins at corner `i`.
+fn halves(triangle: &Triangle, color: [Vec3; 3], i: usize) -> [(Triangle, [Vec3; 3]); 2] {
+    let j = (i + 1) % 3;
+    let &Triangle { positions: p, normals: n, uvs, .. } = triangle;
+    let position = middle(p[i], p[j]);
+    // Not made a unit vector, so that the halves have the normals of the whole.
+    let (normal, uv, tone) = (middle(n[i], n[j]), 0.5 * (uvs[i] + uvs[j]), middle(color[i], color[j]));
+    [i, j].map(|corner| {
+        let (mut half, mut color) = (*triangle, color);
+        (half.positions[corner], half.normals[corner], half.uvs[corner]) = (position, normal, uv);
+        color[corner] = tone;
+        (half, color)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh::geometry::Placed;
+    use glam::{Affine3A, Vec2, vec3};
+    use std::collections::HashMap;
+
+    fn triangle(positions: [Vec3; 3]) -> Triangle {
+        Triangle {
+            positions,
+            normals: [Vec3::Y; 3],
+            uvs: positions.map(|p| Vec2::new(p.x, p.z)),
+            material: 0,
+        }
+    }
+
+    fn area(t: &Triangle) -> f64 {
+        let [a, b, c] = t.positions.map(|p| p.as_dvec3());
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    #[test]
+    fn a_plain_is_cut_up_near_the_middle_and_stays_joined() {
+        let corner = |x: f32, z: f32| vec3(8000.0 * x + 3.0, -1.5, 5000.0 * z - 1.0);
+        let (a, b, c, d) = (corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0));
+        let model = triangle([a, b, c]);
+        let mut geometry = Geometry {
+            triangles: vec![triangle([a, c, b]), triangle([a, d, c]), model],
+            models: vec![Placed { triangles: 2..3, local_from_model: vec![Affine3A::IDENTITY] }],
+            ..Geometry::default()
+        };
+        let whole: f64 = geometry.triangles[..2].iter().map(area).sum();
+        split(&mut geometry, 10.0);
+        let end = geometry.models[0].triangles.start;
+        assert!((100..2000).contains(&end) && geometry.triangles.len() == end + 1, "{end}");
+        assert_eq!(geometry.triangles[end].positions, model.positions);
+        let cut = &geometry.triangles[..end];
+        assert!((cut.iter().map(area).sum::<f64>() / whole - 1.0).abs() < 1e-6);
+        // Each edge has one triangle on each side, or is of the border.
+        let mut edges: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
+        let mut border = 0.0;
+        for t in cut {
+            for i in 0..3 {
+                let bits = |p: Vec3| p.to_array().map(f32::to_bits);
+                let [p, q] = [t.positions[i], t.positions[(i + 1) % 3]];
+                *edges.entry([bits(p), bits(q)]).or_default() += 1;
+                *edges.entry([bits(q), bits(p)]).or_default() -= 1;
+                // Short where it is near.
+                let nearest = p.length().min(q.length()).min((0.5 * (p + q)).length());
+                assert!(p.distance(q) <= 10.0f32.max(2.0 * nearest), "{p} {q}");
+                assert_eq!(t.uvs[i], Vec2::new(p.x, p.z));
+            }
+        }
+        for ([p, q], count) in edges {
+            if count > 0 {
+                let [p, q] = [p, q].map(|bits| Vec3::from(bits.map(f32::from_bits)));
+                border += p.distance(q) as f64;
+            }
+        }
+        assert!((border - 52_000.0).abs() < 1.0, "{border}");
+    }
+
+    #[test]
+    fn what_is_no_larger_than_the_detail_stays() {
+        let small = triangle([Vec3::ZERO, Vec3::X, Vec3::Z]);
+        let far = triangle([vec3(500.0, 0.0, 0.0), vec3(510.0, 0.0, 0.0), vec3(500.0, 0.0, 30.0)]);
+        let mut geometry = Geometry { triangles: vec![small, far], ..Geometry::default() };
+        split(&mut geometry, 2.0);
+        assert_eq!(geometry.triangles.len(), 2);
+    }
+}

@@ -1,0 +1,216 @@
+//! Ray against triangle without gaps (Woop, Benthin, Wald: *Watertight Ray/Triangle
+//! Intersection*, JCGT 2013).
+//!
+//! The corners are sheared so that the ray becomes the z axis; what is left are signs of areas
+//! in the plane, and those are exact. A ray through a shared edge or corner therefore always
+//! hits one of the triangles around it: closed rooms are closed.
+
+use crate::geometry::Ray;
+use glam::{DVec4, Vec3, Vec4, Vec4Swizzles};
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::*;
+
+/// A ray, sheared: see [`Corners::meet`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShearedRay {
+    pub axes: [usize; 3],
+    pub origin: [f32; 3],
+    pub shear: [f32; 3],
+}
+
+impl ShearedRay {
+    /// Prepares a ray; the direction must not be zero.
+    #[inline]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        let z = Ray::major_axis(direction);
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let d = axes.map(|i| direction[i]);
+        Self { axes, origin: axes.map(|i| origin[i]), shear: [d[0] / d[2], d[1] / d[2], 1.0 / d[2]] }
+    }
+}
+
+/// Eight rays that go along one axis most, sheared.
+#[cfg(target_arch = "x86_64")]
+pub(super) struct ShearedRays {
+    axes: [usize; 3],
+    origin: [__m256; 3],
+    shear: [__m256; 3],
+}
+
+#[cfg(target_arch = "x86_64")]
+impl ShearedRays {
+    /// Their [`ShearedRay`]s, whose `axes` are the same.
+    #[inline]
+    pub fn new(axes: [usize; 3], origin: [[f32; 8]; 3], shear: [[f32; 8]; 3]) -> Self {
+        let registers = |of: [[f32; 8]; 3]| of.map(bytemuck::cast);
+        Self { axes, origin: registers(origin), shear: registers(shear) }
+    }
+}
+
+/// Where eight rays meet a triangle.
+#[cfg(target_arch = "x86_64")]
+pub(super) struct TriangleHits {
+    /// A bit for each ray that meets it, or may.
+    pub met: u32,
+    /// A bit for each that may: [`Corners::meet`] says whether it does.
+    pub unclear: u32,
+    distance: [f32; 8],
+    v: [f32; 8],
+    w: [f32; 8],
+}
+
+#[cfg(target_arch = "x86_64")]
+impl TriangleHits {
+    /// That of a ray that does.
+    #[inline]
+    pub fn of(&self, ray: usize) -> TriangleHit {
+        TriangleHit { distance: self.distance[ray], v: self.v[ray], w: self.w[ray] }
+    }
+}
+
+/// The corners by axis: all x, all y, all z; the fourth components are zero. 48 bytes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corners([Vec4; 3]);
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TriangleHit {
+    /// From the ray's origin, in units of its direction's length.
+    pub distance: f32,
+    /// Weight of the second corner.
+    pub v: f32,
+    /// Weight of the third corner.
+    pub w: f32,
+}
+
+impl TriangleHit {
+    /// Weights of all corners, which sum to 1.
+    #[inline]
+    pub fn shares(&self) -> [f32; 3] {
+        [1.0 - self.v - self.w, self.v, self.w]
+    }
+}
+
+impl Corners {
+    pub fn new(positions: [Vec3; 3]) -> Self {
+        let [a, b, c] = positions;
+        Self([Vec4::new(a.x, b.x, c.x, 0.0), Vec4::new(a.y, b.y, c.y, 0.0), Vec4::new(a.z, b.z, c.z, 0.0)])
+    }
+
+    /// The corners.
+    #[inline]
+    pub fn positions(&self) -> [Vec3; 3] {
+        let [x, y, z] = self.0;
+        [Vec3::new(x.x, y.x, z.x), Vec3::new(x.y, y.y, z.y), Vec3::new(x.z, y.z, z.z)]
+    }
+
+    /// Across the triangle, and as long as twice its area.
+    #[inline]
+    pub fn spanned(&self) -> Vec3 {
+        let [a, b, c] = self.positions();
+        (b - a).cross(c - a)
+    }
+
+    /// The corner across from the longest side.
+    #[inline]
+    pub fn first(&self) -> usize {
+        let [a, b, c] = self.positions();
+        let sides = [b.distance_squared(c), c.distance_squared(a), a.distance_squared(b)];
+        let longest = |best: usize, i: usize| if sides[i] > sides[best] { i } else { best };
+        (1..3).fold(0, longest)
+    }
+
+    /// The meeting with a ray at a distance from 0 up to and including `limit`.
+    #[inline(always)]
+    pub fn meet(&self, ray: &ShearedRay, limit: f32) -> Option<TriangleHit> {
+        let along = |i: usize| self.0[ray.axes[i]] - ray.origin[i];
+        let z = along(2);
+        let x = along(0) - ray.shear[0] * z;
+        let y = along(1) - ray.shear[1] * z;
+        // Twice the signed areas of the triangles that the z axis makes with each edge: the
+        // weights of a, b and c, up to a factor. A rounded difference of rounded products has
+        // the wrong sign never, but may be zero where the exact one is not.
+        let mut areas = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
+        if areas.cmpeq(Vec4::ZERO).bitmask() & 7 == 0 {
+            // All of one sign, or beside the triangle.
+            if !matches!(areas.is_negative_bitmask() & 7, 0 | 7) {
+                return None;
+            }
+        } else {
+            areas = exact_areas(x, y)?;
+        }
+        let sum = areas.x + areas.y + areas.z;
+        let scale = 1.0 / sum;
+        // In this order everywhere, so that one ray and eight find the same.
+        let parts = areas * z;
+        let distance = ((parts.x + parts.z) + parts.y) * scale * ray.shear[2];
+        // Also false for the NaN of a ray within the plane.
+        if !(distance >= 0.0 && distance <= limit) {
+            return None;
+        }
+        Some(TriangleHit { distance, v: areas.y * scale, w: areas.z * scale })
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Corners {
+    /// [`Self::meet`] for those of eight `rays` that have their bits set, by the same arithmetic in the same order.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    pub fn meet_together(&self, sheared: &ShearedRays, limits: [f32; 8], rays: u32) -> TriangleHits {
+        let rays = rays as i32;
+        let along = |i: usize, corner: usize| {
+            let at = self.0[sheared.axes[i]].as_ref()[corner];
+            _mm256_sub_ps(_mm256_set1_ps(at), sheared.origin[i])
+        };
+        let z: [__m256; 3] = std::array::from_fn(|corner| along(2, corner));
+        let across = |i: usize| -> [__m256; 3] {
+            let of = |corner| _mm256_sub_ps(along(i, corner), _mm256_mul_ps(sheared.shear[i], z[corner]));
+            std::array::from_fn(of)
+        };
+        let (x, y) = (across(0), across(1));
+        let area = |i: usize, j: usize| _mm256_sub_ps(_mm256_mul_ps(x[i], y[j]), _mm256_mul_ps(y[i], x[j]));
+        let [a, b, c] = [area(2, 1), area(0, 2), area(1, 0)];
+        // Beside the triangle where some areas are negative, but not all.
+        let (any, all) = (_mm256_or_ps(_mm256_or_ps(a, b), c), _mm256_and_ps(_mm256_and_ps(a, b), c));
+        let beside = _mm256_movemask_ps(_mm256_andnot_ps(all, any));
+        let nought = _mm256_setzero_ps();
+        let is_zero = |area| _mm256_cmp_ps::<_CMP_EQ_OQ>(area, nought);
+        let unclear = _mm256_or_ps(_mm256_or_ps(is_zero(a), is_zero(b)), is_zero(c));
+        let unclear = _mm256_movemask_ps(unclear) & rays;
+        let within = rays & !beside;
+        if within | unclear == 0 {
+            return TriangleHits { met: 0, unclear: 0, distance: [0.0; 8], v: [0.0; 8], w: [0.0; 8] };
+        }
+        let scale = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_add_ps(_mm256_add_ps(a, b), c));
+        let outer = _mm256_add_ps(_mm256_mul_ps(a, z[0]), _mm256_mul_ps(c, z[2]));
+        let sum = _mm256_add_ps(outer, _mm256_mul_ps(b, z[1]));
+        let distance = _mm256_mul_ps(_mm256_mul_ps(sum, scale), sheared.shear[2]);
+        let is_near = _mm256_and_ps(
+            _mm256_cmp_ps::<_CMP_GE_OQ>(distance, nought),
+            _mm256_cmp_ps::<_CMP_LE_OQ>(distance, bytemuck::cast(limits)),
+        );
+        TriangleHits {
+            met: (within & _mm256_movemask_ps(is_near) | unclear) as u32,
+            unclear: unclear as u32,
+            distance: bytemuck::cast(distance),
+            v: bytemuck::cast(_mm256_mul_ps(b, scale)),
+            w: bytemuck::cast(_mm256_mul_ps(c, scale)),
+        }
+    }
+}
+
+/// The same areas by products that are exact; `None` where the ray is beside the triangle.
+#[cold]
+#[inline(never)]
+fn exact_areas(x: Vec4, y: Vec4) -> Option<Vec4> {
+    // Products of two f32 are exact in f64.
+    let (x, y): (DVec4, DVec4) = (x.as_dvec4(), y.as_dvec4());
+    let exact = |p: DVec4, q: DVec4| {
+        DVec4::new(p.z * q.y, p.x * q.z, p.y * q.x, 0.0) - DVec4::new(q.z * p.y, q.x * p.z, q.y * p.x, 0.0)
+    };
+    let areas = exact(x, y).as_vec4();
+    let negative = areas.cmplt(Vec4::ZERO).bitmask() & 7;
+    let positive = areas.cmpgt(Vec4::ZERO).bitmask() & 7;
+    (negative == 0 || positive == 0).then_some(areas)
+}

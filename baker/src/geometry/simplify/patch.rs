@@ -1,0 +1,216 @@
+//! Some triangles and what they share.
+
+use super::{Cut, Source};
+use glam::{Vec2, Vec3};
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+
+/// Triangles around a vertex, at most: more are not looked at.
+pub const MOST: usize = 24;
+
+/// No corner, no vertex.
+pub const NONE: u32 = u32::MAX;
+/// Places are near each other where there are at most so many for each triangle.
+const NEAR: usize = 16;
+
+/// How far normals, texture coordinates and colours may be from what they were: a half of a degree, half a texel of 1,024,
+/// a step of 8 bits.
+pub const NORMAL: f32 = 0.01;
+pub const UV: f32 = 0.5 / 1024.0;
+pub const COLOR: f32 = 1.0 / 256.0;
+/// The share of that by which what counts as one look may differ; over all rounds that may add up to the whole.
+const ALIKE: f32 = 0.25;
+
+/// What a corner looks like; neighbours that look alike at an edge go on smoothly there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    pub normal: Vec3,
+    /// Zero where no texture needs them.
+    pub uv: Vec2,
+    pub color: Vec3,
+    pub material: u32,
+}
+
+impl Look {
+    /// Whether two corners at one place look the same but for rounding: normals that were worked out triangle by
+    /// triangle differ by a hair where the surface is flat.
+    fn is_like(&self, other: &Self) -> bool {
+        self.material == other.material
+            && self.normal.distance_squared(other.normal) <= (ALIKE * NORMAL).powi(2)
+            && self.uv.distance_squared(other.uv) <= (ALIKE * UV).powi(2)
+            && self.color.distance_squared(other.color) <= (ALIKE * COLOR).powi(2)
+    }
+}
+
+/// A triangle of a patch.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    pub vertices: [u32; 3],
+    /// Indices of the corners' looks.
+    pub looks: [u32; 3],
+    /// As [`Cut::number`].
+    pub number: u32,
+    /// As [`Cut::error`].
+    pub error: f32,
+    pub is_gone: bool,
+}
+
+/// Some triangles, with vertices and looks of their own numbering.
+#[derive(Default)]
+pub struct Patch {
+    pub triangles: Vec<Triangle>,
+    pub positions: Vec<Vec3>,
+    /// Vertices that must stay where they are.
+    pub is_fixed: Vec<bool>,
+    pub looks: Vec<Look>,
+    /// A corner of the scene that has each look.
+    origins: Vec<u32>,
+    /// The first of each vertex' corners, three times the triangle and which corner, and the one after each corner.
+    first: Vec<u32>,
+    next: Vec<u32>,
+    /// The length that the surface may move by, scene units.
+    pub tolerance: f32,
+}
+
+impl Patch {
+    /// From these triangles. `is_shared` says which places others have, too.
+    pub fn new(source: &Source, triangles: &[Cut], is_shared: impl Fn(u32) -> bool) -> Self {
+        let mut patch = Self { tolerance: source.tolerance, ..Self::default() };
+        let mut numbers = Numbers::new(source, triangles);
+        // For each look the one before it at the same vertex; for each vertex the last one, and how many it has.
+        let mut before: Vec<u32> = Vec::new();
+        let mut last: Vec<(u32, usize)> = Vec::new();
+        for cut in triangles {
+            let material = source.scene.triangle_material[cut.corners[0] as usize / 3];
+            let (mut vertices, mut looks) = ([0; 3], [0; 3]);
+            for (k, &corner) in cut.corners.iter().enumerate() {
+                let place = source.place(corner);
+                let number = numbers.of(place);
+                if *number == NONE {
+                    *number = patch.positions.len() as u32;
+                    patch.positions.push(source.scene.positions[place as usize]);
+                    patch.is_fixed.push(is_shared(place));
+                    last.push((NONE, 0));
+                }
+                let (vertex, look) = (*number as usize, source.look(corner, material));
+                let (latest, count) = &mut last[vertex];
+                let mut known = *latest;
+                while known != NONE && *count <= MOST && !patch.looks[known as usize].is_like(&look) {
+                    known = before[known as usize];
+                }
+                if known == NONE || *count > MOST {
+                    known = patch.looks.len() as u32;
+                    patch.looks.push(look);
+                    patch.origins.push(corner);
+                    before.push(std::mem::replace(latest, known));
+                    *count += 1;
+                }
+                (vertices[k], looks[k]) = (vertex as u32, known);
+            }
+            let [a, b, c] = vertices;
+            if source.materials[material as usize].is_transparent || a == b || b == c || c == a {
+                vertices.iter().for_each(|vertex| patch.is_fixed[*vertex as usize] = true);
+            }
+            patch.triangles.push(Triangle {
+                vertices,
+                looks,
+                number: cut.number,
+                error: cut.error,
+                is_gone: false,
+            });
+        }
+        patch.first = vec![NONE; patch.positions.len()];
+        patch.next = vec![NONE; 3 * patch.triangles.len()];
+        for t in (0..patch.triangles.len()).rev() {
+            for (k, vertex) in patch.triangles[t].vertices.into_iter().enumerate() {
+                patch.link((3 * t + k) as u32, vertex);
+            }
+        }
+        patch
+    }
+
+    /// The triangles that are left, in their order.
+    pub fn finish(self) -> Vec<Cut> {
+        let left = self.triangles.iter().filter(|triangle| !triangle.is_gone);
+        let corners = |looks: [u32; 3]| looks.map(|look| self.origins[look as usize]);
+        left.map(|t| Cut { corners: corners(t.looks), number: t.number, error: t.error }).collect()
+    }
+
+    /// A corner is one of this vertex' from now on.
+    pub fn link(&mut self, corner: u32, vertex: u32) {
+        self.next[corner as usize] = std::mem::replace(&mut self.first[vertex as usize], corner);
+    }
+
+    /// A vertex has no corners any more.
+    pub fn forget(&mut self, vertex: u32) {
+        self.first[vertex as usize] = NONE;
+    }
+
+    /// Makes a new vertex at the place of one, for some of its corners.
+    pub fn part(&mut self, vertex: u32, corners: &[u32]) -> u32 {
+        let new = self.positions.len() as u32;
+        self.positions.push(self.positions[vertex as usize]);
+        self.is_fixed.push(self.is_fixed[vertex as usize]);
+        self.first.push(NONE);
+        let mut corner = std::mem::replace(&mut self.first[vertex as usize], NONE);
+        while corner != NONE {
+            let after = self.next[corner as usize];
+            let owner = if corners.contains(&corner) { new } else { vertex };
+            self.triangles[corner as usize / 3].vertices[corner as usize % 3] = owner;
+            self.link(corner, owner);
+            corner = after;
+        }
+        new
+    }
+
+    /// Visits a vertex' corners until one breaks, and forgets those of triangles that are gone.
+    #[inline]
+    pub fn corners<B>(
+        &mut self,
+        vertex: u32,
+        mut visit: impl FnMut(u32, &Triangle) -> ControlFlow<B>,
+    ) -> ControlFlow<B> {
+        let (mut before, mut corner) = (NONE, self.first[vertex as usize]);
+        while corner != NONE {
+            let after = self.next[corner as usize];
+            let triangle = &self.triangles[corner as usize / 3];
+            if !triangle.is_gone {
+                visit(corner, triangle)?;
+                before = corner;
+            } else if before == NONE {
+                self.first[vertex as usize] = after;
+            } else {
+                self.next[before as usize] = after;
+            }
+            corner = after;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// The numbers that places have in a patch.
+struct Numbers {
+    low: u32,
+    /// Of places from the lowest on, where they are near each other; else there is a table.
+    near: Vec<u32>,
+    far: HashMap<u32, u32>,
+}
+
+impl Numbers {
+    fn new(source: &Source, triangles: &[Cut]) -> Self {
+        let places = || triangles.iter().flat_map(|cut| cut.corners).map(|corner| source.place(corner));
+        let (low, high) = (places().min().unwrap_or(0), places().max().unwrap_or(0));
+        let span = (high - low) as usize + 1;
+        let is_near = span <= NEAR * triangles.len();
+        Self { low, near: vec![NONE; if is_near { span } else { 0 }], far: HashMap::new() }
+    }
+
+    /// The number of a place, [`NONE`] at first.
+    #[inline]
+    fn of(&mut self, place: u32) -> &mut u32 {
+        match self.near.is_empty() {
+            true => self.far.entry(place).or_insert(NONE),
+            false => &mut self.near[(place - self.low) as usize],
+        }
+    }
+}

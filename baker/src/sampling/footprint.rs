@@ -1,0 +1,86 @@
+//! Which places around a point belong to its surface: where direct light is sampled.
+
+use super::{Points, SurfacePoint};
+use crate::geometry::{Ray, Surfaces};
+use crate::random::mix;
+use crate::watch::{Stopped, Watch};
+use rayon::prelude::*;
+use rebounce_shared::footprint::{LIFT, SAMPLES, offset};
+use rebounce_shared::kernel::likeness;
+
+/// How far below a sample its surface may be, over the support radius.
+const DEPTH: f32 = 0.15;
+
+/// Finds, for the points up to `end` that have none yet, the samples of direct light that lie above the point's own
+/// surface, in its sight and within its cuts. The same points give the same samples. A unit of `watch` is a point.
+///
+/// # Errors
+/// [`Stopped`].
+pub fn footprint<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    points: &mut Points,
+    end: usize,
+    watch: &dyn Watch,
+) -> Result<(), Stopped> {
+    let radii = points.support_radii();
+    let found = (points.samples.len()..end).into_par_iter().map(|i| {
+        watch.step(1)?;
+        Ok(samples_of(surfaces, points, i, radii[i]))
+    });
+    let found: Vec<u8> = found.collect::<Result<_, Stopped>>()?;
+    points.samples.extend(found);
+    Ok(())
+}
+
+/// One bit a sample.
+fn samples_of<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, i: usize, radius: f32) -> u8 {
+    let point: &SurfacePoint = &points.points[i];
+    let cuts = points.cuts_of(i);
+    let above = point.position + point.normal * (LIFT * radius).max(surfaces.epsilon_at(point.position));
+    let belongs = |sample: u32| {
+        let offset = offset(sample, point.normal, radius);
+        let place = point.position + offset;
+        if cuts.iter().any(|cut| cut.ends(offset)) || surfaces.transmittance(above, place).element_sum() < 1.5
+        {
+            return false;
+        }
+        let down = Ray {
+            origin: place,
+            direction: -point.normal,
+            max_distance: (LIFT + DEPTH) * radius,
+            spread: Ray::VISIBILITY,
+        };
+        let below = surfaces.cast(&down, mix(i as u64) as u32);
+        below.is_some_and(|hit| hit.faces(down.direction) && likeness(hit.normal.dot(point.normal)) > 0.0)
+    };
+    (0..SAMPLES).filter(|sample| belongs(*sample)).fold(0, |bits, sample| bits | 1 << sample)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh::TriangleSurfaces;
+    use crate::sampling::{PointLevel, cut};
+    use crate::scene;
+    use glam::{DVec3, Vec3, dvec3};
+
+    /// The samples of a floor point with a support of 40 cm, world space.
+    fn on_the_floor(name: &str, place: DVec3) -> u32 {
+        let scene = scene::load(name).unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        let position = (place - DVec3::from(scene.origin)).as_vec3();
+        let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y };
+        let level = PointLevel { first: 0, count: 1, disk_radius: 0.2, support_radius: 0.4 };
+        let mut points = Points { levels: vec![level], points: vec![point], ..Points::default() };
+        cut(&surfaces, &mut points, 1, &()).unwrap();
+        footprint(&surfaces, &mut points, 1, &()).unwrap();
+        points.samples[0].count_ones()
+    }
+
+    #[test]
+    fn all_samples_belong_to_an_open_floor_and_those_behind_a_wall_do_not() {
+        assert_eq!(on_the_floor("builtin:two-rooms", dvec3(-2.0, 0.0, 2.0)), SAMPLES);
+        let beside = on_the_floor("builtin:two-rooms", dvec3(-0.04, 0.0, 2.0));
+        assert!((2..=6).contains(&beside), "{beside}");
+    }
+}

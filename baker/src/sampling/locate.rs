@@ -1,0 +1,143 @@
+//! Locates the particle emitter of a scene: viewpoints, and whether the scene is open to the sky.
+
+use super::candidates::Candidates;
+use super::emitter::ParticleEmitter;
+use super::particle::{bounced, from_viewpoint};
+use super::viewpoint;
+use crate::geometry::{Hit, Ray, Surfaces};
+use crate::random::{Stream, mix};
+use glam::Vec3;
+
+/// A scene is open if more than this share of what its surfaces send leaves it. Of rooms and courts it is under 0.04, of a
+/// box without a front 0.11; of objects and landscapes 0.3 to 1.
+const OPEN: f32 = 0.2;
+/// Or if fewer of the directions around the best viewpoints that can be found end on a surface: in rooms 0.87 and more, in
+/// whatever is hollow or thin under 0.7.
+const ALL_AROUND: f32 = 0.75;
+/// Or if surfaces are nearer than so many metres on average: nobody fits in. glTF counts in metres.
+const ROOMY: f32 = 0.4;
+/// What shows fronts to the outside is an object, too, if surfaces within are nearer than so many metres on average, or
+/// if less than this share of them is level or upright, as floors and walls are: 0.12 in a vase, 0.8 and more in rooms.
+const NARROW: f32 = 0.7;
+const BUILT: f32 = 0.3;
+/// Heights of unit normals between level and upright.
+const UPRIGHT: std::ops::Range<f32> = 0.1..0.99;
+/// Rays from around the part that has the detail, and the share of them that end beside it in a landscape.
+const LANDSCAPE: (u64, f32) = (1024, 0.1);
+/// The least share of fronts among what is seen from around an object.
+const SOLID: f32 = 0.95;
+/// Particles that tell, and their bounces.
+const PARTICLES: u64 = 4096;
+const BOUNCES: u32 = 8;
+
+impl ParticleEmitter {
+    /// These viewpoints, local space.
+    pub fn at<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: Vec<Vec3>, seed: u64) -> Self {
+        let is_open = Outlook::new(surfaces, &viewpoints, seed).is_open() || is_landscape(surfaces, seed);
+        Self { viewpoints, is_open, ..Self::default() }
+    }
+
+    /// Found without help. `lights` are the lamps' places, local space, which are inside rooms as a rule. `None` where no
+    /// surface's reflecting side can be seen.
+    pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> Option<Self> {
+        let viewpoints = viewpoint::find(surfaces, lights, seed);
+        let outlook = Outlook::new(surfaces, &viewpoints, seed);
+        let is_open = outlook.is_open()
+            || outlook.seen < ALL_AROUND
+            || is_landscape(surfaces, seed)
+            || (outlook.is_rounded() && is_solid(surfaces, seed));
+        let vantage = Self { viewpoints, is_open, ..Self::default() };
+        let sees_any = !Candidates::new(surfaces, &vantage, seed).batch().is_empty();
+        sees_any.then_some(vantage)
+    }
+}
+
+/// Whether the part that has the detail stands on something far larger: rays towards it, from anywhere around, end beside it.
+fn is_landscape<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> bool {
+    let (low, high) = surfaces.main_part();
+    if (low, high) == surfaces.bounds() {
+        return false;
+    }
+    let is_beside =
+        |hit: &(Hit, bool)| hit.1 && (hit.0.position.cmplt(low).any() || hit.0.position.cmpgt(high).any());
+    let beside = from_around(surfaces, seed).filter(is_beside).count();
+    beside as f32 > LANDSCAPE.1 * LANDSCAPE.0 as f32
+}
+
+/// Whether what is seen from anywhere around are fronts, as of a vase; of the box of a room these are backs.
+fn is_solid<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> bool {
+    let (fronts, backs): (Vec<bool>, Vec<bool>) =
+        from_around(surfaces, seed).map(|hit| hit.1).partition(|front| *front);
+    fronts.len() as f32 > SOLID * (fronts.len() + backs.len()) as f32
+}
+
+/// What rays towards the part that has the detail meet, from anywhere around, and whether a reflecting side.
+fn from_around<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> impl Iterator<Item = (Hit, bool)> {
+    let (low, high) = surfaces.main_part();
+    let (middle, radius) = (0.5 * (low + high), (high - low).length());
+    (0..LANDSCAPE.0).filter_map(move |i| {
+        let mut stream = Stream::new(seed ^ 0x706c_6169, i);
+        let direction = stream.sphere();
+        let (across, up) = direction.any_orthonormal_pair();
+        let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sin_cos();
+        let offset = (across * cos + up * sin) * stream.unit().sqrt() - direction;
+        let ray = Ray::visibility(middle + offset * radius, direction);
+        let hit = surfaces.cast(&ray, mix(stream.bits()) as u32)?;
+        Some((hit, hit.faces(direction)))
+    })
+}
+
+/// What is seen from some viewpoints.
+struct Outlook {
+    /// The share of directions in which a reflecting side is.
+    seen: f32,
+    /// How far away that is on average, scene units.
+    distance: f32,
+    /// The share of what surfaces send to each other and to the sky that leaves the scene.
+    left: f32,
+    /// The share of what is seen that is level or upright.
+    built: f32,
+}
+
+impl Outlook {
+    fn is_open(&self) -> bool {
+        self.left > OPEN || self.distance < ROOMY
+    }
+
+    /// Whether it is like the inside of a vessel, not like a room.
+    fn is_rounded(&self) -> bool {
+        self.built < BUILT || self.distance < NARROW
+    }
+
+    fn new<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: &[Vec3], seed: u64) -> Self {
+        let (mut seen, mut distance, mut built) = (0u32, 0.0, 0u32);
+        let (mut sent, mut left) = (0u32, 0u32);
+        for (particle, viewpoint) in (0..PARTICLES).zip(viewpoints.iter().cycle()) {
+            let mut stream = Stream::new(seed ^ 0x6f70_656e, particle);
+            let mut ray = from_viewpoint(*viewpoint, &mut stream);
+            for bounce in 0..BOUNCES {
+                let seed = mix(stream.bits()) as u32;
+                let hit = if bounce == 0 { surfaces.see(&ray, seed) } else { surfaces.cast(&ray, seed) };
+                if bounce > 0 {
+                    sent += 1;
+                    left += hit.is_none() as u32;
+                }
+                let Some(hit) = hit.filter(|hit| hit.faces(ray.direction)) else { break };
+                if bounce == 0 {
+                    seen += 1;
+                    distance += hit.distance;
+                    let up = hit.geometric_normal.y.abs();
+                    built += (!UPRIGHT.contains(&up)) as u32;
+                }
+                let Some(on) = bounced(&hit, surfaces.epsilon_at(hit.position), &mut stream) else { break };
+                ray = on;
+            }
+        }
+        Self {
+            seen: seen as f32 / PARTICLES as f32,
+            distance: distance / seen.max(1) as f32,
+            left: left as f32 / sent.max(1) as f32,
+            built: built as f32 / seen.max(1) as f32,
+        }
+    }
+}

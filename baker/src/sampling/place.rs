@@ -1,0 +1,406 @@
+//! All levels of points.
+
+use super::candidates::Candidates;
+use super::emitter::ParticleEmitter;
+use super::fill::fill;
+use super::focus::{Focus, WORTH_IT, regions};
+use super::poisson_disk::DartBoard;
+use super::{PointLevel, Points, SurfacePoint};
+use crate::geometry::{Ray, Surfaces};
+use crate::morton;
+use crate::random::Stream;
+use crate::watch::{Stopped, Watch};
+use glam::Vec3;
+use rayon::prelude::*;
+use rebounce_shared::interpolation::MAX_POINTS;
+use rebounce_shared::rbn::MAX_LEVELS;
+
+/// How points are placed.
+#[derive(Clone, Debug)]
+pub struct PlaceSettings {
+    /// Number of levels.
+    pub levels: usize,
+    /// Poisson-disk radius of level 0, scene units; `None`: chosen for `functions`.
+    pub coarse_radius: Option<f32>,
+    /// About how many functions the finest level shall have.
+    pub functions: usize,
+    /// Support over disk radius on all levels but the finest.
+    pub coarse_overlap: f32,
+    /// Support over disk radius on the finest level.
+    pub fine_overlap: f32,
+    /// A level ends when its last few points took so many candidates each.
+    pub patience: u64,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+impl Default for PlaceSettings {
+    /// The paper's numbers, but for the overlap of the finest level, and `patience`: the paper ends a level after 2,000
+    /// failures in a row, which by chance may come early or late.
+    fn default() -> Self {
+        Self {
+            levels: 6,
+            coarse_radius: None,
+            functions: 120_000,
+            coarse_overlap: 1.5,
+            fine_overlap: 2.0,
+            patience: 250,
+            seed: 1,
+        }
+    }
+}
+
+/// Why points could not be placed.
+#[derive(Debug, thiserror::Error)]
+pub enum PlaceError {
+    /// Particles from the viewpoint met no reflecting surface.
+    #[error(
+        "no surface can be seen from the viewpoint ({0}, {1}, {2}): give one inside the scene with --viewpoint x,y,z (are the surfaces one-sided and facing away?)"
+    )]
+    NothingSeen(f32, f32, f32),
+    /// More points than a file can hold.
+    #[error(
+        "over {MAX_POINTS} basis functions: bake with fewer --functions, fewer --levels or a larger --coarse-radius"
+    )]
+    TooMany,
+    /// Level 0 could have no two points.
+    #[error(
+        "a --coarse-radius of {0} is none for a scene that is {1} across: give one between, or --functions"
+    )]
+    Radius(f32, f32),
+    /// Somebody asked for it.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+/// Candidates that are sorted out together: on a coarse level most of many would be in each other's way, and whether
+/// they are in a tight place takes rays.
+const THROWN: usize = 1024;
+/// Shares of a try.
+const SHARES: u64 = 16;
+/// Points by which a level's end is told: so many that chance does not decide.
+const LAST: usize = 16;
+/// Candidates after which a level is left empty.
+const MOST_TRIED: u64 = 1_000_000;
+/// Rays for the harmonic mean distance.
+const HARMONIC_RAYS: u32 = 32;
+
+/// Places the points of all levels for what is seen from a vantage. A unit of `watch` is a point.
+///
+/// # Errors
+/// [`PlaceError`].
+pub fn place<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    vantage: &ParticleEmitter,
+    settings: &PlaceSettings,
+    watch: &dyn Watch,
+) -> Result<Points, PlaceError> {
+    let mut placer = Placer::new(surfaces, vantage, settings)?;
+    for _ in 0..placer.levels() {
+        placer.level(watch)?;
+    }
+    Ok(placer.points)
+}
+
+/// Where placing goes on after a level: with the level's points all that the next ones depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedMark {
+    /// Poisson-disk radius of level 0, scene units.
+    pub coarse_radius: f32,
+    /// The first particle that has not been traced.
+    pub next_particle: u64,
+}
+
+/// Places points level by level, coarsest first.
+pub struct Placer<'a, S: Surfaces + ?Sized> {
+    surfaces: &'a S,
+    settings: &'a PlaceSettings,
+    source: Candidates<'a, S>,
+    /// Candidates for the next level, traced already.
+    pool: Vec<SurfacePoint>,
+    coarse_radius: f32,
+    /// Where points are fine, if not everywhere.
+    focus: Option<Focus>,
+    /// How many levels there will be.
+    levels: usize,
+    points: Points,
+}
+
+impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
+    /// Looks at the scene and chooses the radii.
+    ///
+    /// # Errors
+    /// [`PlaceError::NothingSeen`].
+    pub fn new(
+        surfaces: &'a S,
+        vantage: &'a ParticleEmitter,
+        settings: &'a PlaceSettings,
+    ) -> Result<Self, PlaceError> {
+        let mut source = Candidates::new(surfaces, vantage, settings.seed);
+        let mut pool = pool(&mut source);
+        if pool.is_empty() {
+            let first = vantage.viewpoints.first().copied().unwrap_or_default();
+            return Err(PlaceError::NothingSeen(first.x, first.y, first.z));
+        }
+        let mut coarse_radius = match settings.coarse_radius {
+            Some(radius) => check_radius(radius, surfaces.bounds(), &pool, settings)?,
+            None => coarse_radius_for(&pool, settings),
+        };
+        let (mut focus, mut levels) = (None, settings.levels);
+        let regions = regions(surfaces, vantage, settings.seed);
+        if settings.coarse_radius.is_none() && !regions.is_empty() {
+            let mut around = Candidates::new(surfaces, vantage, settings.seed).around(&regions);
+            let places = self::pool(&mut around);
+            let uniform = coarse_radius / (1u64 << (levels - 1)) as f32;
+            let (low, high) = surfaces.main_part();
+            let is_part = (low, high) != surfaces.bounds();
+            let most = if is_part { (high - low).length() } else { uniform / WORTH_IT };
+            let (count, coarser) = counted(settings);
+            focus = Focus::new(regions, &places, count, coarser, most);
+            if let Some(focus) = &focus {
+                // Further levels, so that the coarsest is coarse enough for all.
+                let most = places.iter().map(|p| focus.needed(p.position)).fold(0.0, f32::max);
+                let above = (most / focus.finest()).log2().ceil().max(0.0) as usize + 1;
+                levels = above.clamp(levels, MAX_LEVELS);
+                coarse_radius = focus.finest() * (1u64 << (levels - 1)) as f32;
+                (source, pool) = (around, places);
+            }
+        }
+        Ok(Self { surfaces, settings, source, pool, coarse_radius, focus, levels, points: Points::default() })
+    }
+
+    /// How many levels there will be: more than asked for where points are fine in places.
+    pub fn levels(&self) -> usize {
+        self.levels
+    }
+
+    /// Whether points of a level may be at a place.
+    fn fits(&self, level: usize, candidate: &SurfacePoint) -> bool {
+        let radius = self.disk_radius(level);
+        let is_needed = |level: usize| match &self.focus {
+            Some(focus) if level > 0 => focus.needs(candidate.position, self.disk_radius(level)),
+            _ => true,
+        };
+        // The finest level of a place must cover it.
+        is_needed(level)
+            && (level + 1 == self.levels
+                || !is_needed(level + 1)
+                || !is_tight(self.surfaces, candidate, radius))
+    }
+
+    /// The levels so far.
+    pub fn points(&self) -> &Points {
+        &self.points
+    }
+
+    /// The levels so far.
+    pub fn into_points(self) -> Points {
+        self.points
+    }
+
+    /// Where the next level goes on.
+    pub fn mark(&self) -> PlacedMark {
+        PlacedMark { coarse_radius: self.coarse_radius, next_particle: self.source.next_particle() }
+    }
+
+    /// Takes over the next level's points, placed before; `mark` is what [`Self::mark`] said then.
+    pub fn take_over(&mut self, points: Vec<SurfacePoint>, mark: PlacedMark) {
+        self.pool.clear();
+        self.coarse_radius = mark.coarse_radius;
+        self.source.go_on_at(mark.next_particle);
+        self.push(points);
+    }
+
+    /// Places the next level. A unit of `watch` is a point.
+    ///
+    /// # Errors
+    /// [`PlaceError`].
+    pub fn level(&mut self, watch: &dyn Watch) -> Result<(), PlaceError> {
+        let (surfaces, settings) = (self.surfaces, self.settings);
+        let l = self.points.levels.len();
+        let disk_radius = self.disk_radius(l);
+        let mut board = DartBoard::new(disk_radius);
+        // Tries, in shares: one of a place that needs no points of this level counts less.
+        let mut tried = 0;
+        // How many had been tried when each of the last few points came.
+        let mut lately = [0; LAST];
+        let mut batch = std::mem::take(&mut self.pool);
+        'level: loop {
+            let before = board.len();
+            for part in batch.chunks(THROWN) {
+                // In parallel, sort out what cannot pass; then, in order, throw what is left.
+                let looked_at = |candidate: &SurfacePoint| {
+                    let is_free = board.is_free(candidate);
+                    let is_hopeful = is_free && self.fits(l, candidate);
+                    (is_hopeful, if is_free && !is_hopeful && self.focus.is_some() { 1 } else { SHARES })
+                };
+                let hopeful: Vec<(bool, u64)> = part.par_iter().map(looked_at).collect();
+                for (candidate, (hopeful, shares)) in part.iter().zip(hopeful) {
+                    tried += shares;
+                    let oldest = board.len() % LAST;
+                    // Of few points, the latest.
+                    let since = if board.len() < LAST { (oldest + LAST - 1) % LAST } else { oldest };
+                    if hopeful && board.is_free(candidate) {
+                        board.insert(*candidate);
+                        lately[oldest] = tried;
+                    } else if tried - lately[since] >= SHARES * settings.patience * LAST as u64
+                        && !board.is_empty()
+                    {
+                        break 'level;
+                    }
+                }
+            }
+            watch.step((board.len() - before) as u64)?;
+            self.within_limit(board.len())?;
+            if tried > SHARES * MOST_TRIED && board.is_empty() {
+                break;
+            }
+            batch = self.source.batch();
+        }
+        let thrown = board.len();
+        let fits = |candidate: &SurfacePoint| self.fits(l, candidate);
+        fill(surfaces, &mut board, disk_radius, settings.seed, fits, watch)?;
+        watch.step((board.len() - thrown) as u64)?;
+        self.within_limit(board.len())?;
+        let mut points = board.into_points();
+        let (low, high) = surfaces.bounds();
+        points.sort_by_cached_key(|p| morton::code(p.position, low, high));
+        self.push(points);
+        Ok(())
+    }
+
+    /// So many more points can be held.
+    fn within_limit(&self, more: usize) -> Result<(), PlaceError> {
+        if self.points.points.len() + more > MAX_POINTS { Err(PlaceError::TooMany) } else { Ok(()) }
+    }
+
+    fn disk_radius(&self, level: usize) -> f32 {
+        self.coarse_radius / (1u64 << level) as f32
+    }
+
+    fn push(&mut self, points: Vec<SurfacePoint>) {
+        let l = self.points.levels.len();
+        let finest = l + 1 == self.levels;
+        let overlap = if finest { self.settings.fine_overlap } else { self.settings.coarse_overlap };
+        self.points.levels.push(PointLevel {
+            first: self.points.points.len(),
+            count: points.len(),
+            disk_radius: self.disk_radius(l),
+            support_radius: overlap * self.disk_radius(l),
+        });
+        self.points.points.extend(points);
+    }
+}
+
+/// Functions of a level over those of the level before: under 4, because rooms are full of small
+/// things that coarse functions cover less well. Measured on furnished rooms and halls: 3.5 to 4.
+const GROWTH: f32 = 3.6;
+/// About how many points each level will have.
+pub fn expected_counts(settings: &PlaceSettings) -> Vec<f64> {
+    let finest = settings.levels.saturating_sub(1);
+    let count = |level: usize| settings.functions as f64 / (GROWTH as f64).powi((finest - level) as i32);
+    (0..settings.levels).map(count).collect()
+}
+
+/// The level whose functions are counted to choose the radii: fine enough to know the surface's
+/// area, coarse enough for a pool of candidates to fill it.
+const COUNTED_LEVEL: usize = 2;
+
+/// The radius of level 0 that gives the finest level about as many functions as wanted.
+fn coarse_radius_for(pool: &[SurfacePoint], settings: &PlaceSettings) -> f32 {
+    let (count, coarser) = counted(settings);
+    let finest = (1u64 << settings.levels.saturating_sub(1)) as f32;
+    radius_for(pool, count) * (finest / coarser)
+}
+
+/// About how many functions the counted level has, and how much coarser they are than the finest.
+fn counted(settings: &PlaceSettings) -> (usize, f32) {
+    let above = settings.levels.saturating_sub(1).saturating_sub(COUNTED_LEVEL) as i32;
+    let count = settings.functions as f32 / GROWTH.powi(above);
+    (count.max(1.0) as usize, 2f32.powi(above))
+}
+
+/// Candidates to look at the scene by.
+fn pool<S: Surfaces + ?Sized>(source: &mut Candidates<S>) -> Vec<SurfacePoint> {
+    let mut pool = Vec::new();
+    for _ in 0..64 {
+        pool.extend(source.batch());
+        if pool.len() > 40_000 {
+            break;
+        }
+    }
+    pool
+}
+
+/// A radius of level 0 that was given: smaller than the scene, and so large that its functions can be held.
+fn check_radius(
+    radius: f32,
+    (low, high): (Vec3, Vec3),
+    pool: &[SurfacePoint],
+    settings: &PlaceSettings,
+) -> Result<f32, PlaceError> {
+    let diagonal = (high - low).length();
+    if !(radius > 0.0 && radius < diagonal) {
+        return Err(PlaceError::Radius(radius, diagonal));
+    }
+    // As many times more functions as their disks are smaller.
+    let few = PlaceSettings { functions: FEW, ..settings.clone() };
+    let times = (coarse_radius_for(pool, &few) as f64 / radius as f64).powi(2);
+    // What is expected is about right: it is left to placing where it is near.
+    if FEW as f64 * times > 4.0 * MAX_POINTS as f64 { Err(PlaceError::TooMany) } else { Ok(radius) }
+}
+
+/// Functions by which the number of others is told.
+const FEW: usize = 10_000;
+
+/// The disk radius at which throwing these candidates leaves about `count` points.
+fn radius_for(pool: &[SurfacePoint], count: usize) -> f32 {
+    let (low, high) = pool
+        .iter()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p.position), h.max(p.position)));
+    let diagonal = (high - low).length().max(f32::MIN_POSITIVE);
+    let thrown = |radius: f32| {
+        let mut board = DartBoard::new(radius);
+        for candidate in pool {
+            if board.is_free(candidate) {
+                board.insert(*candidate);
+                if board.len() > 4 * count {
+                    break;
+                }
+            }
+        }
+        board.len()
+    };
+    // Bisection of the radius on a logarithmic scale: the count falls as the radius grows.
+    let (mut small, mut large) = (diagonal * 1e-3, diagonal);
+    // Where something small lies far away from all else, disks are smaller still.
+    while thrown(small) < count.min(pool.len() / 4) && small > diagonal * 1e-7 {
+        (small, large) = (small * 1e-2, small);
+    }
+    for _ in 0..12 {
+        let middle = (small * large).sqrt();
+        if thrown(middle) > count { small = middle } else { large = middle }
+    }
+    large
+}
+
+/// True in places too tight for functions of this size: the harmonic mean distance to nearby
+/// geometry, by rays of length 3R, is under R/6 (paper, section 2.3).
+fn is_tight<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, disk_radius: f32) -> bool {
+    let length = 3.0 * disk_radius;
+    let p = point.position;
+    let name = (p.x.to_bits() as u64) ^ (p.y.to_bits() as u64) << 20 ^ (p.z.to_bits() as u64) << 40;
+    let mut stream = Stream::new(name, 1);
+    let mut inverse_sum = 0.0;
+    for i in 0..HARMONIC_RAYS {
+        let mut direction = stream.sphere();
+        if direction.dot(point.geometric_normal) < 0.0 {
+            direction = -direction;
+        }
+        let origin = point.position + point.geometric_normal * surfaces.epsilon_at(point.position);
+        let ray = Ray { origin, direction, max_distance: length, spread: Ray::VISIBILITY };
+        let distance = surfaces.cast(&ray, i).map_or(length, |hit| hit.distance);
+        inverse_sum += 1.0 / distance.max(1e-4 * length);
+    }
+    (HARMONIC_RAYS as f32) / inverse_sum < disk_radius / 6.0
+}

@@ -1,0 +1,49 @@
+//! KHR_lights_punctual.
+//!
+//! Read from the raw extension: in the crate's own form of it numbers have 32 bits and types that it does not know have
+//! no name.
+
+use serde::Deserialize;
+
+/// The extension's name.
+pub(super) const NAME: &str = "KHR_lights_punctual";
+
+/// A light as the file has it; nodes place it.
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct PunctualLight {
+    pub name: Option<String>,
+    #[serde(rename = "type")]
+    pub kind: String,
+    pub color: [f64; 3],
+    /// Candela, of directional lights lux.
+    pub intensity: f64,
+    pub spot: Spot,
+}
+
+impl Default for PunctualLight {
+    fn default() -> Self {
+        Self { name: None, kind: String::new(), color: [1.0; 3], intensity: 1.0, spot: Spot::default() }
+    }
+}
+
+/// Angles between a spot's axis and the edges of its cones, radians.
+#[derive(Debug, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Spot {
+    pub inner_cone_angle: f64,
+    pub outer_cone_angle: f64,
+}
+
+impl Default for Spot {
+    fn default() -> Self {
+        Self { inner_cone_angle: 0.0, outer_cone_angle: std::f64::consts::FRAC_PI_4 }
+    }
+}
+
+/// The file's lights.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Lights {
+    pub lights: Vec<PunctualLight>,
+}

@@ -1,0 +1,120 @@
+//! The rays of one receiver's hemispherical gather, in the order in which they are cast.
+
+use super::directions::Directions;
+use super::ray_sort::cells;
+use crate::geometry::Ray;
+#[cfg(target_arch = "x86_64")]
+use crate::processor;
+use crate::random::mix;
+use crate::sampling::SurfacePoint;
+use glam::Vec3;
+
+/// The rays of some gathers, one after the other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GatherRays {
+    /// What is cast, and what decides on what transparent surfaces do.
+    pub rays: Vec<(Ray, u32)>,
+    /// What each ray counts: cosine times weight, over the sum of that over all directions.
+    pub shares: Vec<f32>,
+    /// The [cell](super::order) of each ray's direction.
+    pub cells: Vec<u16>,
+}
+
+impl GatherRays {
+    /// Takes all rays out.
+    pub fn clear(&mut self) {
+        self.rays.clear();
+        self.shares.clear();
+        self.cells.clear();
+    }
+}
+
+/// Adds the rays of a receiver to `out`: those of `directions` around its shading normal that leave its true
+/// surface. `epsilon` is [`Surfaces::epsilon`](crate::geometry::Surfaces::epsilon). A closed white room's shares sum to 1.
+pub fn gather_rays(
+    point: &SurfacePoint,
+    receiver: usize,
+    seed: u64,
+    epsilon: f32,
+    directions: &Directions,
+    out: &mut GatherRays,
+) {
+    let gather = Gather { point, receiver, seed, epsilon, directions };
+    #[cfg(target_arch = "x86_64")]
+    if processor::has_avx2() {
+        // SAFETY: the processor has AVX2.
+        #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
+        return unsafe { gather.rays_avx2(out) };
+    }
+    gather.rays(out);
+}
+
+/// What [`gather_rays`] is told.
+struct Gather<'a> {
+    point: &'a SurfacePoint,
+    receiver: usize,
+    seed: u64,
+    epsilon: f32,
+    directions: &'a Directions,
+}
+
+impl Gather<'_> {
+    /// Eight at a time.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn rays_avx2(&self, out: &mut GatherRays) {
+        self.rays(out);
+    }
+
+    #[inline(always)]
+    fn rays(&self, out: &mut GatherRays) {
+        let Self { point, directions, .. } = *self;
+        let origin = point.position + point.geometric_normal * self.epsilon;
+        let name = mix(self.seed) ^ (self.receiver as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let first = out.shares.len();
+        // The square root of the solid angle that each stands for.
+        let spread = (std::f32::consts::TAU / directions.len() as f32).sqrt();
+        let mut total = 0.0;
+        let mut number = 0;
+        for block in directions.blocks(point.normal, self.receiver, self.seed) {
+            let [x, y, z] = block.direction;
+            let cells = cells(&block.direction);
+            for i in 0..block.len {
+                let (direction, share) = (Vec3::new(x[i], y[i], z[i]), block.share[i]);
+                total += share;
+                if direction.dot(point.geometric_normal) > 0.0 {
+                    let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread };
+                    out.rays.push((ray, mix(name ^ number) as u32));
+                    out.shares.push(share);
+                    out.cells.push(cells[i]);
+                }
+                number += 1;
+            }
+        }
+        // Dividing by this sum instead of the number of rays makes a closed white room exact.
+        out.shares[first..].iter_mut().for_each(|share| *share /= total);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    /// A bake has the same bytes whatever the processor has.
+    #[test]
+    fn rays_do_not_depend_on_how_many_are_made_at_a_time() {
+        let mut stream = Stream::new(3, 3);
+        for (receiver, count) in [1, 5, 8, 250, 512, 4096].into_iter().enumerate() {
+            let directions = Directions::new(count);
+            let (normal, geometric_normal) = (stream.sphere(), stream.sphere());
+            let point = SurfacePoint { position: stream.sphere(), normal, geometric_normal };
+            let (mut told, mut plain) = (GatherRays::default(), GatherRays::default());
+            gather_rays(&point, receiver, 7, 0.01, &directions, &mut told);
+            let point = &point;
+            Gather { point, receiver, seed: 7, epsilon: 0.01, directions: &directions }.rays(&mut plain);
+            assert_eq!(told, plain);
+            assert!(told.rays.len() <= count as usize && (count < 8 || !told.rays.is_empty()));
+        }
+    }
+}

@@ -1,0 +1,379 @@
+//! The series of bounces C + C² + … between coarse points, for a few columns at a time.
+//!
+//! All bounces together are what light settles to: X = B + C X, with B = C E the first of them. Summed one by one, what is
+//! left shrinks by the share λ that a bounce keeps; here it does by about λ / (1 + √(1 - λ²)) with each sweep over the
+//! rows, 0.41 instead of 0.7: Chebyshev's iteration (Golub and Varga 1961), which is for matrices with real eigenvalues
+//! between -λ and λ. C, times the points' reflectance, is like a symmetric one, as light goes both ways alike, but for its
+//! noise. A given number of bounces is summed one by one, by the same sweeps.
+
+use super::accumulator::IrradianceRow;
+use crate::processor;
+use crate::watch::{Stopped, Watch};
+use glam::Vec3;
+
+/// Coarse points whose light travels together.
+pub const BATCH: usize = 16;
+/// The light has settled when what is still to come is under this share of what has, by what is left and the share that a
+/// bounce keeps: an upper bound; 0.002 of the light is off in a kitchen, 0.005 in a hall.
+const SETTLED: f32 = 0.02;
+/// No more sweeps than this.
+const MOST_SWEEPS: u32 = 64;
+/// It never will when so many times as much is left as was once: noise can make more of the light in white rooms than
+/// there was.
+const UNSETTLED: f32 = 4.0;
+/// Bounces by which the share is measured that a bounce keeps, and what it is taken for at most.
+const MEASURED: u32 = 12;
+const MOST_KEPT: f32 = 0.98;
+
+/// Irradiance at a point: red, green and blue, of each column of a batch. Whole cache lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Light(pub [[f32; BATCH]; 3]);
+
+impl Light {
+    const NONE: Self = Self([[0.0; BATCH]; 3]);
+}
+
+/// An operator's coarse rows, for the series.
+pub struct Series<'a> {
+    rows: &'a [IrradianceRow],
+    /// For each point those that get light from it, and how much.
+    columns: Vec<IrradianceRow>,
+    tints: &'a [Vec3],
+    /// Bounces that light has when the links have taken it on; `None`: all.
+    wanted: Option<u32>,
+    /// Share of the light that a bounce keeps.
+    kept: f32,
+}
+
+/// Where an iteration is.
+struct State {
+    /// The sum so far, without what is left.
+    sum: Vec<Light>,
+    /// What is left: the residual B - (1 - C) X.
+    left: Vec<Light>,
+    /// By what the sum grows next.
+    step: Vec<Light>,
+    /// The same as the points send it, in their colours; and room for the next.
+    sent: [Vec<Light>; 2],
+}
+
+/// What the next step is made of: so much of the last one, and of what is left.
+type Mix = [f32; 2];
+
+impl<'a> Series<'a> {
+    /// Between points with these rows and tints.
+    pub fn new(rows: &'a [IrradianceRow], tints: &'a [Vec3], wanted: Option<u32>) -> Self {
+        let mut columns = vec![IrradianceRow::new(); rows.len()];
+        for (receiver, row) in (0..).zip(rows) {
+            for &(sender, transfer) in row {
+                columns[sender as usize].push((receiver, transfer));
+            }
+        }
+        Self { rows, columns, tints, wanted, kept: kept(rows, tints) }
+    }
+
+    /// Unit light at some coarse points, at most [`BATCH`]: the irradiance of its bounces on every coarse point, the light
+    /// itself not counted; and the bounces that it has when the links have taken it on.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn columns(&self, senders: &[u32], watch: &dyn Watch) -> Result<(Vec<Light>, u32), Stopped> {
+        let none = || vec![Light::NONE; self.rows.len()];
+        // One bounce on the way here (F), one on the way to the receivers (T).
+        if self.wanted.is_some_and(|wanted| wanted <= 2) {
+            return Ok((none(), 2));
+        }
+        let first = self.first(senders);
+        let mut state = State { sum: none(), step: first.clone(), left: first, sent: [none(), none()] };
+        for ((sent, step), tint) in state.sent[0].iter_mut().zip(&state.step).zip(self.tints) {
+            *sent = tinted(step, *tint);
+        }
+        let mut mixes = Mixes::new(self.kept);
+        let mut sweeps = 0;
+        let most = self.wanted.map_or(MOST_SWEEPS, |wanted| wanted - 3);
+        let to_come = self.kept / (1.0 - self.kept);
+        let mut least = f32::INFINITY;
+        while sweeps < most {
+            watch.step(0)?;
+            // What is left of a sum of some bounces is the last one, which is the next step.
+            let mix = if self.wanted.is_some() { [0.0, 1.0] } else { mixes.next() };
+            let [left, sum] = self.sweep(&mut state, mix);
+            sweeps += 1;
+            least = least.min(left);
+            let ends = to_come * left <= SETTLED * sum || left > UNSETTLED * least;
+            if left == 0.0 || (ends && self.wanted.is_none()) {
+                break;
+            }
+        }
+        // What is left has come, too; of the dark some is a little less than none.
+        for (sum, left) in state.sum.iter_mut().zip(&state.left) {
+            for (sum, left) in sum.0.as_flattened_mut().iter_mut().zip(left.0.as_flattened()) {
+                *sum = (*sum + left).max(0.0);
+            }
+        }
+        Ok((state.sum, 3 + sweeps))
+    }
+
+    /// The first bounce, of unit light at these points.
+    fn first(&self, senders: &[u32]) -> Vec<Light> {
+        let mut first = vec![Light::NONE; self.rows.len()];
+        for (b, sender) in senders.iter().enumerate() {
+            let tint = self.tints[*sender as usize].to_array();
+            for (receiver, transfer) in &self.columns[*sender as usize] {
+                for (lane, tint) in first[*receiver as usize].0.iter_mut().zip(tint) {
+                    lane[b] += transfer * tint;
+                }
+            }
+        }
+        first
+    }
+
+    /// Takes a step and works out the next; how much is left, and the sum.
+    fn sweep(&self, state: &mut State, mix: Mix) -> [f32; 2] {
+        #[cfg(target_arch = "x86_64")]
+        if processor::has_avx512() {
+            // SAFETY: the processor has AVX-512.
+            #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
+            return unsafe { sweep_avx512(self.rows, self.tints, state, mix) };
+        } else if processor::has_avx2() {
+            // SAFETY: the processor has AVX2.
+            #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
+            return unsafe { sweep_avx2(self.rows, self.tints, state, mix) };
+        }
+        sweep(self.rows, self.tints, state, mix)
+    }
+}
+
+/// The share of light that a bounce keeps: of light that is everywhere, after some bounces, of the channel that keeps most.
+fn kept(rows: &[IrradianceRow], tints: &[Vec3]) -> f32 {
+    let total = |light: &[Vec3]| light.iter().sum::<Vec3>();
+    let mut light = vec![Vec3::ONE; rows.len()];
+    let mut kept = Vec3::ZERO;
+    for _ in 0..MEASURED {
+        let bounced = |row: &IrradianceRow| -> Vec3 {
+            row.iter()
+                .map(|(sender, transfer)| *transfer * tints[*sender as usize] * light[*sender as usize])
+                .sum()
+        };
+        let next: Vec<Vec3> = rows.iter().map(bounced).collect();
+        kept = total(&next) / total(&light).max(Vec3::splat(f32::MIN_POSITIVE));
+        light = next;
+    }
+    kept.max_element().clamp(0.0, MOST_KEPT)
+}
+
+/// What the steps of Chebyshev's iteration are made of, one after the other: with its polynomials T, and k bounces done,
+/// `ratio` is T_k(1 / λ) / (λ T_{k + 1}(1 / λ)).
+struct Mixes {
+    kept: f32,
+    ratio: f32,
+}
+
+impl Mixes {
+    fn new(kept: f32) -> Self {
+        Self { kept, ratio: 1.0 }
+    }
+
+    fn next(&mut self) -> Mix {
+        let last = self.kept * self.kept * self.ratio;
+        self.ratio = 1.0 / (2.0 - last);
+        [last * self.ratio, 2.0 * self.ratio]
+    }
+}
+
+/// What a point sends of what it gets.
+#[inline(always)]
+fn tinted(light: &Light, tint: Vec3) -> Light {
+    let mut sent = *light;
+    for (lane, tint) in sent.0.iter_mut().zip(tint.to_array()) {
+        lane.iter_mut().for_each(|x| *x *= tint);
+    }
+    sent
+}
+
+/// The irradiance of one point from what all points send.
+#[inline(always)]
+fn arriving(row: &IrradianceRow, sent: &[Light]) -> Light {
+    let mut sum = [[0f32; BATCH]; 3];
+    for (sender, transfer) in row {
+        let light = sent[*sender as usize].0.as_flattened();
+        for (sum, light) in sum.as_flattened_mut().iter_mut().zip(light) {
+            *sum += transfer * light;
+        }
+    }
+    Light(sum)
+}
+
+#[inline(always)]
+fn sweep(rows: &[IrradianceRow], tints: &[Vec3], state: &mut State, [of_last, of_left]: Mix) -> [f32; 2] {
+    let State { sum, left, step, sent: [sent, next] } = state;
+    let (mut is_left, mut has_come) = ([[0f32; BATCH]; 3], [[0f32; BATCH]; 3]);
+    let points = sum.iter_mut().zip(left).zip(step).zip(next.iter_mut());
+    for (((((sum, left), step), next), row), tint) in points.zip(rows).zip(tints) {
+        let arriving = arriving(row, sent);
+        for c in 0..3 {
+            for b in 0..BATCH {
+                sum.0[c][b] += step.0[c][b];
+                left.0[c][b] += arriving.0[c][b] - step.0[c][b];
+                step.0[c][b] = of_last * step.0[c][b] + of_left * left.0[c][b];
+                is_left[c][b] += left.0[c][b].abs();
+                has_come[c][b] += sum.0[c][b];
+            }
+        }
+        *next = tinted(step, *tint);
+    }
+    std::mem::swap(sent, next);
+    [is_left, has_come].map(|each| each.as_flattened().iter().sum())
+}
+
+/// The same arithmetic in the same order, and so the same numbers, eight at a time.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn sweep_avx2(rows: &[IrradianceRow], tints: &[Vec3], state: &mut State, mix: Mix) -> [f32; 2] {
+    sweep(rows, tints, state, mix)
+}
+
+/// Sixteen at a time.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f")]
+fn sweep_avx512(rows: &[IrradianceRow], tints: &[Vec3], state: &mut State, mix: Mix) -> [f32; 2] {
+    sweep(rows, tints, state, mix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    /// Points that light goes between both ways alike, and that send on so much of it at most.
+    fn points(count: u32, kept: f32) -> (Vec<IrradianceRow>, Vec<Vec3>) {
+        let mut stream = Stream::new(5, count as u64);
+        let mut some = || stream.unit();
+        let areas: Vec<f32> = (0..count).map(|_| 0.5 + some()).collect();
+        let mut rows = vec![vec![0f32; count as usize]; count as usize];
+        for i in 0..count as usize {
+            for k in 0..i {
+                if some() < 0.4 {
+                    let seen = some();
+                    (rows[i][k], rows[k][i]) = (seen * areas[k], seen * areas[i]);
+                }
+            }
+        }
+        let most = rows.iter().map(|row| row.iter().sum::<f32>()).fold(0f32, f32::max);
+        let row = |row: Vec<f32>| {
+            (0..).zip(row).filter(|entry| entry.1 != 0.0).map(|(k, x)| (k, kept * x / most)).collect()
+        };
+        let tints = (0..count).map(|_| Vec3::new(1.0, some(), 0.5 * some())).collect();
+        (rows.into_iter().map(row).collect(), tints)
+    }
+
+    /// The sum of so many bounces of unit light at a point, one by one, in double precision.
+    fn one_by_one(rows: &[IrradianceRow], tints: &[Vec3], sender: usize, bounces: usize) -> Vec<[f64; 3]> {
+        let tint = |k: usize, c: usize| tints[k][c] as f64;
+        let mut light = vec![[0.0; 3]; rows.len()];
+        light[sender] = [1.0; 3];
+        let mut sum = vec![[0.0; 3]; rows.len()];
+        for _ in 0..bounces {
+            let row = |row: &IrradianceRow| {
+                let of = |c: usize| {
+                    let entry =
+                        |(k, x): &(u32, f32)| *x as f64 * tint(*k as usize, c) * light[*k as usize][c];
+                    row.iter().map(entry).sum::<f64>()
+                };
+                [of(0), of(1), of(2)]
+            };
+            light = rows.iter().map(row).collect();
+            for (sum, light) in sum.iter_mut().zip(&light) {
+                (0..3).for_each(|c| sum[c] += light[c]);
+            }
+        }
+        sum
+    }
+
+    /// How far off columns are, over what there is in all.
+    fn off(series: &Series, senders: &[u32], bounces: usize) -> f64 {
+        let (found, _) = series.columns(senders, &()).unwrap();
+        let (mut off, mut all) = (0.0, 0.0);
+        for (b, sender) in senders.iter().enumerate() {
+            let wanted = one_by_one(series.rows, series.tints, *sender as usize, bounces);
+            for (found, wanted) in found.iter().zip(wanted) {
+                for (found, wanted) in found.0.iter().zip(wanted) {
+                    assert!(found[b] >= 0.0);
+                    off += (found[b] as f64 - wanted).abs();
+                    all += wanted;
+                }
+            }
+        }
+        off / all
+    }
+
+    #[test]
+    fn all_bounces_settle_to_what_they_add_up_to() {
+        for (count, kept) in [(60, 0.3), (150, 0.7), (150, 0.95), (90, 1.0)] {
+            let (rows, tints) = points(count, kept);
+            let series = Series::new(&rows, &tints, None);
+            assert!(series.kept <= kept + 1e-6, "{} of {kept}", series.kept);
+            let senders: Vec<u32> = (0..count).step_by(3).take(BATCH).collect();
+            let off = off(&series, &senders, 2000);
+            assert!(off < SETTLED as f64, "{kept}: {off}");
+        }
+    }
+
+    #[test]
+    fn so_many_bounces_are_so_many() {
+        let (rows, tints) = points(80, 0.8);
+        for wanted in 2..8 {
+            let series = Series::new(&rows, &tints, Some(wanted));
+            let (found, bounces) = series.columns(&[3, 4, 7], &()).unwrap();
+            assert_eq!(bounces, wanted);
+            match wanted {
+                2 => assert!(found.iter().all(|light| *light == Light::NONE)),
+                _ => assert!(off(&series, &[3, 4, 7], wanted as usize - 2) < 1e-5, "{wanted}"),
+            }
+        }
+    }
+
+    #[test]
+    fn light_that_no_bounce_takes_anything_from_ends_all_the_same() {
+        // Two mirrors of each other, which see nothing else: what one gives comes back for ever, or more of it.
+        for given in [1.0, 1.01, 1.05, 1.3] {
+            let rows = vec![vec![(1, given)], vec![(0, given)]];
+            let series = Series::new(&rows, &[Vec3::ONE; 2], None);
+            let (found, bounces) = series.columns(&[0], &()).unwrap();
+            assert!(bounces <= 3 + MOST_SWEEPS);
+            let is_some = |light: &Light| light.0[0][0] > 1.0 && light.0[0][0] < 500.0;
+            assert!(found.iter().all(is_some), "{given}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn light_bounces_alike_however_many_numbers_are_added_at_once() {
+        let (rows, tints) = points(90, 0.9);
+        let mut stream = Stream::new(6, 0);
+        let mut some = || -> Vec<Light> {
+            (0..90).map(|_| Light([(); 3].map(|_| [(); BATCH].map(|_| 2.0 * stream.unit() - 0.5)))).collect()
+        };
+        let (sum, left, step) = (some(), some(), some());
+        let sent = [some(), some()];
+        let swept = |sweep: &dyn Fn(&mut State) -> [f32; 2]| -> Vec<u32> {
+            let mut state =
+                State { sum: sum.clone(), left: left.clone(), step: step.clone(), sent: sent.clone() };
+            let ends = sweep(&mut state);
+            let all = [&state.sum, &state.left, &state.step, &state.sent[0]];
+            let lanes = all.into_iter().flatten().flat_map(|light| light.0.as_flattened());
+            lanes.chain(&ends).map(|x| x.to_bits()).collect()
+        };
+        let mix = [0.3, 1.2];
+        let wanted = swept(&|state| sweep(&rows, &tints, state, mix));
+        let series = Series::new(&rows, &tints, None);
+        assert_eq!(swept(&|state| series.sweep(state, mix)), wanted);
+        #[cfg(target_arch = "x86_64")]
+        if processor::has_avx2() {
+            // SAFETY: the processor has AVX2.
+            #[expect(unsafe_code, reason = "what a processor has is known when the test runs")]
+            let found = swept(&|state| unsafe { sweep_avx2(&rows, &tints, state, mix) });
+            assert_eq!(found, wanted);
+        }
+    }
+}

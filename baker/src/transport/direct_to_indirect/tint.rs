@@ -1,0 +1,122 @@
+//! What colour each point's surface gives to light: the mean reflectance under its function.
+//!
+//! Links say how bright a sender is as a receiver sees it, with one amount for all channels; the colour is the
+//! sender's own.
+
+use crate::geometry::{Ray, Surfaces};
+use crate::random::Stream;
+use crate::sampling::Points;
+use crate::watch::{Stopped, Watch};
+use glam::{Vec3, Vec3A};
+use rayon::prelude::*;
+use rebounce_shared::colour::{pack_rounded, unpack_rgb9e5};
+use rebounce_shared::kernel::weight;
+
+/// Rays to a point's surroundings: on the finest level, and at most.
+const RAYS: [usize; 2] = [8, 64];
+/// How far above the surface they start, over the support radius.
+const ABOVE: f32 = 0.1;
+/// Mantissas are multiples of this: a channel is within a 256th of the largest one.
+const TINT_UNIT: u32 = 2;
+
+/// The tints of all points, rgb9e5 as the file holds them; the channels' mean is 1. Black surfaces are grey. A unit of
+/// `watch` is a point.
+///
+/// # Errors
+/// [`Stopped`].
+pub fn tints<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    points: &Points,
+    seed: u64,
+    watch: &dyn Watch,
+) -> Result<Vec<u32>, Stopped> {
+    let mut tints = Vec::with_capacity(points.points.len());
+    for (l, level) in points.levels.iter().enumerate() {
+        // A function of a coarser level covers four times the surface.
+        let rays = (RAYS[0] << (2 * (points.levels.len() - 1 - l)).min(16)).min(RAYS[1]);
+        let found = level.range().into_par_iter().map(|i| {
+            watch.step(1)?;
+            let albedo = mean_albedo(surfaces, points, i, level.support_radius, rays, seed);
+            let mean = albedo.element_sum() / 3.0;
+            Ok(pack_rounded(if mean > 0.0 { albedo / mean } else { Vec3::ONE }, TINT_UNIT))
+        });
+        tints.extend(found.collect::<Result<Vec<u32>, Stopped>>()?);
+    }
+    Ok(tints)
+}
+
+/// The same as colours.
+pub fn unpack(tints: &[u32]) -> Vec<Vec3> {
+    tints.iter().map(|tint| unpack_rgb9e5(*tint)).collect()
+}
+
+/// What light is multiplied with, as a dot product, to give how much of each tint fits it best: the tint over its
+/// length squared.
+pub fn duals(tints: &[u32]) -> Vec<Vec3A> {
+    unpack(tints).into_iter().map(|tint| Vec3A::from(tint / tint.length_squared())).collect()
+}
+
+/// The mean reflectance around a point by its function's weight, up to a factor; zero where nothing reflects.
+fn mean_albedo<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    points: &Points,
+    i: usize,
+    radius: f32,
+    rays: usize,
+    seed: u64,
+) -> Vec3 {
+    let point = &points.points[i];
+    let (first, second) = point.normal.any_orthonormal_pair();
+    let mut stream = Stream::new(seed ^ 0x7469_6e74, i as u64);
+    let mut sum = Vec3::ZERO;
+    // At the surface as wide as each ray's share of the disk.
+    let spread = (std::f32::consts::PI / rays as f32).sqrt() / ABOVE;
+    for k in 0..rays {
+        let (angle, share) =
+            (std::f32::consts::TAU * stream.unit(), (k as f32 + stream.unit()) / rays as f32);
+        let along = (first * angle.cos() + second * angle.sin()) * share.sqrt();
+        let origin = point.position + radius * (along + ABOVE * point.normal);
+        let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius, spread };
+        if let Some(hit) = surfaces.cast(&down, stream.bits() as u32)
+            && hit.faces(down.direction)
+        {
+            let offset = hit.position - point.position;
+            if !points.cuts_of(i).iter().any(|cut| cut.ends(offset)) {
+                sum += hit.albedo * weight(offset, hit.normal, point.normal, radius);
+            }
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh::TriangleSurfaces;
+    use crate::sampling::{PointLevel, SurfacePoint};
+    use crate::scene;
+
+    #[test]
+    fn a_red_wall_is_red_and_a_white_one_white() {
+        let scene = scene::load("builtin:cornell-box").unwrap();
+        let surfaces = TriangleSurfaces::from_scene(&scene);
+        // Above the blocks.
+        let middle = surfaces.bounds().0.lerp(surfaces.bounds().1, 0.5).with_y(0.8 * surfaces.bounds().1.y);
+        let at = |direction: Vec3| {
+            let ray = Ray { origin: middle, direction, max_distance: f32::INFINITY, spread: 0.0 };
+            let hit = surfaces.cast(&ray, 0).unwrap();
+            let level = PointLevel { first: 0, count: 1, disk_radius: 0.02, support_radius: 0.04 };
+            let point = SurfacePoint::at(&hit, &surfaces);
+            let points = Points { levels: vec![level], points: vec![point], ..Points::default() };
+            (unpack(&tints(&surfaces, &points, 1, &()).unwrap())[0], hit.albedo)
+        };
+        let mut coloured = 0;
+        for direction in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y] {
+            let (tint, albedo) = at(direction);
+            let wanted = albedo * 3.0 / albedo.element_sum();
+            assert!((tint - wanted).abs().max_element() < 0.01, "{direction}: {tint}, not {wanted}");
+            coloured += (wanted.max_element() > 1.5) as u32;
+        }
+        assert_eq!(coloured, 2);
+    }
+}

@@ -1,0 +1,5 @@
+//! Light transport: what turns direct light at points into bounced light at points.
+//!
+//! [`direct_to_indirect`] precomputes a sparse operator (Lehtinen et al. 2008).
+
+pub mod direct_to_indirect;

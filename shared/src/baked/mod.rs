@@ -1,0 +1,252 @@
+//! A baked scene in memory: what a .rbn file holds, written and read, with every rule checked.
+
+mod check;
+
+use crate::basis::{ParentWeights, Relations};
+use crate::interpolation::Rows;
+use crate::link::{LaterLink, Link};
+use crate::openness::LEVELS;
+use crate::rbn::LinkMatrix;
+use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
+use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
+use crate::rbn::meta::{self, Meta};
+use crate::rbn::{RbnError, container, extras, shown};
+use std::ops::Range;
+
+/// A baked scene: what a .rbn file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BakedScene {
+    /// Materials, cameras, levels and so on.
+    pub meta: Meta,
+    /// Vertices of the render geometry.
+    pub vertices: Vec<Vertex>,
+    /// Corners of triangles, three a triangle, grouped by `meta.draws`.
+    pub indices: Vec<u32>,
+    /// Where triangles stand that are there more than once.
+    pub instances: Vec<Instance>,
+    /// For each of `meta.draws` which of these its triangles have; empty where everything stands once.
+    pub copies: Vec<Copies>,
+    /// Textures in their original compressed bytes, located by `meta.textures`.
+    pub texture_bytes: Vec<u8>,
+    /// Basis functions, level after level.
+    pub points: Vec<Point>,
+    /// Planes that end the points' supports.
+    pub cuts: Vec<Cut>,
+    /// [Openness](crate::openness) of each point, 0 to [`LEVELS`]; empty where it is not known. Section `OPEN`, which only
+    /// files with it have: readers that do not know it show the light between the points without detail.
+    pub openness: Vec<u8>,
+    /// How parents are weighed, which the file's version tells.
+    pub parent_weights: ParentWeights,
+    /// Parents and children. They are not in the file but follow from the points: [`Self::relate`].
+    pub relations: Relations,
+    /// T: from what the senders send to irradiance along the points' normals; a row per point of all levels.
+    pub links: LinkMatrix<Link>,
+    /// H: from irradiance at the points of the coarse levels to that of all further bounces there.
+    pub later: LinkMatrix<LaterLink>,
+}
+
+use crate::rbn::{COPY_SECTIONS, EXTRAS_SECTION, OPENNESS_SECTION, SECTIONS, SHOWN_SECTION};
+
+impl BakedScene {
+    /// The points of level `l`.
+    pub fn level(&self, l: usize) -> Range<usize> {
+        let level = &self.meta.levels[l];
+        level.first as usize..(level.first + level.count) as usize
+    }
+
+    /// Number of senders: the points of the coarsest `sender_levels` levels.
+    pub fn sender_count(&self) -> usize {
+        self.first_of_level(self.meta.sender_levels)
+    }
+
+    /// Number of points at which direct light is sampled.
+    pub fn direct_count(&self) -> usize {
+        self.first_of_level(self.meta.direct_levels)
+    }
+
+    /// Number of points at which light is gathered that bounces again.
+    pub fn later_count(&self) -> usize {
+        self.first_of_level(self.meta.later_levels)
+    }
+
+    /// Number of transport links, those for later bounces left out.
+    pub fn link_count(&self) -> usize {
+        self.links.links.len()
+    }
+
+    /// The points that the picture is made from: those of the finest level.
+    pub fn display(&self) -> Range<usize> {
+        self.meta.levels.len().checked_sub(1).map_or(0..0, |finest| self.level(finest))
+    }
+
+    /// The planes that end the support of point `i`.
+    pub fn cuts_of(&self, i: usize) -> &[Cut] {
+        &self.cuts[self.points[i].cuts()]
+    }
+
+    fn first_of_level(&self, l: u32) -> usize {
+        self.meta.levels.get(l as usize).map_or(self.points.len(), |level| level.first as usize)
+    }
+
+    /// The push matrix.
+    pub fn push(&self) -> Rows<'_> {
+        self.relations.push()
+    }
+
+    /// The pull matrix.
+    pub fn pull(&self) -> Rows<'_> {
+        self.relations.pull()
+    }
+
+    /// Finds the points' relations anew. The points must keep the rules of the format.
+    ///
+    /// # Errors
+    /// [`RbnError`] where far too many functions lie in one place.
+    pub fn relate(&mut self) -> Result<(), RbnError> {
+        let direct_levels = self.meta.direct_levels as usize;
+        let Self { points, cuts, meta, parent_weights, .. } = self;
+        self.relations = Relations::new(points, cuts, &meta.levels, direct_levels, *parent_weights)?;
+        Ok(())
+    }
+
+    /// Which of `instances` the triangles of draw call `i` have; none where they stand once, in local space.
+    pub fn copies_of(&self, i: usize) -> Range<usize> {
+        self.copies.get(i).map_or(0..0, Copies::range)
+    }
+
+    /// Number of triangles that are drawn, those of each copy counted.
+    pub fn triangles_placed(&self) -> u64 {
+        let copies = |i: usize| self.copies_of(i).len().max(1) as u64;
+        (0..).zip(&self.meta.draws).map(|(i, draw)| draw.index_count as u64 / 3 * copies(i)).sum()
+    }
+
+    /// The compressed bytes of texture `i`.
+    pub fn texture(&self, i: usize) -> &[u8] {
+        let t = &self.meta.textures[i];
+        &self.texture_bytes[t.offset as usize..(t.offset + t.len) as usize]
+    }
+
+    /// The version of the format that its file has: the least that can hold it.
+    pub fn version(&self) -> u32 {
+        let has_extras = self.meta.materials.iter().any(|m| m.extras != extras::Extras::default());
+        match (self.parent_weights, has_extras, self.copies.is_empty()) {
+            (ParentWeights::LeastSquares, ..) => container::VERSION,
+            (_, true, _) => container::SHEPARD_WEIGHTS,
+            (_, false, false) => container::WITHOUT_EXTRAS,
+            (_, false, true) => container::WITHOUT_COPIES,
+        }
+    }
+
+    /// The file's bytes.
+    ///
+    /// # Errors
+    /// [`RbnError`] when the scene breaks a rule of the format.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
+        self.check()?;
+        let packed: [Vec<u8>; 7] = [
+            meta::encode(&self.meta)?,
+            columns::encode(&self.vertices),
+            columns::encode(&self.indices),
+            columns::encode(&self.points),
+            columns::encode(&self.cuts),
+            links::encode(&self.links.offsets, &self.links.links),
+            links::encode(&self.later.offsets, &self.later.links),
+        ];
+        let contents = packed.iter().map(Vec::as_slice).chain([self.texture_bytes.as_slice()]);
+        let mut sections: Vec<_> = SECTIONS.into_iter().zip(contents).collect();
+        let copied = [columns::encode(&self.instances), columns::encode(&self.copies)];
+        if !self.copies.is_empty() {
+            sections.extend(COPY_SECTIONS.into_iter().zip(copied.iter().map(Vec::as_slice)));
+        }
+        let extras = extras::encode(self.meta.materials.iter().map(|material| &material.extras))?;
+        sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
+        let mut openness = Writer::default();
+        openness.bytes(&self.openness);
+        let openness = (!self.openness.is_empty()).then(|| openness.finish(self.openness.len()));
+        sections.extend(openness.iter().map(|bytes| (OPENNESS_SECTION, bytes.as_slice())));
+        let shown = shown::encode(&self.meta.shown);
+        sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
+        Ok(container::write(self.version(), &sections))
+    }
+
+    /// Reads a file: checks checksums, then every length, index and float, so that what is
+    /// returned can be used without further checks.
+    ///
+    /// # Errors
+    /// [`RbnError`] for anything but a whole, undamaged, consistent file.
+    pub fn from_bytes(file: &[u8]) -> Result<Self, RbnError> {
+        let sections = container::read(file)?;
+        let bytes = |name: [u8; 4]| {
+            sections
+                .iter()
+                .find(|s| s.name == name)
+                .map(|s| &file[s.offset..s.offset + s.len])
+                .ok_or_else(|| RbnError::invalid(&String::from_utf8_lossy(&name), "it is missing"))
+        };
+        let has_copies = sections.iter().any(|s| COPY_SECTIONS.contains(&s.name));
+        let has_extras = sections.iter().any(|s| s.name == EXTRAS_SECTION);
+        // Older readers would draw something else.
+        let version = container::version(file).unwrap_or_default();
+        if has_copies && version < container::WITHOUT_EXTRAS {
+            return Err(RbnError::invalid("COPY", "a file of this version has none"));
+        }
+        if has_extras && version < container::SHEPARD_WEIGHTS {
+            return Err(RbnError::invalid("MATX", "a file of this version has none"));
+        }
+        let mut scene = Self {
+            meta: meta::decode(bytes(*b"META")?)?,
+            vertices: records("VERT", bytes(*b"VERT")?)?,
+            indices: records("INDX", bytes(*b"INDX")?)?,
+            instances: if has_copies { records("INST", bytes(*b"INST")?)? } else { Vec::new() },
+            copies: if has_copies { records("COPY", bytes(*b"COPY")?)? } else { Vec::new() },
+            points: records("PNTS", bytes(*b"PNTS")?)?,
+            cuts: records("CUTS", bytes(*b"CUTS")?)?,
+            openness: Vec::new(),
+            parent_weights: match version {
+                ..=container::SHEPARD_WEIGHTS => ParentWeights::Shepard,
+                _ => ParentWeights::LeastSquares,
+            },
+            relations: Relations::default(),
+            links: matrix("LINK", bytes(*b"LINK")?)?,
+            later: matrix("LATL", bytes(*b"LATL")?)?,
+            texture_bytes: bytes(*b"TEXD")?.to_vec(),
+        };
+        if has_extras {
+            let mut all: Vec<_> =
+                scene.meta.materials.iter_mut().map(|material| &mut material.extras).collect();
+            extras::decode(bytes(EXTRAS_SECTION)?, &mut all)?;
+        }
+        if sections.iter().any(|s| s.name == OPENNESS_SECTION) {
+            let mut reader = Reader::new(bytes(OPENNESS_SECTION)?);
+            let openness = reader.bytes_up_to(scene.points.len());
+            scene.openness =
+                openness.map_err(|Damaged| RbnError::invalid("OPEN", "its bytes cannot be unpacked"))?;
+        }
+        if sections.iter().any(|s| s.name == SHOWN_SECTION) {
+            let shown = shown::decode(bytes(SHOWN_SECTION)?);
+            scene.meta.shown = shown.ok_or_else(|| RbnError::invalid("SHOW", "names or ground"))?;
+        }
+        scene.check()?;
+        scene.relate()?;
+        Ok(scene)
+    }
+}
+
+impl BakedScene {
+    /// Whether the openness of all points is known, or of none.
+    pub(super) fn check_openness(&self) -> Result<(), RbnError> {
+        let is_sound = self.openness.is_empty()
+            || self.openness.len() == self.points.len() && self.openness.iter().all(|v| *v <= LEVELS);
+        if is_sound { Ok(()) } else { Err(RbnError::invalid("OPEN", "it does not fit the points")) }
+    }
+}
+
+fn records<T: columns::Columns>(section: &str, bytes: &[u8]) -> Result<Vec<T>, RbnError> {
+    columns::decode(bytes).map_err(|Damaged| RbnError::invalid(section, "its records cannot be unpacked"))
+}
+
+fn matrix<L: links::Beside>(section: &str, bytes: &[u8]) -> Result<LinkMatrix<L>, RbnError> {
+    let (offsets, links) =
+        links::decode(bytes).map_err(|Damaged| RbnError::invalid(section, "its rows cannot be unpacked"))?;
+    Ok(LinkMatrix { offsets, links })
+}

@@ -1,0 +1,53 @@
+//! Draw batches: what one draw call draws, and the layout of the vertices.
+
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::rbn::bulk::Instance;
+use std::ops::Range;
+
+/// Position, normal and texture coordinates of [`rebounce_shared::rbn::bulk::Vertex`], and the rows of an [`Instance`].
+pub const VERTEX_BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    Some(wgpu::VertexBufferLayout {
+        array_stride: 24,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x2, 2 => Float32x2],
+    }),
+    Some(wgpu::VertexBufferLayout {
+        array_stride: 48,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4],
+    }),
+];
+
+/// Triangles of one material, drawn by one call.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DrawBatch {
+    /// Their material.
+    pub material: u32,
+    /// Their part of the index buffer.
+    pub indices: Range<u32>,
+    /// Their part of the instance buffer, whose first entry is for what stands once.
+    pub instances: Range<u32>,
+    /// Whether the material cuts holes, in shadows too where it is blended.
+    pub cut: bool,
+    /// Whether the material is blended.
+    pub blended: bool,
+    /// Whether it lets light through in a colour: then shadow maps do not hold it.
+    pub glass: bool,
+    /// Whether the material has a front alone: no camera sees its back. In shadows it does not matter.
+    pub one_sided: bool,
+}
+
+impl DrawBatch {
+    /// Draws it, after [`Upload::bind`](crate::upload::Upload::bind).
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.draw_indexed(self.indices.clone(), 0, self.instances.clone());
+    }
+}
+
+/// Where a batch's triangles stand.
+pub fn instances<'a>(scene: &'a BakedScene, run: &DrawBatch) -> &'a [Instance] {
+    match run.instances.start {
+        0 => &[Instance::IDENTITY],
+        first => &scene.instances[first as usize - 1..run.instances.end as usize - 1],
+    }
+}

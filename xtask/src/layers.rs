@@ -1,0 +1,298 @@
+//! `cargo xtask layers`: which module uses which, and whether each arrow runs the right way.
+//!
+//! Two laws. The modules at the top of the baker have an order ([`BAKER`]): each may use those before it alone. And within
+//! every folder of every crate the modules use each other without a circle. Code under `#[cfg(test)]` is free.
+
+use crate::process;
+use anyhow::{Context, Result, bail};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use syn::visit::{self, Visit};
+
+/// The baker's modules: each may use those in the lines before its own, and those of its own line.
+const BAKER: [&[&str]; 12] = [
+    &["random", "morton", "processor", "weld", "watch", "write"],
+    &["communicator"],
+    &["scene"],
+    &["geometry"],
+    &["light"],
+    &["picture"],
+    &["sampling"],
+    &["basis"],
+    &["path_trace", "render", "transport", "shot"],
+    &["bake"],
+    &["cli"],
+    &["main", "lib"],
+];
+/// What checks a bake knows nothing of how it was made.
+const STRANGERS: [(&str, &str); 4] =
+    [("path_trace", "transport"), ("render", "transport"), ("path_trace", "render"), ("transport", "render")];
+/// The crates whose modules are looked at.
+const CRATES: [&str; 3] = ["shared", "baker", "viewer"];
+
+/// A module's path within its crate: `geometry`, `mesh`, `blas`.
+type Module = Vec<String>;
+/// Which modules use which, and a file of the first that does.
+type Arrows = BTreeMap<(Module, Module), PathBuf>;
+
+/// Checks both laws.
+///
+/// # Errors
+/// If an arrow runs backwards, modules use each other in a circle, or a file cannot be read.
+pub fn run() -> Result<()> {
+    let mut faults = Vec::new();
+    for name in CRATES {
+        let source = process::root().join(name).join("src");
+        let arrows = arrows(&source)?;
+        faults.extend(circles(&arrows).into_iter().map(|circle| format!("{name}: {circle}")));
+        if name == "baker" {
+            faults.extend(backward(&arrows));
+        }
+        println!("{name}: {} arrows between modules", arrows.len());
+    }
+    if !faults.is_empty() {
+        bail!("modules use each other against the order:\n  {}", faults.join("\n  "));
+    }
+    Ok(())
+}
+
+/// All arrows between the modules of a crate, outside of tests.
+fn arrows(source: &Path) -> Result<Arrows> {
+    let mut files = Vec::new();
+    list(source, &mut files)?;
+    let modules: BTreeSet<Module> = files.iter().map(|file| module(source, file)).collect();
+    let mut arrows = Arrows::new();
+    for file in &files {
+        let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
+        let parsed = syn::parse_file(&text).with_context(|| file.display().to_string())?;
+        let own = module(source, file);
+        let mut uses = Uses { own: own.clone(), found: BTreeSet::new() };
+        uses.visit_file(&parsed);
+        for path in uses.found {
+            // The longest part of the path that is a module; the rest is in it.
+            let used = (1..=path.len()).rev().map(|n| path[..n].to_vec()).find(|part| modules.contains(part));
+            if let Some(used) = used.filter(|used| *used != own) {
+                arrows.entry((own.clone(), used)).or_insert_with(|| file.clone());
+            }
+        }
+    }
+    Ok(arrows)
+}
+
+/// All Rust files under a folder but those of tests.
+fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
+    let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
+    let mut paths: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
+    paths.sort();
+    for path in paths {
+        let stem = path.file_stem().and_then(|stem| stem.to_str());
+        if stem == Some("tests") {
+            continue;
+        }
+        if path.is_dir() {
+            list(&path, files)?;
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// The module that a file holds.
+fn module(source: &Path, file: &Path) -> Module {
+    let within = file.strip_prefix(source).unwrap_or(file).with_extension("");
+    let mut module: Module = within.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    if module.last().is_some_and(|last| last == "mod") {
+        module.pop();
+    }
+    module
+}
+
+/// Collects the paths that a file uses, as modules of its crate.
+struct Uses {
+    own: Module,
+    found: BTreeSet<Module>,
+}
+
+impl Uses {
+    /// Takes in a path from its first segment on.
+    fn take(&mut self, path: &[String]) {
+        let Some(first) = path.first() else { return };
+        let mut full = match first.as_str() {
+            "crate" => Vec::new(),
+            "self" | "super" => self.own.clone(),
+            _ => return,
+        };
+        let ups = path.iter().take_while(|part| *part == "super").count();
+        full.truncate(full.len().saturating_sub(ups));
+        full.extend(path.iter().skip(ups.max(1)).cloned());
+        self.found.insert(full);
+    }
+
+    fn take_tree(&mut self, before: &mut Vec<String>, tree: &syn::UseTree) {
+        match tree {
+            syn::UseTree::Path(path) => {
+                before.push(path.ident.to_string());
+                self.take_tree(before, &path.tree);
+                before.pop();
+            }
+            syn::UseTree::Name(syn::UseName { ident })
+            | syn::UseTree::Rename(syn::UseRename { ident, .. }) => {
+                before.push(ident.to_string());
+                self.take(before);
+                before.pop();
+            }
+            syn::UseTree::Glob(_) => self.take(before),
+            syn::UseTree::Group(group) => {
+                group.items.iter().for_each(|tree| self.take_tree(before, tree));
+            }
+        }
+    }
+}
+
+/// Whether code is there in tests alone.
+fn is_test(attributes: &[syn::Attribute]) -> bool {
+    let says_test = |list: &syn::MetaList| list.path.is_ident("cfg") && list.tokens.to_string() == "test";
+    attributes.iter().any(|attribute| matches!(&attribute.meta, syn::Meta::List(list) if says_test(list)))
+}
+
+impl<'ast> Visit<'ast> for Uses {
+    fn visit_item_mod(&mut self, item: &'ast syn::ItemMod) {
+        if !is_test(&item.attrs) {
+            visit::visit_item_mod(self, item);
+        }
+    }
+
+    fn visit_item_fn(&mut self, item: &'ast syn::ItemFn) {
+        if !is_test(&item.attrs) {
+            visit::visit_item_fn(self, item);
+        }
+    }
+
+    fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
+        // What a module hands on of its own parts is no use of them.
+        if !is_test(&item.attrs) {
+            self.take_tree(&mut Vec::new(), &item.tree);
+        }
+    }
+
+    fn visit_path(&mut self, path: &'ast syn::Path) {
+        let parts: Vec<String> = path.segments.iter().map(|segment| segment.ident.to_string()).collect();
+        self.take(&parts);
+        visit::visit_path(self, path);
+    }
+}
+
+/// Circles between modules that lie side by side in one folder, each with the files that close it.
+fn circles(arrows: &Arrows) -> Vec<String> {
+    // Arrows between neighbours: the first place where the two paths differ.
+    let mut beside: BTreeMap<Module, BTreeMap<String, BTreeMap<String, &PathBuf>>> = BTreeMap::new();
+    for ((from, to), file) in arrows {
+        let common = from.iter().zip(to).take_while(|(a, b)| a == b).count();
+        if let (Some(a), Some(b)) = (from.get(common), to.get(common)) {
+            let folder = beside.entry(from[..common].to_vec()).or_default();
+            folder.entry(a.clone()).or_default().entry(b.clone()).or_insert(file);
+        }
+    }
+    let mut found = Vec::new();
+    for (folder, graph) in &beside {
+        let mut seen = BTreeSet::new();
+        for start in graph.keys() {
+            let way = circle_from(graph, start);
+            let members: BTreeSet<String> = way.iter().cloned().collect();
+            if !way.is_empty() && seen.insert(members) {
+                let named = |k: usize| {
+                    let (a, b) = (&way[k], &way[(k + 1) % way.len()]);
+                    format!("{a} → {b} ({})", graph[a][b].display())
+                };
+                let named: Vec<String> = (0..way.len()).map(named).collect();
+                found.push(format!("circle in {}: {}", folder.join("::"), named.join(", ")));
+            }
+        }
+    }
+    found
+}
+
+/// The shortest way from a module back to itself; empty without one.
+fn circle_from(graph: &BTreeMap<String, BTreeMap<String, &PathBuf>>, start: &String) -> Vec<String> {
+    let mut ways = vec![vec![start.clone()]];
+    let mut seen = BTreeSet::new();
+    while !ways.is_empty() {
+        let mut next = Vec::new();
+        for way in &ways {
+            let Some(onward) = way.last().and_then(|last| graph.get(last)) else { continue };
+            for to in onward.keys() {
+                if to == start {
+                    return way.clone();
+                }
+                if seen.insert(to.clone()) {
+                    next.push([way.as_slice(), std::slice::from_ref(to)].concat());
+                }
+            }
+        }
+        ways = next;
+    }
+    Vec::new()
+}
+
+/// Arrows of the baker's modules that run against their order.
+fn backward(arrows: &Arrows) -> Vec<String> {
+    let line = |name: &String| BAKER.iter().position(|line| line.contains(&name.as_str()));
+    let mut found = BTreeSet::new();
+    for ((from, to), file) in arrows {
+        let (Some(from), Some(to)) = (from.first(), to.first()) else { continue };
+        let is_stranger = STRANGERS.contains(&(from.as_str(), to.as_str()));
+        match (line(from), line(to)) {
+            _ if from == to => {}
+            (Some(a), Some(b)) if a >= b && !is_stranger => {}
+            (None, _) | (_, None) => {
+                found.insert(format!("{from} or {to} has no place in the order: xtask/src/layers.rs"));
+            }
+            _ => {
+                found.insert(format!("{from} may not use {to} ({})", file.display()));
+            }
+        }
+    }
+    found.into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The arrows of some modules, each with the code of its file.
+    fn arrows_of(files: &[(&str, &str)]) -> Arrows {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, code) in files {
+            let file = folder.path().join(name);
+            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+            std::fs::write(file, code).unwrap();
+        }
+        arrows(folder.path()).unwrap()
+    }
+
+    #[test]
+    fn circles_are_found_and_tests_are_free() {
+        let found = circles(&arrows_of(&[
+            ("a.rs", "use crate::{b::X, c}; pub struct Y;"),
+            ("b/mod.rs", "pub mod d; pub struct X(crate::a::Y);"),
+            ("b/d.rs", "use super::X;"),
+            ("c.rs", "#[cfg(test)] mod tests { use crate::a::Y; }"),
+        ]));
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].contains("a → b") && found[0].contains("b → a"), "{found:?}");
+    }
+
+    #[test]
+    fn arrows_against_the_order_are_found() {
+        let found = backward(&arrows_of(&[
+            ("scene.rs", "fn f() { crate::geometry::cast() }"),
+            ("geometry.rs", "use crate::scene::Scene;"),
+            ("render.rs", "use super::transport::T;"),
+            ("transport.rs", ""),
+        ]));
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found[0].starts_with("render may not use transport"), "{found:?}");
+        assert!(found[1].starts_with("scene may not use geometry"), "{found:?}");
+    }
+}
