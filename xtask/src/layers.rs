@@ -28,7 +28,7 @@ const BAKER: [&[&str]; 12] = [
 const STRANGERS: [(&str, &str); 4] =
     [("path_trace", "transport"), ("render", "transport"), ("path_trace", "render"), ("transport", "render")];
 /// The crates whose modules are looked at.
-const CRATES: [&str; 3] = ["shared", "baker", "viewer"];
+pub const CRATES: [&str; 3] = ["shared", "baker", "viewer"];
 
 /// A module's path within its crate: `geometry`, `mesh`, `blas`.
 type Module = Vec<String>;
@@ -80,7 +80,7 @@ fn arrows(source: &Path) -> Result<Arrows> {
 }
 
 /// All Rust files under a folder but those of tests.
-fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
+pub fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
     let mut paths: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
     paths.sort();
@@ -151,7 +151,7 @@ impl Uses {
 }
 
 /// Whether code is there in tests alone.
-fn is_test(attributes: &[syn::Attribute]) -> bool {
+pub fn is_test(attributes: &[syn::Attribute]) -> bool {
     let says_test = |list: &syn::MetaList| list.path.is_ident("cfg") && list.tokens.to_string() == "test";
     attributes.iter().any(|attribute| matches!(&attribute.meta, syn::Meta::List(list) if says_test(list)))
 }

@@ -1,4 +1,4 @@
-//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`, `plot-estimate`, `layers`, `install`.
+//! The workspace's own commands: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`, `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`, `plot-estimate`, `layers`, `names`, `install`.
 
 mod audit;
 mod bench_bake;
@@ -15,6 +15,7 @@ mod installed;
 mod integrity;
 mod kill_bake;
 mod layers;
+mod names;
 mod package;
 mod plot_estimate;
 mod process;
@@ -54,6 +55,7 @@ cargo xtask bench-scale [--scene FILE] [--preset NAME]
 cargo xtask fuzz [TARGET ...] [--runs N]
                      feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint, simplify
 cargo xtask layers   which module uses which: fails where an arrow runs against the order, or in a circle
+cargo xtask names    names that were replaced by the field's, and types that are defined twice: fails if any
 cargo xtask audit [--offline]
                      vulnerabilities, licences, doubled versions and sources of all dependencies
 cargo xtask damage [--files N] [--seed S]
@@ -90,6 +92,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("bench-bake") => bench_bake::run(&args[1..]),
         Some("audit") => audit::run(&args[1..]),
         Some("layers") => layers::run(),
+        Some("names") => names::run(),
         Some("fuzz") => fuzz::run(&args[1..]),
         Some("damage") => damage::run(&args[1..]),
         Some("soak") => soak::run(&args[1..]),

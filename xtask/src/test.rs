@@ -1,7 +1,7 @@
 //! `cargo xtask test`: every test. Nothing is compiled twice that need not be.
 
 use crate::toolchain::{self, Toolchain};
-use crate::{bindgen, install, installed, layers, package, process, site, web};
+use crate::{bindgen, install, installed, layers, names, package, process, site, web};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::Stdio;
@@ -60,17 +60,17 @@ pub fn run(args: &[String]) -> Result<()> {
     native.and(browser).and(mpi)
 }
 
-/// The order of modules, and `cargo test` of the whole workspace, in the development profile (which is optimised). It builds
+/// The order of modules, names, and `cargo test` of the whole workspace, in the development profile (which is optimised). It builds
 /// the programs that the browser's tests call, too, and the benches, so that they do not rot.
 fn native(options: &[&str]) -> Result<()> {
-    let layers = layers::run();
+    let laws = layers::run().and(names::run());
     let mut command = process::cargo();
     command.args(["test", "--locked", "--workspace", "--no-fail-fast"]).args(options);
     if let Some(description) = install::lavapipe() {
         command.env("VK_DRIVER_FILES", description);
     }
     let tests = process::run(&mut command);
-    let tests = layers.and(tests);
+    let tests = laws.and(tests);
     if !options.is_empty() {
         return tests;
     }
