@@ -1,4 +1,4 @@
-//! Copies the shaders in a shorter form, of which a browser loads less.
+//! Minifies the shaders, for a smaller download.
 
 mod minify;
 

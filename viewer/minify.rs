@@ -1,18 +1,18 @@
-// Shaders as a browser loads them: without comments and spaces, and with short names.
+// Minifies shaders for the browser: removes comments and spaces, shortens names.
 
 use std::collections::BTreeMap;
 
-/// Functions of WGSL: what has such a name keeps it, wherever it stands.
+/// Built-in functions of WGSL: identifiers with these names are never renamed.
 const BUILT_IN: &str = " abs acos acosh all any arrayLength asin asinh atan atan2 atanh bitcast ceil clamp cos cosh \
     countLeadingZeros countOneBits countTrailingZeros cross degrees determinant distance dot dpdx dpdxCoarse dpdxFine dpdy \
     dpdyCoarse dpdyFine exp exp2 extractBits faceForward firstLeadingBit firstTrailingBit floor fma fract frexp fwidth \
     fwidthCoarse fwidthFine insertBits inverseSqrt ldexp length log log2 max min mix modf normalize pow quantizeToF16 \
     radians reflect refract reverseBits round saturate select sign sin sinh smoothstep sqrt step storageBarrier tan tanh \
     transpose trunc workgroupBarrier workgroupUniformLoad ";
-/// Words of the language and of its future that are as short as the names made here.
+/// Keywords and reserved words as short as the generated names.
 const WORDS: &str = " as do fn if in is of or ";
 
-/// A word, a number or a sign, and whether something stands between it and the one before.
+/// A word, a number or a punctuation character; `apart`: whitespace or a line break comes before the token.
 struct Token<'a> {
     text: &'a str,
     apart: bool,
@@ -52,7 +52,7 @@ fn tokens(source: &str) -> Vec<Token<'_>> {
     tokens
 }
 
-/// The length of the number that a text begins with.
+/// Length of the number at the start of a text.
 fn number(text: &str) -> usize {
     let is_hex = text.starts_with("0x");
     let mut before = ' ';
@@ -66,7 +66,7 @@ fn number(text: &str) -> usize {
     text.len()
 }
 
-/// The places of names that are the language's or the caller's: attributes, entry points, overrides.
+/// Marks tokens with names fixed by the language or the caller: attributes, entry points, overrides.
 fn fixed(tokens: &[Token<'_>]) -> Vec<bool> {
     let mut fixed = vec![false; tokens.len()];
     let mut is_entry = false;
@@ -86,18 +86,18 @@ fn fixed(tokens: &[Token<'_>]) -> Vec<bool> {
     fixed
 }
 
-/// Whether the name at `i` is declared there.
+/// Whether the name at `i` is declared at `i`.
 fn declares(tokens: &[Token<'_>], i: usize) -> bool {
     let at = |i: usize| tokens.get(i).map_or("", |t| t.text);
     let before = if i > 0 { at(i - 1) } else { "" };
     if !starts_name(at(i)) || matches!(at(i), "case" | "default") || before == "case" {
         return false;
     }
-    // `var<storage, read> name: …` comes with the colon.
+    // `var<storage, read> name: …` is recognized by the colon.
     matches!(before, "fn" | "struct" | "let" | "var" | "const" | "override" | "alias") || at(i + 1) == ":"
 }
 
-/// Components of vectors look like members.
+/// Whether a name may be a swizzle, which looks like a member.
 fn is_swizzle(name: &str) -> bool {
     name.len() <= 4 && ["xyzw", "rgba"].iter().any(|set| name.chars().all(|c| set.contains(c)))
 }
@@ -108,10 +108,10 @@ fn short_names() -> impl Iterator<Item = String> {
     letters().map(String::from).chain(letters().flat_map(move |a| letters().map(move |b| format!("{a}{b}"))))
 }
 
-/// These shaders, which may be put together in any way, shortened: all of them use the same names.
+/// Minifies shaders that may be concatenated in any combination: renaming is common to all shaders.
 pub fn minified(sources: &[String]) -> Vec<String> {
     let files: Vec<_> = sources.iter().map(|source| tokens(source)).collect();
-    // How often a name is there, whether it is declared, and whether it must stay.
+    // Number of uses of a name, whether the name is declared, and whether the name must stay.
     let mut names: BTreeMap<&str, (usize, bool, bool)> = BTreeMap::new();
     for tokens in &files {
         for (i, (token, fixed)) in tokens.iter().zip(fixed(tokens)).enumerate() {
@@ -141,7 +141,7 @@ fn written(tokens: &[Token<'_>], short: &BTreeMap<&str, String>) -> String {
     for (token, fixed) in tokens.iter().zip(fixed(tokens)) {
         let text = short.get(token.text).filter(|_| !fixed).map_or(token.text, String::as_str);
         let (before, next) = (out.chars().last().unwrap_or(' '), text.chars().next().unwrap_or(' '));
-        // Signs that were apart may be another one together.
+        // Adjacent operators might form a different operator.
         let is_sign = |c: char| "+-*/%&|^<>=!".contains(c);
         if is_word(before) && is_word(next) || token.apart && is_sign(before) && is_sign(next) {
             out.push(' ');

@@ -1,10 +1,10 @@
-//! How far a whole bake is from casting its rays: `cargo xtask bench-bake`, or
+//! Time of a complete bake compared with the time of casting its rays: `cargo xtask bench-bake`, or
 //! `cargo bench -p rebounce --bench bake -- SCENE PRESET ROUNDS`.
 //!
-//! In turns: a bake with two threads; its rays, the same ones, on as many threads, with nothing but the walk through the
-//! hierarchy; and a bake with one thread. Medians. The rays are those of the gathers, one receiver's after another's, and
-//! those that placing points, looking for walls and reading colours cast, in their order; all one by one. A bake lets
-//! those of its gathers walk together: so they are timed as well.
+//! A round measures a bake with two threads; the same bake's rays on two threads, traversal only;
+//! and a bake with one thread. Results are medians over rounds. The rays are the gather rays,
+//! receiver by receiver, and the rays of point placement, clip planes and tints, in their original
+//! order; all cast individually. A bake casts gather rays in packets, so packets are timed as well.
 
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
@@ -31,7 +31,7 @@ use std::time::{Duration, Instant};
 const THREADS: usize = 2;
 
 fn main() -> Result<()> {
-    // Cargo passes --bench itself.
+    // Cargo passes --bench as an argument.
     let args: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with('-')).collect();
     let spec = args.first().map_or("builtin:library", String::as_str);
     let preset = match args.get(1).map(String::as_str) {
@@ -105,7 +105,7 @@ fn median(seconds: &mut [f64]) -> f64 {
     seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// What it takes to cast a bake's gather rays again.
+/// Data for casting a bake's gather rays again.
 struct Rays {
     surfaces: TriangleSurfaces,
     points: Points,
@@ -113,12 +113,13 @@ struct Rays {
     receivers: Vec<Vec<usize>>,
     operator: OperatorSettings,
     count: u64,
-    /// All but the gathers'.
+    /// Rays outside gathers.
     others: Asked,
 }
 
 impl Rays {
-    /// Places the bake's points once more, and finds its links, for they say which receivers it gathered for.
+    /// Places the bake's points again, and computes its links, which determine the gathered
+    /// receivers.
     fn of(scene: &Scene, settings: &BakeSettings, report: &BakeReport) -> Result<Self> {
         let surfaces = TriangleSurfaces::simplified(scene);
         let vantage = choose_vantage(scene, &surfaces, settings)?;
@@ -144,7 +145,8 @@ impl Rays {
         Ok(Self { surfaces, points, receivers, operator, count, others })
     }
 
-    /// Seconds that the walks take on all threads of this pool. Making the rays is not counted, nor is sorting them.
+    /// Traversal time in seconds on the threads of this pool. Generating and sorting the rays is
+    /// not timed.
     fn walk(&self, walk: impl Fn(&Self, &[usize], &Directions) -> Duration + Sync) -> f64 {
         let spent: Duration = self
             .receivers
@@ -177,7 +179,7 @@ impl Rays {
         spent
     }
 
-    /// The same in the order of a bake, together.
+    /// [`Self::walk_for`] in the casting order of a bake, in packets.
     fn walk_together_for(&self, chunk: &[usize], directions: &Directions) -> Duration {
         let mut rays = GatherRays::default();
         let (mut order, mut found) = (Vec::new(), Vec::new());
@@ -189,7 +191,7 @@ impl Rays {
                 gather_rays(&self.points.points[i], i, self.operator.seed, epsilon, directions, &mut rays);
             }
             sort(&rays.cells, &mut order);
-            // More primitives than are numbered walk one by one in a bake, too.
+            // A bake also casts rays individually when primitives exceed the numbering.
             let primitives = self.surfaces.primitives();
             let began = Instant::now();
             for some in order.chunks(BATCH) {
@@ -207,14 +209,14 @@ impl Rays {
     }
 }
 
-/// Rays that were cast, by the thread that did, in their order.
+/// Recorded ray queries, by thread, in their original order.
 struct Asked(Vec<Vec<Question>>);
 
-/// What a ray asked.
+/// A recorded ray query.
 enum Question {
-    /// For the nearest hit; with its seed.
+    /// Nearest hit of a ray; with the ray's seed.
     Nearest(Ray, u32),
-    /// For what gets from one place to another.
+    /// Transmittance between two positions.
     Between(Vec3, Vec3),
 }
 
@@ -223,7 +225,7 @@ impl Asked {
         self.0.iter().map(|questions| questions.len() as u64).sum()
     }
 
-    /// Seconds that the walks take on all threads of this pool.
+    /// Traversal time in seconds on the threads of this pool.
     fn walk(&self, surfaces: &TriangleSurfaces) -> f64 {
         let walk = |questions: &[Question]| {
             let began = Instant::now();
@@ -241,14 +243,14 @@ impl Asked {
     }
 }
 
-/// Surfaces that remember what they are asked.
+/// Surfaces that record ray queries.
 struct Recorder<'a> {
     surfaces: &'a TriangleSurfaces,
     by_thread: Vec<Mutex<Vec<Question>>>,
 }
 
 impl<'a> Recorder<'a> {
-    /// For the threads of this pool.
+    /// Creates a recorder for the threads of this pool.
     fn new(surfaces: &'a TriangleSurfaces) -> Self {
         let threads = 0..=rayon::current_num_threads();
         Self { surfaces, by_thread: threads.map(|_| Mutex::default()).collect() }
@@ -259,7 +261,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn remember(&self, question: Question) {
-        // The last list is for whoever is no thread of the pool.
+        // The last list is for threads outside the pool.
         let list = rayon::current_thread_index().unwrap_or(self.by_thread.len() - 1);
         if let Ok(mut questions) = self.by_thread[list].lock() {
             questions.push(question);

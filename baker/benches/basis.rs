@@ -1,6 +1,6 @@
-//! Which functions cover a place: the hash grid against an R-tree (paper, section 2.1).
+//! Functions that cover a position: the hash grid against an R-tree (paper, section 2.1).
 //!
-//! `cargo bench -p rebounce --bench basis` prints nanoseconds a query and their ratio, for each
+//! `cargo bench -p rebounce --bench basis` prints nanoseconds per query and the ratio, for every
 //! level of points in a room, in alternating rounds.
 
 #[path = "../tests/box_room/mod.rs"]
@@ -16,7 +16,7 @@ use rebounce_shared::kernel::weight;
 use rstar::{AABB, RTree, RTreeObject};
 use std::time::Instant;
 
-/// A function's support as an R-tree stores it: the box of its flat ellipsoid.
+/// A function's support in the R-tree: the bounding box of a flat ellipsoid.
 struct Boxed {
     position: Vec3,
     normal: Vec3,

@@ -1,8 +1,9 @@
-//! The kernels that a bake's time goes into, each by itself, one thread, in a furnished room.
+//! The most expensive kernels of a bake, measured individually on one thread, in a furnished room.
 //!
 //! * `cargo bench -p rebounce --bench kernels [-- FILTER]`: time, by criterion;
-//! * `cargo xtask bench-kernels`: instructions, which do not change with what else the machine does. It runs this with
-//!   `--count` under valgrind, which counts what happens within [`counted`] by the kernel's function, named like the kernel.
+//! * `cargo xtask bench-kernels`: instructions, independent of the load of the machine. The command
+//!   runs this benchmark with `--count` under valgrind, which counts instructions within
+//!   [`counted`] by the kernel's function, named like the kernel.
 
 use anyhow::Result;
 use criterion::{Criterion, Throughput};
@@ -30,19 +31,20 @@ use std::convert::Infallible;
 use std::hint::black_box;
 
 const SCENE: &str = "builtin:library";
-/// Small, as it is all made once more under valgrind: functions on the finest of so many levels.
+/// Functions on the finest level, and number of levels. Small, because the setup is repeated under
+/// valgrind.
 const POINTS: (usize, usize) = (8_000, 4);
-/// Levels that later bounces travel between.
+/// Number of levels of later bounces.
 const LATER: usize = 2;
-/// Receivers that a gather is measured on, all over the room.
+/// Receivers per measured gather, distributed over the room.
 const RECEIVERS: usize = 64;
-/// Rays of each.
+/// Rays per receiver.
 const RAYS: u32 = 512;
-/// Neighbours whose rays are cast together, and in how many places.
+/// Neighbouring receivers per gather batch, and number of gather batches.
 const NEIGHBOURS: usize = 8;
 const PLACES: usize = 16;
 
-/// What the kernels work on.
+/// Input of the kernels.
 struct Room {
     surfaces: TriangleSurfaces,
     vantage: ParticleEmitter,
@@ -52,16 +54,16 @@ struct Room {
     relations: Relations,
     senders: Senders,
     directions: Directions,
-    /// Rays of gathers all over the room, and what they hit.
+    /// Rays of gathers distributed over the room. Their hits are in `hits`.
     rays: Vec<(Ray, u32)>,
-    /// Those of neighbours, which go alike one after another.
+    /// Rays of neighbouring receivers, for packets.
     near: Vec<(Ray, u32)>,
-    /// The order in which they are cast.
+    /// Casting order of `near`.
     order: Vec<u32>,
     hits: Vec<Hit>,
-    /// Without later bounces.
+    /// Operator without later bounces.
     baked: Operator,
-    /// The values of the coarse receivers, which finer ones subtract.
+    /// Values of the coarse receivers, which finer receivers subtract.
     values: Vec<Vec<Link>>,
     links: LinkMatrix<Link>,
     packed: Vec<u8>,
@@ -149,7 +151,7 @@ impl Room {
         self.points.levels.len() - 1
     }
 
-    /// Some receivers of a level, evenly along the curve.
+    /// Up to [`RECEIVERS`] receivers of a level, evenly along the space-filling curve.
     fn receivers(&self, level: usize) -> impl Iterator<Item = usize> + use<> {
         let range = self.points.levels[level].range();
         let step = range.len().div_ceil(RECEIVERS).max(1);
@@ -173,7 +175,7 @@ impl Room {
         all
     }
 
-    /// Gathers for receivers of a level; how many rays that took.
+    /// Gathers for receivers of a level and returns the number of rays.
     fn gather_on(&self, level: usize) -> u64 {
         let mut scratch = self.scratch();
         let receivers: Vec<usize> = self.receivers(level).collect();
@@ -184,7 +186,8 @@ impl Room {
     }
 }
 
-/// A kernel: its function's name, a unit of its work, and the function, which says how many units it did.
+/// A kernel: name of the function, unit of work, and the function, which returns the number of
+/// units done.
 struct Kernel {
     name: &'static str,
     unit: &'static str,
@@ -268,7 +271,7 @@ fn bounces(room: &Room) -> u64 {
         ..Operator::default()
     };
     let entries: usize = operator.coarse_count();
-    // Nobody stops it, and a team of one garbles nothing.
+    // The computation is never stopped, and a single process receives no garbled messages.
     let done = add_later_bounces(&mut operator, &room.operator, &(), &(), &());
     assert!(done.is_ok() && operator.later_count() > 0, "no later bounces");
     column_count(&room.baked, &room.operator) as u64 * entries as u64
@@ -293,14 +296,14 @@ fn place_points(room: &Room) -> u64 {
     points.map_or(0, |points| points.points.len() as u64)
 }
 
-/// All that valgrind counts.
+/// The scope of valgrind's count.
 #[inline(never)]
 fn counted(kernel: &Kernel, room: &Room) -> u64 {
     black_box((kernel.run)(room))
 }
 
 fn main() -> Result<()> {
-    // All work on this thread, the only one that is measured.
+    // All work runs on this thread, the only measured thread.
     rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global()?;
     let room = Room::new()?;
     if std::env::args().any(|arg| arg == "--count") {

@@ -1,5 +1,6 @@
-//! How fast rays are cast: `cargo bench -p rebounce --bench rays [-- SCENE]`, one thread, millions of rays a second: those
-//! of a path tracer after its first bounce, and those of a bake's gathers, one by one and together.
+//! Ray throughput: `cargo bench -p rebounce --bench rays [-- SCENE]`, one thread, millions of rays
+//! a second. Measures rays of a path tracer after its first bounce, and gather rays of a bake,
+//! individually and in packets.
 
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
@@ -17,15 +18,15 @@ use rebounce::transport::direct_to_indirect::ray_sort::sort;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Rays that are timed together.
+/// Rays per timing.
 const FEW: usize = 512;
-/// Rounds, of which the best counts.
+/// Number of rounds; the best round counts.
 const ROUNDS: usize = 8;
-/// Of so many groups of receivers one is measured.
+/// Stride of the measured groups of receivers.
 const EVERY: usize = 8;
 
 fn main() -> Result<()> {
-    // Cargo passes --bench itself.
+    // Cargo passes --bench as an argument.
     let spec = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or("builtin:cornell-box".into());
     let scene = scene::load(&spec)?;
     let began = Instant::now();
@@ -39,7 +40,8 @@ fn main() -> Result<()> {
     let open = |ray: &Ray| surfaces.transmittance(ray.origin, middle(ray)).max_element() > 0.0;
     let kinds: [(&str, &dyn Fn(&Ray) -> bool); 3] =
         [("the walk alone", &walk), ("cast", &cast), ("transmittance", &open)];
-    // In turns, and the best of each few rays: other jobs make rays slower, never faster.
+    // Kinds alternate, and the best time of each group counts: other jobs make rays slower, never
+    // faster.
     let mut best = vec![[f64::INFINITY; 3]; rays.len().div_ceil(FEW)];
     let mut true_for = [0; 3];
     for _ in 0..ROUNDS {
@@ -72,7 +74,7 @@ fn incoherent_rays(surfaces: &TriangleSurfaces, count: u64) -> Vec<Ray> {
     (0..count).filter_map(leave).collect()
 }
 
-/// Casts the rays of finest receivers at `standard`, in the order in which a bake casts them.
+/// Casts the rays of finest receivers at `standard`, in the casting order of a bake.
 fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
     let settings = BakeSettings::new(Preset::Standard).normalised();
     let vantage = choose_vantage(scene, surfaces, &settings)?;
@@ -96,7 +98,7 @@ fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
             let rays = &gathered.rays;
             sort(&gathered.cells, &mut order);
             count += order.len();
-            // Who comes second finds nodes and triangles near: first the one, then the other.
+            // The second run finds nodes and triangles in cache; therefore the order alternates.
             for way in [round % 2, 1 - round % 2] {
                 let began = Instant::now();
                 if way == 0 {
@@ -112,7 +114,7 @@ fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
                     }
                 }
                 let spent = began.elapsed().as_secs_f64();
-                // Only what came first counts.
+                // Only the first run counts.
                 seconds[way] += if way == round % 2 { spent } else { 0.0 };
             }
             ensure!(alone == together, "rays find something else together");

@@ -16,7 +16,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The error and its causes, without those whose words the errors before them already hold.
+/// Joins the error and its causes; skips causes already contained in the text of earlier errors.
 fn sentence(error: &anyhow::Error) -> String {
     error.chain().fold(String::new(), |said, cause| {
         let cause = cause.to_string();

@@ -1,4 +1,4 @@
-//! Order along a space-filling curve, so that near points have near indices.
+//! Space-filling curve: near points have near indices.
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ pub fn code(position: Vec3, low: Vec3, high: Vec3) -> u64 {
     spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2
 }
 
-/// Two zero bits between each of 21 bits.
+/// Inserts two zero bits between neighbouring bits of a 21-bit number.
 fn spread(mut x: u64) -> u64 {
     x = (x | x << 32) & 0x001f_0000_0000_ffff;
     x = (x | x << 16) & 0x001f_0000_ff00_00ff;

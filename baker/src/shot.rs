@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Largest width or height of a picture.
 pub const MAX_SIZE: u32 = 16_384;
 
-/// Why a shot cannot be taken.
+/// Reason for an unusable shot.
 #[derive(Debug, thiserror::Error)]
 pub enum ShotError {
     /// The file could not be read.
@@ -17,7 +17,7 @@ pub enum ShotError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is not a shot.
@@ -25,7 +25,7 @@ pub enum ShotError {
     Invalid {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the problem.
         problem: String,
     },
 }
@@ -43,7 +43,7 @@ pub fn read(path: &Path) -> Result<Shot, ShotError> {
 /// Reads a shot from its text and checks its numbers.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// Description of the problem.
 pub fn parse(text: &str) -> Result<Shot, String> {
     // Some editors write a byte-order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -53,10 +53,10 @@ pub fn parse(text: &str) -> Result<Shot, String> {
     Ok(shot)
 }
 
-/// What there can be in a shot, in its camera, and in lights of each type.
+/// Known members of a shot, of its camera, and of lights by type.
 const SHOT: &[&str] = &["scene", "size", "camera", "lights"];
 const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
-/// What a light is called, which pictures do not show.
+/// Name of a light; not shown in pictures.
 const NAME: &str = "name";
 const LIGHTS: [(&str, &[&str]); 3] = [
     ("point", &["type", NAME, "position", "intensity", "color", "radius"]),
@@ -77,7 +77,7 @@ const LIGHTS: [(&str, &[&str]); 3] = [
     ("directional", &["type", NAME, "direction", "intensity", "color", "radius_deg"]),
 ];
 
-/// Refuses what would be passed over: a name that is spelt wrongly is a value that is not taken.
+/// Rejects unknown members: a misspelt name would silently drop the value.
 fn check_members(shot: &Value) -> Result<(), String> {
     let check = |value: &Value, what: &str, known: &[&str]| {
         let members = value.as_object().into_iter().flatten();
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(parse(shot), Ok(()));
         assert!(parse(&shot.replace("\"Lamp\"", "7")).unwrap_err().contains("name is a text"));
         assert_eq!(parse(&format!("\u{feff}{shot}")), Ok(()));
-        // The lists are those of the types themselves.
+        // The lists of members must match the types.
         let written = serde_json::to_value(super::parse(shot).unwrap()).unwrap();
         let names = |value: &Value| value.as_object().unwrap().len();
         assert_eq!((names(&written), names(&written["camera"])), (SHOT.len(), CAMERA.len()));

@@ -1,31 +1,33 @@
-//! Work that takes long tells how far it is, and asks whether to go on.
+//! Progress reports and cancellation of long computations.
 
-/// Somebody asked for the work to end before it was done.
+/// A computation was cancelled before its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("stopped before it was done")]
 pub struct Stopped;
 
-/// Follows work that takes long. All threads call it, once for each piece of some milliseconds.
+/// Observer of a long computation. Called from all threads, once per work item of a few
+/// milliseconds.
 pub trait Watch: Sync {
-    /// So many units more are done, of those that the work counts in; 0 only asks whether to go on.
+    /// Reports `units` further finished units of work; 0 only checks for cancellation.
     ///
     /// # Errors
-    /// [`Stopped`] when the work shall end now.
+    /// [`Stopped`] on cancellation.
     fn step(&self, units: u64) -> Result<(), Stopped>;
 
-    /// So many units more were done in an earlier run.
+    /// Reports `units` further units as finished in an earlier run.
     ///
     /// # Errors
-    /// [`Stopped`] when the work shall end now.
+    /// [`Stopped`] on cancellation.
     fn skip(&self, units: u64) -> Result<(), Stopped> {
         self.step(units)
     }
 
-    /// So many units there are in all, as is known only now that the work has begun; told before the first is done.
+    /// Announces the total number of units, known only after the start of the work; called before
+    /// the first [`Self::step`].
     fn expect(&self, _units: u64) {}
 }
 
-/// Asks whether to go on, and counts nothing: for work that is a small part of another.
+/// Forwards cancellation without counting: for a small part of a larger computation.
 pub struct Uncounted<'a>(pub &'a dyn Watch);
 
 impl Watch for Uncounted<'_> {
@@ -34,7 +36,7 @@ impl Watch for Uncounted<'_> {
     }
 }
 
-/// Nobody watches: the work goes on to its end.
+/// No observer: the work runs to its end.
 impl Watch for () {
     fn step(&self, _units: u64) -> Result<(), Stopped> {
         Ok(())

@@ -1,11 +1,11 @@
-//! Things that are the same, among many: by all threads, and without a table that is far larger than a cache.
+//! Deduplication of many items: parallel, and without a hash table far larger than a cache.
 
 use crate::random::mix;
 use rayon::prelude::*;
 
-/// For each of `count` things the first one with the same bits.
+/// Returns, for each of `count` items, the index of the first item with identical bits.
 pub fn firsts<const N: usize>(count: usize, bits: impl Fn(u32) -> [u32; N] + Sync) -> Vec<u32> {
-    // Half of it is a key, half the number: eight bytes are sorted faster than sixteen.
+    // Upper 32 bits: hash; lower 32 bits: index. Eight bytes sort faster than sixteen.
     let key = |i: u32| {
         let key = bits(i).into_iter().fold(N as u64, |key, bits| mix(key ^ u64::from(bits)));
         key & !u64::from(u32::MAX) | u64::from(i)
@@ -14,7 +14,7 @@ pub fn firsts<const N: usize>(count: usize, bits: impl Fn(u32) -> [u32; N] + Syn
     order.par_sort_unstable();
     let mut firsts = vec![0; count];
     for alike in order.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
-        // Few that differ have one key.
+        // Hash collisions are rare.
         if alike.len() > 1 {
             alike.sort_unstable_by_key(|i| (bits(*i as u32), *i));
         }

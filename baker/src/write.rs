@@ -1,25 +1,25 @@
-//! Writes files whole or not at all.
+//! Atomic file writes: the complete file, or no change.
 
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh32::xxh32;
 
-/// Why a file could not be written. What was at the path before is still there.
+/// Reason for a failed write. The previous file at the path is intact.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The system did not let it.
+    /// I/O error.
     #[error("{path}: {source}; the file is as it was before")]
     Failed {
         /// The file that was to be written.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// There is something else than a file.
+    /// The path names a folder or a device.
     #[error("{0} is a folder or a device, not a file: give another name")]
     NotAFile(PathBuf),
-    /// Its folder is missing.
+    /// The folder does not exist.
     #[error("there is no folder {folder} to write {name} to: make it, or give another one")]
     NoFolder {
         /// The folder.
@@ -27,12 +27,12 @@ pub enum WriteError {
         /// The file's name in it.
         name: String,
     },
-    /// Nothing can be written to its folder.
+    /// The folder is not writable.
     #[error("nothing can be written to the folder {folder}: {source}")]
     Folder {
         /// The folder.
         folder: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
@@ -42,10 +42,10 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether a file can be written there, as far as can be said before: for before long work.
+/// Checks in advance, before a long computation, whether a file can be written to `path`.
 ///
 /// # Errors
-/// [`WriteError`]; nothing was touched.
+/// [`WriteError`]; the file system is unchanged.
 pub fn check_place(path: &Path) -> Result<(), WriteError> {
     check_kind(path)?;
     let folder = folder_of(path);
@@ -56,12 +56,12 @@ pub fn check_place(path: &Path) -> Result<(), WriteError> {
     let attempt = tempfile::Builder::new().prefix(&prefix(path)).tempfile_in(folder);
     attempt.map(drop).map_err(|error| WriteError::Folder {
         folder: folder.to_owned(),
-        // What it was to be called says nothing to anybody.
+        // The error without the name of the temporary file, meaningless to users.
         source: error.kind().into(),
     })
 }
 
-/// Nothing but a file is replaced: not the device that a path names, not a folder.
+/// Accepts only regular files and free paths as targets: a device or a folder is never replaced.
 fn check_kind(path: &Path) -> Result<(), WriteError> {
     match path.metadata() {
         Ok(found) if !found.is_file() => Err(WriteError::NotAFile(path.to_owned())),
@@ -70,11 +70,12 @@ fn check_kind(path: &Path) -> Result<(), WriteError> {
     }
 }
 
-/// Writes `bytes` to a temporary file in the same folder, flushes it to the disk, renames it to `path` and flushes the
-/// folder. Temporary files of the same path that a killed process left are removed.
+/// Writes `bytes` to a temporary file in the same folder, flushes the file to disk, renames it to
+/// `path` and flushes the folder. Removes stale temporary files of `path`, left by killed
+/// processes.
 ///
 /// # Errors
-/// [`WriteError`]; the temporary file is gone and `path` is untouched.
+/// [`WriteError`]; the temporary file is removed and `path` is untouched.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     check_kind(path)?;
     let attempt = || {
@@ -82,19 +83,21 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         let prefix = prefix(path);
         remove_stale(folder, &prefix);
         let mut file = tempfile::Builder::new().prefix(&prefix).tempfile_in(folder)?;
-        // Says that somebody is at it; where there are no locks, nothing is ever taken for stale.
+        // Marks the file as in use; without support for locks, no file ever counts as stale.
         let _ = file.as_file().try_lock();
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         #[cfg(unix)]
         {
-            // Temporary files are private; give the result the rights of an ordinary new file.
+            // Temporary files are private: the result needs the permissions of an ordinary new
+            // file.
             use std::os::unix::fs::PermissionsExt;
             let mode = std::fs::metadata(path).map_or(0o644, |m| m.permissions().mode());
             file.as_file().set_permissions(std::fs::Permissions::from_mode(mode))?;
         }
         file.persist(path).map_err(|error| error.error)?;
-        // So that the new name outlasts a power cut; the file is whole either way, where folders cannot be flushed too.
+        // The new name must survive a power failure; the file is complete either way where folders
+        // cannot be flushed.
         #[cfg(unix)]
         let _ = File::open(folder).and_then(|folder| folder.sync_all());
         Ok(())
@@ -102,13 +105,13 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     attempt().map_err(|source| WriteError::Failed { path: path.to_owned(), source })
 }
 
-/// What the temporary files of a path begin with.
+/// Name prefix of the temporary files of a path.
 fn prefix(path: &Path) -> String {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     format!(".rebounce-{:08x}-", xxh32(name.as_bytes(), 0))
 }
 
-/// Removes temporary files that nobody holds. What cannot be looked at or removed stays: it only takes room.
+/// Removes unlocked temporary files. Unreadable or undeletable files remain: they only waste space.
 fn remove_stale(folder: &Path, prefix: &str) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {

@@ -1,4 +1,4 @@
-//! The path tracer against what can be worked out by hand. Furnaces are in its own tests.
+//! The path tracer against analytic results. Furnaces are in the path tracer's own tests.
 
 use glam::Vec3;
 use rebounce::geometry::{Hit, Ray, Surfaces};
@@ -8,16 +8,16 @@ use rebounce::random::Stream;
 use rebounce_shared::light::Light;
 use std::f32::consts::PI;
 
-/// One-sided squares across y, each looking up or down.
+/// One-sided squares perpendicular to y, each facing up or down.
 struct Squares(Vec<Square>);
 
 #[derive(Clone)]
 struct Square {
     /// Height of the plane.
     y: f32,
-    /// Half the edge; the middle is at x = z = 0.
+    /// Half the edge; the centre is at x = z = 0.
     half: f32,
-    /// 1 looks up, −1 down.
+    /// 1 faces up, −1 down.
     facing: f32,
     albedo: f32,
 }
@@ -70,7 +70,7 @@ impl Surfaces for Squares {
     }
 }
 
-/// The radiance that leaves the place (x, z) of the square at y = 0 straight up.
+/// Radiance straight up from the place (x, z) of the square at y = 0.
 fn upwards(
     squares: &Squares,
     light: &Light,
@@ -129,14 +129,14 @@ fn two_parallel_squares_exchange_their_form_factor() {
     let once = lower / PI * FORM_FACTOR * upper * on_upper;
     let found = mean(Some(1));
     assert!((found / once - 1.0).abs() < 0.005, "{found}, not {once}");
-    // Light that went down and up again and down: nearly the form factor twice more, and a little
-    // over it, for it falls more on the middles, which see each other best.
+    // Light with two further bounces, up and down: about twice the form factor more, and slightly over, as more of
+    // the light falls on the centres, with the largest mutual form factors.
     let more = mean(Some(3)) / found - 1.0;
     let twice = lower * upper * FORM_FACTOR * FORM_FACTOR;
     assert!((1.0..1.15).contains(&(more / twice)), "{more} over {twice}");
 }
 
-/// Share of a disc of radius 1 that lies beyond a straight edge at `s`.
+/// Share of a disc of radius 1 beyond a straight edge at `s`.
 fn beyond(s: f32) -> f32 {
     let s = s.clamp(-1.0, 1.0);
     (s.acos() - s * (1.0 - s * s).sqrt()) / PI
@@ -145,13 +145,13 @@ fn beyond(s: f32) -> f32 {
 #[test]
 fn behind_an_edge_lights_with_a_size_make_penumbrae_as_wide_as_they_look() {
     let floor = Square { y: 0.0, half: 1e4, facing: 1.0, albedo: 0.6 };
-    // Its edge is at x = 1.
+    // The square's edge is at x = 1.
     let above = Square { y: 1.0, half: 1.0, facing: 1.0, albedo: 0.6 };
     let (bare, shaded) = (Squares(vec![floor.clone()]), Squares(vec![floor, above]));
     let color = [1.0; 3];
     let lamp = Light::Point { position: [1.0, 2.0, 0.0], intensity: 7.0, color, radius: 0.2 };
     let sun = Light::Directional { direction: [0.0, -1.0, 0.0], intensity: 3.0, color, radius_deg: 10.0 };
-    // As far behind the edge as the light's radius shows on the floor.
+    // Behind the edge by the projected radius of the light on the floor.
     for (light, wide) in [(lamp, 0.2), (sun, 10f32.to_radians().tan())] {
         for s in [-1.3, -0.9, -0.5, -0.2, 0.0, 0.3, 0.6, 0.9, 1.3] {
             let mut stream = Stream::new(1, 1);

@@ -1,5 +1,5 @@
-//! Processes that bake together make the file that one alone makes, to the byte. Here threads stand for them, which
-//! exchange as MPI would; `mpi.rs` has real ones.
+//! A bake over several processes gives the same file as a single process, to the byte. Threads stand in for
+//! processes here, with message exchange as in MPI; `mpi.rs` tests real processes.
 
 use rebounce::bake::{
     BakeError, BakeReport, BakeSettings, Checkpoint, Identity, Observer, Preset, bake, bake_in_team,
@@ -11,14 +11,14 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Barrier, Mutex};
 
-/// Letters to the first member and to all.
+/// Messages to the first member and to all members.
 type Letters = [Vec<u8>; 2];
 
-/// Where threads meet.
+/// Shared state of the team's threads.
 struct Table {
     letters: Mutex<Vec<Letters>>,
     meet: Barrier,
-    /// Somebody has stopped.
+    /// A member has stopped.
     is_over: AtomicBool,
 }
 
@@ -49,7 +49,7 @@ impl Communicator for Member {
         }
         self.table.meet.wait();
         let letters = self.table.letters.lock().unwrap().clone();
-        // Those who stop do so together, as no launcher is there to end the others.
+        // Members stop together: no launcher exists to end the rest.
         let is_over = self.table.is_over.load(Ordering::SeqCst);
         self.table.meet.wait();
         if is_over {
@@ -68,7 +68,7 @@ fn small() -> BakeSettings {
     settings
 }
 
-/// Stops when so many exchanges' worth of asking is over; counts only where it is told to.
+/// Requests cancellation after the given number of checks.
 struct StopAfter(AtomicUsize, usize);
 
 impl Observer for StopAfter {
@@ -79,7 +79,7 @@ impl Observer for StopAfter {
 
 type Baked = Result<Option<(Vec<u8>, BakeReport)>, BakeError>;
 
-/// What each member has in the end; the first one has the checkpoint, if there is one.
+/// Result of each member; the first member has the checkpoint, if present.
 fn baked(
     scene: &Scene,
     settings: &BakeSettings,
@@ -124,7 +124,8 @@ fn any_number_of_processes_and_threads_makes_the_same_file() {
         assert_eq!(report.processes, size as u64);
         assert!(members.all(|member| member.unwrap().is_none()), "only the first has the file");
         let Some(finest) = report.traffic.last().filter(|_| size > 1) else { continue };
-        // Nobody reads the finest level's rows but who writes them; each byte is 'I am done', once a message.
+        // Rows of the finest level are read only by their writer; a byte to all members is a completion flag, one
+        // per message.
         assert!(finest.to_first > 1000 && finest.to_all < 1000, "{finest:?}");
     }
 }
@@ -166,7 +167,7 @@ fn a_stop_ends_all_and_the_checkpoint_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.partial");
     let identity = Identity::new(&scene, &settings);
-    // Points are placed before, alone, so that both members meet in what is shared.
+    // Points are placed first, by a single member, so that both members meet in the shared part.
     let checkpoint = Checkpoint::resume(&path, &identity).unwrap();
     assert!(
         bake_in_team(&scene, &settings, &StopAfter(AtomicUsize::new(0), 400), Some(&checkpoint), &())

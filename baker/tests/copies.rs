@@ -1,4 +1,4 @@
-//! What stands in a scene many times is there once, and gives the light that as many things of their own give.
+//! Copies of a mesh are stored once as a model, and the light equals the light of separate meshes.
 
 use crate::common;
 use rebounce_shared::baked::BakedScene;
@@ -20,7 +20,8 @@ fn crowd(said: Said) -> Scene {
     scene::from_bytes("crowd", &glb(said)).unwrap()
 }
 
-/// The share of rays at which two kinds of surfaces differ, and how many do not end at the room's colour.
+/// Share of rays with different hits on two kinds of surfaces, and number of rays with hits of a colour other than
+/// the room's.
 fn different(a: &TriangleSurfaces, b: &TriangleSurfaces, shift: Vec3, tolerance: f32) -> (f64, usize) {
     let mut stream = Stream::new(8, 1);
     let (mut differ, mut balls) = (0, 0);
@@ -47,7 +48,7 @@ fn different(a: &TriangleSurfaces, b: &TriangleSurfaces, shift: Vec3, tolerance:
     (differ as f64 / 40_000.0, balls)
 }
 
-/// From the local space of one scene to that of another.
+/// Translation from the local space of a scene to the local space of another scene.
 fn shift(from: &Scene, to: &Scene) -> Vec3 {
     (glam::DVec3::from(from.origin) - glam::DVec3::from(to.origin)).as_vec3()
 }
@@ -61,7 +62,8 @@ fn many_copies_are_one_model_and_stand_where_they_stood() {
         let scene = crowd(said);
         let copies: Vec<usize> = scene.models.iter().map(|m| m.local_from_model.len()).collect();
         assert_eq!(copies, COPIES, "{said:?}");
-        // Each has the triangles once; what is flat, or far smaller than the others, stands alone.
+        // Every form has the triangles once; flat copies, and copies far smaller than the rest, stay separate
+        // meshes.
         let sides = 12;
         let (pole, whole) = (2 * 40, FINE);
         assert_eq!(scene.triangles.len(), sides + 4 * (whole - pole), "{said:?}");
@@ -81,7 +83,7 @@ fn many_copies_are_one_model_and_stand_where_they_stood() {
 
 #[test]
 fn what_is_drawn_once_in_a_file_of_copies_is_there() {
-    // Whatever its entry says of copies that it does not have.
+    // For any value of the unused `first` of an entry without copies.
     let mut baked = bake(&crowd(Said::Nodes), &settings(), &()).unwrap().0;
     let before = TriangleSurfaces::from_baked(&baked).unwrap();
     baked.copies.iter_mut().filter(|copies| copies.count == 0).for_each(|copies| copies.first = 3);
@@ -91,7 +93,7 @@ fn what_is_drawn_once_in_a_file_of_copies_is_there() {
     assert_eq!(different(&before, &after, Vec3::ZERO, 1e-6).0, 0.0);
 }
 
-/// Stops a bake when it has been asked so many times whether to.
+/// Requests cancellation after the given number of checks.
 struct StopAfter(AtomicUsize, usize);
 
 impl Observer for StopAfter {
@@ -120,7 +122,7 @@ fn a_bake_of_copies_that_was_stopped_goes_on_to_the_same_file() {
     assert!(stopped > 0);
 }
 
-/// A bake of a moment.
+/// Settings of a short bake.
 fn settings() -> BakeSettings {
     let mut settings = BakeSettings::new(Preset::Draft);
     (settings.place.levels, settings.place.functions) = (4, 6000);
@@ -129,7 +131,7 @@ fn settings() -> BakeSettings {
     settings.normalised()
 }
 
-/// The light that the surfaces get altogether where they get one unit everywhere, a sum over the functions.
+/// Total bounced light under unit irradiance everywhere, a sum over the functions.
 fn total(scene: &BakedScene) -> f32 {
     let light = relight(scene, vec![Vec3::ONE; scene.direct_count()]);
     let finest = scene.display();
@@ -147,24 +149,24 @@ fn the_bounced_light_and_the_file_are_those_of_a_scene_without_models() {
     let (ours, theirs) = (total(&baked), total(&truth));
     println!("{ours} of {} functions, {theirs} of {}", report.functions, of_alone.functions);
     assert!((ours / theirs - 1.0).abs() < 0.02, "{ours}, {theirs}");
-    // The file holds it, and is as much smaller.
+    // The file contains the model, and is smaller accordingly.
     let (bytes, more) = (baked.to_bytes().unwrap(), truth.to_bytes().unwrap());
     assert_eq!([baked.version(), truth.version()], [rbn::container::VERSION; 2]);
     let read = BakedScene::from_bytes(&bytes).unwrap();
     assert_eq!(read, baked);
     assert_eq!(read.triangles_placed(), scene.triangles_placed());
     assert!(20 * baked.vertices.len() < truth.vertices.len() && bytes.len() < more.len());
-    // Where something stands is a part of what a bake depends on.
+    // The placement of copies is part of the identity of a bake.
     let identity = |scene: &Scene| Identity::new(scene, &settings());
     let mut moved = scene.clone();
     moved.models[1].local_from_model[7].translation.y += 1e-3;
     assert!(identity(&scene).difference(&identity(&scene.clone())).is_none());
     assert!(identity(&scene).difference(&identity(&moved)).is_some());
-    // Rays find in it what they find in the scene, rounded as positions in files are.
+    // Rays find equal hits in file and scene, up to the rounding of positions in files.
     let from_file = TriangleSurfaces::from_baked(&read).unwrap();
     let (differ, _) = different(&from_file, &TriangleSurfaces::from_scene(&scene), Vec3::ZERO, 2e-3);
     assert!(differ < 0.01, "{differ}");
-    // Whoever works at it.
+    // The result is independent of the number of threads.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert!(pool.install(|| bake(&scene, &settings(), &())).unwrap().0 == baked, "one thread");
 }

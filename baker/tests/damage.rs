@@ -1,4 +1,4 @@
-//! Damaged scenes end in a scene or in an error that names the file: never in a panic, soon, and without much memory.
+//! Loading a damaged scene returns a scene or an error with the file's name: no panic, in bounded time and memory.
 
 use cap::Cap;
 use cpu_time::ProcessTime;
@@ -10,13 +10,13 @@ use std::time::Duration;
 #[global_allocator]
 static MEMORY: Cap<std::alloc::System> = Cap::new(std::alloc::System, usize::MAX);
 
-/// Damaged copies of each file.
+/// Damaged copies per file.
 const COPIES: u64 = 500;
-/// Bytes that loading a file of 15 kB may take.
+/// Memory limit for loading a file of 15 kB, bytes.
 const MOST_MEMORY: usize = 64 << 20;
-/// Time of the processors that it may take, whatever else they do: a thousand times what it does.
+/// Limit of processor time, independent of the machine's load: a thousand times the usual time.
 const MOST_TIME: Duration = Duration::from_secs(3);
-/// Numbers that broken files have in unlucky places.
+/// Critical numbers in broken files.
 const ODD: [&str; 16] = [
     "-1",
     "0",
@@ -36,7 +36,7 @@ const ODD: [&str; 16] = [
     "1e308",
 ];
 
-/// A GLB file's JSON and the bytes after it.
+/// The JSON of a GLB file, and the remaining bytes.
 fn parts(glb: &[u8]) -> (Vec<u8>, Vec<u8>) {
     let len = u32::from_le_bytes([glb[12], glb[13], glb[14], glb[15]]) as usize;
     (glb[20..20 + len].to_vec(), glb[20 + len..].to_vec())
@@ -52,7 +52,7 @@ fn whole(json: &[u8], rest: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Begin and end of each number in a JSON text, of those within names too.
+/// Start and end of the numbers in a JSON text, including digits in names.
 fn numbers(json: &[u8]) -> Vec<(usize, usize)> {
     let mut out: Vec<(usize, usize)> = Vec::new();
     for (at, byte) in json.iter().enumerate() {
@@ -80,7 +80,7 @@ fn damaged(glb: &[u8], stream: &mut Stream) -> Vec<u8> {
                 let (from, to) = numbers[below(stream, numbers.len())];
                 json.splice(from..to, ODD[below(stream, ODD.len())].bytes());
             }
-            // A number takes another's place: indices are swapped, counts lie.
+            // One number replaces another: swapped indices, wrong counts.
             3 => {
                 let numbers = numbers(&json);
                 let [(from, to), (a, b)] = [0; 2].map(|_| numbers[below(stream, numbers.len())]);
@@ -145,6 +145,6 @@ fn damaged_files_end_in_a_scene_or_in_a_sentence() {
             assert!(most < MOST_MEMORY, "{name}, seed {seed}: {} MiB", most >> 20);
         }
     }
-    // Neither harmless nor always fatal: the damage reaches what is behind the JSON.
+    // Neither harmless nor always fatal: the damage reaches the code after the JSON parser.
     assert!(scenes > errors / 10 && errors > scenes / 10, "{scenes} scenes, {errors} errors");
 }

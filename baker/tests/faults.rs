@@ -1,5 +1,4 @@
-//! The command where disks are full, folders cannot be written and inputs are gone: a sentence, and what was there before
-//! is as it was.
+//! The command with full disks, unwritable folders and missing inputs: an error message, and unchanged files.
 #![cfg(unix)]
 
 use program::{goes_on_to, held, names, said};
@@ -22,7 +21,7 @@ fn bake(scene: &str, output: &Path, more: &[&str]) -> Command {
     command
 }
 
-/// The command where no file may grow beyond so many blocks of 512 bytes; the signal that would say so is ignored, so that
+/// The command with file size limited to `blocks` blocks of 512 bytes; the limit's signal (SIGXFSZ) is ignored:
 /// writing fails as on a full disk.
 fn with_little_room(blocks: u32, command: &Command) -> Output {
     let mut limited = Command::new("sh");
@@ -30,7 +29,7 @@ fn with_little_room(blocks: u32, command: &Command) -> Output {
     limited.arg(command.get_program()).args(command.get_args()).output().unwrap()
 }
 
-/// Asserts that it failed with a sentence that holds these words.
+/// Asserts failure with a message that contains `words`.
 fn fails(output: &Output, words: &[&str]) {
     assert_eq!(output.status.code(), Some(1), "{}", said(output));
     for word in words {
@@ -43,7 +42,7 @@ fn fails(output: &Output, words: &[&str]) {
 fn a_disk_that_is_full_at_the_last_write_keeps_the_old_file_and_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("room.rbn");
-    // A folder comes into the file's place: all is done and kept, but the last write.
+    // A folder replaces the file: the bake finishes and is kept, only the last write fails.
     let child = held(|| bake("builtin:cornell-box", &path, &[]).spawn().unwrap(), &path, 1);
     std::fs::create_dir_all(path.join("inside")).unwrap();
     fails(
@@ -60,7 +59,7 @@ fn a_disk_that_is_full_at_the_last_write_keeps_the_old_file_and_the_work() {
     let output = bake("builtin:cornell-box", &path, &["--resume"]).output().unwrap();
     assert!(output.status.success() && said(&output).contains("going on from"), "{}", said(&output));
     assert_eq!(names(folder.path()), ["room.rbn"]);
-    // Pictures are written in the same way.
+    // Pictures are written by the same code.
     let (shot, picture) = (folder.path().join("shot.json"), folder.path().join("out.png"));
     std::fs::write(
         &shot,
@@ -86,7 +85,7 @@ fn a_folder_that_cannot_be_written_is_told_before_the_bake_begins() {
     std::fs::create_dir(&closed).unwrap();
     std::fs::write(closed.join("room.rbn"), "the old one").unwrap();
     std::fs::set_permissions(&closed, std::fs::Permissions::from_mode(0o555)).unwrap();
-    // Who may do everything may write there; then /proc is the folder that nobody can write to.
+    // The superuser may write anywhere; /proc then serves as the unwritable folder.
     let open_to_us = std::fs::write(closed.join("probe"), "").is_ok();
     let output = if open_to_us { Path::new("/proc/room.rbn").to_owned() } else { closed.join("room.rbn") };
     let told = bake("builtin:cornell-box", &output, &[]).output().unwrap();
@@ -103,7 +102,7 @@ fn results_replace_nothing_that_is_read_and_nothing_but_files() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let glb = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gltf/plain.glb")).unwrap();
-    // Whatever it is called, and by whatever way.
+    // For any file name, and through any path.
     std::fs::write(at("scene.rbn"), &glb).unwrap();
     std::fs::write(at("scene.glb"), &glb).unwrap();
     std::os::unix::fs::symlink(at("scene.rbn"), at("link.rbn")).unwrap();
@@ -130,7 +129,7 @@ fn results_replace_nothing_that_is_read_and_nothing_but_files() {
         ("folder.rbn", "a.rbn", vec![], "folder.rbn"),
     ] {
         let output = bake(at(scene).to_str().unwrap(), &at(output), &more);
-        // One that is tried for has other arguments.
+        // A bake for a target error has different arguments.
         let mut command = rebounce(&["bake"]);
         let kept = output.get_args().skip(1).filter(|arg| {
             !more.contains(&"--target-error") || {
@@ -142,7 +141,7 @@ fn results_replace_nothing_that_is_read_and_nothing_but_files() {
         assert_eq!(names(folder.path()), before, "{words}: nothing is left");
         assert_eq!(std::fs::read(at("scene.rbn")).unwrap(), glb);
     }
-    // What was baked is no scene.
+    // A baked file is no scene.
     let path = at("room.rbn");
     assert!(bake("builtin:cornell-box", &path, &[]).status().unwrap().success());
     fails(&bake(path.to_str().unwrap(), &at("a.rbn"), &[]).output().unwrap(), &["is a baked file"]);
@@ -203,7 +202,7 @@ fn inputs_that_are_gone_or_cut_are_named_and_the_old_file_stays() {
         )
     };
     std::fs::write(at("gone.gltf"), beside("gone.bin")).unwrap();
-    // As one that shrinks while it is read looks at the end.
+    // A buffer shorter than declared: the state of a file that shrinks during reading.
     std::fs::write(at("short.gltf"), beside("short.bin")).unwrap();
     std::fs::write(at("short.bin"), [0; 20]).unwrap();
     let before = names(folder.path());
@@ -221,7 +220,7 @@ fn inputs_that_are_gone_or_cut_are_named_and_the_old_file_stays() {
         assert_eq!(std::fs::read(&old).unwrap(), b"the old one");
         assert_eq!(names(folder.path()), before, "{words}: nothing is left");
     }
-    // The same of files that were baked, and of text that would steer the terminal.
+    // The same tests for baked files, and for text with terminal control sequences.
     let bad = at("b\x1b[31mad.rbn");
     for contents in [&b"REBOUNCE"[..], b"", b"REBOUNCE\x09\0\0\0 and more, of 32 bytes and over"] {
         std::fs::write(&bad, contents).unwrap();

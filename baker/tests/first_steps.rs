@@ -1,4 +1,4 @@
-//! What a newcomer types first: help, the version, files that are not baked yet or no scenes at all.
+//! First commands of a new user: help, the version, unbaked files and files of unsupported formats.
 
 use program::{names, said};
 use std::io::{BufRead, BufReader, Read};
@@ -24,7 +24,7 @@ fn done(args: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Asserts that a command fails with a sentence that holds these words.
+/// Asserts that a command fails with a message that contains `words`.
 fn fails(output: &Output, words: &[&str]) {
     assert_eq!(output.status.code(), Some(1), "{}", said(output));
     for word in words {
@@ -32,7 +32,7 @@ fn fails(output: &Output, words: &[&str]) {
     }
 }
 
-/// The options under a heading of a help, by their long names.
+/// Long names of the options under a heading of a help text.
 fn options(help: &str, heading: &str) -> Vec<String> {
     let lines = help.lines().skip_while(|line| *line != format!("{heading}:")).skip(1);
     let group = lines.take_while(|line| line.is_empty() || line.starts_with(' '));
@@ -95,7 +95,7 @@ fn files_of_other_formats_are_named_with_what_to_do() {
         let output = rebounce(folder.path(), &["bake", file]).output().unwrap();
         fails(&output, &[file, what, "glTF 2.0", "Blender", "Export"]);
     }
-    // A file that was exported under a wrong name is read all the same.
+    // A scene with a wrong file extension is still read.
     std::fs::copy(PLAIN, folder.path().join("plain.obj")).unwrap();
     let few = ["bake", "plain.obj", "--preset", "draft", "--functions", "200", "--levels", "2"];
     assert!(rebounce(folder.path(), &few).status().unwrap().success());
@@ -103,13 +103,13 @@ fn files_of_other_formats_are_named_with_what_to_do() {
     fails(&again, &["plain.rbn is a baked file", "rebounce view plain.rbn", "to bake again"]);
 }
 
-/// Views a scene, and what the command says until it serves: the address, and its standard error; nothing where this
-/// `rebounce` was built without the viewer, which it must say.
+/// Runs `view`, and returns the output until the server starts: the address, and the standard error; `None` if
+/// `rebounce` was built without the viewer, as the error must state.
 fn viewed(folder: &Path, args: &[&str]) -> Option<(String, String)> {
     let mut view = rebounce(folder, &["view", "--no-open", "--port", "0"]).args(args).spawn().unwrap();
     let mut line = String::new();
     BufReader::new(view.stdout.take().unwrap()).read_line(&mut line).unwrap();
-    // Where it ended by itself this does nothing.
+    // No effect if the process has ended by itself.
     let _ = view.kill();
     view.wait().unwrap();
     let mut told = String::new();
@@ -142,13 +142,13 @@ fn a_scene_is_baked_as_a_draft_before_it_is_viewed() {
     assert!(told.contains("baking a draft of plain.glb into plain.draft.rbn"), "{told}");
     assert_eq!(names(folder), ["plain.draft.rbn", "plain.glb"]);
     let first = std::fs::read(folder.join("plain.draft.rbn")).unwrap();
-    // The draft is there, and is made anew for a newer scene only.
+    // The draft exists, and is replaced only for a newer scene.
     let (_, told) = viewed(folder, &["plain.glb", "--yes"]).unwrap();
     assert!(told.contains("baked already: plain.draft.rbn") && !told.contains("baking"), "{told}");
     modify("plain.draft.rbn", -2000);
     let (_, told) = viewed(folder, &["plain.glb", "--yes"]).unwrap();
     assert!(told.contains("baking a draft"), "{told}");
-    // A bake of the user's is shown where it is newer, and never replaced.
+    // A newer bake by the user is shown, and never replaced.
     std::fs::copy(folder.join("plain.draft.rbn"), folder.join("plain.rbn")).unwrap();
     let (line, told) = viewed(folder, &["plain.glb"]).unwrap();
     assert!(line.starts_with("plain.rbn at") && told.contains("baked already: plain.rbn"), "{line}{told}");
@@ -161,7 +161,7 @@ fn a_scene_is_baked_as_a_draft_before_it_is_viewed() {
     assert_eq!(std::fs::read(folder.join("plain.draft.rbn")).unwrap(), b"something else");
     assert_eq!(std::fs::read(folder.join("plain.rbn")).unwrap(), b"the user's");
     assert!(first.len() > 1000);
-    // What cannot be baked ends it, with the bake's own words.
+    // A failed bake ends the command, with the bake's error message.
     std::fs::write(folder.join("broken.gltf"), "{}").unwrap();
     let broken = rebounce(folder, &["view", "--no-open", "broken.gltf"]).output().unwrap();
     fails(&broken, &["broken.gltf"]);

@@ -1,4 +1,4 @@
-//! What is seen first of a scene without cameras and lights: the view and the lamp that a bake adds.
+//! First view of a scene without cameras and lights: the camera and the lamp added by a bake.
 
 use boxes::add_box;
 use glam::{Vec2, Vec3, vec3};
@@ -14,7 +14,7 @@ use rebounce_shared::rbn::meta::Material;
 
 use crate::common::boxes;
 
-/// Boxes, each of its own material: the first one's sides face in.
+/// Boxes, each with its own material; in a room, the first box faces in.
 fn scene(blocks: &[(Vec3, Vec3)], is_room: bool) -> Scene {
     let mut scene = Scene::default();
     for (number, (low, high)) in blocks.iter().enumerate() {
@@ -26,7 +26,7 @@ fn scene(blocks: &[(Vec3, Vec3)], is_room: bool) -> Scene {
     scene
 }
 
-/// A room of any size with furniture on its floor.
+/// A room of random size with furniture on its floor.
 fn room(stream: &mut Stream, scale: f32) -> Scene {
     let size = vec3(3.5 + 6.0 * stream.unit(), 2.3 + 2.0 * stream.unit(), 3.5 + 6.0 * stream.unit());
     let mut blocks = vec![(Vec3::ZERO, size)];
@@ -39,7 +39,7 @@ fn room(stream: &mut Stream, scale: f32) -> Scene {
     scene(&blocks, true)
 }
 
-/// A plate with a few things on it.
+/// A plate with a few blocks.
 fn object(stream: &mut Stream, scale: f32) -> Scene {
     let plate = vec3(1.0 + 2.0 * stream.unit(), 0.05 + 0.2 * stream.unit(), 1.0 + 2.0 * stream.unit());
     let mut blocks = vec![(Vec3::ZERO, plate)];
@@ -53,7 +53,7 @@ fn object(stream: &mut Stream, scale: f32) -> Scene {
     scene(&blocks, false)
 }
 
-/// The same on a plain that is far larger.
+/// An object on a far larger plain.
 fn landscape(stream: &mut Stream) -> Scene {
     let mut house = object(stream, 1.0);
     let first = house.positions.len() as u32;
@@ -67,8 +67,8 @@ fn landscape(stream: &mut Stream) -> Scene {
     house
 }
 
-/// A hollow vessel that is open at its top, as a lathe turns it: radii and heights of its outside from below, of which the
-/// inside stays by a thickness.
+/// A hollow vessel, open at the top, as a surface of revolution: radii and heights of the outside profile from
+/// below; the inside is offset by the thickness.
 fn vessel(profile: &[Vec2], thickness: f32, scale: f32) -> Scene {
     const SIDES: u32 = 32;
     let inside = profile.iter().rev().map(|p| Vec2::new((p.x - thickness).max(1e-3), p.y.max(thickness)));
@@ -112,7 +112,7 @@ impl Seen {
         Vec3::from(self.light.position().unwrap().map(|x| x as f32))
     }
 
-    /// Where it is in a picture of 16:9, from -1 to 1, right and up.
+    /// Position of a place in a picture of 16:9, from -1 to 1, right and up.
     fn at(&self, place: Vec3) -> Vec2 {
         let (to, t) = (place - self.frame.eye, self.frame.tan_half_yfov);
         let depth = to.dot(self.frame.forward);
@@ -125,7 +125,7 @@ impl Seen {
         self.surfaces.see(&Ray::visibility(self.frame.eye, direction), 0).filter(|hit| hit.faces(direction))
     }
 
-    /// The lamp is in the left or right third, before all surfaces, free, and lights what is looked at.
+    /// Checks the lamp: in the left or right third of the picture, unoccluded, and with light on the view's target.
     fn check_lamp(&self, what: &str) {
         let (lamp, at) = (self.lamp(), self.at(self.lamp()));
         assert!((1.0 / 3.0..0.9).contains(&at.x.abs()) && at.y > 0.0 && at.y < 0.9, "{what}: lamp at {at}");
@@ -134,31 +134,31 @@ impl Seen {
         assert!(self.surfaces.see(&ray, 0).is_none(), "{what}: hidden");
         let lights = [self.light.source([0.0; 3])];
         let lit = self.lit();
-        // The middle of a picture may be between two things.
+        // The middle of a picture may show a gap.
         if let Some(target) = self.look(0.0, 0.0) {
             assert!(direct::at_hit(&self.surfaces, &lights, &target).x > 0.0, "{what}: the target is dark");
         }
-        // Lit surfaces have a sensible radiance: intensities are neither of stars nor of candles far away.
+        // Lit surfaces have a plausible radiance: the intensity is neither far too high nor far too low.
         let mean = geometric_mean(&lit);
         assert!((0.3..6.0).contains(&mean), "{what}: irradiance {mean}");
         let hits = self.seen().count();
         assert!(lit.len() * 10 > hits * 2, "{what}: {} of {hits} lit", lit.len());
     }
 
-    /// What places all over the picture show.
+    /// Hits of camera rays across the picture.
     fn seen(&self) -> impl Iterator<Item = Hit> {
         let places = (0..400).map(|i| (i % 20, i / 20)).map(|(x, y)| [x, y].map(|k| k as f32 / 10.0 - 0.95));
         places.filter_map(|[x, y]| self.look(x, y))
     }
 
-    /// Irradiance of what is lit of that.
+    /// Irradiance of the lit hits of [`Self::seen`].
     fn lit(&self) -> Vec<f32> {
         let lights = [self.light.source([0.0; 3])];
         let irradiance = self.seen().map(|hit| direct::at_hit(&self.surfaces, &lights, &hit).x);
         irradiance.filter(|light| *light > 0.0).collect()
     }
 
-    /// How far the nearest surface is from the lamp.
+    /// Distance from the lamp to the nearest surface.
     fn free(&self) -> f32 {
         let distance = |i: u64| {
             let ray = Ray::visibility(self.lamp(), Stream::new(5, i).sphere());
@@ -180,7 +180,7 @@ fn vec2_of(x: f32, y: f32) -> Vec2 {
 fn a_room_is_seen_from_the_height_of_eyes_over_its_floor_and_its_lamp_hangs_in_the_picture() {
     for i in 0..40 {
         let mut stream = Stream::new(0x726f_6f6d, i);
-        // Not all files are in metres.
+        // Files may use units other than metres.
         let scale = if i % 4 == 3 { 100.0 } else { 1.0 };
         let scene = room(&mut stream, scale);
         let what = format!("room {i}");
@@ -194,13 +194,14 @@ fn a_room_is_seen_from_the_height_of_eyes_over_its_floor_and_its_lamp_hangs_in_t
         if scale == 1.0 {
             assert!((floor.distance - 1.6).abs() < 1e-3, "{what}: {} above the floor", floor.distance);
         }
-        // Far walls, not the nearest one: what the middle of the picture shows is at least as far as half of the room's depth.
+        // The view is of far walls: the visible distance in the middle of the picture is at least about half of the
+        // room's depth.
         let size = high - low;
         let distances: Vec<f32> =
             (-8..=8).filter_map(|x| seen.look(x as f32 / 9.0, 0.0)).map(|hit| hit.distance).collect();
         let mean = distances.iter().sum::<f32>() / distances.len() as f32;
         assert!(mean > 0.45 * size.x.min(size.z), "{what}: {mean} in a room of {size}");
-        // Floor and other things are in the picture.
+        // Floor and further surfaces are in the picture.
         let kinds = (0..400)
             .filter_map(|i| seen.look((i % 20) as f32 / 10.0 - 0.95, (i / 20) as f32 / 10.0 - 0.95))
             .map(|hit| hit.geometric_normal.round().to_array().map(|x| x as i32))
@@ -209,7 +210,7 @@ fn a_room_is_seen_from_the_height_of_eyes_over_its_floor_and_its_lamp_hangs_in_t
         seen.check_lamp(&what);
         assert!(seen.lamp().y < high.y && seen.lamp().cmpgt(low).all(), "{what}: not below the ceiling");
         assert!(seen.free() > 0.08 * size.y, "{what}: {} free", seen.free());
-        // Little of the ceiling is burnt out.
+        // Only a small part of the ceiling is overexposed.
         let lit = seen.lit();
         let mean = geometric_mean(&lit);
         let burnt = lit.iter().filter(|light| **light > 6.0 * mean).count() as f32 / lit.len() as f32;
@@ -238,7 +239,7 @@ fn an_object_fills_the_picture_and_its_lamp_hangs_beside_it() {
         assert!(lamp.cmplt(low).any() || lamp.cmpgt(high).any() || seen.free() > 0.0, "{what}");
         assert!(seen.free() > 0.03 * (high - low).length(), "{what}: {} free", seen.free());
         let Light::Spot { direction, outer_cone_deg, .. } = &seen.light else { panic!("{:?}", seen.light) };
-        // It is aimed at the object.
+        // The lamp points at the object.
         let aim = Vec3::from(direction.map(|x| x as f32)).normalize();
         let to = (0.5 * (low + high) - lamp).normalize();
         assert!(aim.dot(to) > 0.999 && *outer_cone_deg >= 15.0, "{what}");

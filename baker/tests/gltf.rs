@@ -1,4 +1,4 @@
-//! One scene in many wrappings (`gltf/README.md`) is one scene: the same rays hit the same surfaces.
+//! Equivalent glTF encodings of a scene (`gltf/README.md`) give the same ray hits.
 
 use glam::Vec3;
 use rebounce::geometry::mesh::TriangleSurfaces;
@@ -11,7 +11,7 @@ fn load(name: &str) -> Scene {
     scene::load(&path).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// World-space distance and albedo where rays from above meet a scene, `None` where they do not.
+/// World-space distance and albedo at the hits of rays from above; `None` for a miss.
 fn looks(scene: &Scene) -> Vec<Option<(f32, Vec3)>> {
     let surfaces = TriangleSurfaces::from_scene(scene);
     let origin = glam::DVec3::from(scene.origin).as_vec3();
@@ -28,8 +28,8 @@ fn looks(scene: &Scene) -> Vec<Option<(f32, Vec3)>> {
     rays.map(|ray| surfaces.cast(&ray, 0).map(|hit| (hit.distance, hit.albedo))).collect()
 }
 
-/// Holds two scenes to one another: of the rays at most a share `missed` (those along an outline) may differ, in
-/// distance by more than `far` or in albedo by more than `colour`.
+/// Compares two scenes: at most a share `missed` of the rays (along outlines) may differ, in distance by more than
+/// `far` or in albedo by more than `colour`.
 fn alike(name: &str, truth: &str, far: f32, colour: f32, missed: f32) {
     let (scene, truth) = (load(name), load(truth));
     assert_eq!(scene.triangles.len(), truth.triangles.len(), "{name}");
@@ -67,7 +67,7 @@ fn quantised_and_compressed_meshes_are_the_same_within_their_steps() {
 fn pictures_of_basis_universal_are_the_same_within_their_blocks() {
     let texels = |name: &str| load(name).textures[0].texels.clone().unwrap();
     let truth = texels("plain");
-    // UASTC spends eight bits on a texel, ETC1S about two; both are blocks of four by four.
+    // UASTC uses eight bits per texel, ETC1S about two; both use blocks of four by four.
     for (name, mean, most) in [("uastc", 1.5, 16), ("etc1s", 4.0, 40)] {
         let (scene, found) = (load(name), texels(name));
         let texture = &scene.textures[0];
@@ -90,7 +90,7 @@ fn colours_of_vertices_are_interpolated_at_hits() {
     let scene = load("plain");
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let origin = glam::DVec3::from(scene.origin).as_vec3();
-    // The first ball: its colour is one half plus or minus the place in it, its base colour 0.8.
+    // First ball: the colour is one half plus or minus the position in the ball; the base colour is 0.8.
     let centre = Vec3::new(-3.0, 0.75, -1.0);
     let mut stream = Stream::new(3, 0);
     for _ in 0..200 {
@@ -125,12 +125,12 @@ fn pictures_show_as_much_colour_as_the_light_meets() {
     assert!((3..30).contains(&scene.materials.len()), "{} materials", scene.materials.len());
     let noted = scene.left_out.iter().filter(|n| n.contains("vertex colours of 1")).count();
     assert_eq!(noted, 1, "{:?}", scene.left_out);
-    // A scene without such colours is as it was.
+    // A scene without vertex colours is unchanged.
     let plain = scene::load("builtin:cornell-box").unwrap();
     assert!(plain.corner_colors.is_empty() && plain.left_out.is_empty());
 }
 
-/// A .glb file with so many materials, each with a picture of its own, all of them these bytes.
+/// A .glb file with `count` materials, each with its own texture of the same bytes.
 fn with_pictures(count: usize, picture: &[u8]) -> Vec<u8> {
     let positions: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let mut binary: Vec<u8> = positions.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -167,7 +167,7 @@ fn pictures_are_bounded_together() {
     );
     image::GrayImage::new(4096, 4096).write_with_encoder(tightly).unwrap();
     assert!(png.len() < 64 << 10, "{} bytes", png.len());
-    // One of one colour is read, as exporters write such; a crowd of them is a bomb.
+    // One uniform texture is read, as from ordinary exporters; a large number of large textures is a bomb.
     let scene = scene::from_bytes("one.glb", &with_pictures(1, &png)).unwrap();
     assert_eq!(scene.textures[0].texels.as_ref().unwrap().width, 4096);
     let refused = scene::from_bytes("bomb.glb", &with_pictures(50, &png)).unwrap_err().to_string();

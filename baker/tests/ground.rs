@@ -1,4 +1,4 @@
-//! Detail in scenes that are far larger: a house on a plain, a room beside a stray.
+//! Detail in far larger scenes: a house on a plain, a room beside a stray object.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use glam::{DVec3, Vec3};
@@ -15,14 +15,14 @@ use rebounce_shared::light::Light;
 use rebounce_shared::shot::Shot;
 use serde_json::{Value, json};
 
-/// A box, its sides facing out, or in.
+/// A box with faces out, or in if the flag is set.
 struct Block(DVec3, DVec3, bool);
 
 fn block(low: [f64; 3], high: [f64; 3]) -> Block {
     Block(low.into(), high.into(), false)
 }
 
-/// A scene of blocks and of a plain of this size, if any, as a glTF file would have it.
+/// A scene of blocks and an optional plain of side `plain`, as from a glTF file.
 fn loaded(blocks: &[Block], plain: Option<f64>) -> Scene {
     let (mut corners, mut indices): (Vec<f32>, Vec<u32>) = Default::default();
     let mut quad = |round: [DVec3; 4]| {
@@ -122,7 +122,7 @@ fn a_house_on_a_plain_without_end_gets_the_functions() {
     let shot = Shot { scene: None, size: [120, 90], camera: camera(), lights: vec![sun] };
     let truth = scene.clone();
     let judge = Judge::new(&truth, &shot, None, || ()).unwrap();
-    // Nobody says where to look; the file has a camera; the shot's is told.
+    // No view given; a camera in the file; the shot's camera passed as setting.
     let found = bake(&scene, &settings(), &()).unwrap().0;
     let told = bake(&scene, &BakeSettings { camera: Some(camera()), ..settings() }, &()).unwrap().0;
     scene.cameras.push(camera());
@@ -134,7 +134,7 @@ fn a_house_on_a_plain_without_end_gets_the_functions() {
         assert!(error < most, "{name}: {error}");
         assert!(file.points.len() < 30_000 && file.meta.levels.len() > 8);
     }
-    // The camera that is added looks at the house.
+    // The added camera looks at the house.
     assert!(DVec3::from(found.meta.cameras[0].position).length() < 40.0);
 }
 

@@ -1,4 +1,5 @@
-//! The command itself, killed, stopped and short of room: the file before is as it was, and `--resume` goes on.
+//! The command, killed, stopped and short of disk space: the earlier file is intact, and `--resume` continues the
+//! bake.
 #![cfg(unix)]
 
 use program::{goes_on_to, held, names, said};
@@ -29,7 +30,7 @@ fn command(output: &Path, more: &[&str]) -> Command {
     command
 }
 
-/// The bytes of an uninterrupted bake, and how long it took.
+/// Bytes and duration of an uninterrupted bake.
 fn uninterrupted(folder: &Path) -> (Vec<u8>, Duration) {
     let (path, began) = (folder.join("whole.rbn"), Instant::now());
     let output = command(&path, &[]).output().unwrap();
@@ -47,7 +48,7 @@ fn killed_at_any_time_it_goes_on_to_the_same_file() {
     for share in [0.03, 0.3, 0.5, 0.7, 0.9] {
         let mut child = command(&path, &["--resume"]).spawn().unwrap();
         std::thread::sleep(took.mul_f64(share));
-        // It may be over already: it goes on each time.
+        // The process may have ended already; every run resumes.
         let _ = child.kill();
         child.wait().unwrap();
         let now = std::fs::read(&path).unwrap();
@@ -83,8 +84,8 @@ fn without_room_the_old_file_stays() {
     let (expected, _) = uninterrupted(folder.path());
     let path = folder.path().join("room.rbn");
     std::fs::write(&path, "the old one").unwrap();
-    // No file may grow beyond some 200 kB; the signal that would say so is ignored, so that writing fails as on
-    // a full disk.
+    // The file size is limited to about 200 kB; the limit's signal (SIGXFSZ) is ignored: writing fails as on a full
+    // disk.
     let bake = command(&path, &[]);
     let mut limited = Command::new("sh");
     limited.args(["-c", "trap '' XFSZ; ulimit -f 300; exec \"$@\"", "sh"]);
@@ -151,7 +152,7 @@ fn json_says_how_a_bake_ended() {
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
     let (partial, last) = (folder.path().join("room.rbn.partial"), last_line(&output));
     assert_eq!((&last["stage"], &last["checkpoint"]), (&"stopped".into(), &partial.to_str().unwrap().into()));
-    // Before the bake begins, and at its begin.
+    // Before the start of the bake, and at its start.
     let missing = folder.path().join("missing.glb");
     let mut bake = Command::new(env!("CARGO_BIN_EXE_rebounce"));
     bake.arg("bake").arg(&missing).arg("--json-progress");

@@ -1,4 +1,4 @@
-//! Laws of points, basis and operator, on a closed box known through the surface interface alone.
+//! Laws of points, basis and operator, on a closed box seen only through the surface interface.
 
 use crate::box_room;
 
@@ -59,7 +59,7 @@ fn points_keep_their_poisson_distance_and_cover_the_room() {
                 assert!(distance_5d(p.position, p.normal, q.position, q.normal) >= level.disk_radius);
             }
         }
-        // Maximal: nearly every place is under some function.
+        // Maximal: nearly every place is covered by a function.
         let support = |p: &SurfacePoint| Support {
             position: p.position,
             normal: p.normal,
@@ -106,7 +106,7 @@ fn a_constant_projects_to_itself() {
     assert!(relations.push().row(points.levels[1].first + 3).len() > 1);
 }
 
-/// What unit irradiance everywhere brings to each point of level 0: S applied to ones (red channel).
+/// Bounced irradiance of each point of level 0 under unit irradiance everywhere: S applied to ones (red channel).
 fn from_ones(points: &Points, relations: &Relations, operator: &Operator) -> Vec<f32> {
     let row = |i: usize, sent: &[f32]| -> f32 {
         operator.links[i].iter().map(|link| link.amount() * sent[link.sender()]).sum()

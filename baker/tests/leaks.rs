@@ -1,4 +1,4 @@
-//! No light goes through walls, whatever the size of the functions next to them.
+//! No light passes through walls, for any size of functions beside the walls.
 
 use glam::{DVec3, Vec3};
 use rebounce::bake::{BakeSettings, Preset, bake};
@@ -8,8 +8,8 @@ use rebounce::random::Stream;
 use rebounce::render::Relit;
 use rebounce::scene;
 
-/// Mean bounced irradiance on what is seen from the middle of the lit room and of the other one, and
-/// the greatest in the other one.
+/// Mean bounced irradiance on visible surfaces, seen from the middle of the lit room and of the dark room, and the
+/// maximum in the dark room.
 fn rooms(name: &str, functions: usize) -> (f32, f32, f32) {
     let scene = scene::load(name).unwrap();
     let mut settings = BakeSettings::new(Preset::Draft);
@@ -58,7 +58,8 @@ fn no_light_comes_through_a_curtain_where_it_meets_a_pillar() {
     let (file, _) = bake(&scene, &BakeSettings::new(Preset::Draft), &()).unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let relit = Relit::new(&file, &surfaces, &scene.lights, false);
-    // The pillars' sides behind the curtains, whose folds lean over them: towards the folds they get darker.
+    // Sides of the pillars behind the curtains, with the folds leaning over: the sides get darker towards the
+    // folds.
     let light = |x: f64| {
         let places =
             (1..=4).flat_map(|k| (0..24).map(move |j| (2.2 * k as f64 + 0.25, 0.8 + 0.08 * j as f64)));

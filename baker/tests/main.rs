@@ -1,4 +1,4 @@
-//! Tests of the baker, in one program: as many programs would each link all of it.
+//! Tests of the baker, in one program: a program per test file would link the library repeatedly.
 
 mod box_room;
 mod common {

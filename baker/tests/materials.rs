@@ -1,4 +1,4 @@
-//! What materials do to light: windows, surfaces that no light changes, and how many there may be.
+//! Effects of materials on light: windows, unlit surfaces, and the maximum number of materials.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common::quads;
@@ -18,15 +18,15 @@ use rebounce::scene::{self, Scene, SceneError};
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn;
 
-/// Members of a material of this base colour that is not metal.
+/// JSON members of a non-metallic material with the given base colour.
 fn matt([r, g, b]: [f32; 3], more: &str) -> String {
     format!(
         r#"{{"name":"pane","pbrMetallicRoughness":{{"baseColorFactor":[{r},{g},{b},1],"metallicFactor":0}}{more}}}"#
     )
 }
 
-/// A room of 2 m, white within, whose wall at x = −1 is a window with these panes' places and this material, under a sun
-/// that shines through it at 45°.
+/// A white room, 2 m wide, with a window as the wall at x = −1: panes at the given positions, of the given
+/// material, under a sun that shines through the window at 45°.
 fn room(panes: &[f32], pane: String, picture: Option<&[u8]>) -> Scene {
     let mut quads = Vec::new();
     for (axis, side) in [(0, 1.0f32), (1, -1.0), (1, 1.0), (2, -1.0), (2, 1.0)] {
@@ -35,7 +35,7 @@ fn room(panes: &[f32], pane: String, picture: Option<&[u8]>) -> Scene {
         quads.push(Quad { middle, u, v, material: 0 });
     }
     for (i, x) in panes.iter().enumerate() {
-        // The first one looks into the room; faces of a body look away from each other.
+        // The first pane faces into the room; the faces of a solid face away from each other.
         let u = Vec3::Y * if i % 2 == 0 { 1.0 } else { -1.0 };
         quads.push(Quad { middle: vec3(*x, 0.0, 0.0), u, v: Vec3::Z, material: 1 });
     }
@@ -46,14 +46,14 @@ fn room(panes: &[f32], pane: String, picture: Option<&[u8]>) -> Scene {
     scene
 }
 
-/// Direct irradiance at a place of the floor that the sun reaches through the window.
+/// Direct irradiance at a place of the floor in the sun through the window.
 fn on_the_floor(scene: &Scene) -> Vec3 {
     let lights: Vec<_> = scene.lights.iter().map(|light| light.source(scene.origin)).collect();
     let at = (DVec3::new(-0.3, -1.0, 0.3) - DVec3::from(scene.origin)).as_vec3();
     direct::at_point(&TriangleSurfaces::from_scene(scene), &lights, at, Vec3::Y)
 }
 
-/// A material that lets light through: base colour and extensions.
+/// A transmissive material: base colour and extensions.
 fn glass(base: [f32; 3], extensions: &str) -> String {
     matt(base, &format!(r#","extensions":{{{extensions}}}"#))
 }
@@ -101,7 +101,7 @@ fn windows_let_their_share_through_in_their_colour() {
 
 #[test]
 fn a_texture_says_where_light_goes_through() {
-    // Left half red 0, right half 255, across the window.
+    // Left half red 0, right half red 255, across the window.
     let mut picture = image::RgbImage::new(2, 1);
     picture.put_pixel(1, 0, image::Rgb([255, 0, 0]));
     let mut png = std::io::Cursor::new(Vec::new());
@@ -110,13 +110,13 @@ fn a_texture_says_where_light_goes_through() {
         r#""KHR_materials_transmission":{"transmissionFactor":0.5,"transmissionTexture":{"index":0}}"#;
     let scene = room(&[-1.0], glass([1.0; 3], extension), Some(png.get_ref()));
     let surfaces = TriangleSurfaces::from_scene(&scene);
-    // Its u runs up.
+    // The texture's u axis points up.
     let through = |y: f32| {
         let [from, to] = [-1.5, -0.5].map(|x| vec3(x, y, 0.2) - DVec3::from(scene.origin).as_vec3());
         surfaces.transmittance(from, to)
     };
     assert_eq!([through(0.5), through(-0.5)], [Vec3::splat(0.5), Vec3::ZERO]);
-    // And so where it is kept.
+    // The baked file must have the same transmittance.
     let (file, _) = bake(&scene, &quick(), &()).unwrap();
     let file = BakedScene::from_bytes(&file.to_bytes().unwrap()).unwrap();
     assert_eq!(file.version(), rbn::container::VERSION);
@@ -134,7 +134,7 @@ fn quick() -> BakeSettings {
     settings
 }
 
-/// Means over what is seen from the middle, of light of this kind: what a baked file says, and what paths say.
+/// Mean radiance around the room's middle, by components of light: from a baked file, and from the path tracer.
 fn seen(scene: &Scene, only: Only) -> [Vec3; 2] {
     let (file, _) = bake(scene, &quick(), &()).unwrap();
     let surfaces = TriangleSurfaces::from_baked(&file).unwrap();
@@ -156,7 +156,7 @@ fn seen(scene: &Scene, only: Only) -> [Vec3; 2] {
 
 #[test]
 fn a_room_behind_a_window_has_the_window_s_share_of_the_open_room_s_light() {
-    // What comes back from a pane that reflects nothing is nothing, as through a hole.
+    // A pane without reflection returns no light, like a hole.
     let tint = [0.75, 0.5, 0.25];
     let open = seen(&room(&[], matt([1.0; 3], ""), None), Only::All);
     let pane = seen(&room(&[-1.0], glass(tint, CLEAR), None), Only::All);
@@ -164,7 +164,8 @@ fn a_room_behind_a_window_has_the_window_s_share_of_the_open_room_s_light() {
         let share = pane / open;
         assert!((share - Vec3::from(tint)).abs().max_element() < 0.015, "{what}: {share}");
     }
-    // A pane that reflects what it stops keeps the room lighter than its share says, and bakes as paths are.
+    // A pane that reflects the untransmitted light keeps the room brighter than by the transmitted share; bake and
+    // path tracer agree.
     let milky = r#""KHR_materials_transmission":{"transmissionFactor":0.5}"#;
     let [baked, traced] = seen(&room(&[-1.0], glass([0.9; 3], milky), None), Only::All);
     assert!(((baked / traced) - 1.0).abs().max_element() < 0.03, "{baked} {traced}");
@@ -192,14 +193,14 @@ fn a_colour_that_is_seen_through_glass_is_tinted() {
         let expected = Vec3::from(tint).powf(times);
         assert!((share / expected - 1.0).abs().max_element() < 0.03, "{share}, not {expected}");
     };
-    // A pane that looks into the room: the sun is tinted, the eye sees no back.
+    // A pane facing into the room: the sun is tinted, the back face is invisible to the eye.
     expect(tint_of(&[-1.0]), 1.0);
-    // A body of two faces: both tint the sun, and the eye sees the one that looks out.
+    // A solid of two faces: both faces tint the sun, and the eye sees the outer face.
     expect(tint_of(&[-0.98, -1.02]), 3.0);
 }
 
-/// The windows of `shared/cases`, where they are: the room behind a clear pane of two faces is as light as the open one, and
-/// behind two faces of alpha 0.1 it has 0.81 of that.
+/// The windows of `shared/cases`, if present: the room behind a clear pane of two faces is as bright as the open
+/// room; behind two faces of alpha 0.1, the room has 0.81 of the light.
 #[test]
 fn windows_of_files_let_the_sun_in() {
     let floor = |name: &str| {
@@ -265,7 +266,7 @@ fn an_unlit_surface_shows_its_colour_and_bounces_light_like_others() {
             assert_eq!(radiance(&surfaces, &sources, ray, settings, &mut stream), expected);
         }
     }
-    // The floor before it gets light from it as from any wall of that colour.
+    // The floor before the wall receives light from the wall as from an ordinary wall of equal colour.
     let indirect = |pane: String| {
         let scene = Scene { lights: vec![lamp.clone()], ..room(&[-1.0], pane, None) };
         seen(&scene, Only::Indirect)
@@ -274,7 +275,7 @@ fn an_unlit_surface_shows_its_colour_and_bounces_light_like_others() {
     assert_eq!(unlit, indirect(matt(color, "")));
 }
 
-/// So many small squares, each with a material of its own.
+/// `count` small squares, each with its own material.
 fn tiles(count: usize, material: impl Fn(usize) -> String) -> Vec<u8> {
     let quads: Vec<Quad> = (0..count)
         .map(|material| {

@@ -1,5 +1,5 @@
-//! The command under `mpirun`: the same file as from one process, to the byte; a lost process leaves what was done.
-//! `cargo xtask test` runs these, as its part `mpi`.
+//! The command under `mpirun`: the same file as from a single process, to the byte; after the loss of a process,
+//! finished work is kept. `cargo xtask test` runs these tests as the part `mpi`.
 #![cfg(unix)]
 
 use program::{partial, said, signal, wait_for};
@@ -15,7 +15,7 @@ const BINARY: &str = env!("CARGO_BIN_EXE_rebounce");
 
 fn bake(command: &mut Command, output: &Path, threads: usize, more: &[&str]) -> Command {
     let mut command = std::mem::replace(command, Command::new("true"));
-    // So many functions that signals come before the end, and so few rays each that a process looks up often.
+    // Enough functions for signals to arrive before the end, and few enough rays per function for frequent checks.
     command.args(["bake", "builtin:two-rooms-door", "--preset", "draft", "--functions", "16000"]);
     command.args(["--threads", &threads.to_string(), "-o"]).arg(output).args(more);
     if !more.contains(&"--rays") {
@@ -25,7 +25,7 @@ fn bake(command: &mut Command, output: &Path, threads: usize, more: &[&str]) -> 
     command
 }
 
-/// The command on so many processes, however few processors there are.
+/// The command on `processes` processes, for any number of processors.
 fn team(processes: usize, threads: usize, output: &Path, more: &[&str]) -> Command {
     let mut command = Command::new("mpirun");
     command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
@@ -39,7 +39,7 @@ fn alone(output: &Path, more: &[&str]) -> Vec<u8> {
     std::fs::read(output).unwrap()
 }
 
-/// The processes that mpirun has started, by rank.
+/// Processes started by mpirun, by rank.
 fn members(mpirun: &Child) -> Vec<(usize, u32)> {
     let listed =
         Command::new("ps").args(["-o", "pid=", "--ppid", &mpirun.id().to_string()]).output().unwrap();
@@ -53,7 +53,7 @@ fn members(mpirun: &Child) -> Vec<(usize, u32)> {
     pids.split_whitespace().filter_map(|pid| rank(pid.parse().ok()?)).collect()
 }
 
-/// The launcher may end a moment before those that it has ended. What is there after minutes hangs.
+/// The launcher may end slightly before its processes. A process still present after minutes hangs.
 fn all_end(members: &[(usize, u32)]) -> bool {
     let began = Instant::now();
     let is_there = |member: &(usize, u32)| Path::new(&format!("/proc/{}", member.1)).exists();
@@ -86,8 +86,8 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
     // The second, the last, the first itself; while points are placed, and while links are traced.
     for (lost, bytes, number) in [(1, 400_000, 2), (3, 1_000, 4), (0, 400_000, 1)] {
         let path = folder.path().join(format!("lost-{lost}.rbn"));
-        // Seconds from the signal that ends the others to the one that kills them: on a busy machine one is too few to
-        // speak in.
+        // Seconds between the signals that end and that kill the remaining processes: on a busy machine, one second
+        // is too short for an error message.
         let patient = ("OMPI_MCA_odls_base_sigkill_timeout", "5");
         let mut running = team(4, 1, &path, &[]).env(patient.0, patient.1).spawn().unwrap();
         wait_for(&mut running, &path, bytes);
@@ -114,7 +114,7 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
 #[test]
 fn ctrl_c_ends_all_and_says_how_to_go_on() {
     let folder = tempfile::tempdir().unwrap();
-    // So many rays that the launcher's signals, which may take a second, come before the end.
+    // Enough rays for the launcher's signals, up to a second late, to arrive before the end.
     let rays = ["--rays", "3000", "--resume"];
     let expected = alone(&folder.path().join("alone.rbn"), &rays[..2]);
     let path = folder.path().join("room.rbn");

@@ -1,4 +1,4 @@
-//! Scenes that nobody says where to look at from: objects get bounced light on their outsides, rooms within.
+//! Scenes without a camera: objects receive bounced light on their outsides, rooms on their insides.
 
 use boxes::add_box;
 use glam::{Vec3, vec3};
@@ -15,7 +15,7 @@ use rebounce_shared::shot::Shot;
 
 use crate::common::boxes;
 
-/// A closed box whose sides face out, or in.
+/// A closed box with faces out or in.
 #[derive(Clone, Copy)]
 struct Block {
     low: Vec3,
@@ -41,7 +41,7 @@ fn scene(blocks: &[Block], double_sided: bool) -> Scene {
     scene
 }
 
-/// A board with two blocks on it.
+/// A board with two blocks.
 fn object() -> Vec<Block> {
     vec![
         out(vec3(-2.0, 0.0, -1.5), vec3(2.0, 0.2, 1.5)),
@@ -65,7 +65,7 @@ fn baked(scene: &Scene) -> (BakedScene, BakeReport) {
     bake(scene, &settings, &()).unwrap()
 }
 
-/// How far the bounced light is from a path tracer's, seen from there.
+/// Error of the bounced light against a path tracer, seen from `from`.
 fn error(scene: &Scene, baked: &BakedScene, from: Vec3) -> f64 {
     let camera = Camera {
         position: from.as_dvec3().to_array(),
@@ -122,7 +122,7 @@ fn an_object_without_camera_and_light_is_seen_from_outside_in_the_light_of_a_lam
         assert!(seen(80.0, 45.0), "in the middle");
         assert!(matches!(file.meta.lights[..], [Light::Spot { .. }]) && report.lamp_added);
         assert!(file.meta.shown.ground().is_some() && !report.is_unlit);
-        // All of it is in the picture.
+        // The complete object is in the picture.
         let border = (0..160).flat_map(|x| [(x, 0), (x, 89)]).chain((0..90).flat_map(|y| [(0, y), (159, y)]));
         assert!(border.into_iter().all(|(x, y)| !seen(x as f32, y as f32)));
     }
@@ -137,7 +137,7 @@ fn a_room_is_looked_at_from_within_whichever_way_its_walls_face() {
         let mut blocks = furniture();
         blocks.push(walls);
         let (file, report) = baked(&scene(&blocks, double_sided));
-        // A lamp hangs in a room without one, above the camera.
+        // In a room without lamp, a lamp is added above the camera.
         let [Light::Point { position, .. }] = file.meta.lights[..] else { panic!("{:?}", file.meta.lights) };
         let camera = file.meta.cameras[0].position;
         assert!(report.lamp_added && position[1] > camera[1] && position[1] < 2.5, "{position:?}");
@@ -147,11 +147,11 @@ fn a_room_is_looked_at_from_within_whichever_way_its_walls_face() {
             p.cmpgt(block.low).all() && p.cmplt(block.high).all()
         };
         assert!(!report.is_open && within(&report), "{:?}", report.viewpoints);
-        // Not within the furniture, though its backs reflect.
+        // Not inside the furniture, although its back faces reflect.
         let hidden = report.viewpoints.iter().any(|p| furniture().iter().any(|block| is_inside(p, block)));
         assert!(!hidden, "{:?}", report.viewpoints);
     }
-    // Nothing but a lamp tells an empty box from an object.
+    // Only a lamp distinguishes an empty box from an object.
     let mut empty = scene(&[shell(out)], true);
     assert!(baked(&empty).1.is_open);
     empty.lights.push(Light::Point {

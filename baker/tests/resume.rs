@@ -1,4 +1,4 @@
-//! A bake that was stopped and goes on gives the file that an uninterrupted one gives, to the byte.
+//! A stopped and resumed bake gives the same file as an uninterrupted bake, to the byte.
 
 use rebounce::bake::checkpoint::Storage;
 use rebounce::bake::{
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use xxhash_rust::xxh32::xxh32;
 
-/// Stops when it has been asked so many times whether to.
+/// Requests cancellation after `limit` checks.
 struct StopAfter {
     asked: AtomicUsize,
     limit: usize,
@@ -57,7 +57,7 @@ fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
 }
 
-/// Where the records of a checkpoint end.
+/// End offsets of the records of a checkpoint.
 fn ends(bytes: &[u8]) -> Vec<usize> {
     let mut ends = Vec::new();
     let mut at = 0;
@@ -79,7 +79,7 @@ fn stopped_at_any_time_and_resumed_it_is_the_same_file() {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("a.partial");
             let mut records = 0;
-            // Of what is left to do, so much each time.
+            // Stops at various shares of the remaining work.
             for share in [0.1, 0.3, 0.5, 0.7, 0.9, 0.2, 0.4, 0.6, 0.8, 0.95] {
                 let copy = folder.path().join("copy.partial");
                 if records > 0 {
@@ -135,7 +135,7 @@ fn torn_and_damaged_tails_are_cut_off() {
     resumed(&scene, &settings, &path, &()).unwrap();
     let full = std::fs::read(&path).unwrap();
     let ends = ends(&full);
-    // Each boundary is a place to go on from: checked by what is found there; some by baking on.
+    // Every record boundary is a resume point: checked by the number of records found; a few are baked to the end.
     let identity = Identity::new(&scene, &settings);
     for (records, &end) in ends.iter().enumerate() {
         for torn in [end, (end + 1).min(full.len()), (end + 13).min(full.len())] {
@@ -156,14 +156,14 @@ fn torn_and_damaged_tails_are_cut_off() {
         std::fs::write(&path, &bytes).unwrap();
         assert!(resumed(&scene, &settings, &path, &()).unwrap() == expected, "at {at} of {}", full.len());
     }
-    // Killed within the first record, which has no checksum yet.
+    // Killed within the first record, before its checksum.
     for at in [0, 5, 12, ends[0] - 1] {
         std::fs::write(&path, &full[..at]).unwrap();
         assert_eq!(Checkpoint::resume(&path, &identity).unwrap().records_found(), 0);
     }
 }
 
-/// Numbers that lie.
+/// Invalid and extreme numbers.
 const ODD: [u32; 10] =
     [0, 1, 2, 255, 0x7fff_ffff, u32::MAX, 0x7f80_0000, 0x7fc0_0000, 0xff00_0000, 0x0000_0001];
 
@@ -181,7 +181,7 @@ fn records_that_lie_under_fitting_checksums_end_in_a_file_or_a_sentence() {
         let mut stream = Stream::new(seed, 9);
         let mut below = |n: usize| stream.bits() as usize % n;
         let mut bytes = full.clone();
-        // Few records hold points; they are the most read.
+        // Only a few records hold points; point records have the most readers.
         let record = if below(2) == 0 { 1 + below(6) } else { 1 + below(ends.len() - 1) };
         let (start, end) = (ends[record - 1], ends[record]);
         for _ in 0..1 + below(4) {
@@ -204,7 +204,7 @@ fn records_that_lie_under_fitting_checksums_end_in_a_file_or_a_sentence() {
     assert!(baked > 20, "{baked} baked, {refused} refused");
 }
 
-/// One of the words of a record: an index takes another's place.
+/// A word of a record: an index replaces another index.
 fn stream_word(bytes: &[u8], start: usize, end: usize, k: usize) -> u32 {
     let at = start + 12 + 4 * (k % ((end - start - 12) / 4));
     u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap())
@@ -229,7 +229,7 @@ fn checkpoints_of_other_bakes_are_refused_and_left_as_they_are() {
     let refused = Checkpoint::resume(&path, &Identity::new(&scene, &settings)).err().unwrap();
     assert!(matches!(refused, CheckpointError::Foreign(_)), "{refused}");
     assert_eq!(std::fs::read(&path).unwrap(), b"a letter");
-    // Without going on it is replaced.
+    // Without resume, the checkpoint is replaced.
     Checkpoint::create(&path, &Identity::new(&scene, &settings)).unwrap().flush().unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), before[..ends(&before)[0]]);
 }
@@ -248,7 +248,7 @@ fn two_bakes_do_not_write_one_checkpoint() {
     Checkpoint::resume(&path, &identity).unwrap();
 }
 
-/// A disk with room for so many bytes.
+/// A disk with a capacity of `room` bytes.
 struct SmallDisk {
     bytes: Arc<Mutex<Vec<u8>>>,
     room: usize,

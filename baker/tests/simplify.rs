@@ -1,4 +1,4 @@
-//! Rays find on the simplified surfaces what they find on the scene's.
+//! Rays find equal hits on the simplified surfaces and on the scene's surfaces.
 
 use glam::Vec3;
 use rebounce::bake::{BakeSettings, Preset, bake};
@@ -13,9 +13,9 @@ use std::path::Path;
 use crate::common::soup;
 use crate::common::split;
 
-/// Whether two hits of a ray are on one surface, `allowed` being how far off it may be.
+/// Whether two hits of a ray are on the same surface, within a distance of `allowed`.
 fn is_same(a: &Hit, b: &Hit, direction: Vec3, allowed: f32) -> bool {
-    // What is off across the surface is off by more along a ray that hardly meets it.
+    // An offset across the surface becomes a larger offset along a grazing ray.
     let off = (a.distance - b.distance).abs() * direction.dot(a.geometric_normal).abs();
     off <= allowed
         && a.normal.distance(b.normal) < 0.02
@@ -24,11 +24,11 @@ fn is_same(a: &Hit, b: &Hit, direction: Vec3, allowed: f32) -> bool {
         && (a.emission - b.emission).abs().max_element() < 1e-6
 }
 
-/// Of random rays, how many find something else.
+/// Share of random rays with different hits.
 fn different(scene: &Scene, rays: u64) -> f64 {
     let (whole, simple) = (TriangleSurfaces::from_scene(scene), TriangleSurfaces::simplified(scene));
     assert!(simple.triangle_count() <= whole.triangle_count());
-    // Of two triangles at one place the first counts.
+    // Of two coincident triangles, the first counts.
     let mut turned = scene.clone();
     turned.triangles.reverse();
     turned.triangle_material.reverse();
@@ -43,7 +43,7 @@ fn different(scene: &Scene, rays: u64) -> f64 {
         let (origin, direction) = (low + (high - low) * share, stream.sphere());
         let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
         let mut is_found = |found: &Hit| {
-            // Where two surfaces lie in one plane rounding says which of them is met: rays beside this one meet both.
+            // For coplanar surfaces, rounding decides the hit: rays beside this ray meet both surfaces.
             (0..24).any(|k| {
                 let aside = if k < 2 { 0.0 } else { 1e-6 * size };
                 let ray = Ray { origin: origin + aside * stream.sphere(), ..ray };
@@ -77,12 +77,12 @@ fn rays_find_what_is_there() {
         }
         let share = different(&scene, 100_000);
         println!("{name}, cut into {n} x {n}: {share}");
-        // Where the edge of one thing is before another one, which of them it is may change.
+        // At the edge of an object in front of another object, the hit object may change.
         assert!(share < 2e-3, "{name}, cut into {n} x {n}: {share}");
     }
 }
 
-/// Gives every triangle vertices of its own, with the normal that its corners span, as files without normals have.
+/// Gives every triangle its own vertices with the geometric normal, as in files without normals.
 fn facet(scene: &mut Scene) {
     let (mut positions, mut normals, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
     for triangle in &mut scene.triangles {
@@ -137,7 +137,7 @@ fn a_bake_does_not_see_how_its_surfaces_are_cut_up() {
     println!("{} triangles, {} for rays", report.triangles, report.ray_triangles);
     assert!(20 * report.ray_triangles < report.triangles, "{}", report.ray_triangles);
     assert_eq!(many.indices.len(), 256 * whole.indices.len(), "what is shown stays as it was");
-    // As many functions and links, up to chance.
+    // Equal numbers of functions and links, up to random variation.
     let close = |a: usize, b: usize| (a as f64 / b as f64 - 1.0).abs() < 0.05;
     assert!(close(many.points.len(), whole.points.len()), "{} {}", many.points.len(), whole.points.len());
     assert!(close(many.link_count(), whole.link_count()), "{} {}", many.link_count(), whole.link_count());
@@ -151,7 +151,7 @@ fn any_triangles_keep_their_place_and_area() {
         let length = (200.0 * stream.unit()) as usize;
         let bytes: Vec<u8> = (0..length).map(|_| (256.0 * stream.unit()) as u8).collect();
         let scene = soup::soup(&bytes);
-        // All at once, or little by little.
+        // At once, or in small groups.
         let together = [TOGETHER, 16][i as usize % 2];
         fewer += (soup::keeps_promises(&scene, together) < scene.triangles.len()) as u32;
     }
@@ -160,7 +160,7 @@ fn any_triangles_keep_their_place_and_area() {
 
 #[test]
 fn what_fuzzing_found() {
-    // A triangle that lies in a sheet and has corners of it, but no edge.
+    // A triangle in the plane of a sheet, with corners of the sheet, but no common edge.
     for bytes in [[0u8, 40, 64, 0, 0, 0, 5, 4, 5, 4, 77, 32]] {
         for together in [TOGETHER, 16] {
             soup::keeps_promises(&soup::soup(&bytes), together);

@@ -1,10 +1,10 @@
-//! How large files are: what a page has to load.
+//! Sizes of baked files: the download of a page.
 
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::scene;
 use std::path::Path;
 
-/// A file's bytes, and how many functions it has.
+/// Bytes of a file, and number of its functions.
 fn baked(spec: &str, preset: Preset) -> (usize, usize) {
     let scene = scene::load(spec).unwrap();
     let (file, _) = bake(&scene, &BakeSettings::new(preset), &()).unwrap();
@@ -13,7 +13,7 @@ fn baked(spec: &str, preset: Preset) -> (usize, usize) {
 
 #[test]
 fn a_function_with_its_links_takes_at_most_seventy_bytes() {
-    // Rooms without textures: all but a few thousand bytes is light transport.
+    // Rooms without textures: the file is light transport, except for a few thousand bytes.
     for spec in ["builtin:apartment", "builtin:cornell-box"] {
         let (bytes, functions) = baked(spec, Preset::Draft);
         let each = bytes as f64 / functions as f64;
@@ -23,7 +23,7 @@ fn a_function_with_its_links_takes_at_most_seventy_bytes() {
 
 #[test]
 fn a_hall_with_its_textures_is_loaded_in_twelve_megabytes() {
-    // Where this scene is not there, the law above holds alone.
+    // Without the scene file, only the test above applies.
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
     let hall = folder.join("sponza-dabrovic/sponza-dabrovic.glb");
     if let Some(hall) = hall.to_str().filter(|_| hall.exists()) {

@@ -1,4 +1,4 @@
-//! Bare walls have no spots, also where a small patch lights all of a room.
+//! Bare walls have no spots, even if a small patch lights an entire room.
 
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
@@ -11,7 +11,7 @@ use rebounce::scene;
 /// Two bare walls in the first camera's picture.
 const WALLS: [Rectangle; 2] = [[0.03, 0.30, 0.36, 0.62], [0.47, 0.30, 0.83, 0.65]];
 
-/// Spots on the walls of the attic at `draft` with fewer functions, by how many levels share what their rays find.
+/// Spots on the walls of the attic at `draft` with fewer functions, by number of pooled levels.
 fn attic(pooled_levels: usize) -> [Spots; 2] {
     let scene = scene::load("builtin:attic").unwrap();
     let mut settings = BakeSettings::new(Preset::Draft);

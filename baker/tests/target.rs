@@ -1,4 +1,4 @@
-//! `rebounce bake --target-error` and `rebounce compare`: a file is as good as they say, or the exit code tells.
+//! `rebounce bake --target-error` and `rebounce compare`: the stated error holds, or the exit code is an error.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use glam::Vec3;
@@ -7,7 +7,7 @@ use rebounce_shared::random::Stream;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// A bake with so few rays that its error stands out of a path tracer's noise.
+/// A bake with few rays: the error exceeds the noise of the path tracer.
 fn bake(folder: &Path, more: &[&str]) -> Output {
     let args = ["bake", "builtin:cornell-box", "-o", "box.rbn", "--report", "box.json", "--rays", "8"];
     Command::new(env!("CARGO_BIN_EXE_rebounce")).current_dir(folder).args(args).args(more).output().unwrap()
@@ -64,7 +64,7 @@ fn what_is_no_error_is_a_wrong_argument() {
     assert!(!folder.path().join("box.rbn").exists());
 }
 
-/// Writes a picture of even grey with noise of this strength.
+/// Writes a uniform grey picture with noise of relative strength `noise`.
 fn grey(folder: &Path, name: &str, brightness: f32, noise: f32, seed: u64) {
     let of = |i| brightness * (1.0 + noise * (2.0 * Stream::new(seed, i).unit() - 1.0));
     let picture =
@@ -72,7 +72,7 @@ fn grey(folder: &Path, name: &str, brightness: f32, noise: f32, seed: u64) {
     picture.write(&folder.join(name), f32::INFINITY).unwrap();
 }
 
-/// The exit code of a comparison, and what it says.
+/// Exit code and outputs of a comparison.
 fn compare(folder: &Path, files: &[&str], more: &[&str]) -> (Option<i32>, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rebounce"));
     let output = command.current_dir(folder).arg("compare").args(files).args(more).output().unwrap();
@@ -103,14 +103,14 @@ fn an_error_that_noise_hides_is_too_noisy_to_tell_and_never_none() {
         code == Some(4) && said.contains("too noisy to tell whether") && said.contains("--spp"),
         "{said}"
     );
-    // It is at most so much, whatever it is.
+    // The upper bound of the error is known in any case.
     assert_eq!(compare(folder, &near, &["--max-error", "0.3"]).0, Some(0));
     let far = ["far.exr", "a.exr", "b.exr"];
     let (code, printed, said) = compare(folder, &far, &["--max-error", "0.1"]);
     assert!(code == Some(1) && said.contains("is above 0.1"), "{said}");
     assert!(printed.starts_with("error 0.") && printed.contains(" to 0."), "{printed}");
     assert_eq!(compare(folder, &far, &["--max-error", "0.6"]).0, Some(0));
-    // Of one reference nobody knows.
+    // With a single reference, the noise is unknown.
     let (code, printed, said) = compare(folder, &near[..2], &["--max-error", "0.1"]);
     assert!(code == Some(1) && printed.contains("the reference's noise in it"), "{printed}");
     assert!(said.contains("a second reference takes out"), "{said}");

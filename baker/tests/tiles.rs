@@ -1,4 +1,4 @@
-//! What rays find is worked out for tiles of the surfaces beforehand: that says what looking at every hit says.
+//! The hit cache of tiles gives the same light as the evaluation of every hit.
 
 use glam::Vec3;
 use rebounce::basis::relate;
@@ -15,7 +15,7 @@ use split::split;
 
 use crate::common::split;
 
-/// Surfaces that do not tell their pieces.
+/// Surfaces without `Primitives`.
 struct HitByHit<'a>(&'a TriangleSurfaces);
 
 impl Surfaces for HitByHit<'_> {
@@ -56,7 +56,7 @@ fn settings(seed: u64) -> OperatorSettings {
     }
 }
 
-/// The irradiance at all points from senders that are brighter here than there.
+/// Irradiance at the points from senders of varying brightness.
 fn received<S: Surfaces>(surfaces: &S, points: &Points, seed: u64) -> Vec<f32> {
     let settings = settings(seed);
     let relations = relate(points, 4).unwrap();
@@ -72,7 +72,7 @@ fn received<S: Surfaces>(surfaces: &S, points: &Points, seed: u64) -> Vec<f32> {
     received
 }
 
-/// Relative RMS difference, and that of the means.
+/// Relative RMS difference, and relative difference of the means.
 fn compared(ours: &[f32], theirs: &[f32]) -> (f64, f64) {
     let (mut difference, mut square, mut sum, mut squares) = (0.0, 0.0, 0.0, 0.0);
     for (ours, theirs) in ours.iter().zip(theirs) {
@@ -104,7 +104,7 @@ fn placed(name: &str) -> (Scene, TriangleSurfaces, Points) {
     (scene, surfaces, points)
 }
 
-/// HitCache say what hits say, up to less than other rays change.
+/// Asserts that tiles change the result less than a change of the random rays.
 fn assert_close(name: &str, surfaces: &TriangleSurfaces, points: &Points) {
     let by_tiles = received(surfaces, points, 5);
     let by_hits = received(&HitByHit(surfaces), points, 5);
@@ -138,7 +138,7 @@ fn small_triangles_share_tiles() {
     assert!(many.triangle_count() == whole.triangle_count() * 4096);
     let [few, many_tiles] = [&whole, &many].map(tiles);
     println!("{} triangles, {few} tiles; {}, {many_tiles}", whole.triangle_count(), many.triangle_count());
-    // A wall of few triangles is out of the finest functions' reach in parts, and has wide tiles there.
+    // A wall of few triangles is partly out of reach of the finest functions, and has wide tiles there.
     assert!(many_tiles < 10 * few && 2 * many_tiles < many.triangle_count(), "{many_tiles}, not {few}");
     assert_close("cut up", &many, &points);
 }

@@ -1,25 +1,24 @@
-//! What pictures of an object show where there is no surface: an even grey like a studio's, lighter below, and on the ground
-//! the shadow of what stands there. The viewer's backdrop.wgsl does the same. Linear display values: no light and no exposure
-//! changes them.
+//! Backdrop of an object: an even studio grey, lighter below, with the object's shadow on the ground. The viewer's
+//! backdrop.wgsl does the same. Linear display values, independent of light and exposure.
 
 use crate::rbn::shown::{Ground, SIDE};
 use glam::{Vec2, Vec3};
 
 /// Grey below and above the horizon.
 pub const BELOW: f32 = 0.42;
-/// Grey far above it.
+/// Grey far above the horizon.
 pub const ABOVE: f32 = 0.16;
-/// Sines of the elevation between which one becomes the other.
+/// Range of the sine of elevation for the transition from [`BELOW`] to [`ABOVE`].
 pub const TURN: [f32; 2] = [-0.5, 0.5];
-/// How dark a place of the ground is from which nothing of the sky is seen.
+/// Darkening of a place on the ground with a fully occluded sky.
 pub const DARK: f32 = 0.75;
 
-/// The grey that is seen from `eye` along a direction of any length, local space.
+/// Returns the grey seen from `eye` along a direction of any length, local space.
 pub fn tone(ground: &Ground, eye: Vec3, way: Vec3) -> f32 {
     let rise = ((way.normalize().y - TURN[0]) / (TURN[1] - TURN[0])).clamp(0.0, 1.0);
     let grey = BELOW + (ABOVE - BELOW) * rise * rise * (3.0 - 2.0 * rise);
     let distance = (ground.height - eye.y) / way.y;
-    // From above the ground.
+    // The ground is visible only from above.
     if way.y >= 0.0 || distance <= 0.0 {
         return grey;
     }
@@ -27,7 +26,7 @@ pub fn tone(ground: &Ground, eye: Vec3, way: Vec3) -> f32 {
     grey * (1.0 - DARK * shade(ground, Vec2::new(place.x, place.z)))
 }
 
-/// Share of the sky that is hidden at x, z; between the middles of the squares on a line.
+/// Returns the occluded share of the sky at x, z, interpolated bilinearly between the centres of the squares.
 fn shade(ground: &Ground, place: Vec2) -> f32 {
     let (low, high) = (Vec2::from(ground.low), Vec2::from(ground.high));
     let at = (place - low) / (high - low) * SIDE as f32 - 0.5;
@@ -59,14 +58,14 @@ mod tests {
             tone(&none, eye, Vec3::new(x, -1.0, z) - eye)
         };
         let share = |x: f32, z: f32| 1.0 - seen(x, z) / without(x, z);
-        // The square's middle, half way to the next ones, and beside it.
+        // The square's centre, half way to the neighbours, and outside.
         assert!((share(-7.5, 16.5) - DARK).abs() < 1e-4, "{}", share(-7.5, 16.5));
         assert!((share(-7.0, 16.5) - 0.5 * DARK).abs() < 1e-4);
         assert!((share(-7.5, 17.0) - 0.5 * DARK).abs() < 1e-4);
         for (x, z) in [(-9.0, 16.5), (-7.5, 18.0), (100.0, 16.5), (-7.5, -1e4)] {
             assert!(share(x, z).abs() < 1e-5, "{x} {z}");
         }
-        // Above the horizon, and from below the ground, there is none.
+        // No shadow above the horizon or from below the ground.
         let sky = tone(&ground, eye, Vec3::new(0.0, 0.9, 0.1));
         assert!((sky - ABOVE).abs() < 1e-6);
         let below = Vec3::new(-7.5, -5.0, 16.5);

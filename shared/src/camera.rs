@@ -10,7 +10,7 @@ pub struct Camera {
     pub position: [f64; 3],
     /// A point looked at, world space; must differ from `position`.
     pub target: [f64; 3],
-    /// The direction that is up in the picture; need not be square to the view.
+    /// Up direction of the picture; need not be perpendicular to the view.
     #[serde(default = "up")]
     pub up: [f64; 3],
     /// Vertical field of view, degrees, over 0 and under 180.
@@ -42,7 +42,8 @@ pub struct CameraFrame {
 }
 
 impl Camera {
-    /// Whether its numbers are finite, and its places under 1e15 units: then so are those of its frame.
+    /// Returns true if the camera's numbers are finite, with positions under 1e15 units; the frame's numbers are then
+    /// finite too.
     pub fn is_usable(&self) -> bool {
         let near = |v: &[f64; 3]| v.iter().all(|x| x.abs() < 1e15);
         near(&self.position) && near(&self.target) && near(&self.up) && self.yfov_deg.is_finite()

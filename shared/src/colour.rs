@@ -1,11 +1,11 @@
-//! Colours in four bytes: rgb9e5, three 9-bit mantissas (red low) and a 5-bit exponent that they share, as GPUs
-//! know it (Vulkan's `E5B9G9R9`). Not negative; mantissa · 2^(E − 24).
+//! Colours in four bytes: rgb9e5, three 9-bit mantissas (red low) and a shared 5-bit exponent, a GPU format (Vulkan's
+//! `E5B9G9R9`). Not negative; mantissa · 2^(E − 24).
 
 use glam::Vec3;
 
 const LARGEST: f32 = 511.0 / 512.0 * 65536.0;
 
-/// Packs a colour; what is negative becomes zero.
+/// Packs a colour; negative channels become zero.
 pub fn pack_rgb9e5(colour: Vec3) -> u32 {
     pack_rounded(colour, 1)
 }

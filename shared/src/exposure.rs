@@ -1,35 +1,35 @@
-//! The automatic exposure of a picture: halfway, as the eye counts, between its mean and its geometric mean radiance. And how
-//! far it may go: a room that gets next to nothing of its neighbour's light is shown dark, wherever the camera stands.
-//! The viewer's key.wgsl, look.wgsl and light_level.wgsl do the same.
+//! Automatic exposure of a picture: the geometric mean of mean and geometric-mean radiance becomes middle grey,
+//! limited by the light level of the scene. The limit keeps a room dark that receives next to no light from a lit
+//! neighbour, for any camera. key.wgsl, look.wgsl and light_level.wgsl of the viewer do the same.
 
-/// What an automatic exposure makes of a picture's radiance on the whole.
+/// Overall radiance of a picture after automatic exposure.
 pub const MIDDLE_GREY: f32 = 0.18;
-/// Pixels darker than this share of the mean count as that dark.
+/// Lower clamp of pixel luminance, as a share of the mean.
 pub const DARKEST: f32 = 0.02;
-/// So many pixels along each side are looked at, evenly spread.
+/// Number of sampled pixels along each side of the picture, evenly spread.
 pub const LOOKED: u32 = 64;
-/// Stops between what is lit in a scene and what may be brought to the middle grey at most.
+/// Maximum distance below the scene's light level, in stops, at which a surface is raised to middle grey.
 pub const DEPTH: f32 = 7.0;
-/// What is lit counts as reflecting this much, since light is known better than what it falls on.
+/// Assumed reflectance of lit surfaces, since light is known better than albedo.
 const REFLECTANCE: f32 = 0.5;
 
-/// The level of a scene's light, from the luminance of the irradiance at places all over it: the geometric mean, where each
-/// place counts by its light. So dark places do not count, however many there are, and a few very bright ones
-/// count little. 0 where nothing is lit.
+/// Returns the light level of a scene, from luminances of irradiance at places all over the scene: the geometric mean
+/// weighted by the luminances. Dark places do not count, in any number; a few very bright places count little. 0 for
+/// a scene without light.
 pub fn level(luminances: impl IntoIterator<Item = f32>) -> f32 {
     let lit = luminances.into_iter().filter(|light| *light > 0.0 && light.is_finite()).map(f64::from);
     let (sum, logs) = lit.fold((0.0, 0.0), |(sum, logs), light| (sum + light, logs + light * light.log2()));
     if sum > 0.0 { (logs / sum).exp2() as f32 } else { 0.0 }
 }
 
-/// The pixels that are looked at, in a picture of this size.
+/// Returns the sampled pixels of a picture of this size.
 pub fn looked([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     let at = move |i: u32, size: u32| (((i as f32 + 0.5) / LOOKED as f32 * size as f32) as u32).min(size - 1);
     (0..LOOKED * LOOKED).map(move |i| [at(i % LOOKED, width), at(i / LOOKED, height)])
 }
 
-/// What radiance is multiplied with, from the luminances of the pixels looked at where surfaces are, and at most `most`; 1
-/// where there is no light.
+/// Returns the exposure factor of radiance, at most `most`, from the luminances of sampled pixels that show surfaces;
+/// 1 without light.
 pub fn key(luminances: &[f32], most: f32) -> f32 {
     let lights = luminances.iter().map(|light| f64::from(light.max(0.0))).filter(|light| light.is_finite());
     let mean = lights.clone().sum::<f64>() / lights.clone().count().max(1) as f64;
@@ -41,7 +41,7 @@ pub fn key(luminances: &[f32], most: f32) -> f32 {
     (f64::from(MIDDLE_GREY) / (logs.exp() * mean).sqrt()).min(most.into()) as f32
 }
 
-/// What radiance may be multiplied with at most where the light is of this level; infinite where there is none.
+/// Returns the maximum exposure factor at a light level; infinite for level 0.
 pub fn most(level: f32) -> f32 {
     MIDDLE_GREY * DEPTH.exp2() * std::f32::consts::PI / (REFLECTANCE * level)
 }
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn a_share_of_the_light_becomes_grey_and_less_than_that_stays_darker() {
-        // A surface that reflects half of what is typical.
+        // Radiance of a surface with the assumed reflectance at a share of the light.
         let radiance = |share: f32| REFLECTANCE * 3.0 * share / std::f32::consts::PI;
         let most = most(level([3.0; 10]));
         assert!((most * radiance(1.0 / 128.0) - MIDDLE_GREY).abs() < 1e-5);

@@ -1,19 +1,19 @@
-//! Where direct light is sampled around a point: not at the point alone but over the part of the
-//! surface that it speaks for, so that a shadow's edge sweeps over it and does not jump.
+//! Sample places of direct light around a point: spread over the surface that the point represents, so that a
+//! shadow's edge sweeps over it smoothly.
 //!
-//! The same formulas stand in the viewer's `footprint.wgsl`; a test holds the two together.
+//! The viewer's `footprint.wgsl` has the same formulas; a test compares the two.
 
 use glam::{Vec2, Vec3};
 
-/// Samples of a point's direct light (the 2007 report, 6.2, averages 10).
+/// Number of direct light samples per point (the 2007 report, 6.2, averages 10).
 pub const SAMPLES: u32 = 8;
-/// Radius of the disk that they lie in, over the support radius.
+/// Radius of the sample disk, relative to the support radius.
 pub const RADIUS: f32 = 0.25;
-/// Their height above the point's tangent plane, over the support radius: a surface that bends a little
-/// does not hide them.
+/// Height of the samples above the point's tangent plane, relative to the support radius: a slightly curved surface
+/// does not hide the samples.
 pub const LIFT: f32 = 0.02;
 
-/// Two unit tangents at right angles to a unit normal and to each other (Duff et al. 2017).
+/// Returns two unit tangents perpendicular to a unit normal and to each other (Duff et al. 2017).
 #[inline]
 pub fn tangents(normal: Vec3) -> (Vec3, Vec3) {
     let sign = if normal.z >= 0.0 { 1.0 } else { -1.0 };
@@ -23,7 +23,7 @@ pub fn tangents(normal: Vec3) -> (Vec3, Vec3) {
     (first, Vec3::new(b, sign + normal.y * normal.y * a, -normal.y))
 }
 
-/// Place of a sample in the unit disk: Vogel's spiral, whose samples all stand for the same area.
+/// Returns the place of a sample in the unit disk: Vogel's spiral, with equal area per sample.
 #[inline]
 pub fn in_disk(sample: u32) -> Vec2 {
     const GOLDEN_ANGLE: f32 = 2.399_963_2;
@@ -32,7 +32,7 @@ pub fn in_disk(sample: u32) -> Vec2 {
     Vec2::new(cos, sin) * radius
 }
 
-/// A sample's offset from a point with this unit normal and support radius, scene units.
+/// Returns a sample's offset from a point with this unit normal and support radius, scene units.
 #[inline]
 pub fn offset(sample: u32, normal: Vec3, support_radius: f32) -> Vec3 {
     let (first, second) = tangents(normal);

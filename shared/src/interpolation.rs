@@ -1,4 +1,4 @@
-//! The packed entry of an interpolation row: which point, how much. 4 bytes.
+//! Packed entry of an interpolation row: point and weight. 4 bytes.
 //!
 //! ```text
 //! bits  0..21  index of the point, over all levels
@@ -12,7 +12,7 @@ pub const MAX_POINTS: usize = 1 << 22;
 /// Largest weight.
 pub const MAX_WEIGHT: u32 = 1023;
 
-/// One entry; the module's head gives the bits.
+/// Entry; see the module's head for the bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Entry(pub u32);
@@ -31,8 +31,8 @@ impl Entry {
     }
 }
 
-/// Packs a row of (point, weight); weights are not negative. Entries whose share rounds to
-/// zero are dropped, so the row may come out shorter, but never empty if some weight is positive.
+/// Packs a row of (point, weight); weights are not negative. Entries with a share that rounds to zero are dropped; a
+/// row with a positive weight is never empty.
 pub fn pack_row(row: &[(u32, f32)], out: &mut Vec<Entry>) {
     let largest = row.iter().fold(0f32, |m, e| m.max(e.1));
     if largest <= 0.0 {
@@ -53,7 +53,7 @@ pub fn pack_row(row: &[(u32, f32)], out: &mut Vec<Entry>) {
 pub struct Rows<'a> {
     /// One offset per row and one past the end.
     pub offsets: &'a [u32],
-    /// All rows' entries.
+    /// Entries of all rows.
     pub entries: &'a [Entry],
 }
 

@@ -1,29 +1,28 @@
 //! The weight function of the meshless basis (paper, section 2.2).
 //!
-//! The same three formulas stand in the viewer's `kernel.wgsl`; a test holds the two together.
+//! The viewer's `kernel.wgsl` has the same three formulas; a test compares the two.
 
 use glam::Vec3;
 
-/// How much faster the distance grows along the normal than along the tangent plane
-/// (`F_squash`, paper, Eq. 10).
+/// Ratio of distance growth along the normal to growth along the tangent plane (`F_squash`, paper, Eq. 10).
 pub const SQUASH: f32 = 2.0;
 
-/// The fall-off `K` of Eq. 9: 1 at `t = 0`, 0 from `t = 1` on, smooth at both ends.
-/// `t` is distance over radius, unitless.
+/// The fall-off `K` of Eq. 9: 1 at `t = 0`, 0 for `t ≥ 1`, smooth at both ends. `t` is distance over radius,
+/// unitless.
 #[inline]
 pub fn falloff(t: f32) -> f32 {
     if t >= 1.0 { 0.0 } else { 1.0 + t * t * (2.0 * t - 3.0) }
 }
 
-/// Functions of points whose normals are further apart than this cosine share nothing: 60 degrees.
+/// Least cosine between the normals of overlapping functions: 60 degrees.
 pub const LEAST_COSINE: f32 = 0.5;
 
-/// Where a level's weights sum to no more than this they do not count as covering: their shares would be noise.
+/// Greatest sum of a level's weights that does not count as covering: shares of tiny sums would be noise.
 pub const LEAST_WEIGHT: f32 = 1e-6;
 
-/// How alike two unit normals with this cosine are, 1 for equal ones. The paper has the cosine's
-/// square (Eq. 8); this falls off faster, so that the faces of a bevelled edge, which the same lamp
-/// lights very differently, keep their own light.
+/// Returns the similarity of two unit normals with this cosine, 1 for equal normals. The paper has the cosine's
+/// square (Eq. 8); this function falls off faster, so that the faces of a bevelled edge keep their own light under a
+/// lamp.
 #[inline]
 pub fn likeness(cosine: f32) -> f32 {
     let above = ((cosine - LEAST_COSINE) * (1.0 / (1.0 - LEAST_COSINE))).max(0.0);
@@ -52,8 +51,8 @@ pub fn weight(offset: Vec3, normal: Vec3, normal_j: Vec3, radius_j: f32) -> f32 
     falloff(distance_squared.sqrt() / radius_j) * likeness(cosine)
 }
 
-/// The symmetric 5D distance `D(p, q)` of Eq. 11, with [`likeness`] for the squared cosine, in scene units; infinite for normals
-/// 60 degrees or more apart.
+/// The symmetric 5D distance `D(p, q)` of Eq. 11, with [`likeness`] for the squared cosine, in scene units; infinite
+/// for normals 60 degrees or more apart.
 #[inline]
 pub fn distance_5d(position_p: Vec3, normal_p: Vec3, position_q: Vec3, normal_q: Vec3) -> f32 {
     let cosine = normal_p.dot(normal_q);

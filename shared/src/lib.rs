@@ -1,18 +1,18 @@
-//! What the Rebounce baker and viewer share.
+//! Code shared by the Rebounce baker and viewer.
 //!
-//! Everything here is free of I/O and of GPU code, and compiles to native and to wasm alike:
+//! The crate is free of I/O and GPU code, and compiles to native and wasm:
 //!
 //! * [`kernel`] – the weight function of the meshless basis (Lehtinen et al. 2008, Eq. 8 to 10);
-//! * [`basis`] – which functions cover a place, and who is whose parent and child;
-//! * [`footprint`] – where direct light is sampled around a point;
-//! * [`openness`] – what near surfaces leave of the light between points;
-//! * [`exposure`] – how far an automatic exposure may go;
+//! * [`basis`] – functions that cover a place, parents and children;
+//! * [`footprint`] – sample places of direct light around a point;
+//! * [`openness`] – effect of near surfaces on the light between points;
+//! * [`exposure`] – limit of the automatic exposure;
 //! * [`octahedral`], [`colour`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
-//! * [`random`] – random numbers that depend on nothing but their arguments;
+//! * [`random`] – random numbers as pure functions of their arguments;
 //! * [`rbn`] – the .rbn file: header, sections, checksums, metadata;
-//! * [`exposure`], [`backdrop`] – how bright a picture is shown, and what it shows behind an object;
-//! * [`tone`], [`smooth`] – display values from radiance, and their edges smoothed;
-//! * [`relight`] – one frame of relighting on the CPU, the truth that the GPU is held against;
+//! * [`exposure`], [`backdrop`] – brightness of a picture, and background of an object;
+//! * [`tone`], [`smooth`] – display values from radiance, and antialiasing of their edges;
+//! * [`relight`] – one frame of relighting on the CPU, the reference for the GPU;
 //! * [`shot`], [`light`], [`camera`] – a picture to take: SHOT.json, lights and cameras.
 //!
 //! "Paper" below is Lehtinen et al., *A Meshless Hierarchical Representation for Light

@@ -1,16 +1,16 @@
-//! Lights after KHR_lights_punctual, as SHOT.json writes them, with a size.
+//! Lights after KHR_lights_punctual, as in SHOT.json, with a size.
 
 mod stored;
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// A light in world space. Point and spot intensity in candela (1 cd counts as 1 W/sr per
-/// channel), directional in lux; colours linear RGB. A .rbn file holds all but its size (light/stored.rs).
+/// Light in world space. Point and spot intensity in candela (1 cd counts as 1 W/sr per channel), directional in lux;
+/// colours linear RGB. A .rbn file does not store the size (light/stored.rs).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub enum Light {
-    /// Shines all around.
+    /// Omnidirectional.
     Point {
         /// World space.
         position: [f64; 3],
@@ -69,7 +69,7 @@ fn is_zero(size: &f64) -> bool {
     *size == 0.0
 }
 
-/// What kind a [`LightSource`] is; the numbers are those of the shaders.
+/// Kind of a [`LightSource`]; values match the shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum LightKind {
@@ -81,7 +81,7 @@ pub enum LightKind {
     Directional = 2,
 }
 
-/// A light made ready for evaluation in scene-local space (local = world − the file's origin).
+/// Light prepared for evaluation in scene-local space (local = world − the file's origin).
 #[derive(Clone, Copy, Debug)]
 pub struct LightSource {
     /// Point, spot or directional.
@@ -94,16 +94,16 @@ pub struct LightSource {
     pub intensity: Vec3,
     /// KHR_lights_punctual's angular scale: `clamp(cos · scale + offset, 0, 1)²`.
     pub cone_scale: f32,
-    /// Its offset.
+    /// KHR_lights_punctual's angular offset.
     pub cone_offset: f32,
-    /// Cosine of the outer half angle; −1 where there is no cone.
+    /// Cosine of the outer half angle; −1 without a cone.
     pub cos_outer: f32,
     /// Radius of the emitting sphere; of a directional light, the tangent of its disc's angular radius. 0
     /// for a point.
     pub size: f32,
 }
 
-/// How a light reaches a point, but for visibility.
+/// Incident light at a point, before visibility.
 #[derive(Clone, Copy, Debug)]
 pub struct Incident {
     /// Unit vector from the point to the light.
@@ -115,7 +115,7 @@ pub struct Incident {
 }
 
 impl Light {
-    /// Where it is, world space; `None` of one from infinitely far.
+    /// Returns the position, world space; `None` for a directional light.
     pub fn position(&self) -> Option<[f64; 3]> {
         match self {
             Self::Point { position, .. } | Self::Spot { position, .. } => Some(*position),
@@ -123,8 +123,8 @@ impl Light {
         }
     }
 
-    /// Whether its numbers are finite and small enough that those of a picture are: places under 1e15 units,
-    /// intensities and colours under 1e18.
+    /// Returns true if the light's numbers are finite and small enough for finite pictures: positions under 1e15
+    /// units, intensities and colours under 1e18.
     pub fn is_usable(&self) -> bool {
         let far = |v: &[f64; 3]| v.iter().all(|x| x.abs() < 1e15);
         let (place, angles, intensity, color) = match self {
@@ -145,7 +145,7 @@ impl Light {
             && color.iter().chain([intensity]).all(|x| x.abs() < 1e18)
     }
 
-    /// Its radius: scene units, of a directional light degrees.
+    /// Returns the radius in scene units; for a directional light, degrees.
     pub fn size(&self) -> f64 {
         match self {
             Light::Point { radius, .. } | Light::Spot { radius, .. } => *radius,
@@ -153,7 +153,7 @@ impl Light {
         }
     }
 
-    /// Makes the light ready for scene-local space, where `origin` (world space) is zero.
+    /// Prepares the light for scene-local space; `origin` (world space) becomes zero.
     pub fn source(&self, origin: [f64; 3]) -> LightSource {
         let local = |p: &[f64; 3]| (DVec3::from(*p) - DVec3::from(origin)).as_vec3();
         let unit = |d: &[f64; 3]| DVec3::from(*d).try_normalize().unwrap_or(DVec3::NEG_Y).as_vec3();
@@ -206,7 +206,7 @@ impl Light {
 }
 
 impl LightSource {
-    /// What reaches the local point `position` if nothing is in between; `None` outside the cone.
+    /// Returns the unoccluded light at the local point `position`; `None` outside the cone.
     #[inline]
     pub fn incident(&self, position: Vec3) -> Option<Incident> {
         if self.kind == LightKind::Directional {

@@ -1,9 +1,9 @@
 //! Transport links, packed.
 //!
-//! A link says what a receiver gets along its normal from unit irradiance at one sender (paper, Eq. 16 and 17, with
-//! the 1/π of the Lambertian reflectance and the sender's mean reflectance folded in, so that a closed room of albedo
-//! ρ sums to ρ). Where the light comes from, the sender's place says. Its colour is the sender's ([`Point::tint`](crate::rbn::bulk::Point::tint)): one amount
-//! serves all channels.
+//! A link holds the irradiance at a receiver along its normal per unit irradiance at a sender (paper, Eq. 16 and 17,
+//! with the 1/π of the Lambertian reflectance and the sender's mean reflectance folded in, so that a closed room of
+//! albedo ρ sums to ρ). The direction of the light follows from the sender's position; its colour is the sender's
+//! tint ([`Point::tint`](crate::rbn::bulk::Point::tint)), so that one amount serves every channel.
 //!
 //! ```text
 //! Link: 4 bytes        bits  0..19  the sender's index
@@ -18,23 +18,23 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// Most senders that links can name.
+/// Maximum number of senders addressable by links.
 pub const MAX_SENDERS: usize = 1 << 20;
 const MANTISSA_BITS: u32 = 3;
 const EXPONENT_BIAS: i32 = 30;
 
-/// Whatever names a sender.
+/// Entry with a sender.
 pub trait Sent: Copy {
     /// The sender's index.
     fn sender(self) -> usize;
 }
 
-/// A link of irradiance along the receiver's normal; the module's head gives the bits.
+/// Link of irradiance along the receiver's normal; see the module's head for the bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Link(pub u32);
 
-/// A link between points of the coarse levels: all further bounces of the sender's irradiance, by channel.
+/// Link between points of the coarse levels: further bounces of the sender's irradiance, by channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct LaterLink {
@@ -45,8 +45,8 @@ pub struct LaterLink {
 }
 
 impl Link {
-    /// Packs a signed amount: 3 bits of mantissa, at most 3.7. Amounts under 2⁻³⁰ become zero. The baker gives what
-    /// rounding takes to the next link of the row.
+    /// Packs a signed amount: 3 bits of mantissa, at most 3.7. Amounts under 2⁻³⁰ become zero. The baker carries the
+    /// rounding error over to the next link of the row.
     pub fn pack(sender: u32, amount: f32) -> Self {
         debug_assert!((sender as usize) < MAX_SENDERS);
         let size = amount.abs().min(3.7);
@@ -69,7 +69,7 @@ impl Link {
         f32::from_bits(size | (self.0 & 1 << 31))
     }
 
-    /// The same amount from another sender.
+    /// Returns a link with the same amount from `sender`.
     #[inline]
     pub fn at(self, sender: u32) -> Self {
         Self((self.0 & !(MAX_SENDERS as u32 - 1)) | sender)
@@ -84,7 +84,7 @@ impl Sent for Link {
 }
 
 impl LaterLink {
-    /// Packs a colour that is not negative: five bits of its largest channel.
+    /// Packs a non-negative colour: five bits for its largest channel.
     pub fn pack(sender: u32, colour: Vec3) -> Self {
         Self { sender, colour: crate::colour::pack_rounded(colour, 16) }
     }

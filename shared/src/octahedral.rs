@@ -31,7 +31,7 @@ pub fn pack_snorm16(v: Vec3) -> u32 {
     quantise(p.x) | quantise(p.y) << 16
 }
 
-/// Directions of the file have coordinates in multiples of this; 32767 is one.
+/// Step of the coordinates of directions in a file; 32767 represents 1.
 pub const NORMAL_STEP: i16 = 31;
 
 /// As [`pack_snorm16`], rounded to multiples of [`NORMAL_STEP`]: 11 bits a coordinate. Directions along the axes stay

@@ -1,11 +1,11 @@
-//! Openness: how much of the hemisphere over a place near surfaces leave free (ambient obscurance; Zhukov et al., *An
-//! Ambient Light Illumination Model*, 1998), and what it does to irradiance.
+//! Openness: share of the hemisphere over a place left free by near surfaces (ambient obscurance; Zhukov et al., *An
+//! Ambient Light Illumination Model*, 1998), and its effect on irradiance.
 //!
-//! Bounced irradiance between points is interpolated. Folds and contacts smaller than a support are not in it, but
-//! openness is known at each point (section `OPEN`) and can be had at each pixel: from short rays on the CPU, from the
-//! horizons in the depth buffer on the GPU ([`horizon`], openness.wgsl). So a pixel's irradiance is
-//! `received(V) · Σ w_j E_j / received(V_j)`, with the weights `w_j` of the basis. It is the plain interpolation where
-//! nothing is near, and wherever a pixel is as open as the points around it.
+//! Bounced irradiance between points is interpolated and lacks folds and contacts smaller than a support. Openness is
+//! known at the points (section `OPEN`) and computable at every pixel: from short rays on the CPU, from horizons in
+//! the depth buffer on the GPU ([`horizon`], openness.wgsl). A pixel's irradiance is
+//! `received(V) · Σ w_j E_j / received(V_j)`, with the weights `w_j` of the basis. The result equals plain
+//! interpolation far from other surfaces, and wherever a pixel is as open as the points around it.
 //!
 //! `V = ∫ open(d / R) cos θ dω / π` with the distance `d` of the first surface and the reach `R`.
 
@@ -13,23 +13,23 @@ mod horizon;
 
 pub use horizon::{SLICES, STEPS, View, horizon};
 
-/// Distance within which surfaces count, over the support radius of the finest functions.
+/// Maximum distance of occluding surfaces, relative to the support radius of the finest functions.
 pub const REACH: f32 = 1.0;
-/// Reflectance that surfaces nearby are taken to have.
+/// Assumed reflectance of nearby surfaces.
 pub const NEAR_ALBEDO: f32 = 0.8;
-/// Lower bound of openness: below, noise and rounding would be enlarged.
+/// Lower bound of openness: smaller values would amplify noise and rounding.
 pub const LEAST: f32 = 0.3;
-/// Values of a stored openness, less one.
+/// Greatest value of a stored openness.
 pub const LEVELS: u8 = 31;
 
-/// What a surface leaves open in its direction, 0 to 1, at a distance over the reach.
+/// Returns the open share, 0 to 1, in the direction of a surface at a distance relative to the reach.
 #[inline]
 pub fn open(distance: f32) -> f32 {
     if distance >= 1.0 { 1.0 } else { distance * distance }
 }
 
-/// Irradiance of a place of this openness, over that of an open one. Near surfaces reflect as if they got as much light
-/// as the place itself (the closed form of Jiménez et al., *Practical Realtime Strategies for Accurate Indirect
+/// Returns the irradiance of a place of this openness, relative to an open place. Near surfaces reflect as if lit
+/// like the place itself (the closed form of Jiménez et al., *Practical Realtime Strategies for Accurate Indirect
 /// Occlusion*, 2016, for equal albedos): `V / (1 − ρ (1 − V))`.
 #[inline]
 pub fn received(openness: f32) -> f32 {
@@ -37,13 +37,13 @@ pub fn received(openness: f32) -> f32 {
     v / (1.0 - NEAR_ALBEDO * (1.0 - v))
 }
 
-/// The number that a file keeps.
+/// Returns the value stored in a file.
 #[inline]
 pub fn stored(openness: f32) -> u8 {
     (openness.clamp(0.0, 1.0) * LEVELS as f32).round() as u8
 }
 
-/// The factor of a point's irradiance, from the number that the file keeps: `1 / received(V)`, 1 to 1.5.
+/// Returns the factor of a point's irradiance for a stored openness: `1 / received(V)`, 1 to 1.5.
 #[inline]
 pub fn gain(stored: u8) -> f32 {
     1.0 / received(stored.min(LEVELS) as f32 / LEVELS as f32)

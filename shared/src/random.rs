@@ -1,4 +1,4 @@
-//! Random numbers that depend on nothing but their arguments: the same bake at any thread count.
+//! Random numbers as pure functions of seed and index: a bake does not depend on the thread count.
 
 use glam::{Vec2, Vec3};
 

@@ -1,21 +1,21 @@
-//! One frame of relighting on the CPU: from direct irradiance at the points to the bounced
-//! light at every point. The viewer's compute shaders do the same steps; this is what they are held against.
+//! One frame of relighting on the CPU: from direct irradiance at the points to bounced irradiance at every point.
+//! Reference for the compute shaders of the viewer.
 //!
-//! The steps, all linear in the light:
-//! 1. *pull* ([`pull`]): from the finest sampled level to the coarsest, a point's direct
-//!    irradiance becomes the mean of its children's (paper, 2.1, pull-push);
-//! 2. *later bounces* ([`add_bounced`]): to the senders' direct light comes what bounces again,
+//! Steps, linear in the light:
+//! 1. *pull* ([`pull`]): from the finest sampled level to the coarsest, the direct irradiance of a point becomes the
+//!    mean over its children (paper, 2.1, pull-push);
+//! 2. *later bounces* ([`add_bounced`]): light of further bounces is added to the senders' direct irradiance,
 //!    `e' = e + P (1 + H) F e`;
-//! 3. *transport* ([`transport`]): `i = T e' = S e` (Eq. 15) along each point's own normal, *pushed* level after
-//!    level: a point's value is its coefficient plus what its parents' values interpolate to (Eq. 4).
+//! 3. *transport* ([`transport`]): `i = T e' = S e` (Eq. 15) along each point's own normal, *pushed* level by level:
+//!    a point's value is its coefficient plus the interpolation of its parents' values (Eq. 4).
 
 use crate::baked::BakedScene;
 use crate::interpolation::mean;
 use crate::link::{LaterLink, Sent};
 use glam::Vec3;
 
-/// Replaces, coarser level by coarser level, the direct irradiance of every point that has
-/// children by its children's mean. `irradiance` has one RGB value per direct point.
+/// Replaces the direct irradiance of every point with children by the mean over the children, from fine levels to
+/// coarse. `irradiance` has one RGB value per direct point.
 pub fn pull(scene: &BakedScene, irradiance: &mut [Vec3]) {
     for l in (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev() {
         for i in scene.level(l) {
@@ -26,14 +26,14 @@ pub fn pull(scene: &BakedScene, irradiance: &mut [Vec3]) {
     }
 }
 
-/// What the senders send: their irradiance in the colour of their surfaces.
+/// Returns the light sent by the senders: irradiance times tint.
 fn sent(scene: &BakedScene, irradiance: &[Vec3]) -> Vec<Vec3> {
     let senders = &scene.points[..scene.sender_count()];
     senders.iter().zip(irradiance).map(|(point, e)| point.tint() * *e).collect()
 }
 
-/// Adds to the senders' pulled direct irradiance what comes to them after one and more bounces: one bounce
-/// (F e) and all further ones (H F e) at the points of the coarse levels, interpolated at the finer senders.
+/// Adds bounced light to the senders' pulled direct irradiance: the first bounce (F e) and further bounces (H F e) at
+/// the points of the coarse levels, interpolated at the finer senders.
 pub fn add_bounced(scene: &BakedScene, pulled: &mut [Vec3]) {
     let coarse = scene.later_count();
     let first = transport(scene, &sent(scene, pulled), coarse);
@@ -50,10 +50,10 @@ pub fn add_bounced(scene: &BakedScene, pulled: &mut [Vec3]) {
     }
 }
 
-/// The irradiance of the first `count` points along their own normals, RGB: their links' and their parents'. `sent`
-/// has one RGB value per sender. A parent's irradiance is that along its own normal: it was gathered over its own
-/// hemisphere, and along another normal would leave out what that normal sees beyond (in a hall of columns 6% of the
-/// light).
+/// Returns the irradiance of the first `count` points along their own normals, RGB: sum over links plus interpolation
+/// of the parents. `sent` has one RGB value per sender. A parent's irradiance is along the parent's normal and was
+/// gathered over the parent's hemisphere; along another normal it would miss light from outside the parent's
+/// hemisphere (6% of the light in a hall of columns).
 pub fn transport(scene: &BakedScene, sent: &[Vec3], count: usize) -> Vec<Vec3> {
     let mut values: Vec<Vec3> = Vec::with_capacity(count);
     for (i, row) in scene.links.iter().take(count).enumerate() {
@@ -64,8 +64,8 @@ pub fn transport(scene: &BakedScene, sent: &[Vec3], count: usize) -> Vec<Vec3> {
     values
 }
 
-/// All steps: from direct irradiance at the direct points (RGB, `direct_count` of them) to the
-/// bounced irradiance of every point along its own normal.
+/// Runs the steps: from direct irradiance at the direct points (RGB, `direct_count` values) to the bounced irradiance
+/// of every point along its own normal.
 pub fn relight(scene: &BakedScene, mut irradiance: Vec<Vec3>) -> Vec<Vec3> {
     pull(scene, &mut irradiance);
     add_bounced(scene, &mut irradiance);

@@ -1,4 +1,4 @@
-//! SHOT.json: one picture to take of a scene – size, camera and lights, in world space.
+//! SHOT.json: description of a picture of a scene – size, camera and lights, in world space.
 //!
 //! ```json
 //! { "size": [320, 180],
@@ -10,18 +10,18 @@
 use crate::{camera::Camera, light::Light};
 use serde::{Deserialize, Serialize};
 
-/// A picture to take.
+/// Picture to render.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shot {
-    /// The scene's file, relative to the shot's; not used where a baked file is given.
+    /// File of the scene, relative to the shot's file; unused if a baked file is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
     /// Width and height in pixels.
     #[serde(default = "default_size")]
     pub size: [u32; 2],
-    /// Where the picture is taken from.
+    /// Camera of the picture.
     pub camera: Camera,
-    /// What lights the scene; none at all is a black picture.
+    /// Lights of the scene; without lights the picture is black.
     #[serde(default)]
     pub lights: Vec<Light>,
 }

@@ -1,11 +1,11 @@
-//! Edges smoothed in a picture of one sample a pixel, as the viewer does while something moves (smooth.wgsl), by Lottes
-//! 2011, FXAA 3.11.
+//! Antialiasing of edges in a picture with one sample per pixel, as in smooth.wgsl of the viewer during motion:
+//! Lottes 2011, FXAA 3.11.
 
 use glam::{Vec2, Vec3};
 
-/// Contrast of brightness, as the eye counts, at which an edge is smoothed.
+/// Contrast threshold of perceptual brightness for smoothing an edge.
 const CONTRAST: f32 = 0.03;
-/// Pixels looked at along an edge, at most, on each side.
+/// Maximum search distance along an edge, on each side, pixels.
 const REACH: f32 = 8.0;
 /// Exponent of the blend for features thinner than a pixel: 2 in FXAA, smaller against flicker in motion.
 const THIN: f32 = 1.75;
@@ -13,21 +13,21 @@ const THIN: f32 = 1.75;
 /// A picture: linear display values in rows from the top.
 #[derive(Clone, Copy, Debug)]
 pub struct Pixels<'a> {
-    /// Pixels across; rows are as long.
+    /// Width in pixels, also the length of a row.
     pub width: usize,
-    /// As many rows as there are.
+    /// Pixels, row by row.
     pub pixels: &'a [Vec3],
 }
 
 impl Pixels<'_> {
-    /// A pixel, the nearest one where `x` or `y` lies beside the picture.
+    /// Returns a pixel; coordinates are clamped to the picture.
     fn at(&self, x: i32, y: i32) -> Vec3 {
         let inside = |v: i32, end: usize| v.clamp(0, end as i32 - 1) as usize;
         let rows = self.pixels.len() / self.width;
         self.pixels[inside(y, rows) * self.width + inside(x, self.width)]
     }
 
-    /// The value between pixels; centres at halves.
+    /// Returns the bilinear value; pixel centres are at half-integers.
     fn bilinear(&self, place: Vec2) -> Vec3 {
         let low = (place - 0.5).floor();
         let share = place - 0.5 - low;
@@ -35,13 +35,13 @@ impl Pixels<'_> {
         row(low.y as i32).lerp(row(low.y as i32 + 1), share.y)
     }
 
-    /// Brightness at a place between pixels.
+    /// Returns the brightness of the bilinear value.
     fn brightness(&self, place: Vec2) -> f32 {
         brightness(self.bilinear(place))
     }
 
-    /// How far an edge goes on from `start` by these steps of a pixel, and by how much its brightness is off `mean` there,
-    /// by at least `least` where it ends.
+    /// Searches for the end of an edge from `start` in steps of `along`, one pixel long. Returns the distance and the
+    /// difference of brightness from `mean` at that distance, at least `least` in magnitude at the end of the edge.
     fn edge_end(&self, start: Vec2, along: Vec2, mean: f32, least: f32) -> (f32, f32) {
         let (mut far, mut off) = (0.0, 0.0f32);
         while far < REACH && off.abs() < least {
@@ -51,8 +51,8 @@ impl Pixels<'_> {
         (far, off)
     }
 
-    /// The value at a place, pixels from the left and from the top: moved across an edge by the share of the pixel that
-    /// lies beyond it.
+    /// Returns the value at a place (pixels from the left and from the top), shifted across an edge by the share of
+    /// the pixel beyond the edge.
     pub fn smoothed(&self, place: Vec2) -> Vec3 {
         let own = self.bilinear(place);
         let m = brightness(own);
@@ -78,23 +78,23 @@ impl Pixels<'_> {
         let back = self.edge_end(place + 0.5 * across, -along, mean, least);
         let on = self.edge_end(place + 0.5 * across, along, mean, least);
         let end = if back.0 < on.0 { back } else { on };
-        // Where the nearer end is on this pixel's side, the edge cuts another pixel.
+        // If the nearer end is on this pixel's side, the edge cuts a different pixel.
         let edge = if (m < mean) == (end.1 < 0.0) { 0.0 } else { 0.5 - end.0 / (back.0 + on.0) };
-        // What differs from all around it is thinner than a pixel.
+        // A pixel that differs from its entire neighbourhood is a feature thinner than a pixel.
         let sum = |of: [f32; 4]| of.into_iter().sum::<f32>();
         let thin = ((2.0 * sum(beside) + sum(corners)) / 12.0 - m).abs() / range;
         let thin = thin.min(1.0).powi(2) * (3.0 - 2.0 * thin.min(1.0));
         self.bilinear(place + across * edge.max(thin.powf(THIN)))
     }
 
-    /// All pixels smoothed.
+    /// Returns the smoothed picture.
     pub fn all_smoothed(&self) -> Vec<Vec3> {
         let place = |i: usize| Vec2::new((i % self.width) as f32, (i / self.width) as f32) + 0.5;
         (0..self.pixels.len()).map(|i| self.smoothed(place(i))).collect()
     }
 }
 
-/// Brightness as the eye counts it, of linear display values.
+/// Returns perceptual brightness of linear display values.
 fn brightness(color: Vec3) -> f32 {
     color.clamp(Vec3::ZERO, Vec3::ONE).dot(Vec3::new(0.2126, 0.7152, 0.0722)).sqrt()
 }
@@ -105,7 +105,8 @@ mod tests {
 
     const SIDE: usize = 48;
 
-    /// Bright above a line through the middle with this slope: the mean of so many samples a side of each pixel.
+    /// Picture that is bright above a line of this slope through the middle: the mean of `samples` × `samples` per
+    /// pixel.
     fn edge(slope: f32, samples: usize) -> Vec<Vec3> {
         let share = |i: usize| {
             let [x, y] = [i % SIDE, i / SIDE].map(|v| v as f32 - SIDE as f32 / 2.0);

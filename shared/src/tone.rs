@@ -2,7 +2,7 @@
 
 use glam::{Mat3, Vec3};
 
-/// Khronos PBR Neutral: base colours of what is not very bright stay what they are.
+/// Khronos PBR Neutral: keeps colours below the shoulder unchanged.
 pub fn neutral(mut color: Vec3) -> Vec3 {
     const START: f32 = 0.8 - 0.04;
     const DESATURATION: f32 = 0.15;
@@ -65,7 +65,7 @@ mod tests {
             for i in 0..200_000 {
                 let x = i as f32 * 1e-3;
                 let y = curve(Vec3::new(x, 0.5 * x, 0.2 * x));
-                // AgX, a polynomial, falls by 0.0035 where it has reached 1.
+                // The polynomial of AgX falls by 0.0035 after reaching 1.
                 assert!(y.cmpge(most - 4e-3).all() && y.max_element() <= 1.0, "{x}: {y} after {most}");
                 assert!(y.distance(last) < 4e-3, "a step at {x}");
                 (last, most) = (y, most.max(y));

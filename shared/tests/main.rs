@@ -1,4 +1,4 @@
-//! Tests of what baker and viewer share, in one program.
+//! Tests of the shared crate, in one program.
 
 mod openness;
 mod rules;

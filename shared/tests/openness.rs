@@ -7,7 +7,7 @@ use rebounce_shared::rbn::bulk::Point;
 use rebounce_shared::rbn::meta::{Level, Meta};
 use rebounce_shared::rbn::{OPENNESS_SECTION, container};
 
-/// Points in a row, and the openness of each.
+/// A row of points with openness values.
 fn scene(openness: Vec<u8>) -> BakedScene {
     let point = |i: u32| Point { position: [i as f32, 0.0, 0.0], radius: 1.0, ..Point::default() };
     let level = Level { first: 0, count: 40, disk_radius: 0.5, support_radius: 1.0 };

@@ -1,4 +1,4 @@
-//! What a .rbn file may not say: each broken rule is refused, by the name of its section.
+//! Tests of the format's rules: every violation is rejected with the name of the section.
 
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::basis::ParentWeights;
@@ -13,7 +13,7 @@ use rebounce_shared::rbn::meta::{
 };
 use rebounce_shared::rbn::{EXTRAS_SECTION, LinkMatrix, MAX_ROW, container};
 
-/// A triangle with one coarse function, which has a cut, and one fine one, which has none.
+/// A triangle with a coarse function with a cut, and a fine function without cuts.
 fn scene() -> BakedScene {
     let corner = |x: f32, y: f32| Vertex { position: [x, y, 0.0], ..Vertex::default() };
     let point = |cuts: u32| Point { position: [0.3, 0.3, 0.0], radius: 1.0, normal: 0, cuts, tint: 0 };
@@ -104,12 +104,13 @@ fn files_of_older_weights_are_of_the_least_version_that_holds_them() {
         BakedScene::from_bytes(&container::write(version, &parts))
     };
     assert_eq!(with(container::SHEPARD_WEIGHTS, &<[u8]>::to_vec).unwrap(), scene);
-    // Older readers would not see it; materials come in order, each once, and there are no others.
+    // Rejected: an older version (its readers would ignore section MATX), trailing or missing bytes, a wrong material
+    // index.
     let wrong: [(u32, &dyn Fn(&[u8]) -> Vec<u8>); 4] = [
         (container::WITHOUT_EXTRAS, &<[u8]>::to_vec),
         (container::VERSION, &|bytes| [bytes, &[0]].concat()),
         (container::VERSION, &|bytes| bytes[..bytes.len() - 1].to_vec()),
-        // The first record's material.
+        // Material index of the first record.
         (container::VERSION, &|bytes| [&bytes[..1], &[2], &bytes[2..]].concat()),
     ];
     for (i, (version, extras)) in wrong.into_iter().enumerate() {
@@ -192,7 +193,7 @@ fn every_broken_rule_is_refused_by_its_section() {
     }
 }
 
-/// The same, its triangle in two places.
+/// Returns [`scene`] with the triangle in two places.
 fn copied() -> BakedScene {
     let mut scene = scene();
     let mut moved = Instance::IDENTITY;
@@ -242,7 +243,7 @@ fn copies_that_are_not_there_or_cannot_be_turned_back_are_refused() {
         let error = scene.to_bytes().expect_err("refused").to_string();
         assert!(error.contains(section), "{i}: {error}");
     }
-    // A few bytes that ask for a billion triangles.
+    // A few bytes that request a billion triangles.
     let mut scene = copied();
     scene.indices = [0, 1, 2].repeat(1 << 10);
     scene.meta.draws[0].index_count = 3 << 10;
@@ -253,7 +254,7 @@ fn copies_that_are_not_there_or_cannot_be_turned_back_are_refused() {
     scene.copies[0].count += 1;
     let refused = scene.to_bytes().unwrap_err().to_string();
     assert!(refused.contains("1073742848 triangles with all copies"), "{refused}");
-    // And one that asks for the same million of places again and again.
+    // A file that repeats a million instances for several draw calls.
     let mut scene = copied();
     scene.meta.draws = vec![scene.meta.draws[0]; 6];
     (0..6).for_each(|d| scene.meta.draws[d].first_index = 3 * d as u32);

@@ -36,7 +36,7 @@ fn names_and_ground_come_back_and_ask_for_no_newer_version() {
     assert_eq!(read.meta.shown.names().collect::<Vec<_>>(), ["Stehlampe, groß", "", "Door"]);
     assert_eq!(read.meta.shown.ground(), Some(ground()));
     assert_eq!(read.to_bytes().unwrap(), now);
-    // Files without any of it have no such section.
+    // Files without names and ground have no such section.
     let has = |bytes: &[u8]| container::read(bytes).unwrap().iter().any(|s| s.name == SHOWN_SECTION);
     assert!(!has(&before) && has(&now));
     assert_eq!(BakedScene::from_bytes(&before).unwrap().meta, without.meta);
@@ -72,7 +72,7 @@ fn what_cannot_be_is_refused() {
         let error = scene(shown).to_bytes().expect_err("refused").to_string();
         assert!(error.contains("SHOW"), "{i}: {error}");
     }
-    // Bytes of another length.
+    // Wrong lengths.
     let bytes = scene(some()).to_bytes().unwrap();
     let sections = container::read(&bytes).unwrap();
     for change in [-1isize, 1] {

@@ -1,8 +1,9 @@
-//! Files of every version: those of this one mean what they meant when they were written; older ones say who wrote them.
+//! Compatibility tests with files of every version: supported files keep their meaning; unsupported files name their
+//! writer.
 //!
-//! `files/format-N.rbn` is a file of version N, made of `baker/tests/gltf/plain.glb` by the Rebounce that wrote it first and
-//! never made again (7: of the Cornell box, with a wall in two places; 8 and 9: of a floor, a wall and a half-transparent
-//! board); `files/format-N.head` is the begin of one that was not released.
+//! `files/format-N.rbn` is a file of version N, baked from `baker/tests/gltf/plain.glb` by the first Rebounce with
+//! version N and never regenerated (7: the Cornell box, with a wall in two places; 8 and 9: a floor, a wall and a
+//! half-transparent board); `files/format-N.head` is the begin of a file of an unreleased version.
 
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::basis::ParentWeights;
@@ -35,12 +36,12 @@ fn a_file_of_version_6_means_what_it_meant() {
         scene.later.links.len(),
     ];
     assert_eq!(counts, [734, 4326, 25, 1, 3114, 0, 217, 186, 1534, 3536]);
-    // Relit from everywhere, it has the light that it had.
+    // Relighting with uniform direct light gives the recorded mean.
     let light = relight(&scene, vec![Vec3::ONE; scene.direct_count()]);
     let mean = light.iter().sum::<Vec3>() / light.len() as f32;
     let then = Vec3::new(0.11593077, 0.12552752, 0.13108319);
     assert!((mean - then).abs().max_element() < 1e-5, "{mean}");
-    // And it is written as it was: nobody who keeps one sees it change.
+    // The file is written back bit-identical.
     assert!(scene.to_bytes().unwrap() == bytes);
 }
 
@@ -61,7 +62,8 @@ fn a_file_of_version_7_means_what_it_meant() {
     assert!(scene.to_bytes().unwrap() == bytes);
 }
 
-/// Files of one scene in versions 8 and 9: what is in them, and their mean light where all senders have a unit of it.
+/// Loads a file of the board scene (versions 8 and 9). Returns the scene, record counts, and mean light for unit
+/// direct light at every sampled point.
 fn board(name: &str) -> (BakedScene, [usize; 5], Vec3) {
     let bytes = file(name);
     let scene = BakedScene::from_bytes(&bytes).unwrap();

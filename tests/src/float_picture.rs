@@ -5,7 +5,7 @@ use glam::Vec3;
 use rebounce::picture::{Picture, exr};
 use std::path::Path;
 
-/// Reads an .exr, or a .f32: RGBA little-endian floats of a picture whose name ends in `WxH.f32`.
+/// Reads an .exr, or a .f32: RGBA little-endian floats of a picture, with `WxH.f32` at the end of the file name.
 ///
 /// # Errors
 /// If the file cannot be read or is neither.

@@ -1,5 +1,4 @@
-//! Tests that span crates, and what they need: pictures of linear radiance, from the browser too; small bakes; damaged
-//! files.
+//! Support for tests that span crates: pictures of linear radiance, from the browser too; small bakes; damaged files.
 
 pub mod damage;
 pub mod float_picture;

@@ -1,4 +1,4 @@
-//! Files that are baked in a moment.
+//! Bakes of a fraction of a second.
 
 use anyhow::Result;
 use rebounce::bake::{BakeSettings, Preset, bake};
@@ -10,7 +10,7 @@ use rebounce_shared::rbn::meta::{Animation, DetailTexture, Interpolation, Proper
 /// Four pixels.
 const PICTURE: &[u8] = include_bytes!("small.png");
 
-/// Settings of a bake of about so many functions that takes a moment.
+/// Returns settings of a fast bake with about this number of functions.
 pub fn settings(functions: usize) -> BakeSettings {
     let mut settings = BakeSettings::new(Preset::Draft);
     (settings.place.levels, settings.place.functions) = (3, functions);
@@ -19,19 +19,19 @@ pub fn settings(functions: usize) -> BakeSettings {
     settings.normalised()
 }
 
-/// A bake of a few functions, whose sections are shorter than 64 kB.
+/// Bakes a scene with a few functions; sections are shorter than 64 kB.
 ///
 /// # Errors
-/// What the bake says.
+/// Errors of the bake.
 pub fn small(name: &str, functions: usize) -> Result<BakedScene> {
     Ok(bake(&scene::load(name)?, &settings(functions), &())?.0)
 }
 
-/// The Cornell box with something of everything that a file can hold: a picture as colour and as normals, animations, a
-/// wall that stands in two places.
+/// Bakes the Cornell box with every feature of a file: a picture as colour and normal map, animations, and a wall in
+/// two places.
 ///
 /// # Errors
-/// What the bake says.
+/// Errors of the bake.
 pub fn everything(functions: usize) -> Result<BakedScene> {
     let mut scene = small("builtin:cornell-box", functions)?;
     scene.texture_bytes = PICTURE.to_vec();
@@ -68,7 +68,7 @@ pub fn everything(functions: usize) -> Result<BakedScene> {
     Ok(scene)
 }
 
-/// The same with this for every name.
+/// Returns the scene with `name` for every name.
 pub fn named(scene: &BakedScene, name: &str) -> BakedScene {
     let mut scene = scene.clone();
     let m = &mut scene.meta;

@@ -1,5 +1,5 @@
-//! Backs of one-sided surfaces: whoever looks into a room from outside through its walls sees the room, in the viewer and on
-//! the CPU. Two faces back to back are as one that has both sides.
+//! Backs of one-sided surfaces: a camera outside a room sees into the room through the walls' backs, in the viewer
+//! and on the CPU. Two faces back to back equal a double-sided face.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -32,14 +32,14 @@ fn camera(position: Vec3, target: Vec3) -> Camera {
     }
 }
 
-/// A grey room from -1 to 1 whose walls face in, a lamp in it and a camera outside.
+/// A grey room from -1 to 1 with walls that face in, a lamp inside and a camera outside.
 fn doll_house() -> Scene {
     let mut scene = scene::load("builtin:furnace").unwrap();
     scene.cameras = vec![camera(vec3(1.2, 2.0, 3.5), Vec3::ZERO)];
     scene
 }
 
-/// The same without what the camera sees the backs of.
+/// Returns the scene without triangles that face away from the camera.
 fn opened(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     let eye = scene.cameras[0].frame(scene.origin).eye;
@@ -56,7 +56,7 @@ fn opened(scene: &Scene) -> Scene {
     scene
 }
 
-/// A room with two boards, each of two faces back to back or of one that has both sides.
+/// A room with two boards: pairs of faces back to back, or double-sided faces.
 fn boards(pairs: bool) -> Scene {
     let mut scene = scene::load("builtin:furnace").unwrap();
     scene.cameras = vec![camera(vec3(0.3, 0.35, 0.95), vec3(0.0, -0.35, -0.6))];
@@ -96,8 +96,8 @@ fn traced(scene: &Scene, only: Only) -> Vec<Vec3> {
     path_trace(&surfaces, scene.origin, camera, lights, exposure(16), settings, || ()).pixels
 }
 
-/// Pixels that differ from the median of those around them by more than this share of it and of the mean together, of which
-/// steps of 8 bits are less, where those of the `truth` do not.
+/// Counts pixels of `picture` that differ from the median of their 3 × 3 neighbourhood by more than `share` of the
+/// median plus the mean (above a step of 8 bits), excluding pixels with half of such a difference in `truth`.
 fn speckles(picture: &[Vec3], truth: &[Vec3], share: f32) -> usize {
     let mean = truth.iter().sum::<Vec3>().element_sum() / truth.len() as f32;
     let stands_out = |pixels: &[Vec3], x: u32, y: u32, share: f32| {
@@ -124,7 +124,7 @@ fn a_room_is_seen_from_outside_through_its_walls() {
     assert_eq!(of_closed, of_open, "the file's direct light");
     let indirect = rendered(&files[0], Only::Indirect);
     assert!(room.iter().all(|i| indirect[*i].min_element() > 0.0), "no pixel is black");
-    // The walls keep the light in: as much of it as was direct, all over the room.
+    // The walls enclose the bounced light: the sum over the room matches the path tracer.
     let truth = traced(&closed, Only::Indirect);
     let sum = |pixels: &[Vec3]| room.iter().map(|i| pixels[*i].x).sum::<f32>();
     assert!((sum(&indirect) / sum(&truth) - 1.0).abs() < 0.03, "{}, {}", sum(&indirect), sum(&truth));

@@ -1,4 +1,5 @@
-//! Blended surfaces: the viewer lays them over what is behind, the CPU lets rays through at random. On average the same.
+//! Blended surfaces: the viewer composites them over the background, the CPU lets rays through at random. The means
+//! are equal.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -20,8 +21,8 @@ use rebounce_viewer::settings::Mode;
 const WIDTH: u32 = 80;
 const HEIGHT: u32 = 80;
 
-/// The Cornell box with panes: one across the left half, one behind it across the whole, and one that crosses both.
-/// Two of them are glass, where that is asked for.
+/// Bakes the Cornell box with panes: one in the left half, one behind it across the full width, and one that crosses
+/// both. `glass` makes two of them glass.
 fn panes(glass: bool) -> BakedScene {
     let mut room = scene::load("builtin:cornell-box").unwrap();
     let (low, high) = room.bounds();
@@ -53,14 +54,14 @@ fn panes(glass: bool) -> BakedScene {
     pane(Vec3::new(-0.45, -0.1, 0.7), Vec3::X * 0.5, up, [0.8, 0.2, 0.1], 4.0 / 9.0);
     pane(Vec3::new(0.0, 0.0, 0.3), Vec3::X * 0.9, up, [0.1, 0.6, 0.7], 3.0 / 9.0);
     pane(Vec3::new(0.4, 0.1, 0.5), Vec3::new(0.3, 0.0, 0.4), up, [0.7, 0.7, 0.2], 6.0 / 9.0);
-    // So many functions and rays that neither's chance shows in a pixel.
+    // Enough functions and rays to hide the noise of the bake in a pixel.
     let mut settings = settings(2400);
     settings.operator.rays = vec![512];
     bake(&room, &settings, &()).unwrap().0
 }
 
-/// Whether a pixel and those around it are alike and below the tone curve's shoulder, at `most`: across edges the viewer
-/// averages what the curve makes of light, the CPU light.
+/// Returns true if a pixel and its neighbours are similar and below the tone curve's shoulder, at `most`: across
+/// edges the viewer averages tone-mapped values, the CPU radiance.
 fn is_even(truth: &[Vec3], at: usize, most: f32) -> bool {
     let (x, y) = (at as u32 % WIDTH, at as u32 / WIDTH);
     let around = |v: u32, end: u32| v.saturating_sub(1)..(v + 2).min(end);
@@ -86,11 +87,11 @@ fn compare(glass: bool) {
     let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
     let Some(mut renderer) = common::renderer(&scene) else { return };
     let front = scene.meta.cameras[0].clone();
-    // From within, behind the panes.
+    // View from inside, behind the panes.
     let behind =
         Camera { position: [0.4, 2.4, -5.3], target: [0.0, 2.6, 0.0], yfov_deg: 75.0, ..front.clone() };
     let views = [("front", front), ("behind", behind)];
-    // One is enough to tell whether colours are right.
+    // A single view suffices to check colours.
     for (name, camera) in views.into_iter().take(if glass { 1 } else { 2 }) {
         let exposure = Exposure { size: [WIDTH, HEIGHT], samples: 1024, seed: 3 };
         // Blended surfaces have no detail in the viewer.

@@ -1,4 +1,5 @@
-//! Copies of models in the viewer: a picture of them is one of as many things of their own, and what the CPU sees.
+//! Instanced models in the viewer: a picture of instances equals a picture of separate geometry, and the CPU's
+//! picture.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -22,7 +23,7 @@ use rebounce_tests::small::settings;
 
 const SIZE: [u32; 2] = [96, 64];
 
-/// The same file, each copy's triangles its own.
+/// Returns the file with instances expanded to separate triangles.
 fn alone(scene: &BakedScene) -> BakedScene {
     let mut out = BakedScene { instances: Vec::new(), copies: Vec::new(), ..scene.clone() };
     (out.vertices, out.indices) = Default::default();
@@ -54,7 +55,7 @@ fn alone(scene: &BakedScene) -> BakedScene {
     out
 }
 
-/// The share of values that differ by more than a tenth, and how far apart the means are.
+/// Returns the share of values that differ by more than a tenth, and the relative difference of the means.
 fn different(a: &[Vec3], b: &[Vec3]) -> (f32, f32) {
     let mean = |all: &[Vec3]| all.iter().map(|p| p.element_sum()).sum::<f32>() / all.len() as f32;
     assert!(a.len() == b.len() && mean(b) > 0.0, "nothing to compare");

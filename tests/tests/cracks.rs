@@ -1,5 +1,5 @@
-//! A wall of pieces whose corners lie on the edges of others (T-junctions): the rasterizer leaves single pixels between
-//! them open, through which nothing behind the wall is seen in the viewer.
+//! Wall of pieces with T-junctions (corners on the edges of neighbours): the rasterizer leaves gaps of single pixels
+//! between the pieces; the viewer shows nothing from behind the wall in the gaps.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -18,7 +18,7 @@ use rebounce_viewer::settings::Mode;
 
 const SIZE: u32 = 160;
 
-/// A camera at a height, turned about its axis by so many radians, that sees nothing but the wall.
+/// Camera at a height, rolled by an angle in radians, that sees only the wall.
 fn camera(height: f32, roll: f64) -> Camera {
     let eye = vec3(0.06, height, 0.5);
     let up = DVec3::new(roll.sin(), roll.cos(), 0.0);
@@ -38,13 +38,13 @@ fn piece(scene: &mut Scene, [low, high]: [Vec2; 2], z: f32, material: u32) {
     panel(scene, (low + half).extend(z), sides, material, false);
 }
 
-/// Adds the black underside of a piece, which reaches back from the wall.
+/// Adds the black underside of a piece, extending back from the wall.
 fn underside(scene: &mut Scene, [from, to]: [f32; 2], y: f32, material: u32) {
     let sides = [Vec3::X * 0.5 * (to - from), Vec3::NEG_Z * 0.025];
     panel(scene, vec3(0.5 * (from + to), y, -0.425), sides, material, false);
 }
 
-/// A white wall of columns of different pieces, a black one behind it, and a lamp before it.
+/// Scene of a white wall with columns of different pieces, a black wall behind, and a lamp in front.
 fn wall(has_depth: bool) -> Scene {
     let mut scene = scene::load("builtin:furnace").unwrap();
     let white = scene.materials.len() as u32;
@@ -73,7 +73,7 @@ fn wall(has_depth: bool) -> Scene {
     scene
 }
 
-/// Pixels that are darker by a fifth than the median of those around them.
+/// Counts pixels at least a fifth darker than the median of their neighbourhood.
 fn dark_spots(picture: &[Vec3]) -> usize {
     let inner = 1..SIZE - 1;
     let pixels = inner.clone().flat_map(|y| inner.clone().map(move |x| (x, y)));
@@ -86,12 +86,12 @@ fn dark_spots(picture: &[Vec3]) -> usize {
     pixels.filter(is_dark).count()
 }
 
-/// Dark spots in pictures of the wall from many sides.
+/// Counts dark spots in pictures of the wall from several views; `None` without an adapter.
 fn open_pixels(has_depth: bool) -> Option<usize> {
     let file = bake(&wall(has_depth), &settings(1_000), &()).unwrap().0;
     let mut viewer = renderer(&file)?;
     viewer.set_mode(Mode::Direct);
-    // A picture as while something moves, not an average of several.
+    // Single pictures as during motion, not an average.
     viewer.set_still_pictures(1);
     let mut open = 0;
     for step in 0..24 {

@@ -1,5 +1,5 @@
-//! The page's direct light against the CPU's: the same away from the edges of shadows, and the edges where the CPU has
-//! them, in the sun as under lamps.
+//! The page's direct light against the CPU's: equal away from shadow edges, and edges at the CPU's places, in the sun
+//! and under lamps.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -12,18 +12,19 @@ use rebounce_tests::small::small;
 use rebounce_viewer::settings::Mode;
 
 const SIZE: [u32; 2] = [256, 144];
-/// Largest distance of a shadow's edge from the CPU's, pixels; pixels as near to the CPU's edges are not compared.
+/// Maximum distance of a shadow's edge from the CPU's, pixels; pixels within this distance of the CPU's edges are not
+/// compared.
 const NEAR: u32 = 2;
-/// Relative RMS difference of what is compared.
+/// Maximum relative RMS difference of the compared pixels.
 const RMS: f32 = 0.03;
-/// Relative change within that distance that makes an edge.
+/// Relative change within `NEAR` pixels that counts as an edge.
 const EDGE: f32 = 0.2;
 /// Tolerance of a pixel beyond the other picture's range nearby, as a share of the picture's maximum.
 const LOOSE: f32 = 0.1;
-/// One pixel in this number may be astray.
+/// Reciprocal of the maximum share of astray pixels.
 const ONE_IN: usize = 400;
 
-/// Least and greatest of the pixels near one, by component.
+/// Returns the minimum and maximum of the pixels near a pixel, by component.
 fn range(picture: &[Vec3], at: usize) -> [Vec3; 2] {
     let [width, height] = SIZE;
     let (x, y) = (at as u32 % width, at as u32 / width);
@@ -57,14 +58,14 @@ fn direct_light_is_the_cpus_and_its_edges_lie_where_the_cpus_do() {
     let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
     let Some(mut renderer) = common::renderer(&scene) else { return };
     renderer.set_mode(Mode::Direct);
-    // The living room in the sun, and with all lamps besides.
+    // The living room in the sun, and with every lamp as well.
     let views = [(0, 0..1), (0, 0..6)];
     for (camera, lights) in views {
         let name = format!("camera {camera}, lights {lights:?}");
         let (camera, lights) = (&scene.meta.cameras[camera], &scene.meta.lights[lights]);
         let exposure = Exposure { size: SIZE, samples: 64, seed: 5 };
         let truth = render(&scene, &surfaces, camera, lights, exposure, Only::Direct, || ()).pixels;
-        // The brightest, but for spots right beside a lamp, stays below the tone curve's shoulder.
+        // The exposure keeps 99% of the pixels below the tone curve's shoulder, except spots beside a lamp.
         let mut values: Vec<f32> = truth.iter().map(|pixel| pixel.max_element()).collect();
         values.sort_by(f32::total_cmp);
         let brightest = values[values.len() - 1 - values.len() / 100];

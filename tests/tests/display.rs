@@ -1,4 +1,4 @@
-//! Functions that are looked up and functions that are splatted make the same picture.
+//! Lookup and splatting of functions give the same picture.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -30,7 +30,7 @@ fn values(renderer: &mut Renderer, way: Display, mode: Option<Mode>) -> Vec<f32>
     values
 }
 
-/// Root of the mean square of the difference, relative to the pictures that are looked up.
+/// Returns the RMS difference of lookup and splatting, relative to lookup.
 fn apart(scene: &BakedScene, mode: Option<Mode>) -> Option<f64> {
     let mut renderer = common::renderer(scene)?;
     renderer.set_auto_exposure(true);
@@ -43,8 +43,8 @@ fn apart(scene: &BakedScene, mode: Option<Mode>) -> Option<f64> {
     Some((error / power).sqrt())
 }
 
-/// The Cornell box as a bake leaves it, and with holes: the finest level ends in the middle of the room, the next coarser
-/// one covers three quarters of it.
+/// The Cornell box as baked, and with holes: the finest level ends in the middle of the room, the next coarser level
+/// covers three quarters of the room.
 #[test]
 fn both_ways_make_one_picture_wherever_levels_end() {
     let whole = small("builtin:cornell-box", 2400).unwrap();
@@ -68,7 +68,7 @@ fn both_ways_make_one_picture_wherever_levels_end() {
 #[test]
 fn both_ways_bend_light_by_normal_maps() {
     let mut scene = everything(1200).unwrap();
-    // On all surfaces.
+    // On every surface.
     for material in &mut scene.meta.materials {
         let uv_from_vertex = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         material.normal_texture =

@@ -1,4 +1,4 @@
-//! The automatic exposure brings no light into a room that has next to none, beside one that is lit.
+//! Automatic exposure keeps a nearly unlit room beside a lit room dark.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -18,14 +18,14 @@ use rebounce_viewer::renderer::Renderer;
 
 const SIZE: u32 = 64;
 
-/// Lamps in the middle of two rooms beside each other, of these intensities.
+/// Lamps of these intensities in the middle of two adjacent rooms.
 fn lamps(intensities: [f64; 2]) -> Vec<Light> {
     let lamp =
         |(x, intensity)| Light::Point { position: [x, 1.3, 2.0], intensity, color: [1.0; 3], radius: 0.0 };
     [-2.0, 2.0].into_iter().zip(intensities).map(lamp).collect()
 }
 
-/// What a file's points say about the level of its light.
+/// Returns the light level of a file, computed at its points.
 fn level_at_points(scene: &BakedScene, surfaces: &TriangleSurfaces, lights: &[LightSource]) -> f32 {
     let points = &scene.points[..scene.direct_count()];
     let mut light: Vec<_> = points.iter().map(|p| direct::at_footprint(surfaces, lights, p)).collect();
@@ -35,7 +35,7 @@ fn level_at_points(scene: &BakedScene, surfaces: &TriangleSurfaces, lights: &[Li
     exposure::level(finest.map(|i| luminance(light[i])))
 }
 
-/// The bytes of the picture's pixels as the automatic exposure first shows it, and the measured exposure.
+/// Returns the RGB bytes of the first picture after a reset of the automatic exposure, and the measured exposure.
 fn shown(renderer: &mut Renderer, lights: Vec<Light>) -> (Vec<u8>, [f32; 3]) {
     renderer.set_lights(lights).unwrap();
     renderer.rekey();
@@ -53,10 +53,10 @@ fn mean(bytes: &[u8]) -> f64 {
 #[test]
 fn a_room_with_next_to_nothing_of_its_neighbours_light_is_black() {
     let scene = small("builtin:two-rooms", 600).unwrap();
-    // The first camera looks into the room without a lamp, the second one into the other.
+    // The first camera looks into the unlit room, the second into the lit room.
     let [dark, lit] = [scene.meta.cameras[0].clone(), scene.meta.cameras[1].clone()];
     let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
-    // On the CPU, as PNGs show it.
+    // On the CPU, as in PNGs.
     let developed = |factors: [f64; 2]| {
         let lights = lamps(factors);
         let exposure = Exposure { size: [24, 24], samples: 16, seed: 1 };
@@ -75,12 +75,12 @@ fn a_room_with_next_to_nothing_of_its_neighbours_light_is_black() {
     renderer.set_camera(dark).unwrap();
     let (black, [_, _, most]) = shown(&mut renderer, lamps([1.0, 2e-5]));
     let (dim, _) = shown(&mut renderer, lamps([1.0, 1e-2]));
-    // But for pixels where the wall between them meets the ceiling, which a shadow map's texels are wider than.
+    // Except pixels at the joint of partition wall and ceiling, thinner than a texel of the shadow map.
     let bright = black.chunks(3).filter(|pixel| pixel.iter().any(|c| *c > 2)).count();
     println!("in the viewer: {} ({bright} pixels above 2), {}", mean(&black), mean(&dim));
     assert!(mean(&black) < 1.0 && bright <= 16, "{} and {bright}", mean(&black));
     assert!(mean(&dim) > 50.0, "{}", mean(&dim));
-    // The CPU says the same limit.
+    // The CPU computes the same limit.
     let sources: Vec<LightSource> =
         lamps([1.0, 2e-5]).iter().map(|light| light.source(scene.meta.origin)).collect();
     let expected = exposure::most(level_at_points(&scene, &surfaces, &sources));
@@ -88,7 +88,7 @@ fn a_room_with_next_to_nothing_of_its_neighbours_light_is_black() {
     let everywhere = exposure::most(level(&surfaces, &sources));
     println!("the most by points {expected}, by rays {everywhere}");
     assert!((everywhere / expected).log2().abs() < 1.5, "{everywhere}, {expected}");
-    // It is a share: what is dim all over, and each room by itself, is shown as ever.
+    // The limit is relative: a uniformly dim scene, and a dim room by itself, have the usual exposure.
     let (dim_all_over, _) = shown(&mut renderer, lamps([2e-5, 2e-5]));
     let (alone, _) = shown(&mut renderer, lamps([0.0, 2e-5]));
     assert!((mean(&dim_all_over) - mean(&alone)).abs() < 2.0 && mean(&alone) > 50.0);

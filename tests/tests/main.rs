@@ -1,4 +1,4 @@
-//! Tests that span crates, in one program: as many programs would each link all of them.
+//! Tests that span crates, in one program: separate programs would each link every crate.
 
 mod common;
 #[path = "../../baker/tests/common/crowd.rs"]

@@ -1,4 +1,4 @@
-//! Detail of the viewer, from the depth buffer, beside that of the CPU, by rays.
+//! Comparison of detail in the viewer (from the depth buffer) and on the CPU (by rays).
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -12,7 +12,8 @@ use rebounce_tests::small::small;
 
 const SIZE: [u32; 2] = [160, 120];
 
-/// Bounced light on the CPU, without and with detail, and in the viewer likewise.
+/// Returns bounced light on the CPU, without and with detail, then the same for the viewer; `None` without an
+/// adapter.
 fn pictures(scene: &BakedScene) -> Option<[[Vec<Vec3>; 2]; 2]> {
     let mut renderer = common::renderer(scene)?;
     let surfaces = TriangleSurfaces::from_baked(scene).unwrap();

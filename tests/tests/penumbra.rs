@@ -14,12 +14,13 @@ use rebounce_tests::small::small;
 use rebounce_viewer::settings::Mode;
 
 const SIZE: u32 = 192;
-/// What differs by more from a point's light, relative to the brighter, is penumbra.
+/// Minimum difference from a point light, relative to the brighter value, that counts as penumbra.
 const SEEN: f32 = 0.1;
-/// RMS difference there to the CPU's picture, as a share of that of the CPU's picture of a point.
+/// Maximum RMS difference to the CPU within the penumbra, as a share of the RMS difference between point and area
+/// light on the CPU.
 const MOST: f32 = 0.45;
 
-/// The same light without a size.
+/// Returns the light without a size.
 fn point(light: &Light) -> Light {
     let mut light = light.clone();
     match &mut light {
@@ -35,7 +36,7 @@ fn penumbrae_are_as_wide_as_the_cpus() {
     let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
     let Some(mut renderer) = common::renderer(&scene) else { return };
     renderer.set_mode(Mode::Direct);
-    // Down onto the floor and the blocks.
+    // View down onto the floor and the blocks.
     let camera =
         Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
     renderer.set_camera(camera.clone()).unwrap();
@@ -65,7 +66,7 @@ fn penumbrae_are_as_wide_as_the_cpus() {
         let most = Vec3::splat(0.7 * (-stops).exp2());
         renderer.set_lights(vec![light]).unwrap();
         let ours = picture(&mut renderer, [SIZE; 2], stops);
-        // Where the light's size is seen.
+        // Pixels in the penumbra.
         let penumbra: Vec<usize> = (0..soft.len())
             .filter(|at| {
                 (soft[*at] - sharp[*at]).length() > SEEN * sharp[*at].length().max(soft[*at].length())

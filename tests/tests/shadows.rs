@@ -1,5 +1,5 @@
-//! Shadows of the viewer's maps against the CPU's rays: no acne on what is lit, however flat the light falls, no light
-//! that creeps under what stands on a floor, no dark lines where two lit walls meet.
+//! Shadow maps of the viewer against the CPU's rays: no acne on lit surfaces at grazing light, no light leaks under
+//! objects on a floor, no dark lines at the joint of two lit walls.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -15,28 +15,28 @@ use rebounce_tests::small::small;
 use rebounce_viewer::settings::Mode;
 
 const SIZE: u32 = 160;
-/// Edges of shadows lie this near to where the CPU's are, pixels: some of them are two texels' filter wide.
+/// Maximum distance of a shadow's edge from the CPU's edge, pixels: the filter is up to two texels wide.
 const NEAR: u32 = 3;
-/// Elsewhere pixels agree to this share of what the CPU has, and of the picture's mean.
+/// Tolerance away from edges, as shares of the CPU's pixel and of the picture's mean.
 const AGREE: [f32; 2] = [0.05, 0.05];
-/// But for one in so many: where a floor meets a wall without thickness, behind which light passes, a texel may lie on
-/// either.
+/// Reciprocal of the share of pixels exempt from the tolerance: at the joint of a floor and a wall without thickness,
+/// with light behind the wall, a texel may lie on either side.
 const ONE_IN: usize = 1500;
-/// Relative change within that distance that makes an edge.
+/// Relative change within `NEAR` pixels that counts as an edge.
 const EDGE: f32 = 0.2;
 
-/// Whether the picture changes at a pixel or up to `NEAR` of them away.
+/// Returns true if the picture has an edge within `NEAR` pixels of a pixel.
 fn is_near_an_edge(truth: &[Vec3], at: usize) -> bool {
     let (x, y) = (at as u32 % SIZE, at as u32 / SIZE);
     let around = |v: u32| v.saturating_sub(NEAR)..(v + NEAR + 1).min(SIZE);
     let near = || around(y).flat_map(|y| around(x).map(move |x| truth[(y * SIZE + x) as usize]));
     let least = near().fold(Vec3::INFINITY, Vec3::min);
     let most = near().fold(Vec3::ZERO, Vec3::max);
-    // Light that falls off across so few pixels changes less.
+    // Smooth falloff changes less over a few pixels.
     (most - least).max_element() > EDGE * most.max_element()
 }
 
-/// Whether light reaches a pixel and all around it.
+/// Returns true if a pixel and its neighbourhood of 6 pixels are lit.
 fn is_lit_around(truth: &[Vec3], at: usize, mean: f32) -> bool {
     let (x, y) = (at as u32 % SIZE, at as u32 / SIZE);
     let around = |v: u32| v.saturating_sub(6)..(v + 7).min(SIZE);
@@ -49,7 +49,7 @@ fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
     let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
     let Some(mut renderer) = common::renderer(&scene) else { return };
     renderer.set_mode(Mode::Direct);
-    // Down onto the floor and where the blocks stand on it.
+    // View down onto the floor and the base of the blocks.
     let floor =
         Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
     let color = [1.0; 3];
@@ -99,7 +99,7 @@ fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
             .collect();
         let dark = compared.iter().filter(|at| truth[**at].max_element() < 0.01 * mean).count();
         println!("{name}: {} compared, {dark} of them dark, {} differ", compared.len(), wrong.len());
-        // Wide texels, and corners of what is lit on both sides.
+        // Wide texels, at corners lit on both sides.
         renderer.set_largest_shadow_map(256);
         let coarse = picture(&mut renderer, [SIZE; 2], stops);
         renderer.set_largest_shadow_map(2048);

@@ -1,4 +1,4 @@
-//! What `rebounce render` writes as a PNG is what the page shows: exposure, tone mapping, emission, backdrop.
+//! PNGs of `rebounce render` match the page: exposure, tone mapping, emission, backdrop.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -16,13 +16,13 @@ use rebounce_tests::small::{everything, small};
 use rebounce_viewer::settings::ToneMapping;
 
 const SIZE: [u32; 2] = [160, 90];
-/// Pixels are compared where no other one so near differs by more than `EDGE` of 255: shadows' edges are a texel of a map
-/// elsewhere, and the page averages what is tone-mapped, the command light.
+/// Neighbourhood and maximum difference (of 255) of compared pixels: shadow edges differ by a texel of a shadow map,
+/// and the page averages tone-mapped values, the command radiance.
 const BESIDE: i32 = 2;
 const EDGE: u8 = 24;
-/// How far such pixels differ, of 255: all but one in a hundred.
+/// Maximum difference of compared pixels, of 255, for 99% of the pixels.
 const APART: u8 = 6;
-/// How far the pictures' means differ at most.
+/// Maximum difference of the pictures' means.
 const MEANS: f64 = 2.0;
 
 /// RGB bytes of the first camera's picture.
@@ -30,7 +30,7 @@ fn on_cpu(scene: &BakedScene) -> Vec<u8> {
     let surfaces = TriangleSurfaces::from_baked(scene).unwrap();
     let exposure = Exposure { size: SIZE, samples: 64, seed: 1 };
     let (camera, lights) = (&scene.meta.cameras[0], &scene.meta.lights);
-    // Detail, which is had in two ways, has a test of its own (openness.rs).
+    // Detail is excluded: its two implementations are tested in openness.rs.
     let content = Content { only: Only::All, detail: false };
     let radiance = render(scene, &surfaces, camera, lights, exposure, content, || ());
     let sources: Vec<_> = lights.iter().map(|light| light.source(scene.meta.origin)).collect();
@@ -61,7 +61,7 @@ fn mean(bytes: &[u8]) -> f64 {
     bytes.iter().map(|byte| f64::from(*byte)).sum::<f64>() / bytes.len() as f64
 }
 
-/// Whether all pixels around one are alike.
+/// Returns true if the neighbourhood of a pixel is even.
 fn is_even(picture: &[u8], x: i32, y: i32) -> bool {
     let [width, height] = SIZE.map(|side| side as i32);
     let at = |x: i32, y: i32| &picture[3 * (y * width + x) as usize..][..3];
@@ -71,7 +71,7 @@ fn is_even(picture: &[u8], x: i32, y: i32) -> bool {
         .all(|(near_x, near_y)| at(x, y).iter().zip(at(near_x, near_y)).all(|(a, b)| a.abs_diff(*b) <= EDGE))
 }
 
-/// Compares the two pictures; the CPU's, where there is an adapter.
+/// Compares the pictures of CPU and viewer; returns the CPU's, or `None` without an adapter.
 fn compared(scene: &BakedScene) -> Option<Vec<u8>> {
     let (cpu, viewer) = (on_cpu(scene), in_viewer(scene)?);
     let (a, b) = (mean(&cpu), mean(&viewer));
@@ -115,7 +115,7 @@ fn coloured_and_textured_emission_look_alike() {
     scene.meta.materials[1].emission = [4.0, 0.2, 0.1];
     let (Some(without), Some(with)) = (compared(&plain), compared(&scene)) else { return };
     assert!(without != with);
-    // What shines red is red.
+    // The red emitter is red.
     let reds = with.chunks(3).filter(|p| p[0] > 180 && p[1] < 140 && p[2] < 140).count();
     assert!(reds > 300, "{reds}");
 }
@@ -136,12 +136,12 @@ fn an_object_stands_before_the_same_backdrop() {
     let shaded = compared(&scene);
     scene.meta.shown.ground.clear();
     let (Some(before), Some(shaded), Some(without)) = (before, shaded, compared(&scene)) else { return };
-    // Grey where it was black, and nothing else has changed.
+    // The backdrop replaces black by grey and changes nothing else.
     let changed = before.chunks(3).zip(without.chunks(3)).filter(|(a, b)| a != b);
     let kinds: Vec<(u8, u8)> = changed.map(|(a, b)| (a[0], b.iter().copied().max().unwrap())).collect();
     assert!(kinds.len() * 4 > before.len() / 3, "{}", kinds.len());
     assert!(kinds.iter().filter(|(new, old)| *old == 0 && *new > 90).count() * 10 > kinds.len() * 9);
-    // The shadow is on some of it.
+    // The shadow covers a part of the ground.
     let dark = shaded.iter().zip(&before).filter(|(a, b)| a.saturating_add(20) < **b).count();
     assert!(dark > 300 && dark < before.len() / 2, "{dark}");
 }

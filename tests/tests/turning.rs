@@ -1,5 +1,5 @@
-//! Nothing shimmers: while a camera turns slowly, the viewer's pictures change from one to the next about as much as the
-//! CPU's, averaged over many rays a pixel.
+//! No shimmer: for a slowly turning camera, consecutive pictures of the viewer change about as much as the CPU's,
+//! averaged over many rays per pixel.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -14,10 +14,10 @@ use rebounce_shared::tone::neutral;
 use rebounce_tests::small::small;
 
 const SIZE: [u32; 2] = [160, 90];
-/// Pictures, and degrees from one to the next: under half a pixel.
+/// Number of pictures, and the turn between pictures in degrees: under half a pixel.
 const PICTURES: u32 = 10;
 const STEP: f64 = 0.25;
-/// How much more the viewer's pictures change at most.
+/// Maximum ratio of change, viewer to CPU.
 const MORE: f64 = 1.2;
 
 fn turned(camera: &Camera, degrees: f64) -> Camera {
@@ -27,14 +27,14 @@ fn turned(camera: &Camera, degrees: f64) -> Camera {
     Camera { target: std::array::from_fn(|axis| camera.position[axis] + way[axis]), ..camera.clone() }
 }
 
-/// What a picture of this radiance looks like, of 255.
+/// Display values of a picture of this radiance, of 255.
 fn shown(radiance: &[Vec3], stops: f32) -> Vec<f64> {
     let encode = |c: f32| if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
     let pixel = |p: &Vec3| neutral(*p * stops.exp2()).to_array().map(|c| f64::from(255.0 * encode(c)));
     radiance.iter().flat_map(pixel).collect()
 }
 
-/// RMS of the change from each picture to the next.
+/// RMS of the change between consecutive pictures.
 fn change(pictures: &[Vec<f64>]) -> f64 {
     let squares = |pair: &[Vec<f64>]| {
         let sum: f64 = pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).powi(2)).sum();
@@ -43,7 +43,7 @@ fn change(pictures: &[Vec<f64>]) -> f64 {
     (pictures.windows(2).map(squares).sum::<f64>() / (pictures.len() - 1) as f64).sqrt()
 }
 
-/// RMS of how far two series of pictures are apart.
+/// RMS difference of two series of pictures.
 fn apart(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     let squares = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).powi(2));
     (squares.sum::<f64>() / a.iter().map(|picture| picture.len() as f64).sum::<f64>()).sqrt()
@@ -62,7 +62,7 @@ fn on_cpu(scene: &BakedScene, cameras: &[Camera], stops: f32) -> Vec<Vec<f64>> {
 fn in_viewer(scene: &BakedScene, cameras: &[Camera], stops: f32) -> Option<Vec<Vec<f64>>> {
     let mut renderer = common::renderer(scene)?;
     renderer.set_exposure(stops).unwrap();
-    // As while something moves: none is averaged.
+    // Single pictures as during motion, without averaging.
     renderer.set_still_pictures(1);
     renderer.set_antialias(true);
     let picture = |camera: &Camera| {

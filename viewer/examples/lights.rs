@@ -1,4 +1,5 @@
-//! Times relighting by the number of lights, when all of them move, one, or one that is off: `lights FILE.rbn`.
+//! Times relighting by the number of lights, with all lights moving, one light moving, or one dark light moving:
+//! `lights FILE.rbn`.
 
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
@@ -11,7 +12,7 @@ use std::error::Error;
 #[path = "../tests/common/screen.rs"]
 mod screen;
 
-/// Frames of which the quickest counts.
+/// Number of frames; the shortest time counts.
 const FRAMES: usize = 24;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -50,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 renderer.set_lights((0..=count).map(|i| light(i, step(i))).collect())?;
                 renderer.draw(&view, target.format(), 16, 16)?;
                 gpu.device.poll(wgpu::PollType::wait_indefinitely())?;
-                // The first ones make the sum that is kept.
+                // The first frames build the kept sum.
                 let relight =
                     renderer.stats().milliseconds.relight.ok_or("this device cannot time passes")?;
                 best = if frame > 9 { best.min(relight) } else { best };

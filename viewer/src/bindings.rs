@@ -1,4 +1,4 @@
-//! Short forms for bind groups, buffers and pipelines.
+//! Helpers for bind groups, buffers and pipelines.
 
 use crate::gpu::Gpu;
 use crate::scope::Scope;
@@ -6,20 +6,20 @@ use crate::shaders::Source;
 use std::num::NonZeroU64;
 use wgpu::ShaderStages;
 
-/// What a binding holds.
+/// Type of a binding.
 #[derive(Clone, Copy, Debug)]
 pub enum Slot {
     /// A uniform buffer.
     Uniform,
-    /// A uniform buffer bound with a dynamic offset; bytes of one part.
+    /// A uniform buffer with a dynamic offset; size of a part in bytes.
     UniformPart(u64),
-    /// A storage buffer that is read.
+    /// A read-only storage buffer.
     Read,
-    /// A storage buffer that is read and written.
+    /// A read-write storage buffer.
     Write,
-    /// A float texture that is sampled with filtering.
+    /// A float texture, sampled with filtering.
     Texture,
-    /// A float texture that is loaded from, any float format.
+    /// A float texture of any float format, read by texel loads.
     TextureLoad,
     /// An unsigned-integer texture.
     TextureUint,
@@ -27,13 +27,13 @@ pub enum Slot {
     Depth,
     /// An array of depth textures.
     DepthArray,
-    /// An array of float textures that is sampled with filtering.
+    /// An array of float textures, sampled with filtering.
     TextureArray,
     /// A filtering sampler.
     Sampler,
     /// A comparison sampler.
     Comparison,
-    /// A sampler that does not filter.
+    /// A non-filtering sampler.
     Unfiltered,
 }
 
@@ -73,7 +73,7 @@ impl Slot {
     }
 }
 
-/// The layout of a bind group whose bindings count from 0.
+/// Creates the layout of a bind group with bindings numbered from 0.
 pub fn layout(gpu: &Gpu, label: &str, visibility: ShaderStages, slots: &[Slot]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = slots
         .iter()
@@ -89,7 +89,7 @@ pub fn layout(gpu: &Gpu, label: &str, visibility: ShaderStages, slots: &[Slot]) 
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
-/// A bind group whose bindings count from 0.
+/// Creates a bind group with bindings numbered from 0.
 pub fn group(
     gpu: &Gpu,
     label: &str,
@@ -104,7 +104,7 @@ pub fn group(
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
-/// A sampler that interpolates between texels.
+/// A sampler with linear filtering.
 pub fn bilinear(gpu: &Gpu) -> wgpu::Sampler {
     gpu.device.create_sampler(&wgpu::SamplerDescriptor {
         mag_filter: wgpu::FilterMode::Linear,
@@ -118,12 +118,12 @@ pub fn view(view: &wgpu::TextureView) -> wgpu::BindingResource<'_> {
     wgpu::BindingResource::TextureView(view)
 }
 
-/// A part of a uniform buffer that is bound with dynamic offsets.
+/// A part of a uniform buffer, for dynamic offsets.
 pub fn part(buffer: &wgpu::Buffer, bytes: u64) -> wgpu::BindingResource<'_> {
     wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size: NonZeroU64::new(bytes) })
 }
 
-/// A buffer of these bytes, at least 16; the rest is zero.
+/// A buffer with these bytes, at least 32 bytes long; the rest is zero.
 pub fn buffer(scope: &Scope, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> wgpu::Buffer {
     let buffer = empty_buffer(scope, label, usage | wgpu::BufferUsages::COPY_DST, bytes.len() as u64);
     if !bytes.is_empty() {
@@ -132,7 +132,7 @@ pub fn buffer(scope: &Scope, label: &str, usage: wgpu::BufferUsages, bytes: &[u8
     buffer
 }
 
-/// A buffer of zeros, at least as large as one record of any kind.
+/// A buffer of zeros, large enough for a record of any kind.
 pub fn empty_buffer(scope: &Scope, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
     scope.buffer(&wgpu::BufferDescriptor {
         label: Some(label),
@@ -191,17 +191,17 @@ pub fn compute(
     })
 }
 
-/// Threads of a workgroup in shaders that count them in one dimension.
+/// Threads of a workgroup in one-dimensional shaders.
 pub const WORKGROUP: u32 = 64;
-/// Most workgroups in one dimension of a dispatch that WebGPU guarantees.
+/// Maximum number of workgroups in one dimension of a dispatch that WebGPU guarantees.
 const MAX_GROUPS: u32 = 65535;
 
-/// Workgroups in x and y, at least so many, within WebGPU's limits.
+/// Workgroups in x and y, at least `groups` in total, within WebGPU's limits.
 pub fn grid(groups: u32) -> [u32; 2] {
     if groups <= MAX_GROUPS { [groups, 1] } else { [MAX_GROUPS, groups.div_ceil(MAX_GROUPS)] }
 }
 
-/// A render pipeline, as far as the ones here differ.
+/// Parameters of a render pipeline that differ between the viewer's passes.
 pub struct Draw<'a> {
     /// Name.
     pub label: &'a str,
@@ -209,7 +209,7 @@ pub struct Draw<'a> {
     pub source: Source,
     /// Vertex entry point.
     pub vertex: &'a str,
-    /// Fragment entry point and its targets, if there is one.
+    /// Fragment entry point, if present.
     pub fragment: Option<&'a str>,
     /// Colour targets.
     pub targets: &'a [wgpu::ColorTargetState],
@@ -221,12 +221,12 @@ pub struct Draw<'a> {
     pub strip: bool,
     /// Depth test: comparison and whether depth is written.
     pub depth: Option<(wgpu::CompareFunction, bool)>,
-    /// Whether triangles that go clockwise are left out.
+    /// Whether clockwise triangles are culled.
     pub cull: bool,
 }
 
 impl Draw<'_> {
-    /// Makes the pipeline.
+    /// Creates the pipeline.
     pub fn pipeline(&self, gpu: &Gpu) -> wgpu::RenderPipeline {
         let module = module(gpu, self.label, self.source);
         let targets: Vec<_> = self.targets.iter().cloned().map(Some).collect();
@@ -285,17 +285,17 @@ impl Default for Draw<'_> {
     }
 }
 
-/// A target that is overwritten.
+/// A target without blending.
 pub fn opaque(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
     wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL }
 }
 
-/// A target that is blended.
+/// A target with blending.
 pub fn blended(format: wgpu::TextureFormat, blend: wgpu::BlendState) -> wgpu::ColorTargetState {
     wgpu::ColorTargetState { format, blend: Some(blend), write_mask: wgpu::ColorWrites::ALL }
 }
 
-/// A colour attachment that is cleared (to zeros) or kept.
+/// A colour attachment, cleared to zeros or kept.
 pub fn attachment(view: &wgpu::TextureView, clear: bool) -> Option<wgpu::RenderPassColorAttachment<'_>> {
     let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
     Some(wgpu::RenderPassColorAttachment {
@@ -306,7 +306,7 @@ pub fn attachment(view: &wgpu::TextureView, clear: bool) -> Option<wgpu::RenderP
     })
 }
 
-/// A depth attachment that is cleared to 0 and written, or only read.
+/// A depth attachment, cleared to 0 and written, or read-only.
 pub fn depth_attachment(
     view: &wgpu::TextureView,
     write: bool,

@@ -1,20 +1,22 @@
 //! Blended surfaces: glass, curtains, decals (`alphaMode` BLEND), in the right order at every pixel.
 //!
-//! They are peeled: the nearest layer first, then the nearest of what lies behind it, and so on, each put under those
-//! before it. A pass finds a layer's depth, a second one draws its light, as for opaque surfaces: direct light with
-//! shadow maps, bounced light from the functions that cover the place. What comes out, the *veil*, is light and the
-//! share that it covers; the composite pass lays it over the opaque picture, before tone mapping.
+//! Depth peeling: the nearest layer first, then the nearest layer behind, and so on; each new layer is blended
+//! under the layers in front. Two passes a layer: the first finds the layer's depth, the second draws its light as
+//! for opaque surfaces: direct light with shadow maps, bounced light from the functions that cover the place. The
+//! result, the *veil*, holds radiance and coverage; the composite pass blends the veil over the opaque picture,
+//! before tone mapping.
 //!
-//! Why not sorted triangles: a pane is two large ones, for which no single distance is right, with the faces of a glass
-//! box a hand's breadth behind it; a wrong order shows as triangles, and turns over while the camera moves. Layers are
-//! exact for boxes, for folds of curtains and for panes that cross, need no sorting, and cost passes instead: two a layer,
-//! at most twice [`MOST_LAYERS`](crate::blended_fit::MOST_LAYERS). Deeper ones, of which the least is seen, are left out.
+//! Sorting triangles fails here: a pane is two large triangles without a single right distance, and the faces of a
+//! glass box are a hand's breadth behind; a wrong order shows as triangles and flips while the camera moves. Layers
+//! are exact for boxes, folds of curtains and crossing panes, and need no sorting. The cost is two passes a layer,
+//! at most twice [`MOST_LAYERS`](crate::blended_fit::MOST_LAYERS). Deeper layers, the least visible, are left out.
 //!
-//! Where layers have colours (glass), light and coverage do not suffice: what goes through is a colour, each layer's light
-//! is multiplied with that of the layers in front before it is added, and the product is copied from layer to layer.
+//! Coloured layers (glass) need more than radiance and coverage: the transmittance is a colour. The light of a
+//! layer is multiplied by the product of the transmittances in front before the addition, and the product is copied
+//! from layer to layer.
 //!
-//! The bounced light is looked up anew in each picture and at each place: rows of functions, as `display` keeps them for
-//! the G-buffer, would be needed for every layer.
+//! The bounced light is looked up anew in every picture and at every place: rows of functions, as `display` keeps
+//! for the G-buffer, would be needed for every layer.
 
 use crate::bindings::{Draw, Slot, attachment, blended, depth_attachment, group, layout, target, view};
 use crate::draw_batch::VERTEX_BUFFERS;
@@ -26,54 +28,54 @@ use crate::timing::Stamps;
 use std::cell::OnceCell;
 use wgpu::{BlendFactor, BlendOperation, CompareFunction, ShaderStages, TextureFormat};
 
-/// Light in so many bits that layers add up without steps; WebGPU blends no wider format.
+/// Format of the veil: 16 bits a channel add up layers without banding; WebGPU blends no wider format.
 const VEIL: TextureFormat = TextureFormat::Rgba16Float;
 
-/// The pass that draws all layers.
+/// Pipelines of all layers.
 pub struct BlendedPass {
     materials: wgpu::BindGroupLayout,
     lights: wgpu::BindGroupLayout,
-    /// Without colours and with them, made when a scene first has blended surfaces.
+    /// Bind group layouts without and with colours, created for the first scene with blended surfaces.
     layouts: [OnceCell<wgpu::BindGroupLayout>; 2],
-    /// The same, each with backs and without.
+    /// Pipelines by `[tinted][one_sided]`.
     made: [[OnceCell<Made>; 2]; 2],
 }
 
 struct Made {
-    /// Depth of the first layer, and of the others.
+    /// Depth pipelines of the first layer, and of the later layers.
     peel: [wgpu::RenderPipeline; 2],
     shade: wgpu::RenderPipeline,
 }
 
-/// The textures of one size.
+/// The textures of one picture size.
 pub struct Veil {
-    /// Radiance times the [`unit`](crate::blended_fit::unit), as much of it as is seen, and the share that is covered.
+    /// RGB: visible radiance times the [`unit`](crate::blended_fit::unit); alpha: covered share.
     pub texture: wgpu::TextureView,
-    /// Where layers have colours.
+    /// Present if layers have colours.
     pub tints: Option<Tints>,
-    /// Reversed depth of two layers, in turns; 0 where there is none.
+    /// Reversed depth of two layers, alternating; 0 without a layer.
     depths: [wgpu::TextureView; 2],
 }
 
-/// What layers with colours need besides: linear RGB.
+/// Additional textures for coloured layers: linear RGB.
 pub struct Tints {
-    /// The share of light that goes through all layers.
+    /// Transmittance of all layers.
     pub through: (wgpu::Texture, wgpu::TextureView),
-    /// The same without the last layer: no pass reads what it writes.
+    /// Transmittance without the last layer, because a pass cannot read its own attachment.
     before: (wgpu::Texture, wgpu::TextureView),
-    /// What they show whatever the light.
+    /// Radiance independent of the lights (unlit surfaces).
     pub shine: (wgpu::Texture, wgpu::TextureView),
 }
 
-/// Blended surfaces of a picture of one size.
+/// Blended surfaces of one picture size.
 pub struct BlendedTarget {
     veil: Veil,
-    /// Each with one of the depths to read.
+    /// Bind groups, one for each of the two depth textures.
     groups: [wgpu::BindGroup; 2],
 }
 
 impl Veil {
-    /// Of this size, pixels; for layers that are `tinted` or not.
+    /// Textures of this size in pixels; with [`Tints`] if `tinted`.
     pub fn new(scope: &Scope, [width, height]: [u32; 2], tinted: bool) -> Self {
         let make = |label, format| {
             let texture = target(scope, label, format, width, height);
@@ -91,7 +93,7 @@ impl Veil {
 }
 
 impl BlendedPass {
-    /// Without pipelines yet; from the layouts of a material's bind group and of the lights'.
+    /// Takes the layouts of a material's bind group and of the lights' bind group; creates no pipeline yet.
     pub fn new(materials: &wgpu::BindGroupLayout, lights: &wgpu::BindGroupLayout) -> Self {
         Self {
             materials: materials.clone(),
@@ -133,7 +135,7 @@ impl BlendedPass {
             let depth = Some((CompareFunction::Greater, true));
             let peel = |entry| Draw { fragment: Some(entry), depth, ..draw }.pipeline(gpu);
             let peel = [peel("first"), peel("next")];
-            // Under what is there.
+            // Blends under the layers in front.
             let under = wgpu::BlendComponent {
                 src_factor: BlendFactor::OneMinusDstAlpha,
                 dst_factor: BlendFactor::One,
@@ -152,8 +154,8 @@ impl BlendedPass {
         })
     }
 
-    /// For the scene's blended surfaces as `frame` sees them in front of `opaque`, the depth of the others; what is shown
-    /// of their light is in the uniform `shading`.
+    /// Binds the scene's blended surfaces for the camera `frame`. `opaque` is the depth of the opaque surfaces; the
+    /// uniform `shading` selects direct and bounced light.
     pub fn target(
         &self,
         gpu: &Gpu,
@@ -181,7 +183,7 @@ impl BlendedPass {
         BlendedTarget { groups: [bind(&veil.depths[0]), bind(&veil.depths[1])], veil }
     }
 
-    /// Draws all layers: after the G-buffer, whose depth hides them, and the relighting.
+    /// Draws all layers: after the G-buffer (the opaque depth hides layers behind) and after the relighting.
     pub fn draw(
         &self,
         gpu: &Gpu,
@@ -236,13 +238,13 @@ impl BlendedPass {
     }
 }
 
-/// An attachment that is cleared to a colour.
+/// A color attachment that is cleared to `color`.
 fn cleared(view: &wgpu::TextureView, color: wgpu::Color) -> Option<wgpu::RenderPassColorAttachment<'_>> {
     let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(color), store: wgpu::StoreOp::Store };
     attachment(view, true).map(|attachment| wgpu::RenderPassColorAttachment { ops, ..attachment })
 }
 
-/// Draws all blended surfaces of the scene; `pipeline` is told whether they are one-sided.
+/// Draws all blended surfaces of the scene; `pipeline` maps `one_sided` to the pipeline.
 fn runs<'a>(
     pass: &mut wgpu::RenderPass<'_>,
     pipeline: impl Fn(bool) -> &'a wgpu::RenderPipeline,

@@ -1,4 +1,5 @@
-//! What blended surfaces need: which there are, in how many layers they lie, what numbers hold their light. No GPU.
+//! Properties of the blended surfaces, computed on the CPU: blended materials, number of layers, scale of radiance
+//! in 16-bit floats.
 
 use crate::draw_batch::{DrawBatch, instances};
 use glam::{Vec3, Vec4};
@@ -6,18 +7,20 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::{Light, LightKind};
 use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
 
-/// Layers that are drawn at most. What lies behind so many is left out of the picture, not what is opaque behind it.
+/// Maximum number of layers. Blended surfaces behind the last layer are not drawn; opaque surfaces behind are.
 pub const MOST_LAYERS: usize = 8;
-/// Vertices that are no further away from a plane than this lie in it; a share of the scene's diagonal. Thin glass must
-/// keep its two faces; a plane that is taken for two only costs passes.
+/// Greatest distance of a vertex from its plane, as a share of the scene's diagonal. The two faces of thin glass
+/// must stay separate planes; a plane counted twice only costs passes.
 const FLATNESS: f32 = 1e-6;
-/// Triangles, those of each copy counted, that are looked at for planes: where there are more, all layers are drawn.
+/// Maximum number of triangles examined for planes, with every instance counted. A larger scene draws all layers.
 const MOST_LOOKED_AT: usize = 1 << 22;
-/// Typical radiance becomes this to twice this: 16-bit floats then hold a few thousand times as much, and a millionth.
+/// The typical radiance is scaled to between `MIDDLE` and twice `MIDDLE`: 16-bit floats then hold values from a
+/// millionth to a few thousand times the typical radiance.
 const MIDDLE: f32 = 16.0;
 
-/// Whether a material is drawn by blending: glass, and what alpha says. Many exporters mark opaque ones so: those are opaque here whose alpha is 1
-/// and whose picture is a JPEG, which has none, or that have no picture.
+/// Whether a material is drawn by blending: glass, or `alphaMode` BLEND with real transparency. Many exporters mark
+/// opaque materials as BLEND: a material counts as opaque if its alpha is 1 and its base color texture is a JPEG
+/// (without alpha channel) or absent.
 pub fn is_blended(meta: &Meta, material: &Material) -> bool {
     let clear = |texture: u32| {
         meta.textures.get(texture as usize).is_some_and(|texture| texture.mime != "image/jpeg")
@@ -27,18 +30,17 @@ pub fn is_blended(meta: &Meta, material: &Material) -> bool {
             && (material.base_color[3] < 1.0 || material.base_color_texture.is_some_and(clear))
 }
 
-/// Whether layers need colours for what goes through them, and for what they show whatever the light: where any of
-/// these runs is glass, or unlit.
+/// Whether layers need colours for transmitted light and for unlit radiance: true if any run is glass or unlit.
 pub fn are_tinted(meta: &Meta, runs: &[DrawBatch]) -> bool {
     let material = |run: &DrawBatch| &meta.materials[run.material as usize];
     runs.iter().map(material).any(|m| m.is_glass() || m.extras.unlit)
 }
 
-/// Layers in which these runs are drawn: a ray meets a plane once, so there are no more than the planes that their
-/// triangles lie in; at most [`MOST_LAYERS`].
+/// Returns the number of layers for these runs, at most [`MOST_LAYERS`]: the number of distinct planes of the
+/// triangles, as a ray crosses a plane only once.
 pub fn layers(scene: &BakedScene, runs: &[DrawBatch]) -> u32 {
     let [low, high] = [scene.meta.bounds_min, scene.meta.bounds_max].map(Vec3::from);
-    // In diagonals, so that nothing overflows in any unit.
+    // Lengths in diagonals, to avoid overflow in any unit of length.
     let diagonal = (high - low).length().max(f32::MIN_POSITIVE);
     // Normal, and distance from the origin.
     let mut planes: Vec<Vec4> = Vec::new();
@@ -67,9 +69,9 @@ pub fn layers(scene: &BakedScene, runs: &[DrawBatch]) -> u32 {
     planes.len() as u32
 }
 
-/// What the radiance of blended surfaces is multiplied with while it lies in 16-bit floats: a power of two, which rounds
-/// nothing, such that what the lights (world space) give to a place a quarter of the scene's diagonal away, or the
-/// emission of these surfaces, becomes one to two times [`MIDDLE`].
+/// Returns the factor for the radiance of blended surfaces in 16-bit floats. The factor is a power of two (no
+/// rounding) and brings the typical radiance to one to two times [`MIDDLE`]. Typical radiance: the sum of the
+/// lights (world space) at a quarter of the scene's diagonal, or the emission of these surfaces if greater.
 pub fn unit(meta: &Meta, lights: &[Light], [low, high]: [Vec3; 2]) -> f32 {
     let distance_squared = (high - low).length_squared() / 16.0;
     let mut typical = 0.0f32;
@@ -84,7 +86,7 @@ pub fn unit(meta: &Meta, lights: &[Light], [low, high]: [Vec3; 2]) -> f32 {
     if typical > 0.0 { MIDDLE / power_of_two(typical.clamp(1e-30, 1e30)) } else { 1.0 }
 }
 
-/// The greatest that is not above a positive number: its exponent alone.
+/// Returns the greatest power of two that is not above a positive number: the exponent alone.
 fn power_of_two(number: f32) -> f32 {
     f32::from_bits(number.to_bits() & 0x7f80_0000)
 }

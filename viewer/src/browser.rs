@@ -8,7 +8,7 @@ use wgpu::webgpu::GpuTexture;
 extern "C" {
     /// `GPU`.
     pub type Gpu;
-    /// The format that canvases are shown in without a copy.
+    /// The canvas format without a copy.
     #[wasm_bindgen(method, js_name = getPreferredCanvasFormat)]
     pub fn format(this: &Gpu) -> String;
 
@@ -24,7 +24,7 @@ extern "C" {
     /// Opens an error scope.
     #[wasm_bindgen(method, js_name = pushErrorScope)]
     pub fn push(this: &Device, filter: &str);
-    /// Closes the last one: its first error, or null.
+    /// Closes the innermost error scope: its first error, or null.
     #[wasm_bindgen(method, js_name = popErrorScope)]
     pub fn pop(this: &Device) -> Promise;
     /// Handler of errors outside every error scope.
@@ -33,22 +33,22 @@ extern "C" {
 
     /// `GPUSupportedLimits`.
     pub type Limits;
-    /// Most bytes of a buffer.
+    /// Maximum bytes of a buffer.
     #[wasm_bindgen(method, getter, js_name = maxBufferSize)]
     pub fn buffer(this: &Limits) -> f64;
-    /// Most bytes of a buffer that shaders read.
+    /// Maximum bytes of a storage buffer binding.
     #[wasm_bindgen(method, getter, js_name = maxStorageBufferBindingSize)]
     pub fn binding(this: &Limits) -> f64;
 
     /// `GPUUncapturedErrorEvent`.
     pub type Uncaptured;
-    /// The refused operation's error.
+    /// The error of the refused operation.
     #[wasm_bindgen(method, getter)]
     pub fn error(this: &Uncaptured) -> Error;
 
     /// `GPUError`.
     pub type Error;
-    /// The device's words.
+    /// The device's message.
     #[wasm_bindgen(method, getter)]
     pub fn message(this: &Error) -> String;
     /// `GPUOutOfMemoryError`.
@@ -57,13 +57,13 @@ extern "C" {
 
     /// `GPUQueue`.
     pub type Queue;
-    /// Kept when what was submitted so far is done.
+    /// Resolves when the submitted work is done.
     #[wasm_bindgen(method, js_name = onSubmittedWorkDone)]
     pub fn done(this: &Queue) -> Promise;
 
     /// `GPUBuffer`.
     pub type Buffer;
-    /// Kept when the buffer can be read (mode 1).
+    /// Resolves when the buffer can be read (mode 1).
     #[wasm_bindgen(method, js_name = mapAsync)]
     pub fn map(this: &Buffer, mode: u32) -> Promise;
     /// The mapped bytes.
@@ -100,7 +100,7 @@ pub fn queue(queue: &wgpu::Queue) -> &Queue {
     object(queue.as_webgpu())
 }
 
-/// The bytes of a buffer that can be mapped.
+/// The bytes of a mappable buffer.
 ///
 /// # Errors
 /// The browser's error, after the buffer or the device is destroyed.

@@ -1,22 +1,25 @@
-//! Cascades: shadow maps of directional lights for what the camera sees, each a third as wide as the next. No GPU.
+//! Cascades: shadow maps of directional lights for the visible part of the scene, each a third as wide as the next;
+//! computed on the CPU.
 //!
-//! A cascade is a square of fixed width in the light's view, around the part of the view's frustum that fits into it
-//! (Dimitrov 2007, Cascaded Shadow Maps). It moves by whole steps of many texels, so texels keep their places in the
-//! scene, shadows do not shimmer while the camera turns, and a cascade is drawn again only where the view leaves a step.
+//! A cascade is a square of fixed width in the light's projection, around the part of the view frustum that fits
+//! into the square (Dimitrov 2007, Cascaded Shadow Maps). The square moves in steps of a large whole number of
+//! texels, so texels keep their places in the scene, shadows do not shimmer while the camera turns, and a cascade
+//! is redrawn only after a step.
 
 use crate::shadow_fit::{BORDER, CASCADES, Extent, LARGEST, Parallel, middle, reach};
 use glam::{Mat4, Vec3};
 use rebounce_shared::camera::CameraFrame;
 
-/// Widths of cascades as shares of the scene's.
+/// Widths of cascades as shares of the scene's width.
 const WIDTHS: [f32; CASCADES as usize] = [1.0 / 9.0, 1.0 / 3.0, 1.0];
-/// Steps across a cascade by which it moves.
+/// Number of movement steps across a cascade.
 const STEPS: f32 = 16.0;
-/// Bytes that cascades may take.
+/// Maximum bytes of all cascades.
 const BUDGET: u64 = 48 << 20;
 
-/// Width and height of a cascade's map, texels, for so many lights, a picture of this height and other maps of this
-/// size: about as fine as the picture's pixels at the far end of the cascade, and no coarser than the others.
+/// Width and height of a cascade's map, texels, for `suns` directional lights, a picture of this height and other
+/// maps of size `others`: about as fine as the picture's pixels at the far end of the cascade, and no coarser than
+/// the other maps.
 pub fn size(suns: u32, height: u32, others: u32) -> u32 {
     let layer = BUDGET / u64::from(4 * CASCADES * suns);
     let mut size = LARGEST;
@@ -42,7 +45,7 @@ impl Seen {
     }
 }
 
-/// The views of a light's cascades, narrow ones first, on maps of this size.
+/// Projections of a light's cascades, from narrow to wide, on maps of this size.
 pub fn fit(direction: Vec3, extent: &Extent, seen: &Seen, size: u32) -> [Mat4; CASCADES as usize] {
     let sun = Parallel::new(direction, extent.all);
     let all = extent.detail.unwrap_or(extent.all);
@@ -51,9 +54,9 @@ pub fn fit(direction: Vec3, extent: &Extent, seen: &Seen, size: u32) -> [Mat4; C
         let half = whole * share * (1.0 + 2.0 * BORDER / size as f32);
         // Whole texels.
         let step = 2.0 * half / STEPS;
-        // The sphere around the frustum as far as it fits beside the steps.
+        // Centre of the sphere around the frustum, as far as the sphere fits beside the steps.
         let at = seen.eye + seen.forward * ((half - 0.5 * step) / seen.tan.max(1.0));
-        // No part of the map lies beside the scene, if that is avoidable.
+        // Keeps the map within the scene if possible.
         let along = |axis: Vec3| {
             let (middle, free) = (axis.dot(middle(all)), (reach(axis, all) - half).max(0.0));
             let steps = ((axis.dot(at) - middle).max(-free).min(free) / step + 0.5).floor();
@@ -92,7 +95,7 @@ mod tests {
             let (seen, camera) = seen([1.0 - 0.1 * turn as f64, 1.6, 2.0], 0.37 * turn as f64);
             let cascades = fit(sun, &house(), &seen, SIZE);
             for (i, matrix) in cascades.iter().enumerate() {
-                // The frustum up to a distance that goes with the width.
+                // The frustum up to a distance in proportion to the width.
                 let far = 0.9 * 0.5 * width(matrix) / seen.tan;
                 for [x, y, d] in [[1., 1., 1.], [0., 1., 1.], [1., 0., 1.], [0., 0., 1.], [0.5, 0.5, 0.01]] {
                     let ray = camera.direction(640.0 * x, 360.0 * y, 640, 360);
@@ -134,7 +137,7 @@ mod tests {
             moves += cascades.iter().zip(&last).filter(|(a, b)| a != b).count();
             last = cascades;
         }
-        // Two radians: some steps, not one a frame.
+        // Two radians: a few steps, not one per frame.
         assert!((5..60).contains(&moves), "{moves}");
     }
 

@@ -1,4 +1,4 @@
-//! From G-buffer, lights and bounced light to the picture: shading, automatic exposure, tone mapping.
+//! Composite pass: shading from G-buffer, lights and bounced light; automatic exposure; tone mapping.
 
 use crate::bindings::{
     Draw, Slot, WORKGROUP, attachment, bilinear, blended, buffer, compute, empty_buffer, group, layout,
@@ -21,9 +21,9 @@ const PICTURE: TextureFormat = TextureFormat::Rgba16Float;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Shading {
-    /// 1 where direct light is shown.
+    /// 1 to show direct light.
     pub direct: f32,
-    /// 1 where bounced light is shown.
+    /// 1 to show bounced light.
     pub indirect: f32,
     /// Number of lights.
     pub lights: u32,
@@ -31,31 +31,31 @@ pub struct Shading {
     pub exposure: f32,
     /// Share of this picture in the average so far.
     pub blend: f32,
-    /// Pixels across one output pixel of [`CompositePass::indirect`].
+    /// G-buffer pixels across one output pixel of [`CompositePass::indirect`].
     pub scale: u32,
     /// [`DETAILED`], [`AGX`], [`MANUAL`], [`VEILED`], [`TINTED`], [`UNLIT`], [`BACKDROP`], [`SMOOTH`].
     pub flags: u32,
-    /// Pixels of the screen across one of the picture.
+    /// Screen pixels across one pixel of the picture.
     pub enlarge: u32,
-    /// What the radiance of blended surfaces is multiplied with: see [`crate::blended_fit::unit`].
+    /// Factor on the radiance of blended surfaces: see [`crate::blended_fit::unit`].
     pub unit: f32,
     /// Unused.
     pub pad: [u32; 3],
 }
 
-/// Textures of detail say more than colours.
+/// The scene has detail textures, beyond base colour and transmission.
 pub const DETAILED: u32 = 1;
 /// Tone mapping by AgX instead of Khronos PBR Neutral.
 pub const AGX: u32 = 2;
-/// The exposure is not measured.
+/// The exposure is set manually.
 pub const MANUAL: u32 = 4;
-/// There are blended surfaces.
+/// The scene has blended surfaces.
 pub const VEILED: u32 = 8;
-/// They have colours.
+/// The blended surfaces have colours.
 pub const TINTED: u32 = 16;
 /// Some surfaces are unlit.
 pub const UNLIT: u32 = 32;
-/// Behind all surfaces is a backdrop.
+/// A backdrop is drawn behind all surfaces.
 pub const BACKDROP: u32 = 64;
 /// Edges are smoothed when the picture is presented.
 pub const SMOOTH: u32 = 128;
@@ -66,7 +66,7 @@ pub struct CompositePass {
     picture: wgpu::RenderPipeline,
     look: (wgpu::ComputePipeline, wgpu::BindGroupLayout),
     key: (wgpu::ComputePipeline, wgpu::BindGroupLayout),
-    /// Made when it is first asked for, and what it is made with.
+    /// Created on first use, with the layouts below.
     indirect: OnceCell<wgpu::RenderPipeline>,
     lights: wgpu::BindGroupLayout,
     before_layout: wgpu::BindGroupLayout,
@@ -75,15 +75,14 @@ pub struct CompositePass {
     present: RefCell<Vec<(TextureFormat, wgpu::RenderPipeline)>>,
 }
 
-/// Pixels that the automatic exposure looks at.
+/// Number of pixels sampled by the automatic exposure.
 const LOOKED: u32 = 64 * 64;
 
-/// Where the exposure that a scene begins with lies in the buffer that [`key`] makes, bytes.
+/// Byte offset of the scene's initial exposure in the buffer that [`key`] creates.
 pub const FIRST_KEY: u64 = 4;
 
-/// The automatic exposure, floats: what radiance is multiplied with; what it was multiplied with when the scene was
-/// shown first, 0 while that is not known; what it is multiplied with at most, 0 where the light of the scene says nothing
-/// about that; one unused.
+/// Creates the buffer of the automatic exposure, four floats: the factor on radiance; the factor when the scene was
+/// first shown, 0 while unknown; the upper limit of the factor, 0 if the light of the scene sets no limit; unused.
 pub fn key(scope: &Scope) -> wgpu::Buffer {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     buffer(scope, "key", usage, bytemuck::bytes_of(&[1f32, 0.0, 0.0, 0.0]))
@@ -95,41 +94,41 @@ pub fn shading(scope: &Scope) -> wgpu::Buffer {
     empty_buffer(scope, "shading", usage, size_of::<Shading>() as u64)
 }
 
-/// What a [`Picture`] is made from.
+/// Sources of a [`Picture`].
 pub struct Sources<'a> {
     /// The camera's uniform.
     pub frame: &'a wgpu::Buffer,
-    /// The uniform that [`shading`] makes.
+    /// The uniform from [`shading`].
     pub shading: &'a wgpu::Buffer,
-    /// What is not blended.
+    /// Opaque surfaces.
     pub gbuffer: &'a GBuffer,
-    /// Its bounced light.
+    /// Bounced light of the opaque surfaces.
     pub slots: &'a SlotBuffers,
-    /// What is blended, if anything is.
+    /// Blended surfaces, if present.
     pub veil: Option<&'a Veil>,
-    /// `Look` of surface.wgsl, one a material.
+    /// `Look` of surface.wgsl for every material.
     pub looks: &'a wgpu::Buffer,
-    /// The exposure, which [`key`] makes.
+    /// The exposure buffer from [`key`].
     pub key: &'a wgpu::Buffer,
-    /// How much light there is in the scene: [`crate::relight::Relight::levels`].
+    /// Light levels of the scene: [`crate::relight::Relight::levels`].
     pub levels: &'a wgpu::Buffer,
-    /// `Ground` of backdrop.wgsl, which [`uniform`](crate::ground::uniform) makes.
+    /// `Ground` of backdrop.wgsl, from [`uniform`](crate::ground::uniform).
     pub ground: &'a wgpu::Buffer,
 }
 
-/// The averaged picture of one size, and the bind groups that make it.
+/// The averaged picture of one size, and its bind groups.
 pub struct Picture {
     texture: wgpu::TextureView,
     shading: wgpu::Buffer,
     shade: wgpu::BindGroup,
     look: wgpu::BindGroup,
     measure: wgpu::BindGroup,
-    /// For [`CompositePass::present`].
+    /// Bind group for [`CompositePass::present`].
     pub present: wgpu::BindGroup,
 }
 
 impl CompositePass {
-    /// Makes the pipelines; `lights` is the layout of the lights' bind group.
+    /// Creates the pipelines; `lights` is the layout of the lights' bind group.
     pub fn new(gpu: &Gpu, lights: &wgpu::BindGroupLayout) -> Self {
         let slots = |key| {
             [
@@ -184,7 +183,7 @@ impl CompositePass {
         }
     }
 
-    /// A picture of this size.
+    /// Creates a picture of this size.
     pub fn target(&self, scope: &Scope, from: &Sources<'_>, size: [u32; 2]) -> Picture {
         let texture = target(scope, "picture", PICTURE, size[0], size[1]);
         let texture = texture.create_view(&Default::default());
@@ -200,7 +199,7 @@ impl CompositePass {
             from.looks.as_entire_binding(),
             from.key.as_entire_binding(),
             from.slots.by_pixel.as_entire_binding(),
-            // Without blended surfaces nothing is read from these.
+            // Placeholders: not read without blended surfaces.
             view(from.veil.map_or(unread, |veil| &veil.texture)),
             view(tints.map_or(unread, |tints| &tints.through.1)),
             view(tints.map_or(unread, |tints| &tints.shine.1)),
@@ -219,7 +218,7 @@ impl CompositePass {
         }
     }
 
-    /// Sets what the following passes do.
+    /// Sets the parameters of the following passes.
     pub fn set_shading(&self, gpu: &Gpu, picture: &Picture, shading: &Shading) {
         gpu.queue.write_buffer(&picture.shading, 0, bytemuck::bytes_of(shading));
     }
@@ -236,7 +235,7 @@ impl CompositePass {
         pass.dispatch_workgroups(1, 1, 1);
     }
 
-    /// Shades; blends with what is there by the share in [`Shading::blend`].
+    /// Shades the picture; blends with the earlier average by the share in [`Shading::blend`].
     pub fn shade(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -247,8 +246,8 @@ impl CompositePass {
         self.pass(encoder, &self.picture, &picture.texture, &[&picture.shade, lights], timestamps);
     }
 
-    /// Averages the bounced light alone with what `before` holds, by the share in [`Shading::blend`], to
-    /// `out`; both are [`TextureFormat::Rgba32Float`], which cannot be blended in place.
+    /// Averages the bounced light alone with the texture `before`, by the share in [`Shading::blend`], and writes
+    /// to `out`. Both textures are [`TextureFormat::Rgba32Float`], a format without blending in place.
     pub fn indirect(
         &self,
         gpu: &Gpu,
@@ -273,7 +272,7 @@ impl CompositePass {
         self.pass(encoder, pipeline, &out, &[&picture.shade, lights, &before], None);
     }
 
-    /// What [`Self::present`] encodes: a picture of linear display values, and the uniform that [`shading`] makes.
+    /// Bind group for [`Self::present`]: a picture of linear display values, and the uniform from [`shading`].
     pub fn present_group(
         &self,
         gpu: &Gpu,

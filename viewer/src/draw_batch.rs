@@ -1,4 +1,4 @@
-//! Draw batches: what one draw call draws, and the layout of the vertices.
+//! Draw batches: arguments of a draw call, and the layout of the vertex buffers.
 
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::bulk::Instance;
@@ -21,30 +21,30 @@ pub const VERTEX_BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
 /// Triangles of one material, drawn by one call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DrawBatch {
-    /// Their material.
+    /// Index of the material.
     pub material: u32,
-    /// Their part of the index buffer.
+    /// Range of the index buffer.
     pub indices: Range<u32>,
-    /// Their part of the instance buffer, whose first entry is for what stands once.
+    /// Range of the instance buffer; the buffer's first entry is the identity, for meshes without copies.
     pub instances: Range<u32>,
-    /// Whether the material cuts holes, in shadows too where it is blended.
+    /// Whether the material cuts holes by alpha; in shadows also if the material is blended.
     pub cut: bool,
     /// Whether the material is blended.
     pub blended: bool,
-    /// Whether it lets light through in a colour: then shadow maps do not hold it.
+    /// Whether the material transmits coloured light: excluded from the depth of shadow maps.
     pub glass: bool,
-    /// Whether the material has a front alone: no camera sees its back. In shadows it does not matter.
+    /// Whether the material is one-sided: back faces are invisible to the camera. Shadows ignore the flag.
     pub one_sided: bool,
 }
 
 impl DrawBatch {
-    /// Draws it, after [`Upload::bind`](crate::upload::Upload::bind).
+    /// Draws the batch, after [`Upload::bind`](crate::upload::Upload::bind).
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.draw_indexed(self.indices.clone(), 0, self.instances.clone());
     }
 }
 
-/// Where a batch's triangles stand.
+/// Transforms of a batch's instances.
 pub fn instances<'a>(scene: &'a BakedScene, run: &DrawBatch) -> &'a [Instance] {
     match run.instances.start {
         0 => &[Instance::IDENTITY],

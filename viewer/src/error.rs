@@ -1,8 +1,8 @@
-//! What can go wrong in the viewer, each with a short code for programs.
+//! Errors of the viewer, with short codes for programs.
 
 use rebounce_shared::rbn::RbnError;
 
-/// An error of the viewer. [`ViewerError::code`] is what the page's `error` event carries.
+/// An error of the viewer. The page's `error` event carries [`ViewerError::code`].
 #[derive(Debug, thiserror::Error)]
 pub enum ViewerError {
     /// The browser has no WebGPU.
@@ -10,27 +10,27 @@ pub enum ViewerError {
         "this browser has no WebGPU; use a current Chrome, Edge, Safari or Firefox, and open the page over https or from localhost"
     )]
     NoWebGpu,
-    /// WebGPU is there, but no GPU can be used through it.
+    /// WebGPU is present, but without a usable GPU.
     #[error(
         "no graphics adapter can be used ({0}); switch on hardware acceleration, or update the graphics driver"
     )]
     NoAdapter(String),
-    /// The adapter gave no device, or the canvas no surface.
+    /// The adapter returned no device, or the canvas no surface.
     #[error("the graphics adapter gave no device ({0}); close other pages that use the GPU and load again")]
     NoDevice(String),
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] RbnError),
-    /// A section is larger than a buffer may be.
+    /// A section exceeds the buffer limit.
     #[error(
         "section {section} takes {bytes} bytes, a buffer of this graphics adapter holds {limit}: bake a smaller scene, or fewer levels"
     )]
     TooLarge {
         /// The section's four-letter name.
         section: &'static str,
-        /// Its length.
+        /// Length of the section, bytes.
         bytes: u64,
-        /// The most that fits.
+        /// The limit, bytes.
         limit: u64,
     },
     /// The GPU has no memory left.
@@ -41,29 +41,29 @@ pub enum ViewerError {
         "texture \"{name}\" cannot be decoded ({problem}); convert it to a plain PNG or JPEG and bake again"
     )]
     Texture {
-        /// Its name, or its number where it has none.
+        /// Name of the texture, or its index if unnamed.
         name: String,
-        /// What the decoder said.
+        /// The decoder's message.
         problem: String,
     },
-    /// The device went away.
+    /// The device was lost.
     #[error("the graphics device was lost ({0}); reload the page")]
     DeviceLost(String),
-    /// Nothing is loaded yet.
+    /// No scene is loaded.
     #[error("no scene is loaded; call load() first")]
     NoScene,
-    /// A JSON text is not what was asked for.
+    /// A JSON text does not have the expected form.
     #[error("{what}: {problem}")]
     BadJson {
-        /// Shot, camera or lights.
+        /// Kind of the JSON text: shot, camera or lights.
         what: &'static str,
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
     /// An argument is out of range.
     #[error("{0}")]
     BadArgument(String),
-    /// The GPU refused something that this code asked for.
+    /// The GPU refused a request of the viewer.
     #[error("internal error: {0}; please report it")]
     Internal(String),
 }

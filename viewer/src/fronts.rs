@@ -1,4 +1,4 @@
-//! Which way triangles go around, so that the backs of one-sided surfaces can be culled as they are rasterised. No GPU.
+//! Winding of triangles for back-face culling of one-sided surfaces, computed on the CPU.
 
 use crate::draw_batch::DrawBatch;
 use glam::Vec3;
@@ -6,8 +6,8 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::octahedral;
 use std::borrow::Cow;
 
-/// The scene's indices, where every triangle of a one-sided run goes counterclockwise as seen from its front: the side that
-/// its vertices' normals are on, as in the bake. Triangles of most files do already.
+/// Returns the scene's indices, with every triangle of a one-sided run turned counterclockwise as seen from the
+/// front: the side of the vertex normals, as in the bake. Triangles of most files have this winding already.
 pub fn indices<'a>(scene: &'a BakedScene, runs: &[DrawBatch]) -> Cow<'a, [u32]> {
     let mut out = Cow::Borrowed(&scene.indices[..]);
     for run in runs.iter().filter(|run| run.one_sided) {

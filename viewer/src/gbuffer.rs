@@ -1,5 +1,5 @@
-//! The G-buffer: albedo, normals, material and depth of what the camera sees, without blended surfaces and without the backs
-//! of one-sided ones, which glTF culls.
+//! The G-buffer: albedo, normals, material and depth of the visible surfaces, without blended surfaces and without
+//! back faces of one-sided surfaces, which glTF culls.
 
 use crate::bindings::{Draw, Slot, attachment, depth_attachment, group, layout, opaque, target};
 use crate::draw_batch::{DrawBatch, VERTEX_BUFFERS};
@@ -11,22 +11,22 @@ use std::cell::OnceCell;
 use wgpu::{CompareFunction, ShaderStages, TextureFormat};
 
 const ALBEDO: TextureFormat = TextureFormat::Rgba8UnormSrgb;
-/// Narrow, and with what textures of detail say.
+/// Surface formats without and with data of detail textures.
 const SURFACES: [TextureFormat; 2] = [TextureFormat::Rg32Uint, TextureFormat::Rgba32Uint];
 
 /// The textures of one size.
 pub struct GBuffer {
-    /// Albedo; alpha tells whether the surface reflects.
+    /// Albedo; alpha marks reflecting surfaces.
     pub albedo: wgpu::TextureView,
     /// Normals and material.
     pub surface: wgpu::TextureView,
-    /// Reversed depth; 0 where nothing is.
+    /// Reversed depth; 0 without a surface.
     pub depth: wgpu::TextureView,
     detailed: bool,
 }
 
 impl GBuffer {
-    /// Of this size, pixels; for a scene with textures of detail or without.
+    /// Textures of this size in pixels, for a scene with or without detail textures.
     pub fn new(scope: &Scope, width: u32, height: u32, detailed: bool) -> Self {
         let albedo = target(scope, "albedo", ALBEDO, width, height);
         let surface = target(scope, "surface", SURFACES[detailed as usize], width, height);
@@ -40,12 +40,12 @@ impl GBuffer {
 pub struct GBufferPass {
     frame_layout: wgpu::BindGroupLayout,
     material_layout: wgpu::BindGroupLayout,
-    /// For each of [`SURFACES`], with backs and without, made when a scene first needs it.
+    /// Pipelines for each of [`SURFACES`], without and with back-face culling, created on first use.
     pipelines: [[OnceCell<wgpu::RenderPipeline>; 2]; 2],
 }
 
 impl GBufferPass {
-    /// Without pipelines yet.
+    /// Creates no pipeline yet.
     pub fn new(gpu: &Gpu, material_layout: &wgpu::BindGroupLayout) -> Self {
         let frame_layout = layout(gpu, "frame", ShaderStages::VERTEX_FRAGMENT, &[Slot::Uniform]);
         Self { frame_layout, material_layout: material_layout.clone(), pipelines: Default::default() }

@@ -1,4 +1,4 @@
-//! The GPU device: asked for with no more than WebGPU's default limits.
+//! The GPU device, requested with WebGPU's default limits.
 
 use crate::error::ViewerError;
 use crate::oneshot::{self, Receiver};
@@ -7,31 +7,31 @@ use std::future::Future;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Bytes that WebGPU guarantees in one storage binding.
+/// Bytes of one storage binding that WebGPU guarantees.
 pub const MAX_BINDING: u64 = 128 << 20;
-/// What a device is asked for.
+/// Limits of the requested device.
 pub const LIMITS: wgpu::Limits = wgpu::Limits::defaults();
 
-/// A handle of a device. Several may share one; the device is destroyed with the last of them.
+/// A handle of a device. Several handles may share a device; the last handle dropped destroys the device.
 #[derive(Clone)]
 pub struct Gpu {
     opened: Arc<Opened>,
     errors: Errors,
 }
 
-/// A device, its queue, and what it offers beyond the least that WebGPU guarantees.
+/// A device, its queue, and its properties beyond WebGPU's minimum.
 pub struct Opened {
     /// The device.
     pub device: wgpu::Device,
-    /// Its queue.
+    /// The device's queue.
     pub queue: wgpu::Queue,
     /// Name of the adapter, for the statistics.
     pub adapter: String,
-    /// Whether the adapter is the processor itself: what helps a GPU may not help there.
+    /// Whether the adapter is a software renderer on the CPU: optimizations for GPUs may not help there.
     pub software: bool,
     /// Whether passes can be timed.
     pub timestamps: bool,
-    /// Of work that nobody watches.
+    /// Errors outside [`Gpu::watch`].
     errors: Errors,
 }
 
@@ -49,7 +49,7 @@ impl Deref for Gpu {
     }
 }
 
-/// The first error since somebody asked; it is the cause, and what follows are its consequences.
+/// The first error since the last [`Gpu::check`]: the cause. Later errors are consequences and are dropped.
 #[derive(Clone, Default)]
 struct Errors(Arc<Mutex<Option<Refusal>>>);
 
@@ -63,11 +63,11 @@ impl Errors {
     }
 }
 
-/// What [`Gpu::request`] gives.
+/// Result of [`Gpu::request`].
 pub struct Requested {
     /// The device.
     pub gpu: Gpu,
-    /// Ready with a reason when the device is lost.
+    /// Receives a reason when the device is lost.
     pub lost: Receiver<String>,
 }
 
@@ -118,7 +118,7 @@ impl Gpu {
         Ok(pollster::block_on(Self::request(&adapter))?.gpu)
     }
 
-    /// Most bytes of a buffer, and of a buffer that shaders read as storage.
+    /// Maximum bytes of a buffer, and of a storage buffer binding.
     pub fn buffer_limits(&self) -> [u64; 2] {
         #[cfg(target_arch = "wasm32")]
         let limits = {
@@ -133,13 +133,13 @@ impl Gpu {
         limits
     }
 
-    /// A handle of the same device for another user of it, with errors of its own: see [`Gpu::watch`].
+    /// A handle of the same device with its own errors: see [`Gpu::watch`].
     pub fn share(&self) -> Self {
         Self { opened: self.opened.clone(), errors: Errors::default() }
     }
 
-    /// Does some work; what the device refuses of it is an error of this handle (and its clones), not of those that
-    /// share the device.
+    /// Runs `work`; refusals by the device become errors of this handle (and its clones), not of other handles of
+    /// the device.
     pub fn watch<T>(&self, work: impl FnOnce() -> T) -> T {
         let watch = refusals::begin(&self.device);
         let done = work();
@@ -152,24 +152,25 @@ impl Gpu {
         done
     }
 
-    /// Waits until all that was watched so far is known.
+    /// Waits for the results of all earlier [`Gpu::watch`] calls.
     pub async fn settle(&self) {
-        // The device answers in order; the second question is asked when those who wait for answers have them.
+        // The device answers in order; the second query follows after the waiting tasks have received their
+        // answers.
         for _ in 0..2 {
             refusals::end(refusals::begin(&self.device)).await;
         }
     }
 
-    /// Whether [`Gpu::check`] has something to tell.
+    /// Whether [`Gpu::check`] would return an error.
     pub fn has_error(&self) -> bool {
         self.errors.first().is_some()
     }
 
-    /// `Ok` unless an error has been reported since the last call. Where something that all share was refused before,
-    /// a pipeline for instance, that is the cause, and told instead.
+    /// `Ok` unless an error has been reported since the last call. An earlier refusal of a shared resource, for
+    /// instance a pipeline, is the cause and is returned instead.
     ///
     /// # Errors
-    /// [`ViewerError::OutOfMemory`], or [`ViewerError::Internal`] with the device's words.
+    /// [`ViewerError::OutOfMemory`], or [`ViewerError::Internal`] with the device's message.
     pub fn check(&self) -> Result<(), ViewerError> {
         let Some(own) = self.errors.first().take() else { return Ok(()) };
         let Refusal { is_memory, message } = self.opened.errors.first().clone().unwrap_or(own);
@@ -177,26 +178,26 @@ impl Gpu {
     }
 }
 
-/// Runs to its end by itself.
+/// Runs a future in the background.
 #[cfg(target_arch = "wasm32")]
 fn meanwhile(work: impl Future<Output = ()> + 'static) {
     wasm_bindgen_futures::spawn_local(work);
 }
 
-/// Runs to its end by itself; natively what is asked of a device is known at once.
+/// Runs a future to completion; a native device answers immediately.
 #[cfg(not(target_arch = "wasm32"))]
 fn meanwhile(work: impl Future<Output = ()>) {
     pollster::block_on(work);
 }
 
-/// `GPUDevice.adapterInfo` of this name.
+/// Property `name` of `GPUDevice.adapterInfo`.
 #[cfg(target_arch = "wasm32")]
 fn adapter_info(device: &wgpu::Device, name: &str) -> Option<wasm_bindgen::JsValue> {
     let info = js_sys::Reflect::get(crate::browser::device(device), &"adapterInfo".into()).ok()?;
     js_sys::Reflect::get(&info, &name.into()).ok()
 }
 
-/// What the browser tells of the adapter: vendor and architecture.
+/// Vendor and architecture of the adapter, as the browser reports.
 #[cfg(target_arch = "wasm32")]
 fn adapter_name(device: &wgpu::Device) -> String {
     let text = |name: &str| adapter_info(device, name).and_then(|v| v.as_string());
@@ -204,7 +205,7 @@ fn adapter_name(device: &wgpu::Device) -> String {
     parts.join(" ").trim().to_owned()
 }
 
-/// Whether the browser says that the adapter is one of software.
+/// Whether the browser reports a software adapter.
 #[cfg(target_arch = "wasm32")]
 fn is_software(device: &wgpu::Device) -> bool {
     adapter_info(device, "isFallbackAdapter").is_some_and(|flag| flag.is_truthy())

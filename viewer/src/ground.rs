@@ -5,7 +5,7 @@ use crate::scope::Scope;
 use rebounce_shared::rbn::shown::GROUND;
 use wgpu::BufferUsages;
 
-/// The uniform of an object's ground; zeros where there is none.
+/// The uniform of an object's ground; zeros without a ground.
 pub fn uniform(scope: &Scope, ground: &[u8]) -> wgpu::Buffer {
     let none = [0; GROUND];
     let bytes = if ground.is_empty() { &none } else { ground };

@@ -1,11 +1,11 @@
 //! The Rebounce renderer.
 //!
-//! It relights a baked scene ([`rebounce_shared::baked::BakedScene`]) on the GPU and draws it: in the
-//! browser through WebGPU (the class `Viewer` of the module `wasm`), natively without a window.
+//! Relights a baked scene ([`rebounce_shared::baked::BakedScene`]) on the GPU and draws the picture: in the browser
+//! through WebGPU (the class `Viewer` of the module `wasm`), natively without a window.
 //!
-//! One frame, as far as something changed: [`shadow`] maps, [`relight`] (the bounced light at every
-//! point), [`gbuffer`], [`display`] (from points to pixels), [`blended`] surfaces, [`composite`], [`overlay`]. [`renderer`]
-//! decides what must be done; [`scene`] is what a file becomes; [`controls`] moves camera and lights.
+//! A frame, limited to changed passes: [`shadow`] maps, [`relight`] (the bounced light at every point),
+//! [`gbuffer`], [`display`] (from points to pixels), [`blended`] surfaces, [`composite`], [`overlay`]. [`renderer`]
+//! selects the passes; [`scene`] is a loaded file; [`controls`] moves camera and lights.
 
 mod bindings;
 pub mod blended;

@@ -1,4 +1,4 @@
-//! Materials: one bind group each (WebGPU has no arrays of textures to index).
+//! Materials: one bind group per material (WebGPU has no arrays of textures to index).
 
 use crate::bindings::{Slot, buffer, group, layout, view};
 use crate::blended_fit;
@@ -13,9 +13,9 @@ use rebounce_shared::rbn::meta::{Alpha, Material, Texture, Wrap};
 use std::num::NonZeroU64;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Distance of materials in their uniform buffer, bytes.
+/// Stride of materials in the uniform buffer, bytes.
 const STRIDE: u64 = 256;
-/// Texels that a pixel on a slanted surface is averaged over, at most, along the slant.
+/// Maximum anisotropy: texels averaged for a pixel along the slant of a surface.
 const ANISOTROPY: u16 = 8;
 
 /// `Material` in material.wgsl.
@@ -64,7 +64,7 @@ impl Record {
             alpha_mode,
             cutoff,
             double_sided: material.double_sided as u32,
-            // The G-buffer keeps 16 bits: a file has no more (rbn::MAX_MATERIALS).
+            // The G-buffer stores 16 bits, enough for every file (rbn::MAX_MATERIALS).
             index: index as u32,
             metallic: material.metallic,
             roughness: material.roughness,
@@ -98,20 +98,20 @@ pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
 pub struct Materials {
     /// One bind group per material.
     pub groups: Vec<wgpu::BindGroup>,
-    /// `Look` of surface.wgsl, one a material.
+    /// `Look` of surface.wgsl for every material.
     pub looks: wgpu::Buffer,
-    /// Whether any of them has textures besides the base colour's and that of transmission.
+    /// Whether a material has textures other than base colour and transmission.
     pub detailed: bool,
-    /// Whether any of them is unlit.
+    /// Whether a material is unlit.
     pub unlit: bool,
     own: Scope,
 }
 
 impl Materials {
-    /// Decodes and uploads the textures and makes the bind groups.
+    /// Decodes and uploads the textures and creates the bind groups.
     ///
     /// # Errors
-    /// [`ViewerError::Texture`] for one that cannot be decoded.
+    /// [`ViewerError::Texture`] for a texture that cannot be decoded.
     pub async fn new(
         gpu: &Gpu,
         layout: &wgpu::BindGroupLayout,

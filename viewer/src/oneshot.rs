@@ -1,4 +1,4 @@
-//! A value handed over once from a callback to a future; works without threads and without an executor.
+//! A channel for a single value from a callback to a future; works without threads and without an executor.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -10,10 +10,10 @@ struct State<T> {
     waker: Option<Waker>,
 }
 
-/// The sending half; cheap to clone, the last value sent wins.
+/// The sending half; cheap to clone. The last value sent wins.
 pub struct Sender<T>(Arc<Mutex<State<T>>>);
 
-/// The receiving half: a future of the value. Never ready if nothing is ever sent.
+/// The receiving half: a future of the value. Pending forever if no value is sent.
 pub struct Receiver<T>(Arc<Mutex<State<T>>>);
 
 /// A connected pair.
@@ -41,7 +41,7 @@ impl<T> Sender<T> {
 }
 
 impl<T> Receiver<T> {
-    /// The value, if it has come.
+    /// The value, if already sent.
     pub fn try_take(&self) -> Option<T> {
         lock(&self.0).value.take()
     }

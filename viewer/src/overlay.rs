@@ -1,4 +1,4 @@
-//! What is drawn over the picture: the basis's points, and the lights' handles.
+//! Overlays on the picture: the basis's points, and the lights' handles.
 
 use crate::bindings::{
     Draw, Slot, attachment, blended, buffer, depth_attachment, empty_buffer, group, layout,
@@ -11,7 +11,7 @@ use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 use wgpu::{BufferUsages, CompareFunction, ShaderStages, TextureFormat, VertexFormat};
 
-/// Colours of the levels, coarsest first; further levels begin again.
+/// Colours of the levels, coarsest first; repeated for further levels.
 const COLORS: [[f32; 3]; 8] = [
     [0.95, 0.26, 0.21],
     [1.0, 0.6, 0.0],
@@ -63,7 +63,7 @@ pub struct OverlayPass {
 }
 
 impl OverlayPass {
-    /// Makes the pipelines.
+    /// Creates the pipelines.
     pub fn new(gpu: &Gpu, format: TextureFormat) -> Self {
         let stages = ShaderStages::VERTEX_FRAGMENT;
         let dots_layout = layout(gpu, "dots", stages, &[Slot::Uniform, Slot::Read, Slot::Uniform]);
@@ -91,13 +91,13 @@ impl OverlayPass {
         Self { format, dots_layout, dots, gizmo_layout, gizmo }
     }
 
-    /// The format that this was made for.
+    /// Target format of the pipelines.
     pub fn format(&self) -> TextureFormat {
         self.format
     }
 
-    /// Draws the points of some levels (by index, with their ranges), coarser levels larger. `scope` owns what this
-    /// takes; so in the others.
+    /// Draws the points of levels (by index, with their ranges), coarser levels larger. `scope` owns the temporary
+    /// resources, as in the other functions.
     #[expect(clippy::too_many_arguments, reason = "one call, one place")]
     pub fn draw_points(
         &self,
@@ -164,7 +164,7 @@ impl OverlayPass {
     }
 }
 
-/// Two triangles around a shape, with a pixel to spare for the soft edge.
+/// Two triangles around a shape, with a margin of a pixel for the soft edge.
 fn quad(shape: &Shape) -> [Vertex; 6] {
     let half = [0.5 * shape.length + shape.radius + 1.0, shape.radius + 1.0];
     let (sin, cos) = shape.angle.sin_cos();

@@ -1,17 +1,17 @@
-//! At most one frame is under way: a GPU that is slower than the page's frames would else fall behind, and
-//! answer late to every touch.
+//! Limits the GPU to a single frame in flight: without the limit, a GPU slower than the page's frame rate would
+//! fall behind and respond late to input.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// Where a picture for the average takes longer than this, there are no more.
+/// Averaging stops when a picture for the average takes longer.
 const SLOW_MS: u32 = 60;
-/// After a frame that took as long as this there is not even a first.
+/// After a frame that took longer, averaging does not begin.
 const TOO_SLOW_MS: u32 = 600;
-/// Where a picture from a new view takes longer than this, it is sketched while the view changes.
+/// When a full picture from a new view takes longer, sketches are drawn while the view changes.
 const VIEW_MS: u32 = 150;
 
-/// Whether the GPU is at work on a frame, and how long the last one took.
+/// Whether the GPU works on a frame, and the time of the last frame.
 #[derive(Clone, Debug, Default)]
 pub struct Pace(Arc<Shared>);
 
@@ -19,20 +19,20 @@ pub struct Pace(Arc<Shared>);
 struct Shared {
     busy: AtomicBool,
     last_ms: AtomicU32,
-    /// Of the last picture for an average; 0 since a frame of another kind.
+    /// Time of the last picture for an average; 0 after a frame of another kind.
     average_ms: AtomicU32,
-    /// Of the last whole picture from a new view.
+    /// Time of the last full picture from a new view.
     view_ms: AtomicU32,
 }
 
-/// What a frame does.
+/// Kind of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
-    /// One more picture for the average.
+    /// A further picture for the average.
     Average,
-    /// A whole picture from a new view.
+    /// A full picture from a new view.
     View,
-    /// Anything else.
+    /// Any other frame.
     Other,
 }
 
@@ -42,23 +42,24 @@ impl Pace {
         self.0.busy.load(Ordering::Relaxed)
     }
 
-    /// True where averaging a still picture would stand in the way of the next touch.
+    /// True if averaging a still picture would delay the response to the next input.
     pub fn is_slow(&self) -> bool {
         self.0.average_ms.load(Ordering::Relaxed) > SLOW_MS
             || self.0.last_ms.load(Ordering::Relaxed) > TOO_SLOW_MS
     }
 
-    /// True where a picture from a new view takes too long to move by.
+    /// True if a picture from a new view takes too long for interactive movement.
     pub fn is_slow_to_move(&self) -> bool {
         self.0.view_ms.load(Ordering::Relaxed) > VIEW_MS
     }
 
-    /// For a device that is known to be slow before it has drawn anything.
+    /// Marks the device as slow before the first frame.
     pub fn expect_slow(&self) {
         self.0.view_ms.store(u32::MAX, Ordering::Relaxed);
     }
 
-    /// A frame has been submitted. Call what it gives when the GPU has done it, with the milliseconds since.
+    /// Marks a frame as submitted. Call the returned closure when the GPU has finished the frame, with the
+    /// milliseconds since.
     pub fn begin(&self, work: Work) -> impl FnOnce(f64) + Send + 'static {
         let shared = self.0.clone();
         shared.busy.store(true, Ordering::Relaxed);
@@ -85,7 +86,7 @@ mod tests {
         assert!(!pace.is_busy() && !pace.is_slow());
         let done = pace.begin(Work::Other);
         assert!(pace.is_busy());
-        // A long first frame (pipelines, uploads) says little about the next.
+        // A long first frame (pipelines, uploads) does not predict the next frame.
         done(200.0);
         assert!(!pace.is_busy() && !pace.is_slow());
         pace.begin(Work::Average)(100.0);

@@ -1,4 +1,4 @@
-//! Everything that belongs to a device and to no viewer: made once, shared by all that draw with it.
+//! Resources of a device, independent of viewers: created once, shared by all viewers of the device.
 
 use crate::blended::BlendedPass;
 use crate::composite::CompositePass;
@@ -38,10 +38,10 @@ pub struct Pipelines {
 }
 
 impl Pipelines {
-    /// Makes them.
+    /// Creates the pipelines.
     ///
     /// # Errors
-    /// [`ViewerError::Internal`] where the device refuses one at once.
+    /// [`ViewerError::Internal`] if the device refuses a pipeline immediately.
     pub fn new(gpu: &Gpu) -> Result<Self, ViewerError> {
         let material = material_layout(gpu);
         let shadow = ShadowPipelines::new(gpu, &material);
@@ -60,12 +60,12 @@ impl Pipelines {
         Ok(pipelines)
     }
 
-    /// What scenes are loaded with.
+    /// Layouts and pipelines for loading scenes.
     pub fn loaders(&self) -> Loaders<'_> {
         Loaders { material: &self.material, mips: &self.mips, relight: &self.relight }
     }
 
-    /// What is drawn over a picture of this format; made when first asked for.
+    /// Overlay pipelines for this target format; created on first use.
     pub fn overlay(&self, gpu: &Gpu, format: TextureFormat) -> Rc<OverlayPass> {
         let mut made = self.overlay.borrow_mut();
         if let Some(pass) = made.iter().find(|pass| pass.format() == format) {

@@ -5,10 +5,10 @@ use crate::gpu::Gpu;
 use crate::oneshot::{self, Receiver, Sender};
 use crate::scope::Scope;
 
-/// The bytes of a buffer, or why there are none.
+/// The bytes of a buffer, or the reason for a failure.
 pub type Read = Result<Vec<u8>, String>;
 
-/// A copy that is under way.
+/// A copy in flight.
 pub struct Readback {
     own: Scope,
     bytes: Receiver<Read>,
@@ -17,7 +17,8 @@ pub struct Readback {
 }
 
 impl Readback {
-    /// Begins to copy a whole 2D texture of `bytes_per_pixel`; call after the work that fills it is submitted.
+    /// Begins to copy a whole 2D texture of `bytes_per_pixel`; call after the work that fills the texture is
+    /// submitted.
     pub fn texture(gpu: &Gpu, texture: &wgpu::Texture, bytes_per_pixel: u32) -> Self {
         let size = texture.size();
         let row_bytes = size.width * bytes_per_pixel;
@@ -56,10 +57,10 @@ impl Readback {
         Self { own, bytes: bytes(&buffer), row_bytes, padded_row_bytes }
     }
 
-    /// The bytes, rows tightly packed.
+    /// Waits for the bytes, rows tightly packed.
     ///
     /// # Errors
-    /// [`ViewerError::DeviceLost`] when the device went away meanwhile; [`ViewerError::Internal`].
+    /// [`ViewerError::DeviceLost`] if the device is lost meanwhile; [`ViewerError::Internal`].
     pub async fn wait(self) -> Result<Vec<u8>, ViewerError> {
         #[cfg(not(target_arch = "wasm32"))]
         self.own
@@ -78,7 +79,7 @@ impl Readback {
     }
 }
 
-/// The bytes of a buffer that can be mapped, or why there are none; it can be used again when they are there.
+/// The bytes of a mappable buffer, or the reason for a failure; the buffer can be reused afterwards.
 pub fn bytes(buffer: &wgpu::Buffer) -> Receiver<Read> {
     let (sender, bytes) = oneshot::channel();
     send(buffer.clone(), sender);

@@ -1,16 +1,16 @@
-//! What a device refuses, and how that is heard.
+//! Errors of a device, and error scopes.
 
-/// What the device has refused.
+/// An error of the device.
 #[derive(Clone)]
 pub struct Refusal {
-    /// For want of memory.
+    /// Out of memory.
     pub is_memory: bool,
-    /// The device's words.
+    /// The device's message.
     pub message: String,
 }
 
-/// The first of these answers that is a refusal, last ones first: whatever uses what there was no memory for is
-/// refused, too, so memory, which is asked for last, is the cause.
+/// Returns the last refusal among `answers`. Out of memory comes last: a resource without memory causes later
+/// errors, so memory is the cause.
 async fn cause(answers: impl IntoIterator<Item: Future<Output = Option<Refusal>>>) -> Option<Refusal> {
     let mut cause = None;
     for answer in answers {
@@ -31,21 +31,21 @@ mod native {
         }
     }
 
-    /// Tells of what nobody watches.
+    /// Reports errors outside of any watch.
     pub fn listen(device: &Device, note: impl Fn(Refusal) + Send + Sync + 'static) {
         device.on_uncaptured_error(Arc::new(move |error: Error| note(Refusal::of(&error))));
     }
 
-    /// Hears what the device refuses, until [`end`].
+    /// Records the device's errors, until [`end`].
     pub type Watch = Vec<wgpu::ErrorScopeGuard>;
 
-    /// Begins to listen.
+    /// Begins a watch.
     pub fn begin(device: &Device) -> Watch {
         use ErrorFilter::{Internal, OutOfMemory, Validation};
         [OutOfMemory, Internal, Validation].map(|f| device.push_error_scope(f)).into()
     }
 
-    /// What was refused since then.
+    /// Ends the watch; resolves to the recorded error.
     pub fn end(mut watch: Watch) -> impl Future<Output = Option<Refusal>> {
         let mut answers = Vec::new();
         while let Some(scope) = watch.pop() {
@@ -69,17 +69,17 @@ mod web {
         }
     }
 
-    /// Tells of what nobody watches.
+    /// Reports errors outside of any watch.
     pub fn listen(device: &wgpu::Device, note: impl Fn(Refusal) + 'static) {
         let told =
             Closure::<dyn Fn(Uncaptured)>::new(move |event: Uncaptured| note(Refusal::of(&event.error())));
         browser::device(device).set_onuncapturederror(told.into_js_value());
     }
 
-    /// Hears what the device refuses, until [`end`].
+    /// Records the device's errors, until [`end`].
     pub struct Watch(Device);
 
-    /// Begins to listen.
+    /// Begins a watch.
     pub fn begin(device: &wgpu::Device) -> Watch {
         let device: &Device = browser::device(device);
         for filter in ["out-of-memory", "internal", "validation"] {
@@ -88,7 +88,7 @@ mod web {
         Watch(device.clone())
     }
 
-    /// What was refused since then.
+    /// Ends the watch; resolves to the recorded error.
     pub fn end(Watch(device): Watch) -> impl Future<Output = Option<Refusal>> {
         let answers = [(); 3].map(|()| device.pop());
         cause(answers.map(|answer| async {

@@ -11,42 +11,42 @@ use bytemuck::{Pod, Zeroable};
 use rebounce_shared::baked::BakedScene;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Distance of steps in their uniform buffer, bytes.
+/// Stride of steps in the uniform buffer, bytes.
 const STRIDE: u64 = 256;
-/// Threads that share a row on a GPU: neighbouring links are read at once, and little is lost on short rows.
+/// Threads that share a row on a GPU: reads of neighbouring links coalesce, and short rows waste little.
 pub const LANES: u32 = 8;
-/// And on an adapter of software, where threads of a workgroup wait for each other dearly.
+/// Threads that share a row on a software adapter, where synchronization within a workgroup is expensive.
 pub const SOFTWARE_LANES: u32 = 1;
 
 /// Threads that measure the [level](rebounce_shared::exposure::level) of the light: `LEVELS` of key.wgsl.
 const LEVEL_THREADS: u32 = 512;
 
-/// Links of a row, on average, under which a thread has it for itself.
+/// Average number of links of a row below which a single thread processes the row.
 const SHORT: usize = 16;
 
-/// `Step` of the shaders: what one dispatch works on.
+/// `Step` of the shaders: parameters of a dispatch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 struct Step {
     first: u32,
     count: u32,
     extra: u32,
-    /// Threads of the grid in x; where threads share rows, workgroups.
+    /// Threads of the grid in x; for shared rows, workgroups in x.
     threads: u32,
-    /// 1 where the scene has normal maps.
+    /// 1 if the scene has normal maps.
     tilts: u32,
     pad: [u32; 3],
 }
 
-/// Which shader a dispatch runs; links with the number of their chunk.
+/// Shader of a dispatch; kernels over links have a chunk index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kernel {
     Direct,
     Pull,
     Send,
-    /// Threads share a row.
+    /// Several threads share a row.
     Transport(usize),
-    /// A thread a row.
+    /// One thread per row.
     Short(usize),
     Bounce,
     Lift,
@@ -62,7 +62,7 @@ struct Dispatch {
 }
 
 impl Dispatch {
-    /// One thread for each of `count`.
+    /// One thread for each of `count` elements.
     fn threads(kernel: Kernel, first: usize, count: usize) -> Self {
         let groups = grid((count as u32).div_ceil(WORKGROUP));
         let step = Step {
@@ -74,7 +74,7 @@ impl Dispatch {
         Self { kernel, step, groups }
     }
 
-    /// `lanes` threads for each row.
+    /// `lanes` threads per row.
     fn lanes(kernel: Kernel, step: Step, lanes: u32) -> Self {
         let groups = grid(step.count.div_ceil(WORKGROUP / lanes));
         Self { kernel, step: Step { threads: groups[0], ..step }, groups }
@@ -84,7 +84,7 @@ impl Dispatch {
 /// All dispatches of a frame, in order.
 fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
     let level = |kernel, l: usize| Dispatch::threads(kernel, scene.level(l).start, scene.level(l).len());
-    // The irradiance of the points of the first so many levels: links and parents.
+    // Computes the irradiance of the points of the first `levels` levels, from links and parents.
     let transport = |plan: &mut Vec<Dispatch>, levels: u32| {
         for l in 0..levels as usize {
             let level = scene.level(l);
@@ -128,7 +128,8 @@ fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
     plan
 }
 
-/// The level is that of the finest senders, which lie evenly over all surfaces that light goes between.
+/// Measures the light level at the finest senders, which are spread evenly over all surfaces of the light
+/// transport.
 fn measure(scene: &BakedScene) -> Dispatch {
     let senders = (scene.meta.sender_levels as usize).checked_sub(1).map_or(0..0, |l| scene.level(l));
     let step = Step {
@@ -143,7 +144,7 @@ fn measure(scene: &BakedScene) -> Dispatch {
 /// A kernel's bind group layout and pipeline.
 type Pass = (wgpu::BindGroupLayout, wgpu::ComputePipeline);
 
-/// Pipelines, which depend on no scene.
+/// Pipelines, independent of a scene.
 pub struct RelightPipelines {
     direct: Pass,
     pull: Pass,
@@ -158,7 +159,7 @@ pub struct RelightPipelines {
 }
 
 impl RelightPipelines {
-    /// Makes them; `lights` is the layout of the lights' bind group.
+    /// Creates the pipelines; `lights` is the layout of the lights' bind group.
     pub fn new(gpu: &Gpu, lights: &wgpu::BindGroupLayout) -> Self {
         let slots = |label: &str, reads: usize, writes: usize| {
             let mut slots = vec![Slot::UniformPart(size_of::<Step>() as u64)];
@@ -196,7 +197,7 @@ impl RelightPipelines {
     }
 }
 
-/// The kernels whose threads share rows, so many a row: transport and bounces.
+/// Creates the kernels with `lanes` threads per row: transport and bounces.
 fn shared(
     gpu: &Gpu,
     transport: &wgpu::BindGroupLayout,
@@ -210,13 +211,14 @@ fn shared(
     ]
 }
 
-/// A scene's part: buffers and the list of dispatches.
+/// Buffers, bind groups and dispatches of a scene.
 pub struct Relight {
-    /// Direct irradiance at the direct points, and at senders that of later bounces too: RGB and one unused.
+    /// Direct irradiance at the direct points, at senders also irradiance of later bounces: RGB and an unused
+    /// float.
     pub irradiance: wgpu::Buffer,
-    /// Irradiance along each point's normal: RGB, and its tilt (tilt.wgsl).
+    /// Irradiance along the normal of every point: RGB, and the tilt (tilt.wgsl).
     pub display: wgpu::Buffer,
-    /// How much light there is, for the automatic exposure (light_level.wgsl); zero without any.
+    /// Light levels for the automatic exposure (light_level.wgsl); zero without light.
     pub levels: wgpu::Buffer,
     steps: wgpu::Buffer,
     /// `Choice` of direct.wgsl.
@@ -234,7 +236,7 @@ pub struct Relight {
 }
 
 impl Relight {
-    /// Buffers and bind groups for a scene.
+    /// Creates buffers and bind groups for a scene.
     pub fn new(gpu: &Gpu, pipelines: &RelightPipelines, upload: &Upload, scene: &BakedScene) -> Self {
         let own = Scope::new(gpu);
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
@@ -242,7 +244,7 @@ impl Relight {
         let irradiance = colours("irradiance", scene.direct_count());
         let display = colours("display", scene.points.len());
         let still = colours("still", scene.direct_count());
-        // No light has less than one layer.
+        // Every light has at least one layer.
         let choice = empty_buffer(&own, "choice", storage, 4 * (3 + MAX_LAYERS as u64));
         let bounced = colours("bounced", scene.sender_count());
         let sent = colours("sent", scene.sender_count());
@@ -296,7 +298,7 @@ impl Relight {
         self.own.bytes()
     }
 
-    /// Shares each row among so many threads, a power of two up to 64; for measurements.
+    /// Sets the number of threads per row, a power of two up to 64; for measurements.
     pub fn set_lanes(&mut self, gpu: &Gpu, pipelines: &RelightPipelines, lanes: u32) {
         self.shared = shared(gpu, &pipelines.transport, &pipelines.bounce, lanes);
         for (i, dispatch) in self.plan.iter_mut().enumerate() {
@@ -307,7 +309,7 @@ impl Relight {
         }
     }
 
-    /// Tells the first step which lights to evaluate.
+    /// Sets the lights for the first step to evaluate.
     pub fn set_lights(&self, gpu: &Gpu, choice: &Choice) {
         let mut words = vec![choice.keep as u32, choice.still.len() as u32, choice.count() as u32];
         words.extend(choice.still.iter().chain(&choice.moving));
@@ -320,7 +322,7 @@ impl Relight {
         encoder.clear_buffer(&self.levels, 0, None);
     }
 
-    /// Encodes all steps; without `lights` the irradiance is taken as it is in the buffer.
+    /// Encodes all steps; without `lights` the irradiance in the buffer is used.
     pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,

@@ -13,7 +13,7 @@ use rebounce_shared::openness::REACH;
 use rebounce_shared::rbn::meta::Meta;
 use std::ops::Range;
 
-/// What scenes are loaded with.
+/// Layouts and pipelines for loading scenes.
 pub struct Loaders<'a> {
     /// The layout of a material's bind group.
     pub material: &'a wgpu::BindGroupLayout,
@@ -23,7 +23,7 @@ pub struct Loaders<'a> {
     pub relight: &'a RelightPipelines,
 }
 
-/// A scene on the GPU; what the CPU still needs is its metadata.
+/// A scene on the GPU, with its metadata on the CPU.
 pub struct GpuScene {
     /// Metadata.
     pub meta: Meta,
@@ -37,24 +37,24 @@ pub struct GpuScene {
     pub levels: Vec<Range<u32>>,
     /// Number of links, page marks included.
     pub link_count: usize,
-    /// Number of triangles, those of each copy counted.
+    /// Number of triangles, with every instance counted.
     pub triangles: usize,
-    /// Support radius of the finest functions, scene units: that which a tenth of them fall short of.
+    /// Support radius of the finest functions, scene units: the tenth percentile.
     pub finest_radius: f32,
-    /// Reach of openness, scene units; 0 where the file has none.
+    /// Reach of openness, scene units; 0 for a file without openness.
     pub open_reach: f32,
     /// Distance of the near plane, scene units.
     pub near: f32,
-    /// Where it lies.
+    /// Bounds for shadow maps.
     pub extent: Extent,
 }
 
 impl GpuScene {
-    /// Uploads a scene. Textures are decoded meanwhile, so this is not done at once.
+    /// Uploads a scene; asynchronous, as textures are decoded meanwhile.
     ///
     /// # Errors
-    /// [`ViewerError::TooLarge`] before anything is uploaded, [`ViewerError::Texture`], [`ViewerError::OutOfMemory`], or
-    /// [`ViewerError::Internal`] where the device refuses something else.
+    /// [`ViewerError::TooLarge`] before the first upload, [`ViewerError::Texture`], [`ViewerError::OutOfMemory`],
+    /// or [`ViewerError::Internal`] for any other refusal by the device.
     pub async fn upload(gpu: &Gpu, loaders: Loaders<'_>, scene: BakedScene) -> Result<Self, ViewerError> {
         let (upload, relight) = gpu.watch(|| {
             let upload = Upload::new(gpu, &scene)?;
@@ -67,7 +67,7 @@ impl GpuScene {
         let bounds = [Vec3::from(scene.meta.bounds_min), Vec3::from(scene.meta.bounds_max)];
         let extent = Extent::new(bounds, finest(&scene));
         let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);
-        // Near enough that the eye can go close to the finest functions.
+        // Small enough to move the eye close to the finest functions.
         let finest_support = scene.meta.levels.last().map_or(f32::MAX, |l| l.support_radius);
         let finest_radius = tenth(scene.points[scene.display()].iter().map(|p| p.radius));
         let near = (1e-3 * diagonal).min(0.1 * finest_support).max(1e-6 * diagonal);
@@ -89,8 +89,8 @@ impl GpuScene {
     }
 }
 
-/// The value that a tenth of some positive values fall short of; 0 where there are none. A bisection over bit patterns,
-/// which are ordered as the values are: less code than a selection.
+/// Returns the tenth percentile of positive values; 0 without values. A bisection over bit patterns, ordered like
+/// the values: less code than a selection.
 fn tenth(values: impl ExactSizeIterator<Item = f32> + Clone) -> f32 {
     let rank = values.len() / 10;
     let mut bits = 0u32;
@@ -104,7 +104,7 @@ fn tenth(values: impl ExactSizeIterator<Item = f32> + Clone) -> f32 {
     f32::from_bits(bits)
 }
 
-/// Least and greatest corner of the supports of the two finest levels, local space.
+/// Minimum and maximum corner of the supports of the two finest levels, local space.
 fn finest(scene: &BakedScene) -> [Vec3; 2] {
     let levels = scene.meta.levels.len();
     let points = (levels.saturating_sub(2)..levels).flat_map(|l| &scene.points[scene.level(l)]);

@@ -1,14 +1,15 @@
-//! Who owns what lies on the GPU.
+//! Ownership of GPU resources.
 //!
-//! In a browser a buffer or texture that nothing refers to keeps its memory until the garbage collector comes by, and
-//! the device, which viewers share, outlives each of them. So everything is made through a scope, and ends with it.
+//! In a browser, an unreferenced buffer or texture keeps its memory until garbage collection, and the device,
+//! shared by viewers, outlives each viewer. Therefore every resource is created through a scope and destroyed with
+//! the scope.
 
 use crate::gpu::Gpu;
 use std::cell::RefCell;
 use std::ops::Deref;
 
-/// Owns buffers, textures and queries of one device: dropped, it destroys them. Work that is submitted by then is done
-/// all the same; work that is not must not use them.
+/// Owns buffers, textures and queries of a device, and destroys them on drop. Work submitted before the drop still
+/// completes; later work must not use these resources.
 pub struct Scope {
     gpu: Gpu,
     held: RefCell<Vec<Held>>,
@@ -21,33 +22,33 @@ enum Held {
 }
 
 impl Scope {
-    /// Owns nothing yet.
+    /// A scope without resources.
     pub fn new(gpu: &Gpu) -> Self {
         Self { gpu: gpu.clone(), held: RefCell::default() }
     }
 
-    /// Makes a buffer.
+    /// Creates a buffer.
     pub fn buffer(&self, descriptor: &wgpu::BufferDescriptor<'_>) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(descriptor);
         self.held.borrow_mut().push(Held::Buffer(buffer.clone()));
         buffer
     }
 
-    /// Makes a texture.
+    /// Creates a texture.
     pub fn texture(&self, descriptor: &wgpu::TextureDescriptor<'_>) -> wgpu::Texture {
         let texture = self.device.create_texture(descriptor);
         self.held.borrow_mut().push(Held::Texture(texture.clone()));
         texture
     }
 
-    /// Makes a set of queries.
+    /// Creates a query set.
     pub fn queries(&self, descriptor: &wgpu::QuerySetDescriptor<'_>) -> wgpu::QuerySet {
         let queries = self.device.create_query_set(descriptor);
         self.held.borrow_mut().push(Held::Queries(queries.clone()));
         queries
     }
 
-    /// Bytes of its buffers and textures.
+    /// Bytes of the scope's buffers and textures.
     pub fn bytes(&self) -> u64 {
         let size = |held: &Held| match held {
             Held::Buffer(buffer) => buffer.size(),
@@ -78,7 +79,7 @@ impl Drop for Scope {
     }
 }
 
-/// Bytes of a texture of 4 bytes a texel with its mip levels; of 8- and 16-byte formats accordingly.
+/// Bytes of a texture with its mip levels, by the format's bytes a texel; 4 for formats without a fixed size.
 pub fn texture_bytes(texture: &wgpu::Texture) -> u64 {
     let size = texture.size();
     let texel = texture.format().block_copy_size(Some(wgpu::TextureAspect::All)).unwrap_or(4) as u64;

@@ -1,8 +1,8 @@
-//! What of the picture is shown, and how it is made.
+//! Settings of the picture: visible light, overlay, tone mapping, display method.
 
 use crate::error::ViewerError;
 
-/// How light gets from functions to pixels.
+/// Method from functions to pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Way {
     /// Pixels look functions up.
@@ -13,7 +13,7 @@ pub enum Way {
 }
 
 impl Way {
-    /// Its name.
+    /// Name of the method.
     pub fn name(self) -> &'static str {
         match self {
             Self::Lookup => "lookup",
@@ -22,7 +22,7 @@ impl Way {
     }
 }
 
-/// Which of these names it is.
+/// Index of `given` in `names`.
 fn index(what: &str, names: &[&str], given: &str) -> Result<usize, ViewerError> {
     names.iter().position(|name| *name == given).ok_or_else(|| {
         let names = names.join("\", \"");
@@ -30,7 +30,7 @@ fn index(what: &str, names: &[&str], given: &str) -> Result<usize, ViewerError> 
     })
 }
 
-/// An enum whose values have names.
+/// Defines an enum with named values.
 macro_rules! named {
     ($(#[$doc:meta])* $type:ident, $what:literal: $($(#[$value_doc:meta])* $value:ident $name:literal),+) => {
         $(#[$doc])*
@@ -40,15 +40,15 @@ macro_rules! named {
         impl $type {
             const NAMES: &[&str] = &[$($name),+];
 
-            /// From its name.
+            /// Parses a name.
             ///
             /// # Errors
-            /// [`ViewerError::BadArgument`].
+            /// [`ViewerError::BadArgument`] for an unknown name.
             pub fn parse(name: &str) -> Result<Self, ViewerError> {
                 index($what, Self::NAMES, name).map(|i| [$(Self::$value),+][i])
             }
 
-            /// Its name.
+            /// Name of the value.
             pub fn name(self) -> &'static str {
                 Self::NAMES[self as usize]
             }
@@ -57,7 +57,7 @@ macro_rules! named {
 }
 
 named! {
-    /// Which light the picture shows.
+    /// Displayed part of the light.
     Mode, "mode":
     /// Direct and bounced light.
     #[default]
@@ -69,9 +69,9 @@ named! {
 }
 
 named! {
-    /// What is drawn over the picture.
+    /// Overlay on the picture.
     Overlay, "overlay":
-    /// Nothing.
+    /// No overlay.
     #[default]
     None "none",
     /// The points of the finest level.
@@ -81,19 +81,19 @@ named! {
 }
 
 named! {
-    /// How radiance becomes display values.
+    /// Tone mapping from radiance to display values.
     ToneMapping, "tone mapping":
-    /// AgX: softer, dark colours keep their shades and bright ones fade to white.
+    /// AgX: softer; dark colours keep their shades and bright colours fade to white.
     #[default]
     Agx "agx",
-    /// Khronos PBR Neutral: colours stay what they are.
+    /// Khronos PBR Neutral: preserves colours.
     Neutral "neutral"
 }
 
 named! {
-    /// How light gets from functions to pixels: see [`crate::display`].
+    /// Display method from functions to pixels: see [`crate::display`].
     Display, "display":
-    /// In the way that is faster, which is measured.
+    /// The faster method, by measurement.
     #[default]
     Auto "auto",
     /// Pixels look functions up.

@@ -1,4 +1,4 @@
-//! Shadow maps: a depth texture array, one layer a view. Only what changed is drawn again.
+//! Shadow maps: a depth texture array with one layer per projection. A layer is redrawn only after a change.
 
 use crate::bindings::{
     Draw, Slot, bilinear, blended, depth_attachment, empty_buffer, group, layout, part, view,
@@ -18,29 +18,30 @@ use std::cell::OnceCell;
 use std::rc::Rc;
 use wgpu::{BlendFactor, BlendOperation, BufferUsages, CompareFunction, ShaderStages};
 
-/// Distance of matrices in the uniform buffer, bytes.
+/// Stride of matrices in the uniform buffer, bytes.
 const STRIDE: u64 = 256;
 const MATRIX: u64 = 64;
 
-/// What draws shadow maps and what reads them; depends on no scene.
+/// Pipelines, layouts and samplers for drawing and reading shadow maps; independent of a scene.
 #[derive(Clone)]
 pub struct ShadowPipelines {
     opaque: wgpu::RenderPipeline,
     cut: wgpu::RenderPipeline,
     matrix_layout: wgpu::BindGroupLayout,
-    /// Made when a scene first has glass, and the layout of what it reads.
+    /// Pipeline for the colours of light behind glass, created for the first scene with glass, and its bind group
+    /// layout.
     tint: Rc<OnceCell<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>>,
     material_layout: wgpu::BindGroupLayout,
     /// Layout of [`Shadows::group`].
     pub layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
-    /// What the maps hold, as it is.
+    /// Sampler for raw depths, without comparison.
     depths: wgpu::Sampler,
     tints: wgpu::Sampler,
 }
 
 impl ShadowPipelines {
-    /// Makes them.
+    /// Creates the pipelines.
     pub fn new(gpu: &Gpu, material_layout: &wgpu::BindGroupLayout) -> Self {
         let matrix_layout = layout(gpu, "shadow", ShaderStages::VERTEX, &[Slot::UniformPart(MATRIX)]);
         let stages = ShaderStages::COMPUTE | ShaderStages::FRAGMENT;
@@ -70,7 +71,7 @@ impl ShadowPipelines {
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
-            // Lit where the surface is as near to the light as what the map holds, or nearer.
+            // Lit if the surface is as close to the light as the stored depth, or closer.
             compare: Some(CompareFunction::GreaterEqual),
             ..Default::default()
         });
@@ -115,7 +116,7 @@ impl ShadowPipelines {
     }
 }
 
-/// The shadow maps of all lights, and the bind group with which shaders see lights and maps.
+/// The shadow maps of all lights, and the bind group of lights and maps for shaders.
 pub struct Shadows {
     pipelines: ShadowPipelines,
     maps: Maps,
@@ -123,11 +124,11 @@ pub struct Shadows {
     near: Maps,
     records: Records,
     fit: Fit,
-    /// Matrices of the cascades, stored after those of `fit`.
+    /// Matrices of the cascades, stored after the matrices of `fit`.
     cascades: Vec<Mat4>,
-    /// The matrices of the cascades are elsewhere on the GPU, or not there.
+    /// The cascades' matrices on the GPU are missing or at another offset.
     unwritten: bool,
-    /// Widest map, texels: [`shadow_fit::LARGEST`] unless a test asks for another.
+    /// Maximum width of a map, texels: [`shadow_fit::LARGEST`] unless changed by a test.
     pub largest: u32,
     /// Layers drawn so far.
     pub drawn: u64,
@@ -155,12 +156,12 @@ impl Shadows {
         &self.records.group
     }
 
-    /// The lights as shaders see them.
+    /// The lights' records for shaders.
     pub fn lights(&self) -> &[LightRecord] {
         &self.fit.lights
     }
 
-    /// Takes new lights, of a scene with or without `glass`; returns the layers that must be drawn.
+    /// Sets the lights, of a scene with or without `glass`; returns the layers to draw.
     pub fn set_lights(
         &mut self,
         gpu: &Gpu,
@@ -195,8 +196,7 @@ impl Shadows {
         changed
     }
 
-    /// Fits the cascades of directional lights to a camera and a picture size; returns the layers to
-    /// be drawn.
+    /// Fits the cascades of directional lights to a camera and a picture size; returns the layers to draw.
     pub fn follow(
         &mut self,
         gpu: &Gpu,
@@ -227,13 +227,13 @@ impl Shadows {
         changed
     }
 
-    /// Forgets what the maps hold, as after loading another scene.
+    /// Discards the contents of the maps, as after loading another scene.
     pub fn forget(&mut self) {
         self.fit = Fit::default();
         self.cascades.clear();
     }
 
-    /// What a layer is drawn to.
+    /// Render target of a layer.
     fn map(&self, layer: u32) -> &wgpu::TextureView {
         let (layer, far) = (layer as usize, self.fit.matrices.len());
         if layer < far { &self.maps.layers[layer] } else { &self.near.layers[layer - far] }
@@ -305,7 +305,7 @@ impl Shadows {
     }
 }
 
-/// The lights' numbers, for so many layers of shadow maps; there are no more lights than layers.
+/// Light records and matrices on the GPU, for a number of shadow map layers; there are no more lights than layers.
 struct Records {
     _own: Scope,
     capacity: u32,
@@ -361,7 +361,7 @@ impl Records {
         self.write_matrices(gpu, 0, &fit.matrices);
     }
 
-    /// Writes the matrices of some layers from `first` on.
+    /// Writes the matrices of layers from `first` on.
     fn write_matrices(&self, gpu: &Gpu, first: usize, matrices: &[Mat4]) {
         let mut spread = vec![0u8; STRIDE as usize * matrices.len()];
         for (part, matrix) in spread.chunks_mut(STRIDE as usize).zip(matrices) {

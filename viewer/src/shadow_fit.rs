@@ -1,4 +1,4 @@
-//! How lights are fitted with shadow maps: which layers, which projections. No GPU.
+//! Shadow map layers and projections of lights, computed on the CPU.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
@@ -6,11 +6,11 @@ use rebounce_shared::light::{LightKind, LightSource};
 
 /// Cascades of a directional light.
 pub const CASCADES: u32 = 3;
-/// Cones wider than this half angle (its cosine) are covered by a cube instead of one map.
+/// Spot lights with a half angle wider than this (cosine) use a cube of six maps.
 const WIDEST_COS: f32 = 0.5;
-/// Layers that WebGPU guarantees in a texture.
+/// Texture array layers that WebGPU guarantees.
 pub const MAX_LAYERS: u32 = 256;
-/// Bytes that shadow maps may take.
+/// Maximum bytes of all shadow maps.
 const BUDGET: u64 = 64 << 20;
 /// Widest shadow map, texels.
 pub const LARGEST: u32 = 2048;
@@ -41,7 +41,7 @@ impl LightRecord {
         (self.kind == LightKind::Directional as u32).then_some(self.direction.into())
     }
 
-    /// Whether it is on.
+    /// Whether the light is on.
     pub fn shines(&self) -> bool {
         self.intensity != [0.0; 3]
     }
@@ -58,20 +58,20 @@ pub struct Fit {
     pub matrices: Vec<Mat4>,
 }
 
-/// A scene is far larger than the part that has the detail where it is over so many times as wide.
+/// Ratio of widths above which a scene counts as far larger than its detailed part.
 const FAR_LARGER: f32 = 4.0;
 
-/// What shadow maps must show, local space: least and greatest corners.
+/// Bounds covered by shadow maps, local space: minimum and maximum corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
-    /// Of the scene.
+    /// Bounds of the scene.
     pub all: [Vec3; 2],
-    /// Bounds of the detailed part of a far larger scene: a directional light has a map of its own for that part.
+    /// Bounds of the detailed part of a far larger scene: a directional light has an additional map for this part.
     pub detail: Option<[Vec3; 2]>,
 }
 
 impl Extent {
-    /// Of a scene with these bounds whose finest functions lie within `finest`.
+    /// Extent of a scene with bounds `all`; `finest` are the bounds of the finest functions.
     pub fn new(all: [Vec3; 2], finest: [Vec3; 2]) -> Self {
         let width = |[low, high]: [Vec3; 2]| (high - low).length();
         let is_far_larger = width(finest) > 0.0 && width(all) > FAR_LARGER * width(finest);
@@ -87,7 +87,7 @@ impl Extent {
     }
 }
 
-/// Number of layers that a light may need, whatever the scene, cascades included.
+/// Maximum number of layers of a light in any scene, cascades included.
 pub fn most_layers(light: &LightSource) -> u32 {
     match light.kind {
         LightKind::Point => 6,
@@ -97,10 +97,10 @@ pub fn most_layers(light: &LightSource) -> u32 {
     }
 }
 
-/// The side of a shadow map when there are so many layers, in a scene with or without `glass`: as large as the budget
-/// allows.
+/// Side of a shadow map for this number of layers, in a scene with or without `glass`: the largest within the
+/// budget.
 pub fn size(layers: u32, glass: bool) -> u32 {
-    // The colours behind glass take eight bytes for four texels.
+    // The colours behind glass need eight bytes for four texels.
     let texel = if glass { 6 } else { 4 };
     let mut size = LARGEST;
     while size > 256 && size as u64 * size as u64 * texel * layers as u64 > BUDGET {
@@ -109,8 +109,8 @@ pub fn size(layers: u32, glass: bool) -> u32 {
     size
 }
 
-/// Fits all lights to a scene of this extent. `near` is the least distance at which something
-/// blocks a point or spot light.
+/// Fits all lights to a scene of this extent. `near` is the smallest distance of an occluder from a point or spot
+/// light.
 pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit {
     let mut out = Fit { size, ..Default::default() };
     let first = lights.iter().map(|light| extent.layers(light)).sum::<u32>() as f32;
@@ -126,7 +126,7 @@ pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit
                 out.matrices.push(sun.around(detail, border));
             }
             out.matrices.push(sun.around(extent.all, border));
-            // As a directional light has no place.
+            // A directional light has no position: the field holds layer indices.
             position = [cascades, first, 0.0];
             cascades += CASCADES as f32;
             (texel, depth_scale) = (0.0, 1.0 / sun.depth);
@@ -168,12 +168,12 @@ fn any_up(direction: Vec3) -> Vec3 {
     if direction.y.abs() < 0.9 { Vec3::Y } else { Vec3::X }
 }
 
-/// Rows as planes: x, y, z and w of clip space are the four vectors' products with (position, 1).
+/// Builds a matrix from rows: x, y, z and w of clip space are the dot products of the rows with (position, 1).
 fn from_rows(x: glam::Vec4, y: glam::Vec4, z: glam::Vec4, w: glam::Vec4) -> Mat4 {
     Mat4::from_cols(x, y, z, w).transpose()
 }
 
-/// A square perspective view; depth is near / distance.
+/// A square perspective projection; depth is near / distance.
 fn perspective(eye: Vec3, forward: Vec3, up: Vec3, tan: f32, near: f32) -> Mat4 {
     let right = forward.cross(up).normalize_or(Vec3::X);
     let up = right.cross(forward);
@@ -181,11 +181,11 @@ fn perspective(eye: Vec3, forward: Vec3, up: Vec3, tan: f32, near: f32) -> Mat4 
     from_rows(plane(right / tan), plane(up / tan), Vec3::ZERO.extend(near), plane(forward))
 }
 
-/// Square parallel views along a direction. Depth is 1 where the light comes from, 0 at the far end of the scene.
+/// Square parallel projections along a direction. Depth is 1 towards the light, 0 at the far end of the scene.
 pub(crate) struct Parallel {
-    /// Unit vectors of the views.
+    /// Unit vector of the projections' x axis.
     pub right: Vec3,
-    /// Square to `right`.
+    /// Unit vector of the y axis, perpendicular to `right`.
     pub up: Vec3,
     /// Scene units from depth 1 to depth 0.
     depth: f32,
@@ -201,18 +201,18 @@ impl Parallel {
         Self { right, up: right.cross(forward), depth, plane }
     }
 
-    /// Half the width of the square that holds a box.
+    /// Half the width of the square around a box.
     pub fn half_width(&self, shown: [Vec3; 2]) -> f32 {
         reach(self.right, shown).max(reach(self.up, shown))
     }
 
-    /// The view of a box, with a border: a share of its width.
+    /// Projection of a box, enlarged by the factor `border`.
     fn around(&self, shown: [Vec3; 2], border: f32) -> Mat4 {
         let at = middle(shown);
         self.view(self.right.dot(at), self.up.dot(at), self.half_width(shown) * border)
     }
 
-    /// The view around a place along `right` and `up`.
+    /// Projection around a position along `right` and `up`.
     pub fn view(&self, x: f32, y: f32, half_width: f32) -> Mat4 {
         let axis = |axis: Vec3, at: f32| (axis / half_width).extend(-at / half_width);
         from_rows(axis(self.right, x), axis(self.up, y), self.plane, Vec3::ZERO.extend(1.0))
@@ -280,7 +280,7 @@ mod tests {
         for corner in 0..8 {
             let at =
                 |of: [Vec3; 2]| Vec3::from_array(std::array::from_fn(|axis| of[(corner >> axis) & 1][axis]));
-            // What is far above or below the house may stand between it and the sun.
+            // Geometry far above or below the house may stand between the house and the sun.
             for (matrix, place) in [(0, at(house)), (1, at(house)), (1, at(all))] {
                 assert!(inside(fit.matrices[matrix] * place.extend(1.0)), "{matrix}: {place}");
             }

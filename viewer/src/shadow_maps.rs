@@ -4,7 +4,7 @@ use crate::gpu::Gpu;
 use crate::scope::Scope;
 use wgpu::TextureFormat;
 
-/// Colours behind glass; alpha is the depth of the nearest.
+/// Colours behind glass; alpha is the depth of the nearest glass.
 pub const TINTS: TextureFormat = TextureFormat::Rgba16Float;
 
 /// A depth texture and a view of each layer.
@@ -15,9 +15,9 @@ pub struct Maps {
     pub texture: wgpu::Texture,
     /// A view of each layer.
     pub layers: Vec<wgpu::TextureView>,
-    /// Colours behind glass, of half the size; one texel and no view without glass.
+    /// Colours behind glass, at half the size; one texel and no view without glass.
     pub tint: wgpu::Texture,
-    /// A view of each of its layers.
+    /// A view of each layer of `tint`.
     pub tints: Vec<wgpu::TextureView>,
 }
 

@@ -1,4 +1,4 @@
-//! What the viewer tells about itself.
+//! Statistics of the viewer.
 
 use crate::timing::Milliseconds;
 
@@ -10,21 +10,23 @@ pub struct Stats {
     pub adapter: String,
     /// The scene's name.
     pub scene: String,
-    /// How the last picture's light got from functions to pixels: `lookup` or `splat`.
+    /// Way from functions to pixels of the last picture: `lookup` or `splat`.
     pub display: &'static str,
-    /// Milliseconds per pass when it last ran; all absent where the device cannot time passes.
+    /// Milliseconds of the last run of every pass; absent if the device has no timestamp queries.
     pub milliseconds: Milliseconds,
     /// Pictures drawn so far.
     pub frames: u64,
-    /// Times that light was computed anew.
+    /// Number of relightings so far.
     pub relights: u64,
-    /// Lights whose direct light at the points was computed, in all of these times: those that changed.
+    /// Lights whose direct light at the points was evaluated, summed over all relightings: only changed lights
+    /// count.
     pub lights_evaluated: u64,
     /// Shadow-map layers drawn so far.
     pub shadow_layers: u64,
     /// Width of a shadow map, texels.
     pub shadow_size: u32,
-    /// Layers of blended surfaces drawn so far: in every picture as many as the scene may have, none without such surfaces.
+    /// Layers of blended surfaces drawn so far: the scene's number of layers in every picture, zero without blended
+    /// surfaces.
     pub blended_layers: u64,
     /// Triangles of the scene.
     pub triangles: usize,
@@ -39,7 +41,7 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// All numbers as JSON, whole ones: milliseconds as microseconds. Names are left out.
+    /// All numbers as JSON, rounded to integers: milliseconds as microseconds. Names are omitted.
     pub fn json(&self) -> String {
         use std::fmt::Write;
         let mut json = String::from("{\"functions\":[");
@@ -99,22 +101,23 @@ impl Stats {
     }
 }
 
-/// How the bounced light of a picture was looked up, or splatted.
+/// Work counts of lookup or splatting in a picture's bounced light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Counts {
     /// Pixels of the picture.
     pub pixels: u64,
-    /// Pixels that have slots; the others are interpolated.
+    /// Pixels with slots; other pixels are interpolated.
     pub rows: u64,
-    /// Functions whose sphere was tested; by splatting, quads of the finest level.
+    /// Functions whose sphere was tested; for splatting, quads of the finest level.
     pub looked_at: u64,
-    /// Kernels evaluated; not known of splatting.
+    /// Kernels evaluated; unknown for splatting.
     pub evaluated: u64,
 }
 
 impl Counts {
-    /// From the size of the picture and what [`Renderer::read_counts`](crate::renderer::Renderer::read_counts) reads.
+    /// From the size of the picture and the bytes of
+    /// [`Renderer::read_counts`](crate::renderer::Renderer::read_counts).
     pub fn new([width, height]: [u32; 2], counts: &[u8]) -> Self {
         let count = |i: usize| bytemuck::pod_read_unaligned::<u32>(&counts[4 * i..4 * i + 4]) as u64;
         let blocks = width.div_ceil(2) as u64 * height.div_ceil(2) as u64;

@@ -1,12 +1,12 @@
-//! Lights that stand still. Light adds up: what they give to the points is summed once and kept, and from then on only
-//! the others are evaluated.
+//! Incremental direct light: the irradiance of unchanged lights at the points is summed once and kept; afterwards
+//! only changing lights are evaluated.
 
 use crate::shadow_fit::LightRecord;
 
-/// A light that has changed is kept again when it has been the same for so many evaluations.
+/// Number of unchanged evaluations after which a changed light is added to the sum again.
 const CALM: u32 = 8;
 
-/// Which lights are in the sum that is kept.
+/// State of every light: the lights in the kept sum.
 #[derive(Debug, Default)]
 pub struct StillLights(Vec<Light>);
 
@@ -14,34 +14,34 @@ pub struct StillLights(Vec<Light>);
 struct Light {
     record: LightRecord,
     kept: bool,
-    /// Evaluations for which it has been the same.
+    /// Number of evaluations without a change.
     calm: u32,
 }
 
-/// What one evaluation does.
+/// Work of an evaluation.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
-    /// The sum goes on from what it is; else from zero.
+    /// Whether the sum continues from its present value; otherwise from zero.
     pub keep: bool,
-    /// Lights that are added to the sum.
+    /// Lights added to the sum.
     pub still: Vec<u32>,
-    /// Lights that are evaluated beside it.
+    /// Lights evaluated in addition to the sum.
     pub moving: Vec<u32>,
 }
 
 impl Choice {
-    /// Lights that are evaluated.
+    /// Number of evaluated lights.
     pub fn count(&self) -> usize {
         self.still.len() + self.moving.len()
     }
 }
 
 impl StillLights {
-    /// The next evaluation, which must happen: these lights, in the scene and with the shadow maps of the last one. At
-    /// first the sum is zero.
+    /// Returns the work of the next evaluation, which must take place: for these lights, in the same scene and with
+    /// the same shadow maps as before. Initially the sum is zero.
     pub fn choose(&mut self, lights: &[LightRecord]) -> Choice {
         let before = std::mem::take(&mut self.0);
-        // What is in the sum and has changed, or is gone, cannot be taken out of it exactly.
+        // A changed or removed light cannot be subtracted exactly from the sum.
         let changed = |(i, light): (usize, &Light)| light.kept && lights.get(i) != Some(&light.record);
         let keep = !before.iter().enumerate().any(changed);
         let mut choice = Choice { keep, ..Choice::default() };
@@ -88,7 +88,7 @@ mod tests {
         fit(&sources, &Extent { all: [Vec3::ZERO, Vec3::ONE], detail: None }, 0.01, 256).lights
     }
 
-    /// Does what the shader does, with an intensity for the light of all points.
+    /// Mirrors the shader, with an intensity for the light of all points.
     fn evaluate(sum: &mut f64, choice: &Choice, intensities: &[f64]) -> f64 {
         let total = |list: &[u32]| list.iter().map(|i| intensities[*i as usize]).sum::<f64>();
         *sum = if choice.keep { *sum } else { 0.0 } + total(&choice.still);
@@ -106,7 +106,7 @@ mod tests {
         };
         let mut evaluated = 0;
         for step in 0..4000 {
-            // Long times with one light in hand; now and then another does something.
+            // Long periods with a single changing light; occasionally a change of another light.
             let one = (step / 40) % intensities.len();
             intensities[one] = random(9) as f64;
             match random(30) {
@@ -141,7 +141,7 @@ mod tests {
             let choice = still.choose(&records(&intensities));
             assert_eq!(choice, Choice { keep: true, still: vec![], moving: vec![3] });
         }
-        // Another one: all once more, then two, and the first is at rest after a while.
+        // A second light changes: all lights once more, then two, until the first light rests.
         for step in 0..CALM {
             intensities[7] = 3.0 + step as f64;
             let expected = if step == 0 { 16 } else { 2 };

@@ -1,4 +1,4 @@
-//! Everything that belongs to a picture of one size.
+//! All resources of a picture of one size.
 
 use crate::bindings::empty_buffer;
 use crate::blended::{BlendedTarget, Veil};
@@ -17,24 +17,24 @@ use wgpu::BufferUsages;
 pub struct Target {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Pixels of the screen across one of the picture: 2 in a sketch.
+    /// Screen pixels across one pixel of the picture: greater than 1 in a sketch.
     pub enlarge: u32,
     /// The camera's uniform.
     pub frame: wgpu::Buffer,
-    /// Its bind group for the G-buffer.
+    /// The camera's bind group for the G-buffer.
     pub frame_group: wgpu::BindGroup,
     /// G-buffer.
     pub gbuffer: GBuffer,
-    /// Which functions cover which pixels, and their light.
+    /// Slots for bounced light, by lookup or splatting.
     pub display: DisplayTarget,
-    /// Blended surfaces, if the scene has any.
+    /// Blended surfaces, if present in the scene.
     pub blended: Option<BlendedTarget>,
     /// The picture.
     pub picture: Picture,
     own: Scope,
 }
 
-/// What a [`Target`] is for.
+/// Parameters of a [`Target`].
 pub struct Wanted<'a> {
     /// The scene.
     pub scene: &'a GpuScene,
@@ -42,16 +42,16 @@ pub struct Wanted<'a> {
     pub key: &'a wgpu::Buffer,
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Pixels of the screen across one of the picture.
+    /// Screen pixels across one pixel of the picture.
     pub enlarge: u32,
-    /// Every pixel has a slot of its own for bounced light.
+    /// Whether every pixel has its own slot for bounced light.
     pub every_pixel: bool,
-    /// How slots get it.
+    /// Way of filling the slots.
     pub way: Way,
 }
 
 impl Target {
-    /// Makes all of it.
+    /// Creates all resources.
     pub fn new(gpu: &Gpu, pipelines: &Pipelines, wanted: &Wanted<'_>) -> Self {
         let &Wanted { scene, key, size, enlarge, every_pixel, way } = wanted;
         let own = Scope::new(gpu);
@@ -89,13 +89,13 @@ impl Target {
         }
     }
 
-    /// Fills the slots in another way from the next picture of a view on.
+    /// Changes the way of filling slots, from the next picture of a view on.
     pub fn set_way(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &GpuScene, way: Way) {
         let from = display::Sources { scene, frame: &self.frame, gbuffer: &self.gbuffer };
         pipelines.display.set_way(gpu, &mut self.display, from, way);
     }
 
-    /// Pixels of the screen that it covers.
+    /// Number of screen pixels covered by the picture.
     pub fn screen_pixels(&self) -> u64 {
         self.size.iter().map(|side| (side * self.enlarge) as u64).product()
     }

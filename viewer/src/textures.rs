@@ -1,7 +1,7 @@
-//! Textures: decoded, uploaded as sRGB colours or as plain numbers, with mip levels.
+//! Textures: decoded, uploaded as sRGB colours or as linear data, with mip levels.
 //!
-//! In the browser `createImageBitmap` decodes, with no premultiplication and no colour conversion;
-//! natively the `image` crate.
+//! In the browser `createImageBitmap` decodes, with no premultiplication and no colour conversion; natively the
+//! `image` crate.
 
 use crate::bindings::{Draw, Slot, attachment, bilinear, group, layout, opaque, view};
 use crate::error::ViewerError;
@@ -11,22 +11,22 @@ use crate::shaders;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::meta::Texture;
 
-/// Of colours and of numbers.
+/// Formats of colours and of linear data.
 const FORMATS: [wgpu::TextureFormat; 2] =
     [wgpu::TextureFormat::Rgba8UnormSrgb, wgpu::TextureFormat::Rgba8Unorm];
-/// Textures are decoded this many at a time.
+/// Number of textures decoded at a time.
 const BATCH: usize = 8;
 
-/// Makes mip levels.
+/// Generates mip levels.
 pub struct Mips {
     layout: wgpu::BindGroupLayout,
-    /// One for each of [`FORMATS`].
+    /// Pipelines by format, as in [`FORMATS`].
     pipelines: [wgpu::RenderPipeline; 2],
     sampler: wgpu::Sampler,
 }
 
 impl Mips {
-    /// The pipelines.
+    /// Creates the pipelines.
     pub fn new(gpu: &Gpu) -> Self {
         let layout = layout(gpu, "mips", wgpu::ShaderStages::FRAGMENT, &[Slot::Texture, Slot::Sampler]);
         let pipelines = FORMATS.map(|format| {
@@ -44,7 +44,7 @@ impl Mips {
         Self { layout, pipelines, sampler }
     }
 
-    /// Fills all levels but the first.
+    /// Fills all mip levels except the first.
     fn fill(&self, gpu: &Gpu, texture: &wgpu::Texture) {
         let level = |base_mip_level| {
             texture.create_view(&wgpu::TextureViewDescriptor {
@@ -75,10 +75,10 @@ impl Mips {
     }
 }
 
-/// All textures of the scene, by index. Pictures that the file holds once are there once.
+/// Loads all textures of the scene, by index. Textures of the same image in the file share a GPU texture.
 ///
 /// # Errors
-/// [`ViewerError::Texture`] for the first that cannot be decoded.
+/// [`ViewerError::Texture`] for the first texture that cannot be decoded.
 pub async fn load(
     scope: &Scope,
     mips: &Mips,
@@ -103,7 +103,7 @@ pub async fn load(
     Ok(shared.into_iter().map(|k| views[k].clone()).collect())
 }
 
-/// The first texture of every picture, and for each texture the place of its picture among these.
+/// Returns the first texture of every distinct image, and for each texture the index of its image in this list.
 fn distinct(textures: &[Texture]) -> (Vec<usize>, Vec<usize>) {
     let mut firsts: Vec<usize> = Vec::new();
     let mut shared = Vec::with_capacity(textures.len());
@@ -190,7 +190,7 @@ mod decode {
         error.dyn_ref::<js_sys::Error>().map_or_else(|| "unknown".into(), |e| String::from(e.message()))
     }
 
-    /// Decodes a blob, or makes a picture smaller: `side` becomes so long.
+    /// Decodes a blob, or scales an image down: the named `side` becomes this long.
     fn decode(source: &JsValue, side: Option<(&str, u32)>) -> Result<Promise, JsValue> {
         let options = Object::new();
         let set = |name: &str, value: &JsValue| Reflect::set(&options, &name.into(), value).map(|_| ());
@@ -225,7 +225,7 @@ mod decode {
         limit: u32,
     ) -> Result<wgpu::Texture, String> {
         let mut bitmap = bitmap(promise?).await.map_err(words)?;
-        // As large as it is, not as the file says that it is.
+        // The decoded size, not the size in the file's metadata.
         let (width, height) = (bitmap.width(), bitmap.height());
         if width.max(height) > limit {
             let side = if width >= height { "resizeWidth" } else { "resizeHeight" };

@@ -7,7 +7,7 @@ use crate::scope::Scope;
 use crate::settings::Way;
 use wgpu::BufferUsages;
 
-/// The passes that are timed.
+/// Timed passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pass {
     /// All shadow maps drawn in a frame.
@@ -16,9 +16,9 @@ pub enum Pass {
     Relight,
     /// G-buffer.
     GBuffer,
-    /// Which functions may reach which pixels.
+    /// Candidate functions of every slot.
     Find,
-    /// Their light.
+    /// Light of the slots.
     Gather,
     /// Blended surfaces.
     Blended,
@@ -39,17 +39,17 @@ pub struct Milliseconds {
     pub relight: Option<f64>,
     /// G-buffer.
     pub g_buffer: Option<f64>,
-    /// Which functions may reach which pixels; only where the camera has moved.
+    /// Search for candidate functions; only after a change of the view.
     pub find: Option<f64>,
-    /// From functions to pixels.
+    /// Light of the slots, from functions to pixels.
     pub gather: Option<f64>,
-    /// All layers of blended surfaces; only in scenes that have some.
+    /// All layers of blended surfaces; only in scenes with blended surfaces.
     pub blended: Option<f64>,
     /// Composite.
     pub composite: Option<f64>,
 }
 
-/// Where a pass writes its two timestamps.
+/// Positions of the two timestamps of a pass.
 #[derive(Clone, Copy)]
 pub struct Stamps<'a> {
     set: &'a wgpu::QuerySet,
@@ -57,7 +57,7 @@ pub struct Stamps<'a> {
 }
 
 impl<'a> Stamps<'a> {
-    /// For a render pass; `begin` and `end` say whether it is the first and the last of its kind.
+    /// Timestamp writes of a render pass; `begin` and `end` mark the first and the last pass of its kind.
     pub fn render(self, begin: bool, end: bool) -> wgpu::RenderPassTimestampWrites<'a> {
         wgpu::RenderPassTimestampWrites {
             query_set: self.set,
@@ -66,7 +66,7 @@ impl<'a> Stamps<'a> {
         }
     }
 
-    /// For a compute pass, likewise.
+    /// Timestamp writes of a compute pass, as in [`Self::render`].
     pub fn compute(self, begin: bool, end: bool) -> wgpu::ComputePassTimestampWrites<'a> {
         wgpu::ComputePassTimestampWrites {
             query_set: self.set,
@@ -76,7 +76,7 @@ impl<'a> Stamps<'a> {
     }
 }
 
-/// Queries of one frame at a time; frames that come while a result is under way are not timed.
+/// Queries of a single frame at a time; frames are not timed while a result is in flight.
 pub struct Timing {
     _own: Scope,
     set: wgpu::QuerySet,
@@ -90,7 +90,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// `None` where the device cannot time passes.
+    /// `None` if the device has no timestamp queries.
     pub fn new(gpu: &Gpu) -> Option<Self> {
         if !gpu.timestamps {
             return None;
@@ -121,7 +121,7 @@ impl Timing {
         })
     }
 
-    /// The stamps of a pass that is about to be encoded.
+    /// The timestamps of the pass about to be encoded.
     pub fn stamps(&mut self, pass: Pass) -> Option<Stamps<'_>> {
         if self.pending.is_some() {
             return None;
@@ -130,27 +130,28 @@ impl Timing {
         Some(Stamps { set: &self.set, first: 2 * pass as u32 })
     }
 
-    /// Call at the end of a frame's commands.
+    /// Resolves the queries. Call at the end of a frame's commands.
     pub fn resolve(&mut self, encoder: &mut wgpu::CommandEncoder) {
         if self.pending.is_none() && self.used.contains(&true) {
             for (i, _) in self.used.iter().enumerate().filter(|(_, used)| **used) {
                 let first = 2 * i as u32;
-                // Offsets of resolved queries are multiples of 256, so all go to their place by a copy.
+                // Offsets of resolved queries must be multiples of 256, so every result is copied to its place.
                 encoder.resolve_query_set(&self.set, first..first + 2, &self.resolved, 0);
                 encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 16 * i as u64, 16);
             }
         }
     }
 
-    /// Call after the frame is submitted; with how it filled the slots, if that is new.
+    /// Starts the readback. Call after the frame is submitted; `way` is the way of filling the slots if the slots
+    /// were filled anew.
     pub fn submitted(&mut self, way: Option<Way>) {
         if self.pending.is_none() && self.used.contains(&true) {
             self.pending = Some((readback::bytes(&self.staging), std::mem::take(&mut self.used), way));
         }
     }
 
-    /// What the choice between the ways goes by, once for each frame that filled the slots anew: the milliseconds of a
-    /// frame in which the camera moves and of one in which light moves, together.
+    /// Returns the measurement for the choice between the ways, once for every frame that filled the slots anew:
+    /// milliseconds of a frame with a moving camera plus milliseconds of a frame with moving light.
     pub fn take_displayed(&mut self) -> Option<(Way, f64)> {
         self.displayed.take()
     }

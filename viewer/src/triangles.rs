@@ -1,8 +1,9 @@
-//! The scene's triangles on the CPU, for ray casts and nearest points: walls stop the camera and dragged lights. No GPU.
+//! The scene's triangles on the CPU, for ray casts and nearest points: walls stop the camera and dragged lights.
 //!
-//! Vertices and indices are kept once a mesh, 12 bytes a vertex and 12 a triangle; copies are transforms. Queries are in
-//! local space. They test bounding boxes of meshes and of chunks of consecutive triangles, and all triangles of the chunks
-//! that are met. What is not seen is not met: the back of a one-sided surface. Glass and cut-outs are met as whole triangles.
+//! Every mesh is stored once, 12 bytes a vertex and 12 a triangle; copies are transforms. Queries are in local
+//! space. A query tests the bounding boxes of meshes and of chunks of consecutive triangles, then all triangles of
+//! the intersected chunks. Back faces of one-sided surfaces are ignored. Glass and cut-outs count as complete
+//! triangles.
 
 use crate::draw_batch::DrawBatch;
 use glam::{Affine3A, Vec3, Vec3A};
@@ -23,14 +24,14 @@ impl Aabb {
         Self(((low + high) * 0.5).into(), ((high - low) * 0.5).into())
     }
 
-    /// The box around this one where a copy stands, a little wider than rounding makes it.
+    /// Bounding box (centre, half width) of the transformed box, widened a little for rounding errors.
     fn moved(&self, to: &Affine3A) -> [Vec3; 2] {
         let (centre, half) = (to.transform_point3a(self.0), to.matrix3.abs() * self.1);
         [centre.into(), (half * 1.0001 + centre.abs() * 1e-6).into()]
     }
 }
 
-/// A mesh's box, and those of its chunks.
+/// Bounding boxes of a mesh and of its chunks.
 struct Boxes {
     whole: Aabb,
     chunks: Vec<Aabb>,
@@ -43,23 +44,24 @@ pub struct Triangles {
     indices: Vec<u32>,
     instances: Vec<Instance>,
     runs: Vec<DrawBatch>,
-    /// Made with the first query.
+    /// Created by the first query.
     boxes: OnceCell<Vec<Boxes>>,
 }
 
-/// Where a ray meets a surface.
+/// Intersection of a ray and a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Along the ray, in lengths of its direction.
+    /// Distance along the ray, in lengths of its direction.
     pub distance: f32,
-    /// Unit vector square to the surface, on the ray's side.
+    /// Unit normal on the ray's side.
     pub normal: Vec3,
-    /// Whether it is glass or blended.
+    /// Whether the surface is glass or blended.
     pub clear: bool,
 }
 
 impl Triangles {
-    /// Takes the triangles of draw calls, fronts counterclockwise. `instances` begins with one for what stands once.
+    /// Takes the triangles of draw calls, front faces counterclockwise. `instances` begins with the identity for
+    /// meshes without copies.
     pub fn new(
         vertices: &[Vertex],
         indices: Vec<u32>,
@@ -70,11 +72,11 @@ impl Triangles {
         Self { positions, indices, instances, runs, boxes: OnceCell::new() }
     }
 
-    /// The first surface before `most` along a ray of unit direction that shows the ray its front.
+    /// Returns the nearest front-facing hit before `most` along a ray of unit direction.
     pub fn cast(&self, origin: Vec3, direction: Vec3, most: f32) -> Option<Hit> {
         let nearest = Cell::new(most);
         let mut met = None;
-        // Not zero: a box's face may go through the origin.
+        // Avoids division by zero: a box's face may contain the origin.
         let inverse = direction.map(|x| 1.0 / if x == 0.0 { 1e-20 } else { x });
         let meets = |centre: Vec3, half: Vec3| {
             let (a, b) = ((centre - half - origin) * inverse, (centre + half - origin) * inverse);
@@ -94,7 +96,7 @@ impl Triangles {
         Some(Hit { distance: nearest.get(), normal, clear })
     }
 
-    /// The nearest place within `radius` on a surface that shows its front.
+    /// Returns the nearest place within `radius` on a front-facing surface.
     pub fn nearest(&self, to: Vec3, radius: f32) -> Option<Vec3> {
         let least = Cell::new(radius);
         let mut found = None;
@@ -113,8 +115,8 @@ impl Triangles {
         found
     }
 
-    /// Calls `each` with front-facing triangles, as seen from `from`, in boxes (centre, half width) that `meets` accepts,
-    /// and whether they are glass or blended.
+    /// Calls `each` with every triangle that faces `from`, within boxes (centre, half width) accepted by `meets`,
+    /// and with a flag for glass or blended surfaces.
     fn visit(&self, from: Vec3, meets: &dyn Fn(Vec3, Vec3) -> bool, each: &mut dyn FnMut([Vec3; 3], bool)) {
         let meets = |aabb: &Aabb, to: &Affine3A| {
             let [centre, half] = aabb.moved(to);
@@ -152,13 +154,13 @@ impl Triangles {
     }
 }
 
-/// Square to a triangle, on the side from which it goes counterclockwise; twice its area long.
+/// Normal of a triangle with counterclockwise corners; length: twice the area.
 fn square([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a)
 }
 
-/// How far along a ray a triangle is (Möller and Trumbore 1997); not a number or negative where it is not met. Edges are
-/// a little wide, so that no ray goes between neighbours.
+/// Returns the distance of a triangle along a ray (Möller and Trumbore 1997); NaN or negative without a hit. Edges
+/// have a small tolerance, so that no ray passes between neighbouring triangles.
 fn along(origin: Vec3, direction: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let (ab, ac, from) = (b - a, c - a, origin - a);
     let (p, q) = (direction.cross(ac), from.cross(ab));
@@ -167,7 +169,7 @@ fn along(origin: Vec3, direction: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     if u >= -1e-5 && v >= -1e-5 && u + v <= 1.00001 { ac.dot(q) * inverse } else { f32::NAN }
 }
 
-/// The place of a triangle that is nearest to `to`.
+/// Returns the place of a triangle nearest to `to`.
 fn nearest_on(triangle: [Vec3; 3], to: Vec3) -> Vec3 {
     let normal = square(triangle);
     let [a, b, c] = triangle;
@@ -188,7 +190,7 @@ fn nearest_on(triangle: [Vec3; 3], to: Vec3) -> Vec3 {
 pub(crate) mod tests {
     use super::*;
 
-    /// Triangles that stand once and have two sides.
+    /// Two-sided triangles without copies.
     pub fn two_sided(triangles: &[[Vec3; 3]]) -> Triangles {
         of(triangles, vec![Instance::IDENTITY], false)
     }
@@ -229,7 +231,7 @@ pub(crate) mod tests {
             .collect()
     }
 
-    /// Twice as large, turned a quarter around y, and moved.
+    /// Scale by two, a quarter turn around y, and a translation.
     fn elsewhere() -> Instance {
         Instance { rows: [[0.0, 0.0, 2.0, 11.0], [0.0, 2.0, 0.0, 1.0], [-2.0, 0.0, 0.0, 0.5]] }
     }

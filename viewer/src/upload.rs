@@ -1,4 +1,4 @@
-//! The bulk sections of a file, put into GPU buffers as they are.
+//! The bulk sections of a file, uploaded to GPU buffers in the file's layout.
 
 use crate::bindings::buffer;
 use crate::blended_fit;
@@ -22,11 +22,11 @@ use wgpu::BufferUsages;
 /// Bytes that WebGPU guarantees in one buffer.
 pub const MAX_BUFFER: u64 = 256 << 20;
 
-/// Links in one buffer: whole rows.
+/// Links in one buffer: complete rows only.
 pub struct Chunk {
     /// The links.
     pub links: wgpu::Buffer,
-    /// Their rows.
+    /// Rows of the links.
     pub rows: Range<u32>,
     /// Index of the first link.
     pub first_link: u32,
@@ -34,9 +34,9 @@ pub struct Chunk {
 
 /// A matrix of links.
 pub struct LinkBuffers {
-    /// Where each row begins, and one past the end.
+    /// Offset of the first link of each row, and the end of the last row.
     pub offsets: wgpu::Buffer,
-    /// Its links, in as many buffers as it takes.
+    /// Links, in the number of buffers that the binding limit needs.
     pub chunks: Vec<Chunk>,
 }
 
@@ -45,9 +45,9 @@ pub struct Upload {
     own: Scope,
     /// Section `VERT`.
     pub vertices: wgpu::Buffer,
-    /// Section `INDX`, turned so that fronts go counterclockwise ([`fronts`]).
+    /// Section `INDX`, with the winding of front faces turned counterclockwise ([`fronts`]).
     pub indices: wgpu::Buffer,
-    /// One for what stands once, and section `INST`.
+    /// The identity instance for draw calls without copies, then section `INST`.
     pub instances: wgpu::Buffer,
     /// Section `PNTS`.
     pub points: wgpu::Buffer,
@@ -56,7 +56,7 @@ pub struct Upload {
     /// Gain of each function's irradiance with detail: section `OPEN` by
     /// [`rebounce_shared::openness::gain`].
     pub gains: wgpu::Buffer,
-    /// Which functions may cover a place ([`rebounce_shared::basis::Lookup`]).
+    /// Candidate functions by place ([`rebounce_shared::basis::Lookup`]).
     pub lookup: wgpu::Buffer,
     /// Offsets of the push rows.
     pub push_offsets: wgpu::Buffer,
@@ -70,15 +70,16 @@ pub struct Upload {
     pub links: LinkBuffers,
     /// Section `LATL`.
     pub later: LinkBuffers,
-    /// Draw calls by material, opaque ones first, without those that are blended.
+    /// Draw calls by material, opaque draw calls first; blended materials excluded.
     pub runs: Vec<DrawBatch>,
     /// Draw calls of blended materials.
     pub blended_runs: Vec<DrawBatch>,
-    /// Layers in which these are drawn: see [`blended_fit::layers`].
+    /// Number of layers of the blended draw calls: see [`blended_fit::layers`].
     pub blended_layers: u32,
-    /// Whether these have colours: see [`blended_fit::are_tinted`].
+    /// Whether the blended layers have colours: see [`blended_fit::are_tinted`].
     pub tinted: bool,
-    /// Draw calls where the material does not matter, without glass: neighbouring opaque runs are one.
+    /// Draw calls for shadow maps, without glass: neighbouring opaque runs are merged, as the material does not
+    /// matter.
     pub shadow_runs: Vec<DrawBatch>,
     /// Draw calls of glass.
     pub glass_runs: Vec<DrawBatch>,
@@ -89,10 +90,11 @@ pub struct Upload {
 }
 
 impl Upload {
-    /// Uploads every section but textures.
+    /// Uploads every section except textures.
     ///
     /// # Errors
-    /// [`ViewerError::TooLarge`] when a section is larger than a buffer may be; then nothing is uploaded.
+    /// [`ViewerError::TooLarge`] when a section is larger than the limit of its buffer; no section is uploaded
+    /// then.
     pub fn new(gpu: &Gpu, scene: &BakedScene) -> Result<Self, ViewerError> {
         let most = Most::of(gpu.buffer_limits());
         most.check(scene)?;
@@ -110,7 +112,7 @@ impl Upload {
         Ok(Self {
             ground: ground::uniform(&own, &scene.meta.shown.ground),
             links: matrix(stored, "LINK", &scene.links, most.binding),
-            // One buffer: between coarse points there are few.
+            // One buffer: coarse points have few links.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),
             vertices: section("VERT", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices)),
             indices: section("INDX", BufferUsages::INDEX, cast(&indices)),
@@ -134,7 +136,7 @@ impl Upload {
         })
     }
 
-    /// Binds what [`DrawBatch`]s are drawn from.
+    /// Binds the vertex, instance and index buffers of [`DrawBatch`]es.
     pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
@@ -147,22 +149,22 @@ impl Upload {
     }
 }
 
-/// What a device takes at once, bytes.
+/// Size limits of a device, bytes.
 struct Most {
-    /// In a buffer.
+    /// Of a buffer.
     buffer: u64,
-    /// In a storage binding.
+    /// Of a storage binding.
     binding: u64,
 }
 
 impl Most {
-    /// No more than what WebGPU guarantees: what opens here opens everywhere.
+    /// The device's limits, capped at WebGPU's guarantees: a scene that opens on this device opens on any device.
     fn of([buffer, binding]: [u64; 2]) -> Self {
         let buffer = buffer.min(MAX_BUFFER);
         Self { buffer, binding: binding.min(MAX_BINDING).min(buffer) }
     }
 
-    /// Whether everything of a scene fits; before anything of it is on its way.
+    /// Checks the size of every section, before the first upload.
     fn check(&self, scene: &BakedScene) -> Result<(), ViewerError> {
         let relations = &scene.relations;
         let longest = scene.links.offsets.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
@@ -170,7 +172,7 @@ impl Most {
             ("VERT", self.buffer, size_of_val(&scene.vertices[..])),
             ("INDX", self.buffer, size_of_val(&scene.indices[..])),
             ("INST", self.buffer, (scene.instances.len() + 1) * size_of::<Instance>()),
-            // Light at every point takes four floats.
+            // Light at a point needs four floats.
             ("PNTS", self.binding, scene.points.len() * size_of::<Point>().max(16)),
             ("PNTS", self.binding, size_of_val(&relations.lookup.words[..])),
             ("PNTS", self.binding, size_of_val(&relations.push_offsets[..])),
@@ -178,7 +180,7 @@ impl Most {
             ("PNTS", self.binding, size_of_val(&relations.pull_offsets[..])),
             ("PNTS", self.binding, size_of_val(&relations.pull_entries[..])),
             ("CUTS", self.binding, size_of_val(&scene.cuts[..])),
-            // A row is not divided.
+            // A row is never split.
             ("LINK", self.binding, longest as usize * size_of::<Link>()),
             ("LINK", self.binding, size_of_val(&scene.links.offsets[..])),
             ("LATL", self.binding, size_of_val(&scene.later.links[..])),
@@ -194,7 +196,7 @@ impl Most {
     }
 }
 
-/// Uploads a matrix in parts of at most `limit` bytes of links.
+/// Uploads a matrix in chunks of at most `limit` bytes of links.
 fn matrix<L: Sent + bytemuck::Pod>(
     stored: impl Fn(&'static str, &[u8]) -> wgpu::Buffer,
     name: &'static str,
@@ -210,8 +212,7 @@ fn matrix<L: Sent + bytemuck::Pod>(
     LinkBuffers { offsets: stored(name, bytemuck::cast_slice(&matrix.offsets)), chunks }
 }
 
-/// Splits the rows so that each part has at most so many links. A row that is larger by itself stays
-/// whole; [`Most::check`] refuses it.
+/// Splits the rows into chunks of at most `most` links. A longer row stays whole; [`Most::check`] refuses that row.
 fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
     let rows = offsets.len().saturating_sub(1);
     let mut out = Vec::new();
@@ -228,8 +229,8 @@ fn chunks(offsets: &[u32], most: u64) -> Vec<Range<u32>> {
     out
 }
 
-/// Draw calls sorted so that opaque ones come first, blended ones last, and equal materials follow each other, as do one-sided
-/// ones.
+/// Draw calls in sorted order: opaque first, then alpha-tested, blended last; within these groups, one-sided calls
+/// and equal materials are adjacent.
 fn runs(scene: &BakedScene) -> Vec<DrawBatch> {
     let run = |(number, d): (usize, &Draw)| {
         let instances = match scene.copies_of(number) {
@@ -252,16 +253,17 @@ fn runs(scene: &BakedScene) -> Vec<DrawBatch> {
     sorted(runs, |run| (run.cut, run.blended, run.one_sided, run.material, run.indices.start))
 }
 
-/// What runs are sorted by.
+/// Sort key of runs.
 type Order = (bool, bool, bool, u32, u32);
 
-/// Runs by a key; a function pointer, so that the bundle holds one sort.
+/// Sorts runs by a key; a function pointer, so that the bundle holds one sort.
 fn sorted(mut runs: Vec<DrawBatch>, order: fn(&DrawBatch) -> Order) -> Vec<DrawBatch> {
     runs.sort_unstable_by_key(order);
     runs
 }
 
-/// The same triangles in fewer runs: opaque neighbours in the index buffer become one, where they stand in the same places.
+/// Draws the same triangles in fewer runs: opaque neighbours in the index buffer are merged if their instances are
+/// equal.
 fn merged(runs: &[DrawBatch]) -> Vec<DrawBatch> {
     let opaque = runs.iter().filter(|r| !r.cut).cloned().collect();
     let mut out: Vec<DrawBatch> = Vec::new();
@@ -307,7 +309,7 @@ mod tests {
             };
         assert_eq!(refusal(240, 12, &scene), None);
         assert_eq!(refusal(239, 12, &scene), Some(("VERT", 240, 239)));
-        // Three links in a row are not divided; neither are the rows' offsets.
+        // A row of three links is not split; neither are the rows' offsets.
         assert_eq!(refusal(240, 11, &scene), Some(("LINK", 12, 11)));
         let text = ViewerError::TooLarge { section: "VERT", bytes: 240, limit: 239 }.to_string();
         assert!(text.contains("240 bytes") && text.contains("239"), "{text}");

@@ -1,4 +1,4 @@
-//! The camera as the shaders see it: `Frame` in frame.wgsl.
+//! The camera uniform of the shaders: `Frame` in frame.wgsl.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4};
@@ -24,7 +24,7 @@ pub struct Frame {
     pub height: f32,
     /// Into the picture, unit length.
     pub forward: [f32; 3],
-    /// 1 where textures are read without mip levels.
+    /// 1 to read textures without mip levels.
     pub unfiltered: u32,
     /// Reach of a pixel's openness, scene units; 0 without detail.
     pub open_reach: f32,
@@ -32,11 +32,11 @@ pub struct Frame {
     pub pad: [u32; 3],
 }
 
-/// Most of the tangent of half the vertical field of view in high pictures: 100 degrees.
+/// Upper limit of the tangent of half the vertical field of view in portrait pictures: 100 degrees.
 const WIDEST: f32 = 1.19;
 
-/// The frame of a camera, local space, for a picture of this size, pixels. In a picture that is higher than wide the camera's
-/// field of view is that across: a view composed for a screen keeps its middle, as wide as high, on a phone.
+/// The frame of a camera, local space, for a picture of this size, pixels. In a portrait picture the camera's field
+/// of view is horizontal: a view composed for a screen keeps its central square on a phone.
 #[inline(never)]
 pub fn frame(camera: &Camera, origin: [f64; 3], [width, height]: [u32; 2]) -> CameraFrame {
     let mut frame = camera.frame(origin);
@@ -51,10 +51,10 @@ impl Frame {
         let (width, height) = (size[0] as f32, size[1] as f32);
         let (right, up) =
             (camera.right * (camera.tan_half_yfov * width / height), camera.up * camera.tan_half_yfov);
-        // The ray through the middle of a moved picture.
+        // The ray through the middle of the shifted picture.
         let forward =
             camera.forward + right * (2.0 * sample.shift[0] / width) - up * (2.0 * sample.shift[1] / height);
-        // With d = position - eye: w = d·axis, x = d·right / |right|², y likewise, less the move, times w.
+        // With d = position - eye: w = d·axis, x = d·right / |right|², y likewise, minus the shift times w.
         let x = right / right.length_squared() - camera.forward * (2.0 * sample.shift[0] / width);
         let y = up / up.length_squared() + camera.forward * (2.0 * sample.shift[1] / height);
         let plane = |v: glam::Vec3| v.extend(-v.dot(camera.eye));
@@ -75,18 +75,18 @@ impl Frame {
     }
 }
 
-/// One picture of a series that is averaged.
+/// A picture of an averaged series.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Pixels that the picture is moved by, right and down.
+    /// Shift of the picture, pixels, right and down.
     pub shift: [f32; 2],
-    /// Textures are read without mip levels, as the CPU does: for pictures averaged from many.
+    /// Whether textures are read without mip levels, as on the CPU: for averages of many pictures.
     pub unfiltered: bool,
 }
 
 impl Sample {
-    /// Picture `index` of a series without end: the first one at the pixels' centres, the others evenly
-    /// spread around (Halton, bases 2 and 3).
+    /// Picture `index` of an infinite series: the first at the pixels' centres, the others evenly spread around
+    /// (Halton, bases 2 and 3).
     pub fn of(index: u32) -> Self {
         let shift = match index {
             0 => [0.0; 2],
@@ -95,8 +95,8 @@ impl Sample {
         Self { shift, unfiltered: false }
     }
 
-    /// Picture `index` of `count`, a power of two: no two in one row or column of the pixel, so that
-    /// edges of any direction are averaged well (Hammersley). Textures are not filtered: the average does that.
+    /// Picture `index` of `count`, a power of two: no two samples in the same row or column of the pixel, so that
+    /// edges of any direction are averaged well (Hammersley). Textures are not filtered: averaging filters them.
     pub fn of_count(index: u32, count: u32) -> Self {
         let middle = 0.5 / count as f32 - 0.5;
         let shift = [index as f32 / count as f32 + middle, radical_inverse(index, 2) + middle];
@@ -130,7 +130,7 @@ mod tests {
             assert_eq!(tan(size), camera.frame([0.0; 3]).tan_half_yfov);
         }
         assert!((tan([400, 800]) * 0.5 - tan([400, 400])).abs() < 1e-6);
-        // A little less where it would be grotesque, and never narrower than asked for.
+        // A smaller angle where the perspective would be extreme, and never narrower than requested.
         assert_eq!(tan([100, 1000]), WIDEST);
         let wide = Camera { yfov_deg: 120.0, ..camera.clone() };
         assert_eq!(frame(&wide, [0.0; 3], [390, 844]).tan_half_yfov, wide.frame([0.0; 3]).tan_half_yfov);

@@ -1,5 +1,5 @@
-//! Cameras, lights, animations and figures as they go between the wasm module and the page: lists of numbers. Objects
-//! and JSON are the page's: a JSON parser here would weigh as much as a tenth of the bundle.
+//! Cameras, lights, animations and statistics as lists of numbers, exchanged between the wasm module and the page.
+//! The page handles objects and JSON: a JSON parser here would add a tenth to the bundle.
 //!
 //! ```text
 //! camera  10 numbers  position, target, up: three each; yfov_deg
@@ -7,7 +7,7 @@
 //!                     inner_cone_deg, NaN where absent; intensity; color: three; radius
 //! ```
 //!
-//! Numbers that a kind does not have are zero, and not read.
+//! Numbers without a meaning for a kind are zero, and not read.
 
 use crate::error::ViewerError;
 use rebounce_shared::camera::Camera;
@@ -36,7 +36,7 @@ pub fn camera_numbers(camera: &Camera) -> Vec<f64> {
 /// A camera from its numbers.
 ///
 /// # Errors
-/// [`ViewerError::BadJson`] where there are more or fewer.
+/// [`ViewerError::BadJson`] for a list of another length.
 pub fn camera_of(numbers: &[f64]) -> Result<Camera, ViewerError> {
     if numbers.len() != CAMERA {
         return Err(wrong("camera"));
@@ -80,7 +80,7 @@ pub fn light_numbers(lights: &[Light]) -> Vec<f64> {
 /// The lights from their numbers.
 ///
 /// # Errors
-/// [`ViewerError::BadJson`] for a list that is no whole number of lights, or of a kind that there is not.
+/// [`ViewerError::BadJson`] for a list with an incomplete light, or with an unknown kind.
 pub fn lights_of(numbers: &[f64]) -> Result<Vec<Light>, ViewerError> {
     if numbers.len() % LIGHT != 0 {
         return Err(wrong("lights"));

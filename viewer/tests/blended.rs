@@ -1,4 +1,5 @@
-//! Blended surfaces: in order from everywhere, without noise in the first picture of a view, free where there are none.
+//! Blended surfaces: in order from every view, without noise in the first picture of a view, without cost in scenes
+//! without blended surfaces.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -20,10 +21,10 @@ use rebounce_viewer::settings::{Mode, ToneMapping};
 use std::rc::Rc;
 
 const SIZE: u32 = 33;
-/// An 8-bit step where pictures are compared, linear.
+/// An 8-bit step at the compared pictures, linear.
 const STEP: f32 = 0.006;
 
-/// A two-sided material that shines and covers this much.
+/// A two-sided material with this emission and coverage.
 fn glass(emission: [f32; 3], alpha: f32) -> Material {
     Material {
         base_color: [0.0, 0.0, 0.0, alpha],
@@ -34,7 +35,7 @@ fn glass(emission: [f32; 3], alpha: f32) -> Material {
     }
 }
 
-/// The parallelogram around `centre` with these half sides, added to the scene; it faces the way of their product.
+/// Adds the parallelogram around `centre` with half sides `u` and `v`; it faces along u × v.
 fn pane(scene: &mut BakedScene, centre: Vec3, u: Vec3, v: Vec3, material: Material) {
     let (vertex, index) = (scene.vertices.len() as u32, scene.indices.len() as u32);
     let normal = pack_snorm16(u.cross(v).normalize());
@@ -76,7 +77,8 @@ fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
     renderer_with(gpu, &Rc::new(Pipelines::new(gpu).unwrap()), scene)
 }
 
-/// The linear radiance at a pixel of the view; its least channel must be 0, which the tone curve leaves as it is.
+/// The linear radiance at a pixel of the view; its smallest channel must be 0, a value that the tone curve
+/// preserves.
 fn seen(renderer: &mut Renderer, from: Vec3, to: Vec3, x: u32, y: u32) -> Vec3 {
     renderer.set_camera(camera(from, to)).unwrap();
     let pixels = pollster::block_on(renderer.read_pixels(SIZE, SIZE).unwrap().wait()).unwrap();
@@ -105,7 +107,7 @@ const BLUE: Vec3 = Vec3::new(0.0, 0.0, 0.4);
 #[test]
 fn panes_lie_over_each_other_in_the_right_order_from_both_sides() {
     let Some(gpu) = common::gpu() else { return };
-    // In whatever order they come, and of whatever size.
+    // In any order and of any size.
     for swapped in [false, true] {
         let mut scene = dark_room();
         let mut panes = [(0.3, 0.5, RED, 0.5), (-0.3, 0.9, BLUE, 0.5)];
@@ -196,7 +198,7 @@ fn what_is_opaque_hides_panes_and_is_seen_through_more_than_there_are_layers() {
     gpu.check().unwrap();
 }
 
-/// A lit room with a curtain across it, near the wall in front of the camera.
+/// A lit room with a curtain across the room, near the wall in front of the camera.
 fn curtained() -> BakedScene {
     let mut scene = common::room(&[3, 6]);
     let material = Material {
@@ -209,7 +211,7 @@ fn curtained() -> BakedScene {
     scene
 }
 
-/// Draws one picture, or until nothing changes any more, and reads it.
+/// Draws one picture, or draws until the picture is complete (`rest`), and reads it.
 fn drawn(gpu: &Gpu, renderer: &mut Renderer, screen: &wgpu::Texture, rest: bool) -> Vec<u8> {
     renderer.set_gizmos(false);
     let view = screen.create_view(&Default::default());
@@ -256,7 +258,7 @@ fn the_first_picture_of_a_view_and_of_a_moved_lamp_has_no_noise() {
 #[test]
 fn shadows_of_panes_are_even_and_as_dark_as_their_alphas_say() {
     let Some(gpu) = common::gpu() else { return };
-    // A lamp behind the camera shines at the wall in front of it, through the panes, which are behind the camera, too.
+    // A lamp behind the camera shines at the wall in front, through panes also behind the camera.
     let wall = |panes: &[f32], intensity: f64| {
         let mut scene = common::room(&[3]);
         scene.meta.materials[4].base_color = [0.5, 0.5, 0.5, 1.0];
@@ -279,7 +281,7 @@ fn shadows_of_panes_are_even_and_as_dark_as_their_alphas_say() {
                 base_color: [0.0, 0.0, 0.0, 1.0 / 3.0],
                 ..glass([0.0; 3], 0.0)
             };
-            // All of one material, as the faces of a glass.
+            // All of one material, like the faces of a drinking glass.
             let (first, count) = (scene.meta.draws.len(), scene.meta.materials.len());
             pane(&mut scene, centre, Vec3::X * 0.7 * *side, Vec3::Y * 0.7, material);
             scene.meta.draws[first].material = (count - i) as u32;
@@ -293,7 +295,7 @@ fn shadows_of_panes_are_even_and_as_dark_as_their_alphas_say() {
         pollster::block_on(renderer.read_pixels(SIZE, SIZE).unwrap().wait()).unwrap()
     };
     let intensity = 9.0;
-    // A third stays on each face: of two faces that look away from each other four ninths go through.
+    // Each face absorbs a third: through two faces that look away from each other, four ninths pass.
     for (panes, share) in [(&[1.0f32][..], 6.0 / 9.0), (&[1.0, -1.0], 4.0 / 9.0)] {
         let (shadow, expected) = (wall(panes, intensity), wall(&[], intensity * share));
         assert!(expected.chunks(4).all(|p| (60..220).contains(&p[0])), "badly exposed");
@@ -310,7 +312,7 @@ fn scenes_without_blended_surfaces_pay_nothing_for_them() {
     let screen = common::screen(&gpu, 2 * SIZE, SIZE);
     let mut plain = curtained();
     for material in &mut plain.meta.materials {
-        // As many exporters write what is opaque.
+        // An opaque material, as written by many exporters.
         (material.alpha, material.base_color[3]) = (Alpha::Blend, 1.0);
     }
     let stats = |scene: &BakedScene| {
@@ -322,7 +324,7 @@ fn scenes_without_blended_surfaces_pay_nothing_for_them() {
     let (opaque, blended) = (stats(&plain), stats(&curtained()));
     assert_eq!(opaque.blended_layers, 0);
     assert_eq!(opaque.milliseconds.blended, None);
-    // One pane, one layer, in each picture; the exposure is measured with the first one's.
+    // One pane, one layer in each picture; the exposure is measured with the layers of the first picture.
     assert_eq!((blended.frames, blended.blended_layers), (16, 16));
     assert_eq!(blended.milliseconds.blended.is_some(), gpu.timestamps);
     // Light and coverage, and two depths.

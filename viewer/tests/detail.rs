@@ -1,4 +1,4 @@
-//! What pictures add to Lambertian surfaces: normal maps, highlights, emission, tone mapping.
+//! Effects that pictures add to Lambertian surfaces: normal maps, highlights, emission, tone mapping.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -18,7 +18,7 @@ const SIZE: u32 = 33;
 /// The wall in the middle of the picture: inward normal +z, u along x, v along y.
 const WALL: usize = 4;
 
-/// A texture of one colour, added to the scene; its index.
+/// Adds a texture of one colour to the scene; returns its index.
 fn add_texture(scene: &mut BakedScene, rgb: [u8; 3], data: bool) -> u32 {
     let mut png = std::io::Cursor::new(Vec::new());
     image::RgbImage::from_pixel(4, 4, image::Rgb(rgb)).write_to(&mut png, image::ImageFormat::Png).unwrap();
@@ -41,7 +41,7 @@ fn detail(texture: u32) -> Option<DetailTexture> {
     Some(DetailTexture { texture, uv_from_vertex: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] })
 }
 
-/// The room with this normal, in the tangent space of a glTF normal map, all over the wall.
+/// The room with this normal, in the tangent space of a glTF normal map, on the entire wall.
 fn bumped(scene: &BakedScene, normal: Vec3) -> BakedScene {
     let mut scene = scene.clone();
     let texel = ((normal.normalize() * 0.5 + 0.5) * 255.0).round();
@@ -61,7 +61,8 @@ fn renderer(gpu: &Gpu, scene: &BakedScene, mode: Mode) -> Renderer {
     renderer
 }
 
-/// The least channel of the middle pixel, before Khronos PBR Neutral and sRGB; that channel is what they keep.
+/// The smallest channel of the middle pixel, before Khronos PBR Neutral and sRGB; tone mapping and encoding
+/// preserve the smallest channel.
 fn middle(renderer: &mut Renderer) -> f32 {
     let pixels = pollster::block_on(renderer.read_pixels(SIZE, SIZE).unwrap().wait()).unwrap();
     let at = 4 * ((SIZE / 2) * SIZE + SIZE / 2) as usize;
@@ -77,7 +78,7 @@ fn value(gpu: &Gpu, scene: &BakedScene, mode: Mode) -> f32 {
     middle(&mut renderer(gpu, scene, mode))
 }
 
-/// The bounced light, made in this way.
+/// The bounced light, computed by this way.
 fn bounced(gpu: &Gpu, scene: &BakedScene, way: Display) -> f32 {
     let mut renderer = renderer(gpu, scene, Mode::Indirect);
     renderer.set_display(way);
@@ -100,7 +101,7 @@ fn a_flat_normal_map_changes_nothing() {
     gpu.check().unwrap();
 }
 
-/// What the middle of the picture shows, on the wall.
+/// The place on the wall at the middle of the picture.
 fn place(renderer: &Renderer) -> Vec3 {
     let camera = renderer.camera();
     let [eye, target] = [camera.position, camera.target].map(|p| Vec3::from(p.map(|x| x as f32)));
@@ -108,7 +109,8 @@ fn place(renderer: &Renderer) -> Vec3 {
     eye + ahead * ((-1.0 - eye.z) / ahead.z)
 }
 
-/// Bends of the wall's normal: as in a normal map, and in the room. Red is along u, here x; green against v, here y.
+/// Deviations of the wall's normal: as in a normal map, and in the room. Red is along u, here x; green against v,
+/// here y.
 fn bends() -> impl Iterator<Item = (Vec3, Vec3)> {
     [[0.3, 0.0], [-0.3, 0.0], [0.0, 0.4], [0.1, -0.5]]
         .into_iter()
@@ -120,7 +122,7 @@ fn bounced_light_follows_bent_normals_to_where_it_comes_from() {
     let Some(gpu) = common::gpu() else { return };
     for sides in [&[8][..], &[3, 8]] {
         let mut scene = common::room(sides);
-        // All light comes from one sender, in the middle of a wall that the wall in the picture faces sideways.
+        // A single sender emits light, in the middle of a wall perpendicular to the wall in the picture.
         let beside = Vec3::new(1.0, 0.3, 0.2);
         let nearest = |a: &u32, b: &u32| {
             let distance = |i: &u32| scene.points[*i as usize].position().distance(beside);
@@ -149,7 +151,7 @@ fn bounced_light_follows_bent_normals_to_where_it_comes_from() {
             if sides.len() == 1 {
                 assert!((ratio - expected).abs() < 0.06 * expected, "{bent}: {ratio}, expected {expected}");
             } else {
-                // Parents tell what they get where they are, which here is far from their children.
+                // Parents contribute light at their own positions, here far from their children.
                 let share = (ratio - 1.0) / (expected - 1.0);
                 assert!((0.15..1.5).contains(&share), "{bent}: {ratio}, expected about {expected}");
             }

@@ -1,4 +1,5 @@
-//! Glass: what is seen through it and lit through it has its colour. Unlit surfaces: their colour, whatever the light.
+//! Glass: surfaces seen through glass and lit through glass have the colour of the glass. Unlit surfaces: their
+//! colour does not depend on the light.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -29,7 +30,7 @@ fn clear(base: [f32; 3]) -> Material {
     glass(base, Extras { transmission: 1.0, ..Extras::default() })
 }
 
-/// A square of this half side across z, added to the scene.
+/// Adds a square of half side `half` to the scene, perpendicular to z.
 fn pane(scene: &mut BakedScene, z: f32, half: f32, material: Material) {
     let (vertex, index) = (scene.vertices.len() as u32, scene.indices.len() as u32);
     for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
@@ -45,7 +46,7 @@ fn pane(scene: &mut BakedScene, z: f32, half: f32, material: Material) {
     scene.meta.materials.push(material);
 }
 
-/// A device, and pipelines for all renderers of a test.
+/// A device, with pipelines shared by all renderers of a test.
 type Device = (Gpu, Rc<Pipelines>);
 
 fn device() -> Option<Device> {
@@ -64,7 +65,7 @@ fn renderer((gpu, pipelines): &Device, scene: &BakedScene) -> Renderer {
     renderer
 }
 
-/// The middle pixel, 8 bits, from this place at z towards −z.
+/// The middle pixel, 8 bits, from a camera at `z` towards −z.
 fn middle(renderer: &mut Renderer, z: f64) -> [u8; 3] {
     let (position, target) = ([0.03, 0.02, z], [0.03, 0.02, -1.0]);
     renderer.set_camera(Camera { position, target, up: [0.0, 1.0, 0.0], yfov_deg: 40.0 }).unwrap();
@@ -86,7 +87,7 @@ fn assert_near(found: [u8; 3], expected: [u8; 3], what: &str) {
     assert!(most <= 1, "{what}: {found:?}, expected {expected:?}");
 }
 
-/// A dark room whose wall in front of the camera shines like this; its blue is 0, which the tone curve keeps.
+/// A dark room with an emissive wall in front of the camera; its blue is 0, a value that the tone curve preserves.
 fn glowing(emission: [f32; 3]) -> BakedScene {
     let mut scene = common::room(&[3]);
     scene.meta.lights.clear();
@@ -114,7 +115,7 @@ fn what_is_behind_glass_is_seen_in_its_colour() {
         ("two", vec![clear(first), clear(second)], of(first) * Vec3::from(second)),
         ("a leaf", vec![glass([0.6, 1.0, 1.0], leaf)], of([0.5 * 0.6 + 0.1, 0.25 + 0.05, 1.0])),
         ("half covered", vec![veil], of([0.5; 3])),
-        // Its own light, and half of what the glass behind it lets through.
+        // The pane's own light, and half of the light through the glass behind.
         ("grey before", vec![grey.clone(), clear(first)], vec3(0.1, 0.0, 0.0) + 0.5 * of(first)),
         ("grey behind", vec![clear(first), grey], Vec3::from(first) * vec3(0.1, 0.0, 0.0) + 0.5 * of(first)),
         ("metal", vec![metal], Vec3::ZERO),
@@ -133,8 +134,8 @@ fn vec3(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
-/// What the wall shows of a lamp behind the camera, which shines through panes that are behind it too, at so many times
-/// its light.
+/// The wall's colour under a lamp behind the camera. The lamp shines through `panes`, also behind the camera;
+/// `color` scales the lamp's light.
 fn lit(device: &Device, light: &Light, panes: &[Material], color: [f32; 3]) -> [u8; 3] {
     let mut scene = common::room(&[3]);
     scene.meta.materials[4].base_color = [0.5, 0.5, 0.5, 1.0];
@@ -179,7 +180,7 @@ fn light_behind_glass_has_its_colour() {
         let metal = Material { metallic: 1.0, ..clear([1.0; 3]) };
         assert_eq!(lit(&device, light, &[metal], white), [0; 3]);
     }
-    // In front of the glass there is none: the lamp is between it and the wall.
+    // No pane in front of the glass: the lamp is between glass and wall.
     let Light::Point { .. } = &lights[1] else { panic!() };
     let near = Light::Point { position: [0.1, 0.05, 0.2], intensity: 4.0, color, radius: 0.0 };
     assert_near(
@@ -246,7 +247,7 @@ fn unlit_surfaces_show_their_colour_at_any_exposure() {
     for mode in [Mode::Direct, Mode::Indirect] {
         assert_eq!(shown(&|_, r| r.set_mode(mode), &[]), [0; 3], "neither direct nor bounced light");
     }
-    // Through glass, and through a picture of an unlit pane that covers half; in the dark, as panes reflect.
+    // Through glass, and through an unlit pane with a texture that covers half; in the dark, because panes reflect.
     let dark = |_: &mut BakedScene, r: &mut Renderer| r.set_lights(vec![]).unwrap();
     let tint = [0.5, 1.0, 0.25];
     let through = Vec3::from(tint) * Vec3::from(color);
@@ -274,7 +275,7 @@ fn only_scenes_with_glass_pay_for_it() {
         let stats = renderer.stats();
         (stats.bytes.shadows, stats.shadow_size)
     };
-    // A lamp in the room: six maps; a texel of none, and two of no cascades.
+    // A lamp in the room: six maps; a placeholder texel for colours, and two for cascades.
     let (plain, size) = bytes(Material { extras: Extras::default(), ..clear([1.0; 3]) });
     assert_eq!(plain, 6 * 4 * u64::from(size).pow(2) + 8 + 12);
     let (tinted, size) = bytes(clear([1.0; 3]));

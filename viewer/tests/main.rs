@@ -1,4 +1,4 @@
-//! Tests of the renderer, in one program: as many programs would each link all of it.
+//! Tests of the renderer in one program, to link the renderer only once.
 #![cfg(not(target_arch = "wasm32"))]
 
 mod common;

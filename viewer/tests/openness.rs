@@ -1,4 +1,4 @@
-//! Openness on the GPU equals its Rust twin's, and light follows openness.
+//! Openness on the GPU equals the Rust implementation, and bounced light follows openness.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -12,7 +12,7 @@ use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::Display;
 
 const SIZE: [u32; 2] = [48, 36];
-/// A picture's bounced light is averaged from one of twice the size.
+/// Size of the rendered picture; the bounced light of a picture is averaged from twice the size.
 const LARGE: [u32; 2] = [96, 72];
 
 fn renderer(gpu: &Gpu, scene: &BakedScene) -> Renderer {
@@ -31,7 +31,7 @@ fn picture(renderer: &mut Renderer, detail: bool) -> Vec<f32> {
     bytemuck::pod_collect_to_vec::<u8, f32>(&bytes).chunks(4).map(|pixel| pixel[1]).collect()
 }
 
-/// Where a ray from within the room [-1, 1]³ meets a wall, and the wall's normal.
+/// Hit of a ray from inside the room [-1, 1]³ with a wall, and the wall's normal.
 fn wall(eye: Vec3, direction: Vec3) -> (Vec3, Vec3) {
     let distances = (direction.signum() - eye) / direction;
     let axis = distances.min_position();
@@ -44,7 +44,7 @@ fn wall(eye: Vec3, direction: Vec3) -> (Vec3, Vec3) {
 fn pixels_receive_what_the_twin_says() {
     let Some(gpu) = common::gpu() else { return };
     let mut scene = common::room(&[6, 12]);
-    // All less open, or pixels on bare walls would not be looked at.
+    // Every function is partly closed, so that pixels on bare walls are evaluated.
     scene.openness = vec![LEVELS - 1; scene.points.len()];
     let camera = scene.meta.cameras[0].frame([0.0; 3]);
     let [width, height] = LARGE;
@@ -70,7 +70,8 @@ fn pixels_receive_what_the_twin_says() {
                 let of = |i: u32| twin(2 * x + (i & 1), 2 * y + (i >> 1));
                 let [a, b, c, d] = [0, 1, 2, 3].map(of);
                 let i = (y * SIZE[0] + x) as usize;
-                // Where it changes from pixel to pixel, the average of the picture's samples is another.
+                // Skips places where openness changes from pixel to pixel: the average of the picture's samples
+                // differs there.
                 let spread = [a, b, c, d].iter().fold(0f32, |most, v| most.max((v - a).abs()));
                 if without[i] > 1e-4 && spread < 0.02 {
                     let found = with[i] / (without[i] * gain(LEVELS - 1));

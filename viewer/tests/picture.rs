@@ -1,4 +1,5 @@
-//! The GPU's picture of the bounced light, made in either way, against a direct evaluation on the CPU, and what is drawn when.
+//! The GPU's picture of the bounced light, by both ways, against a direct evaluation on the CPU; passes run after
+//! each kind of change.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -35,16 +36,16 @@ fn indirect(renderer: &mut Renderer) -> Vec<[f32; 4]> {
     bytemuck::pod_collect_to_vec(&bytes)
 }
 
-/// The mean of all that the tone-mapped picture's bytes say but alpha.
+/// The mean of RGB in the tone-mapped picture.
 fn brightness(renderer: &mut Renderer) -> f64 {
     let pixels = pollster::block_on(renderer.read_pixels(WIDTH, HEIGHT).unwrap().wait()).unwrap();
     pixels.chunks(4).map(|p| p[0] as f64 + p[1] as f64 + p[2] as f64).sum::<f64>() / pixels.len() as f64
 }
 
-/// Both ways from functions to pixels: whatever holds of the picture holds of both.
+/// Both ways from functions to pixels; tests of the picture apply to both.
 const WAYS: [Display; 2] = [Display::Lookup, Display::Splat];
 
-/// The bounced light, made in this way in every pixel.
+/// The bounced light, computed by this way in every pixel.
 fn exact(gpu: &Gpu, scene: &BakedScene, way: Display) -> Vec<[f32; 4]> {
     let mut renderer = renderer(gpu, scene);
     renderer.set_every_pixel(true);
@@ -55,7 +56,7 @@ fn exact(gpu: &Gpu, scene: &BakedScene, way: Display) -> Vec<[f32; 4]> {
     picture
 }
 
-/// Root of the mean square of the difference between two pictures, relative to the second.
+/// RMS difference between two pictures, relative to the second.
 fn apart(ours: &[[f32; 4]], other: &[[f32; 4]]) -> f64 {
     let channels = || ours.iter().zip(other).flat_map(|(a, b)| (0..3).map(|c| (a[c] as f64, b[c] as f64)));
     let error: f64 = channels().map(|(a, b)| (a - b).powi(2)).sum();
@@ -64,7 +65,7 @@ fn apart(ours: &[[f32; 4]], other: &[[f32; 4]]) -> f64 {
     (error / power).sqrt()
 }
 
-/// Where a ray from inside the cube [-1, 1]³ leaves it, and the wall's inward normal and material.
+/// Exit point of a ray from inside the cube [-1, 1]³, with the wall's inward normal and material.
 fn hit(eye: Vec3, direction: Vec3) -> (Vec3, Vec3, usize) {
     let mut best = (f32::INFINITY, Vec3::ZERO, 0);
     for axis in 0..3 {
@@ -81,7 +82,7 @@ fn hit(eye: Vec3, direction: Vec3) -> (Vec3, Vec3, usize) {
     (eye + direction * best.0, best.1, best.2)
 }
 
-/// The bounced radiance in one direction, summed over all functions of the finest level that covers it.
+/// The bounced radiance in one direction, summed over the functions of the finest level that covers the hit.
 fn radiance(scene: &BakedScene, values: &[Vec3], eye: Vec3, direction: Vec3) -> Vec3 {
     let (position, normal, wall) = hit(eye, direction);
     let color = scene.meta.materials[wall].base_color;
@@ -112,7 +113,7 @@ fn unblocked(scene: &BakedScene) -> Vec<Vec3> {
         let sum = lights.iter().filter_map(|light| light.incident(place));
         sum.map(|i| i.irradiance * normal.dot(i.to_light).max(0.0)).sum()
     };
-    // Over the footprint, or at the point where it has no samples.
+    // Mean over the footprint, or the value at the point if the footprint has no samples.
     let at = |p: &Point| {
         let samples: Vec<u32> = (0..footprint::SAMPLES).filter(|k| p.has_sample(*k)).collect();
         let mut places: Vec<Vec3> =
@@ -125,7 +126,7 @@ fn unblocked(scene: &BakedScene) -> Vec<Vec3> {
     scene.points[..scene.direct_count()].iter().map(at).collect()
 }
 
-/// Relative RMS difference between the GPU's picture and the CPU's of the same 64 places a pixel: 16 shifts of
+/// Relative RMS difference between the GPU's picture and the CPU's, at the same 64 places in a pixel: 16 shifts of
 /// each quarter.
 fn difference(scene: &BakedScene, ours: &[[f32; 4]]) -> f64 {
     let values = relight::relight(scene, unblocked(scene));
@@ -160,7 +161,7 @@ fn pixels_are_the_basis_evaluated_in_every_pixel() {
     for way in WAYS {
         let difference = difference(&scene, &exact(&gpu, &scene, way));
         println!("{way:?}: {difference}");
-        // 8-bit albedo, shadow maps at the walls' corners and edges between walls remain.
+        // Remaining differences: 8-bit albedo, shadow maps at the walls' corners, and edges between walls.
         assert!(difference < 0.01, "{way:?}: {difference}");
     }
 }
@@ -178,7 +179,7 @@ fn light_between_looked_up_pixels_is_nearly_the_same() {
         interpolated.set_display(way);
         let error = apart(&indirect(&mut interpolated), &exact(&gpu, &scene, way));
         assert!(error > 1e-3, "nothing was interpolated");
-        // Neighbouring functions know nothing of each other here: light cannot be rougher.
+        // Neighbouring functions are independent here: the roughest possible light.
         assert!(error < 0.03, "{way:?}: {error}");
     }
 }
@@ -199,7 +200,7 @@ fn the_units_of_light_do_not_matter() {
 fn holes_take_the_next_coarser_level() {
     let Some(gpu) = common::gpu() else { return };
     let mut scene = common::room(&[3, 6, 12]);
-    // Functions so small that they leave most of the finest two levels' surfaces uncovered.
+    // Functions so small that large parts of the finest two levels' surfaces are uncovered.
     for (l, radius) in [(1, 0.15), (2, 0.04)] {
         for i in scene.level(l) {
             scene.points[i].radius = radius;
@@ -218,7 +219,7 @@ fn holes_take_the_next_coarser_level() {
 fn light_is_linear() {
     let Some(gpu) = common::gpu() else { return };
     let mut scene = common::room(&[3, 6, 12]);
-    // Nothing negative, which would be cut off at zero: light comes from above, from senders without parents.
+    // No negative values, which would be clamped to zero: light comes from above, from senders without parents.
     scene.meta.sender_levels = 1;
     let senders = scene.meta.levels[0].count;
     let all = scene.points.len() as u32;
@@ -333,18 +334,18 @@ fn the_exposure_follows_light_beyond_its_latitude_only() {
         brightness(&mut renderer)
     };
     let first = lit(Some(0.0));
-    // As far as a stop and a half it shows what the lamps do.
+    // Within a stop and a half, the picture follows the lamps.
     let within = [-1.4, -0.7, 0.0, 0.7, 1.4].map(|stops| lit(Some(stops)));
     assert!(within.windows(2).all(|pair| pair[1] > 1.1 * pair[0]), "{within:?}");
     assert_eq!(within[2], first, "it does not depend on what was shown before");
-    // Beyond, neither a sun nor a night leaves the picture.
+    // Beyond, the exposure adapts: the brightness stays constant under a sun and at night.
     for far in [[1.5, 6.0, 20.0], [-1.5, -6.0, -20.0]] {
         let [edge, farther, farthest] = far.map(|stops| lit(Some(stops)));
         assert!((farther - edge).abs() < 0.5 && (farthest - edge).abs() < 0.5, "{edge} {farther} {farthest}");
     }
     assert_eq!(lit(None), 0.0);
     assert_eq!(lit(Some(0.0)), first, "darkness says nothing");
-    // What is shown anew is exposed anew.
+    // After `rekey` the exposure is measured again.
     let dim = lit(Some(-6.0));
     renderer.rekey();
     let anew = brightness(&mut renderer);
@@ -358,7 +359,7 @@ fn what_little_is_lit_does_not_burn_out() {
     let mut renderer = renderer(&gpu, &common::room(&[3, 6]));
     renderer.set_mode(Mode::Direct);
     renderer.want_key(true);
-    // What radiance is multiplied with, now and when the scene was shown first.
+    // The present and the initial factor on radiance.
     let mut keys = |outer_cone_deg: f64, intensity: f64| -> [f32; 2] {
         let [position, direction] = [[0.0; 3], [0.2, -0.1, -1.0]];
         let color = [1.0; 3];
@@ -381,7 +382,8 @@ fn what_little_is_lit_does_not_burn_out() {
     assert_eq!(first, begun, "the first picture sets it");
     let [narrow, kept] = keys(4.0, 1.0);
     assert_eq!(kept, begun);
-    // A few pixels are lit, as brightly as before: up to eight times the middle grey, where all of them together would ask for far more.
+    // A few pixels are lit, as brightly as before: up to eight times the middle grey; the mean of all pixels would
+    // demand far more.
     let [dim, _] = keys(4.0, 1e-3);
     println!("{first}; narrow {narrow}, a thousand times dimmer {dim}");
     assert!(narrow >= first && narrow < 16.0 * first, "{narrow}, {first}");
@@ -397,7 +399,7 @@ fn a_sketch_is_drawn_while_the_view_changes_and_the_whole_picture_after_it() {
         let mut renderer = renderer(&gpu, &scene);
         renderer.set_still_pictures(1);
         renderer.set_sketching(sketching);
-        // Measured on the sketch, it would be slightly another.
+        // The exposure measured on the sketch would differ slightly.
         renderer.set_auto_exposure(false);
         let target = common::screen(&gpu, WIDTH, HEIGHT);
         let view = target.create_view(&Default::default());

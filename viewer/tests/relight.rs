@@ -18,7 +18,8 @@ fn floats(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<f32> {
     bytemuck::pod_collect_to_vec(&bytes)
 }
 
-/// Runs all steps but the first on the GPU, from this direct irradiance: what the senders hold, and the light at all points.
+/// Runs all steps except the first on the GPU, from this direct irradiance. Returns the senders' irradiance and the
+/// light at all points.
 fn run(gpu: &Gpu, scene: &BakedScene, direct: &[Vec3], lanes: u32) -> [Vec<f32>; 2] {
     let materials = rebounce_viewer::materials::material_layout(gpu);
     let shadows = ShadowPipelines::new(gpu, &materials);
@@ -73,15 +74,15 @@ fn every_step_agrees_with_the_cpu_for_every_split_of_the_rows() {
 fn links_that_do_not_fit_one_binding_are_split_and_agree_too() {
     let Some(gpu) = common::gpu() else { return };
     let mut scene = common::room(&[3, 6, 12]);
-    // The same links many times over, each a share of the whole: over 128 MiB.
+    // Many copies of the same links: over 128 MiB.
     let copies = (150 << 20) / (4 * scene.links.links.len()) + 1;
     let template = scene.clone();
     scene.links = repeated(&template.links, copies);
-    // Thousands of single-precision numbers a row, added up in another order.
+    // Thousands of single-precision numbers a row, summed in a different order.
     check(&gpu, &scene, 8, 5e-3);
 }
 
-/// Every link this often, from the same sender.
+/// Every link repeated `copies` times, from the same sender.
 fn repeated<L: Copy>(matrix: &LinkMatrix<L>, copies: usize) -> LinkMatrix<L> {
     LinkMatrix {
         offsets: matrix.offsets.iter().map(|offset| offset * copies as u32).collect(),

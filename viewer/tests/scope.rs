@@ -1,4 +1,4 @@
-//! Who owns what lies on the GPU, and whose failures are whose.
+//! Ownership of GPU resources, and attribution of errors to handles.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -14,7 +14,7 @@ fn buffer(scope: &Scope, size: u64) -> wgpu::Buffer {
     scope.buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
 }
 
-/// Copies one into another, which a destroyed one refuses.
+/// Copies a buffer to another; an error for a destroyed buffer.
 fn copy(gpu: &Gpu, from: &wgpu::Buffer, to: &wgpu::Buffer) {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     encoder.copy_buffer_to_buffer(from, 0, to, 0, 16);
@@ -62,7 +62,7 @@ fn a_device_lives_as_long_as_any_handle() {
     let (told, device) = (Arc::new(AtomicBool::new(false)), scope.device.clone());
     let tell = told.clone();
     device.set_device_lost_callback(move |_, _| tell.store(true, Ordering::Relaxed));
-    // The queue lives on, or nothing is told.
+    // Keeps the queue alive; without the queue no message arrives.
     let _queue = scope.queue.clone();
     let look = || drop(device.poll(wgpu::PollType::wait_indefinitely()));
     look();

@@ -12,7 +12,7 @@ use rebounce_viewer::scope::Scope;
 use wgpu::{TextureFormat, TextureUsages};
 
 const SIZE: [u32; 2] = [64, 40];
-/// Of 255: the dither's one, and what a sampler's fractions of a texel round by.
+/// Tolerance in steps of 255: one step of the dither, and rounding of the sampler's texel fractions.
 const APART: f32 = 3.0;
 
 /// Blocks, slanted edges and noise, in 64ths, which 16-bit floats hold.
@@ -31,7 +31,7 @@ fn picture() -> Vec<Vec3> {
     (0..SIZE[0] * SIZE[1]).map(pixel).collect()
 }
 
-/// The bytes that a canvas gets for a picture.
+/// The bytes of a picture on a canvas.
 fn presented(gpu: &Gpu, pixels: &[Vec3], flags: u32) -> Vec<u8> {
     let own = Scope::new(gpu);
     let texture = |format, usage| {
@@ -96,7 +96,7 @@ fn edges_are_smoothed_as_on_the_cpu_and_else_stay_as_they_are() {
     let smoothed = Pixels { width: SIZE[0] as usize, pixels: &pixels }.all_smoothed();
     let [differ, changed] = compare(&presented(&gpu, &pixels, SMOOTH), &smoothed, &pixels);
     println!("{changed} pixels smoothed, {differ} of {} differ", pixels.len());
-    // Where a brightness is at a threshold, rounding decides.
+    // Rounding decides about a brightness at a threshold.
     assert!(changed > 300 && differ <= pixels.len() / 200, "{differ} differ, {changed} smoothed");
     assert_eq!(compare(&presented(&gpu, &pixels, 0), &pixels, &pixels), [0, 0]);
     gpu.check().unwrap();

@@ -1,4 +1,4 @@
-//! The quads that bound what functions reach: the GPU's are the CPU's, less those that reach no pixel's middle.
+//! Bounding quads of functions: the GPU's quads equal the CPU's, except for quads without a pixel centre.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -15,8 +15,7 @@ use wgpu::util::DeviceExt;
 
 const SIZE: [u32; 2] = [64, 48];
 
-/// Whether a quad, made so much smaller, holds the middle of one of the pixels in every `step`th column and row, those
-/// left of `end`.
+/// Whether a quad, shrunk by `less`, holds a pixel centre in every `step`th column and row, left of `end`.
 fn holds(quad: &Quad, less: f32, step: usize, end: usize) -> bool {
     let [width, height] = SIZE.map(|side| side as usize);
     let middles =
@@ -59,7 +58,7 @@ fn quads_are_those_of_the_cpu() {
     let points = buffer(bytemuck::cast_slice(&scene.points), BufferUsages::STORAGE);
     let of = [level.start as u32, level.len() as u32, 1, 1, 0, 0, 0, 0];
     let of = buffer(bytemuck::cast_slice(&of), BufferUsages::UNIFORM);
-    // Something far away in all pixels, which have slots of their own left of the middle.
+    // A distant surface in all pixels; pixels left of the middle have their own slots.
     let [width, height] = SIZE;
     let depth = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,
@@ -135,7 +134,7 @@ fn quads_are_those_of_the_cpu() {
                     continue;
                 };
                 let quad = quad.as_ref().unwrap_or_else(|| panic!("{name} is not in view"));
-                // Large ones are drawn anyway.
+                // Large quads are always drawn.
                 let size = 0.25 * (quad.high - quad.low) * Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
                 let large = 4.0 * size.x * size.y > 9.0;
                 assert!(large || holds(quad, -1e-4, 1 + of, SIZE[0] as usize), "{name}: {quad:?} is none");

@@ -1,4 +1,4 @@
-//! The sum that is kept of lights at rest, with the others on top, is the light of all of them.
+//! The kept sum of lights at rest plus the moving lights equals the light of all lights.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use crate::common;
@@ -14,7 +14,7 @@ use std::rc::Rc;
 
 const LIGHTS: usize = 16;
 
-/// All of one kind would hide how layers of shadow maps are counted.
+/// Lights of several kinds: a single kind would hide errors in counting shadow map layers.
 fn light(i: usize, shift: f64) -> Light {
     let position = [0.1 * i as f64 - 0.7, 0.5 - 0.05 * i as f64, shift];
     let (intensity, color) = (0.5 + 0.1 * i as f64, [1.0, 0.8, 0.6]);
@@ -114,7 +114,7 @@ fn of_sixteen_lights_only_the_one_that_moves_is_evaluated_and_has_its_shadows_dr
         lights[0] = light(0, 0.3 + 0.1 * step as f64);
         assert_eq!(cost(&lights), [1, 6]);
     }
-    // Brighter only: its shadows stay.
+    // Brighter only: shadows are unchanged.
     if let Light::Point { intensity, .. } = &mut lights[0] {
         *intensity *= 2.0;
     }

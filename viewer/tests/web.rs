@@ -1,4 +1,4 @@
-//! The viewer's class and the shared crate as they are in a browser.
+//! The viewer's class and the shared crate in a browser.
 #![cfg(target_arch = "wasm32")]
 
 use js_sys::{Float32Array, Promise, Reflect, Uint8Array};
@@ -17,7 +17,7 @@ use wasm_bindgen_test::{wasm_bindgen_test, wasm_bindgen_test_configure};
 
 wasm_bindgen_test_configure!(run_in_browser);
 
-/// One triangle and one basis function: the smallest scene with anything in it.
+/// A triangle and a basis function: the smallest scene with content.
 fn triangle() -> BakedScene {
     let corner = |x, y| Vertex { position: [x, y, 0.0], ..Vertex::default() };
     let mut scene = BakedScene {
@@ -66,7 +66,7 @@ async fn viewer() -> Viewer {
     Viewer::try_from_js_value(object).map_err(|_| "not a Viewer").unwrap()
 }
 
-/// The code that loading these bytes is refused with.
+/// The error code for loading these bytes.
 async fn refusal(viewer: &Viewer, bytes: &[u8]) -> String {
     let error = JsFuture::from(viewer.load(Uint8Array::from(bytes))).await.unwrap_err();
     assert!(error.is_instance_of::<js_sys::Error>(), "not an Error: {error:?}");
@@ -104,7 +104,7 @@ async fn files_that_are_none_are_refused_with_a_code() {
     let mut damaged = whole.clone();
     damaged[whole.len() / 2] ^= 1;
     assert_eq!(refusal(&viewer, &damaged).await, "corrupt");
-    // Another version's file may have checksums of another kind: the version comes first.
+    // A file of another version may have checksums of another kind: the version is checked first.
     for (version, said) in [(container::VERSION + 1, "newer-version"), (5, "older-version")] {
         let mut other = whole.clone();
         other[8..12].copy_from_slice(&version.to_le_bytes());
@@ -134,7 +134,7 @@ async fn without_lights_there_is_no_light_and_the_first_one_shines() {
     assert!(image.chunks(4).all(|pixel| pixel[..3] == [0.0; 3]), "light from nowhere");
     let covered = image.chunks(4).filter(|pixel| pixel[3] > 0.0).count();
     assert!(covered > 0 && covered < 256, "{covered} of 256 pixels are covered");
-    // The first light of a scene that had none.
+    // The first light of a scene without lights.
     let light =
         Light::Point { position: [1_000_000.3, 0.3, 2.0], intensity: 10.0, color: [1.0; 3], radius: 0.0 };
     viewer.set_lights(&wire::light_numbers(&[light])).unwrap();

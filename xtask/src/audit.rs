@@ -1,24 +1,24 @@
-//! `cargo xtask audit`: known vulnerabilities, licences, doubled versions and sources of all dependencies.
+//! `cargo xtask audit`: checks dependencies for known vulnerabilities, licences, duplicate versions and sources.
 
 use crate::process;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::process::Command;
 
-/// What came of a check.
+/// Result of a check.
 #[derive(Debug, PartialEq)]
 enum Outcome {
     Passed,
-    /// It found something, which it has printed.
+    /// The check printed findings.
     Failed,
-    /// It could not be made: why.
+    /// The check could not run: reason.
     Unchecked(String),
 }
 
-/// Runs all checks. `--offline`: those that need the network may be left out.
+/// Runs the checks. With `--offline`, checks that need the network may be skipped.
 ///
 /// # Errors
-/// If one finds something, or, without `--offline`, cannot be made: nothing passes silently.
+/// If a check finds a problem, or, without `--offline`, cannot run: no check passes silently.
 pub fn run(args: &[String]) -> Result<()> {
     let is_offline = match args {
         [] => false,
@@ -79,7 +79,7 @@ fn of_deny(is_success: bool, said: &str) -> Outcome {
     }
 }
 
-/// Runs `npm audit` over the locked versions of the web package, and of what measures beside it.
+/// Runs `npm audit` over the locked versions of the web package, and of the packages of the web benchmark.
 fn npm() -> Result<Outcome> {
     for folder in ["web", "web/bench"] {
         let mut command = Command::new("npm");

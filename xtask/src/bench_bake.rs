@@ -1,10 +1,11 @@
-//! `cargo xtask bench-bake`: how far a bake is from what its rays alone take, and what a second thread brings.
+//! `cargo xtask bench-bake`: time of a bake against the time of its rays alone, and the speed-up by a second
+//! thread.
 
 use crate::fidelity::given_or;
 use crate::process;
 use anyhow::{Context, Result, bail};
 
-/// The scene measured where none is named, in the folder of given ones, and where there is no such folder.
+/// Default scene, in the folder of given scenes, and its replacement without the folder.
 const SCENES: [&str; 2] = ["sponza-dabrovic/sponza-dabrovic.glb", "builtin:library"];
 
 #[derive(Debug, PartialEq)]

@@ -1,5 +1,5 @@
-//! `cargo xtask bench-kernels`: instructions of a bake's kernels, counted by valgrind's callgrind. They are the same
-//! whatever else the machine does.
+//! `cargo xtask bench-kernels`: instruction counts of a bake's kernels, by valgrind's callgrind. Counts do not
+//! depend on the machine's load.
 
 use crate::install::{self, Need};
 use crate::process;
@@ -13,11 +13,11 @@ const VALGRIND: [Need; 1] = [Need {
     present: || process::find(&["valgrind"]).is_some(),
 }];
 
-/// Where the benchmark's functions are, and the one that all counting happens in.
+/// Module of the benchmark's functions, and the function around all counted calls.
 const MODULE: &str = "kernels::";
 const COUNTED: &str = "kernels::counted";
 
-/// Counts, and prints a table.
+/// Counts instructions, and prints a table.
 ///
 /// # Errors
 /// If a step fails.
@@ -50,7 +50,7 @@ pub fn run(args: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// Instructions per unit, from what the benchmark said it did and what valgrind counted.
+/// Table of instructions per unit, from the unit counts printed by the benchmark and the profile of valgrind.
 fn table(said: &str, profile: &str) -> Result<String> {
     let costs = costs(profile);
     let mut lines = vec!["| kernel | of a | instructions |".to_owned(), "|---|---|---|".to_owned()];
@@ -69,8 +69,8 @@ fn table(said: &str, profile: &str) -> Result<String> {
     Ok(lines.join("\n"))
 }
 
-/// What the calls from [`COUNTED`] took, all that they call included, by the called function. A profile names a
-/// function once, and then by its number.
+/// Inclusive costs of the calls from [`COUNTED`], by called function. A profile gives a function's name once, and
+/// its number afterwards.
 fn costs(profile: &str) -> HashMap<String, u64> {
     let mut names: HashMap<&str, &str> = HashMap::new();
     let mut costs = HashMap::new();

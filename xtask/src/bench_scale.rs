@@ -1,5 +1,5 @@
-//! `cargo xtask bench-scale`: the same scene with ever more triangles at equal settings. A bake's time is to grow
-//! with how complicated the light is, not with the triangles.
+//! `cargo xtask bench-scale`: bake times of a scene with increasing numbers of triangles at equal settings. The
+//! time of a bake should grow with the complexity of the light, not with the triangles.
 
 use crate::fidelity::given_or;
 use crate::process;
@@ -7,11 +7,11 @@ use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::process::{Command, Stdio};
 
-/// Each triangle becomes as many as the square of these.
+/// Subdivisions of a triangle's edges; the number of triangles grows by the square.
 const SPLITS: [u32; 3] = [1, 4, 9];
-/// In the folder of given scenes.
+/// Default scene, in the folder of given scenes.
 const SCENE: &str = "sponza-dabrovic/sponza-dabrovic.glb";
-/// Where there is none.
+/// Replacement without the folder.
 const GENERATED: &str = "builtin:apartment";
 
 #[derive(Debug, PartialEq)]

@@ -1,6 +1,6 @@
-//! `cargo xtask bench-web`: what a frame of the viewer costs in a browser beside one of three.js, with the same
-//! scene, light and size, in turns on the same machine. Each picture's bounced light is compared with the
-//! path-traced one where there is one. Then: what lookup and splatting cost, and how far apart their pictures are.
+//! `cargo xtask bench-web`: frame time of the viewer in a browser against three.js, with equal scene, light and
+//! size, alternating on the same machine. The bounced light of each picture is compared with the path-traced
+//! reference, if present. Then: costs of lookup and splatting, and the difference of their pictures.
 
 use crate::fidelity::given;
 use crate::{install, process, web};
@@ -9,7 +9,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The shot that is measured where none is named.
+/// Default shot.
 const SHOT: &str = "sponza-dabrovic";
 
 #[derive(Debug, Default, PartialEq)]
@@ -32,7 +32,8 @@ fn parse(args: &[String]) -> Result<Options> {
     Ok(options)
 }
 
-/// Bakes, serves, measures, prints a table of both ways to the pixel, one of the viewers and the line `frame ratio R`.
+/// Bakes, serves, measures, prints a table of lookup and splatting, a table of the viewers and the line
+/// `frame ratio R`.
 ///
 /// # Errors
 /// If a step fails, or there is no scene to measure.
@@ -87,7 +88,7 @@ fn figures(file: &Path) -> Result<Value> {
     serde_json::from_slice(&text).with_context(|| file.display().to_string())
 }
 
-/// Milliseconds of both ways to the pixel at each size, and the difference of their pictures.
+/// Table of milliseconds of lookup and splatting by size, and the difference of their pictures.
 fn ways_table(results: &Value) -> Result<String> {
     let mut lines = vec![
         "| milliseconds | size | find | gather | a frame with the light moving |".to_owned(),
@@ -108,7 +109,7 @@ fn ways_table(results: &Value) -> Result<String> {
     Ok(lines.join("\n"))
 }
 
-/// The table, and the line that says it all.
+/// Table of the viewers, and the summary line.
 fn table(results: &Value) -> Result<String> {
     let mut lines = vec![
         "| a frame with the light moving, 1280 x 720 | seconds | error | bias |".to_owned(),
@@ -176,7 +177,7 @@ mod tests {
             "{table}"
         );
         assert!(table.ends_with("an adapter; the pictures are 0.123% apart (relative RMS)"), "{table}");
-        // Without timestamps there are no times of passes.
+        // Without GPU timestamps the passes have no times.
         results["sizes"][0]["splat"] = serde_json::json!({ "light": 60.0 });
         assert!(ways_table(&results).unwrap().contains("| splat | 320 x 180 | – | – | 60 |"));
         assert!(ways_table(&serde_json::json!({})).is_err());

@@ -1,13 +1,13 @@
-//! wasm-bindgen's generator, as the library of the same version that the viewer links.
+//! The generator of wasm-bindgen, as a library of the version linked by the viewer.
 
 use anyhow::{Context, Result};
 use std::collections::HashMap;
 use std::path::Path;
 use wasm_bindgen_cli_support::Bindgen;
 
-/// How values are written out in the messages of panics, and what is shorter: what is used no more is left out of the bundle.
+/// Formatting of values in panic messages, and a shorter replacement: the bundler then drops the unused function.
 const DEBUG: [&str; 2] = ["debugString(arg", "String(arg"];
-/// Where the script's own ways to load begin, and the one that is used.
+/// Start of the script's own loading functions, and the replacement.
 const LOAD: &str = "async function __wbg_load(";
 const INIT: &str = include_str!("init.js");
 
@@ -21,17 +21,17 @@ pub fn module(wasm: &Path, name: &str, out: &Path) -> Result<()> {
     let file = || format!("making the JavaScript for {}", wasm.display());
     let mut output = generator.input_path(wasm).out_name(name).generate_output().with_context(file)?;
     let mut script = output.js().to_owned();
-    // Hundreds of imports with a hash in their names, in both files: a sixteenth of a bundle after gzip.
+    // Hundreds of import names contain a hash, in both files: a sixteenth of a bundle after gzip.
     let mut short = HashMap::new();
     for (i, import) in output.wasm_mut().imports.iter_mut().enumerate() {
         short.insert(std::mem::replace(&mut import.name, format!("i{i}")), i);
     }
-    // So are what closures are called by.
+    // Export names of closures contain a hash, too.
     let is_long = |name: &str| name.starts_with("wasm_bindgen_");
     for (i, export) in output.wasm_mut().exports.iter_mut().filter(|export| is_long(&export.name)).enumerate()
     {
         let long = std::mem::replace(&mut export.name, format!("e{i}"));
-        // Arguments or the line's end follow a name; another one may begin with it.
+        // Arguments or the end of the line follow a name; a longer name may have the same prefix.
         for end in ["(", ")", ",", ";"] {
             script = script.replace(&format!("wasm.{long}{end}"), &format!("wasm.e{i}{end}"));
         }
@@ -56,7 +56,7 @@ pub fn module(wasm: &Path, name: &str, out: &Path) -> Result<()> {
     std::fs::write(&file, script).with_context(|| file.display().to_string())
 }
 
-/// Writes the same for a test program, whose tests are reached as plain exports.
+/// Writes the same files for a test program with tests as plain exports.
 ///
 /// # Errors
 /// As [`module`].

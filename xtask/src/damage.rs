@@ -24,10 +24,10 @@ fn parse(args: &[String]) -> Result<Options> {
     Ok(options)
 }
 
-/// Makes the files, builds the viewer, and opens one after another: each must be refused or give a picture.
+/// Makes the files, builds the viewer, and opens the files: the viewer must refuse a file or render a picture.
 ///
 /// # Errors
-/// If one does something else; the files stay in target/damage.
+/// If the viewer does neither; the files stay in target/damage.
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
     install::ensure(&install::BROWSER)?;
@@ -39,11 +39,11 @@ pub fn run(args: &[String]) -> Result<()> {
     let numbers = [options.files.to_string(), options.seed.to_string()];
     process::run(std::process::Command::new(program("damage")?).arg(&folder).args(numbers))?;
     process::run(web::node().arg("test/damaged.mjs").arg(&folder))?;
-    // What had no fault is not looked at again.
+    // Files without fault are not needed again.
     std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())
 }
 
-/// Builds a program of the crate of tests, as the tests do; where it lies.
+/// Builds a program of the test crate with the tests' settings; returns the program's path.
 fn program(name: &str) -> Result<PathBuf> {
     process::run(process::cargo().args(["build", "--package", "rebounce-tests", "--bin", name]))?;
     Ok(process::target().join("debug").join(name))

@@ -1,4 +1,4 @@
-//! `cargo xtask demo`: from nothing to a lit room in the browser.
+//! `cargo xtask demo`: from a fresh checkout to a lit room in the browser.
 
 use crate::{install, process, web};
 use anyhow::{Context, Result, bail};
@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What the command line asks for.
+/// Command line options.
 #[derive(Debug, Default, PartialEq)]
 struct Options {
     scene: Option<String>,
@@ -29,7 +29,7 @@ fn parse(args: &[String]) -> Result<Options> {
     Ok(options)
 }
 
-/// Builds everything, bakes the scene, and shows it; or takes a picture of it.
+/// Builds the programs, bakes the scene, and shows the scene, or takes a screenshot.
 ///
 /// # Errors
 /// If a step fails, or the picture is blank.
@@ -71,7 +71,7 @@ pub fn run(args: &[String]) -> Result<()> {
     }
 }
 
-/// Where the scene's baked file goes.
+/// Path of the scene's baked file.
 fn baked(scene: &str) -> PathBuf {
     let name = match scene.strip_prefix("builtin:") {
         Some(name) => name.to_owned(),
@@ -80,12 +80,12 @@ fn baked(scene: &str) -> PathBuf {
     process::target().join("demo").join(name + ".rbn")
 }
 
-/// Serves, loads the page in headless Chromium, and writes its picture.
+/// Starts the server, loads the page in headless Chromium, and writes a screenshot.
 fn screenshot(view: &mut Command, out: &Path) -> Result<()> {
     let child = view.stdout(Stdio::piped()).spawn().context("rebounce view could not be started")?;
     let mut server = process::Running(child);
     let stdout = server.0.stdout.take().context("rebounce view has no output")?;
-    // Held until the end: a server whose output is closed would fail on its next word.
+    // Kept open until the end: a server with closed output would fail on its next output.
     let mut output = BufReader::new(stdout);
     let mut line = String::new();
     output.read_line(&mut line).context("rebounce view")?;

@@ -1,4 +1,4 @@
-//! `cargo xtask fuzz`: feeds damaged input to what reads files, until it breaks or the time is over.
+//! `cargo xtask fuzz`: runs the file readers on damaged input, until a failure or the end of the runs.
 
 use crate::process;
 use anyhow::{Context, Result, bail};
@@ -8,9 +8,9 @@ use std::process::Command;
 /// A fuzz target, in tests/fuzz/fuzz_targets.
 struct Target {
     name: &'static str,
-    /// What an input may weigh, bytes.
+    /// Maximum size of an input, bytes.
     size: u32,
-    /// With AddressSanitizer, three times slower: for what runs code of others that is not all safe Rust.
+    /// With AddressSanitizer, three times slower: for dependencies with unsafe Rust.
     sanitized: bool,
 }
 
@@ -24,7 +24,7 @@ const TARGETS: [Target; 8] = [
     Target { name: "checkpoint", size: 1 << 15, sanitized: false },
     Target { name: "simplify", size: 400, sanitized: false },
 ];
-/// An input that takes longer is a failure, seconds.
+/// Time limit for an input, seconds; a slower input is a failure.
 const SLOW: u32 = 1;
 #[derive(Debug, PartialEq)]
 struct Options {
@@ -53,10 +53,10 @@ fn parse(args: &[String]) -> Result<Options> {
     Ok(options)
 }
 
-/// Runs the targets, each so many times.
+/// Runs the targets, `runs` inputs each.
 ///
 /// # Errors
-/// If one fails: what failed is kept in tests/fuzz/artifacts.
+/// If a target fails; the failing input is kept in tests/fuzz/artifacts.
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
     if process::quiet(Command::new("cargo").args(["+nightly", "fuzz", "--version"])).is_none() {
@@ -84,12 +84,12 @@ pub fn run(args: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// Runs one target. It ends itself where an input takes more memory than four times its size and 64 MB.
+/// Runs a target. The target aborts if an input needs more memory than four times its size plus 64 MB.
 fn fuzz(target: &Target, folders: &[&Path], runs: u64) -> Result<()> {
     let sanitizer = if target.sanitized { "address" } else { "none" };
     let mut command = Command::new("cargo");
     command.args(["+nightly", "fuzz", "run", "--fuzz-dir", "tests/fuzz", "--sanitizer", sanitizer]);
-    // Each kind of build has a folder, so that neither undoes the other.
+    // One folder per kind of build, so that the builds do not invalidate each other.
     command.arg("--target-dir").arg(process::target().join("fuzz").join(sanitizer));
     command.arg(target.name).args(folders);
     command.arg("--").arg(format!("-runs={runs}")).arg(format!("-max_len={}", target.size));

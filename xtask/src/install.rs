@@ -1,22 +1,22 @@
-//! What the other commands need from outside, installed where it is missing and said so.
+//! External dependencies of the commands: missing packages are installed and reported.
 
 use crate::process;
 use anyhow::{Result, bail};
 use std::path::Path;
 use std::process::Command;
 
-/// A Debian package, and how to see that what it brings is there.
+/// Debian package with a test of its presence.
 #[derive(Clone, Copy)]
 pub struct Need {
-    /// The package's name.
+    /// Package name.
     pub package: &'static str,
-    /// What it is for.
+    /// Purpose.
     pub why: &'static str,
-    /// Whether what it brings is there, however it came.
+    /// Whether the package's contents are present, from any source.
     pub present: fn() -> bool,
 }
 
-/// Node.js and npm: they build the page.
+/// Node.js and npm, for building the page.
 pub const NODE: [Need; 2] = [
     Need { package: "nodejs", why: "builds the page and drives the browser in tests", present: has_node },
     Need {
@@ -26,7 +26,7 @@ pub const NODE: [Need; 2] = [
     },
 ];
 
-/// The oldest Node.js that Playwright's driver runs on.
+/// Minimum major version of Node.js for Playwright's driver.
 const OLDEST_NODE: u32 = 18;
 
 fn has_node() -> bool {
@@ -36,7 +36,7 @@ fn has_node() -> bool {
     major.is_some_and(|major: u32| major >= OLDEST_NODE)
 }
 
-/// A browser with WebGPU, in software where there is no GPU.
+/// Browser with WebGPU, with a software implementation for machines without a GPU.
 pub const BROWSER: [Need; 3] = [
     Need {
         package: "chromium",
@@ -51,7 +51,7 @@ pub const BROWSER: [Need; 3] = [
     Need { package: "libvulkan1", why: "the Vulkan loader", present: has_vulkan_loader },
 ];
 
-/// Open MPI, for bakes over several processes, and what building against it takes.
+/// Open MPI, for bakes over several processes, with the packages for building against Open MPI.
 pub const MPI: [Need; 3] = [
     Need {
         package: "openmpi-bin",
@@ -76,7 +76,7 @@ fn has_libclang() -> bool {
             .any(|dir| ["libclang.so", "libclang.so.1"].iter().any(|name| dir.join(name).exists()))
 }
 
-/// The browser's program; the variable CHROMIUM names another.
+/// Path of the browser; the environment variable CHROMIUM overrides the search.
 pub fn chromium() -> Option<std::path::PathBuf> {
     match std::env::var_os("CHROMIUM") {
         Some(file) => Some(file.into()),
@@ -84,7 +84,7 @@ pub fn chromium() -> Option<std::path::PathBuf> {
     }
 }
 
-/// The description of Mesa's software Vulkan.
+/// Path of the ICD description of Mesa's software Vulkan.
 pub fn lavapipe() -> Option<std::path::PathBuf> {
     let entries = std::fs::read_dir("/usr/share/vulkan/icd.d").ok()?;
     entries
@@ -105,10 +105,10 @@ fn has_vulkan_loader() -> bool {
     dirs.iter().any(|dir| Path::new(dir).join("libvulkan.so.1").exists())
 }
 
-/// `cargo xtask install`: everything that any command needs.
+/// `cargo xtask install`: installs the dependencies of every command.
 ///
 /// # Errors
-/// If something is missing and cannot be installed.
+/// If a dependency is missing and cannot be installed.
 pub fn all() -> Result<()> {
     ensure(&NODE)?;
     ensure(&BROWSER)?;
@@ -118,10 +118,10 @@ pub fn all() -> Result<()> {
     Ok(())
 }
 
-/// Installs through apt what of these is missing.
+/// Installs missing packages through apt.
 ///
 /// # Errors
-/// Without apt, with what is missing and how to get it; or if apt fails.
+/// Without apt, with the list of missing packages and instructions; or if apt fails.
 pub fn ensure(needs: &[Need]) -> Result<()> {
     let missing: Vec<&Need> = needs.iter().filter(|need| !(need.present)()).collect();
     if missing.is_empty() {

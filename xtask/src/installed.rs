@@ -1,4 +1,5 @@
-//! The command as a newcomer has it: `cargo install --path baker`, into a folder of its own, shows a scene in its page.
+//! Test of a new user's installation: `cargo install --path baker`, into a separate folder, shows a scene in its
+//! page.
 
 use crate::process;
 use anyhow::{Context, Result, ensure};
@@ -7,7 +8,8 @@ use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Installs the command, which holds the page of web/dist, bakes a scene with it, and asks its server for the page.
+/// Installs the command with the embedded page of web/dist, bakes a scene with the command, and requests the page
+/// from the command's server.
 ///
 /// # Errors
 /// If a step fails, or the page is not served.
@@ -40,7 +42,7 @@ pub fn test() -> Result<()> {
     Ok(())
 }
 
-/// The whole answer to a request, as text.
+/// Complete response to a request, as text.
 fn get(host: &str, target: &str) -> Result<String> {
     let mut stream = TcpStream::connect(host).with_context(|| host.to_owned())?;
     write!(stream, "GET {target} HTTP/1.1\r\nHost: {host}\r\n\r\n")?;

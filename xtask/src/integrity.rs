@@ -6,17 +6,18 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256, Sha384};
 use std::collections::BTreeMap;
 
-/// Stands in module.ts for the hash of the wasm file.
+/// Placeholder in module.ts for the hash of the wasm file.
 const WASM: &str = "sha256-of-the-wasm";
 /// The hashes of the modules, in the form of an import map.
 pub const LIST: &str = "integrity.json";
 
 type Files = BTreeMap<String, Vec<u8>>;
 
-/// Writes the hash of the wasm file into the module that fetches it, so that who knows the modules knows the program.
+/// Writes the hash of the wasm file into the module that fetches the file: hashes of the modules then cover the
+/// wasm.
 ///
 /// # Errors
-/// If a file is missing, or there is no place for the hash.
+/// If a file is missing, or the placeholder is missing.
 pub fn seal(files: &mut Files, module: &str, wasm: &str) -> Result<()> {
     let hash =
         format!("sha256-{}", STANDARD.encode(Sha256::digest(files.get(wasm).context(wasm.to_owned())?)));
@@ -27,10 +28,10 @@ pub fn seal(files: &mut Files, module: &str, wasm: &str) -> Result<()> {
     Ok(())
 }
 
-/// `{"integrity": {"./NAME.js": "sha384-…"}}` of all modules, for [`LIST`].
+/// `{"integrity": {"./NAME.js": "sha384-…"}}` of the modules, for [`LIST`].
 ///
 /// # Errors
-/// None but of the JSON writer.
+/// Only errors of the JSON writer.
 pub fn list(files: &Files) -> Result<Vec<u8>> {
     let hashes: BTreeMap<String, String> = files
         .iter()

@@ -1,4 +1,4 @@
-//! `cargo xtask kill-bake`: kills bakes at many times and lets them go on, and compares what comes out.
+//! `cargo xtask kill-bake`: kills bakes at various times, resumes them, and compares the results.
 
 use crate::process;
 use anyhow::{Context, Result, bail};
@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 struct Options {
     times: u32,
     scene: String,
-    /// Whether each kill is followed by a bake to the end; else a bake goes on through many.
+    /// Whether every kill is followed by a bake to the end; otherwise a bake is killed many times.
     each: bool,
-    /// Passed on to `rebounce bake`.
+    /// Additional arguments of `rebounce bake`.
     more: Vec<String>,
 }
 
@@ -34,10 +34,10 @@ fn parse(args: &[String]) -> Result<Options> {
     Ok(options)
 }
 
-/// Kills bakes and compares what comes of them.
+/// Kills bakes and compares the results.
 ///
 /// # Errors
-/// If a bake fails, or gives other bytes than one that nobody killed.
+/// If a bake fails, or its file differs from the file of an undisturbed bake.
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
     process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce"]))?;
@@ -58,7 +58,7 @@ pub fn run(args: &[String]) -> Result<()> {
     // The last bake is not killed.
     let (mut is_over, mut was_killed) = (false, false);
     while !is_over {
-        // Times spread evenly over what a bake takes, the early ones more often.
+        // Kill times cover the duration of a bake, with more kills early in the bake.
         let share = (f64::from(kills) * 0.618_034).fract();
         is_over = kills >= options.times;
         let began = Instant::now();
@@ -70,7 +70,7 @@ pub fn run(args: &[String]) -> Result<()> {
             None => {
                 kills += 1;
                 bytes_kept = bytes_kept.max(partial(&output).metadata().map_or(0, |metadata| metadata.len()));
-                // Killed between its last two steps it has left a whole file.
+                // A kill between the last two steps leaves a complete file.
                 if output.exists() && std::fs::read(&output)? != expected {
                     bail!("kill {kills} left a wrong {}", output.display());
                 }
@@ -81,7 +81,7 @@ pub fn run(args: &[String]) -> Result<()> {
                     bail!("after {kills} kills: {} differs from {}", output.display(), whole.display());
                 }
                 if is_fresh {
-                    // It was faster than the first one: the next kills are to come in time all the same.
+                    // This bake was faster than the first: later kill times must still fall within the duration.
                     took = took.min(began.elapsed());
                 }
                 println!(
@@ -106,7 +106,7 @@ fn bake(options: &Options, output: &Path, more: &[&str]) -> Command {
     command
 }
 
-/// How the command ended; `None` if it was killed after this time.
+/// Exit status of the command; `None` if killed after `limit`.
 fn killed_after(command: &mut Command, limit: Duration) -> Result<Option<ExitStatus>> {
     let mut child = command.spawn().context("starting rebounce")?;
     let began = Instant::now();
@@ -117,7 +117,7 @@ fn killed_after(command: &mut Command, limit: Duration) -> Result<Option<ExitSta
         if began.elapsed() >= limit {
             child.kill()?;
             let status = child.wait()?;
-            // It may have ended of its own in the last moment.
+            // The process may have ended by itself at the last moment.
             return Ok(status.code().map(|_| status));
         }
         std::thread::sleep(Duration::from_millis(2));

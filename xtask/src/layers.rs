@@ -1,7 +1,8 @@
-//! `cargo xtask layers`: which module uses which, and whether each arrow runs the right way.
+//! `cargo xtask layers`: checks the dependencies between modules.
 //!
-//! Two laws. The modules at the top of the baker have an order ([`BAKER`]): each may use those before it alone. And within
-//! every folder of every crate the modules use each other without a circle. Code under `#[cfg(test)]` is free.
+//! Two rules. The top-level modules of the baker are ordered ([`BAKER`]): a module may use only earlier modules.
+//! Within every folder of every crate, the dependencies between modules are acyclic. Code under `#[cfg(test)]` is
+//! exempt.
 
 use crate::process;
 use anyhow::{Context, Result, bail};
@@ -9,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
-/// The baker's modules: each may use those in the lines before its own, and those of its own line.
+/// The baker's modules in layers: a module may use modules of earlier lines and of its own line.
 const BAKER: [&[&str]; 12] = [
     &["random", "morton", "processor", "weld", "watch", "write"],
     &["communicator"],
@@ -24,21 +25,21 @@ const BAKER: [&[&str]; 12] = [
     &["cli"],
     &["main", "lib"],
 ];
-/// What checks a bake knows nothing of how it was made.
+/// Pairs of modules without mutual knowledge: verification of a bake is independent of its implementation.
 const STRANGERS: [(&str, &str); 4] =
     [("path_trace", "transport"), ("render", "transport"), ("path_trace", "render"), ("transport", "render")];
-/// The crates whose modules are looked at.
+/// The checked crates.
 pub const CRATES: [&str; 3] = ["shared", "baker", "viewer"];
 
 /// A module's path within its crate: `geometry`, `mesh`, `blas`.
 type Module = Vec<String>;
-/// Which modules use which, and a file of the first that does.
+/// Dependencies (user, used), each with a file as example.
 type Arrows = BTreeMap<(Module, Module), PathBuf>;
 
-/// Checks both laws.
+/// Checks both rules.
 ///
 /// # Errors
-/// If an arrow runs backwards, modules use each other in a circle, or a file cannot be read.
+/// If a dependency points backwards, modules form a cycle, or a file cannot be read.
 pub fn run() -> Result<()> {
     let mut faults = Vec::new();
     for name in CRATES {
@@ -56,7 +57,7 @@ pub fn run() -> Result<()> {
     Ok(())
 }
 
-/// All arrows between the modules of a crate, outside of tests.
+/// Dependencies between the modules of a crate, outside of tests.
 fn arrows(source: &Path) -> Result<Arrows> {
     let mut files = Vec::new();
     list(source, &mut files)?;
@@ -69,7 +70,7 @@ fn arrows(source: &Path) -> Result<Arrows> {
         let mut uses = Uses { own: own.clone(), found: BTreeSet::new() };
         uses.visit_file(&parsed);
         for path in uses.found {
-            // The longest part of the path that is a module; the rest is in it.
+            // The longest prefix of the path that names a module; the rest of the path is inside the module.
             let used = (1..=path.len()).rev().map(|n| path[..n].to_vec()).find(|part| modules.contains(part));
             if let Some(used) = used.filter(|used| *used != own) {
                 arrows.entry((own.clone(), used)).or_insert_with(|| file.clone());
@@ -79,7 +80,7 @@ fn arrows(source: &Path) -> Result<Arrows> {
     Ok(arrows)
 }
 
-/// All Rust files under a folder but those of tests.
+/// Lists the Rust files under a folder, without tests.
 pub fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
     let mut paths: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
@@ -98,7 +99,7 @@ pub fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
-/// The module that a file holds.
+/// Module path of a source file.
 fn module(source: &Path, file: &Path) -> Module {
     let within = file.strip_prefix(source).unwrap_or(file).with_extension("");
     let mut module: Module = within.iter().map(|part| part.to_string_lossy().into_owned()).collect();
@@ -108,14 +109,14 @@ fn module(source: &Path, file: &Path) -> Module {
     module
 }
 
-/// Collects the paths that a file uses, as modules of its crate.
+/// Collector of the paths used by a file, as modules of the crate.
 struct Uses {
     own: Module,
     found: BTreeSet<Module>,
 }
 
 impl Uses {
-    /// Takes in a path from its first segment on.
+    /// Adds a path, given from its first segment.
     fn take(&mut self, path: &[String]) {
         let Some(first) = path.first() else { return };
         let mut full = match first.as_str() {
@@ -150,7 +151,7 @@ impl Uses {
     }
 }
 
-/// Whether code is there in tests alone.
+/// Whether code is compiled for tests only.
 pub fn is_test(attributes: &[syn::Attribute]) -> bool {
     let says_test = |list: &syn::MetaList| list.path.is_ident("cfg") && list.tokens.to_string() == "test";
     attributes.iter().any(|attribute| matches!(&attribute.meta, syn::Meta::List(list) if says_test(list)))
@@ -170,7 +171,7 @@ impl<'ast> Visit<'ast> for Uses {
     }
 
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
-        // What a module hands on of its own parts is no use of them.
+        // A re-export of a module's own parts is no dependency.
         if !is_test(&item.attrs) {
             self.take_tree(&mut Vec::new(), &item.tree);
         }
@@ -183,9 +184,9 @@ impl<'ast> Visit<'ast> for Uses {
     }
 }
 
-/// Circles between modules that lie side by side in one folder, each with the files that close it.
+/// Cycles between modules of one folder, with the files of the cycle's dependencies.
 fn circles(arrows: &Arrows) -> Vec<String> {
-    // Arrows between neighbours: the first place where the two paths differ.
+    // Dependencies between siblings, at the first difference of the two paths.
     let mut beside: BTreeMap<Module, BTreeMap<String, BTreeMap<String, &PathBuf>>> = BTreeMap::new();
     for ((from, to), file) in arrows {
         let common = from.iter().zip(to).take_while(|(a, b)| a == b).count();
@@ -213,7 +214,7 @@ fn circles(arrows: &Arrows) -> Vec<String> {
     found
 }
 
-/// The shortest way from a module back to itself; empty without one.
+/// Shortest cycle through a module; empty without a cycle.
 fn circle_from(graph: &BTreeMap<String, BTreeMap<String, &PathBuf>>, start: &String) -> Vec<String> {
     let mut ways = vec![vec![start.clone()]];
     let mut seen = BTreeSet::new();
@@ -235,7 +236,7 @@ fn circle_from(graph: &BTreeMap<String, BTreeMap<String, &PathBuf>>, start: &Str
     Vec::new()
 }
 
-/// Arrows of the baker's modules that run against their order.
+/// Dependencies of the baker's modules against their order.
 fn backward(arrows: &Arrows) -> Vec<String> {
     let line = |name: &String| BAKER.iter().position(|line| line.contains(&name.as_str()));
     let mut found = BTreeSet::new();
@@ -260,7 +261,7 @@ fn backward(arrows: &Arrows) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// The arrows of some modules, each with the code of its file.
+    /// Dependencies of test modules, given as (file, code).
     fn arrows_of(files: &[(&str, &str)]) -> Arrows {
         let folder = tempfile::tempdir().unwrap();
         for (name, code) in files {

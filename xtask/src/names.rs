@@ -11,10 +11,44 @@ use syn::visit::{self, Visit};
 
 /// Names of types, functions, constants and modules that were replaced by the field's.
 const REPLACED: [&str; 38] = [
-    "Body", "BLIND", "FOUND", "Journal", "Laid", "LoadedScene", "Look", "Meeting", "Meetings", "Mixes", "Outbox",
-    "Piece", "Pieces", "Place", "Run", "SAID", "Seat", "Shares", "StillLights", "Tally", "Team", "Vantage", "Walker",
-    "WideBvh", "among", "blind", "body", "choose_pooled", "find_all", "firsts", "laid", "plain", "speaks_now", "still",
-    "tally", "together", "vantage", "wide",
+    "Body",
+    "BLIND",
+    "FOUND",
+    "Journal",
+    "Laid",
+    "LoadedScene",
+    "Look",
+    "Meeting",
+    "Meetings",
+    "Mixes",
+    "Outbox",
+    "Piece",
+    "Pieces",
+    "Place",
+    "Run",
+    "SAID",
+    "Seat",
+    "Shares",
+    "StillLights",
+    "Tally",
+    "Team",
+    "Vantage",
+    "Walker",
+    "WideBvh",
+    "among",
+    "blind",
+    "body",
+    "choose_pooled",
+    "find_all",
+    "firsts",
+    "laid",
+    "plain",
+    "speaks_now",
+    "still",
+    "tally",
+    "together",
+    "vantage",
+    "wide",
 ];
 /// The command's and the HTTP server's own uses of a replaced name.
 const ALLOWED: [(&str, &str); 1] = [("Body", "baker/src/cli/http.rs")];
@@ -140,7 +174,10 @@ mod tests {
         }
         let names = names(folder.path()).unwrap();
         let found = replaced(&names);
-        assert!(found.len() == 2 && found[0].contains("find_all") && found[1].contains("together"), "{found:?}");
+        assert!(
+            found.len() == 2 && found[0].contains("find_all") && found[1].contains("together"),
+            "{found:?}"
+        );
         let found = doubled(&names);
         assert!(found.len() == 1 && found[0].starts_with("`Kind`"), "{found:?}");
     }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Files of the repository that go into the package as they are.
+/// Files of the repository copied unchanged into the package.
 const COPIED: [&str; 5] =
     ["web/package.json", "web/README.md", "web/react.d.ts", "LICENSE-MIT", "LICENSE-APACHE"];
 
@@ -20,7 +20,7 @@ pub fn run() -> Result<()> {
     Ok(())
 }
 
-/// Packs web/dist, which is there, with what else belongs to the package; where the tarball lies.
+/// Packs web/dist (must exist) with the remaining files of the package; returns the path of the tarball.
 ///
 /// # Errors
 /// If a file is missing, or npm fails.

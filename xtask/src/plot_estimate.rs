@@ -1,6 +1,6 @@
-//! `cargo xtask plot-estimate`: how far a bake's estimate of the time left is from the truth, all the way.
+//! `cargo xtask plot-estimate`: error of a bake's estimate of the remaining time, over the whole bake.
 //!
-//! In seconds of the processors, of one thread: what else the machine does is no fault of the estimate.
+//! Measured in processor seconds of one thread, independent of the machine's load.
 
 mod record;
 
@@ -13,7 +13,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What is baked where nothing is named: generated scenes, and those in the folder of given ones.
+/// Default bakes: generated scenes, and scenes in the folder of given scenes.
 const SCENES: [(&str, &str); 3] =
     [("builtin:apartment", "draft"), ("builtin:cornell-box", "draft"), ("builtin:apartment", "standard")];
 const GIVEN: [(&str, &str); 7] = [
@@ -26,7 +26,7 @@ const GIVEN: [(&str, &str); 7] = [
     ("country-kitchen/country-kitchen.glb", "standard"),
 ];
 
-/// What of a line of `rebounce bake --json-progress` is read.
+/// Used fields of a line of `rebounce bake --json-progress`.
 #[derive(Debug, Deserialize)]
 struct Line {
     stage: String,
@@ -36,10 +36,10 @@ struct Line {
     processor_seconds_left: f64,
 }
 
-/// The lines of a bake that was done.
+/// Reads the progress lines of a finished bake.
 ///
 /// # Errors
-/// If it is something else.
+/// If the file is not the log of a finished bake.
 fn lines(log: &Path) -> Result<Vec<Line>> {
     let text = std::fs::read_to_string(log).with_context(|| log.display().to_string())?;
     let lines = text.lines().map(serde_json::from_str).collect::<Result<Vec<Line>, _>>();
@@ -50,7 +50,7 @@ fn lines(log: &Path) -> Result<Vec<Line>> {
     Ok(lines)
 }
 
-/// One bake: shares of its time that were over, and what was then estimated to be left over what was.
+/// Course of a bake: points of (elapsed share of the time, estimated over true remaining time).
 struct Course {
     name: String,
     seconds: f64,
@@ -58,14 +58,14 @@ struct Course {
 }
 
 impl Course {
-    /// How far off the estimate was from a third of the way on, at most, and where. The last blink of an eye does not
+    /// Largest relative error of the estimate after a third of the bake, and its position. The last 3% do not
     /// count.
     fn worst(&self) -> Option<(f64, f64)> {
         let counted = self.points.iter().filter(|p| p.0 > 1.0 / 3.0 && p.0 < 0.97);
         counted.map(|p| (p.1 - 1.0, p.0)).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
     }
 
-    /// How far off it was at this share of the way.
+    /// Relative error of the estimate at `share` of the bake.
     fn at(&self, share: f64) -> Option<f64> {
         let nearest = self.points.iter().min_by(|a, b| (a.0 - share).abs().total_cmp(&(b.0 - share).abs()));
         nearest.map(|p| p.1 - 1.0)
@@ -79,7 +79,7 @@ struct Wanted {
     preset: String,
 }
 
-/// What to bake, and whether what is baked shall be recorded for the tests.
+/// Parses the arguments: the bakes, and whether to record the bakes for the tests.
 fn parse(args: &[String]) -> Result<(Vec<Wanted>, bool)> {
     let (mut wanted, mut preset, mut records) = (Vec::new(), "standard".to_owned(), false);
     let mut args = args.iter();
@@ -122,7 +122,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if records { record::write(&logs) } else { Ok(()) }
 }
 
-/// Bakes a scene with one thread; the log of its progress, beside which lies its report.
+/// Bakes a scene with one thread; returns the log of its progress. The report is written beside the log.
 fn bake(wanted: &Wanted) -> Result<PathBuf> {
     process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce"]))?;
     let work = process::target().join("estimate");
@@ -159,7 +159,7 @@ fn read(log: &Path) -> Result<Course> {
     Ok(Course { name, seconds: end, points: before.map(of).collect() })
 }
 
-/// How far off each bake's estimates were.
+/// Markdown table of the errors of the bakes' estimates.
 fn table(courses: &[Course]) -> String {
     let percent =
         |error: Option<f64>| error.map_or("–".to_owned(), |error| format!("{:+.0}%", 100.0 * error));
@@ -182,7 +182,7 @@ fn table(courses: &[Course]) -> String {
     lines.join("\n")
 }
 
-/// Estimate over truth by the share of the bake that is over; the band is what is aimed at.
+/// Plots estimate over truth against the elapsed share of the bake; the band is the target.
 fn plot(courses: &[Course], out: &Path) -> Result<()> {
     let area = SVGBackend::new(out, (760, 440)).into_drawing_area();
     area.fill(&WHITE)?;

@@ -1,11 +1,11 @@
-//! Where things lie, and commands that are run and checked.
+//! Repository paths, and checked execution of commands.
 
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// Copies a file; makes the folders that it goes into.
+/// Copies a file; creates missing parent folders.
 ///
 /// # Errors
 /// If a folder or the file cannot be read or written.
@@ -17,7 +17,7 @@ pub fn copy(from: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The repository's root. `cargo run` says where it is; the compiler's word serves without Cargo.
+/// The repository's root, from Cargo's environment at run time, else from compile time.
 pub fn root() -> PathBuf {
     let here = env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
     let here = Path::new(&here);
@@ -32,14 +32,14 @@ pub fn target() -> PathBuf {
     }
 }
 
-/// The Cargo that runs this.
+/// The Cargo executable of this run.
 pub fn cargo() -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root());
     command
 }
 
-/// The first of these programs that PATH has.
+/// Path of the first program of `names` in PATH.
 pub fn find(names: &[&str]) -> Option<PathBuf> {
     let path = env::var_os("PATH")?;
     names
@@ -47,7 +47,7 @@ pub fn find(names: &[&str]) -> Option<PathBuf> {
         .find_map(|name| env::split_paths(&path).map(|dir| dir.join(name)).find(|file| file.is_file()))
 }
 
-/// The command as one would type it.
+/// The command as a shell line.
 pub fn line(command: &Command) -> String {
     let program = Path::new(command.get_program());
     let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy().into_owned();
@@ -56,10 +56,10 @@ pub fn line(command: &Command) -> String {
     words.join(" ")
 }
 
-/// Runs a command to its end, after saying which.
+/// Prints a command, then runs it to its end.
 ///
 /// # Errors
-/// If it cannot be started, or fails.
+/// If the command cannot be started, or fails.
 pub fn run(command: &mut Command) -> Result<()> {
     let line = line(command);
     println!("> {line}");
@@ -70,18 +70,18 @@ pub fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Runs a command to its end without a word; its standard output if it succeeds.
+/// Runs a command without output; returns its standard output on success.
 pub fn quiet(command: &mut Command) -> Option<String> {
     let output = command.stdin(Stdio::null()).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// A child that ends with its owner.
+/// Child process, killed when dropped.
 pub struct Running(pub Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

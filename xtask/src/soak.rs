@@ -1,4 +1,5 @@
-//! `cargo xtask soak`: lights and camera move for an hour in headless Chromium, and memory stays as it is.
+//! `cargo xtask soak`: moves lights and camera for an hour in headless Chromium, and checks for constant memory
+//! use.
 
 use crate::{install, process, web};
 use anyhow::{Context, Result, bail};
@@ -21,7 +22,7 @@ fn parse(args: &[String]) -> Result<u32> {
 /// Bakes a small scene, builds the viewer, and runs it.
 ///
 /// # Errors
-/// If memory grows after the first minute, or anything fails on the way.
+/// If memory grows after the first minute, or a step fails.
 pub fn run(args: &[String]) -> Result<()> {
     let minutes = parse(args)?;
     install::ensure(&install::BROWSER)?;

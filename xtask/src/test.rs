@@ -1,4 +1,4 @@
-//! `cargo xtask test`: every test. Nothing is compiled twice that need not be.
+//! `cargo xtask test`: runs the tests, without duplicate compilation.
 
 use crate::toolchain::{self, Toolchain};
 use crate::{bindgen, install, installed, layers, names, package, process, site, web};
@@ -6,15 +6,15 @@ use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::Stdio;
 
-/// The parts: tests of the crates, of the viewer as wasm, of the page of `rebounce view`, of the npm
-/// package, of the site, of the command that `cargo install` makes, and of bakes under mpirun.
+/// Parts: tests of the crates, of the viewer as wasm, of the page of `rebounce view`, of the npm package, of the
+/// site, of the installed command (`cargo install`), and of bakes under mpirun.
 const PARTS: [&str; 7] = ["native", "wasm", "page", "package", "site", "install", "mpi"];
 
-/// Runs every test, or one part, or of the parts `native` and `page` the tests of one name. All parts run, whatever
-/// becomes of the first; that of the installed command, which compiles everything once more, only where it is named.
+/// Runs every test, or one part, or the tests of one name in the parts `native` and `page`. A failed part does not
+/// stop later parts; the test of the installed command recompiles everything and runs only by name.
 ///
 /// # Errors
-/// If something needed is missing, does not compile, or a test fails.
+/// If a dependency is missing, code does not compile, or a test fails.
 pub fn run(args: &[String]) -> Result<()> {
     let part = args.first().map(String::as_str);
     if part.is_some_and(|part| !PARTS.contains(&part)) || args.len() > 2 {
@@ -30,7 +30,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let wanted = |name| part.is_none() || part == Some(name);
     let in_page = ["page", "package", "site", "install"].map(wanted).contains(&true);
     install::ensure(&install::BROWSER)?;
-    // First the page: the binary that the tests build holds it.
+    // The page comes first: the tests build the binary with the embedded page.
     if in_page {
         web::build()?;
     } else {
@@ -60,8 +60,8 @@ pub fn run(args: &[String]) -> Result<()> {
     native.and(browser).and(mpi)
 }
 
-/// The order of modules, names, and `cargo test` of the whole workspace, in the development profile (which is optimised). It builds
-/// the programs that the browser's tests call, too, and the benches, so that they do not rot.
+/// Checks module layers and names, and runs `cargo test` of the workspace, in the development profile (optimised). The build
+/// includes the programs for the browser tests, and the benches, to keep the benches compiling.
 fn native(options: &[&str]) -> Result<()> {
     let laws = layers::run().and(names::run());
     let mut command = process::cargo();
@@ -77,17 +77,17 @@ fn native(options: &[&str]) -> Result<()> {
     tests.and(process::run(process::cargo().args(["build", "--locked", "--workspace", "--benches"])))
 }
 
-/// Bakes over several processes, and the same in one.
+/// Tests bakes over several processes against bakes in a single process.
 fn over_mpi() -> Result<()> {
     install::ensure(&install::MPI)?;
-    // One after another: each starts processes of its own. Tests of the library need no MPI, and run in the part `native`.
+    // Sequentially: each test starts its own processes. Library tests need no MPI, and run in the part `native`.
     let mut command = process::cargo();
-    // Of the workspace, as the other tests: with other features dependencies would be compiled again.
+    // With the whole workspace, as in `native`: a different feature set would recompile dependencies.
     command.args(["test", "--locked", "--workspace", "--features", "rebounce/mpi", "--test", "mpi"]);
     process::run(command.args(["--", "--test-threads", "1"]))
 }
 
-/// Runs wasm tests, and those of the wanted parts, in headless Chromium.
+/// Runs wasm tests, and the browser tests of the wanted parts, in headless Chromium.
 fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool, name: Option<&str>) -> Result<()> {
     let work = process::target().join("browser-tests");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
@@ -117,13 +117,13 @@ fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool, name: Option
     process::run(&mut node)
 }
 
-/// Compiles the viewer's wasm tests with the profile of the bundle, whose dependencies are built
-/// already; where the programs lie.
+/// Compiles the viewer's wasm tests with the profile of the bundle, to reuse its dependencies; returns the paths of
+/// the programs.
 fn wasm_tests(toolchain: Toolchain) -> Result<Vec<PathBuf>> {
     let mut command = toolchain.cargo("test");
     command.args(["--package", "rebounce-viewer", "--test", "web", "--profile", "web", "--no-run"]);
     command.arg("--message-format=json-render-diagnostics");
-    // As the bundle, or all dependencies would be compiled again.
+    // Same flags as the bundle: different flags would recompile the dependencies.
     web::lean(&mut command);
     println!("> {}", process::line(&command));
     let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output().context("cargo")?;
@@ -137,7 +137,7 @@ fn wasm_tests(toolchain: Toolchain) -> Result<Vec<PathBuf>> {
     Ok(programs)
 }
 
-/// The programs that Cargo's messages name.
+/// Extracts the paths of wasm programs from Cargo's messages.
 fn executables(messages: &str) -> Vec<PathBuf> {
     let key = "\"executable\":\"";
     messages

@@ -1,7 +1,7 @@
-//! How the standard library of wasm32-unknown-unknown is had.
+//! Sources of the standard library of wasm32-unknown-unknown.
 //!
-//! In the ordinary way, as a target of the active toolchain, where that works. Otherwise Debian's
-//! packaged toolchain for web browsers (rustc-web, which comes with the library's sources) builds it.
+//! First choice: the target of the active toolchain. Otherwise Debian's packaged toolchain for web browsers
+//! (rustc-web, includes the library's sources) builds the library.
 
 use crate::install::{self, Need};
 use crate::process;
@@ -24,10 +24,10 @@ pub enum Toolchain {
     Debian,
 }
 
-/// Finds a toolchain for wasm, and installs one where none is there.
+/// Finds a toolchain for wasm, and installs a missing toolchain.
 ///
 /// # Errors
-/// If there is none and none can be installed.
+/// If no toolchain is found or installable.
 pub fn find() -> Result<Toolchain> {
     if has_target() {
         return Ok(Toolchain::Ordinary);
@@ -94,7 +94,7 @@ fn has_target() -> bool {
     })
 }
 
-/// Tries it once, without noise, and not for ever.
+/// Tries to add the target once, without output, with a time limit.
 fn add_target() -> bool {
     let started = Command::new("rustup")
         .args(["target", "add", TARGET])
@@ -125,13 +125,13 @@ impl Toolchain {
             Toolchain::Debian => Command::new(DEBIAN_CARGO),
         };
         command.current_dir(process::root()).arg(verb).args(["--target", TARGET]);
-        // Flags meant for the native build do not hold for this one.
+        // Flags of the native build do not apply to wasm.
         command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
         if self == Toolchain::Ordinary {
             command.arg("--locked");
         } else {
             command.arg("-Zbuild-std=std,panic_abort");
-            // What rustup's proxies leave in the environment would mix two compilers.
+            // Variables set by rustup's proxies would mix two compilers.
             for name in ["RUSTUP_TOOLCHAIN", "LD_LIBRARY_PATH", "CARGO", "RUSTDOC", "RUSTC_WRAPPER"] {
                 command.env_remove(name);
             }
@@ -144,7 +144,7 @@ impl Toolchain {
         command
     }
 
-    /// Where it builds: two compilers do not share a directory.
+    /// Build directory: two compilers need separate directories.
     pub fn target(self) -> std::path::PathBuf {
         match self {
             Toolchain::Ordinary => process::target(),

@@ -15,14 +15,14 @@ use std::process::Command;
 
 /// The name of the generated JavaScript and wasm files.
 const NAME: &str = "rebounce_viewer";
-/// The module that fetches the wasm file, before the modules are joined.
+/// The module with the fetch of the wasm file, before the modules are bundled.
 const FETCHES: &str = "module.js";
-/// What wasm and JavaScript may weigh together after gzip, bytes.
+/// Limit of wasm and JavaScript after gzip, sum, bytes.
 const LIMIT: usize = 200_000;
-/// Files of web/ that go into the site as they are.
+/// Files of web/ copied unchanged into the site.
 const STATIC: [&str; 2] = ["index.html", "page.css"];
 
-/// Builds web/dist, which is the site and what the npm package holds.
+/// Builds web/dist: the site, and the contents of the npm package.
 ///
 /// # Errors
 /// If a tool is missing or fails, or the bundle is over its limit.
@@ -41,7 +41,7 @@ pub fn build() -> Result<()> {
     Ok(())
 }
 
-/// Compiles the viewer; where the wasm lies.
+/// Compiles the viewer; returns the path of the wasm file.
 fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
     let mut cargo = toolchain.cargo("build");
     cargo.args(["--package", "rebounce-viewer", "--lib", "--profile", "web"]);
@@ -49,7 +49,7 @@ fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
     Ok(toolchain.target().join(toolchain::TARGET).join("web").join(NAME).with_extension("wasm"))
 }
 
-/// Passes of Binaryen's wasm-opt, of which gzip leaves less; `-Oz` makes a file whose gzip is larger.
+/// Passes of Binaryen's wasm-opt for minimum size after gzip; `-Oz` gives a larger gzip size.
 const PASSES: [&str; 14] = [
     "--remove-unused-module-elements",
     "--dealign",
@@ -66,10 +66,10 @@ const PASSES: [&str; 14] = [
     "--rse",
     "--vacuum",
 ];
-/// Passes once after these.
+/// Final passes, run once.
 const LAST: [&str; 4] =
     ["--generate-global-effects", "--simplify-locals-notee-nostructure", "--vacuum", "--rse"];
-/// What LLVM's wasm uses, which Binaryen is told instead of reading it out of the file.
+/// Wasm features used by LLVM's output, passed to Binaryen explicitly instead of detected from the file.
 const FEATURES: [&str; 6] = [
     "--enable-bulk-memory",
     "--enable-multivalue",
@@ -79,21 +79,21 @@ const FEATURES: [&str; 6] = [
     "--enable-sign-ext",
 ];
 
-/// Replaces a wasm file by a shorter one that does the same.
+/// Replaces a wasm file by a smaller equivalent file.
 fn shrink(wasm: &Path) -> Result<()> {
     let mut command = Command::new("node");
-    // Twice, for what the passes make alike.
+    // Two rounds: the second round removes duplicates produced by the first.
     command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(PASSES).args(PASSES).args(LAST);
     process::run(command.arg(wasm).arg("-o").arg(wasm).current_dir(process::root().join("web")))
 }
 
-/// Places in panics and what only `{:?}` prints make up a tenth of a bundle, and nobody sees them in a page.
+/// Removes panic locations and `{:?}` output from the build: a tenth of a bundle, never visible on a page.
 pub fn lean(cargo: &mut Command) -> &mut Command {
     cargo.env("RUSTC_BOOTSTRAP", "1");
     cargo.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", "-Zlocation-detail=none -Zfmt-debug=none")
 }
 
-/// Installs what web/package-lock.json names, where that is not yet done.
+/// Installs the packages of web/package-lock.json unless up to date.
 ///
 /// # Errors
 /// If npm fails.
@@ -104,7 +104,7 @@ pub fn npm() -> Result<()> {
     )
 }
 
-/// Installs what the package-lock.json of a folder of the repository names, where that is not yet done.
+/// Installs the packages of a repository folder's package-lock.json unless up to date.
 ///
 /// # Errors
 /// If npm fails.
@@ -123,7 +123,7 @@ pub fn packages(folder: &str, what: &str) -> Result<()> {
     fs::write(&stamp, lock).with_context(|| stamp.display().to_string())
 }
 
-/// Node.js in web/, which knows where the browser is.
+/// Node.js command in web/, with the browser's path in the environment.
 pub fn node() -> Command {
     let mut command = Command::new(process::find(&["node", "nodejs"]).unwrap_or_else(|| "node".into()));
     command.current_dir(process::root().join("web"));
@@ -133,7 +133,7 @@ pub fn node() -> Command {
     command
 }
 
-/// Compiles the TypeScript, bundles it and gathers every file of the site.
+/// Compiles the TypeScript, bundles the modules and gathers the files of the site.
 fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     let web = process::root().join("web");
     let modules = compile(pkg)?;
@@ -166,7 +166,8 @@ fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     Ok(files)
 }
 
-/// Compiles each TypeScript module to JavaScript and declarations; returns their folder, from which tests import.
+/// Compiles every TypeScript module to JavaScript and declarations; returns the output folder, used by test
+/// imports.
 fn compile(pkg: &Path) -> Result<PathBuf> {
     let modules = pkg.join("modules");
     if modules.exists() {
@@ -190,7 +191,7 @@ fn bundle(modules: &Path) -> Result<PathBuf> {
     Ok(out)
 }
 
-/// JavaScript with short names and without comments; a module still, whose exports keep theirs.
+/// Minifies a JavaScript module: short names, no comments; export names are kept.
 fn minified(file: &Path, source: &[u8]) -> Result<Vec<u8>> {
     fs::write(file, source).with_context(|| file.display().to_string())?;
     let out = file.with_extension("min");
@@ -212,13 +213,13 @@ fn minified(file: &Path, source: &[u8]) -> Result<Vec<u8>> {
     fs::read(&out).with_context(|| out.display().to_string())
 }
 
-/// Whether a file of web/dist is code of the package; that of `rebounce view`'s page is not.
+/// Whether a file of web/dist is code of the package; the page of `rebounce view` is not package code.
 pub fn is_code(name: &str) -> bool {
     (name.ends_with(".js") || name.ends_with(".wasm")) && name != "page.js"
 }
 
-/// Makes a directory hold these files and no others; leaves equal files untouched, so that what
-/// depends on them is not built again.
+/// Makes the contents of a directory equal to `files`; equal files stay untouched, so that dependent builds are not
+/// repeated.
 fn mirror(files: &BTreeMap<String, Vec<u8>>, dir: &Path) -> Result<()> {
     fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
     for entry in fs::read_dir(dir)? {
@@ -236,7 +237,7 @@ fn mirror(files: &BTreeMap<String, Vec<u8>>, dir: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Prints the sizes, raw and after gzip, and holds the package's wasm and JavaScript together to the limit.
+/// Prints sizes, raw and after gzip, and checks the sum of the package's wasm and JavaScript against the limit.
 fn weigh(files: &BTreeMap<String, Vec<u8>>) -> Result<()> {
     let (mut raw, mut packed) = (0, 0);
     println!("{:34} {:>9} {:>9}", "bytes", "raw", "gzip");

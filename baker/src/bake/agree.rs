@@ -1,5 +1,5 @@
-//! Whether all members of a team work on the same points of the same scene. They place them by themselves: the first
-//! one takes as long for it as all do, so nobody waits, and nothing is sent.
+//! Check that all members of a team work on the same points of the same scene. Every member places all points: sharing
+//! the placement would save no time, and placing needs no communication.
 
 use super::{BakeError, BakeSettings, Identity};
 use crate::communicator::Communicator;
@@ -8,10 +8,10 @@ use crate::scene::Scene;
 use crate::watch::Watch;
 use sha2::{Digest, Sha256};
 
-/// Compares what all members have, before they rely on it.
+/// Compares digests of scene, settings, points, cuts, samples and tints between members, before use.
 ///
 /// # Errors
-/// [`BakeError::Apart`] names the first member that has something else than member 0.
+/// [`BakeError::Apart`] with the first member whose digest differs from the digest of member 0.
 pub(super) fn agree(
     scene: &Scene,
     settings: &BakeSettings,

@@ -1,28 +1,29 @@
-//! Settings to try one after the other, until a bake's error is what is wanted.
+//! Sequence of settings to try until a bake's error is within a target.
 
 use super::{BakeSettings, Preset};
 
-/// Functions and ε of what comes after the presets: twice as many functions, and links down to three quarters.
+/// Functions and ε of the settings after the presets: the number of functions doubles, ε shrinks to three quarters.
 const BEYOND: [(usize, f32); 2] = [(500_000, 0.0075), (1_000_000, 0.0056)];
-/// Another try takes at least this share off the error of the last one, or is the last. But of the presets each is tried:
-/// from `draft` to `standard` there are more functions, and links are no finer.
+/// Minimum relative decrease of the error for another try. Every preset is tried regardless: from `draft` to
+/// `standard`, functions increase and links get no finer.
 const LEAST_GAIN: f64 = 0.1;
 const PRESETS: usize = 3;
 
-/// The settings from the cheapest to the costliest; `adjust` says what else each is told.
+/// Returns the settings from the cheapest to the costliest; `adjust` returns the settings of a preset with the user's
+/// options applied.
 pub fn tries(adjust: impl Fn(Preset) -> BakeSettings) -> Vec<BakeSettings> {
     let presets = [Preset::Draft, Preset::Standard, Preset::Fine].map(&adjust);
     let beyond = BEYOND.map(|(functions, epsilon)| {
         let mut settings = adjust(Preset::Fine);
         settings.place.functions = functions;
-        // What is told may be finer.
+        // The user's ε may be smaller.
         settings.operator.epsilon = settings.operator.epsilon.min(epsilon);
         settings
     });
     presets.into_iter().chain(beyond).collect()
 }
 
-/// Whether more of the same would help: errors of the tries so far, the last one last.
+/// Returns whether a finer bake is worth a try. `errors`: errors of the tries so far, latest last.
 pub fn is_worth_another(errors: &[f64]) -> bool {
     match errors {
         [.., before, last] if errors.len() >= PRESETS => *last < (1.0 - LEAST_GAIN) * before,

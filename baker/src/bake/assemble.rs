@@ -1,4 +1,4 @@
-//! Puts the file's contents together.
+//! Assembles the file's contents.
 
 use super::BakeSettings;
 use super::stand_in::{Staged, outside};
@@ -79,7 +79,7 @@ pub(super) fn assemble(
     }
 }
 
-/// The scene's look alone: geometry, materials, textures.
+/// Returns the file contents without light: geometry, materials, textures.
 pub(super) fn without_light(scene: &Scene) -> BakedScene {
     let Geometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
@@ -93,7 +93,7 @@ pub(super) fn without_light(scene: &Scene) -> BakedScene {
     BakedScene { meta, vertices, indices, instances, copies, texture_bytes, ..BakedScene::default() }
 }
 
-/// Textures one after another; equal pictures are written once.
+/// Concatenates the textures; equal textures are stored once.
 fn pack_textures(scene: &Scene) -> (Vec<meta::Texture>, Vec<u8>) {
     let mut places: HashMap<&[u8], u64> = HashMap::new();
     let mut bytes = Vec::new();
@@ -107,12 +107,13 @@ fn pack_textures(scene: &Scene) -> (Vec<meta::Texture>, Vec<u8>) {
     (textures.collect(), bytes)
 }
 
-/// Steps of a vertex's position over the size of the scene's main part: 0.06 mm in a hall of 35 m.
+/// Quantization steps of a vertex position across the scene's main part: 0.06 mm in a hall of 35 m.
 const POSITION_STEPS: f32 = (1u32 << 19) as f32;
-/// Steps of texture coordinates: an eighth of a texel of 4096.
+/// Quantization step of texture coordinates: an eighth of a texel of a texture 4096 wide.
 const UV_STEP: f32 = 1.0 / (1u32 << 15) as f32;
 
-/// The vertices, rounded to what can be seen; a model's largest copy has the size of its vertices.
+/// Returns the vertices, rounded below visibility; vertices of a model are at the scale of the model's largest
+/// instance.
 fn vertices(scene: &Scene) -> Vec<Vertex> {
     let ((low, high), (least, greatest)) = (scene.main_part(), scene.bounds());
     let step = power_of_two_under((high - low).max_element() / POSITION_STEPS);
@@ -125,7 +126,7 @@ fn vertices(scene: &Scene) -> Vec<Vertex> {
     (&scene.positions, &scene.normals, &scene.uvs).into_par_iter().map(corner).collect()
 }
 
-/// Equal vertices become one, in the order of their first use; the indices follow. Vertices of no triangle go.
+/// Merges equal vertices in the order of first use, and updates the indices. Removes vertices without a triangle.
 fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
     const UNUSED: u32 = u32::MAX;
     let bits = |i: u32| -> [u32; 6] { bytemuck::cast(vertices[i as usize]) };
@@ -143,7 +144,7 @@ fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
     welded
 }
 
-/// What a scene's surfaces are drawn from.
+/// Geometry sections of the file, for drawing.
 struct Geometry {
     draws: Vec<Draw>,
     indices: Vec<u32>,
@@ -152,7 +153,8 @@ struct Geometry {
     copies: Vec<Copies>,
 }
 
-/// What stands alone, then models; of each, triangles grouped by material.
+/// Returns the geometry: first the triangles outside of models, then the models; within either, triangles are grouped
+/// by material.
 fn geometry(scene: &Scene) -> Geometry {
     let mut indices = vec![0; 3 * scene.triangles.len()];
     let first = |model: Option<&Model>| model.map_or(scene.triangles.len(), |m| m.triangles.start as usize);
@@ -172,7 +174,7 @@ fn geometry(scene: &Scene) -> Geometry {
     Geometry { draws, indices, vertices, instances, copies }
 }
 
-/// Some of the triangles grouped by material, to the same place among the `indices`: opaque ones first, then masked, then
+/// Groups a range of triangles by material into the same range of `indices`: opaque materials first, then masked, then
 /// blended.
 fn draws(scene: &Scene, triangles: Range<usize>, indices: &mut [u32]) -> Vec<Draw> {
     let mut counts = vec![0u32; scene.materials.len()];
@@ -186,7 +188,7 @@ fn draws(scene: &Scene, triangles: Range<usize>, indices: &mut [u32]) -> Vec<Dra
     });
     let mut first_index = 3 * triangles.start as u32;
     let mut draws = Vec::new();
-    // Where each material's next triangle goes.
+    // Position of each material's next triangle in `indices`.
     let mut next = vec![0usize; counts.len()];
     for material in order {
         draws.push(Draw { material: material as u32, first_index, index_count: counts[material] });

@@ -1,5 +1,5 @@
-//! Bakes that must not weigh more than they are told to: fewer functions where that is known before, fewer links
-//! where it shows after.
+//! Limits on file size and memory: fewer functions if the size is known before the bake, fewer links if a finished file
+//! is too large.
 
 use super::{BakeSettings, Preset, assemble};
 use crate::geometry::mesh::MOST_PRIMITIVES;
@@ -10,81 +10,82 @@ use rebounce_shared::link::{LaterLink, Link, Sent};
 use rebounce_shared::rbn::codec::links;
 use rebounce_shared::rbn::{LinkMatrix, RbnError, container};
 
-/// Why a budget cannot be met.
+/// Reason for an impossible budget.
 #[derive(Debug, thiserror::Error)]
 pub enum BudgetError {
-    /// Geometry and textures alone are too large.
+    /// Geometry and textures exceed the file size.
     #[error("{wanted} bytes are too few: {largest}; give at least --max-bytes {least}, or make that smaller")]
     Bytes {
         /// The limit.
         wanted: u64,
-        /// What would do for the smallest bake.
+        /// Bytes needed by the smallest bake.
         least: u64,
-        /// What takes the most.
+        /// Description of the largest part.
         largest: String,
     },
-    /// The scene alone is too large.
+    /// The scene exceeds the memory.
     #[error(
         "{wanted} bytes of memory are too few: {largest}; give at least --max-memory {least}, or simplify that"
     )]
     Memory {
         /// The limit.
         wanted: u64,
-        /// What would do for the smallest bake.
+        /// Bytes needed by the smallest bake.
         least: u64,
-        /// What takes the most.
+        /// Description of the largest part.
         largest: String,
     },
-    /// No preset is made for so small an error.
+    /// No preset promises an error this small.
     #[error("no preset is made for an error under {best}: give at least --target-error {best}")]
     Error {
-        /// The smallest error promised.
+        /// Smallest promised error.
         best: f64,
     },
-    /// The file cannot be written at all.
+    /// The file cannot be written.
     #[error(transparent)]
     Format(#[from] RbnError),
 }
 
-/// What a bake may cost; `None`: as much as it takes.
+/// Limits on the cost of a bake; `None`: unlimited.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Budget {
     /// Bytes of the file.
     pub bytes: Option<u64>,
-    /// Bytes of memory, about.
+    /// Approximate bytes of memory.
     pub memory: Option<u64>,
-    /// Whether the bake is held to a path tracer in the same memory ([`super::judge`]).
+    /// Whether a path tracer measures the bake's error in the same process memory ([`super::judge`]).
     pub is_judged: bool,
 }
 
-/// Bytes of a file for each function of the finest level, its share of coarser ones and its links included: from 55 (a
-/// kitchen) to 80 (Sponza), format 6.
+/// Bytes of a file per function of the finest level, including coarser functions and links: from 55 (a kitchen) to 80
+/// (Sponza), format 6.
 const BYTES_A_FUNCTION: f64 = 80.0;
-/// Fewer functions than this on the finest level show nothing.
+/// Minimum number of functions on the finest level; with fewer, bounced light has no detail.
 const LEAST_FUNCTIONS: usize = 2_000;
-/// Bytes of memory for anything at all, for each triangle, each texel and each function of the finest level; on the safe
-/// side of what was measured (docs/performance.md). Triangles take the most while the file is read.
+/// Bytes of memory: fixed, per triangle, per texel, per function of the finest level; above the measured values
+/// (docs/performance.md). Triangles need the peak memory while the scene file is read.
 const MEMORY: [f64; 4] = [60e6, 400.0, 8.0, 2_900.0];
-/// And for each copy of a model, and each triangle of one: what the copy finds on it is worked out beforehand, too.
+/// Additional bytes per instance of a model, and per triangle of an instance: ray hits on instances are precomputed,
+/// too.
 const COPIED: [f64; 2] = [500.0, 20.0];
-/// And for each triangle where the bake is judged: the file's triangles beside the scene's, with a hierarchy of their own.
+/// Additional bytes per triangle for measuring the error: the file's triangles beside the scene's, with a separate BVH.
 /// Measured: 70 to 170 with 60 thousand triangles, 230 with 260 thousand, 210 with a million.
 const JUDGED: f64 = 240.0;
 
-/// The coarsest preset that is made for this error or less.
+/// Returns the coarsest preset that promises this error or less.
 ///
 /// # Errors
-/// [`BudgetError::Error`] where none is.
+/// [`BudgetError::Error`] if no preset does.
 pub fn preset_for(error: f64) -> Result<Preset, BudgetError> {
     let presets = [Preset::Draft, Preset::Standard, Preset::Fine];
     let fitting = presets.into_iter().find(|preset| preset.promised_error() <= error);
     fitting.ok_or(BudgetError::Error { best: Preset::Fine.promised_error() })
 }
 
-/// Lowers the number of functions to what the budget lets expect; says how many there are then, if fewer.
+/// Lowers the number of functions to the number expected to fit the budget; returns the new number if lower.
 ///
 /// # Errors
-/// [`BudgetError`] where the scene alone is over the budget: names what takes the most.
+/// [`BudgetError`] if the scene without functions is over the budget; names the largest part.
 pub fn plan(
     scene: &Scene,
     settings: &mut BakeSettings,
@@ -126,7 +127,7 @@ pub fn plan(
     Ok(fewer.then_some(functions))
 }
 
-/// What takes the most of a file without light, in words.
+/// Describes the largest part of a file without light.
 fn largest_section(scene: &Scene, file: &[u8]) -> Result<String, RbnError> {
     let sections = container::read(file)?;
     let bytes = |names: &[&[u8; 4]]| -> usize {
@@ -146,12 +147,12 @@ fn largest_section(scene: &Scene, file: &[u8]) -> Result<String, RbnError> {
     })
 }
 
-/// Texels that are decoded for the bake.
+/// Returns the number of texels decoded for the bake.
 fn texels(texture: &Texture) -> u64 {
     texture.texels.as_ref().map_or(0, |texels| texels.width as u64 * texels.height as u64)
 }
 
-/// The texture with the most texels, in words.
+/// Describes the texture with the most texels.
 fn largest_texture(scene: &Scene) -> Option<String> {
     let largest = scene.textures.iter().max_by_key(|texture| texels(texture))?;
     let meta = &largest.meta;
@@ -159,7 +160,7 @@ fn largest_texture(scene: &Scene) -> Option<String> {
     Some(format!("the largest of {count} textures is {:?}, {} x {}", meta.name, meta.width, meta.height))
 }
 
-/// The material with the most triangles, in words.
+/// Describes the material with the most triangles.
 fn largest_material(scene: &Scene) -> String {
     let mut counts = vec![0usize; scene.materials.len()];
     scene.triangle_material.iter().for_each(|material| counts[*material as usize] += 1);
@@ -168,20 +169,20 @@ fn largest_material(scene: &Scene) -> String {
     format!("{count} of {} triangles are of material {name:?}", scene.triangles.len())
 }
 
-/// How much a file was thinned.
+/// Link counts of a thinned file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thinned {
-    /// Links before.
+    /// Links before thinning.
     pub before: usize,
-    /// Links left.
+    /// Links after thinning.
     pub after: usize,
 }
 
-/// Gives weak links to their neighbours until the file is within `bytes`; rows keep their sums. Tells how many are left,
-/// if some went.
+/// Merges weak links into neighbours in the row until the file is within `bytes`; row sums stay. Returns the link
+/// counts if links were removed.
 ///
 /// # Errors
-/// [`BudgetError::Bytes`] where even the strongest link of each row is too many.
+/// [`BudgetError::Bytes`] if the file is too large even with a single link per row.
 pub fn fit(file: &mut BakedScene, bytes: u64) -> Result<Option<Thinned>, BudgetError> {
     let whole = file.to_bytes()?.len() as u64;
     if whole <= bytes {
@@ -191,14 +192,14 @@ pub fn fit(file: &mut BakedScene, bytes: u64) -> Result<Option<Thinned>, BudgetE
         links::encode(&links.offsets, &links.links).len() + links::encode(&later.offsets, &later.links).len()
     };
     let rest = whole - size(&file.links, &file.later) as u64;
-    // Sections begin at multiples.
+    // Sections are aligned.
     let wanted = bytes.saturating_sub(rest + 4 * container::ALIGNMENT as u64);
     let thinned = |least: f32| {
         let links = thin(&file.links, least, Link::amount, f32::abs, Link::pack);
         let later = thin(&file.later, least, LaterLink::colour, Vec3::max_element, LaterLink::pack);
         (links, later)
     };
-    // Bisection on a logarithmic scale: from less than any link to more than any.
+    // Bisection on a logarithmic scale, between thresholds below and above every link.
     let (mut low, mut high) = (1e-8f32, 4.0f32);
     let mut best = thinned(high);
     let least = size(&best.0, &best.1) as u64;
@@ -221,8 +222,9 @@ pub fn fit(file: &mut BakedScene, bytes: u64) -> Result<Option<Thinned>, BudgetE
     Ok(Some(result))
 }
 
-/// The links whose value, with what weaker ones before them in the row carry over, is over `least`. What is left at a
-/// row's end goes to its last link, or is one link where there is no other.
+/// Removes weak links. The value of a removed link is carried to the next link of the row; a link is kept if its value
+/// plus the carry is over `least`. The remaining carry of a row goes to the last kept link; a row without a kept link
+/// keeps its strongest link.
 fn thin<L: Sent, V>(
     matrix: &LinkMatrix<L>,
     least: f32,
@@ -294,7 +296,7 @@ mod tests {
             assert_eq!((told.before, told.after), (whole.link_count(), thinned.link_count()));
             assert!(told.after < last);
             last = told.after;
-            // But for what packing the last link loses: half a step of its mantissa.
+            // Up to the packing error of the last link: half a step of the mantissa.
             for (row, (sum, wanted)) in thinned.links.iter().zip(sums(&thinned).into_iter().zip(sums(&whole)))
             {
                 let last = row.last().map_or(0.0, |link| link.amount().abs());
@@ -334,21 +336,21 @@ mod tests {
         };
         let plan = |scene: &Scene, memory| judged_or_not(scene, memory, false);
         let mut scene = scene::load("builtin:two-rooms").unwrap();
-        // What a hall of five million triangles was measured to take: 1.7 GB.
+        // Measured memory of a hall of five million triangles: 1.7 GB.
         let some = scene.triangles.clone();
         scene.triangles = some.iter().copied().cycle().take(5_400_000).collect();
         scene.triangle_material = vec![0; scene.triangles.len()];
         assert_eq!(plan(&scene, 4_000_000_000).unwrap(), None);
         assert!(plan(&scene, 1_000_000_000).is_err());
-        // A budget that is enough for the bake may not be for measuring it.
+        // A sufficient budget for the bake may be too small for measuring the error.
         assert_eq!(plan(&scene, 2_800_000_000).unwrap(), None);
         assert!(judged_or_not(&scene, 2_800_000_000, true).is_err());
-        // And a theatre of six million in copies: 0.41 GB.
+        // A theatre of six million triangles in copies: 0.41 GB.
         let theatre = scene::load("builtin:theatre").unwrap();
         assert_eq!(plan(&theatre, 700_000_000).unwrap(), None);
         assert!(plan(&theatre, 300_000_000).unwrap().is_some());
         scene.triangles = some;
-        // Only how many texels it has is looked at.
+        // Only the number of texels matters.
         let mut texels = Texels::new(1, 1, vec![[0; 4]]);
         (texels.width, texels.height) = (16_384, 8_192);
         let meta = rebounce_shared::rbn::meta::Texture {

@@ -1,93 +1,97 @@
-//! How long what is left of a bake takes. How much work there is, the settings, the points and the links so far say long
-//! before it is done; what a unit of it costs on this scene and this machine is measured, in processor time, which does
-//! not count what else the machine does. What that means in seconds of the clock is measured beside it.
+//! Estimate of the time left in a bake. The amount of work follows from the settings, the points and the links so far,
+//! long before the end. The cost of a unit of work on the scene and the machine is measured in processor time,
+//! unaffected by other load on the machine. The ratio of clock time to processor time is measured separately.
 
 use super::{BakeSettings, Stage};
 use crate::geometry::mesh::MOST_PRIMITIVES;
 use crate::sampling::expected_counts;
 
-/// Seconds of one processor for a unit of work: what furnished rooms and halls take, as long as nothing is measured.
+/// Default costs in processor seconds per unit of work, valid until costs are measured. From furnished rooms and halls.
 mod cost {
-    /// Preparing: in all, and of a triangle.
+    /// Preparing: fixed cost, and cost per triangle.
     pub const PREPARED: [f64; 2] = [0.1, 1.6e-6];
     pub const SKETCH: f64 = 1.5;
-    /// Of a point on the finest level, and how much more of one on the level above each: it must not be tight there.
+    /// Placing: cost per point of the finest level, and the factor per coarser level (coarser levels also test for
+    /// tight places).
     pub const POINT: [f64; 2] = [23.5e-6, 1.45];
     pub const WALL: f64 = 2.65e-6;
     pub const RELATION: f64 = 1.2e-6;
     pub const COLOUR: f64 = 3.3e-6;
     pub const TILE: f64 = 0.9e-6;
-    /// On the coarsest level.
+    /// Per ray of the coarsest level.
     pub const COARSE_RAY: f64 = 0.166e-6;
-    /// For a ray of the coarse levels, whose hits are put together by coarse point.
+    /// Per ray of the coarse levels: sums the ray hits by coarse point.
     pub const AMONG: f64 = 0.018e-6;
-    /// For an entry of the coarse rows and a column.
+    /// Per entry of the coarse rows and per column.
     pub const BOUNCE: f64 = 0.6e-9;
-    /// Putting the file together, and packing and writing it, which follows: in all, of a triangle, and of a point.
+    /// Assembling the file, then packing and writing it: fixed cost, cost per triangle, cost per point.
     pub const ASSEMBLED: [f64; 3] = [0.04, 0.35e-6, 0.9e-6];
 }
 
-/// What a ray of the first finer level, which later bounces do not travel from, costs over one of the coarsest, whose few points
-/// have few senders each: with so many functions, and how much more with e times as many. Measured: 0.96 to 1.12 at `draft`,
-/// 1.18 to 1.34 at `standard`.
+/// Cost of a ray of the first finer level (beyond the later-bounce levels) relative to a ray of the coarsest level,
+/// whose few points have few senders each: ratio at a reference number of functions, the reference number, increase of
+/// the ratio per factor e of functions. Measured: 0.96 to 1.12 at `draft`, 1.18 to 1.34 at `standard`.
 const FINE: (f64, f64, f64) = (1.03, 30e3, 0.106);
-/// What a ray of a level costs over one of the level before where a point has half as many, as what is done for each of its
-/// links then is, and where it has as many: among the coarse levels, and among the finer ones, whose rays go more alike as
-/// points are half as far apart. Measured: 1.10 to 1.25, 0.95 to 1.02; 0.94 to 1.08, 0.77 to 0.83.
+/// Cost of a ray of a level relative to the previous level: with half as many rays per point (and so half as many rays
+/// to spread the work per link over), and with as many. First row: coarse levels. Second row: finer levels, whose rays
+/// become more coherent as the distance between points halves. Measured: 1.10 to 1.25, 0.95 to 1.02; 0.94 to 1.08, 0.77
+/// to 0.83.
 const NEXT: [[f64; 2]; 2] = [[1.15, 1.02], [1.04, 0.85]];
-/// Tiles of a point, and of a triangle that rays are cast at: 8 to 19 of a point in all.
+/// Tiles per point, and tiles per triangle for rays: 8 to 19 per point in total.
 const TILES: (f64, f64) = (11.0, 0.4);
-/// How many coarse points one receives from: 100 in an apartment, 360 in an empty room; and the share of them at most.
+/// Number of senders in a coarse row: 100 in an apartment, 360 in an empty room; and its upper bound as a share of the
+/// coarse points.
 const ROW: (f64, f64) = (170.0, 0.25);
-/// What is expected of a part counts like this share of it, and so many seconds more, against what is measured.
+/// Weight of the expected pace against measurements, in processor seconds: a share of the part's nominal cost, plus a
+/// constant.
 const TRUST: (f64, f64) = (0.055, 0.025);
-/// How much a part counts in what is expected of the next one of its kind, against those before.
+/// Weight of a finished part in the expected pace of its kind, against earlier parts.
 const MEMORY: f64 = 0.6;
-/// Seconds at full speed that a stretch of time counts against.
+/// Weight of the initial clock stretch of 1 against measurements, seconds.
 const STRETCH: f64 = 0.2;
-/// What was measured counts half as much after so many seconds, and this share of the time so far: machines get busier
-/// and quieter, and who shares a cache or a core with others pays in processor time, too.
+/// Half-life of measurements, seconds: a constant, plus a share of the elapsed time. The load of a machine varies, and
+/// a shared cache or core costs processor time, too.
 const HALF_LIFE: (f64, f64) = (2.0, 0.2);
 
-/// Work whose costs go together.
+/// Kind of work: parts of a kind have one pace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    /// And putting the file together.
+    /// Setting up, and assembling the file.
     SettingUp,
-    /// Rays and little else.
+    /// Almost only rays.
     Walls,
     CoarseLinks,
     FineLinks,
-    /// No rays: what they found.
+    /// Processing of ray hits; no rays.
     Bounces,
 }
 
-/// A part of the bake.
+/// A stage of the bake, per level where the stage has levels.
 #[derive(Clone, Debug)]
 struct Part {
     stage: Stage,
     level: Option<usize>,
     kind: Kind,
     units: f64,
-    /// Units done, and of these taken from an earlier run.
+    /// Units done, including `skipped` units from an earlier run.
     done: f64,
     skipped: f64,
-    /// Processor seconds that all its units take at pace 1.
+    /// Processor seconds of all units at pace 1.
     nominal: f64,
-    /// Processor seconds since it began.
+    /// Processor seconds since the part began.
     spent: f64,
-    /// Of late: processor seconds, and those that the units done then take at pace 1.
+    /// Recent work, with exponential decay: processor seconds spent, and processor seconds at pace 1.
     late: [f64; 2],
     is_over: bool,
 }
 
 impl Part {
-    /// Processor seconds that the units done in this run take at pace 1.
+    /// Returns the processor seconds at pace 1 of the units done in the current run.
     fn worked(&self) -> f64 {
         self.nominal * ((self.done - self.skipped) / self.units.max(1.0)).clamp(0.0, 1.0)
     }
 
-    /// The pace measured so far, on top of the one expected.
+    /// Returns the measured pace, blended with the expected pace.
     fn pace(&self, expected: f64) -> f64 {
         if self.done <= self.skipped {
             return expected;
@@ -96,7 +100,7 @@ impl Part {
         (self.late[0] + trust * expected) / (self.late[1] + trust)
     }
 
-    /// Processor seconds left.
+    /// Returns the processor seconds left.
     fn left(&self, expected: f64) -> f64 {
         match self.done > 0.0 {
             true => {
@@ -107,7 +111,7 @@ impl Part {
         }
     }
 
-    /// Seconds of the clock over processor seconds, on this many threads that nobody disturbs.
+    /// Returns clock seconds per processor second on `threads` undisturbed threads.
     fn ideal(&self, threads: f64) -> f64 {
         let shared = match self.stage {
             Stage::Prepare => 0.6,
@@ -118,17 +122,17 @@ impl Part {
     }
 }
 
-/// What is left of a bake.
+/// Time left in a bake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Left {
-    /// Of the clock.
+    /// Clock seconds.
     pub seconds: f64,
-    /// Of the processors, all threads together.
+    /// Processor seconds, summed over threads.
     pub processor_seconds: f64,
 }
 
-/// What a ray of each level costs over one of the coarsest level, or, if later bounces do not travel from it, over one of the
-/// first such level.
+/// Returns the cost of a ray of each level, relative to the coarsest level; from the first level without later bounces
+/// on, relative to the first level without later bounces.
 fn by_level(settings: &BakeSettings) -> Vec<f64> {
     let rays = |level: usize| settings.operator.rays_on(level) as f64;
     let later_levels = settings.operator.later_levels;
@@ -147,26 +151,26 @@ fn by_level(settings: &BakeSettings) -> Vec<f64> {
     (0..settings.place.levels).map(over).collect()
 }
 
-/// The parts of a bake, their work, and how fast it goes.
+/// Parts of a bake, their work, and the measured pace.
 pub(super) struct Estimate {
     parts: Vec<Part>,
-    /// Costs over those expected of what was done of setting up: seconds, and seconds at pace 1.
+    /// Finished setting-up parts: processor seconds spent, and processor seconds at pace 1.
     set_up: [f64; 2],
-    /// Paces measured, by kind.
+    /// Measured paces, by [`Kind`].
     known: [Option<f64>; 5],
-    /// Seconds of the clock, and those that an idle machine would have taken.
+    /// Recent time, with exponential decay: clock seconds, and clock seconds of an idle machine.
     clock: [f64; 2],
-    /// Since the bake began: of the clock, of the processors.
+    /// Time since the bake began: clock seconds, processor seconds.
     elapsed: [f64; 2],
     threads: f64,
-    /// Triangles that rays are cast at.
+    /// Triangles for rays.
     ray_triangles: f64,
-    /// What a ray of each level costs: see [`by_level`].
+    /// Relative cost of a ray, by level: see [`by_level`].
     by_level: Vec<f64>,
 }
 
 impl Estimate {
-    /// What a bake with these settings will be.
+    /// Creates the estimate of a bake with these settings. `triangles` is the triangle count of the scene.
     pub(super) fn new(settings: &BakeSettings, triangles: usize, sketches: bool, threads: usize) -> Self {
         let mut estimate = Self {
             parts: Vec::new(),
@@ -232,13 +236,13 @@ impl Estimate {
         estimate
     }
 
-    /// So many triangles are left for rays, those of each copy counted.
+    /// Sets the number of triangles for rays, copies included.
     pub(super) fn found_surfaces(&mut self, settings: &BakeSettings, ray_triangles: u64) {
         self.ray_triangles = ray_triangles.min(MOST_PRIMITIVES) as f64;
         self.expect_points(settings, &expected_counts(&settings.place));
     }
 
-    /// There will be the levels that these settings have.
+    /// Replaces the parts by the parts of the levels in `settings`.
     pub(super) fn found_levels(&mut self, settings: &BakeSettings) {
         let triangles = self.units(Stage::Assemble, None) as usize;
         let fresh = Self::new(settings, triangles, false, self.threads as usize);
@@ -248,7 +252,7 @@ impl Estimate {
         self.expect_points(settings, &expected_counts(&settings.place));
     }
 
-    /// So many points are on the coarsest levels; the others will grow alike.
+    /// Sets the point counts of the coarsest levels; finer levels are scaled by the ratio of the last found level.
     pub(super) fn found_points(&mut self, settings: &BakeSettings, found: &[usize]) {
         let mut counts = expected_counts(&settings.place);
         let Some(last) = found.len().checked_sub(1).filter(|last| *last < counts.len()) else { return };
@@ -258,7 +262,7 @@ impl Estimate {
         self.expect_points(settings, &counts);
     }
 
-    /// What follows from the levels' numbers of points.
+    /// Updates units and costs from the number of points per level.
     fn expect_points(&mut self, settings: &BakeSettings, counts: &[f64]) {
         let all: f64 = counts.iter().sum();
         self.set(Stage::Walls, None, 2.0 * all, 2.0 * cost::WALL * all);
@@ -282,7 +286,7 @@ impl Estimate {
         self.expect_bounces(coarse, coarse * ROW.0.min(ROW.1 * coarse));
     }
 
-    /// So many units a part will have, each of them as much work as was thought.
+    /// Sets the number of units of a part; the expected cost per unit stays.
     pub(super) fn expect_units(&mut self, (stage, level): (Stage, Option<usize>), units: f64) {
         if let Some(part) = self.part(stage, level) {
             let nominal = part.nominal * units / part.units.max(1.0);
@@ -290,7 +294,7 @@ impl Estimate {
         }
     }
 
-    /// How many rays a level will cast.
+    /// Sets the number of rays of a level.
     pub(super) fn expect_rays(&mut self, level: usize, rays: f64) {
         let is_coarse = |part: &Part| part.kind == Kind::CoarseLinks && part.level == Some(level);
         let of_kind = match self.parts.iter().any(is_coarse) {
@@ -304,7 +308,7 @@ impl Estimate {
         self.set(Stage::Links, Some(level), rays, share * cost::COARSE_RAY * rays);
     }
 
-    /// How many columns later bounces have, and how many entries the coarse rows.
+    /// Sets the number of columns of later bounces, and the number of entries of the coarse rows.
     pub(super) fn expect_bounces(&mut self, columns: f64, entries: f64) {
         self.set(Stage::Bounces, None, columns, cost::BOUNCE * columns * entries);
     }
@@ -319,8 +323,8 @@ impl Estimate {
         self.parts.iter_mut().find(|part| part.stage == stage && part.level == level)
     }
 
-    /// Of the part under way so many units are done, `skipped` of them taken from an earlier run, and so many seconds
-    /// of the clock and of the processors went by since this was told last.
+    /// Records progress of the current part: `done` units in total, `skipped` of them from an earlier run; clock
+    /// seconds and processor seconds since the previous call.
     pub(super) fn advance(
         &mut self,
         (stage, level): (Stage, Option<usize>),
@@ -336,7 +340,7 @@ impl Estimate {
         (part.done, part.skipped) = (done, skipped);
         part.spent += processor_seconds;
         let worked = part.worked() - before;
-        // What went by before the first work was told of belongs to it.
+        // Time before the first finished unit belongs to the first units.
         let told = if before > 0.0 { processor_seconds } else { part.spent };
         if worked > 0.0 || before > 0.0 {
             let kept = 0.5f64.powf(processor_seconds / (HALF_LIFE.0 + HALF_LIFE.1 * processors));
@@ -348,7 +352,7 @@ impl Estimate {
         self.clock = [kept * self.clock[0] + seconds, kept * self.clock[1] + ideal];
     }
 
-    /// A part is over, whatever its units.
+    /// Marks a part as finished, regardless of its units.
     pub(super) fn end(&mut self, stage: Stage, level: Option<usize>) {
         let Some(part) = self.part(stage, level) else { return };
         part.is_over = true;
@@ -364,14 +368,15 @@ impl Estimate {
         }
     }
 
-    /// Units of a part, as far as they are known.
+    /// Returns the units of a part, as far as known.
     pub(super) fn units(&mut self, stage: Stage, level: Option<usize>) -> f64 {
         self.part(stage, level).map_or(0.0, |part| part.units)
     }
 
-    /// Paces of each kind of work: the one expected before the part under way, and with what is measured of that. Where
-    /// nothing is, other kinds say it: links are as costly as looking for walls was. (Before that, as setting up, but for what is
-    /// under way of it: the first points of a level come fast, the last ones slowly.)
+    /// Returns two paces per kind of work: the expected pace before the current part, and the pace including
+    /// measurements of the current part. A kind without measurements uses another kind: links cost as much as looking
+    /// for walls did. (Looking for walls uses the setting-up pace without the current part: the first points of a level
+    /// come fast, the last points slowly.)
     fn paces(&self) -> [[f64; 2]; 5] {
         let with = |kind: Kind, expected: f64| {
             let is_under_way = |part: &&Part| part.kind == kind && !part.is_over && part.done > part.skipped;
@@ -388,13 +393,13 @@ impl Estimate {
         [set_up, walls, coarse, fine, bounces]
     }
 
-    /// What all that is left takes.
+    /// Returns the time left of all unfinished parts.
     pub(super) fn left(&self) -> Left {
         let paces = self.paces();
         let stretch = (self.clock[0] + STRETCH) / (self.clock[1] + STRETCH);
         let mut left = Left { seconds: 0.0, processor_seconds: 0.0 };
         for part in self.parts.iter().filter(|part| !part.is_over) {
-            // A part under way adds what is measured of it by itself.
+            // A current part blends in its own measurements.
             let [before, now] = paces[part.kind as usize];
             let seconds = part.left(if part.done > part.skipped { before } else { now });
             left.processor_seconds += seconds;

@@ -1,5 +1,5 @@
-//! How far baked light is from the truth: in one view, under its lamps, the bounced light of a path tracer and of the
-//! baked file, as [`compare`] has it.
+//! Error of baked light against ground truth: compares the bounced light of a path tracer with the bounced light of the
+//! baked file, in one view under the view's lamps, with [`compare`].
 
 use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::{Ray, Surfaces};
@@ -14,49 +14,51 @@ use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::shot::Shot;
 
-/// About how many pixels are looked at: of fewer ones each is wider, and what is wrong at edges goes unseen.
+/// Approximate number of pixels of a picture. With fewer, wider pixels, errors at edges go unseen.
 const PIXELS: f32 = 57_600.0;
-/// Samples of each pixel of the file's picture.
+/// Samples per pixel of the file's picture.
 const SAMPLES: u32 = 64;
-/// And of each of two pictures of the truth at first: their noise cancels out.
+/// Initial samples per pixel of each of the two ground-truth pictures, whose noise cancels out.
 const TRUE_SAMPLES: u32 = 25;
-/// Times that those are doubled at most: as long again as thirty-two times the first ones took.
+/// Maximum number of doublings of the ground-truth samples: up to thirty-two times the initial time.
 const DOUBLINGS: u32 = 5;
-/// An interval this narrow beside the target, from its middle to an end, needs no more samples: one view says no more of a file.
+/// Half width of a confidence interval, relative to the target, below which sampling ends: one view cannot determine a
+/// file's error more precisely.
 const NARROW: f64 = 0.1;
 
-/// Why baked light cannot be judged.
+/// Reason for a failed measurement.
 #[derive(Debug, thiserror::Error)]
 pub enum JudgeError {
     /// The pictures cannot be compared.
     #[error("the bounced light of this view cannot be measured: {0}")]
     Compare(#[from] CompareError),
-    /// The baked file's surfaces cannot be made.
+    /// The baked file's surfaces cannot be built.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }
 
-/// What a file's light is in a view, beside the truth.
+/// Error of a file's light in a view, against ground truth.
 #[derive(Clone, Debug)]
 pub struct Verdict {
-    /// The figures.
+    /// Error figures.
     pub comparison: Comparison,
-    /// Where most of the error is; `None` where there is none.
+    /// Surfaces with the largest error; `None` without error.
     pub worst: Option<Worst>,
 }
 
-/// The surfaces with the largest part of an error.
+/// The material with the largest part of an error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worst {
-    /// Their material's number and name; it may have none.
+    /// Material index and name; the name may be empty.
     pub material: (usize, String),
-    /// Their part of the error's square; may be over 1 where noise takes from the others.
+    /// Share of the squared error; may be over 1 if noise makes other shares negative.
     pub share: f64,
-    /// Where the largest part of that is, world space.
+    /// Position of the material's largest pixel error, world space.
     pub place: [f64; 3],
 }
 
-/// Whether an error is within a target. What noise leaves open of a narrow interval, its middle decides.
+/// Returns whether an error is within a target. If noise leaves the answer open, the middle of a narrow interval
+/// decides.
 pub fn is_within(error: &Estimate, target: f64) -> Answer {
     let width = error.at_most.zip(error.at_least).map_or(0.0, |(high, low)| high - low);
     match (error.is_within(target), error.value) {
@@ -71,27 +73,27 @@ pub fn is_within(error: &Estimate, target: f64) -> Answer {
     }
 }
 
-/// The truth of one view.
+/// Ground truth of one view.
 pub struct Judge<'a> {
     scene: &'a Scene,
     shot: &'a Shot,
     size: [u32; 2],
     truth: [Picture; 2],
     bounces: Option<u32>,
-    /// Of a pixel in each picture of the truth.
+    /// Samples per pixel of each ground-truth picture.
     samples: u32,
-    /// Times that the samples of the truth were doubled.
+    /// Number of doublings of the ground-truth samples so far.
     doubled: u32,
-    /// What is seen in the middle of each pixel: its material and where it is, local space.
+    /// Surface at the centre of each pixel: material index and position, local space.
     seen: Vec<Option<(u32, Vec3)>>,
 }
 
 impl<'a> Judge<'a> {
-    /// Traces the view's light after this many bounces, or all, twice. The same scene and shot give the same pictures at any
-    /// thread count. `row_done` is called after each row of the [`Self::rows`], from any thread.
+    /// Path-traces two pictures of the view's light after `bounces` bounces; `None`: all bounces. The result is
+    /// independent of the thread count. `row_done` is called after each of the [`Self::rows`], from any thread.
     ///
     /// # Errors
-    /// [`JudgeError::Compare`] where no bounced light is seen.
+    /// [`JudgeError::Compare`] if the view has no bounced light.
     pub fn new(
         scene: &'a Scene,
         shot: &'a Shot,
@@ -114,7 +116,7 @@ impl<'a> Judge<'a> {
         let truth = [black.clone(), black];
         let mut judge = Self { scene, shot, size, truth, bounces, samples, doubled: 0, seen };
         judge.truth = [1, 2].map(|seed| judge.traced(&surfaces, seed, samples, &row_done));
-        // They are as far from each other as their noise, if there is anything.
+        // The two pictures differ by their noise if the view has light.
         while let Err(error) = compare(&judge.truth[0], &judge.truth[1], None) {
             if !matches!(error, CompareError::TooNoisy) || !judge.can_sample_on() {
                 return Err(error.into());
@@ -124,7 +126,7 @@ impl<'a> Judge<'a> {
         Ok(judge)
     }
 
-    /// A picture of the truth.
+    /// Path-traces a ground-truth picture.
     fn traced(
         &self,
         surfaces: &TriangleSurfaces,
@@ -133,32 +135,32 @@ impl<'a> Judge<'a> {
         row_done: impl Fn() + Sync,
     ) -> Picture {
         let exposure = Exposure { size: self.size, samples, seed };
-        // The first bounce is always there.
+        // The first bounce is always included.
         let settings = Settings { only: Only::Indirect, bounces: self.bounces.map(|bounces| bounces.max(1)) };
         let Shot { camera, lights, .. } = self.shot;
         path_trace(surfaces, self.scene.origin, camera, lights, exposure, settings, row_done)
     }
 
-    /// The shot that it is the truth of.
+    /// Returns the shot of the ground truth.
     pub fn shot(&self) -> &Shot {
         self.shot
     }
 
-    /// Samples of a pixel in each picture of the truth.
+    /// Returns the samples per pixel of each ground-truth picture.
     pub fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// Whether the truth may get more samples.
+    /// Returns whether the ground truth may be sampled further.
     fn can_sample_on(&self) -> bool {
         self.doubled < DOUBLINGS
     }
 
-    /// Traces the truth with as many samples again, none of which it has. `row_done` as for [`Self::new`].
+    /// Doubles the ground-truth samples, with new seeds. `row_done` as for [`Self::new`].
     fn sample_on(&mut self, row_done: impl Fn() + Sync) {
         let surfaces = TriangleSurfaces::from_scene(self.scene);
         for picture in 0..2 {
-            // 1 and 2 were the first ones, 3 is the file's.
+            // Seeds 1 and 2 are the initial pictures, seed 3 is the file's picture.
             let seed = u64::from(4 + 2 * self.doubled) + picture as u64;
             let more = self.traced(&surfaces, seed, self.samples(), &row_done);
             self.truth[picture] = self.truth[picture].mean(&more);
@@ -167,19 +169,19 @@ impl<'a> Judge<'a> {
         self.doubled += 1;
     }
 
-    /// Width and height of the pictures, pixels.
+    /// Returns width and height of the pictures, pixels.
     fn size(shot: &Shot, pixels: f32) -> [u32; 2] {
         let size = shot.size.map(|side| side.max(1) as f32);
         let scale = (pixels / (size[0] * size[1])).sqrt();
         size.map(|side| (side * scale).round().max(1.0) as u32)
     }
 
-    /// Rows that [`Self::new`] traces, more where there is hardly any light; and those of each doubling.
+    /// Returns the number of rows traced by [`Self::new`] (more in views with hardly any light), and by each doubling.
     pub fn rows(shot: &Shot) -> u32 {
         2 * Self::size(shot, PIXELS)[1]
     }
 
-    /// The picture of a baked file of the scene.
+    /// Renders the picture of a baked file of the scene.
     ///
     /// # Errors
     /// [`JudgeError::Scene`].
@@ -190,7 +192,7 @@ impl<'a> Judge<'a> {
         Ok(render(baked, &surfaces, camera, lights, exposure, Only::Indirect, || ()))
     }
 
-    /// How far a file's picture is from the truth, by the samples that there are.
+    /// Compares a file's picture with the ground truth at the current number of samples.
     ///
     /// # Errors
     /// [`JudgeError::Compare`].
@@ -200,8 +202,9 @@ impl<'a> Judge<'a> {
         Ok(Verdict { comparison, worst: self.worst(picture) })
     }
 
-    /// Whether a file's picture is within a target, with as many more samples as it takes to tell, or as there may be. Before
-    /// each doubling of them `sampling_on` hears what is known so far, and returns what is called after each row.
+    /// Returns whether a file's picture is within a target. Doubles the ground-truth samples until the answer is clear
+    /// or the limit is reached. Before each doubling, calls `sampling_on` with the current estimate; `sampling_on`
+    /// returns the callback for finished rows.
     ///
     /// # Errors
     /// [`JudgeError::Compare`].
@@ -222,7 +225,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// The material whose pixels have most of the squared error, and where it is largest.
+    /// Returns the material with the largest squared error, and the position of the material's largest pixel error.
     fn worst(&self, picture: &Picture) -> Option<Worst> {
         let mut by_material = vec![Blame::default(); self.scene.materials.len()];
         let mut whole = 0.0;
@@ -247,7 +250,8 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The material and the place in the middle of each pixel; none where the surfaces do not tell their primitives.
+/// Returns material index and position at the centre of each pixel; `None` without a hit, or if the surfaces have no
+/// [primitives](Surfaces::primitives).
 fn seen(
     surfaces: &TriangleSurfaces,
     scene: &Scene,
@@ -271,7 +275,7 @@ fn seen(
 struct Blame {
     error: f64,
     largest: f64,
-    /// Where that is, local space.
+    /// Position of the largest pixel error, local space.
     place: Vec3,
 }
 
@@ -313,7 +317,7 @@ mod tests {
             coarse.comparison.error.figure() > 1.5 * good.comparison.error.figure(),
             "{coarse:?}, {good:?}"
         );
-        // Points of the red wall, by their tint, lose their links.
+        // Removes the links of the red wall's points, found by tint.
         let mut broken = fine.clone();
         let rows: Vec<Vec<_>> = (broken.links.iter().zip(&broken.points))
             .map(|(row, point)| {
@@ -330,7 +334,7 @@ mod tests {
 
     #[test]
     fn what_noise_hides_is_sampled_on_for_and_never_taken_for_nothing() {
-        // A white room with a door, whose light is of dozens of bounces.
+        // A white room with a door, lit by dozens of bounces.
         let mut scene = scene::load("builtin:two-rooms-door").unwrap();
         for material in &mut scene.materials {
             material.base_color = [0.95, 0.95, 0.95, 1.0];
@@ -342,7 +346,7 @@ mod tests {
         let picture = judge().picture(&file).unwrap();
         let first = judge().verdict(&picture).unwrap().comparison.error;
         assert!(first.at_most > Some(0.0), "{first:?}");
-        // What is at most told by one sample, and what no number of samples tells.
+        // A target decided by one sample, and a target that stays undecided at any number of samples.
         for (target, doublings) in [(first.figure() + first.at_most.unwrap(), 0..=0), (1e-6, 0..=DOUBLINGS)] {
             let mut judge = judge();
             let heard = std::cell::RefCell::new(Vec::new());

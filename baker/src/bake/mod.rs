@@ -1,12 +1,13 @@
-//! The whole bake: from a scene to a file's contents.
+//! The complete bake: from a scene to the contents of a file.
 //!
-//! * [`observer`] – what a bake tells, and what it can be told;
+//! * [`observer`] – progress reports and stopping;
 //! * `stages` – the stages in order; `assemble` – the file's contents;
-//! * `stand_in` – camera and lamp of a scene that has none, and an object's ground;
-//! * [`budget`] – what a bake may weigh; [`judge`] – how far its light is from the truth; [`aim`] – what to try next;
-//! * `agree` – whether the members of a team work on the same;
-//! * [`checkpoint`] – what is kept, so that a bake can go on;
-//! * `tracker`, `estimate` – how far it is, and how long the rest takes;
+//! * `stand_in` – camera and lamp for scenes without, and the ground of an object;
+//! * [`budget`] – limits on size and memory; [`judge`] – the error against ground truth; [`aim`] – settings to try
+//!   next;
+//! * `agree` – check that all processes work on the same points;
+//! * [`checkpoint`] – finished work on disk, so that a bake can resume;
+//! * `tracker`, `estimate` – progress, and the time left;
 //! * `preset`, `report` – settings, and figures.
 
 mod agree;
@@ -45,13 +46,13 @@ use stages::{Transport, sketch_settings};
 use stand_in::Staged;
 use tracker::Tracker;
 
-/// Why a bake failed.
+/// Reason for a failed bake.
 #[derive(Debug, thiserror::Error)]
 pub enum BakeError {
-    /// No triangle.
+    /// The scene has no triangles.
     #[error("the scene has no triangles to bake")]
     Empty,
-    /// No viewpoint was given and none was found.
+    /// No viewpoint was given, and none was found.
     #[error(
         "no place was found, inside the scene or around it, from which any surface's reflecting side can be seen: give one with --viewpoint x,y,z (are the surfaces one-sided and facing away?)"
     )]
@@ -59,7 +60,7 @@ pub enum BakeError {
     /// Points could not be placed.
     #[error(transparent)]
     Place(PlaceError),
-    /// The observer asked for it.
+    /// The observer stopped the bake.
     #[error("the bake was stopped before it was done")]
     Stopped,
     /// The checkpoint cannot be used.
@@ -70,10 +71,10 @@ pub enum BakeError {
         "process {0} works on another scene, or has come to other points: start all processes from the same program with the same arguments, on processors of one kind"
     )]
     Apart(usize),
-    /// A process of the team sent what cannot be used.
+    /// A process of the team sent invalid data.
     #[error(transparent)]
     Communicator(CommunicatorError),
-    /// More planes at walls than a file can hold.
+    /// More clip planes than a file can hold.
     #[error("supports are cut off by over {MAX_ALL_CUTS} walls: bake with fewer --functions or --levels")]
     TooManyCuts,
     /// The result does not fit the file format.
@@ -108,21 +109,21 @@ impl From<PlaceError> for BakeError {
 /// Bakes a scene. The same scene and settings give the same result at any thread count.
 ///
 /// # Errors
-/// [`BakeError`]; [`BakeError::Stopped`] if the observer asked for it.
+/// [`BakeError`]; [`BakeError::Stopped`] if the observer stopped the bake.
 pub fn bake(
     scene: &Scene,
     settings: &BakeSettings,
     observer: &dyn Observer,
 ) -> Result<(BakedScene, BakeReport), BakeError> {
-    // Who works alone is the first of its team.
+    // A single process is the first member of its team.
     run(scene, settings, observer, None, &())?.ok_or(BakeError::Stopped)
 }
 
-/// Bakes a scene, keeps what is done in a checkpoint, and goes on from what the checkpoint has. The result is the one
-/// that [`bake`] gives, to the byte.
+/// Bakes a scene, stores finished work in a checkpoint, and resumes from the checkpoint's records. The result equals
+/// the result of [`bake`], to the byte.
 ///
 /// # Errors
-/// [`BakeError`]; then what was done is in the checkpoint, on the disk.
+/// [`BakeError`]; finished work is then in the checkpoint, on disk.
 pub fn bake_with_checkpoint(
     scene: &Scene,
     settings: &BakeSettings,
@@ -132,12 +133,12 @@ pub fn bake_with_checkpoint(
     bake_in_team(scene, settings, observer, Some(checkpoint), &())?.ok_or(BakeError::Stopped)
 }
 
-/// Bakes a scene together with the other members of a team, all of which call this with the same scene and settings.
-/// The first member gets the result, the one that [`bake`] gives, to the byte; the others get nothing. Only the first
-/// member may have a checkpoint; it keeps what all have done.
+/// Bakes a scene together with the other members of a team. All members call this function with the same scene and
+/// settings. The first member gets the result, equal to the result of [`bake`] to the byte; the other members get
+/// `None`. Only the first member may have a checkpoint; the checkpoint stores the work of all members.
 ///
 /// # Errors
-/// [`BakeError`]; then the others wait until they are stopped or ended, and what was done is in the checkpoint.
+/// [`BakeError`]; the other members then wait until stopped or ended, and finished work is in the checkpoint.
 pub fn bake_in_team(
     scene: &Scene,
     settings: &BakeSettings,
@@ -147,7 +148,7 @@ pub fn bake_in_team(
 ) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
     let baked = run(scene, settings, observer, checkpoint, team);
     if let Some(checkpoint) = checkpoint {
-        // If this is what ended the bake, it is what went wrong.
+        // A failed checkpoint ends the bake as stopped; `flush` returns the cause.
         checkpoint.flush()?;
     }
     baked
@@ -194,7 +195,8 @@ fn run(
     bake.run(settings, &tracker, checkpoint, report)
 }
 
-/// The scene's lights and cameras as its file will have them, world space: where it has none, what a bake adds.
+/// Returns the lights and cameras of the scene's file, world space: the scene's own, or the lights and cameras that a
+/// bake adds.
 ///
 /// # Errors
 /// [`BakeError::NoViewpoint`], [`BakeError::Empty`].
@@ -214,7 +216,8 @@ pub fn lights_and_cameras(
     Ok((staged.lights, staged.cameras))
 }
 
-/// Where points are placed from, and what for: the viewpoints given, or the cameras that see something, or what is found.
+/// Chooses where points are placed from, and for which views: the given viewpoints, or the cameras that see surfaces,
+/// or a search of the scene.
 ///
 /// # Errors
 /// [`BakeError::NoViewpoint`].

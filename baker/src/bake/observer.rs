@@ -1,68 +1,67 @@
-//! What a bake tells while it runs, and what it can be told.
+//! Interface between a running bake and the caller: progress, previews, stopping.
 
 use rebounce_shared::baked::BakedScene;
 
-/// How far a bake is.
+/// Progress of a bake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// What is being done.
+    /// Current stage.
     pub stage: Stage,
-    /// Level of points that it is about, where it is about one.
+    /// Level of points; `None` for stages without levels.
     pub level: Option<usize>,
     /// Units done of this stage on this level.
     pub done: u64,
-    /// Units of this stage on this level, as far as that is known.
+    /// Units of this stage on this level, as far as known.
     pub total: u64,
-    /// Rays a second of the operator's gathers; none in other stages.
+    /// Rays per second of the operator's gathers; `None` in other stages.
     pub rays_per_second: Option<f64>,
     /// Seconds since the bake began.
     pub seconds: f64,
-    /// About how many seconds all that is left takes.
+    /// Estimated seconds until the bake ends.
     pub seconds_left: f64,
-    /// Seconds that the processors have worked since the bake began, all of this process's threads together.
+    /// Processor seconds since the bake began, summed over the threads of the process.
     pub processor_seconds: f64,
-    /// About how many such seconds all that is left takes: an estimate that does not change with what else the machine
-    /// does.
+    /// Estimated processor seconds until the bake ends; independent of other load on the machine.
     pub processor_seconds_left: f64,
 }
 
 impl Progress {
-    /// The share of the bake's time that is over, as far as one can tell: 0 to 1.
+    /// Returns the estimated share of the bake's time that has passed: 0 to 1.
     pub fn fraction(&self) -> f64 {
         self.seconds / (self.seconds + self.seconds_left).max(f64::MIN_POSITIVE)
     }
 }
 
-/// A bake's stages.
+/// Stage of a bake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Building the ray-casting structure, finding a viewpoint.
+    /// Building the acceleration structure, finding a viewpoint.
     Prepare,
-    /// A coarse bake to show first; only where previews are wanted.
+    /// Baking coarsely for a first preview; only if previews are wanted.
     Sketch,
     /// Placing points. Counts points.
     Points,
-    /// Finding where supports end and where direct light is sampled. Counts points, twice.
+    /// Finding clip planes of supports, and footprints for direct light. Counts each point twice.
     Walls,
     /// Finding parents and children. Counts points.
     Basis,
-    /// Finding the colours of the points' surfaces. Counts points.
+    /// Reading the surface colours of points. Counts points.
     Colours,
-    /// Working out what rays will find on each small tile of the surfaces. Counts tiles.
+    /// Precomputing ray hits for small tiles of the surfaces. Counts tiles.
     Tiles,
     /// Computing the one-bounce links. Counts rays.
     Links,
-    /// Finding what coarse points get from each other, once they have their links: of that later bounces are made. Counts
-    /// coarse points.
+    /// Computing transport between coarse points, the input of later bounces, after the links of the coarse levels.
+    /// Counts coarse points.
     Among,
-    /// Adding later bounces, once the coarse levels have their links. Counts coarse points.
+    /// Adding later bounces, after the links of the coarse levels. Counts coarse points.
     Bounces,
-    /// Putting the file together.
+    /// Assembling the file.
     Assemble,
 }
 
 impl Stage {
-    /// What a person reads.
+    /// Returns the stage's name for people.
     pub fn label(self) -> &'static str {
         match self {
             Stage::Prepare => "preparing",
@@ -80,32 +79,32 @@ impl Stage {
     }
 }
 
-/// A coarse file to look at while the bake goes on.
+/// A coarse file to show during the bake.
 pub struct Preview {
-    /// The file's contents. Light that arrives on finer levels is as smooth as on the finest that is done.
+    /// Contents of the file. Indirect light on unfinished levels is as smooth as on the finest finished level.
     pub file: BakedScene,
-    /// Levels whose links it has; 0 for a sketch, which has points of its own.
+    /// Number of levels with links; 0 for a sketch, which has its own points.
     pub levels: usize,
 }
 
-/// Follows a bake, and may end it.
+/// Follows a bake, and may stop the bake.
 pub trait Observer: Sync {
-    /// Called by any thread, at most some twenty times a second and at the start of every stage.
+    /// Reports progress, from any thread: at the start of every stage, then up to about twenty times per second.
     fn progress(&self, _progress: &Progress) {}
 
-    /// Whether the bake shall end; asked every few milliseconds.
+    /// Returns whether to stop the bake; called every few milliseconds.
     fn is_stopped(&self) -> bool {
         false
     }
 
-    /// Whether [`Self::preview`] shall be called.
+    /// Returns whether to call [`Self::preview`].
     fn wants_previews(&self) -> bool {
         false
     }
 
-    /// A preview is there; each is finer than the one before. The bake waits until this returns.
+    /// Receives a preview; each preview is finer than the previous preview. The bake waits until the call returns.
     fn preview(&self, _preview: Preview) {}
 }
 
-/// Nobody follows.
+/// No observer.
 impl Observer for () {}

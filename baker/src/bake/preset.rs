@@ -1,15 +1,15 @@
-//! Presets: one word for a whole set of parameters.
+//! Presets: named sets of parameters.
 
 use crate::sampling::PlaceSettings;
 use crate::transport::direct_to_indirect::OperatorSettings;
 use rebounce_shared::camera::Camera;
 
-/// How good and how costly a bake is.
+/// Quality and cost of a bake.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Preset {
-    /// To look at while arranging a scene, in seconds.
+    /// For arranging a scene; takes seconds.
     Draft,
-    /// To ship, in a minute or two for a room on two cores.
+    /// For publishing; takes a minute or two for a room on two cores.
     #[default]
     Standard,
     /// For stills and close looks.
@@ -17,8 +17,8 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// The error against a path tracer that it is made for ([`crate::picture::compare`]): what rooms and
-    /// halls stay under that were not chosen for it.
+    /// Returns the promised error against a path tracer ([`crate::picture::compare`]), an upper bound over rooms and
+    /// halls that were not used for tuning.
     pub fn promised_error(self) -> f64 {
         match self {
             Preset::Draft => 0.15,
@@ -27,7 +27,7 @@ impl Preset {
         }
     }
 
-    /// Its name on the command line.
+    /// Returns the preset's name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Preset::Draft => "draft",
@@ -37,27 +37,27 @@ impl Preset {
     }
 }
 
-/// Everything that a bake is told besides the scene.
+/// All inputs of a bake besides the scene.
 #[derive(Clone, Debug)]
 pub struct BakeSettings {
-    /// The preset that the other values started from.
+    /// Preset of the initial values.
     pub preset: Preset,
-    /// Where importance particles start and what is looked at from there, all around, world space; empty: the
-    /// cameras, or found.
+    /// Start positions of importance particles, and of views in all directions, world space. Empty: the cameras, or a
+    /// search of the scene.
     pub viewpoints: Vec<[f64; 3]>,
-    /// A camera that points are placed for besides the scene's.
+    /// Additional camera to place points for, besides the scene's cameras.
     pub camera: Option<Camera>,
     /// How points are placed.
     pub place: PlaceSettings,
     /// How the operator is computed.
     pub operator: OperatorSettings,
-    /// Direct light is sampled at the points of this many levels, at least the sender levels.
-    /// More levels: a moving shadow's edge sweeps more smoothly.
+    /// Number of levels, starting with the coarsest, whose points sample direct light; minimum: the sender levels. With
+    /// more levels, the edge of a moving shadow sweeps more smoothly.
     pub direct_levels: usize,
 }
 
 impl BakeSettings {
-    /// A preset's values.
+    /// Returns the values of a preset.
     pub fn new(preset: Preset) -> Self {
         let (levels, functions, rays, epsilon, pooled_levels) = match preset {
             Preset::Draft => (5, 25_000, vec![2048, 2048, 1024, 1024, 512], 0.013, 3),
@@ -86,7 +86,8 @@ impl BakeSettings {
         }
     }
 
-    /// Values for so many levels, at least those there are: further coarse ones that light bounces between like the coarsest.
+    /// Adapts the values to `levels` levels, or the current number if greater. The added coarse levels use the coarsest
+    /// level's rays and take part in later bounces.
     pub(super) fn deepened(mut self, levels: usize) -> Self {
         let more = levels.saturating_sub(self.place.levels);
         let coarsest = self.operator.rays_on(0);
@@ -99,7 +100,7 @@ impl BakeSettings {
         self.normalised()
     }
 
-    /// Makes the values fit each other: sender and direct levels within the levels there are.
+    /// Makes the values consistent: clamps sender, later and direct levels to the number of levels.
     pub fn normalised(mut self) -> Self {
         let levels = self.place.levels.max(1);
         self.place.levels = levels;

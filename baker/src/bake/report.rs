@@ -1,4 +1,4 @@
-//! What a bake made and what it cost: the columns of the paper's Table 1 and the file's sections.
+//! Results and cost of a bake: the columns of the paper's Table 1 and the file's sections.
 
 use super::{BakeSettings, Stage};
 use crate::communicator::share::Traffic;
@@ -10,40 +10,40 @@ use rebounce_shared::rbn::container::Section;
 use serde::Serialize;
 use std::fmt;
 
-/// A bake's figures; `--report FILE.json` writes them.
+/// Figures of a bake; `--report FILE.json` writes them.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct BakeReport {
     /// The scene's name.
     pub scene: String,
     /// The preset's name.
     pub preset: String,
-    /// The error against a path tracer that the preset is made for.
+    /// Error against a path tracer that the preset promises.
     pub promised_error: f64,
-    /// The error that was measured, where one was asked for ([`super::judge`]) and noise does not hide it.
+    /// Measured error; `None` if not requested ([`super::judge`]) or hidden by noise.
     pub measured_error: Option<f64>,
-    /// It is hardly less than this.
+    /// Lower bound of the measured error's interval.
     pub measured_error_at_least: Option<f64>,
-    /// It is hardly more than this.
+    /// Upper bound of the measured error's interval.
     pub measured_error_at_most: Option<f64>,
-    /// Triangles of the scene, those of copies counted once.
+    /// Triangles of the scene; a model counts once.
     pub triangles: u64,
-    /// Instances of models, which are in memory once each.
+    /// Instances of models; a model is kept in memory once.
     pub instances: u64,
-    /// Triangles that stand in the scene, those of each copy counted.
+    /// Triangles placed in the scene; a model counts once per instance.
     pub placed_triangles: u64,
-    /// Those that rays are cast at, after [simplifying](crate::geometry::simplify); those of copies counted once.
+    /// Triangles for rays, after [simplifying](crate::geometry::simplify); a model counts once.
     pub ray_triangles: u64,
-    /// Where importance particles started, world space.
+    /// Start positions of importance particles, world space.
     pub viewpoints: Vec<[f64; 3]>,
-    /// Whether they came from the sky, too: the scene is an object or a landscape, no room.
+    /// Whether importance particles also start from the sky: the scene is an object or a landscape, no room.
     pub is_open: bool,
-    /// Whether the scene had no light, so that the file got one.
+    /// Whether a lamp was added to the file because the scene has no light.
     pub lamp_added: bool,
-    /// Whether the scene had no camera, so that the file got one.
+    /// Whether a camera was added to the file because the scene has no camera.
     pub camera_added: bool,
-    /// Where the file's first camera is, world space.
+    /// Position of the file's first camera, world space.
     pub camera: [f64; 3],
-    /// Whether no light, as they are at first, reaches any surface that has functions.
+    /// Whether no light, in its initial state, reaches any surface with functions.
     pub is_unlit: bool,
     /// Levels of points, coarsest first.
     pub levels: Vec<LevelReport>,
@@ -53,33 +53,33 @@ pub struct BakeReport {
     pub sender_levels: u64,
     /// Link threshold ε, a share of `reflected`.
     pub epsilon: f32,
-    /// The share of light that the scene's surfaces pass on to each other.
+    /// Share of light that the scene's surfaces reflect to each other.
     pub reflected: f32,
     /// Links kept.
     pub links: u64,
-    /// Links kept for light that bounces again.
+    /// Links kept for later bounces.
     pub later_links: u64,
-    /// Entries of the rows between coarse points that those are made of.
+    /// Entries of the rows between coarse points, from which later links are made.
     pub coarse_entries: u64,
-    /// Senders times receivers.
+    /// Number of senders times number of receivers.
     pub potential_links: u64,
-    /// Links kept over potential links.
+    /// Ratio of links kept to potential links.
     pub link_share: f64,
     /// Rays cast for the operator.
     pub rays: u64,
-    /// Bounces that the operator holds.
+    /// Bounces in the operator.
     pub bounces: u32,
     /// Share of the reflected light that no sender covers.
     pub lost_share: f64,
-    /// Share of the reflected light that links leave out, once a bounce; negative where they add to it.
+    /// Share of the reflected light lost in links per bounce; negative if links add light.
     pub link_loss: f64,
     /// Seconds of each stage, in order.
     pub seconds: Vec<(String, f64)>,
-    /// Processes that baked together.
+    /// Number of processes of the bake.
     pub processes: u64,
-    /// What they sent each other; empty for one process.
+    /// Traffic between processes; empty for one process.
     pub traffic: Vec<TrafficReport>,
-    /// Peak memory of the process, bytes; 0 where the system does not tell.
+    /// Peak memory of the process, bytes; 0 if unknown to the system.
     pub peak_memory_bytes: u64,
     /// The file's sections.
     pub sections: Vec<SectionReport>,
@@ -87,12 +87,12 @@ pub struct BakeReport {
     pub file_bytes: u64,
 }
 
-/// One level of points in numbers.
+/// Figures of one level of points.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct LevelReport {
     /// Basis functions.
     pub functions: u64,
-    /// Of these, receivers that kept links.
+    /// Receivers with links, of these functions.
     pub receivers: u64,
     /// Links kept.
     pub links: u64,
@@ -100,25 +100,25 @@ pub struct LevelReport {
     pub disk_radius: f32,
 }
 
-/// What the processes of a bake sent each other in one part of it.
+/// Traffic between the processes of a bake in one part of the bake.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct TrafficReport {
-    /// The stage.
+    /// Stage of the bake.
     pub stage: String,
-    /// The level of points that it was about, where it was about one.
+    /// Level of points; `None` for stages without levels.
     pub level: Option<usize>,
-    /// Bytes that process 0 took in for the file.
+    /// Bytes received by process 0 for the file.
     pub to_first: u64,
-    /// Bytes that every process took in for what follows, its own included.
+    /// Bytes received by every process for the following stages, including its own.
     pub to_all: u64,
 }
 
-/// One section of the file in numbers.
+/// Figures of one section of the file.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct SectionReport {
-    /// Its four letters.
+    /// Section name, four letters.
     pub name: String,
-    /// Its length.
+    /// Length of the section, bytes.
     pub bytes: u64,
 }
 
@@ -174,7 +174,7 @@ impl BakeReport {
         }
     }
 
-    /// Adds what is known once the file is written.
+    /// Adds the figures of the written file.
     pub fn add_file(&mut self, sections: &[Section], file_bytes: u64) {
         self.sections =
             sections.iter().map(|s| SectionReport { name: s.name(), bytes: s.len as u64 }).collect();
@@ -182,27 +182,27 @@ impl BakeReport {
         self.peak_memory_bytes = peak_memory_bytes();
     }
 
-    /// Adds the error that was measured.
+    /// Adds the measured error.
     pub fn add_error(&mut self, error: Estimate) {
         let Estimate { value, at_least, at_most } = error;
         (self.measured_error, self.measured_error_at_least, self.measured_error_at_most) =
             (value, at_least, at_most);
     }
 
-    /// The error that was measured, where one was asked for.
+    /// Returns the measured error; `None` if not requested.
     pub fn measured(&self) -> Option<Estimate> {
         let (value, at_least, at_most) =
             (self.measured_error, self.measured_error_at_least, self.measured_error_at_most);
         value.or(at_most).map(|_| Estimate { value, at_least, at_most })
     }
 
-    /// Seconds of all stages.
+    /// Returns the seconds of all stages.
     pub fn total_seconds(&self) -> f64 {
         self.seconds.iter().map(|s| s.1).sum()
     }
 }
 
-/// Peak resident memory of this process, bytes; 0 where the system does not tell.
+/// Returns the peak resident memory of the process, bytes; 0 if unknown to the system.
 pub fn peak_memory_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

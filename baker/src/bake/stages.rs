@@ -22,16 +22,17 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 
-/// Points whose cuts and samples are kept together.
+/// Number of points per checkpoint record of cuts and samples.
 const SHAPED: usize = 1 << 15;
-/// Levels whose points tell whether light reaches any.
+/// Number of coarse levels used to test whether any point is lit.
 const LIT_LEVELS: usize = 4;
-/// Points that later bounces travel between in a scene whose points are fine in places, at most, where fewer levels do.
+/// Maximum number of points for later bounces in a scene with graded point density; the number of levels for later
+/// bounces is lowered to meet the maximum, as far as possible.
 const MOST_LATER: usize = 6_000;
-/// Functions on the finest level of a sketch, its levels, and rays to each receiver.
+/// Functions on the finest level of a sketch, levels, and rays per receiver.
 const SKETCH: (usize, usize, u32) = (3_000, 3, 512);
 
-/// What all stages read.
+/// Inputs of all stages.
 pub(super) struct Transport<'a> {
     pub scene: &'a Scene,
     pub surfaces: &'a TriangleSurfaces,
@@ -41,7 +42,7 @@ pub(super) struct Transport<'a> {
     pub team: &'a dyn Communicator,
 }
 
-/// The settings of a coarse bake to show first; `None` where the bake is small itself.
+/// Returns the settings of a coarse first bake; `None` if the bake itself is small.
 pub(super) fn sketch_settings(settings: &BakeSettings) -> Option<BakeSettings> {
     let (functions, levels, rays) = SKETCH;
     let mut sketch = settings.clone();
@@ -49,14 +50,14 @@ pub(super) fn sketch_settings(settings: &BakeSettings) -> Option<BakeSettings> {
     (sketch.place.functions, sketch.place.levels) = (functions, levels);
     sketch.operator.rays = vec![rays];
     (sketch.operator.sender_levels, sketch.direct_levels) = (levels, levels);
-    // Later bounces cost the square of the points that they travel between.
+    // Later bounces cost the square of the number of points on their levels.
     sketch.operator.later_levels = 1;
     let is_small = settings.place.functions < 5 * functions || settings.place.levels <= levels;
     (!is_small).then(|| sketch.normalised())
 }
 
 impl Transport<'_> {
-    /// Bakes coarsely and hands the result to the observer.
+    /// Bakes coarsely and hands the result to the observer as a preview.
     pub(super) fn sketch(&self, mut settings: BakeSettings, watch: &dyn Watch) -> Result<(), BakeError> {
         let watch = &Uncounted(watch);
         let mut points = place(self.surfaces, self.vantage, &settings.place, watch)?;
@@ -74,7 +75,7 @@ impl Transport<'_> {
         Ok(())
     }
 
-    /// Bakes; the first member of the team has the result.
+    /// Bakes; returns the result on the first member of the team, `None` on the others.
     pub(super) fn run(
         &self,
         mut settings: BakeSettings,
@@ -93,13 +94,13 @@ impl Transport<'_> {
             tracker.expect(|estimate| estimate.found_levels(&settings));
         }
         let mut points = self.points(placer, &settings, tracker, checkpoint)?;
-        // Links can name so many senders: beyond, the finest levels receive and do not send.
+        // Links can address `MAX_SENDERS` senders: beyond, the finest levels receive and do not send.
         while points.count_on(settings.operator.sender_levels) > MAX_SENDERS
             && settings.operator.sender_levels > 1
         {
             settings.operator.sender_levels -= 1;
         }
-        // Graded levels are fuller; later bounces cost the square of the points that they travel between.
+        // Graded levels have more points; later bounces cost the square of the number of points on their levels.
         while far > 0
             && settings.operator.later_levels > far + 1
             && points.count_on(settings.operator.later_levels) > MOST_LATER
@@ -206,7 +207,7 @@ impl Transport<'_> {
         Ok(points)
     }
 
-    /// Whether a light reaches any of the points, looked at on the coarsest levels.
+    /// Returns whether a light reaches any point of the coarsest levels.
     fn is_lit(&self, file: &BakedScene) -> bool {
         let lights: Vec<_> = file.meta.lights.iter().map(|light| light.source(file.meta.origin)).collect();
         let coarse: u32 = file.meta.levels.iter().take(LIT_LEVELS).map(|level| level.count).sum();

@@ -1,4 +1,4 @@
-//! Follows a bake's work from all threads, and tells its observer.
+//! Follows the work of all threads of a bake, and reports to the observer.
 
 use super::estimate::Estimate;
 use super::{Checkpoint, Observer, Progress, Stage};
@@ -11,15 +11,15 @@ use std::time::{Duration, Instant};
 /// Time between two reports.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// The whole bake.
+/// Progress of the complete bake.
 pub(super) struct Tracker<'a> {
     observer: &'a dyn Observer,
     checkpoint: Option<&'a Checkpoint>,
     began: Instant,
-    /// What the processors' time is counted from.
+    /// Start of the processor time.
     processors: ProcessTime,
     estimate: Mutex<Estimate>,
-    /// Seconds of the stages, in the order of their first parts.
+    /// Seconds per stage, in order of the first part of each stage.
     seconds: Mutex<Vec<(Stage, f64)>>,
 }
 
@@ -41,14 +41,14 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// Tells more about the work ahead.
+    /// Updates the estimate of the remaining work.
     pub(super) fn expect(&self, tell: impl FnOnce(&mut Estimate)) {
         if let Ok(mut estimate) = self.estimate.lock() {
             tell(&mut estimate);
         }
     }
 
-    /// Begins a part of the work, which ends when the task is dropped.
+    /// Begins a part of the work; the part ends when the task is dropped.
     pub(super) fn task(&self, stage: Stage, level: Option<usize>) -> Task<'_> {
         let (none, began) = (AtomicU64::new, Instant::now());
         let told = Mutex::new((began, ProcessTime::now()));
@@ -58,14 +58,14 @@ impl<'a> Tracker<'a> {
         task
     }
 
-    /// Seconds of each stage.
+    /// Returns the seconds of each stage.
     pub(super) fn seconds(&self) -> Vec<(String, f64)> {
         let seconds = self.seconds.lock().map(|seconds| seconds.clone()).unwrap_or_default();
         seconds.into_iter().map(|(stage, seconds)| (stage.label().to_owned(), seconds)).collect()
     }
 }
 
-/// A part of a bake's work, under way.
+/// A current part of a bake.
 pub(super) struct Task<'t> {
     tracker: &'t Tracker<'t>,
     stage: Stage,
@@ -73,9 +73,9 @@ pub(super) struct Task<'t> {
     began: Instant,
     done: AtomicU64,
     skipped: AtomicU64,
-    /// When the next report is due, milliseconds after the task began.
+    /// Time of the next report, milliseconds after the task began.
     due: AtomicU64,
-    /// When the estimate was told last.
+    /// Clock and processor time of the last update of the estimate.
     told: Mutex<(Instant, ProcessTime)>,
 }
 
@@ -118,7 +118,7 @@ impl Watch for Task<'_> {
         let now = self.began.elapsed().as_millis() as u64;
         let due = self.due.load(Ordering::Relaxed);
         let next = now + PAUSE.as_millis() as u64;
-        // One thread tells.
+        // Only one thread reports.
         if now >= due && self.due.compare_exchange(due, next, Ordering::Relaxed, Ordering::Relaxed).is_ok() {
             self.tell();
         }

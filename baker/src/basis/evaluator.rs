@@ -1,45 +1,46 @@
-//! Which functions cover a place, and with what weight.
+//! Evaluator: finds the basis functions that cover a position, and their weights.
 //!
-//! A hash grid per level: each bucket lists the functions whose supports reach into its cells. Of its list a query
-//! sorts out four at a time what cannot cover the place, and weighs the rest. `cargo bench -p rebounce --bench basis`
-//! compares it with an R-tree (paper, 2.1).
+//! A hash grid per level: each bucket lists the functions whose supports overlap the bucket's
+//! cells. A query rejects the functions of the list that cannot cover the position, four at a time,
+//! and evaluates the remaining functions. `cargo bench -p rebounce --bench basis` compares the grid
+//! with an R-tree (paper, 2.1).
 
 use glam::{IVec3, Mat4, Vec3, Vec4};
 use rebounce_shared::kernel::{LEAST_COSINE, LEAST_WEIGHT, SQUASH, weight};
 use rebounce_shared::rbn::bulk::Cut;
 
-/// A basis function.
+/// Support of a basis function.
 #[derive(Clone, Copy, Debug)]
 pub struct Support<'a> {
-    /// Its point, local space.
+    /// Position of the function's point, local space.
     pub position: Vec3,
-    /// The point's unit normal.
+    /// Unit normal of the point.
     pub normal: Vec3,
     /// Radius of the support, scene units.
     pub radius: f32,
-    /// Planes that end it.
+    /// Clip planes of the support.
     pub cuts: &'a [Cut],
 }
 
-/// Width of a cell over the largest support radius.
+/// Ratio of a cell's width to the largest support radius.
 const CELL: f32 = 0.75;
-/// Supports count as this much larger where functions are sorted out, so that rounding loses none.
+/// Factor on support radii in the rejection test, so that rounding rejects no covering function.
 const MARGIN: f32 = 1.001;
-/// Functions that are looked at together.
+/// Functions per rejection test (SIMD lanes).
 const LANES: usize = 4;
 
-/// A function as queries read it: half a cache line.
+/// A function in the form that queries read: half a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 struct Function {
-    /// Position and radius.
+    /// Position, and radius in w.
     place: Vec4,
-    /// Unit normal, and nothing.
+    /// Unit normal; w is unused.
     facing: Vec4,
 }
 
 impl Function {
-    /// Covers nothing: every comparison with it fails.
+    /// Empty function: all comparisons with NaN fail.
     const NONE: Self = Self { place: Vec4::NAN, facing: Vec4::NAN };
 
     fn position(&self) -> Vec3 {
@@ -55,26 +56,26 @@ impl Function {
     }
 }
 
-/// Evaluates one level's functions.
+/// Evaluates the functions of a level.
 pub struct Evaluator {
-    /// In the order that they came in; one that covers nothing at the end.
+    /// Functions in input order, followed by [`Function::NONE`].
     functions: Vec<Function>,
     first_index: u32,
-    /// The largest, scene units.
+    /// Largest support radius, scene units.
     radius: f32,
-    /// Where each function's cuts begin, and one past the end.
+    /// Index of each function's first clip plane, and the total number of clip planes.
     first_cuts: Vec<u32>,
     cuts: Vec<Cut>,
     cells_per_unit: f32,
     low: Vec3,
-    /// Where each bucket's list begins; and one past the end.
+    /// Index of each bucket's first list entry, and the number of list entries.
     starts: Vec<u32>,
-    /// The buckets' functions, ascending, filled up with the one that covers nothing.
+    /// The buckets' functions, ascending, padded with the empty function.
     lists: Vec<[u32; LANES]>,
 }
 
 impl Evaluator {
-    /// Queries name functions by `first_index` + their place in this list.
+    /// Builds the grid. Queries return `first_index` plus the function's position in `supports`.
     pub fn new<'a>(supports: impl IntoIterator<Item = Support<'a>>, first_index: u32) -> Self {
         let (mut cuts, mut first_cuts) = (Vec::new(), vec![0]);
         let mut functions: Vec<Function> = Vec::new();
@@ -103,7 +104,7 @@ impl Evaluator {
         grid
     }
 
-    /// Makes the buckets' lists.
+    /// Fills the buckets' lists.
     fn fill(&mut self) {
         let buckets = (8 * self.functions.len()).next_power_of_two().max(BLOCK as usize);
         self.starts = vec![0; buckets + 1];
@@ -112,7 +113,7 @@ impl Evaluator {
             self.cells(function, |cell| placed.push((self.bucket(cell) as u32, i as u32)));
         }
         placed.sort_unstable();
-        // Two cells of one function may share a bucket.
+        // Two cells of a function may share a bucket.
         placed.dedup();
         let nothing = self.functions.len() as u32;
         let mut next = 0;
@@ -127,8 +128,8 @@ impl Evaluator {
         self.starts[next..].fill(self.lists.len() as u32);
     }
 
-    /// Visits the cells that a function's support may reach into: an ellipsoid with semi-axes r, r and
-    /// r / (1 + F_squash) along the normal.
+    /// Visits the cells that overlap a function's support: an ellipsoid with semi-axes r, r and r /
+    /// (1 + F_squash) along the normal.
     fn cells(&self, function: &Function, mut visit: impl FnMut(IVec3)) {
         let (centre, normal) = ((function.position() - self.low) * self.cells_per_unit, function.normal());
         let radius = MARGIN * function.radius() * self.cells_per_unit;
@@ -137,7 +138,7 @@ impl Evaluator {
         let half =
             (radius * radius * (Vec3::ONE - n2) + thickness * thickness * n2).max(Vec3::ZERO).map(f32::sqrt);
         let (first, last) = ((centre - half).floor().as_ivec3(), (centre + half).floor().as_ivec3());
-        // How far a cell's middle may be above or below the support's plane.
+        // Greatest distance of a cell's centre from the support's tangent plane.
         let thickest = thickness + 0.5 * MARGIN * normal.abs().element_sum();
         for z in first.z..=last.z {
             for y in first.y..=last.y {
@@ -153,7 +154,8 @@ impl Evaluator {
         }
     }
 
-    /// The bucket of a cell. Cells next to each other share a block, whose buckets, and their lists, lie together.
+    /// Bucket of a cell. Adjacent cells share a block; buckets of a block, and their lists, are
+    /// adjacent in memory.
     #[inline]
     fn bucket(&self, cell: IVec3) -> usize {
         let [x, y, z] = cell.to_array().map(|c| c as u32);
@@ -165,12 +167,13 @@ impl Evaluator {
         ((block * BLOCK) | within) as usize & (self.starts.len() - 2)
     }
 
-    /// Calls `visit(index, weight)` for each function whose weight (Eq. 8) is positive at this
-    /// place and that no cut ends there, and returns the weights' sum: 0 where nothing covers it.
+    /// Calls `visit(index, weight)` for each function with a positive weight (Eq. 8) at this
+    /// position and no clip plane in between, and returns the sum of weights: 0 if no function
+    /// covers the position.
     #[inline]
     pub fn gather(&self, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
         let place = (position - self.low) * self.cells_per_unit;
-        // Rounded down without a call into the system's library.
+        // Floor without a call into the system's library.
         let cell = place.as_ivec3() - IVec3::from(place.cmplt(Vec3::ZERO));
         let bucket = self.bucket(cell);
         let mut total = 0.0;
@@ -191,13 +194,14 @@ impl Evaluator {
         total
     }
 
-    /// A function's cuts.
+    /// Clip planes of a function.
     #[inline]
     fn cuts(&self, place: usize) -> &[Cut] {
         &self.cuts[self.first_cuts[place] as usize..self.first_cuts[place + 1] as usize]
     }
 
-    /// Which of these functions may cover a place: a bit for each. Some of them do not, by a hair; no other does.
+    /// Rejection test: a bit for each of the four functions, set if the function may cover the
+    /// position. A set bit may be false by the margin; a cleared bit is exact.
     #[inline]
     fn hopeful(&self, lanes: &[u32; LANES], position: Vec3, normal: Vec3) -> u32 {
         let [a, b, c, d] = lanes.map(|i| &self.functions[i as usize]);
@@ -206,7 +210,7 @@ impl Evaluator {
         let (x, y, z) = (position.x - place.x_axis, position.y - place.y_axis, position.z - place.z_axis);
         let height = x * facing.x_axis + y * facing.y_axis + z * facing.z_axis;
         let cosine = normal.x * facing.x_axis + normal.y * facing.y_axis + normal.z * facing.z_axis;
-        // The square of Eq. 10, of a unit normal.
+        // Squared distance of Eq. 10, for a unit normal.
         const SQUASHED: f32 = SQUASH * (2.0 + SQUASH);
         let distance = x * x + y * y + z * z + SQUASHED * height * height;
         let radius = MARGIN * place.w_axis;
@@ -214,23 +218,23 @@ impl Evaluator {
     }
 }
 
-/// Cells of a block, two along each axis.
+/// Cells per block, two along each axis.
 const BLOCK: u32 = 8;
 
-/// Evaluators for several levels: a place takes the finest level that covers it.
+/// Evaluators of several levels; a query uses the finest level that covers the position.
 pub struct Leveled {
-    /// Coarsest first.
+    /// Evaluators, coarsest first.
     levels: Vec<Evaluator>,
 }
 
 impl Leveled {
-    /// From levels, coarsest first.
+    /// Combines evaluators of levels, coarsest first.
     pub fn new(levels: Vec<Evaluator>) -> Self {
         Self { levels }
     }
 
-    /// Fills `out` with (index, normalised weight) of the functions of the finest level that
-    /// covers this place; the weights sum to 1. Leaves it empty where no level does.
+    /// Fills `out` with (index, normalised weight) of the functions of the finest level that covers
+    /// this position; the weights sum to 1. `out` is empty if no level covers the position.
     #[inline]
     pub fn interpolate(&self, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
         for level in self.levels.iter().rev() {
@@ -245,35 +249,36 @@ impl Leveled {
         out.clear();
     }
 
-    /// The radius of the finest level's functions, scene units; 0 without any.
+    /// Radius of the finest level's functions, scene units; 0 without levels.
     pub fn finest_radius(&self) -> f32 {
         self.levels.last().map_or(0.0, |level| level.radius)
     }
 
-    /// The same of the coarsest level's.
+    /// Radius of the coarsest level's functions, scene units; 0 without levels.
     pub fn coarsest_radius(&self) -> f32 {
         self.levels.first().map_or(0.0, |level| level.radius)
     }
 
-    /// The same of the finest level that covers this place; `None` where no level does.
+    /// Radius of the finest level that covers this position, scene units; `None` if no level covers
+    /// the position.
     pub fn radius_at(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         let covers = |level: &&Evaluator| level.gather(position, normal, |_, _| {}) > LEAST_WEIGHT;
         self.levels.iter().rev().find(covers).map(|level| level.radius)
     }
 
-    /// A function's cuts, and its position.
+    /// Clip planes and position of a function.
     fn cuts(&self, function: u32) -> (&[Cut], Vec3) {
         let level = self.levels.partition_point(|level| level.first_index <= function) - 1;
         let (level, place) = (&self.levels[level], (function - self.levels[level].first_index) as usize);
         (level.cuts(place), level.functions[place].position())
     }
 
-    /// Whether a cut ends a function somewhere.
+    /// Whether a function has clip planes.
     pub fn has_cuts(&self, function: u32) -> bool {
         !self.cuts(function).0.is_empty()
     }
 
-    /// Whether a cut ends a function at some of these positions, and does not at others.
+    /// Whether a clip plane of a function separates these positions.
     pub fn is_cut_between(&self, function: u32, positions: &[Vec3]) -> bool {
         let (cuts, at) = self.cuts(function);
         cuts.iter().any(|cut| {

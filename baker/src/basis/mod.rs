@@ -1,7 +1,7 @@
 //! The basis: weight functions around points, normalised per level (paper, sections 2.1 and 2.2).
 //!
-//! [`Evaluator`] finds and weighs the functions that cover a place, fast; who is whose parent and child,
-//! `rebounce_shared::basis` says.
+//! [`Evaluator`] finds the functions that cover a position and evaluates their weights.
+//! `rebounce_shared::basis` computes parents and children.
 
 mod evaluator;
 
@@ -11,20 +11,21 @@ use rebounce_shared::basis::ParentWeights;
 pub use rebounce_shared::basis::Relations;
 use rebounce_shared::rbn::RbnError;
 
-/// Finds the relations of points; those of `direct_levels` levels but the last get children.
+/// Computes parents and children of points. Points of the first `direct_levels` levels, except the
+/// last of these levels, have children.
 ///
 /// # Errors
-/// [`RbnError`] where far too many functions lie in one place.
+/// [`RbnError`] if too many functions overlap at a position.
 pub fn relate(points: &Points, direct_levels: usize) -> Result<Relations, RbnError> {
     let (records, cuts, levels) = points.records();
     Relations::new(&records, &cuts, &levels, direct_levels, ParentWeights::default())
 }
 
-/// Support over disk radius of a function that takes what a ray finds: narrow, so that the direct
-/// light at its point is blurred little and few functions share a hit.
+/// Ratio of support radius to disk radius for sender functions: narrow, so that direct light at a
+/// point is blurred little and few functions cover a hit.
 const SENDER_OVERLAP: f32 = 1.25;
 
-/// The evaluator of one level of senders.
+/// Builds the evaluator of a sender level.
 pub fn sender_evaluator(points: &Points, level: usize) -> Evaluator {
     let level = &points.levels[level];
     let radius = SENDER_OVERLAP * level.disk_radius;

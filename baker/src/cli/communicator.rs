@@ -1,11 +1,11 @@
-//! The processes that bake together: those that a launcher of MPI programs has started, or this one alone.
+//! Communicator of a bake: the processes started by an MPI launcher, or a single process.
 
 use anyhow::Result;
 use rebounce::communicator::Communicator;
 use std::process::ExitCode;
 
-/// Runs `work` in this process's team. If it fails here, or is stopped, all processes are ended: the others would wait
-/// for this one.
+/// Runs `work` with the communicator of this process. If `work` fails or is stopped, ends all processes: the remaining
+/// processes would wait for this process.
 #[cfg(feature = "mpi")]
 pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<ExitCode> {
     use crate::cli::plain::plain;
@@ -13,7 +13,7 @@ pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<E
     use rebounce::communicator::mpi::Mpi;
     use std::time::Duration;
 
-    /// So long the first process has to say why it ends before another one ends all.
+    /// Time for the first process to print the reason before a different process ends all processes.
     const PATIENCE: Duration = Duration::from_secs(2);
 
     if !Mpi::is_launched() {
@@ -38,7 +38,7 @@ pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<E
     }
 }
 
-/// Runs `work` in this process alone.
+/// Runs `work` in a single process.
 #[cfg(not(feature = "mpi"))]
 pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<ExitCode> {
     work(&()).map(ExitCode::from)

@@ -56,7 +56,7 @@ pub struct CompareArgs {
     max_error: Option<f64>,
 }
 
-/// What `--json` prints.
+/// Output of `--json`.
 #[derive(serde::Serialize)]
 struct Printed {
     #[serde(flatten)]
@@ -66,7 +66,7 @@ struct Printed {
     spots: Vec<Spots>,
 }
 
-/// Times that a difference is enlarged in pictures.
+/// Gain of the difference picture.
 const GAIN: f32 = 4.0;
 /// Decimals of errors.
 const DECIMALS: usize = 4;

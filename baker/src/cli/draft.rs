@@ -1,4 +1,4 @@
-//! A draft of a scene, baked so that there is something to view.
+//! Draft of a scene, baked for `rebounce view`.
 
 use super::read_baked;
 use anyhow::{Context, Result, bail, ensure};
@@ -8,33 +8,33 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::SystemTime;
 
-/// What drafts end with, beside their scene.
+/// File extension of drafts, beside the scene.
 const DRAFT: &str = "draft.rbn";
 /// The preset of drafts.
 const PRESET: &str = "draft";
 
-/// The outcome.
+/// Outcome of finding or baking a file to show.
 pub enum Draft {
-    /// This baked file is to be shown.
+    /// Baked file to show.
     Shown(PathBuf),
-    /// None is; the process ends so.
+    /// No file to show; the process ends with the exit code.
     Not(ExitCode),
 }
 
-/// The baked file to show: the file itself, unless it is a scene. Of a scene, the bake or the draft that is there already and
-/// not older, or a draft that is baked now, after a question where somebody can answer it.
+/// Returns the baked file to show: `file`, unless a scene. For a scene, returns an existing bake or draft that is not
+/// older, or else bakes a draft, after a question if a user is at the terminal.
 ///
 /// # Errors
-/// Where the scene cannot be read, or where another file lies in the draft's place.
+/// If the scene cannot be read, or a different file occupies the path of the draft.
 pub fn of(file: &Path, is_watching: bool, yes: bool) -> Result<Draft> {
     let Some(builtin) = scene_kind(file) else { return Ok(Draft::Shown(file.to_owned())) };
     let scene = file.display();
-    // A wrong name is told before a draft is announced.
+    // Report a wrong name before announcing a draft.
     if let Some(name) = file.to_str().and_then(|file| file.strip_prefix("builtin:")) {
         builtin::check(name)?;
     }
     ensure!(!is_watching, "--watch is for baked files: give the .rbn that {scene} is baked into");
-    // What is built in is as old as the program.
+    // A built-in scene is as old as the program.
     let source = if builtin { std::env::current_exe()? } else { file.to_owned() };
     let since = modified(&source).with_context(|| format!("cannot read {}", source.display()))?;
     let [own, draft] = places(file, builtin);
@@ -67,7 +67,7 @@ pub fn of(file: &Path, is_watching: bool, yes: bool) -> Result<Draft> {
     bake(file, draft)
 }
 
-/// Whether a file is a scene, and then whether a built-in one.
+/// Whether a scene is built in; `None` if `file` is no scene.
 fn scene_kind(file: &Path) -> Option<bool> {
     if file.to_str().is_some_and(|name| name.starts_with("builtin:")) {
         return Some(true);
@@ -76,7 +76,7 @@ fn scene_kind(file: &Path) -> Option<bool> {
     (ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf")).then_some(false)
 }
 
-/// Where a bake of a scene lies and where its draft goes: beside it, or in the working folder.
+/// Paths of a scene's bake and draft: beside the scene, or in the working folder.
 fn places(file: &Path, builtin: bool) -> [PathBuf; 2] {
     let name = file.to_str().and_then(|name| name.strip_prefix("builtin:")).filter(|_| builtin);
     let stem = name.map_or_else(|| file.to_owned(), PathBuf::from);
@@ -87,12 +87,12 @@ fn modified(path: &Path) -> io::Result<SystemTime> {
     path.metadata()?.modified()
 }
 
-/// Whether a file is a bake of the drafts' preset.
+/// Whether a file is a bake with the preset of drafts.
 fn is_draft(path: &Path) -> bool {
     read_baked(path).is_ok_and(|(_, scene)| scene.meta.bake.preset == PRESET)
 }
 
-/// Asks a question on standard error; whether the answer is yes, which an empty line is.
+/// Asks a question on standard error; returns whether the answer is yes or an empty line.
 fn agrees(question: &str, answers: &mut impl BufRead) -> io::Result<bool> {
     eprint!("{question} [Y/n] ");
     io::stderr().flush()?;
@@ -101,7 +101,7 @@ fn agrees(question: &str, answers: &mut impl BufRead) -> io::Result<bool> {
     Ok(is_answered && matches!(line.trim().to_lowercase().as_str(), "" | "y" | "yes"))
 }
 
-/// Bakes in a process of its own, which shows its progress and hears of Ctrl-C. Standard output is left to the address.
+/// Bakes in a child process, which shows the progress and receives Ctrl-C. Standard output is reserved for the address.
 fn bake(scene: &Path, draft: PathBuf) -> Result<Draft> {
     let mut command = Command::new(std::env::current_exe()?);
     command.args(["bake", "--preset", PRESET, "-o"]).arg(&draft).arg("--").arg(scene);
@@ -110,7 +110,7 @@ fn bake(scene: &Path, draft: PathBuf) -> Result<Draft> {
     if status.success() {
         return Ok(Draft::Shown(draft));
     }
-    // It has said why.
+    // The child has printed the error.
     let code = status.code().and_then(|code| u8::try_from(code).ok());
     Ok(Draft::Not(code.map_or(ExitCode::FAILURE, ExitCode::from)))
 }

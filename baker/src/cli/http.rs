@@ -1,5 +1,5 @@
-//! Just enough HTTP to hand a few files to a browser on the same machine: GET and HEAD, one request
-//! a connection, one thread a connection.
+//! Minimal HTTP server of a few files for a browser on the local machine: GET and HEAD, one request and one thread per
+//! connection.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -9,28 +9,28 @@ use std::time::{Duration, Instant};
 
 /// Longest request head that is read, bytes.
 const MAX_HEAD: u64 = 16 << 10;
-/// A browser that opens a connection and says nothing, or little by little, or does not listen, does not hold it for
+/// Timeout for reading a request, and for a blocked write: a silent or slow browser does not hold a connection for
 /// ever.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Connections at once; more are closed.
+/// Maximum number of open connections; further connections are closed.
 const MOST_OPEN: usize = 256;
-/// Until the next try, where a connection could not be accepted.
+/// Pause after a failed accept.
 const BREATH: Duration = Duration::from_millis(20);
 
-/// The part of a request that answers depend on.
+/// Parts of a request that determine the response.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// `GET`, `HEAD` or something else.
+    /// The method, for example `GET` or `HEAD`.
     pub method: String,
-    /// What follows the method, as sent.
+    /// The text after the method, as sent.
     pub target: String,
     /// The header `Host`.
     pub host: Option<String>,
 }
 
-/// What is sent back.
+/// An HTTP response.
 pub struct Response {
-    /// Such as 200.
+    /// The status code, for example 200.
     pub status: u16,
     /// The header `Content-Type`.
     pub mime: &'static str,
@@ -44,14 +44,14 @@ pub enum Body {
     Bytes(&'static [u8]),
     /// A sentence.
     Text(String),
-    /// Read while it is sent.
+    /// Read during sending.
     File(File),
 }
 
-/// Answers every connection, each in a thread of its own. Ends only if the listener fails for good.
+/// Answers every connection, in a thread per connection. Ends only if the listener fails permanently.
 ///
 /// # Errors
-/// If no connection can be accepted any more.
+/// If the listener can accept no further connection.
 pub fn serve(
     listener: &TcpListener,
     headers: &'static [(&str, &str)],
@@ -60,7 +60,7 @@ pub fn serve(
     serve_for(PATIENCE, listener, headers, answer)
 }
 
-/// [`serve`], with this patience.
+/// [`serve`], with the timeout `patience`.
 fn serve_for(
     patience: Duration,
     listener: &TcpListener,
@@ -72,7 +72,7 @@ fn serve_for(
     loop {
         let stream = match listener.accept() {
             Ok((stream, _)) => stream,
-            // The other side has gone, or there are too many open files for now.
+            // The peer has disconnected, or too many files are open at present.
             Err(error)
                 if !matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) =>
             {
@@ -85,16 +85,16 @@ fn serve_for(
             continue;
         }
         let (answer, is_open) = (answer.clone(), open.clone());
-        // Where there is no room for a thread, the connection is closed.
+        // If no thread can be started, the connection is closed.
         let _ = std::thread::Builder::new().spawn(move || {
-            // A browser that has gone away is no error here.
+            // A disconnected browser is no error.
             let _ = converse(&stream, patience, headers, answer.as_ref());
             drop(is_open);
         });
     }
 }
 
-/// Reads until a time.
+/// Reader with a deadline.
 struct Until<'a> {
     stream: &'a TcpStream,
     end: Instant,
@@ -150,23 +150,23 @@ fn converse(
         match response.body {
             Body::Bytes(bytes) => stream.write_all(bytes)?,
             Body::Text(text) => stream.write_all(text.as_bytes())?,
-            // One that shrinks meanwhile ends early, which the length sent before tells the browser.
+            // A file that shrinks meanwhile ends early; the browser notices by the content length.
             Body::File(file) => {
                 io::copy(&mut file.take(len), &mut stream)?;
             }
         }
     }
-    // Closing while the other side still has something unread to us would cut the answer off.
+    // Closing with unread bytes of the peer would cut the response off.
     stream.shutdown(Shutdown::Write)?;
     let rest = Until { stream, end: Instant::now() + Duration::from_secs(1) };
     io::copy(&mut rest.take(MAX_HEAD), &mut io::sink())?;
     Ok(())
 }
 
-/// Reads a request's head; `None` if it is none.
+/// Reads a request's head; `None` if malformed.
 fn read_request(stream: impl Read) -> io::Result<Option<Request>> {
     let mut lines = BufReader::new(stream.take(MAX_HEAD)).lines();
-    // A line that is no text is no request.
+    // A line that is not UTF-8 is malformed.
     let mut next = || match lines.next().transpose() {
         Err(error) if error.kind() == io::ErrorKind::InvalidData => Ok(None),
         line => line,

@@ -32,7 +32,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         as_text(&file, &bytes, &sections, &scene)
     };
     match std::io::stdout().write_all(plain(&text).as_bytes()) {
-        // Whoever reads may stop early, as `head` does.
+        // A reader may close the pipe early, as `head` does.
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e.into()),
         _ => Ok(()),
     }

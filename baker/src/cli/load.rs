@@ -1,4 +1,4 @@
-//! How a scene's file is read, for each verb that reads one.
+//! Loading of scene files, for the subcommands that read a scene.
 
 use super::number;
 use super::plain::plain;
@@ -22,13 +22,13 @@ impl LoadArgs {
     /// Loads a scene.
     ///
     /// # Errors
-    /// What is wrong with its file.
+    /// The problem in the scene's file.
     pub fn load(&self, spec: &str) -> Result<Scene> {
         Ok(load_with(spec, &LoadOptions { scene: self.choice.clone(), albedo: self.albedo })?)
     }
 }
 
-/// Says what of a scene's file is not in the scene, or otherwise than it is written.
+/// Prints warnings about omissions and changes made while loading a scene's file.
 pub fn warn(scene: &Scene) {
     for problem in &scene.left_out {
         eprintln!("warning: left out: {}", plain(problem));

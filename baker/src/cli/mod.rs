@@ -1,4 +1,4 @@
-//! The verbs of the command line, one a file. They read arguments, call the library and print.
+//! Subcommands, one per file: read arguments, call the library and print.
 
 pub mod bake;
 mod communicator;
@@ -22,7 +22,7 @@ use rebounce_shared::baked::BakedScene;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The exit code where noise hides whether an error is small enough.
+/// Exit code if noise hides whether an error is small enough.
 const TOO_NOISY: u8 = 4;
 
 /// Bakes how light bounces through a glTF scene, so that it can be relit live in a browser.
@@ -52,7 +52,7 @@ enum Command {
     View(view::ViewArgs),
 }
 
-/// Runs the command asked for; how the process shall end.
+/// Runs the subcommand and returns the exit code.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     match &arguments.command {
         Command::Bake(args) => return bake::run(args),
@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The bytes of a baked file and what they mean.
+/// Reads a baked file; returns the bytes and the parsed scene.
 fn read_baked(path: &Path) -> Result<(Vec<u8>, BakedScene)> {
     let name = || path.display().to_string();
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", name()))?;

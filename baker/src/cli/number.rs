@@ -1,8 +1,8 @@
-//! Numbers of arguments, which must be such that something can be made with them.
+//! Parsers of numeric arguments, with checks of the range.
 
 use std::ops::RangeInclusive;
 
-/// A finite number, of which `is_fine` is true.
+/// Parses a finite number accepted by `is_fine`; `wanted` begins the error message.
 fn number(text: &str, wanted: &str, is_fine: impl Fn(f64) -> bool) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number.is_finite() && is_fine(number) => Ok(number),
@@ -10,26 +10,26 @@ fn number(text: &str, wanted: &str, is_fine: impl Fn(f64) -> bool) -> Result<f64
     }
 }
 
-/// A number over 0, as in 0.08.
+/// Parses a number over 0, as in 0.08.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn over_zero(text: &str) -> Result<f64, String> {
     number(text, "a number over 0, as in 0.08,", |number| number > 0.0)
 }
 
-/// 0 or more.
+/// Parses a number, 0 or over.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn at_least_zero(text: &str) -> Result<f64, String> {
     number(text, "a number, 0 or more,", |number| number >= 0.0)
 }
 
-/// The same in single precision, which keeps it over 0.
+/// Parses a number over 0 that is normal in single precision, so stays over 0.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn over_zero_single(text: &str) -> Result<f32, String> {
     let single = over_zero(text)? as f32;
     if single.is_normal() {
@@ -39,28 +39,28 @@ pub fn over_zero_single(text: &str) -> Result<f32, String> {
     }
 }
 
-/// 0 or more, in single precision.
+/// Parses a number, 0 or over, in single precision.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn at_least_zero_single(text: &str) -> Result<f32, String> {
     let single = at_least_zero(text)? as f32;
     if single.is_finite() { Ok(single) } else { Err("a smaller number is needed".to_owned()) }
 }
 
-/// Between two numbers.
+/// Parses a number within `range`.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn within(text: &str, range: RangeInclusive<f32>) -> Result<f32, String> {
     let wanted = format!("a number from {} to {}", range.start(), range.end());
     Ok(number(text, &wanted, |number| range.contains(&(number as f32)))? as f32)
 }
 
-/// Three numbers of a place, as in `0,1.5,-2`.
+/// Parses the three coordinates of a place, as in `0,1.5,-2`.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn place(text: &str) -> Result<[f64; 3], String> {
     let wanted = "three numbers, as in 0,1.5,-2,";
     let numbers: Vec<f64> =
@@ -68,10 +68,10 @@ pub fn place(text: &str) -> Result<[f64; 3], String> {
     numbers.try_into().map_err(|_| format!("{wanted} is needed"))
 }
 
-/// A rectangle of a picture: left, top, right and bottom as shares of its width and height, as in `0.1,0.2,0.5,0.6`.
+/// Parses a rectangle of a picture: left, top, right and bottom as shares of width and height, as in `0.1,0.2,0.5,0.6`.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn rectangle(text: &str) -> Result<[f64; 4], String> {
     let wanted = "left, top, right and bottom as shares of the picture, as in 0.1,0.2,0.5,0.6,";
     let sides: Vec<f64> = text
@@ -84,10 +84,10 @@ pub fn rectangle(text: &str) -> Result<[f64; 4], String> {
     }
 }
 
-/// What a surface reflects, as in `0.8` or `0.8,0.7,0.6`: each from 0 to 1.
+/// Parses an albedo, grey or RGB, as in `0.8` or `0.8,0.7,0.6`, with components from 0 to 1.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn albedo(text: &str) -> Result<[f32; 3], String> {
     let wanted = "one number or three from 0 to 1, as in 0.8 or 0.8,0.7,0.6,";
     let part = |part: &str| number(part, wanted, |x| (0.0..=1.0).contains(&x)).map(|x| x as f32);
@@ -98,11 +98,10 @@ pub fn albedo(text: &str) -> Result<[f32; 3], String> {
     }
 }
 
-/// A number of bytes, of which K, M and G behind it make thousands, millions and milliards; KiB, MiB and GiB are 1024 times
-/// each other.
+/// Parses a number of bytes. A suffix K, M or G is 10^3, 10^6 or 10^9; KiB, MiB or GiB is 2^10, 2^20 or 2^30.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn bytes(text: &str) -> Result<u64, String> {
     match with_unit(text.trim().trim_end_matches(['b', 'B'])) {
         Some(bytes) if bytes >= 1.0 && bytes < u64::MAX as f64 => Ok(bytes as u64),
@@ -110,10 +109,10 @@ pub fn bytes(text: &str) -> Result<u64, String> {
     }
 }
 
-/// How many, as in 25000, 25K or 1e4.
+/// Parses a count from 1 to `most`, as in 25000, 25K or 1e4.
 ///
 /// # Errors
-/// What is needed.
+/// The expected format.
 pub fn count(text: &str, most: usize) -> Result<usize, String> {
     match with_unit(text.trim()) {
         Some(count) if count.fract() == 0.0 && (1.0..=most as f64).contains(&count) => Ok(count as usize),
@@ -121,7 +120,7 @@ pub fn count(text: &str, most: usize) -> Result<usize, String> {
     }
 }
 
-/// A number with K, M or G behind it, or Ki, Mi or Gi.
+/// Parses a number with an optional suffix K, M or G, or Ki, Mi or Gi.
 fn with_unit(text: &str) -> Option<f64> {
     let (text, base) = match text.strip_suffix(['i', 'I']) {
         Some(text) => (text, 1024.0f64),

@@ -1,4 +1,4 @@
-//! What `render` and `reference` have in common: the shot, the size, the samples, the file.
+//! Common parts of `render` and `reference`: shot, size, samples, output file.
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
@@ -62,7 +62,7 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 }
 
 impl PictureArgs {
-    /// Checks what can be checked before the long work, and sets up the threads.
+    /// Checks the output path, sets up the threads and reads the shot, before the long work.
     pub fn prepare(&self) -> Result<Option<Shot>> {
         check_name(&self.output)?;
         check_place(&self.output)?;
@@ -87,8 +87,8 @@ impl PictureArgs {
         Exposure { size: self.size.unwrap_or(shot.size), samples, seed: self.seed }
     }
 
-    /// Writes the picture of these surfaces from a camera. Lights say how far the exposure of a PNG may go; surfaces that are
-    /// unlit a PNG shows as they are, and around an object with a ground its backdrop.
+    /// Writes the picture of `surfaces` from a camera. In a PNG, `lights` limit the exposure, unlit surfaces keep their
+    /// colours, and an object with a ground has a backdrop.
     pub fn write(
         &self,
         picture: &Picture,
@@ -111,7 +111,7 @@ impl PictureArgs {
     }
 }
 
-/// The shot given, or one of the scene's own first camera and its lights.
+/// Returns the given shot, or a shot of the scene's first camera and the scene's lights.
 pub fn shot_or_own(shot: Option<Shot>, spec: &str, cameras: &[Camera], lights: &[Light]) -> Result<Shot> {
     if let Some(shot) = shot {
         return Ok(shot);
@@ -128,7 +128,7 @@ fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
 }
 
-/// Whether [`write_panel`] can write there.
+/// Checks that [`write_panel`] can write to `out`.
 pub fn check_panel(out: &Path) -> Result<()> {
     if !is_png(out) {
         anyhow::bail!("{}: such a picture is a PNG, its name must end in .png", out.display());
@@ -136,8 +136,8 @@ pub fn check_panel(out: &Path) -> Result<()> {
     Ok(check_place(out)?)
 }
 
-/// Writes a PNG of pictures side by side: those of radiance with the first one's exposure, then those
-/// that are shown as they are.
+/// Writes a PNG of pictures side by side: radiance with the first picture's exposure, then the pictures of
+/// `as_they_are`, unchanged.
 pub fn write_panel(out: &Path, radiance: Option<&[&Picture]>, as_they_are: &[&Picture]) -> Result<()> {
     let radiance = radiance.unwrap_or_default();
     let exposure = radiance.first().map_or(1.0, |first| png::exposure_of_lit(first, f32::INFINITY));
@@ -148,7 +148,7 @@ pub fn write_panel(out: &Path, radiance: Option<&[&Picture]>, as_they_are: &[&Pi
     write_whole(out, &bytes).with_context(name)
 }
 
-/// Counts rows: a bar with the time left on a terminal, a line every ten seconds when piped.
+/// Progress in rows: a bar with the time left on a terminal, a line every ten seconds when piped.
 pub struct Rows {
     bar: ProgressBar,
     plain: Option<Mutex<(u32, Instant, Instant)>>,

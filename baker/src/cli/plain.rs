@@ -1,9 +1,9 @@
-//! Text from files as a terminal may see it.
+//! Text from files, made safe for a terminal.
 
 use std::borrow::Cow;
 
-/// The text with control characters other than line ends escaped, and those that turn the direction of writing: a
-/// name in a file could move the cursor, colour or hide what is printed.
+/// Escapes control characters except line ends, and characters that change the direction of writing: a name in a file
+/// could move the cursor, colour or hide output.
 pub fn plain(text: &str) -> Cow<'_, str> {
     if !text.chars().any(is_odd) {
         return Cow::Borrowed(text);

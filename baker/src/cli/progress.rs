@@ -1,4 +1,4 @@
-//! How far a bake is, for people and for programs.
+//! Progress of a bake, for people and for programs.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rebounce::bake::{Progress, Stage};
@@ -15,7 +15,7 @@ const LINES: Duration = Duration::from_secs(10);
 /// Time between two lines for programs.
 const JSON_LINES: Duration = Duration::from_millis(250);
 
-/// Where progress goes.
+/// Output of progress.
 pub enum Display {
     /// One bar on a terminal.
     Bar(ProgressBar),
@@ -25,18 +25,18 @@ pub enum Display {
     Json(Mutex<Last>),
 }
 
-/// What was shown last.
+/// State of the last line.
 #[derive(Default)]
 pub struct Last {
     part: Option<(Stage, Option<usize>)>,
     at: Option<Instant>,
-    /// Since the bake began.
+    /// Seconds since the bake began.
     seconds: f64,
     fraction: f64,
 }
 
 impl Last {
-    /// Whether it is time for another line.
+    /// Whether a new line is due: at a new stage or level, or after `pause`.
     fn is_due(&mut self, progress: &Progress, pause: Duration) -> bool {
         let part = Some((progress.stage, progress.level));
         let is_due = self.part != part || self.at.is_none_or(|at| at.elapsed() >= pause);
@@ -46,7 +46,7 @@ impl Last {
         is_due
     }
 
-    /// How much is done: never less than what was shown of this bake, though more work may have been found.
+    /// Fraction done, 0 to 1; never decreases within a bake, even if additional work was found.
     fn fraction(&mut self, progress: &Progress) -> f64 {
         let shown = if progress.seconds < self.seconds { 0.0 } else { self.fraction };
         (self.seconds, self.fraction) = (progress.seconds, progress.fraction().max(shown));
@@ -67,7 +67,7 @@ struct Line<'a> {
     processor_seconds: f64,
     processor_seconds_left: f64,
     fraction: f64,
-    /// Of the file, on the last line where it was measured.
+    /// Error of the file, on the last line, if measured.
     #[serde(flatten)]
     measured: Option<Measured>,
 }
@@ -79,31 +79,31 @@ struct Measured {
     measured_error_at_most: Option<f64>,
 }
 
-/// The last line of `--json-progress` where the bake is not done.
+/// The last line of `--json-progress` of an unfinished bake.
 #[derive(Serialize)]
 #[serde(tag = "stage", rename_all = "lowercase")]
 pub enum Unfinished {
-    /// It failed.
+    /// The bake failed.
     Failed {
-        /// What standard error says.
+        /// The message on standard error.
         error: String,
     },
-    /// It was stopped, and can be gone on with.
+    /// The bake was stopped, and can be resumed.
     Stopped {
-        /// The file that has what was done.
+        /// Path of the checkpoint.
         checkpoint: String,
     },
 }
 
 impl Unfinished {
-    /// Prints it.
+    /// Prints the line.
     pub fn print(&self) {
         line(self);
     }
 }
 
 impl Display {
-    /// JSON if that is wanted, a bar on a terminal, lines elsewhere.
+    /// JSON if `json`, else a bar on a terminal, else lines.
     pub fn new(json: bool) -> Self {
         if json {
             return Self::Json(Mutex::default());
@@ -118,7 +118,7 @@ impl Display {
         Self::Bar(bar)
     }
 
-    /// Shows how far the bake is.
+    /// Shows the progress of the bake.
     pub fn show(&self, progress: &Progress) {
         match self {
             Self::Bar(bar) => {
@@ -151,7 +151,8 @@ impl Display {
         }
     }
 
-    /// The file is written, so many seconds after the bake began, of the clock and of the processors. `error`: its own.
+    /// Reports the end of the bake: wall-clock and processor seconds since the bake began, and the error of the written
+    /// file.
     pub fn finish(&self, seconds: f64, processor_seconds: f64, error: Option<Estimate>) {
         match self {
             Self::Bar(bar) => bar.finish_and_clear(),
@@ -184,7 +185,7 @@ impl Display {
 
 fn line(line: &impl Serialize) {
     if let Ok(text) = serde_json::to_string(line) {
-        // Whoever does not read on need not stop the bake.
+        // A closed standard output does not stop the bake.
         let _ = writeln!(std::io::stdout().lock(), "{text}");
     }
 }
@@ -202,7 +203,7 @@ fn sentence(progress: &Progress) -> String {
     said
 }
 
-/// Rounded so that it does not claim more than is known.
+/// Formats the remaining time, rounded to the accuracy of the estimate.
 fn time_left(seconds: f64) -> String {
     match seconds {
         s if s < 20.0 => format!("{s:.0} s left"),
@@ -241,7 +242,7 @@ mod tests {
         assert!(last.is_due(&progress, Duration::ZERO));
         progress.level = Some(2);
         assert!(last.is_due(&progress, long));
-        // Half is done; then more is left than was thought; then another bake begins.
+        // 50% done; then the estimate of remaining work grows; then a new bake begins.
         assert_eq!(last.fraction(&progress), 0.5);
         (progress.seconds, progress.seconds_left) = (2.0, 8.0);
         assert_eq!(last.fraction(&progress), 0.5);

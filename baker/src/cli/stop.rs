@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the bake is asked to end, and ended if it does not.
+//! Ctrl-C and SIGTERM: a request to end the bake, then a forced exit.
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
@@ -6,25 +6,25 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// The bake may take so long to end by itself.
+/// Time for the bake to end by itself, before the forced exit.
 const PATIENCE: Duration = Duration::from_millis(600);
 const LOOK_EVERY: Duration = Duration::from_millis(20);
-/// Within a second it is over, where the machine does nothing else.
+/// On an idle machine, the process ends within a second.
 const _: () = assert!(PATIENCE.as_millis() + 2 * LOOK_EVERY.as_millis() < 1000);
 
-/// Which signal asked for the end.
+/// Request to end, by signal.
 #[derive(Clone)]
 pub struct Stop {
     signal: Arc<AtomicUsize>,
-    /// The process must not be ended now.
+    /// Delays the forced exit.
     is_held: Arc<AtomicBool>,
 }
 
 impl Stop {
-    /// From now on signals no longer end the process at once. `last_words` are said before it is ended.
+    /// Installs handlers: signals no longer end the process at once. Calls `last_words` before the forced exit.
     ///
     /// # Errors
-    /// What the system says.
+    /// The operating system's error.
     pub fn install(last_words: impl Fn() + Send + 'static) -> io::Result<Self> {
         let stop = Self { signal: Arc::default(), is_held: Arc::default() };
         for signal in [SIGINT, SIGTERM] {
@@ -45,32 +45,32 @@ impl Stop {
         Ok(stop)
     }
 
-    /// Whether the end was asked for.
+    /// Whether a signal has requested the end.
     pub fn is_asked(&self) -> bool {
         self.signal.load(Ordering::Relaxed) != 0
     }
 
-    /// What shells expect of a program that a signal ended: 130 after Ctrl-C, 143 after SIGTERM.
+    /// Exit code after a signal, as shells expect: 130 after Ctrl-C, 143 after SIGTERM.
     pub fn exit_code(&self) -> u8 {
         (128 + self.signal.load(Ordering::Relaxed)).min(255) as u8
     }
 
-    /// The end must wait: a file is being put in its place.
+    /// Delays the forced exit, while a file is moved into place.
     pub fn hold(&self) {
         self.is_held.store(true, Ordering::Release);
     }
 
-    /// It need wait no longer.
+    /// Permits the forced exit again.
     pub fn release(&self) {
         self.is_held.store(false, Ordering::Release);
     }
 }
 
-/// Lets signals end the process at once, with the codes that shells expect, even where it was started with them ignored:
-/// what a script starts in the background is.
+/// Lets signals end the process at once, with the exit codes that shells expect, even if the process was started with
+/// signals ignored, as background processes of a script are.
 ///
 /// # Errors
-/// What the system says.
+/// The operating system's error.
 pub fn end_at_once() -> io::Result<()> {
     for signal in [SIGINT, SIGTERM] {
         signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, Arc::new(true.into()))?;

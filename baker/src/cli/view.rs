@@ -1,4 +1,4 @@
-//! `rebounce view`: serves the built viewer with one baked file on 127.0.0.1. Of a scene a `draft` is baked first.
+//! `rebounce view`: serves the built viewer with one baked file on 127.0.0.1. For a scene, a `draft` is baked first.
 
 use super::draft::{self, Draft};
 use super::http::{self, Body, Request, Response};
@@ -38,15 +38,15 @@ pub struct ViewArgs {
     yes: bool,
 }
 
-/// The viewer's files by name; empty if the binary was built without them.
+/// Viewer files by name; empty if the binary was built without the viewer.
 static WEB: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/web_files.rs"));
 
-/// What previews end with, beside their file.
+/// File extension of previews, beside the baked file.
 pub const PREVIEW: &str = "preview.rbn";
 
 const DEFAULT_PORT: u16 = 7777;
 
-/// Sent with every answer. The last two give the page finer timers.
+/// Headers of every response. The last two enable finer timers in the page.
 const HEADERS: [(&str, &str); 7] = [
     (
         "Content-Security-Policy",
@@ -106,7 +106,7 @@ fn check(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Binds the port asked for, or the usual one, or any.
+/// Binds `port`; without `port`, binds the default port, or else a free port.
 fn listen(port: Option<u16>) -> Result<TcpListener> {
     let bind = |port| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
     match port {
@@ -117,14 +117,14 @@ fn listen(port: Option<u16>) -> Result<TcpListener> {
     }
 }
 
-/// Asks the system for its browser; the address is printed in any case.
+/// Opens the system's browser; the address is printed in any case.
 fn open(address: &str) {
     let program = match std::env::consts::OS {
         "macos" => "open",
         "windows" => "explorer",
         _ => "xdg-open",
     };
-    // Where there is none, the printed address has to do.
+    // Without a browser, the printed address suffices.
     let _ = Command::new(program)
         .arg(address)
         .stdin(Stdio::null())
@@ -135,13 +135,13 @@ fn open(address: &str) {
 
 struct Site {
     file: PathBuf,
-    /// Shows whichever is the newest of the file and its previews.
+    /// Serves the newer of the file and the preview.
     is_watching: bool,
     port: u16,
 }
 
 impl Site {
-    /// Any other name for this machine in the request would let a foreign page read the file
+    /// Whether the host of a request names this server. A further accepted name would let a foreign page read the file
     /// (DNS rebinding).
     fn is_own(&self, host: Option<&str>) -> bool {
         host.is_some_and(|host| {
@@ -149,7 +149,7 @@ impl Site {
         })
     }
 
-    /// The newest of the file and its preview, and a name for its present contents; `None` while there is neither.
+    /// Returns the newer of the file and the preview, and a version of the contents; `None` while both are absent.
     fn newest(&self) -> Option<(PathBuf, String)> {
         let preview = self.is_watching.then(|| self.file.with_extension(PREVIEW));
         let there = [Some(self.file.clone()), preview].into_iter().flatten().filter_map(|path| {
@@ -157,12 +157,12 @@ impl Site {
             let since = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
             Some((since, metadata.len(), path))
         });
-        // Of two as new as each other the file itself.
+        // The file wins a tie.
         let (since, length, path) = there.rev().max_by_key(|(since, ..)| *since)?;
         Some((path, format!("{}-{length}", since.as_nanos())))
     }
 
-    /// Serves exactly the embedded files and the scene; nothing of the request becomes a path.
+    /// Serves exactly the embedded files and the scene; no part of the request becomes a path.
     fn answer(&self, request: &Request) -> Response {
         if !self.is_own(request.host.as_deref()) {
             return text(403, "this server answers only to 127.0.0.1");
@@ -290,7 +290,7 @@ mod tests {
         for method in ["POST", "PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "get", "", "PROPFIND"] {
             assert_eq!(ask(&site, method, Some("127.0.0.1:80"), "/scene.rbn"), 405, "{method}");
         }
-        // What is asked for by another name, or no file any more.
+        // The file is gone, then is a directory.
         file.close().unwrap();
         assert_eq!(get(&site, "127.0.0.1:80", "/scene.rbn"), 404);
         std::fs::create_dir(&site.file).unwrap();
@@ -324,7 +324,7 @@ mod tests {
         let mut versions = vec![old, coarse, finer, done];
         versions.dedup();
         assert_eq!(versions.len(), 4);
-        // Without --watch the file alone counts, and nothing else is told.
+        // Without --watch, only the file is served, and no version.
         let plain = Site { is_watching: false, ..site };
         at(&preview, b"newer", 300);
         assert_eq!(plain.newest().unwrap().0, file);

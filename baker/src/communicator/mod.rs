@@ -1,11 +1,11 @@
-//! Processes that bake one scene together.
+//! Communicator: processes that bake one scene together.
 //!
-//! Every member has the whole scene and the same points. The work is split by [`share`]; what one member found goes to
-//! those who need it as bytes, through [`Communicator::exchange`].
+//! Every member has the complete scene and the same points. Module [`share`] splits the work;
+//! [`Communicator::exchange`] sends the results, as bytes, to the members that need them.
 //!
-//! * [`share`] – work that all do parts of, and tell each other about;
-//! * [`slices`] – messages that are longer than what can be sent at once;
-//! * `mpi` – members that `mpirun` has started; only with the feature `mpi`.
+//! * [`share`] – work split between members, with exchange of results;
+//! * [`slices`] – messages longer than the maximum message size;
+//! * `mpi` – members started by `mpirun`; only with the feature `mpi`.
 
 #[cfg(feature = "mpi")]
 pub mod mpi;
@@ -14,33 +14,33 @@ pub mod slices;
 
 use crate::watch::{Stopped, Watch};
 
-/// The processes of one bake. All of them call [`Self::exchange`] equally often, each from one thread. The first member,
-/// 0, keeps the checkpoint and writes the file.
+/// The processes of one bake. All members call [`Self::exchange`] equally often, each from one thread. Member 0 keeps
+/// the checkpoint and writes the file.
 pub trait Communicator {
-    /// This member's number, from 0.
+    /// Returns the rank of this member, from 0.
     fn rank(&self) -> usize;
 
-    /// How many members there are.
+    /// Returns the number of members.
     fn size(&self) -> usize;
 
-    /// Gives `to_first` to member 0 and `to_all` to everybody, and waits for what the others give. `watch` is asked
-    /// while it waits.
+    /// Sends `to_first` to member 0 and `to_all` to all members, and waits for the messages of the other members. Calls
+    /// `watch` while waiting.
     ///
     /// # Errors
-    /// [`Stopped`]; the team cannot be used after that.
+    /// [`Stopped`]; the team is unusable afterwards.
     fn exchange(&self, to_first: &[u8], to_all: &[u8], watch: &dyn Watch) -> Result<Received, Stopped>;
 }
 
-/// What came of one exchange, by member, this one included.
+/// Messages of one exchange, by sending member, including the receiving member itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Received {
-    /// What was for member 0; empty elsewhere.
+    /// Messages to member 0; empty on the other members.
     pub to_first: Vec<Vec<u8>>,
-    /// What was for everybody.
+    /// Messages to all members.
     pub to_all: Vec<Vec<u8>>,
 }
 
-/// One process that works alone.
+/// A single process.
 impl Communicator for () {
     fn rank(&self) -> usize {
         0
@@ -55,13 +55,13 @@ impl Communicator for () {
     }
 }
 
-/// Why work in a team ended before it was done.
+/// Reason for unfinished work in a team.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CommunicatorError {
-    /// Somebody asked for it.
+    /// The observer stopped the work.
     #[error(transparent)]
     Stopped(#[from] Stopped),
-    /// A member sent what does not belong here.
+    /// A member sent invalid data.
     #[error(
         "process {0} sent what is no part of this bake: start all processes from the same program, with the same arguments"
     )]

@@ -1,4 +1,4 @@
-//! Members that `mpirun`, or another launcher of MPI programs, has started.
+//! Communicator over MPI: members started by `mpirun` or another launcher of MPI programs.
 
 use super::slices::{places, slice};
 use super::{Communicator, Received};
@@ -11,42 +11,42 @@ use mpi::environment::Universe;
 use mpi::topology::{Communicator, SimpleCommunicator};
 use std::time::Duration;
 
-/// Pauses while the others are waited for: the first and the longest.
+/// First and longest pause while waiting for the other members.
 const PAUSE: (Duration, Duration) = (Duration::from_micros(50), Duration::from_millis(2));
-/// Bytes that all members together send at once; MPI counts in 31 bits.
+/// Maximum bytes per MPI call, summed over members; MPI counts have 31 bits.
 const AT_ONCE: usize = 1 << 30;
-/// An empty part lies in here: the address of an empty `Vec` may be the one that MPI takes for MPI_IN_PLACE.
+/// Buffer of empty messages: the address of an empty `Vec` may equal MPI_IN_PLACE.
 static NOTHING: [u8; 1] = [0];
-/// What launchers tell the processes that they start.
+/// Environment variables set by launchers.
 const LAUNCHED: [&str; 4] = ["OMPI_COMM_WORLD_SIZE", "PMI_RANK", "PMIX_RANK", "MPI_LOCALRANKID"];
 
-/// Why there is no team.
+/// Reason for a failed start of MPI.
 #[derive(Debug, thiserror::Error)]
 pub enum MpiError {
-    /// MPI has been started before in this process.
+    /// MPI was started before in this process.
     #[error("MPI was started twice in one process: start it once")]
     Twice,
-    /// Only programs of one thread.
+    /// The MPI library supports only single-threaded programs.
     #[error(
         "this MPI serves only programs of one thread: install one with MPI_THREAD_FUNNELED, such as Debian's Open MPI"
     )]
     OneThread,
 }
 
-/// The processes that were started together.
+/// The processes started together by the launcher.
 pub struct Mpi {
-    /// Ends MPI, with the others, when it is dropped.
+    /// Finalizes MPI, together with the other members, when dropped.
     _universe: Universe,
     world: SimpleCommunicator,
 }
 
 impl Mpi {
-    /// Whether a launcher has started this process.
+    /// Returns whether a launcher has started this process.
     pub fn is_launched() -> bool {
         LAUNCHED.iter().any(|name| std::env::var_os(name).is_some())
     }
 
-    /// Joins the processes that were started together. Only this thread may use the team.
+    /// Joins the processes started together by the launcher. Only the calling thread may use the communicator.
     ///
     /// # Errors
     /// [`MpiError`].
@@ -60,12 +60,12 @@ impl Mpi {
         Ok(Self { _universe: universe, world })
     }
 
-    /// Ends all processes, with this exit code.
+    /// Ends all processes with this exit code.
     pub fn abort(&self, code: u8) -> ! {
         self.world.abort(code.into())
     }
 
-    /// Waits until all members are here.
+    /// Waits at a barrier for all members.
     fn meet(&self, watch: &dyn Watch) -> Result<(), Stopped> {
         let mut barrier = self.world.immediate_barrier();
         let mut pause = PAUSE.0;
@@ -75,7 +75,7 @@ impl Mpi {
                 Err(still) => barrier = still,
             }
             if let Err(stopped) = watch.step(0) {
-                // It is not over, and the process ends without it.
+                // The barrier is incomplete; the process ends without completing the barrier.
                 std::mem::forget(barrier);
                 return Err(stopped);
             }

@@ -1,7 +1,7 @@
-//! Work that all members of a team do parts of: the pool computes, the calling thread tells the others what is done.
+//! Work split between the members of a team: the thread pool computes, the calling thread exchanges results.
 //!
-//! Members tell each other a few times a second, so that the first one can keep in its checkpoint what all have done,
-//! and once more when the last one is done.
+//! Members exchange results a few times per second, so that the checkpoint of member 0 contains the finished work of
+//! all members, and a last time when the last member is done.
 
 use super::{Communicator, CommunicatorError};
 use crate::watch::{Stopped, Watch};
@@ -9,36 +9,36 @@ use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::time::{Duration, Instant};
 
-/// How often members tell each other what they have done.
+/// Period of exchanges between members.
 const PERIOD: Duration = Duration::from_millis(250);
-/// How often a thread of the pool looks for work while it waits.
+/// Period at which a waiting pool thread looks for work.
 const LOOK_EVERY: Duration = Duration::from_millis(2);
 
-/// Bytes that one piece of work sent.
+/// Bytes sent during one piece of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// From the others to member 0.
+    /// Bytes from the other members to member 0.
     pub to_first: u64,
-    /// From each member to each other one, summed over the senders: what one member takes in, and its own.
+    /// Bytes to all members, summed over the senders: the bytes received by one member, including its own.
     pub to_all: u64,
 }
 
 impl Traffic {
-    /// Adds up two pieces of work.
+    /// Adds the bytes of another piece of work.
     pub fn add(&mut self, more: Self) {
         self.to_first += more.to_first;
         self.to_all += more.to_all;
     }
 }
 
-/// Where threads put what is to be sent.
+/// Buffer of results to send, filled by any thread.
 #[derive(Default)]
 pub struct SendBuffer {
     letters: Mutex<[Vec<u8>; 2]>,
 }
 
 impl SendBuffer {
-    /// Appends to what goes to member 0, and to what goes to everybody.
+    /// Appends to the message to member 0, and to the message to all members.
     pub fn post(&self, write: impl FnOnce(&mut Vec<u8>, &mut Vec<u8>)) {
         if let Ok(mut letters) = self.letters.lock() {
             let [to_first, to_all] = &mut *letters;
@@ -51,9 +51,9 @@ impl SendBuffer {
     }
 }
 
-/// Does this member's part of the work on the pool, and hands over to the team what `work` posts, as it is done. `arrive`
-/// is told of what another member has posted: its number, what is for member 0 (empty elsewhere), what is for everybody.
-/// Ends when all members are done.
+/// Runs this member's part of the work on the pool, and sends the results posted by `work` to the team during the work.
+/// Calls `arrive` for the messages of the other members: rank, message to member 0 (empty on other members), message to
+/// all members. Returns when all members are done.
 ///
 /// # Errors
 /// [`CommunicatorError`], of `work`, of `arrive`, or of the exchange.
@@ -72,7 +72,7 @@ pub fn share<T: Send>(
     rayon::in_place_scope(|scope| {
         let posted = &outbox;
         scope.spawn(move |_| {
-            // Nobody waits any more if the exchange has failed.
+            // The receiver is gone if the exchange has failed.
             let _ = told.send(work(Some(posted)));
         });
         let mut result = None;
@@ -80,7 +80,7 @@ pub fn share<T: Send>(
             if result.is_none() {
                 result = wait(&end, PERIOD)?.transpose()?;
             }
-            // Taken after the end is known: nothing is posted after it.
+            // Taken after the end of `work` is known: later, nothing more is posted.
             let [to_first, posted] = outbox.take();
             let mut to_all = vec![u8::from(result.is_some())];
             to_all.extend(posted);
@@ -103,7 +103,7 @@ pub fn share<T: Send>(
     })
 }
 
-/// What the work came to, if it ends within this time. A thread of the pool helps with it meanwhile.
+/// Returns the result of the work if available within `time`. A pool thread helps with the work while waiting.
 fn wait<T>(
     end: &Receiver<Result<T, Stopped>>,
     time: Duration,
@@ -112,7 +112,7 @@ fn wait<T>(
     loop {
         match end.try_recv() {
             Ok(result) => return Ok(Some(result)),
-            // The work panicked; the pool goes on with that when this ends.
+            // The work panicked; the pool resumes the panic when the scope ends.
             Err(TryRecvError::Disconnected) => return Err(Stopped),
             Err(TryRecvError::Empty) => {}
         }
@@ -122,7 +122,7 @@ fn wait<T>(
         }
         match rayon::yield_now() {
             Some(rayon::Yield::Executed) => {}
-            // The rest of the pool has the work; it may leave something to help with.
+            // Other pool threads have the work, and may leave tasks to help with.
             Some(rayon::Yield::Idle) => std::thread::sleep(left.min(LOOK_EVERY)),
             None => {
                 if let Ok(result) = end.recv_timeout(left) {
@@ -139,7 +139,7 @@ mod tests {
     use crate::communicator::Received;
     use std::sync::{Arc, Barrier};
 
-    /// Two members that are threads: what the other one is to get is put down between two barriers.
+    /// Two members on two threads: messages are exchanged through a table, between two barriers.
     struct Pair {
         rank: usize,
         meet: Arc<Barrier>,

@@ -1,6 +1,6 @@
-//! Messages that are longer than what can be sent at once.
+//! Slices of messages longer than the maximum message size.
 
-/// Where parts of these lengths begin when they lie one after another; both as MPI counts, in 31 bits.
+/// Returns the offsets of consecutive parts with these lengths; lengths and offsets are MPI counts, 31 bits.
 pub fn places(lengths: &[i32]) -> Vec<i32> {
     let mut end = 0;
     let place = |length: &i32| {
@@ -10,7 +10,7 @@ pub fn places(lengths: &[i32]) -> Vec<i32> {
     lengths.iter().map(place).collect()
 }
 
-/// The slice of a message of `length` bytes that is sent in this round, at most `most` bytes.
+/// Returns the byte range of a message of `length` bytes to send in round `round`, up to `most` bytes long.
 pub fn slice(length: usize, round: usize, most: usize) -> std::ops::Range<usize> {
     length.min(round * most)..length.min((round + 1) * most)
 }

@@ -1,8 +1,8 @@
-//! The one interface between light transport and geometry (paper, section 5.1).
+//! Interface between light transport and geometry (paper, section 5.1).
 //!
-//! Points, basis, operator and renderers know surfaces through [`Surfaces`] alone: cast a ray;
-//! position, normal and reflectance at the hit. A new kind of surface implements this trait, and may tell its
-//! [`Primitives`], so that what rays find need not be worked out hit by hit.
+//! Points, basis, operator and renderers access surfaces through [`Surfaces`] only: a ray cast, with position, normal
+//! and reflectance at the hit. A new kind of surface implements [`Surfaces`]. It may also implement [`Primitives`], so
+//! that data at hits is precomputed instead of evaluated per hit.
 
 pub mod mesh;
 pub mod simplify;
@@ -12,29 +12,30 @@ use glam::{Vec2, Vec3};
 /// A ray in local space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it starts. Casting ignores nothing near the origin: offset it by [`Hit::offset_origin`].
+    /// Origin. Casting ignores nothing near the origin: offset it by [`Hit::offset_origin`].
     pub origin: Vec3,
     /// Unit direction.
     pub direction: Vec3,
-    /// Only hits nearer than this count, scene units; may be infinite.
+    /// Maximum distance of a hit, scene units; may be infinite.
     pub max_distance: f32,
-    /// What the ray stands for is this wide, per unit of distance: reflectance is averaged over about so much. 0 for a line;
-    /// [`Ray::VISIBILITY`] where nobody asks for it.
+    /// Width of the beam represented by the ray, per unit of distance: reflectance is averaged over a footprint of
+    /// about this width. 0 for a line; [`Ray::VISIBILITY`] if reflectance is not used.
     pub spread: f32,
 }
 
 impl Ray {
-    /// [`Self::spread`] of rays that ask where surfaces are, not what they reflect: that costs no texels.
+    /// [`Self::spread`] of visibility rays, cast for the positions of surfaces, not for reflectance: reads a texture's
+    /// mean instead of texels.
     pub const VISIBILITY: f32 = f32::INFINITY;
-    /// Numbers of [`Self::octant_and_axis`].
+    /// Number of classes of [`Self::octant_and_axis`].
     pub const OCTANTS_AND_AXES: usize = 24;
 
-    /// A ray without end that asks where surfaces are.
+    /// Returns a visibility ray of unlimited length.
     pub fn visibility(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, max_distance: f32::INFINITY, spread: Self::VISIBILITY }
     }
 
-    /// The axis that a direction goes along most: 0, 1 or 2.
+    /// Returns the axis of the direction's largest component by magnitude: 0, 1 or 2.
     #[inline]
     pub fn major_axis(direction: Vec3) -> usize {
         let size = direction.abs();
@@ -47,15 +48,15 @@ impl Ray {
         }
     }
 
-    /// A number under [`Self::OCTANTS_AND_AXES`], the same for directions that go up and down the same axes and most along the
-    /// same one. In its three lowest bits is whether they go down x, y and z; above them, the [`Self::major_axis`].
+    /// Returns the class of a direction, by octant and major axis; less than [`Self::OCTANTS_AND_AXES`]. The three
+    /// lowest bits are the sign bits of x, y and z (1: negative); the bits above are the [`Self::major_axis`].
     #[inline]
     pub fn octant_and_axis(direction: Vec3) -> u8 {
         (Self::major_axis(direction) << 3) as u8 | direction.is_negative_bitmask() as u8
     }
 }
 
-/// Where a ray met a surface.
+/// Intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Distance from the ray's origin, scene units.
@@ -66,135 +67,139 @@ pub struct Hit {
     pub geometric_normal: Vec3,
     /// Unit shading normal. Of a two-sided surface, on the side the ray came from.
     pub normal: Vec3,
-    /// Linear RGB reflectance towards the ray's origin; zero on the back of a one-sided surface,
-    /// which is where `normal` points away from the ray's origin.
+    /// Linear RGB reflectance towards the ray's origin; zero on the back of a one-sided surface (`normal` points away
+    /// from the ray's origin).
     pub albedo: Vec3,
-    /// Linear RGB radiance sent by the surface itself towards the ray's origin.
+    /// Linear RGB radiance emitted by the surface towards the ray's origin.
     pub emission: Vec3,
-    /// Whether pictures show the emission in place of all that the surface reflects.
+    /// Whether pictures show the emission in place of reflected light (unlit material).
     pub is_unlit: bool,
 }
 
 impl Hit {
-    /// True where light is reflected towards the ray's origin: not the back of a one-sided surface.
+    /// Returns whether the surface reflects light towards the ray's origin: false on the back of a one-sided surface.
     #[inline]
     pub fn faces(&self, ray_direction: Vec3) -> bool {
         self.normal.dot(ray_direction) < 0.0
     }
 
-    /// An origin for a ray that leaves this hit in `direction`: moved off the surface by `epsilon`
-    /// scene units, to the side that `direction` points to.
+    /// Returns the origin for a ray that leaves the hit in `direction`: `position`, moved off the surface by `epsilon`
+    /// scene units to the side of `direction`.
     #[inline]
     pub fn offset_origin(&self, direction: Vec3, epsilon: f32) -> Vec3 {
         self.position + self.geometric_normal * epsilon.copysign(self.geometric_normal.dot(direction))
     }
 }
 
-/// Something that rays can be cast at. All space is local (world − the scene's origin).
+/// Geometry for ray casts. Coordinates are in local space (world − the scene's origin).
 pub trait Surfaces: Sync {
-    /// The nearest hit. Partly transparent surfaces let a ray through with the mean over the channels of what they let
-    /// through as probability, decided by `seed` alone: the same ray and seed give the same hit.
+    /// Returns the nearest hit. A partly transparent surface lets a ray through with its transmittance, averaged over
+    /// the colour channels, as probability. Only `seed` decides: an equal ray and seed give an equal hit.
     fn cast(&self, ray: &Ray, seed: u32) -> Option<Hit>;
 
-    /// What a camera sees along a ray: the nearest hit where the backs of one-sided surfaces are not there, as glTF culls
-    /// them. They stop all light, so that only rays from an eye, or from a viewpoint, ask this. Where no back is nearer
-    /// it is what [`Self::cast`] finds.
+    /// Returns the nearest hit of a camera ray: backs of one-sided surfaces are culled, as in glTF. For light, backs
+    /// are opaque, so only rays from an eye or a viewpoint use this function. Without a nearer back, the hit equals
+    /// the hit of [`Self::cast`].
     fn see(&self, ray: &Ray, seed: u32) -> Option<Hit>;
 
-    /// The share of light that gets from `from` to `to`, linear RGB, 0 to 1: the product of what all surfaces in between
-    /// let through. `to` may be far outside the scene.
+    /// Returns the transmittance between `from` and `to`, linear RGB, 0 to 1: the product of the transmittances of the
+    /// surfaces in between. `to` may be far outside the scene.
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3;
 
-    /// The colour of the light that a ray let through on its way to a hit this far away brings, linear RGB: the product of
-    /// what each surface in between lets through over the probability of [`Self::cast`]. White where none is coloured.
-    /// `from_eye` where [`Self::see`] found the hit: then backs of one-sided surfaces are not there.
+    /// Returns the tint of light along a ray up to a hit at this distance, linear RGB: the product, over the surfaces
+    /// passed, of transmittance over the pass-through probability of [`Self::cast`]. White without coloured surfaces.
+    /// `from_eye`: the hit is a hit of [`Self::see`], and backs of one-sided surfaces are culled.
     fn tint(&self, _ray: &Ray, _distance: f32, _from_eye: bool) -> Vec3 {
         Vec3::ONE
     }
 
-    /// Least and greatest corner of everything that can be hit.
+    /// Returns the minimum and maximum corner of the geometry.
     fn bounds(&self) -> (Vec3, Vec3);
 
-    /// The same of the part that has the detail, where that is far smaller than all.
+    /// Returns the minimum and maximum corner of the main part: the part with the detail, if far smaller than
+    /// [`Self::bounds`].
     fn main_part(&self) -> (Vec3, Vec3) {
         self.bounds()
     }
 
-    /// Safe distance to move ray origins off surfaces in the [main part](Self::main_part), scene units.
+    /// Returns a safe offset of ray origins from surfaces in the [main part](Self::main_part), scene units.
     fn epsilon(&self) -> f32;
 
-    /// The same anywhere: more where numbers are less exact.
+    /// Returns a safe offset at any position, scene units: larger at positions with less exact coordinates.
     #[inline]
     fn epsilon_at(&self, _position: Vec3) -> f32 {
         self.epsilon()
     }
 
-    /// The primitives that the surfaces are made of; none where they do not tell.
+    /// Returns the primitives of the surfaces; `None` if unavailable.
     fn primitives(&self) -> Option<&dyn Primitives> {
         None
     }
 }
 
-/// A place on a primitive of surface.
+/// Location on a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceCoordinates {
     /// Number of the primitive.
     pub primitive: u32,
-    /// How far along its first and its second side, from the corner between them; 0 to 1 each and together.
+    /// Coordinates along the first and the second side, from the corner between the two sides; each coordinate and the
+    /// sum are 0 to 1.
     pub at: Vec2,
-    /// Whether it is the primitive's back.
+    /// Whether the location is on the primitive's back.
     pub is_back: bool,
 }
 
-/// A triangle, flat or curved, that the surfaces are made of.
+/// Triangle, flat or curved, of the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Primitive {
-    /// Lengths of the two sides that [`SurfaceCoordinates::at`] counts along, scene units; best where the third side is the longest.
+    /// Lengths of the two sides of [`SurfaceCoordinates::at`], scene units; best if the third side is the longest.
     pub sides: [f32; 2],
-    /// Whether its back reflects too.
+    /// Whether the back reflects too.
     pub has_back: bool,
-    /// Its middle, local space.
+    /// Centre, local space.
     pub middle: Vec3,
-    /// Unit normal there, on its front, or zero.
+    /// Unit normal at the centre, on the front, or zero.
     pub normal: Vec3,
-    /// Primitives of one kind look alike where they meet: of one material.
+    /// Number of the material: primitives of equal kind look alike at a common edge.
     pub kind: u32,
 }
 
-/// What a surface is at a place.
+/// Surface properties at a location.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceSample {
     /// Local space.
     pub position: Vec3,
-    /// Unit shading normal, on the side that the place is on.
+    /// Unit shading normal, on the location's side.
     pub normal: Vec3,
     /// Linear RGB reflectance.
     pub albedo: Vec3,
-    /// The share of rays that it stops.
+    /// Fraction of rays stopped by the surface.
     pub opacity: f32,
 }
 
-/// Surfaces made of numbered primitives: what a ray finds on them can be worked out before it is cast. Best where primitives of
-/// neighbouring numbers are neighbours.
+/// Surfaces made of numbered primitives, so that data at hits is precomputed before rays are cast. Best if primitives
+/// with neighbouring numbers are neighbours.
 pub trait Primitives: Sync {
-    /// How many there are.
+    /// Returns the number of primitives.
     fn count(&self) -> usize;
 
-    /// A primitive, by number.
+    /// Returns a primitive, by number.
     fn primitive(&self, primitive: u32) -> Primitive;
 
-    /// What is at a place; its reflectance is the mean over about this `area`, square scene units.
+    /// Returns the surface properties at a location; reflectance is averaged over about this `area`, square scene
+    /// units.
     fn spot(&self, place: SurfaceCoordinates, area: f32) -> SurfaceSample;
 
-    /// Where the nearest hit is, and how far away, where light is reflected at all: [`Surfaces::cast`] without looking at
-    /// what is there. Its side is that of the true surface.
+    /// Returns location and distance of the nearest hit; `None` also if the surface reflects no light at the hit:
+    /// [`Surfaces::cast`] without shading. The location's side is the side of the true surface.
     fn find(&self, ray: &Ray, seed: u32) -> Option<(SurfaceCoordinates, f32)>;
 
-    /// The same for a ray from a camera: [`Surfaces::see`] without looking at what is there.
+    /// As [`Self::find`] for a camera ray: [`Surfaces::see`] without shading.
     fn find_seen(&self, ray: &Ray, seed: u32) -> Option<(SurfaceCoordinates, f32)>;
 
-    /// The same for the rays of these numbers, in their order; quickest where neighbours are of one [class](Ray::octant_and_axis) and
-    /// go alike. Origins and directions are finite, and no [`Ray::max_distance`] is NaN.
+    /// As [`Self::find`] for the rays with these numbers, in the order of `numbers`; writes to `found`. Fastest if
+    /// neighbouring rays have a common [class](Ray::octant_and_axis) and similar directions. Origins and directions
+    /// are finite, and [`Ray::max_distance`] is never NaN.
     fn intersect_packet(
         &self,
         rays: &[(Ray, u32)],

@@ -9,13 +9,13 @@ use rebounce_shared::footprint;
 use rebounce_shared::light::{Incident, LightSource};
 use rebounce_shared::rbn::bulk::Point;
 
-/// RGB irradiance on a surface element at `position` (local space) with this unit normal.
-/// Visibility is tested from `position` moved off the surface along the normal.
+/// RGB irradiance on a surface element at `position` (local space) with unit normal `normal`. Shadow rays start at
+/// `position` moved off the surface along the normal.
 pub fn at_point(surfaces: &impl Surfaces, lights: &[LightSource], position: Vec3, normal: Vec3) -> Vec3 {
     sum(surfaces, lights, position, normal, |_| position + normal * surfaces.epsilon_at(position))
 }
 
-/// RGB irradiance of a basis function's point: the mean over the samples of its footprint.
+/// RGB irradiance of a basis function's point: the mean over the samples of the point's footprint.
 pub fn at_footprint(surfaces: &impl Surfaces, lights: &[LightSource], point: &Point) -> Vec3 {
     let (position, normal) = (point.position(), point.normal());
     let (mut total, mut count) = (Vec3::ZERO, 0);
@@ -29,14 +29,14 @@ pub fn at_footprint(surfaces: &impl Surfaces, lights: &[LightSource], point: &Po
     if count > 0 { total / count as f32 } else { at_point(surfaces, lights, position, normal) }
 }
 
-/// RGB irradiance where a ray hit, of lights as points.
+/// RGB irradiance at a ray hit, with lights as points.
 pub fn at_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit) -> Vec3 {
     sum(surfaces, lights, hit.position, hit.normal, |to_light| {
         hit.offset_origin(to_light, surfaces.epsilon_at(hit.position))
     })
 }
 
-/// One estimate of the RGB irradiance at a hit from lights with a size: one random place of each light.
+/// Single-sample estimate of the RGB irradiance at a hit from area lights: one random place per light.
 pub fn toward_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit, stream: &mut Stream) -> Vec3 {
     let origin = |to_light| hit.offset_origin(to_light, surfaces.epsilon_at(hit.position));
     let mut total = Vec3::ZERO;
@@ -68,7 +68,7 @@ fn sum(
     total
 }
 
-/// What of the light at `position` reaches it, along its normal.
+/// Irradiance from `light` at `position` with normal `normal`, with visibility.
 #[inline]
 fn reaching(
     surfaces: &impl Surfaces,
@@ -112,7 +112,7 @@ mod tests {
             let found = at_point(&surfaces, &lights, p, Vec3::Z);
             assert!((found - expected).length() < 1e-5, "{found} instead of {expected}");
         }
-        // Nothing comes through the wall, or to a surface that looks away.
+        // No light passes through the wall, and none reaches a surface facing away.
         assert_eq!(at_point(&surfaces, &lights, Vec3::new(0.1, 0.2, -1.5), Vec3::Z), Vec3::ZERO);
         assert_eq!(at_point(&surfaces, &lights, Vec3::new(0.1, 0.2, -1.0), -Vec3::Z), Vec3::ZERO);
     }

@@ -1,4 +1,4 @@
-//! The level of a scene's direct light, whatever is in view: what the exposure of PNGs goes by.
+//! Level of a scene's direct light, independent of the view: input of the exposure of PNGs.
 
 use super::direct;
 use crate::geometry::{Ray, Surfaces};
@@ -9,10 +9,10 @@ use rebounce_shared::colour::luminance;
 use rebounce_shared::exposure;
 use rebounce_shared::light::LightSource;
 
-/// Rays, from anywhere in the scene in any direction.
+/// Number of rays, with random origins in the scene and random directions.
 const RAYS: u64 = 1 << 14;
 
-/// The [level](exposure::level) of direct light where rays through the whole scene end on a reflecting side.
+/// [Level](exposure::level) of direct light at front-facing hits of rays through the whole scene.
 pub fn level(surfaces: &impl Surfaces, lights: &[LightSource]) -> f32 {
     let (low, high) = surfaces.bounds();
     let at = |ray: u64| {
@@ -45,7 +45,7 @@ mod tests {
         let mut dim = scene.lights.clone();
         for light in &mut dim {
             let Light::Spot { position, direction, intensity, .. } = light else { panic!("{light:?}") };
-            // In the other room.
+            // Mirrored into the other room.
             (position[0], direction[0]) = (-position[0], -direction[0]);
             *intensity *= 1e-4;
         }

@@ -1,4 +1,4 @@
-//! Light straight from the lamps.
+//! Direct light from the lamps.
 
 pub mod direct;
 pub mod level;

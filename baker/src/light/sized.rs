@@ -1,22 +1,22 @@
-//! Lights with a size: spheres with the intensity of a point at their centre, and discs of suns.
+//! Area lights: spheres with the intensity of a point at their centre, and discs of suns.
 
 use glam::{Vec2, Vec3};
 use rebounce_shared::light::{Incident, LightSource};
 use std::f32::consts::TAU;
 
-/// What of a light's size one ray meets.
+/// Sampled direction to an area light.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// Unit vector to it.
+    /// Unit vector to the sample.
     pub to_light: Vec3,
-    /// How far the ray goes, to the disc through the sphere's middle; infinite for directional lights.
+    /// Length of the shadow ray, up to the disc through the sphere's centre; infinite for directional lights.
     pub distance: f32,
-    /// Irradiance on a facing surface over that of the light's centre.
+    /// Irradiance on a facing surface, relative to the irradiance from the light's centre.
     pub share: f32,
 }
 
-/// One place of the light for a random `square`, 0 to 1 each: even over the cone that the sphere fills, from anywhere
-/// outside of it. The mean over all, none of it hidden, is what the middle alone gives.
+/// Samples the light with a random `square`, 0 to 1 each: uniform over the cone subtended by the sphere, from
+/// anywhere outside the sphere. The mean over unoccluded samples equals the irradiance from the centre alone.
 pub fn sample(light: &LightSource, at: &Incident, square: Vec2) -> Sample {
     let Incident { to_light, distance, .. } = *at;
     // The sphere's rim, or the disc's.
@@ -53,7 +53,7 @@ mod tests {
         for light in lights {
             let light = light.source([0.0; 3]);
             let at = light.incident(Vec3::ZERO).unwrap();
-            // Tilted, but so that all of it is before the surface.
+            // Tilted, with the entire light in front of the surface.
             let normal = Vec3::new(0.5, 1.0, 0.0).normalize();
             let mut stream = Stream::new(3, 7);
             let n = 100_000;

@@ -1,8 +1,9 @@
-//! The project's own ground truth: a brute-force path tracer. It knows nothing of points, basis
-//! and operator, and shares with them only the surfaces and the lights.
+//! Ground truth of the project: a brute-force path tracer. Independent of points, basis and
+//! operator; only the surfaces and the lights are shared code.
 //!
-//! From the eye, which backs of one-sided surfaces hide nothing from, along cosine-distributed bounces; at every surface the lamps are sampled. Paths
-//! end by Russian roulette after [`ROULETTE_DEPTH`] bounces.
+//! Paths start at the eye, where back faces of one-sided surfaces are invisible, and continue in
+//! cosine-distributed directions; at every surface the lamps are sampled. Paths end by Russian
+//! roulette after [`ROULETTE_DEPTH`] bounces.
 
 use crate::geometry::{Ray, Surfaces};
 use crate::light::direct;
@@ -14,23 +15,24 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{Light, LightSource};
 use std::f32::consts::FRAC_1_PI;
 
-/// Paths shorter than this never end by chance.
+/// Number of bounces before Russian roulette starts.
 const ROULETTE_DEPTH: u32 = 12;
-/// And a longer one goes on with this probability at most, so that paths in a closed white room end. Where surfaces reflect nearly
-/// everything, a smaller one would let few paths carry most of the light: noise of no finite variance.
+/// Maximum survival probability of Russian roulette, so that paths in a closed white room end. With
+/// nearly white surfaces, a smaller maximum would concentrate most of the light in a few paths:
+/// noise of infinite variance.
 const MOST_SURVIVAL: f32 = 0.996;
 
-/// What light to trace.
+/// Light paths to include.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settings {
-    /// Which light to show.
+    /// Components of light to show.
     pub only: Only,
-    /// Bounces before the surface seen; all of them when absent.
+    /// Maximum number of bounces before the visible surface; unlimited when absent.
     pub bounces: Option<u32>,
 }
 
-/// Takes a picture of `surfaces`, whose local space is world space − `origin`.
-/// `row_done` is called after each row, from any thread.
+/// Renders `surfaces`; local space is world space − `origin`. `row_done` is called after each row,
+/// from any thread.
 pub fn path_trace(
     surfaces: &impl Surfaces,
     origin: [f64; 3],
@@ -45,7 +47,7 @@ pub fn path_trace(
     expose(&camera.frame(origin), exposure, radiance, row_done)
 }
 
-/// One estimate of the linear RGB radiance that comes along `ray`.
+/// Single-sample estimate of the linear RGB radiance along `ray`, toward its origin.
 pub fn radiance(
     surfaces: &impl Surfaces,
     lights: &[LightSource],
@@ -100,8 +102,8 @@ mod tests {
 
     #[test]
     fn a_closed_room_of_albedo_half_holds_as_much_bounced_light_as_direct() {
-        // Flux: the lamp's 4π·I falls on the walls; each bounce keeps half. On average over the
-        // walls the indirect irradiance is ρ/(1 − ρ) = 1 times the direct one, 4π·I / 24.
+        // Flux: the walls receive 4π·I from the lamp; each bounce keeps half. On average over the
+        // walls the indirect irradiance is ρ/(1 − ρ) = 1 times the direct irradiance, 4π·I / 24.
         let room = scene::load("builtin:furnace").unwrap();
         let surfaces = TriangleSurfaces::from_scene(&room);
         let lights = [room.lights[0].source(room.origin)];
@@ -148,14 +150,16 @@ mod tests {
         };
         let (one, all) = (mean(Some(1)), mean(None));
         assert_eq!(mean(Some(0)), 0.0);
-        // Almost uniform after the first bounce: each further one is half the one before.
+        // Almost uniform after the first bounce: each further bounce has half the irradiance of the
+        // previous bounce.
         assert!((all / one - 2.0).abs() < 0.06, "{}", all / one);
     }
 
     #[test]
     fn no_path_of_a_white_room_outweighs_the_others() {
-        // As many bounces as chance has it, each of them about as bright: one path's light spreads about as much as its length,
-        // whose standard deviation is its mean. Paths that ended more often than light is lost would carry far more.
+        // Path lengths are random and bounces about equally bright: the light of a path varies
+        // about as its length, whose standard deviation is its mean. Termination more frequent than
+        // the loss of light would make surviving paths far brighter.
         let mut room = scene::load("builtin:furnace").unwrap();
         room.materials.iter_mut().for_each(|material| material.base_color = [0.97, 0.97, 0.97, 1.0]);
         let surfaces = TriangleSurfaces::from_scene(&room);

@@ -1,17 +1,18 @@
-//! How far one picture is from another.
+//! Error measures between a picture and a reference.
 
 use super::Picture;
 use super::flip::flip;
 use super::uncertainty::{Estimate, Pixel, estimate};
 use glam::Vec3;
 
-/// Side of the blocks that [`Comparison::p95`] is measured over, and within which noise may be shared, pixels.
+/// Side of the blocks of [`Comparison::p95`], pixels; noise may be correlated within a block.
 const BLOCK: u32 = 8;
 
-/// How far a picture is from its reference. Light where the reference is black counts, too.
+/// Difference of a picture from its reference. Light where the reference is black counts, too.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Comparison {
-    /// Root mean square of the difference over the reference's root mean square, and how sure that is.
+    /// Root mean square of the difference over the reference's root mean square, with confidence
+    /// interval.
     #[serde(flatten)]
     pub error: Estimate,
     /// The picture's mean over the reference's, less one; 0 is perfect.
@@ -21,32 +22,33 @@ pub struct Comparison {
     pub p95: f64,
 }
 
-/// Why two pictures cannot be compared.
+/// Reason for a failed comparison.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    /// Their sizes differ.
+    /// The sizes of picture and reference differ.
     #[error("the picture is {0}x{1}, the reference {2}x{3}: take both at the same --size")]
     Size(u32, u32, u32, u32),
     /// A pixel of a picture or a reference is not finite.
     #[error("{0} pixels of the pictures are not finite")]
     NotFinite(usize),
-    /// Noise that is the same in both does not cancel.
+    /// Identical noise in both references does not cancel.
     #[error("both references are the same picture: take the second one with another --seed, or leave it out")]
     SameReferences,
-    /// A picture's noise must be its own.
+    /// The picture equals a reference: noise must be independent.
     #[error("the picture is one of the two references: compare it with the other one alone")]
     OwnReference,
-    /// Hardly a pixel is lit in both.
+    /// Hardly a pixel is lit in both references.
     #[error("the references are too noisy to tell anything: take both with more samples a pixel (--spp)")]
     TooNoisy,
-    /// Nothing could be far from it.
+    /// The reference is black: relative errors are undefined.
     #[error("the reference is black: take it of a place with light")]
     Black,
 }
 
-/// Compares RGB. Given a second reference with noise of its own, its and the first one's noise cancel
-/// out of the error, `E[(p − a)(p − b)] = (p − truth)²`, and tell how sure it is ([`super::uncertainty`]). Of one alone the
-/// noise is part of the error.
+/// Compares two RGB pictures. With a second reference of independent noise, the noise of the
+/// references cancels out of the error, `E[(p − a)(p − b)] = (p − truth)²`, and gives the
+/// confidence interval ([`super::uncertainty`]). With a single reference, the noise is part of the
+/// error.
 ///
 /// # Errors
 /// [`CompareError`].
@@ -98,8 +100,9 @@ pub fn compare(
     Ok(Comparison { error, bias: sum / reference_sum - 1.0, p95: percentile(local, 0.95) })
 }
 
-/// How much of the difference from a reference of the same size an eye notices: mean [LDR-FLIP](flip) of both tone-mapped with
-/// the reference's mean at a quarter, over blocks of two by two pixels, which takes most of the noise out; 0 to 1.
+/// Visible difference from a reference of equal size: mean [LDR-FLIP](flip) of the two pictures,
+/// tone-mapped with the reference's mean at a quarter, and averaged over blocks of 2 by 2 pixels,
+/// enough to suppress most of the noise; 0 to 1.
 pub fn noticed(picture: &Picture, reference: &Picture) -> f64 {
     let light = |p: &&Vec3| p.element_sum() > 0.0;
     let seen = reference.pixels.iter().filter(light).count().max(1) as f64;
@@ -108,8 +111,8 @@ pub fn noticed(picture: &Picture, reference: &Picture) -> f64 {
     flip(&display(picture, exposure), &display(reference, exposure))
 }
 
-/// A picture to look at in half its size: radiance times `exposure`, by the curve x / (1 + mean of the channels). Linear
-/// RGB from 0 to 1.
+/// Displayable picture at half size: radiance times `exposure`, tone-mapped by x / (1 + mean of the
+/// channels). Linear RGB from 0 to 1.
 fn display(picture: &Picture, exposure: f32) -> Picture {
     let (width, height) = (picture.width / 2, picture.height / 2);
     let pixel = |i: u32| {
@@ -123,7 +126,8 @@ fn display(picture: &Picture, exposure: f32) -> Picture {
     Picture { width, height, pixels: (0..width * height).map(pixel).collect() }
 }
 
-/// Mean over the channels of |picture − mean of the references| for each whole block's mean.
+/// Per full block: mean over the channels of |picture − mean of the references|, of the block's
+/// means.
 fn blocks(picture: &Picture, a: &Picture, b: &Picture) -> Vec<f64> {
     let (columns, rows) = (picture.width / BLOCK, picture.height / BLOCK);
     let block = |i: u32| {
@@ -141,7 +145,7 @@ fn blocks(picture: &Picture, a: &Picture, b: &Picture) -> Vec<f64> {
     (0..columns * rows).map(block).collect()
 }
 
-/// The pixels of each block, those of the blocks that are cut off at the right and the bottom included.
+/// Pixels by block, including partial blocks at the right and bottom edges.
 fn pixels_of_blocks<'a>(
     picture: &'a Picture,
     a: &'a Picture,
@@ -160,7 +164,7 @@ fn pixels_of_blocks<'a>(
     })
 }
 
-/// The value under which this share of the values lies, interpolated; 0 of none.
+/// Interpolated quantile `share` (0 to 1) of the values; 0 for an empty list.
 pub(super) fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let at = share * values.len().saturating_sub(1) as f64;
@@ -169,9 +173,9 @@ pub(super) fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
     below + (above - below) * at.fract()
 }
 
-/// The signed difference to look at, for display as it is: grey where the two agree, red where the
-/// picture is too bright, blue where it is too dark; `gain` times the difference over the reference's
-/// root mean square. Linear RGB from 0 to 1.
+/// Signed difference as a displayable picture: grey where the pictures agree, red where the picture
+/// is too bright, blue where it is too dark; `gain` times the difference over the reference's root
+/// mean square. Linear RGB from 0 to 1.
 pub fn signed_difference(picture: &Picture, reference: &Picture, gain: f32) -> Picture {
     let power: f64 = reference.pixels.iter().map(|p| p.as_dvec3().length_squared()).sum();
     let rms = (power / (3 * reference.pixels.len()).max(1) as f64).sqrt() as f32;
@@ -217,10 +221,10 @@ mod tests {
     #[test]
     fn a_blotch_shows_in_the_blocks() {
         let reference = made(|_| Vec3::ONE);
-        // One of the twelve blocks, and then none but it.
+        // One of the twelve blocks is off, the other eleven are equal.
         let blotch = made(|i| if i % 32 < 8 && i / 32 < 8 { Vec3::splat(3.0) } else { Vec3::ONE });
         let found = compare(&blotch, &reference, None).unwrap();
-        // Eleven zeros and a two: the 95th percentile lies 0.45 of the way from the last zero to it.
+        // Eleven zeros and a two: the 95th percentile is at 0.45 between the last zero and the two.
         assert!((found.p95 - 0.9).abs() < 1e-6, "{found:?}");
     }
 

@@ -1,5 +1,5 @@
-//! Averages the samples of each pixel over a box of one pixel: one in each cell of a square grid,
-//! and what is left over anywhere.
+//! Average of the samples of each pixel over a box of one pixel: stratified samples, one per cell of a square grid;
+//! remaining samples anywhere in the pixel.
 
 use super::Picture;
 use crate::geometry::Ray;
@@ -8,19 +8,19 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::camera::CameraFrame;
 
-/// How many samples, and of what randomness.
+/// Size, number of samples and seed of a rendering.
 #[derive(Clone, Copy, Debug)]
 pub struct Exposure {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Samples per pixel, at least 1.
     pub samples: u32,
-    /// Seed of all random numbers; the same seed gives the same picture at any thread count.
+    /// Seed of the random numbers; pictures of equal seed are identical at any thread count.
     pub seed: u64,
 }
 
-/// Takes a picture. `radiance` gives the linear RGB radiance along a ray, local space; the
-/// stream is the sample's own. `row_done` is called after each row, from any thread.
+/// Renders a picture. `radiance` returns the linear RGB radiance along a ray, local space, with a random stream per
+/// sample. `row_done` is called after each row, from any thread.
 pub fn expose(
     camera: &CameraFrame,
     exposure: Exposure,

@@ -1,8 +1,9 @@
-//! LDR-FLIP: how much of a difference the eye notices that flips between two pictures (Andersson et al., *FLIP: A
-//! Difference Evaluator for Alternating Images*, 2020).
+//! LDR-FLIP: visibility of the difference between two alternating pictures (Andersson et al., *FLIP: A Difference
+//! Evaluator for Alternating Images*, 2020).
 //!
-//! Colours are blurred as the eye blurs them at [`PIXELS_PER_DEGREE`] and compared in a uniform colour space; edges and
-//! points of one picture alone make a difference count for more. 0 is no difference, 1 the greatest.
+//! Colours are blurred by the contrast sensitivity of the eye at [`PIXELS_PER_DEGREE`] and compared in a uniform
+//! colour space; edges and points present in only one picture raise a difference. 0 is no difference, 1 the
+//! maximum.
 
 use super::Picture;
 use glam::{Mat3, Vec2, Vec3};
@@ -16,7 +17,7 @@ const COLOUR_EXPONENT: f32 = 0.7;
 const FEATURE_EXPONENT: f32 = 0.5;
 /// Colour differences below the first share of the maximum map to the second share of the range.
 const KNEE: [f32; 2] = [0.4, 0.95];
-/// Width of what counts as a feature, degrees.
+/// Width of a feature (edge or point), degrees.
 const FEATURE_WIDTH: f32 = 0.082;
 /// Columns: linear sRGB to XYZ.
 const XYZ_FROM_RGB: Mat3 = Mat3::from_cols(
@@ -31,7 +32,7 @@ const SENSITIVITY: [[Vec2; 2]; 3] = [
     [Vec2::new(34.1, 0.04), Vec2::new(13.5, 0.025)],
 ];
 
-/// Mean LDR-FLIP of two pictures of the same size, linear RGB from 0 to 1; 0 of none.
+/// Mean LDR-FLIP of two pictures of equal size, linear RGB from 0 to 1; 0 for empty pictures.
 pub fn flip(picture: &Picture, reference: &Picture) -> f64 {
     let differences = map(picture, reference);
     differences.iter().map(|d| *d as f64).sum::<f64>() / differences.len().max(1) as f64
@@ -59,12 +60,12 @@ fn map(picture: &Picture, reference: &Picture) -> Vec<f32> {
     (0..picture.pixels.len()).into_par_iter().map(pixel).collect()
 }
 
-/// The white that colours are relative to.
+/// Reference white.
 fn white() -> Vec3 {
     XYZ_FROM_RGB * Vec3::ONE
 }
 
-/// The opponent space that the eye's blur is defined in, from linear RGB.
+/// Converts linear RGB to the opponent space YCxCz, the space of the eye's blur.
 fn ycxcz(rgb: Vec3) -> Vec3 {
     let xyz = XYZ_FROM_RGB * rgb / white();
     Vec3::new(116.0 * xyz.y - 16.0, 500.0 * (xyz.x - xyz.y), 200.0 * (xyz.y - xyz.z))
@@ -75,7 +76,7 @@ fn rgb_of_ycxcz(c: Vec3) -> Vec3 {
     XYZ_FROM_RGB.inverse() * (Vec3::new(y + c.y / 500.0, y, y - c.z / 200.0) * white())
 }
 
-/// L*a*b* of linear RGB, whose chroma counts by lightness (Hunt's effect).
+/// Converts linear RGB to L*a*b* with chroma scaled by lightness (Hunt effect).
 fn hunt(rgb: Vec3) -> Vec3 {
     const EDGE: f32 = 6.0 / 29.0;
     let curve = |t: f32| {
@@ -96,7 +97,7 @@ fn hyab(a: Vec3, b: Vec3) -> f32 {
 /// A filter along one axis: its values from −r to r.
 type Kernel = Vec<f32>;
 
-/// Colours as the eye sees them, for [`hyab`].
+/// Colours after the blur of the eye, for [`hyab`].
 fn seen(pixels: &[Vec3], size: [usize; 2]) -> Vec<Vec3> {
     let widest = SENSITIVITY.iter().flatten().fold(0f32, |most, gaussian| most.max(gaussian.y));
     let radius = (3.0 * (widest / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE).ceil() as i32;
@@ -127,7 +128,7 @@ fn features(pixels: &[Vec3], size: [usize; 2]) -> Vec<Vec2> {
     let gauss = |t: f32| (-0.5 * t * t).exp();
     let total: f32 = places().map(gauss).sum();
     let smooth: Kernel = places().map(|t| gauss(t) / total).collect();
-    // Of positive and of negative values the sum is one each.
+    // Scales the positive and the negative values to sum 1 and −1.
     let balanced = |kernel: Kernel| -> Kernel {
         let sum = |sign: f32| kernel.iter().map(|v| (sign * v).max(0.0)).sum::<f32>();
         let (above, below) = (sum(1.0), sum(-1.0));
@@ -143,7 +144,7 @@ fn features(pixels: &[Vec3], size: [usize; 2]) -> Vec<Vec2> {
     length(&edge).into_iter().zip(length(&point)).map(|(edge, point)| Vec2::new(edge, point)).collect()
 }
 
-/// Filters along rows, then along columns; the picture's rim goes on beyond it.
+/// Convolves along rows, then along columns; pixels beyond the border repeat the border pixel.
 fn filtered(values: &[f32], [width, height]: [usize; 2], rows: &Kernel, columns: &Kernel) -> Vec<f32> {
     let along = |kernel: &Kernel, length: usize, i: usize, value: &dyn Fn(usize) -> f32| -> f32 {
         let radius = (kernel.len() / 2) as isize;

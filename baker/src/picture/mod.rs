@@ -1,9 +1,9 @@
-//! Pictures: taken, read, written.
+//! Pictures: rendering, reading, writing and comparison.
 //!
-//! * [`compare`] – how far one is from another; [`uncertainty`] – how sure noisy references are of it;
-//! * [`flip`] – how much of a difference an eye notices;
-//! * [`spots`] – how spotty bare surfaces are in it;
-//! * [`expose`] – averages the samples of each pixel;
+//! * [`compare`] – errors against a reference; [`uncertainty`] – their confidence interval with noisy references;
+//! * [`flip`] – visibility of a difference to the eye;
+//! * [`spots`] – spottiness of bare surfaces;
+//! * [`expose`] – average of the samples of each pixel;
 //! * [`exr`] – linear radiance, the form for measuring;
 //! * [`png`] – tone mapped, the form for looking.
 
@@ -30,22 +30,22 @@ pub struct Picture {
     pub pixels: Vec<Vec3>,
 }
 
-/// Which light to show.
+/// Components of light to show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Only {
-    /// Everything: direct and bounced light, and surfaces that shine by themselves.
+    /// Direct light, bounced light, and emission of surfaces.
     #[default]
     All,
-    /// Light that went from a lamp to the surface seen.
+    /// Light from a lamp directly to the visible surface.
     Direct,
-    /// Light that bounced at least once before it came to the surface seen.
+    /// Light with at least one bounce before the visible surface.
     Indirect,
 }
 
 /// Why a picture could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    /// The name does not tell the format.
+    /// The file name does not imply a format.
     #[error("{path}: the name must end in .exr (linear radiance) or .png (tone mapped)")]
     UnknownFormat {
         /// The file asked for.
@@ -56,7 +56,7 @@ pub enum PictureError {
     Format {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the problem.
         problem: String,
     },
     /// The file could not be written.
@@ -64,7 +64,7 @@ pub enum PictureError {
     Write(#[from] WriteError),
 }
 
-/// Whether [`Picture::write`] knows what to write there; ask before a long computation.
+/// Checks that [`Picture::write`] supports the file name; for use before a long computation.
 ///
 /// # Errors
 /// [`PictureError::UnknownFormat`].
@@ -80,19 +80,19 @@ fn extension(path: &Path) -> String {
 }
 
 impl Picture {
-    /// The sum of two pictures of the same size.
+    /// Returns the sum of two pictures of equal size.
     pub fn plus(&self, other: &Self) -> Self {
         let pixels = self.pixels.iter().zip(&other.pixels).map(|(a, b)| a + b).collect();
         Self { pixels, ..*self }
     }
 
-    /// The mean of two pictures of the same size.
+    /// Returns the mean of two pictures of equal size.
     pub fn mean(&self, other: &Self) -> Self {
         let pixels = self.pixels.iter().zip(&other.pixels).map(|(a, b)| 0.5 * (a + b)).collect();
         Self { pixels, ..*self }
     }
 
-    /// Pictures of the same height side by side.
+    /// Returns pictures of equal height side by side.
     pub fn beside(pictures: &[&Self]) -> Self {
         let height = pictures.iter().map(|p| p.height).min().unwrap_or(0);
         let row = |y: u32| {
@@ -109,8 +109,8 @@ impl Picture {
         }
     }
 
-    /// Writes an EXR or a PNG, as the name's ending says, whole or not at all. A PNG is exposed automatically, its
-    /// radiance multiplied by `most_exposure` at most.
+    /// Writes an EXR or a PNG, selected by the file extension, atomically. A PNG is exposed
+    /// automatically; the radiance is multiplied by at most `most_exposure`.
     ///
     /// # Errors
     /// [`PictureError`].

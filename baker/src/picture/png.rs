@@ -8,15 +8,15 @@ use rebounce_shared::colour::luminance;
 use rebounce_shared::exposure;
 use rebounce_shared::tone::agx;
 
-/// The factor that exposes a picture automatically, at most `most`; 1 for a black one. `is_surface` says of a pixel, x and y,
-/// whether its middle is on a surface.
+/// Automatic exposure factor of a picture, at most `most`; 1 for a black picture. `is_surface` returns whether the
+/// centre of pixel [x, y] is on a surface.
 pub fn automatic_exposure(picture: &Picture, most: f32, is_surface: impl Fn([u32; 2]) -> bool) -> f32 {
     let looked = exposure::looked([picture.width, picture.height]).filter(|pixel| is_surface(*pixel));
     let light = looked.map(|[x, y]| luminance(picture.pixels[(y * picture.width + x) as usize]));
     exposure::key(&light.collect::<Vec<_>>(), most)
 }
 
-/// The same where nobody knows of surfaces: whatever is not black.
+/// Automatic exposure without knowledge of surfaces: every pixel other than black counts as surface.
 pub fn exposure_of_lit(picture: &Picture, most: f32) -> f32 {
     automatic_exposure(picture, most, |[x, y]| picture.pixels[(y * picture.width + x) as usize] != Vec3::ZERO)
 }
@@ -34,17 +34,17 @@ pub fn developed(picture: &Picture, exposure: f32) -> Picture {
     Picture { pixels, ..*picture }
 }
 
-/// The bytes of a PNG file, with the automatic exposure or this one where it is less.
+/// Encodes a picture as PNG, with the automatic exposure, at most `most`.
 pub(super) fn encode(picture: &Picture, most: f32) -> Result<Vec<u8>, String> {
     encode_display(&developed(picture, exposure_of_lit(picture, most)))
 }
 
-/// The pixels of a picture of linear RGB from 0 to 1: sRGB, three bytes each.
+/// Pixels of a picture of linear RGB from 0 to 1: sRGB, three bytes each.
 pub fn display_bytes(picture: &Picture) -> Vec<u8> {
     picture.pixels.iter().flat_map(|p| p.to_array().map(srgb)).collect()
 }
 
-/// The bytes of a PNG file of linear RGB from 0 to 1, shown as it is.
+/// Encodes linear RGB from 0 to 1 as PNG, without exposure and tone mapping.
 pub fn encode_display(picture: &Picture) -> Result<Vec<u8>, String> {
     let image = image::RgbImage::from_raw(picture.width, picture.height, display_bytes(picture))
         .ok_or("the picture's size does not fit its pixels")?;

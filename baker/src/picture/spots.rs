@@ -1,7 +1,8 @@
-//! How spotty a bare surface is in a picture.
+//! Spottiness of bare surfaces in a picture.
 //!
-//! Bounced light on a bare wall is smooth, so that what a picture has there at the size of spots is error, whatever the truth
-//! is. A root mean square error hides it. Measured is the logarithm of the luminance between two Gaussian blurs.
+//! Bounced light on a bare wall is smooth: any variation at the size of spots is error, independent of the true
+//! light, and a root mean square error hides spots. The measure is the logarithm of the luminance between two
+//! Gaussian blurs.
 
 use super::Picture;
 use super::compare::percentile;
@@ -9,13 +10,14 @@ use rebounce_shared::colour::luminance;
 
 /// Standard deviations of the two blurs, over the picture's height.
 const BLUR: [f64; 2] = [0.006, 0.04];
-/// How far a blur reaches, standard deviations.
+/// Radius of a blur kernel, standard deviations.
 const REACH: f64 = 3.0;
 
 /// A rectangle of a picture: left, top, right, bottom, as shares of its width and height.
 pub type Rectangle = [f64; 4];
 
-/// Spots in a rectangle. Those of 15 (1% of the brightness) begin to be seen; real gradients make 5 or so.
+/// Spots in a rectangle. A value of 15 (1% of the brightness) is the visibility threshold; real gradients give
+/// about 5.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Spots {
     /// Standard deviation, thousandths of a stop.
@@ -24,7 +26,8 @@ pub struct Spots {
     pub greatest: f64,
 }
 
-/// Measures spots in a rectangle of linear radiance; none in one that is smaller than twice the wider blur.
+/// Measures spots in a rectangle of linear radiance; returns zeros for a rectangle smaller than twice the wider
+/// blur.
 pub fn spots(picture: &Picture, [left, top, right, bottom]: Rectangle) -> Spots {
     let (width, height) = (f64::from(picture.width), f64::from(picture.height));
     let at = |share: f64, side: f64| (share * side).max(0.0).min(side) as usize;
@@ -57,7 +60,8 @@ struct Plane {
 }
 
 impl Plane {
-    /// Blurred by a Gaussian of this standard deviation, pixels; beyond an edge lies what lies at it.
+    /// Returns the plane blurred by a Gaussian of standard deviation `deviation`, pixels; edge values repeat beyond
+    /// edges.
     fn blurred(&self, deviation: f64) -> Plane {
         let reach = (REACH * deviation + 1.0) as isize;
         let weight = |offset: isize| (-0.5 * (offset as f64 / deviation).powi(2)).exp();
@@ -93,7 +97,7 @@ mod tests {
     #[test]
     fn a_gradient_has_none_and_brightness_does_not_matter() {
         let slope = |scale: f32| made(move |x, y| scale * (0.005 * x + 0.002 * y).exp2());
-        // At the edges, beyond which nothing changes, it is a little bent.
+        // The result bends slightly at the edges, due to repeated edge values.
         let even = spots(&slope(1.0), ALL);
         assert!(even.greatest < 5.0 && even.deviation < 1.0, "{even:?}");
         let waves = |scale: f32| made(move |x, y| scale * (1.0 + 0.05 * (x / 3.0).sin() * (y / 3.0).sin()));

@@ -1,61 +1,66 @@
-//! What noisy references say about an error, and how sure they are of it.
+//! Error of a picture against two noisy references, with a confidence interval.
 //!
-//! An error squared is a ratio, `q = Σ(p − a)·(p − b) / Σ a·b`, of a picture p and two references a and b, whose noise is
-//! independent. Its standard error is by *Taylor linearisation of a ratio*: of the residuals `y = (p − a)·(p − b) − q a·b` of
-//! all pixels, `SE(q) = √Var(Σ y) / Σ a·b`. The variance is that of a *stratified sample*, whose strata are blocks of pixels:
-//! in each block the residuals' own variance, times their number. So it is exact for noise of any distribution, fireflies
-//! included, where a block's error is even, and too large by as much as the error differs within blocks.
+//! The squared error is a ratio, `q = Σ(p − a)·(p − b) / Σ a·b`, of a picture p and two references
+//! a and b with independent noise. The standard error follows by *Taylor linearisation of a ratio*:
+//! with the residuals `y = (p − a)·(p − b) − q a·b` of the pixels, `SE(q) = √Var(Σ y) / Σ a·b`. The
+//! variance is the variance of a *stratified sample* with blocks of pixels as strata: the variance
+//! of the residuals within a block, times the block's number of pixels. The estimate is exact for
+//! noise of any distribution, fireflies included, where the error is constant within a block, and
+//! too large by the variation of the error within blocks.
 //!
-//! Neighbouring pixels of some renderers share noise. So the variance grows by the *design effect*: that of sums over blocks
-//! over that of pixels, in `(p − c + q c)·(a − b)`, c the references' mean, whose expectation is 0 everywhere.
+//! Neighbouring pixels of some renderers share noise. The variance is therefore multiplied by the
+//! *design effect*: the variance of sums over blocks divided by the variance of pixels, of
+//! `(p − c + q c)·(a − b)`, where c is the mean of the references and the expectation is 0 everywhere.
 //!
-//! An estimate under 0 is noise alone, which is then at least so large. Nothing is clipped, trimmed or left out: it would
-//! change what is estimated. An interval of [`SIGMAS`] standard errors to either side holds the truth at least nine times in ten
-//! where few pixels have most of the noise, nearly always where it is normal; tests see to it.
+//! A negative estimate is pure noise of at least that magnitude. No value is clipped, trimmed or
+//! left out: removal would change the estimated quantity. An interval of [`SIGMAS`] standard errors
+//! to either side contains the truth in at least nine of ten cases where a few pixels hold most of
+//! the noise, and nearly always for normal noise; tests check both.
 
 use glam::DVec3;
 
-/// Standard errors from an estimate to either end of its interval: for noise whose tails are heavier than normal.
+/// Half width of an interval in standard errors: for noise with heavier tails than normal.
 pub const SIGMAS: f64 = 2.5;
 
-/// An error, and where it may lie.
+/// Error with its confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Estimate {
-    /// Root mean square of the difference over the reference's root mean square; 0 is perfect. `None`: the references are too
-    /// noisy to tell it from 0.
+    /// Root mean square of the difference over the reference's root mean square; 0 is perfect.
+    /// `None`: the references are too noisy to distinguish the error from 0.
     #[serde(rename = "error")]
     pub value: Option<f64>,
-    /// It is hardly less than this. `None`: of one reference nobody knows how noisy it is.
+    /// Lower end of the interval. `None` with a single reference of unknown noise.
     #[serde(rename = "error_at_least")]
     pub at_least: Option<f64>,
-    /// It is hardly more than this; over 0 where there is noise. `None` as above.
+    /// Upper end of the interval; over 0 where there is noise. `None` with a single reference.
     #[serde(rename = "error_at_most")]
     pub at_most: Option<f64>,
 }
 
-/// Whether an error is small enough.
+/// Comparison of an error with a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// It is.
+    /// The error is within the limit.
     Within,
-    /// It is not.
+    /// The error is over the limit.
     Over,
-    /// The interval has both.
+    /// The limit is inside the interval.
     TooNoisy,
 }
 
 impl Estimate {
-    /// An error with a reference's own noise in it, which nobody knows.
+    /// Error against a single reference, including the unknown noise of the reference.
     pub fn with_noise(error: f64) -> Self {
         Self { value: Some(error), at_least: None, at_most: None }
     }
 
-    /// One number to go by, which is not too small: the error, or what it is at most where it is hidden.
+    /// Single conservative number: the error, or its upper bound where noise hides the error.
     pub fn figure(&self) -> f64 {
         self.value.or(self.at_most).unwrap_or(f64::INFINITY)
     }
 
-    /// Whether the error is at most `most`. Of one reference the error with its noise counts.
+    /// Compares the error with the limit `most`. With a single reference, the error including noise
+    /// counts.
     pub fn is_within(&self, most: f64) -> Answer {
         let value = self.figure();
         let (low, high) = (self.at_least.unwrap_or(value), self.at_most.unwrap_or(value));
@@ -66,7 +71,8 @@ impl Estimate {
         }
     }
 
-    /// In words, with so many decimals, or with digits that count where those would all be 0.
+    /// Text of the error with `decimals` decimals, or with significant digits where the decimals
+    /// would be zeros.
     pub fn said(&self, decimals: usize) -> String {
         let shown = |error: f64| shown(error, decimals);
         match (self.value, self.at_least, self.at_most) {
@@ -79,7 +85,8 @@ impl Estimate {
     }
 }
 
-/// An error with so many decimals; one that would be all zeros, with two digits that count.
+/// Formats an error with `decimals` decimals; with two significant digits where the decimals would
+/// be zeros.
 pub fn shown(error: f64, decimals: usize) -> String {
     match error != 0.0 && error < 0.5 * 0.1_f64.powi(decimals as i32) {
         true => format!("{error:.1e}"),
@@ -90,12 +97,12 @@ pub fn shown(error: f64, decimals: usize) -> String {
 /// A pixel of a picture and of its two references.
 pub type Pixel = [DVec3; 3];
 
-/// How sure two references are of a picture's error. `blocks`: all pixels, each in one block of neighbours. `power` is
-/// `Σ a·b`, over 0.
+/// Estimates the error of a picture and its interval from two references. `blocks` covers the
+/// picture, every pixel in exactly one block of neighbours. `power` is `Σ a·b`, over 0.
 pub fn estimate(blocks: impl Iterator<Item = Vec<Pixel>> + Clone, power: f64) -> Estimate {
     let squares: f64 = blocks.clone().flatten().map(|[p, a, b]| (p - a).dot(p - b)).sum();
     let ratio = squares / power;
-    // What is under 0 is noise.
+    // A negative ratio is noise.
     let known = ratio.max(0.0);
     let (mut variance, mut of_pixels, mut of_blocks) = (0.0, 0.0, 0.0);
     for block in blocks {
@@ -105,14 +112,14 @@ pub fn estimate(blocks: impl Iterator<Item = Vec<Pixel>> + Clone, power: f64) ->
             let residual = (p - a).dot(p - b) - known * a.dot(b);
             sum += residual;
             sum_of_squares += residual * residual;
-            // What the references' noise alone says, its sign by chance.
+            // Noise of the references alone, with random sign.
             let mean = 0.5 * (a + b);
             let swap = (p - mean + known * mean).dot(a - b);
             swaps += swap;
             of_pixels += swap * swap;
         }
         of_blocks += swaps * swaps;
-        // Of a pixel that is alone in its block the square.
+        // A single pixel in a block contributes its square.
         let spread = sum_of_squares - if count > 1.0 { sum * sum / count } else { 0.0 };
         variance += spread.max(0.0) * count / (count - 1.0).max(1.0);
     }

@@ -1,4 +1,4 @@
-//! What pictures of an object show behind it.
+//! Backdrop behind an object.
 
 use crate::geometry::{Ray, Surfaces};
 use crate::picture::Picture;
@@ -9,8 +9,8 @@ use rebounce_shared::backdrop::tone;
 use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::rbn::shown::Ground;
 
-/// The part of a picture that is no surface, as it is shown, linear RGB from 0 to 1: of a picture by [`super::render`] from this
-/// camera and with this exposure.
+/// Renders the part of a picture without surfaces as display values, linear RGB from 0 to 1: for a picture by
+/// [`super::render`] with the same camera and exposure.
 pub fn backdrop(
     surfaces: &impl Surfaces,
     camera: &CameraFrame,
@@ -18,7 +18,7 @@ pub fn backdrop(
     ground: &Ground,
 ) -> Picture {
     let behind = |ray: &Ray, stream: &mut Stream| {
-        // The first number of the stream, as those have it: so the same rays are let through.
+        // First number of the stream, as in the renderers: identical rays pass transparent surfaces.
         match surfaces.see(ray, stream.bits() as u32) {
             Some(_) => Vec3::ZERO,
             None => tone(ground, ray.origin, ray.direction) * surfaces.tint(ray, f32::INFINITY, true),

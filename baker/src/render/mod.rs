@@ -1,4 +1,4 @@
-//! The truth about a baked file on the CPU: what the viewer should show.
+//! CPU reference renderer of a baked file: the expected output of the viewer.
 //!
 //! Direct light is sampled, of lights as points, at the file's points with ray-cast visibility, the operator is
 //! applied ([`rebounce_shared::relight`]), and at every visible point the display basis is
@@ -25,12 +25,12 @@ use rebounce_shared::openness::{REACH, gain, received};
 use rebounce_shared::relight;
 use std::f32::consts::FRAC_1_PI;
 
-/// What a picture shows.
+/// Contents of a rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Content {
-    /// Which light.
+    /// Components of light.
     pub only: Only,
-    /// Whether bounced light follows the openness of what is seen.
+    /// Whether bounced light is modulated by the openness of the visible surface.
     pub detail: bool,
 }
 
@@ -41,22 +41,23 @@ impl From<Only> for Content {
     }
 }
 
-/// A baked scene under certain lights.
+/// A baked scene, relit by given lights.
 pub struct Relit {
     lights: Vec<LightSource>,
-    /// Bounced irradiance of every point along its own normal.
+    /// Bounced irradiance of every point along the point's normal.
     irradiance: Vec<Vec3>,
     basis: Leveled,
-    /// Reach of a pixel's openness, scene units; `None` without detail.
+    /// Radius of a pixel's openness, scene units; `None` without detail.
     reach: Option<f32>,
 }
 
-/// Rows and columns of the rays of a sample's openness.
+/// Rows and columns of the openness rays of a sample.
 const OPENNESS_SIDE: u32 = 2;
 
 impl Relit {
-    /// Relights `scene`. `surfaces` are those of the same file. With `detail`, light between the points follows the
-    /// [openness](rebounce_shared::openness) of what is seen, where the file has that of the points.
+    /// Relights `scene`. `surfaces` must be the surfaces of the same file. With `detail`, light between the points
+    /// follows the [openness](rebounce_shared::openness) of visible surfaces, if the file has the openness of the
+    /// points.
     pub fn new(scene: &BakedScene, surfaces: &impl Surfaces, lights: &[Light], detail: bool) -> Self {
         let lights: Vec<LightSource> = lights.iter().map(|l| l.source(scene.meta.origin)).collect();
         let irradiance: Vec<Vec3> = scene.points[..scene.direct_count()]
@@ -86,8 +87,8 @@ impl Relit {
         Self { lights, irradiance, basis, reach }
     }
 
-    /// What the points' light interpolates to on a surface element, RGB, local space: without detail, the irradiance of
-    /// the bounced light. Zero where no function of any level covers it.
+    /// Interpolates the points' light at a surface element, RGB, local space: without detail, the irradiance of the
+    /// bounced light. Zero where no function of any level covers the position.
     pub fn interpolated(&self, position: Vec3, normal: Vec3) -> Vec3 {
         let mut weights = Vec::with_capacity(64);
         self.basis.interpolate(position, normal, &mut weights);
@@ -96,7 +97,7 @@ impl Relit {
         sum.max(Vec3::ZERO)
     }
 
-    /// RGB irradiance of the bounced light where a ray hit.
+    /// RGB irradiance of the bounced light at a ray hit.
     pub fn indirect(&self, surfaces: &impl Surfaces, hit: &Hit, stream: &mut Stream) -> Vec3 {
         let open = |reach| {
             let normals = [hit.normal, hit.geometric_normal];
@@ -105,7 +106,7 @@ impl Relit {
         self.interpolated(hit.position, hit.normal) * self.reach.map_or(1.0, open)
     }
 
-    /// The linear RGB radiance that comes along `ray`.
+    /// Linear RGB radiance along `ray`, toward its origin.
     pub fn radiance(&self, surfaces: &impl Surfaces, ray: &Ray, only: Only, stream: &mut Stream) -> Vec3 {
         let Some(hit) = surfaces.see(ray, stream.bits() as u32) else {
             return Vec3::ZERO;
@@ -128,7 +129,7 @@ impl Relit {
     }
 }
 
-/// Takes a picture of a baked scene. `row_done` is called after each row, from any thread.
+/// Renders a baked scene. `row_done` is called after each row, from any thread.
 pub fn render(
     scene: &BakedScene,
     surfaces: &impl Surfaces,

@@ -1,4 +1,4 @@
-//! Pictures as they are shown: exposed, tone-mapped, with unlit surfaces and the backdrop, as the page does it.
+//! Display pictures: exposed, tone-mapped, with unlit surfaces and the backdrop, as on the viewer's page.
 
 use super::backdrop::backdrop;
 use super::unlit::{developed, unlit};
@@ -12,26 +12,26 @@ use rebounce_shared::exposure::most;
 use rebounce_shared::light::LightSource;
 use rebounce_shared::rbn::shown::Ground;
 
-/// What a picture was taken of, and how.
+/// Source and settings of a picture.
 pub struct Shown<'a> {
     /// The surfaces.
     pub surfaces: &'a TriangleSurfaces,
     /// The camera.
     pub camera: &'a CameraFrame,
-    /// The lights, which say how far the exposure may go.
+    /// Lights; they limit the exposure.
     pub lights: &'a [LightSource],
     /// Size, samples and seed.
     pub exposure: Exposure,
-    /// Which light it shows.
+    /// Components of light shown.
     pub only: Only,
     /// The ground of an object that is shown before a backdrop.
     pub ground: Option<&'a Ground>,
 }
 
 impl Shown<'_> {
-    /// Linear RGB from 0 to 1 of a picture's radiance.
+    /// Converts a picture's radiance to display values, linear RGB from 0 to 1.
     pub fn picture(&self, radiance: &Picture) -> Picture {
-        // To measure the light takes shadow rays.
+        // Measuring the light level casts shadow rays.
         let most = most(level(self.surfaces, self.lights));
         let exposed = |lit: &Picture| png::automatic_exposure(lit, most, |pixel| self.is_lit(pixel));
         let is_all = self.only == Only::All;
@@ -46,7 +46,7 @@ impl Shown<'_> {
         }
     }
 
-    /// Whether the middle of a pixel shows a surface that light changes.
+    /// Whether the centre of a pixel shows a surface affected by light.
     fn is_lit(&self, [x, y]: [u32; 2]) -> bool {
         let [width, height] = self.exposure.size;
         let direction = self.camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);

@@ -1,4 +1,4 @@
-//! What unlit surfaces show: their colour, whatever the light.
+//! Unlit surfaces: shown in their own colour, independent of lights.
 
 use crate::geometry::{Ray, Surfaces};
 use crate::picture::expose::{Exposure, expose};
@@ -7,19 +7,20 @@ use crate::random::Stream;
 use glam::Vec3;
 use rebounce_shared::camera::CameraFrame;
 
-/// The part of a picture that unlit surfaces are, linear RGB: of a picture by [`super::render`] or
-/// [`path_trace`](crate::path_trace::path_trace) from this camera and with this exposure, in which it is radiance.
+/// Renders the unlit surfaces of a picture as linear RGB; the picture, from [`super::render`] or
+/// [`path_trace`](crate::path_trace::path_trace) with the same camera and exposure, contains the colour as
+/// radiance.
 pub fn unlit(surfaces: &impl Surfaces, camera: &CameraFrame, exposure: Exposure) -> Picture {
     let seen = |ray: &Ray, stream: &mut Stream| {
-        // The first number of the stream, as those have it: so the same rays are let through.
+        // First number of the stream, as in the renderers: identical rays pass transparent surfaces.
         let hit = surfaces.see(ray, stream.bits() as u32).filter(|hit| hit.is_unlit);
         hit.map_or(Vec3::ZERO, |hit| surfaces.tint(ray, hit.distance, true) * hit.emission)
     };
     expose(camera, exposure, seen, || ())
 }
 
-/// Such a picture with the part of it that is [`unlit`], as it is shown: the rest is exposed, with the factor that `exposed`
-/// gives for it, and tone-mapped.
+/// Composes the display picture: subtracts the picture of [`unlit`] from the radiance, exposes the rest by the
+/// factor of `exposed`, tone-maps the rest, and adds the [`unlit`] picture unchanged.
 pub fn developed(picture: &Picture, unlit: &Picture, exposed: impl Fn(&Picture) -> f32) -> Picture {
     let pixels = picture.pixels.iter().zip(&unlit.pixels);
     let lit =

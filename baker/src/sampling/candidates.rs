@@ -1,14 +1,15 @@
-//! Importance particles: points on all surfaces that light can reach the viewpoint from.
+//! Importance particles: points on all surfaces from which light can reach the viewpoint.
 //!
-//! Particles leave the viewpoint in all directions and bounce about the scene; where one meets
-//! the reflecting side of a surface it leaves a candidate, but for its first few bounces, so
-//! that the result depends little on where the viewpoint is (paper, section 2.3). As a camera does, they look through the
-//! backs of one-sided surfaces on their way from the viewpoint, and only there.
+//! Particles leave the viewpoint in all directions and bounce about the scene. Every hit of the reflecting side of a
+//! surface becomes a candidate. The first few bounces are dropped, so that the result depends little on the position of
+//! the viewpoint (paper, section 2.3). Like a camera, particles look through the backs of one-sided surfaces on the
+//! first ray from the viewpoint, and only there.
 //!
-//! An object and a landscape are seen from all around, and what leaves them does not come back. There, unlike in
-//! the paper, half of the particles come from the sky, and those that leave are sent back from anywhere around; at each
-//! surface a particle looks for another one a few times before it leaves, and both of them are candidates. So all that
-//! light bounces between has points, and what faces only the sky has none.
+//! An open scene (an object or a landscape) is seen from all around, and light that leaves does not return. There,
+//! unlike in the paper, half of the particles start from the sky, and particles that leave the scene start again from a
+//! random direction around. At a surface a particle tries several directions for a hit with another surface before
+//! leaving, and both surfaces become candidates. So all surfaces that exchange light have points, and surfaces that
+//! face only the sky have none.
 
 use super::SurfacePoint;
 use super::emitter::ParticleEmitter;
@@ -18,20 +19,21 @@ use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::{Stream, mix};
 use rayon::prelude::*;
 
-/// A particle's bounces.
+/// Maximum number of bounces of a particle.
 const BOUNCES: u32 = 30;
-/// Particles a batch.
+/// Particles per batch.
 const PARTICLES: u64 = 1024;
-/// Directions in which a particle looks for another surface before it leaves an open scene.
+/// Directions tried for a hit with another surface before a particle leaves an open scene.
 const LOOKS: usize = 8;
-/// Candidates of an open scene's first batch that are enough: of fewer, surfaces count that see no other one, too.
+/// Minimum number of candidates in an open scene's first batch; with fewer, surfaces that see no other surface count
+/// too.
 const ENOUGH_IN_OPEN: usize = 1536;
 
-/// An endless, reproducible source of candidates.
+/// Endless, reproducible source of candidates.
 pub struct Candidates<'a, S: Surfaces + ?Sized> {
     surfaces: &'a S,
     vantage: &'a ParticleEmitter,
-    /// What the sky's particles go to, where that is not all of the scene.
+    /// Targets of particles from the sky; empty if the target is the whole scene.
     regions: Vec<Region>,
     seed: u64,
     next_particle: u64,
@@ -39,9 +41,9 @@ pub struct Candidates<'a, S: Surfaces + ?Sized> {
 }
 
 impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
-    /// Candidates for the surfaces seen, directly or not, from the viewpoints, and of an open scene from the sky, from each
-    /// in turn. The first three bounces are dropped, or fewer where most particles leave sooner; in an open scene the first
-    /// one, or none where no surface sees another.
+    /// Creates a source of candidates on the surfaces seen, directly or indirectly, from the viewpoints in turn, and in
+    /// an open scene also from the sky. Drops the first three bounces, or fewer if the majority of particles leave
+    /// sooner; in an open scene the first bounce, or none if no surface sees another.
     pub fn new(surfaces: &'a S, vantage: &'a ParticleEmitter, seed: u64) -> Self {
         let (dropped_bounces, enough) =
             if vantage.is_open { (1, ENOUGH_IN_OPEN) } else { (3, PARTICLES as usize) };
@@ -58,8 +60,9 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         source
     }
 
-    /// Candidates for all surfaces of an open scene, most around some regions and in them: of the particles from the sky as many go to
-    /// what is within any distance as to what is within twice as much.
+    /// Covers all surfaces of an open scene, densest in and around `regions`. The target radius of a particle from the
+    /// sky is uniform in its logarithm, from the region's radius to the scene's diagonal: every doubling of the radius
+    /// receives equally many particles.
     pub fn around(mut self, regions: &[Region]) -> Self {
         if self.vantage.is_open {
             self.regions = regions.to_vec();
@@ -68,17 +71,17 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         self
     }
 
-    /// The first particle that has not been traced.
+    /// Index of the first particle not yet traced.
     pub fn next_particle(&self) -> u64 {
         self.next_particle
     }
 
-    /// Goes on with this particle.
+    /// Continues with this particle.
     pub fn go_on_at(&mut self, particle: u64) {
         self.next_particle = particle;
     }
 
-    /// The next candidates, in a fixed order; empty where particles find nothing.
+    /// Returns the next candidates, in a fixed order; empty if no particle hits a surface.
     pub fn batch(&mut self) -> Vec<SurfacePoint> {
         let first = self.next_particle;
         self.next_particle += PARTICLES;
@@ -112,7 +115,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         found
     }
 
-    /// A particle that comes from a viewpoint or from the sky, and from there again where it leaves.
+    /// Traces a particle from a viewpoint or from the sky; restarts from the sky after leaving the scene.
     fn trace_in_open(&self, particle: u64, stream: &mut Stream, found: &mut Vec<SurfacePoint>) {
         let viewpoints = &self.vantage.viewpoints;
         let viewpoint = viewpoints.get((particle / 2) as usize % viewpoints.len().max(1));
@@ -121,7 +124,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
             Some(ray) => ray,
             None => self.ray_from_sky(stream),
         };
-        // The surface that it is on, and how many it has bounced off before.
+        // The surface last hit, and the number of bounces before that hit.
         let mut here: Option<(Hit, u32)> = None;
         for _ in 0..BOUNCES {
             let next = match &here {
@@ -148,7 +151,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         }
     }
 
-    /// Another surface that is seen from one.
+    /// Looks for a hit with another surface from a hit.
     fn look(&self, from: &Hit, stream: &mut Stream) -> Option<Hit> {
         (0..LOOKS).find_map(|_| {
             let on = bounced(from, self.surfaces.epsilon_at(from.position), stream)?;
@@ -156,12 +159,12 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         })
     }
 
-    /// The nearest surface, if its side there reflects.
+    /// Returns the nearest hit, if the side hit reflects.
     fn cast(&self, ray: &Ray, stream: &mut Stream) -> Option<Hit> {
         self.surfaces.cast(ray, mix(stream.bits()) as u32).filter(|hit| hit.faces(ray.direction))
     }
 
-    /// What is seen from a viewpoint, if its side there reflects.
+    /// Returns the nearest hit seen from a viewpoint, if the side hit reflects.
     fn see(&self, ray: &Ray, stream: &mut Stream) -> Option<Hit> {
         self.surfaces.see(ray, mix(stream.bits()) as u32).filter(|hit| hit.faces(ray.direction))
     }
@@ -170,7 +173,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         SurfacePoint::at(hit, self.surfaces)
     }
 
-    /// A ray towards the scene, or what is around a region, as likely through any place as through any other, in any direction.
+    /// Returns a ray towards the scene or the surroundings of a region, uniform over positions and directions.
     fn ray_from_sky(&self, stream: &mut Stream) -> Ray {
         let (low, high) = self.surfaces.bounds();
         let mut middle = 0.5 * (low + high);

@@ -1,10 +1,10 @@
-//! Cutting supports off at walls.
+//! Clip planes: supports end at walls.
 //!
-//! The support of a function reaches through whatever stands within it: a floor's function under a
-//! wall into the next room, a cushion's through the cloth above it. The paper admits such leaks
-//! (section 5.2). Here rays from each point find what ends its sight along the surface; where nearly
-//! all of the support behind such a surface is out of sight, its plane cuts the support off there. So
-//! the weights themselves keep rooms apart – of senders, parents and pictures alike.
+//! The support of a function reaches through geometry within the support: a floor's function under a wall into the next
+//! room, a cushion's function through the cloth above. The paper admits leaks of this kind (section 5.2). Here, rays
+//! along the surface of each point find the obstacles around the point. If nearly all of the support behind an obstacle
+//! is out of sight, the plane of the obstacle cuts the support off. So the weights themselves keep rooms apart –
+//! weights of senders, of parents and in pictures alike.
 
 use super::{Points, SurfacePoint};
 use crate::geometry::{Hit, Ray, Surfaces};
@@ -17,35 +17,36 @@ use rebounce_shared::rbn::bulk::{Cut, MAX_CUTS};
 
 /// Rays along the surface.
 const RAYS: usize = 24;
-/// Places looked at along each, at equal areas.
+/// Places sampled along each ray, at equal areas.
 const PLACES: usize = 8;
-/// Height of the rays, over the support radius: what is lower casts no cut.
+/// Height of the rays, over the support radius: lower obstacles cause no cut.
 const LIFT: f32 = 0.08;
-/// Surfaces that turn up less than this (cosine of the angle to the normal) stand in the way; others
-/// are the point's own surface, curved, unless [it runs on](runs_on) behind them.
+/// Maximum cosine between an obstacle's normal and the point's normal. Surfaces that turn up more are the point's own,
+/// curved surface, unless [the own surface runs on](runs_on) behind the hit.
 const STANDING: f32 = 0.35;
-/// Behind a surface that leans, the point's own runs on if it is there so far behind, over the support radius, and turned by
-/// no more than this (cosine).
+/// Distance behind a leaning surface, over the support radius, at which the point's own surface must be found to run
+/// on, and minimum cosine between the normals there.
 const BEHIND: f32 = 0.1;
 const LEVEL: f32 = 0.98;
-/// Place of the plane behind a sheet, over the distance to the surface behind: sheets bend.
+/// Depth of the plane behind a sheet, over the distance to the surface behind: sheets bend.
 const BACK: f32 = 0.1;
-/// Rays around a point that look for surfaces behind a sheet.
+/// Rays around a point in search of surfaces behind a sheet.
 const BACK_RAYS: usize = 8;
-/// Distance from the point at which a sheet is probed for bending, and the depth below the plane that counts, over the support radius.
+/// Distance from the point at which a sheet is probed for bending, and minimum depth of a bend below the plane, both
+/// over the support radius.
 const BENT_AT: f32 = 0.5;
 const FLAT: f32 = 0.02;
-/// Surfaces turned by more than this angle (cosine) share no functions.
+/// Minimum cosine between the normals of surfaces that share functions.
 const TURNED: f32 = 0.5;
-/// A plane cuts if at least this share of the places behind it is out of sight.
+/// Minimum share of the places behind a plane that must be out of sight for a cut.
 const HIDDEN: f32 = 0.75;
-/// And if it takes at least this many places (of RAYS · PLACES) that no other cut takes.
+/// Minimum number of hidden places (of RAYS · PLACES) that a cut adds to the other cuts.
 const LEAST_PLACES: usize = 4;
-/// Planes lie this far behind the surface, over the support radius.
+/// Distance of planes behind the surface, over the support radius.
 const MARGIN: f32 = 2e-3;
 
-/// Finds the cuts of the supports of the points up to `end` that have none yet. The same points give the same
-/// cuts. A unit of `watch` is a point.
+/// Computes the missing clip planes of the points up to `end`. The same points have the same cuts. A unit of `watch` is
+/// a point.
 ///
 /// # Errors
 /// [`Stopped`].
@@ -65,11 +66,11 @@ pub fn cut<S: Surfaces + ?Sized>(
     Ok(())
 }
 
-/// A point's sight along its surface.
+/// Visibility along a point's surface.
 struct Sight {
-    /// Unit directions.
+    /// Unit directions of the rays.
     directions: [Vec3; RAYS],
-    /// How far each is free, over the support radius; 1 or more where all of it is.
+    /// Free length of each ray, over the support radius; infinite without an obstacle.
     free: [f32; RAYS],
 }
 
@@ -90,7 +91,7 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
     let margin = MARGIN * radius + epsilon;
     let floor = point.position + point.geometric_normal * epsilon;
     let mut cuts = Vec::new();
-    // Straight up, as far as the support reaches: a lid ends everything.
+    // Straight up, to the top of the support: a lid ends the support everywhere.
     let height = radius / (1.0 + SQUASH);
     let lid = surfaces
         .cast(&Ray { origin: floor, direction: normal, max_distance: height, spread: Ray::VISIBILITY }, seed);
@@ -122,7 +123,7 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
             planes.push((facing, distance));
         }
     }
-    // The greediest plane first.
+    // Greedy selection: the plane with the largest gain first.
     let mut left: Vec<(Vec3, bool)> = sight.places().collect();
     while cuts.len() < MAX_CUTS {
         let behind = |(facing, distance): &(Vec3, f32), place: Vec3| -place.dot(*facing) * radius > *distance;
@@ -142,8 +143,9 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
     cuts
 }
 
-/// Distance of the plane that ends a function behind its thin sheet, where the support reaches a second surface there with a similar
-/// normal. `None` for sheets that bend, and where the surface behind is turned too far to share the function.
+/// Distance of the plane that ends a function behind the point's thin sheet, if the support reaches a second surface
+/// with a similar normal behind the sheet. `None` for sheets that bend, and if the surface behind is turned too far to
+/// share the function.
 fn behind<S: Surfaces + ?Sized>(
     surfaces: &S,
     point: &SurfacePoint,
@@ -171,7 +173,7 @@ fn behind<S: Surfaces + ?Sized>(
     let beside = || directions.clone().any(|along| seen(back - normal * lift, along, radius).is_some());
     let depth = straight.filter(|depth| *depth > lift).map(|depth| BACK * depth);
     let depth = depth.or_else(|| (straight.is_some() || beside()).then_some(0.0))?;
-    // Own surface that lies below the plane must not be ended.
+    // The point's own surface below the plane must stay in the support.
     let bends = |along: Vec3| {
         let above = point.position + (along * BENT_AT * radius) + normal * lift;
         seen(above, -normal, lift + height).is_some_and(|down| down > lift + depth + FLAT * radius)
@@ -179,8 +181,8 @@ fn behind<S: Surfaces + ?Sized>(
     (!directions.clone().any(bends)).then_some(depth)
 }
 
-/// Whether the point's surface runs on behind what a ray along it hit at this distance: the fold of a curtain or a block stands on
-/// it, however it leans. Under a slope of the surface itself there is nothing.
+/// True if the point's surface runs on behind the hit of a ray along the surface: the fold of a curtain or a block
+/// stands on the surface, at any inclination. Under a slope of the surface itself there is no surface.
 fn runs_on<S: Surfaces + ?Sized>(
     surfaces: &S,
     point: &SurfacePoint,
@@ -202,7 +204,7 @@ mod tests {
     use crate::scene;
     use glam::{DVec3, dvec3, vec3};
 
-    /// The cuts of a support on the floor at this place, world space.
+    /// Cuts of a support on the floor at this place, world space.
     fn on_the_floor(name: &str, place: DVec3, radius: f32) -> Vec<Cut> {
         let scene = scene::load(name).unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);

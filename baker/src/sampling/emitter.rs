@@ -1,35 +1,35 @@
-//! Particle emitter: where importance particles start, and what is looked at. [`locate`](super::locate) finds one.
+//! Particle emitter: start positions of importance particles, and views. [`locate`](super::locate) finds an emitter.
 
 use crate::random::Stream;
 use glam::Vec3;
 
-/// Pictures are about so many times as wide as high.
+/// Assumed width of pictures over the height.
 const WIDE: f32 = 1.5;
 
-/// From where somebody looks, and where to.
+/// A view: position and direction of an observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// From there, local space.
+    /// Position of the observer, local space.
     pub position: Vec3,
-    /// Unit direction; zero for all around.
+    /// Unit direction; zero for a view all around.
     pub towards: Vec3,
-    /// Tangent of half the angle that is looked at.
+    /// Tangent of half the horizontal field of view.
     pub wide: f32,
 }
 
 impl View {
-    /// All around.
+    /// View all around.
     pub fn around(position: Vec3) -> Self {
         Self { position, towards: Vec3::ZERO, wide: f32::INFINITY }
     }
 
-    /// What a camera at `position` sees that has this vertical field of view, degrees.
+    /// View of a camera at `position` with this vertical field of view, degrees.
     pub fn of_camera(position: Vec3, towards: Vec3, yfov_deg: f32) -> Self {
         let towards = towards.normalize_or_zero();
         Self { position, towards, wide: WIDE * (0.5 * yfov_deg).clamp(0.5, 80.0).to_radians().tan() }
     }
 
-    /// A unit direction that is looked in.
+    /// Random unit direction in the view.
     pub(super) fn direction(&self, stream: &mut Stream) -> Vec3 {
         if self.towards == Vec3::ZERO {
             return stream.sphere();
@@ -40,19 +40,19 @@ impl View {
     }
 }
 
-/// Where particles start, and what is looked at.
+/// Start positions of particles, and views.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ParticleEmitter {
-    /// Viewpoints, local space; of an open scene there may be none.
+    /// Viewpoints, local space; may be empty in an open scene.
     pub viewpoints: Vec<Vec3>,
-    /// What is looked at; none where nobody says.
+    /// Views; empty if unknown.
     pub views: Vec<View>,
-    /// Whether the scene is an object or a landscape, that light reaches from all around and leaves: no room.
+    /// True for an object or a landscape, where light arrives from all around and leaves; false for a room.
     pub is_open: bool,
 }
 
 impl ParticleEmitter {
-    /// In a room, local space.
+    /// Emitter of a room with a single viewpoint, local space.
     pub fn within(viewpoint: Vec3) -> Self {
         Self { viewpoints: vec![viewpoint], ..Self::default() }
     }

@@ -1,9 +1,8 @@
-//! Filling the holes that dart throwing leaves.
+//! Filling of the gaps that dart throwing leaves.
 //!
-//! Candidates land where light goes, so surfaces that get little of it are left with gaps between
-//! their points when a level ends. From each point thrown, tries go once around it: up, across, down
-//! again, the way that light could go. Only next to points thrown, so that a plain without end does
-//! not fill up.
+//! Candidates follow the light, so dark surfaces have gaps between points at the end of a level. Around each thrown
+//! point, a single round of tries goes up, across and down again, along paths open to light. Tries start at thrown
+//! points only, so that an endless plain does not fill up.
 
 use super::SurfacePoint;
 use super::poisson_disk::DartBoard;
@@ -13,15 +12,15 @@ use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Tries around each point to go across, along the surface.
+/// Tries per point across the surface.
 const ACROSS: u32 = 24;
-/// Tries to see another surface, across a concave edge.
+/// Tries per point for a hit with another surface, across a concave edge.
 const SIGHT: u32 = 12;
-/// Height from which either is tried, over the disk radius.
+/// Height at which tries start, over the disk radius.
 const LIFT: f32 = 0.3;
 
-/// Adds points to the `board` of this disk radius where a neighbour of one of its points is free and
-/// `fits`. The same board and seed give the same points.
+/// Adds points to the `board` of this disk radius, at tries around the board's points that are free and `fits`. The
+/// same board and seed add the same points.
 ///
 /// # Errors
 /// [`Stopped`].
@@ -66,7 +65,7 @@ pub fn fill<S: Surfaces + ?Sized>(
     Ok(())
 }
 
-/// A place from one to two disk radii away, if it looks free and the way there is.
+/// Tries a point one to two disk radii away; `None` if the place is not free or the way is blocked.
 fn across<S: Surfaces + ?Sized>(
     surfaces: &S,
     board: &DartBoard,
@@ -88,7 +87,7 @@ fn across<S: Surfaces + ?Sized>(
     cast(surfaces, above + offset, -normal, 2.0 * LIFT * disk_radius, stream)
 }
 
-/// The reflecting surface that a ray meets.
+/// Point at the nearest hit of a ray, if the side hit reflects.
 fn cast<S: Surfaces + ?Sized>(
     surfaces: &S,
     origin: Vec3,

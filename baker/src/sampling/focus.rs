@@ -1,12 +1,12 @@
-//! Where points must be fine: where somebody looks, and from where light goes there.
+//! Local disk radii: fine in the views, and around the views, from where light reaches the viewed surfaces.
 //!
-//! One disk radius for a whole scene gives a plain nearly all functions and the house on it none. So each place has a
-//! radius of its own, which grows with the distance from what is looked at, as meshes are graded: what views see needs
-//! functions that are equally large in them; what they do not see may be as coarse as a share of its distance from there,
-//! since from so far away its light looks as fine. A level has points only where its radius is needed, and further,
-//! coarser levels reach the scene's ends.
+//! With one disk radius for a whole scene, a plain has nearly all functions and the house on the plain none. Therefore
+//! each place has a radius of its own, graded by the distance from the viewed regions like a mesh. Functions in view
+//! have equal sizes in the picture; outside the views the radius may be a share of the distance from the viewed
+//! regions, since light from that distance looks equally fine. A level has points only where its radius is needed, and
+//! additional, coarser levels reach the ends of the scene.
 //!
-//! Rooms, which people walk about in, and all scenes that one radius is nearly right for, keep one radius.
+//! Rooms, in which people walk about, and scenes with a nearly suitable single radius keep one radius.
 
 use super::SurfacePoint;
 use super::emitter::{ParticleEmitter, View};
@@ -15,45 +15,46 @@ use crate::geometry::{Ray, Surfaces};
 use crate::random::{Stream, mix};
 use glam::Vec3;
 
-/// Needed radius over the distance from what is looked at, where nobody looks.
+/// Needed radius over the distance from the viewed regions, outside the views.
 const GRADE: f32 = 0.2;
-/// Radii differ from place to place where the finest would be so much smaller than one radius for all; and wherever a
-/// part has the detail, whose candidates tell nothing of how large all else is.
+/// Minimum ratio of the uniform radius to the finest radius; below, a scene keeps the uniform radius. Radii always
+/// differ from place to place in a scene with a [main part](crate::scene::detail), because candidates in the main part
+/// do not show the size of the rest.
 pub const WORTH_IT: f32 = 3.0;
-/// A level has points where its radius is at most so many times finer than needed.
+/// Maximum needed radius over the disk radius of a level's points.
 const FINER: f32 = std::f32::consts::SQRT_2;
-/// Rays of all views together, and of each at least.
+/// Rays of all views together, and minimum number of rays per view.
 const RAYS: [usize; 2] = [4096, 128];
-/// Rays of which so few meet a surface are no view.
+/// Minimum number of hits of a view; views with fewer hits are dropped.
 const LEAST_SEEN: usize = 8;
-/// Regions reach this far around what a ray meets, over its distance.
+/// Radius of a region around a hit, over the hit's distance.
 const AROUND: f32 = 0.15;
-/// How much coarser than in view functions are around what is in view.
+/// Radius of functions around a view over the radius in the view.
 const BESIDE: f32 = 2.0;
-/// Least cosine that a surface's slant counts by.
+/// Lower limit of the cosine between a ray and the surface normal.
 const LEAST_COSINE: f32 = 0.02;
-/// The part that has the detail is as fine as this much around it.
+/// Diameter of the region around the main part, over the main part's diagonal.
 const ROOM: f32 = 1.1;
 
-/// A ball within which functions are equally fine.
+/// A ball with one needed radius of functions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
-    /// Its middle, local space.
+    /// Centre, local space.
     pub middle: Vec3,
-    /// Its radius, scene units.
+    /// Radius, scene units.
     pub reach: f32,
-    /// Needed radius of functions over the finest that is needed anywhere; at least 1.
+    /// Needed radius of functions in the ball over the finest needed radius of the scene; at least 1.
     scale: f32,
 }
 
 impl Region {
-    /// How far a place is outside of it, scene units.
+    /// Distance of a place from the ball, scene units; 0 inside.
     fn beyond(&self, place: Vec3) -> f32 {
         (place.distance(self.middle) - self.reach).max(0.0)
     }
 }
 
-/// What is looked at from a vantage; empty in rooms, and where nobody looks anywhere and no part has the detail.
+/// Viewed regions of an emitter. Empty in rooms; without views, the main part; empty without a main part.
 pub fn regions<S: Surfaces + ?Sized>(surfaces: &S, vantage: &ParticleEmitter, seed: u64) -> Vec<Region> {
     if !vantage.is_open {
         return Vec::new();
@@ -87,7 +88,7 @@ pub fn regions<S: Surfaces + ?Sized>(surfaces: &S, vantage: &ParticleEmitter, se
     let mut all: Vec<Region> = of_meetings.chain(around).collect();
     all.sort_by(|a, b| a.scale.total_cmp(&b.scale));
     for region in all {
-        // What is within a finer one is fine enough.
+        // A region within a finer region adds nothing.
         let is_within = |other: &Region| {
             let offset = other.middle.distance(region.middle);
             offset <= other.reach
@@ -100,20 +101,20 @@ pub fn regions<S: Surfaces + ?Sized>(surfaces: &S, vantage: &ParticleEmitter, se
     found
 }
 
-/// Where a ray of a view ends.
+/// Hit of a view's ray.
 struct Meeting {
     position: Vec3,
     distance: f32,
-    /// Between the ray and the surface's normal.
+    /// Absolute cosine between the ray and the surface's normal.
     cosine: f32,
 }
 
-/// What a view sees.
+/// Hits of a view.
 struct Seen {
     meetings: Vec<Meeting>,
-    /// How far away it usually is, scene units.
+    /// Median distance of the hits, scene units.
     distance: f32,
-    /// Its middle, local space.
+    /// Point at the median distance in the view's direction, local space.
     middle: Vec3,
 }
 
@@ -137,23 +138,24 @@ impl Seen {
     }
 }
 
-/// The median of some numbers, at least one.
+/// Median of at least one number.
 fn middle_of(numbers: &mut [f32]) -> f32 {
     let middle = numbers.len() / 2;
     numbers.select_nth_unstable_by(middle, f32::total_cmp).1.max(f32::MIN_POSITIVE)
 }
 
-/// The radius of functions that each place needs.
+/// Needed radius of functions, by place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Focus {
     regions: Vec<Region>,
-    /// The smallest, scene units.
+    /// Smallest needed radius, scene units.
     finest: f32,
 }
 
 impl Focus {
-    /// Such that there are about `count` functions of `coarser` times the needed radii; `None` where the finest radius would
-    /// be over `most`. `pool` are places all over the scene, most where it is fine.
+    /// Chooses the finest radius for about `count` functions of `coarser` times the needed radii; `None` without
+    /// regions, or if the finest radius would exceed `most`. `pool`: places all over the scene, densest in the fine
+    /// regions.
     pub fn new(
         regions: Vec<Region>,
         pool: &[SurfacePoint],
@@ -173,7 +175,7 @@ impl Focus {
         Some(Self { regions, finest: large })
     }
 
-    /// The smallest needed radius, scene units.
+    /// Smallest needed radius, scene units.
     pub fn finest(&self) -> f32 {
         self.finest
     }
@@ -183,20 +185,21 @@ impl Focus {
         &self.regions
     }
 
-    /// The radius that a place needs, scene units.
+    /// Needed radius at a place, scene units.
     pub fn needed(&self, place: Vec3) -> f32 {
         let of = |region: &Region| self.finest * region.scale + GRADE * region.beyond(place);
         self.regions.iter().map(of).fold(f32::INFINITY, f32::min)
     }
 
-    /// Whether a place needs functions of this disk radius.
+    /// True if a place needs functions of this disk radius.
     pub fn needs(&self, place: Vec3, radius: f32) -> bool {
         let most = FINER * radius;
         let of = |region: &Region| self.finest * region.scale + GRADE * region.beyond(place) <= most;
         self.regions.iter().any(of)
     }
 
-    /// How many functions of `coarser` times the needed radii stand among the places of `pool`; of more than `most`, so many.
+    /// Number of functions of `coarser` times the needed radii that fit onto the places of `pool`; counting ends above
+    /// `most`.
     fn count(&self, pool: &[SurfacePoint], coarser: f32, most: usize) -> usize {
         let mut boards: Vec<DartBoard> = Vec::new();
         let mut count = 0;

@@ -1,4 +1,4 @@
-//! Which places around a point belong to its surface: where direct light is sampled.
+//! Footprints: places on the surface around a point at which direct light is sampled.
 
 use super::{Points, SurfacePoint};
 use crate::geometry::{Ray, Surfaces};
@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use rebounce_shared::footprint::{LIFT, SAMPLES, offset};
 use rebounce_shared::kernel::likeness;
 
-/// How far below a sample its surface may be, over the support radius.
+/// Maximum depth of the surface below a sample, over the support radius.
 const DEPTH: f32 = 0.15;
 
-/// Finds, for the points up to `end` that have none yet, the samples of direct light that lie above the point's own
-/// surface, in its sight and within its cuts. The same points give the same samples. A unit of `watch` is a point.
+/// Computes the missing samples of direct light of the points up to `end`: samples above the point's own surface, in
+/// sight of the point and within the clip planes. The same points have the same samples. A unit of `watch` is a point.
 ///
 /// # Errors
 /// [`Stopped`].
@@ -32,7 +32,7 @@ pub fn footprint<S: Surfaces + ?Sized>(
     Ok(())
 }
 
-/// One bit a sample.
+/// Samples of a point, one bit per sample.
 fn samples_of<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, i: usize, radius: f32) -> u8 {
     let point: &SurfacePoint = &points.points[i];
     let cuts = points.cuts_of(i);
@@ -64,7 +64,7 @@ mod tests {
     use crate::scene;
     use glam::{DVec3, Vec3, dvec3};
 
-    /// The samples of a floor point with a support of 40 cm, world space.
+    /// Number of samples of a floor point with a support of 40 cm, world space.
     fn on_the_floor(name: &str, place: DVec3) -> u32 {
         let scene = scene::load(name).unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);

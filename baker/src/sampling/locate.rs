@@ -1,4 +1,4 @@
-//! Locates the particle emitter of a scene: viewpoints, and whether the scene is open to the sky.
+//! Location of a scene's particle emitter: viewpoints, and whether the scene is open to the sky.
 
 use super::candidates::Candidates;
 use super::emitter::ParticleEmitter;
@@ -8,37 +8,39 @@ use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::{Stream, mix};
 use glam::Vec3;
 
-/// A scene is open if more than this share of what its surfaces send leaves it. Of rooms and courts it is under 0.04, of a
-/// box without a front 0.11; of objects and landscapes 0.3 to 1.
+/// Maximum share of rays from the surfaces of a room that leave the scene; above, the scene is open. Measured: under
+/// 0.04 in rooms and courts, 0.11 in a box without a front, 0.3 to 1 in objects and landscapes.
 const OPEN: f32 = 0.2;
-/// Or if fewer of the directions around the best viewpoints that can be found end on a surface: in rooms 0.87 and more, in
-/// whatever is hollow or thin under 0.7.
+/// Minimum share of directions around the best viewpoints found that end on a surface; below, the scene is open.
+/// Measured: 0.87 and more in rooms, under 0.7 in hollow or thin objects.
 const ALL_AROUND: f32 = 0.75;
-/// Or if surfaces are nearer than so many metres on average: nobody fits in. glTF counts in metres.
+/// Minimum mean distance of surfaces, metres; below, the scene is open, because a person does not fit in. glTF counts
+/// in metres.
 const ROOMY: f32 = 0.4;
-/// What shows fronts to the outside is an object, too, if surfaces within are nearer than so many metres on average, or
-/// if less than this share of them is level or upright, as floors and walls are: 0.12 in a vase, 0.8 and more in rooms.
+/// Minimum mean distance of surfaces, metres, and minimum share of level or upright surfaces, as floors and walls are,
+/// in a room; below either limit, a scene with fronts to the outside is an object. Measured share: 0.12 in a vase, 0.8
+/// and more in rooms.
 const NARROW: f32 = 0.7;
 const BUILT: f32 = 0.3;
-/// Heights of unit normals between level and upright.
+/// Absolute heights of unit normals that are neither level nor upright.
 const UPRIGHT: std::ops::Range<f32> = 0.1..0.99;
-/// Rays from around the part that has the detail, and the share of them that end beside it in a landscape.
+/// Rays towards the main part from around, and minimum share of rays that end beside the main part of a landscape.
 const LANDSCAPE: (u64, f32) = (1024, 0.1);
-/// The least share of fronts among what is seen from around an object.
+/// Minimum share of fronts among the surfaces seen from around an object.
 const SOLID: f32 = 0.95;
-/// Particles that tell, and their bounces.
+/// Number of test particles, and maximum number of a test particle's bounces.
 const PARTICLES: u64 = 4096;
 const BOUNCES: u32 = 8;
 
 impl ParticleEmitter {
-    /// These viewpoints, local space.
+    /// Creates an emitter with these viewpoints, local space.
     pub fn at<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: Vec<Vec3>, seed: u64) -> Self {
         let is_open = Outlook::new(surfaces, &viewpoints, seed).is_open() || is_landscape(surfaces, seed);
         Self { viewpoints, is_open, ..Self::default() }
     }
 
-    /// Found without help. `lights` are the lamps' places, local space, which are inside rooms as a rule. `None` where no
-    /// surface's reflecting side can be seen.
+    /// Finds an emitter without user input. `lights` are the lamps' positions, local space, inside rooms as a rule.
+    /// `None` if no reflecting side of a surface can be seen.
     pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> Option<Self> {
         let viewpoints = viewpoint::find(surfaces, lights, seed);
         let outlook = Outlook::new(surfaces, &viewpoints, seed);
@@ -52,7 +54,8 @@ impl ParticleEmitter {
     }
 }
 
-/// Whether the part that has the detail stands on something far larger: rays towards it, from anywhere around, end beside it.
+/// True if the main part stands on far larger geometry: rays towards the main part, from all around, end beside the
+/// main part.
 fn is_landscape<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> bool {
     let (low, high) = surfaces.main_part();
     if (low, high) == surfaces.bounds() {
@@ -64,14 +67,14 @@ fn is_landscape<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> bool {
     beside as f32 > LANDSCAPE.1 * LANDSCAPE.0 as f32
 }
 
-/// Whether what is seen from anywhere around are fronts, as of a vase; of the box of a room these are backs.
+/// True if the surfaces seen from all around are fronts, as of a vase; the box of a room shows backs.
 fn is_solid<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> bool {
     let (fronts, backs): (Vec<bool>, Vec<bool>) =
         from_around(surfaces, seed).map(|hit| hit.1).partition(|front| *front);
     fronts.len() as f32 > SOLID * (fronts.len() + backs.len()) as f32
 }
 
-/// What rays towards the part that has the detail meet, from anywhere around, and whether a reflecting side.
+/// Hits of rays towards the main part, from all around, and whether the side hit reflects.
 fn from_around<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> impl Iterator<Item = (Hit, bool)> {
     let (low, high) = surfaces.main_part();
     let (middle, radius) = (0.5 * (low + high), (high - low).length());
@@ -87,15 +90,15 @@ fn from_around<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> impl Iterator<I
     })
 }
 
-/// What is seen from some viewpoints.
+/// Statistics of rays from viewpoints.
 struct Outlook {
-    /// The share of directions in which a reflecting side is.
+    /// Share of directions with a reflecting side.
     seen: f32,
-    /// How far away that is on average, scene units.
+    /// Mean distance of the reflecting sides seen, scene units.
     distance: f32,
-    /// The share of what surfaces send to each other and to the sky that leaves the scene.
+    /// Share of rays from surfaces that leave the scene.
     left: f32,
-    /// The share of what is seen that is level or upright.
+    /// Share of level or upright surfaces among the surfaces seen.
     built: f32,
 }
 
@@ -104,7 +107,7 @@ impl Outlook {
         self.left > OPEN || self.distance < ROOMY
     }
 
-    /// Whether it is like the inside of a vessel, not like a room.
+    /// True if the surroundings are like the inside of a vessel, not like a room.
     fn is_rounded(&self) -> bool {
         self.built < BUILT || self.distance < NARROW
     }

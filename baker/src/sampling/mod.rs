@@ -1,11 +1,14 @@
-//! Points: where the basis functions sit (paper, section 2.3).
+//! Points: positions of the basis functions (paper, section 2.3).
 //!
-//! [`candidates`] finds surfaces that light reaches from a viewpoint, [`viewpoint`] finds the
-//! viewpoint when none is given, [`locate`] also whether the scene is open; an [`emitter`] is what they find. [`focus`] says where points must be fine,
-//! [`poisson_disk`] throws the
-//! candidates as darts into one level's Poisson-disk distribution, [`fill`] closes the gaps left, [`place`] makes all levels,
-//! [`round`] rounds them to what the file keeps, `clip_planes` ends supports at walls, [`footprint`] finds
-//! where direct light is sampled, [`openness`] how much near surfaces hide.
+//! * [`candidates`] – candidates on surfaces from which light reaches a viewpoint;
+//! * [`viewpoint`] – search for viewpoints; [`locate`] – search for an [`emitter`]: viewpoints, and whether the scene
+//!   is open;
+//! * [`focus`] – local disk radii;
+//! * [`place`] – points of all levels; [`poisson_disk`] – dart throwing of candidates into one level's Poisson-disk
+//!   distribution; [`fill`] – filling of the remaining gaps;
+//! * [`round`] – rounding to the file's precision;
+//! * `clip_planes` – planes that end supports at walls;
+//! * [`footprint`] – samples of direct light; [`openness`] – share of the hemisphere free of near surfaces.
 
 pub mod candidates;
 mod clip_planes;
@@ -32,19 +35,19 @@ use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::bulk::{Cut, Point};
 use rebounce_shared::rbn::meta::Level;
 
-/// A point on a surface, local space, with its unit normals on the side that light reaches.
+/// A point on a surface, local space, with unit normals on the side that light reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
-    /// Where it is.
+    /// Position.
     pub position: Vec3,
-    /// Shading normal: the one the basis works with.
+    /// Shading normal, used by the basis.
     pub normal: Vec3,
-    /// Normal of the true surface: the one rays are moved off along.
+    /// Normal of the true surface, along which ray origins are moved off.
     pub geometric_normal: Vec3,
 }
 
 impl SurfacePoint {
-    /// The point at a hit, rounded to what the file keeps.
+    /// Creates the point at a hit, rounded to the file's precision.
     pub fn at<S: Surfaces + ?Sized>(hit: &Hit, surfaces: &S) -> Self {
         let (low, high) = surfaces.bounds();
         let least = least_step(low, high);
@@ -67,44 +70,44 @@ pub struct PointLevel {
 }
 
 impl PointLevel {
-    /// The indices of the level's points.
+    /// Indices of the level's points.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.count
     }
 }
 
-/// All points, level after level, coarsest first; within a level along a space-filling curve.
+/// Points of all levels, coarsest level first; within a level along a space-filling curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
-    /// The levels.
+    /// Levels.
     pub levels: Vec<PointLevel>,
-    /// The points of all levels.
+    /// Points of all levels.
     pub points: Vec<SurfacePoint>,
-    /// The planes that end each point's support, at most four a point; none before [`cut`].
+    /// Clip planes of each point's support, at most four per point; empty before [`cut`].
     pub cuts: Vec<Vec<Cut>>,
-    /// Each point's samples of direct light, one bit a sample; none before [`footprint`].
+    /// Samples of each point's direct light, one bit per sample; empty before [`footprint`].
     pub samples: Vec<u8>,
-    /// Each point's [openness](rebounce_shared::openness), as a file keeps it; none before [`openness`].
+    /// [Openness](rebounce_shared::openness) of each point, in the file's encoding; empty before [`openness`].
     pub openness: Vec<u8>,
 }
 
 impl Points {
-    /// The planes that end a point's support.
+    /// Clip planes of a point's support.
     pub fn cuts_of(&self, point: usize) -> &[Cut] {
         self.cuts.get(point).map_or(&[], Vec::as_slice)
     }
 
-    /// The samples of a point's direct light, one bit a sample.
+    /// Samples of a point's direct light, one bit per sample.
     pub fn samples_of(&self, point: usize) -> u8 {
         self.samples.get(point).copied().unwrap_or(0)
     }
 
-    /// The radius of each point's support, scene units.
+    /// Support radius of each point, scene units.
     fn support_radii(&self) -> Vec<f32> {
         self.levels.iter().flat_map(|level| level.range().map(|_| level.support_radius)).collect()
     }
 
-    /// The points as the file has them, tints left out; their cuts; the levels.
+    /// Records of the file: points without tints, cuts, and levels.
     pub fn records(&self) -> (Vec<Point>, Vec<Cut>, Vec<Level>) {
         let mut records = Vec::with_capacity(self.points.len());
         let mut cuts = Vec::new();
@@ -130,7 +133,7 @@ impl Points {
         (records, cuts, self.levels.iter().map(level).collect())
     }
 
-    /// Number of points on this many coarsest levels.
+    /// Number of points on the `levels` coarsest levels.
     pub fn count_on(&self, levels: usize) -> usize {
         self.levels[..levels].last().map_or(0, |level| level.range().end)
     }

@@ -1,4 +1,4 @@
-//! How open points are: short rays over the hemisphere (see [`rebounce_shared::openness`]).
+//! Openness of points, by short rays over the hemisphere (see [`rebounce_shared::openness`]).
 
 use super::Points;
 use crate::geometry::{Ray, Surfaces};
@@ -15,7 +15,7 @@ const SIDE: u32 = 4;
 const ROUNDS: u32 = 4;
 /// Points between two calls of the watch: a few milliseconds.
 const ASKED: usize = 256;
-/// Seed of the rays, apart from all others.
+/// Seed of the rays, different from other seeds.
 const SEED: u64 = 0x6f70_656e;
 
 /// Computes the openness of each point within the reach of the finest level. Deterministic.
@@ -39,7 +39,7 @@ pub fn openness<S: Surfaces + ?Sized>(
             open_share(surfaces, point.position, normals, reach, SIDE, &mut stream)
         };
         let first = round(0);
-        // Most points see nothing near.
+        // Usually the first round meets no surface.
         let all =
             if first < 1.0 { (1..ROUNDS).fold(first, |sum, r| sum + round(r)) / ROUNDS as f32 } else { 1.0 };
         Ok(stored(all))
@@ -48,7 +48,7 @@ pub fn openness<S: Surfaces + ?Sized>(
     Ok(())
 }
 
-/// One estimate of the openness of a place with these unit normals, of shading and of the true surface: `side`² rays,
+/// Single estimate of the openness of a place with unit shading normal and unit true normal: `side`² rays,
 /// cosine-distributed and stratified.
 pub fn open_share<S: Surfaces + ?Sized>(
     surfaces: &S,
@@ -67,7 +67,7 @@ pub fn open_share<S: Surfaces + ?Sized>(
         let (sin, cos) = (TAU * at.y).sin_cos();
         let direction =
             (tangent * cos + bitangent * sin) * at.x.sqrt() + normal * (1.0 - at.x).max(0.0).sqrt();
-        // Of a shading normal, some directions lead into the surface.
+        // A shading normal lets a few directions point into the surface.
         if direction.dot(geometric) <= 0.0 {
             continue;
         }

@@ -1,4 +1,4 @@
-//! All levels of points.
+//! Placement of the points of all levels.
 
 use super::candidates::Candidates;
 use super::emitter::ParticleEmitter;
@@ -15,28 +15,28 @@ use rayon::prelude::*;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::rbn::MAX_LEVELS;
 
-/// How points are placed.
+/// Settings of the placement of points.
 #[derive(Clone, Debug)]
 pub struct PlaceSettings {
     /// Number of levels.
     pub levels: usize,
     /// Poisson-disk radius of level 0, scene units; `None`: chosen for `functions`.
     pub coarse_radius: Option<f32>,
-    /// About how many functions the finest level shall have.
+    /// Approximate number of functions on the finest level.
     pub functions: usize,
     /// Support over disk radius on all levels but the finest.
     pub coarse_overlap: f32,
     /// Support over disk radius on the finest level.
     pub fine_overlap: f32,
-    /// A level ends when its last few points took so many candidates each.
+    /// Number of candidates per point, averaged over the last few points of a level, at which the level ends.
     pub patience: u64,
     /// Seed of all random numbers.
     pub seed: u64,
 }
 
 impl Default for PlaceSettings {
-    /// The paper's numbers, but for the overlap of the finest level, and `patience`: the paper ends a level after 2,000
-    /// failures in a row, which by chance may come early or late.
+    /// The paper's numbers, except for the overlap of the finest level and `patience`: the paper ends a level after
+    /// 2,000 failures in a row, by chance early or late.
     fn default() -> Self {
         Self {
             levels: 6,
@@ -50,7 +50,7 @@ impl Default for PlaceSettings {
     }
 }
 
-/// Why points could not be placed.
+/// Reason for a failed placement of points.
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
     /// Particles from the viewpoint met no reflecting surface.
@@ -58,34 +58,34 @@ pub enum PlaceError {
         "no surface can be seen from the viewpoint ({0}, {1}, {2}): give one inside the scene with --viewpoint x,y,z (are the surfaces one-sided and facing away?)"
     )]
     NothingSeen(f32, f32, f32),
-    /// More points than a file can hold.
+    /// The number of points exceeds the limit of a file.
     #[error(
         "over {MAX_POINTS} basis functions: bake with fewer --functions, fewer --levels or a larger --coarse-radius"
     )]
     TooMany,
-    /// Level 0 could have no two points.
+    /// The radius of level 0 is not positive, or too large for two points.
     #[error(
         "a --coarse-radius of {0} is none for a scene that is {1} across: give one between, or --functions"
     )]
     Radius(f32, f32),
-    /// Somebody asked for it.
+    /// Stopped by the caller's watch.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }
 
-/// Candidates that are sorted out together: on a coarse level most of many would be in each other's way, and whether
-/// they are in a tight place takes rays.
+/// Candidates that are filtered in parallel before throwing: on a coarse level, candidates of a larger set would mainly
+/// be in conflict with points of the same set, and the test for tight places costs rays.
 const THROWN: usize = 1024;
-/// Shares of a try.
+/// Shares per try.
 const SHARES: u64 = 16;
-/// Points by which a level's end is told: so many that chance does not decide.
+/// Number of last points for the decision about a level's end: enough to average out chance.
 const LAST: usize = 16;
-/// Candidates after which a level is left empty.
+/// Number of candidates after which a level without points stays empty.
 const MOST_TRIED: u64 = 1_000_000;
 /// Rays for the harmonic mean distance.
 const HARMONIC_RAYS: u32 = 32;
 
-/// Places the points of all levels for what is seen from a vantage. A unit of `watch` is a point.
+/// Places the points of all levels for the surfaces seen by an emitter. A unit of `watch` is a point.
 ///
 /// # Errors
 /// [`PlaceError`].
@@ -102,12 +102,12 @@ pub fn place<S: Surfaces + ?Sized>(
     Ok(placer.points)
 }
 
-/// Where placing goes on after a level: with the level's points all that the next ones depend on.
+/// State of the placement after a level. The next levels depend on this state and on the level's points only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedMark {
     /// Poisson-disk radius of level 0, scene units.
     pub coarse_radius: f32,
-    /// The first particle that has not been traced.
+    /// Index of the first particle not yet traced.
     pub next_particle: u64,
 }
 
@@ -116,21 +116,22 @@ pub struct Placer<'a, S: Surfaces + ?Sized> {
     surfaces: &'a S,
     settings: &'a PlaceSettings,
     source: Candidates<'a, S>,
-    /// Candidates for the next level, traced already.
+    /// Candidates for the next level, already traced.
     pool: Vec<SurfacePoint>,
     coarse_radius: f32,
-    /// Where points are fine, if not everywhere.
+    /// Locally needed radii; `None` with a uniform radius.
     focus: Option<Focus>,
-    /// How many levels there will be.
+    /// Total number of levels.
     levels: usize,
     points: Points,
 }
 
 impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
-    /// Looks at the scene and chooses the radii.
+    /// Traces a first pool of candidates and chooses the radii.
     ///
     /// # Errors
-    /// [`PlaceError::NothingSeen`].
+    /// [`PlaceError::NothingSeen`]; [`PlaceError::Radius`] or [`PlaceError::TooMany`] for an unsuitable radius in the
+    /// settings.
     pub fn new(
         surfaces: &'a S,
         vantage: &'a ParticleEmitter,
@@ -158,7 +159,7 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
             let (count, coarser) = counted(settings);
             focus = Focus::new(regions, &places, count, coarser, most);
             if let Some(focus) = &focus {
-                // Further levels, so that the coarsest is coarse enough for all.
+                // Additional levels, so that the coarsest level is coarse enough for every place.
                 let most = places.iter().map(|p| focus.needed(p.position)).fold(0.0, f32::max);
                 let above = (most / focus.finest()).log2().ceil().max(0.0) as usize + 1;
                 levels = above.clamp(levels, MAX_LEVELS);
@@ -169,41 +170,42 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
         Ok(Self { surfaces, settings, source, pool, coarse_radius, focus, levels, points: Points::default() })
     }
 
-    /// How many levels there will be: more than asked for where points are fine in places.
+    /// Total number of levels: more than in the settings if radii differ from place to place.
     pub fn levels(&self) -> usize {
         self.levels
     }
 
-    /// Whether points of a level may be at a place.
+    /// True if points of a level may be at a place.
     fn fits(&self, level: usize, candidate: &SurfacePoint) -> bool {
         let radius = self.disk_radius(level);
         let is_needed = |level: usize| match &self.focus {
             Some(focus) if level > 0 => focus.needs(candidate.position, self.disk_radius(level)),
             _ => true,
         };
-        // The finest level of a place must cover it.
+        // The finest level of a place must cover the place.
         is_needed(level)
             && (level + 1 == self.levels
                 || !is_needed(level + 1)
                 || !is_tight(self.surfaces, candidate, radius))
     }
 
-    /// The levels so far.
+    /// Levels placed so far.
     pub fn points(&self) -> &Points {
         &self.points
     }
 
-    /// The levels so far.
+    /// Levels placed so far.
     pub fn into_points(self) -> Points {
         self.points
     }
 
-    /// Where the next level goes on.
+    /// State from which the next level continues.
     pub fn mark(&self) -> PlacedMark {
         PlacedMark { coarse_radius: self.coarse_radius, next_particle: self.source.next_particle() }
     }
 
-    /// Takes over the next level's points, placed before; `mark` is what [`Self::mark`] said then.
+    /// Adopts the next level's points from an earlier run; `mark` is the value of [`Self::mark`] after the level in the
+    /// earlier run.
     pub fn take_over(&mut self, points: Vec<SurfacePoint>, mark: PlacedMark) {
         self.pool.clear();
         self.coarse_radius = mark.coarse_radius;
@@ -220,15 +222,15 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
         let l = self.points.levels.len();
         let disk_radius = self.disk_radius(l);
         let mut board = DartBoard::new(disk_radius);
-        // Tries, in shares: one of a place that needs no points of this level counts less.
+        // Tries, in shares: a try at a place without need for points of this level counts less.
         let mut tried = 0;
-        // How many had been tried when each of the last few points came.
+        // Number of tries at the insertion of each of the last few points.
         let mut lately = [0; LAST];
         let mut batch = std::mem::take(&mut self.pool);
         'level: loop {
             let before = board.len();
             for part in batch.chunks(THROWN) {
-                // In parallel, sort out what cannot pass; then, in order, throw what is left.
+                // In parallel, filter out hopeless candidates; then, in order, throw the remaining candidates.
                 let looked_at = |candidate: &SurfacePoint| {
                     let is_free = board.is_free(candidate);
                     let is_hopeful = is_free && self.fits(l, candidate);
@@ -238,7 +240,7 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
                 for (candidate, (hopeful, shares)) in part.iter().zip(hopeful) {
                     tried += shares;
                     let oldest = board.len() % LAST;
-                    // Of few points, the latest.
+                    // With few points, the latest point.
                     let since = if board.len() < LAST { (oldest + LAST - 1) % LAST } else { oldest };
                     if hopeful && board.is_free(candidate) {
                         board.insert(*candidate);
@@ -269,7 +271,7 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
         Ok(())
     }
 
-    /// So many more points can be held.
+    /// Checks that `more` points stay within the limit of a file.
     fn within_limit(&self, more: usize) -> Result<(), PlaceError> {
         if self.points.points.len() + more > MAX_POINTS { Err(PlaceError::TooMany) } else { Ok(()) }
     }
@@ -292,35 +294,35 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
     }
 }
 
-/// Functions of a level over those of the level before: under 4, because rooms are full of small
-/// things that coarse functions cover less well. Measured on furnished rooms and halls: 3.5 to 4.
+/// Functions of a level over functions of the next coarser level: under 4, because coarse functions cover the small
+/// objects in rooms less well. Measured on furnished rooms and halls: 3.5 to 4.
 const GROWTH: f32 = 3.6;
-/// About how many points each level will have.
+/// Approximate number of points on each level.
 pub fn expected_counts(settings: &PlaceSettings) -> Vec<f64> {
     let finest = settings.levels.saturating_sub(1);
     let count = |level: usize| settings.functions as f64 / (GROWTH as f64).powi((finest - level) as i32);
     (0..settings.levels).map(count).collect()
 }
 
-/// The level whose functions are counted to choose the radii: fine enough to know the surface's
-/// area, coarse enough for a pool of candidates to fill it.
+/// Level on which functions are counted to choose the radii: fine enough to measure the surface's area, coarse enough
+/// for a pool of candidates to fill the level.
 const COUNTED_LEVEL: usize = 2;
 
-/// The radius of level 0 that gives the finest level about as many functions as wanted.
+/// Radius of level 0 for about the wanted number of functions on the finest level.
 fn coarse_radius_for(pool: &[SurfacePoint], settings: &PlaceSettings) -> f32 {
     let (count, coarser) = counted(settings);
     let finest = (1u64 << settings.levels.saturating_sub(1)) as f32;
     radius_for(pool, count) * (finest / coarser)
 }
 
-/// About how many functions the counted level has, and how much coarser they are than the finest.
+/// Approximate number of functions on the counted level, and the level's disk radius over the finest disk radius.
 fn counted(settings: &PlaceSettings) -> (usize, f32) {
     let above = settings.levels.saturating_sub(1).saturating_sub(COUNTED_LEVEL) as i32;
     let count = settings.functions as f32 / GROWTH.powi(above);
     (count.max(1.0) as usize, 2f32.powi(above))
 }
 
-/// Candidates to look at the scene by.
+/// Traces a pool of candidates as a sample of the scene's surfaces.
 fn pool<S: Surfaces + ?Sized>(source: &mut Candidates<S>) -> Vec<SurfacePoint> {
     let mut pool = Vec::new();
     for _ in 0..64 {
@@ -332,7 +334,7 @@ fn pool<S: Surfaces + ?Sized>(source: &mut Candidates<S>) -> Vec<SurfacePoint> {
     pool
 }
 
-/// A radius of level 0 that was given: smaller than the scene, and so large that its functions can be held.
+/// Checks a given radius of level 0: smaller than the scene, and large enough for the limit of points.
 fn check_radius(
     radius: f32,
     (low, high): (Vec3, Vec3),
@@ -343,17 +345,17 @@ fn check_radius(
     if !(radius > 0.0 && radius < diagonal) {
         return Err(PlaceError::Radius(radius, diagonal));
     }
-    // As many times more functions as their disks are smaller.
+    // The number of functions grows inversely to the area of a disk.
     let few = PlaceSettings { functions: FEW, ..settings.clone() };
     let times = (coarse_radius_for(pool, &few) as f64 / radius as f64).powi(2);
-    // What is expected is about right: it is left to placing where it is near.
+    // The expected number is approximate: near the limit, placing decides.
     if FEW as f64 * times > 4.0 * MAX_POINTS as f64 { Err(PlaceError::TooMany) } else { Ok(radius) }
 }
 
-/// Functions by which the number of others is told.
+/// Number of functions from which other numbers of functions are extrapolated.
 const FEW: usize = 10_000;
 
-/// The disk radius at which throwing these candidates leaves about `count` points.
+/// Disk radius at which throwing these candidates leaves about `count` points.
 fn radius_for(pool: &[SurfacePoint], count: usize) -> f32 {
     let (low, high) = pool
         .iter()
@@ -373,7 +375,7 @@ fn radius_for(pool: &[SurfacePoint], count: usize) -> f32 {
     };
     // Bisection of the radius on a logarithmic scale: the count falls as the radius grows.
     let (mut small, mut large) = (diagonal * 1e-3, diagonal);
-    // Where something small lies far away from all else, disks are smaller still.
+    // With a small object far away from the rest, disks are smaller still.
     while thrown(small) < count.min(pool.len() / 4) && small > diagonal * 1e-7 {
         (small, large) = (small * 1e-2, small);
     }

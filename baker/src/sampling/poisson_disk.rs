@@ -6,24 +6,24 @@ use rebounce_shared::kernel::distance_5d;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// Width of a cell over the disk radius: a little over 2, so that what is nearer than a disk radius lies, along each
-/// axis, in the same cell or on the nearer side of it.
+/// Width of a cell over the disk radius: a little over 2, so that points nearer than a disk radius are, along each
+/// axis, in the same cell or in the neighbour on the nearer side.
 const CELL: f32 = 2.02;
-/// Ends a chain of points.
+/// End of a chain of points.
 const END: u32 = u32::MAX;
 
-/// A level being filled: no two points nearer than `radius` under the 5D distance.
+/// A level during dart throwing: no two points are nearer than `radius` under the 5D distance.
 pub struct DartBoard {
     radius: f32,
     points: Vec<SurfacePoint>,
-    /// The last point that came into each cell.
+    /// Index of the last point inserted into each cell.
     cells: HashMap<u64, u32, BuildHasherDefault<CellHasher>>,
-    /// For each point the one that came into its cell before it.
+    /// Index of the previous point in the cell, for each point.
     before: Vec<u32>,
 }
 
 impl DartBoard {
-    /// An empty board with this disk radius, scene units.
+    /// Creates an empty board with this disk radius, scene units.
     pub fn new(radius: f32) -> Self {
         Self { radius, points: Vec::new(), cells: HashMap::default(), before: Vec::new() }
     }
@@ -35,7 +35,7 @@ impl DartBoard {
         let nearer = |x: f32| if x < 0.5 { (-1, x) } else { (1, 1.0 - x) };
         let sides = within.to_array().map(nearer);
         for corner in 0..8 {
-            // The neighbour, and how far it is, squared.
+            // The neighbour cell, and the squared distance to the neighbour, in cells.
             let (mut neighbour, mut away) = (cell, 0.0);
             for (axis, (step, distance)) in sides.into_iter().enumerate() {
                 if corner >> axis & 1 == 1 {
@@ -66,7 +66,7 @@ impl DartBoard {
         false
     }
 
-    /// Puts a point on the board; the caller has asked [`Self::is_free`].
+    /// Inserts a point; the caller has checked [`Self::is_free`].
     pub fn insert(&mut self, point: SurfacePoint) {
         let last = self.cells.entry(key(self.cell(point.position).1)).or_insert(END);
         self.before.push(std::mem::replace(last, self.points.len() as u32));
@@ -83,17 +83,17 @@ impl DartBoard {
         self.points.is_empty()
     }
 
-    /// The points so far, in the order they came.
+    /// Points in the order of insertion.
     pub fn points(&self) -> &[SurfacePoint] {
         &self.points
     }
 
-    /// The points, in the order they came.
+    /// Points in the order of insertion.
     pub fn into_points(self) -> Vec<SurfacePoint> {
         self.points
     }
 
-    /// A place in units of cells, and its cell.
+    /// Position in units of cells, and the cell.
     fn cell(&self, position: Vec3) -> (Vec3, IVec3) {
         let place = position / (CELL * self.radius);
         (place, place.floor().as_ivec3())
@@ -105,7 +105,7 @@ fn key(cell: IVec3) -> u64 {
     (cell.x as u64 & MASK) | (cell.y as u64 & MASK) << 21 | (cell.z as u64 & MASK) << 42
 }
 
-/// Mixes one 64-bit key.
+/// Hasher of a single 64-bit key.
 #[derive(Default)]
 struct CellHasher(u64);
 

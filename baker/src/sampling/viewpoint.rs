@@ -1,13 +1,13 @@
-//! Viewpoints inside the scene, found without help.
+//! Search for viewpoints inside the scene, without user input.
 //!
-//! Points are scattered over the scene's bounds and off its surfaces. A good one sees the
-//! reflecting sides of surfaces all around it: from within a closed room every ray ends on one;
-//! inside a wall or under the floor rays end on backs; outside most rays leave the scene. No
-//! single score tells a furnished room that is open to the sky from the closed hollow under its
-//! floor, so the best of each part of the scene all serve: particles start from each in turn.
+//! Tries are scattered over the scene's bounds and off the surfaces. A good viewpoint sees reflecting sides of surfaces
+//! all around: within a closed room every ray ends on a reflecting side; inside a wall or under the floor rays end on
+//! backs; outside, the majority of rays leave the scene. No single score separates a furnished room, open to the sky,
+//! from the closed hollow under the room's floor. Therefore the best viewpoint of every part of the scene serves:
+//! particles start from the viewpoints in turn.
 //!
-//! Files often say of all surfaces that both of their sides reflect, and within an object that is hollow every ray ends
-//! on a back; so backs count only where a lamp is.
+//! Files often declare all surfaces two-sided, and within a hollow object every ray ends on a back; so backs count at
+//! lamps only.
 
 use super::particle::from_viewpoint;
 use crate::geometry::{Ray, Surfaces};
@@ -18,23 +18,23 @@ use std::collections::HashMap;
 
 const TRIES: u64 = 2048;
 const RAYS: u64 = 96;
-/// Parts of the scene along each axis, each of which sends its best try to the second round.
+/// Parts of the scene along each axis. The best try of each part enters the second round.
 const PARTS: f32 = 4.0;
-/// A part's best try serves if its score is at least this share of the best of all.
+/// Minimum score of a part's best try over the best score of all tries.
 const GOOD: f32 = 0.5;
-/// Viewpoints at most.
+/// Maximum number of viewpoints.
 const MOST: usize = 16;
 
-/// Which sides of surfaces count.
+/// Sides of surfaces that count.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Sides {
     Fronts,
-    /// Backs that reflect, too.
+    /// Fronts, and backs that reflect.
     Both,
 }
 
-/// The best of many tries and of the places of `lights`, local space, best first; none when no try sees the front of any
-/// surface, and no light a reflecting side.
+/// Finds the best viewpoints among random tries and the positions of `lights`, local space, best first; empty if no try
+/// sees the front of a surface, and no light a reflecting side.
 pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> Vec<Vec3> {
     let (low, high) = surfaces.main_part();
     let extent = high - low;
@@ -44,8 +44,8 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> V
             let mut stream = Stream::new(seed ^ 0x7669_6577, i);
             let mut point = low + extent * Vec3::new(stream.unit(), stream.unit(), stream.unit());
             if i % 2 == 1 {
-                // Half of them right in the middle of a free stretch between two surfaces, so
-                // that small rooms in a large scene are tried too.
+                // Every second try is in the middle of a free stretch between two surfaces, so that small rooms in a
+                // large scene are tried too.
                 let ray = Ray::visibility(point, stream.sphere());
                 let hit = surfaces.cast(&ray, 0)?;
                 let away = stream.cosine_hemisphere(hit.geometric_normal);
@@ -79,9 +79,9 @@ pub fn find<S: Surfaces + ?Sized>(surfaces: &S, lights: &[Vec3], seed: u64) -> V
     best.iter().filter(|b| b.0 >= least).take(MOST).map(|b| b.2).collect()
 }
 
-/// How good a viewpoint is: the share of rays that end on a reflecting side, less those that end
-/// on one that does not, squared, times the harmonic mean distance. So a room open to the sky beats the
-/// hollow of a wall, which is closed but tight, and the outside, where most rays leave.
+/// Score of a viewpoint: the share of rays that end on a reflecting side, minus four times the share that end on a side
+/// without reflection, squared, times the harmonic mean distance. So a room open to the sky beats the hollow of a wall
+/// (closed but tight) and the outside (where the majority of rays leave).
 fn score<S: Surfaces + ?Sized>(surfaces: &S, point: Vec3, sides: Sides, stream: &mut Stream) -> f32 {
     let (low, high) = surfaces.main_part();
     let diagonal = (high - low).length();

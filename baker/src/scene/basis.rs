@@ -1,10 +1,10 @@
-//! Pictures of Basis Universal (ETC1S and UASTC in KTX2), which no browser decodes by itself: they become PNG.
+//! Basis Universal pictures (ETC1S and UASTC in KTX2), without native support in browsers: converted to PNG.
 
 use super::foreign;
 use super::texture_size::check_size;
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 
-/// Whether these are the first bytes of a KTX2 file.
+/// True if `bytes` starts with the signature of a KTX2 file.
 pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\xabKTX 20\xbb\r\n\x1a\n")
 }
@@ -15,7 +15,7 @@ pub(super) fn size(bytes: &[u8]) -> Option<(u64, u64)> {
     word(20).zip(word(24))
 }
 
-/// The largest level of the picture as PNG, lossless. An error is a sentence that says what is wrong.
+/// Converts the largest level of the picture to PNG, lossless. The error is a sentence with the problem.
 pub(super) fn to_png(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let damaged = |problem: &str| {
         format!(

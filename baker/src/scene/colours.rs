@@ -1,15 +1,17 @@
-//! Colours of vertices (glTF's COLOR_0), which multiply the base colour.
+//! Vertex colours (glTF's COLOR_0), which multiply the base colour.
 //!
-//! The bake and the path tracer interpolate them at every hit. A .rbn file has a base colour per material and none per
-//! vertex, so that pictures made from it show the mean colours of alike triangles: materials are split by colour.
+//! The bake and the path tracer interpolate vertex colours at every hit. A .rbn file has a base colour per material and
+//! no vertex colours. Therefore materials are split by colour, and pictures made from the file show the mean colour of
+//! similar triangles.
 
 use super::Scene;
 use glam::{Vec3, Vec4};
 
-/// Materials that one is split into, at most, and all together: each is a draw call in the viewer.
+/// Maximum number of parts of a material, and maximum number of materials in total: a material is a draw call in the
+/// viewer.
 const MOST_PARTS: usize = 24;
 const MOST_ALL: usize = 512;
-/// Colours closer than this, in every channel's square root, count as one.
+/// Maximum difference of colours that count as equal, in the square root of every channel.
 const ALIKE: f32 = 1.0 / 32.0;
 
 /// Triangles of one material, to be split by colour.
@@ -31,7 +33,7 @@ impl Group {
         (self.high - self.low).max_element()
     }
 
-    /// Cuts the group in the middle of its longest axis; both halves have triangles if the spread is not zero.
+    /// Cuts the group in the middle of the longest axis; both halves have triangles if the spread is not zero.
     fn cut(self, shades: &[Vec4]) -> [Self; 2] {
         let axis = (self.high - self.low).max_position();
         let middle = (0.5 * (self.low + self.high))[axis];
@@ -40,7 +42,8 @@ impl Group {
     }
 }
 
-/// Takes over the vertices' linear colours (none: all are white): exactly for light, in materials for pictures.
+/// Applies the vertices' linear colours (empty: all white): exact corner colours for light, split materials for
+/// pictures.
 pub(super) fn apply(scene: &mut Scene, colors: &[Vec4]) {
     let corners = |t: usize| scene.triangles[t].map(|i| colors[i as usize]);
     let count = scene.triangles.len();
@@ -48,7 +51,7 @@ pub(super) fn apply(scene: &mut Scene, colors: &[Vec4]) {
         return;
     }
     let means: Vec<Vec4> = (0..count).map(|t| corners(t).into_iter().sum::<Vec4>() / 3.0).collect();
-    // The root is about as fine in the dark as eyes are. Alpha of an opaque surface means nothing.
+    // The square root is about as fine in the dark as eyes are. Alpha of an opaque surface has no meaning.
     let shades: Vec<Vec4> = (means.iter().zip(&scene.triangle_material))
         .map(|(mean, m)| {
             let opaque = scene.materials[*m as usize].alpha == rebounce_shared::rbn::meta::Alpha::Opaque;
@@ -118,7 +121,7 @@ pub(super) fn apply(scene: &mut Scene, colors: &[Vec4]) {
     }
 }
 
-/// Whether two linear colours differ to the eye.
+/// True if two linear colours differ to the eye.
 fn differ(a: Vec3, b: Vec3) -> bool {
     let root = |c: Vec3| Vec3::from_array(c.to_array().map(f32::sqrt));
     (root(a) - root(b)).abs().max_element() > ALIKE

@@ -1,59 +1,61 @@
-//! Where a scene has its detail: the house on the plain, the room beside a stray.
+//! Main part of a scene, with nearly all of the detail: the house on the plain, the room beside a stray.
 //!
-//! Single-precision numbers are exact near zero, so the local space begins where the detail is, and rays are moved off
-//! surfaces by as little as that part allows. A part has the detail where, of the cells of a grid as fine as an eighth
-//! of it, most that hold any vertex lie within it. A cell counts by its vertices up to a few, so a dense mesh counts by
-//! the room that it takes; and a plain counts by its corners, however large it is.
+//! Single-precision numbers are most exact near zero. Therefore the origin of local space is in the main part, and the
+//! main part's size bounds the offset of ray origins from surfaces. A cube is the main part if it contains the majority
+//! of the occupied cells of a grid with an eighth of the cube's side as cell size. The weight of a cell is its number
+//! of vertices up to a small limit, so that a dense mesh counts by its extent, and a plain of any size counts by its
+//! corners.
 
 use super::steps::least_step;
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
 
-/// Vertices that are looked at; of more, one in so many.
+/// Maximum number of vertices examined; larger vertex sets are subsampled at a regular stride.
 const LOOKED_AT: usize = 30_000;
-/// A part is told from the whole where that is so many times as wide: under it nothing is to be gained.
+/// Minimum width of the scene over the width of the main part; below this ratio a main part gains no precision.
 const WIDER: f64 = 8.0;
-/// Cells along each side of a part.
+/// Cells along a side of a part.
 const CELLS: f64 = 8.0;
-/// Vertices of a cell that count.
+/// Maximum number of vertices counted per cell.
 const COUNTED: usize = 8;
-/// The share of cells' vertices that lie within the part.
+/// Minimum share of the counted vertices inside the part.
 const MOST: f64 = 0.6;
-/// Parts over the whole, at least: what is smaller is rounded away wherever it lies.
+/// Minimum side of a part over the side of the whole; smaller parts are lost to rounding at any position.
 const LEAST: f64 = 1e-8;
 
-/// Ray origins are moved off surfaces by this share of the main part's diagonal. Local coordinates
-/// are at most half of that there, so an f32 is off by 3e-8 of it and a plane distance over the
-/// whole scene by a few times that: ten times more is safe, and 0.1 mm in a 30 m hall.
+/// Offset of ray origins from surfaces, over the main part's diagonal. In the main part local coordinates are at most
+/// half the diagonal, so an f32 is off by 3e-8 of the diagonal and a plane distance over the whole scene by a few times
+/// as much: a tenfold margin is safe, and 0.1 mm in a 30 m hall.
 const EPSILON: f32 = 3e-6;
-/// And beyond that part by at least this share of how far away they are: as much, at the corners of a scene that is all
-/// main part.
+/// Minimum offset of ray origins over the greatest absolute local coordinate; applies outside the main part. Twice
+/// [`EPSILON`], because the corners of a scene that is entirely main part are half a diagonal away: about equal offsets
+/// there.
 const EPSILON_AWAY: f32 = 6e-6;
 
-/// How exact positions are.
+/// Precision of positions.
 #[derive(Clone, Copy, Debug)]
 pub struct Exactness {
-    /// In the main part, scene units.
+    /// Offset of ray origins in the main part, scene units.
     pub near: f32,
 }
 
 impl Exactness {
-    /// In a scene with this main part and these bounds, local space.
+    /// Precision in a scene with this main part and these bounds, local space.
     pub fn new(main: (Vec3, Vec3), bounds: (Vec3, Vec3)) -> Self {
-        // Points are rounded by less.
+        // Rounding moves points by less than this.
         let rounded = 2.0 * least_step(bounds.0, bounds.1);
         Self { near: (EPSILON * (main.1 - main.0).length()).max(rounded) }
     }
 
-    /// A safe distance to move ray origins off surfaces there, scene units.
+    /// Safe offset of ray origins from surfaces at `position`, scene units.
     #[inline]
     pub fn at(self, position: Vec3) -> f32 {
         self.near.max(EPSILON_AWAY * position.abs().max_element())
     }
 }
 
-/// Least and greatest corner of the part that has nearly all of the detail of these vertices, where the whole is so
-/// much wider that it matters; else `None`.
+/// Least and greatest corner of the main part of these vertices; `None` unless the bounds of all vertices are much
+/// wider (`WIDER`).
 pub fn main_part(vertices: &[DVec3]) -> Option<[DVec3; 2]> {
     let mut some: Vec<DVec3> =
         vertices.iter().step_by(vertices.len().div_ceil(LOOKED_AT).max(1)).copied().collect();
@@ -76,20 +78,20 @@ pub fn main_part(vertices: &[DVec3]) -> Option<[DVec3; 2]> {
     bounds(&part)
 }
 
-/// [`main_part`] in local space.
+/// Computes [`main_part`] in local space.
 pub fn part_of(vertices: impl Iterator<Item = Vec3>) -> Option<(Vec3, Vec3)> {
     let [low, high] = main_part(&vertices.map(|p| p.as_dvec3()).collect::<Vec<_>>())?;
     Some((low.as_vec3(), high.as_vec3()))
 }
 
-/// The middle of a cube of this side that most cells' vertices lie in, and the side; `None` where none is found. No vertex
-/// is there twice.
+/// Centre and side of a cube with the majority of the counted vertices, from cells of size `side / CELLS`; `None` if no
+/// cube of this side has a majority. The caller has removed duplicate vertices.
 fn within(vertices: &[DVec3], low: DVec3, side: f64) -> Option<(DVec3, f64)> {
     let cell = side / CELLS;
     let mut counts: HashMap<IVec3, usize> = HashMap::new();
     let mut cells: Vec<IVec3> = Vec::new();
     for vertex in vertices {
-        // The least and the greatest are within cells.
+        // Rounding puts the least and greatest vertex inside cells, not on cell borders.
         let cell = ((vertex - low) / cell).round().as_ivec3();
         let count = counts.entry(cell).or_default();
         *count += 1;
@@ -106,7 +108,7 @@ fn within(vertices: &[DVec3], low: DVec3, side: f64) -> Option<(DVec3, f64)> {
     let reach = (0.5 * CELLS) as i32;
     let near = cells.iter().filter(|cell| (**cell - middle).abs().max_element() <= reach).count();
     let is_most = near as f64 >= MOST * cells.len() as f64;
-    // Half a cell more on each side than the cells that count.
+    // Half a cell of margin on each side of the counted cells.
     is_most.then(|| (low + middle.as_dvec3() * cell, side + 2.0 * cell))
 }
 
@@ -114,7 +116,7 @@ fn within(vertices: &[DVec3], low: DVec3, side: f64) -> Option<(DVec3, f64)> {
 mod tests {
     use super::*;
 
-    /// The corners of a box of this size around a place.
+    /// Corners of a box of this size around `middle`.
     fn block(middle: DVec3, size: f64) -> Vec<DVec3> {
         let sign = |i: usize, axis: usize| if i >> axis & 1 == 0 { -0.5 } else { 0.5 };
         (0..8).map(|i| middle + size * DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2))).collect()
@@ -146,7 +148,7 @@ mod tests {
         let [low, high] = main_part(&[room.clone(), stray].concat()).unwrap();
         assert_eq!((low, high), (DVec3::splat(-2.0), DVec3::splat(2.0)));
         assert_eq!(main_part(&room), None);
-        // A town of a square kilometre; a dense statue in it changes nothing.
+        // A town of a square kilometre; a dense statue adds no main part.
         let places = (0..400).map(|i| DVec3::new((i % 20) as f64, 0.0, (i / 20) as f64) * 50.0);
         let mut town: Vec<DVec3> = places.flat_map(|at| block(at, 10.0)).collect();
         assert_eq!(main_part(&town), None);

@@ -1,6 +1,6 @@
-//! Why a scene could not be loaded.
+//! Errors of loading a scene.
 
-/// Why a scene could not be loaded. Every sentence names the file and says what to do.
+/// Reason for a failure to load a scene. Every message has the file's name and advice.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// A file could not be read.
@@ -8,7 +8,7 @@ pub enum SceneError {
     Read {
         /// The file.
         path: String,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A file that the scene refers to could not be read.
@@ -18,7 +18,7 @@ pub enum SceneError {
         file: String,
         /// The file referred to.
         path: String,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is not glTF 2.0.
@@ -26,10 +26,10 @@ pub enum SceneError {
     NotGltf {
         /// The file.
         file: String,
-        /// What was found instead.
+        /// Contents found instead of glTF 2.0.
         problem: String,
     },
-    /// The file is of an older glTF.
+    /// The file is of an older version of glTF.
     #[error(
         "{file} is glTF {version}, and what is read is glTF 2.0: convert it, as `npx gltf-pipeline -i OLD.gltf -o NEW.glb` \
          does, or export the scene again"
@@ -37,10 +37,10 @@ pub enum SceneError {
     Old {
         /// The file.
         file: String,
-        /// Its version.
+        /// glTF version of the file.
         version: String,
     },
-    /// The file is what a bake made.
+    /// The file is a baked file.
     #[error(
         "{file} is a baked file, not a scene: `rebounce view {file}` shows it; to bake again, give the .glb or .gltf that it was baked from"
     )]
@@ -53,9 +53,9 @@ pub enum SceneError {
     OtherFormat {
         /// The file.
         file: String,
-        /// What it is.
+        /// Description of the format.
         format: &'static str,
-        /// How it becomes glTF.
+        /// Advice for conversion to glTF.
         advice: &'static str,
     },
     /// The file breaks a rule of glTF.
@@ -63,20 +63,20 @@ pub enum SceneError {
     Malformed {
         /// The file.
         file: String,
-        /// What is wrong and where.
+        /// Problem and place in the file.
         problem: String,
     },
-    /// The file has no such scene.
+    /// The scene asked for is not in the file.
     #[error("{file} has no scene `{wanted}`: {advice}")]
     NoScene {
         /// The file.
         file: String,
         /// The scene asked for.
         wanted: String,
-        /// What to give instead.
+        /// Advice for the choice of a scene.
         advice: String,
     },
-    /// The default scene is empty and several others are not.
+    /// The default scene is empty and several other scenes are not.
     #[error(
         "{file}: {scene}, its default, has no mesh, and others have: give --scene one of them; they are {known}"
     )]
@@ -88,14 +88,14 @@ pub enum SceneError {
         /// The scenes with meshes.
         known: String,
     },
-    /// The file needs extensions that this program does not know.
+    /// The file requires extensions that are unknown to this program.
     #[error("{file} requires glTF extensions that are not supported; {advice}")]
     Extension {
         /// The file.
         file: String,
         /// The extensions' names.
         extensions: Vec<String>,
-        /// What to do instead, each by its name.
+        /// Advice for each extension, by name.
         advice: String,
     },
     /// A texture cannot be used.
@@ -105,28 +105,28 @@ pub enum SceneError {
         file: String,
         /// Name or number of the texture.
         texture: String,
-        /// What is wrong, and what to do.
+        /// Problem and advice.
         problem: String,
     },
-    /// There is nothing to light.
+    /// The scene has no triangles.
     #[error("{file} has no triangles in its scene; export the meshes too, as triangles")]
     Empty {
         /// The file.
         file: String,
     },
-    /// More than any machine could bake.
+    /// The scene exceeds the limits of a bake.
     #[error("{file} has too many {what} ({count}); the limit is {limit}: simplify the scene")]
     TooLarge {
         /// The file.
         file: String,
         /// Vertices, triangles or copies.
         what: &'static str,
-        /// How many were found.
+        /// Number found.
         count: usize,
-        /// How many there may be.
+        /// Maximum number.
         limit: usize,
     },
-    /// More materials than pictures tell apart.
+    /// The scene has more materials than pictures can distinguish.
     #[error(
         "{file} has {count} different materials; the limit is {limit} (the first one beyond is {name:?}): give objects \
          that look alike one material, or put their colours into a texture"
@@ -134,19 +134,19 @@ pub enum SceneError {
     TooManyMaterials {
         /// The file.
         file: String,
-        /// How many there are, equal ones counted once.
+        /// Number of different materials.
         count: usize,
-        /// How many there may be.
+        /// Maximum number.
         limit: usize,
-        /// The name of the first one beyond the limit.
+        /// Name of the first material beyond the limit.
         name: String,
     },
-    /// No such built-in scene.
+    /// The built-in scene does not exist.
     #[error("there is no built-in scene `{name}`; the built-in scenes are {known}")]
     UnknownBuiltin {
         /// The name asked for.
         name: String,
-        /// The names there are.
+        /// Names of the built-in scenes.
         known: String,
     },
 }

@@ -1,21 +1,22 @@
-//! What lies far away from all the rest of a scene, most likely by mistake, and makes the rest less exact.
+//! Outliers: geometry far away from the rest of a scene, most likely by mistake, that makes the rest less exact.
 //!
-//! A scene falls apart where along some axis no box of a triangle or copy is for a stretch many times as long as one of its
-//! sides is wide: a plain around a house, or a long corridor, has no such gap. What that costs decides: rays are moved off surfaces by
-//! a length that follows from where the local space begins and how large the scene's [main part](super::detail) is.
+//! A scene splits at a gap along an axis, free of boxes of triangles and instances, if the gap is many times as long as
+//! the width of the scene on one side. A plain around a house, or a long corridor, has no gap. The loss of precision
+//! decides about a warning: the offset of ray origins from surfaces follows from the position of the local origin and
+//! from the size of the scene's [main part](super::detail).
 
 use super::detail::Exactness;
 use super::{Scene, bounds_of, union};
 use glam::{DVec3, Vec3};
 
-/// Surfaces that are looked at; of more, one in so many.
+/// Maximum number of triangles and instances examined; larger scenes are subsampled at a regular stride.
 const LOOKED_AT: usize = 100_000;
-/// It is far where the gap is so many times as long as the rest is across.
+/// Minimum length of a far gap over the diagonal of the rest.
 const FAR: f32 = 20.0;
-/// And costs exactness where rays are moved off the rest's surfaces by so many times more than without it.
+/// Minimum ratio of the rest's offset of ray origins with the outlier to the offset without the outlier.
 const COSTS: f32 = 8.0;
 
-/// A triangle or a copy.
+/// A triangle or an instance.
 #[derive(Clone, Copy)]
 struct Part {
     bounds: (Vec3, Vec3),
@@ -29,7 +30,8 @@ impl Part {
     }
 }
 
-/// A sentence that names what lies far away from most of the scene's surface and makes that less exact, where anything does.
+/// Warning with the name and position of geometry far away from the bulk of the scene's surface, if the outlier makes
+/// the bulk less exact.
 pub fn far_away(scene: &Scene) -> Option<String> {
     let all = parts(scene);
     let rest = without_far(all.clone());
@@ -59,7 +61,7 @@ pub fn far_away(scene: &Scene) -> Option<String> {
     ))
 }
 
-/// Triangles and copies, or some of very many.
+/// Triangles and instances, subsampled in very large scenes.
 fn parts(scene: &Scene) -> Vec<Part> {
     let first = scene.models.first().map_or(scene.triangles.len(), |model| model.triangles.start as usize);
     let triangles =
@@ -71,7 +73,7 @@ fn parts(scene: &Scene) -> Vec<Part> {
     let copies = scene.models.iter().flat_map(|model| {
         let material = scene.triangle_material[model.triangles.start as usize];
         model.boxes().map(move |bounds| {
-            // A copy counts as its box does.
+            // An instance has the area of its box.
             let size = (bounds.1 - bounds.0).as_dvec3();
             let area = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
             Part { bounds, area, material }
@@ -85,7 +87,7 @@ fn bounds_of_all(parts: &[Part]) -> Option<(Vec3, Vec3)> {
     parts.iter().map(|part| part.bounds).reduce(union)
 }
 
-/// What is left once the lighter side of each far gap is taken away.
+/// Removes the side of smaller area at every far gap.
 fn without_far(mut parts: Vec<Part>) -> Vec<Part> {
     'gaps: loop {
         for axis in 0..3 {
@@ -125,7 +127,7 @@ mod tests {
     use glam::dvec3;
     use rebounce_shared::rbn::meta::Material;
 
-    /// A room of this size and a stray of so many quads along x and z, one unit wide each, this far away.
+    /// A room of this size, and a stray of `quads` quads of one unit along x and z, at the distance `away`.
     fn with_stray(size: DVec3, quads: usize, away: f64) -> Scene {
         let mut mesh = WorldMesh::default();
         mesh.room(DVec3::ZERO, size, [0; 6]);
@@ -160,7 +162,7 @@ mod tests {
         let scene = with_stray(room, 1, 8e4);
         assert!(epsilon(&scene, 0.5 * room) < COSTS * alone);
         assert_eq!(far_away(&scene), None);
-        // It has more detail than the room, but less surface: numbers are exact where it is.
+        // The stray has more detail than the room, but less surface: the local origin is in the stray.
         let scene = with_stray(room, 64, 8e6);
         assert!(epsilon(&scene, 0.5 * room) > COSTS * alone);
         let said = far_away(&scene).unwrap();

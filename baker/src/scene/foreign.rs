@@ -1,17 +1,17 @@
-//! Pictures of BMP, GIF, TGA and TIFF, which glTF does not have and exporters put into it: they become PNG.
+//! BMP, GIF, TGA and TIFF pictures, outside glTF but written by exporters: converted to PNG.
 
 use super::texture_size::check_size;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader, ImageResult};
 use std::io::Cursor;
 
-/// The format that a picture's bytes tell, of those that become PNG.
+/// Detects the format of a picture from the first bytes, among the formats that are converted to PNG.
 pub(super) fn format(bytes: &[u8]) -> Option<ImageFormat> {
     match bytes {
         [b'B', b'M', ..] => Some(ImageFormat::Bmp),
         [b'G', b'I', b'F', b'8', ..] => Some(ImageFormat::Gif),
         [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Some(ImageFormat::Tiff),
-        // TGA has no mark of its own: a header that makes sense.
+        // TGA has no signature: the header must be plausible.
         [_, colours @ 0..=1, kind @ (1..=3 | 9..=11), rest @ ..] => {
             let (&[width_low, width_high, height_low, height_high, depth, flags], _) =
                 rest.get(9..)?.split_first_chunk()?;
@@ -30,8 +30,8 @@ pub(super) fn size(bytes: &[u8]) -> Option<(u64, u64)> {
     reader.into_dimensions().ok().map(|(width, height)| (width.into(), height.into()))
 }
 
-/// A picture of one of these formats as PNG, lossless; of one that moves the first frame. An error is a sentence that says
-/// what is wrong.
+/// Converts a picture of these formats to PNG, lossless at 8 bits per channel; the first frame of an animation. The
+/// error is a sentence with the problem.
 pub(super) fn to_png(bytes: &[u8], format: ImageFormat) -> Result<Vec<u8>, String> {
     let name = format.extensions_str().first().map_or_else(String::new, |name| name.to_uppercase());
     let damaged = |problem: String| {
@@ -44,7 +44,7 @@ pub(super) fn to_png(bytes: &[u8], format: ImageFormat) -> Result<Vec<u8>, Strin
     png(picture.as_raw(), picture.width(), picture.height()).map_err(|e| damaged(e.to_string()))
 }
 
-/// Texels as PNG, without their alpha where all are opaque.
+/// Encodes texels as PNG, without alpha if all texels are opaque.
 pub(super) fn png(rgba: &[u8], width: u32, height: u32) -> ImageResult<Vec<u8>> {
     let mut png = Vec::new();
     let encoder = PngEncoder::new_with_quality(&mut png, CompressionType::Default, FilterType::Adaptive);
@@ -78,7 +78,7 @@ mod tests {
             let texels = Texels::decode(&to_png(&bytes, format).unwrap()).unwrap();
             assert_eq!((texels.width, texels.height), (5, 3), "{format:?}");
             assert_eq!(texels.rgba.as_flattened(), truth.as_bytes(), "{format:?}");
-            // In a scene it is a PNG, decoded or not.
+            // In a scene the picture is a PNG, decoded or not.
             for decoded in [true, false] {
                 let read =
                     Texture::new("scene.glb", meta::Texture::default(), bytes.clone(), decoded).unwrap();
@@ -86,7 +86,7 @@ mod tests {
                     (read.meta.mime.as_str(), read.meta.width, read.meta.height, read.texels.is_some());
                 assert_eq!(kind, ("image/png", 5, 3, decoded), "{format:?}");
             }
-            // Cut short it is a sentence, or as much as is there.
+            // A truncated picture is an error, or decodes as far as present.
             for len in 0..bytes.len() {
                 if let Err(problem) = to_png(&bytes[..len], format) {
                     assert!(problem.contains("PNG or JPEG") || problem.contains("texels"), "{problem}");

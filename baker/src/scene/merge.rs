@@ -1,12 +1,11 @@
-//! Materials that look alike become one.
+//! Merging of materials that look alike.
 
 use super::{Scene, SceneError, WorldMesh};
 use rebounce_shared::rbn::MAX_MATERIALS;
 use rebounce_shared::rbn::meta::Material;
 use std::collections::HashMap;
 
-/// Merges materials that differ in nothing but the name, which becomes the first one's. `file` is what errors call the
-/// scene.
+/// Merges materials that differ in name only; the first name is kept. `file` is the scene's name in errors.
 ///
 /// # Errors
 /// [`SceneError::TooManyMaterials`].
@@ -16,7 +15,7 @@ pub(super) fn merge(scene: &mut Scene, mesh: &mut WorldMesh, file: &str) -> Resu
     let mut place = Vec::with_capacity(scene.materials.len());
     for mut material in std::mem::take(&mut scene.materials) {
         let name = std::mem::take(&mut material.name);
-        // Debug prints numbers so that they read back the same.
+        // Debug prints numbers exactly, so that reading returns the same number.
         let number = *known.entry(format!("{material:?}")).or_insert(kept.len() as u32);
         if number as usize == kept.len() {
             kept.push(Material { name, ..material });

@@ -1,13 +1,13 @@
 //! A scene in memory, from glTF 2.0 or generated.
 //!
-//! * [`load`] – from a .gltf or .glb file, or `builtin:NAME`;
-//! * [`builtin`] – the generated scenes;
-//! * [`texture`] – pictures and how they are sampled; `basis` – those of Basis Universal; `foreign` – those
-//!   of formats that glTF does not have; `orientation` – turns that their metadata ask for;
-//! * [`model`] – what stands in a scene many times;
-//! * `colours` – colours of vertices; `merge` – materials that look alike; `notes` – what is said about a file;
-//! * `other_format` – files that are no glTF, and how they become it;
-//! * [`detail`] – the part that has the detail; [`far`] – what lies far away from the rest.
+//! * [`load`] – loads a .gltf or .glb file, or `builtin:NAME`;
+//! * [`builtin`] – generated scenes;
+//! * [`texture`] – pictures and their sampling; `basis` – Basis Universal pictures; `foreign` – pictures of formats
+//!   outside glTF; `orientation` – picture rotations in Exif metadata;
+//! * [`model`] – instanced meshes;
+//! * `colours` – vertex colours; `merge` – merging of equal materials; `notes` – messages about a file;
+//! * `other_format` – files of other formats, with advice for conversion to glTF;
+//! * [`detail`] – the main part, with nearly all of the detail; [`far`] – outliers far from the rest.
 
 mod basis;
 pub mod builtin;
@@ -38,19 +38,19 @@ use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{Animation, Material};
 use std::path::Path;
 
-/// Vertices, and triangles, of a scene at most: more would not fit into most machines' memory with what a bake makes of
-/// them, and what rays walk through numbers triangles in 28 bits.
+/// Maximum number of vertices, and of triangles, of a scene. A larger scene and its bake exceed the memory of usual
+/// machines, and ray traversal numbers triangles in 28 bits.
 pub(crate) const MOST: usize = 1 << 28;
 
 /// A scene in memory.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    /// What to call it: the file's name without its ending.
+    /// Name: the file's name without extension.
     pub name: String,
-    /// World space = local space + origin: the centre of the world-space bounds, or of the [part](detail) that has the
-    /// detail where that is far smaller.
+    /// Origin of local space: world space = local space + origin. The centre of the world-space bounds, or of the [main
+    /// part](detail) if the main part is far smaller.
     pub origin: [f64; 3],
-    /// Vertices, local space; those of [`Self::models`] come last, in the models' spaces.
+    /// Vertices, local space; vertices of [`Self::models`] come last, in model space.
     pub positions: Vec<Vec3>,
     /// Unit shading normals, one per vertex, in the same space.
     pub normals: Vec<Vec3>,
@@ -60,54 +60,56 @@ pub struct Scene {
     pub triangles: Vec<[u32; 3]>,
     /// Index of the material, one per triangle.
     pub triangle_material: Vec<u32>,
-    /// Linear RGB albedo at each triangle's corners, in place of the material's base colour and multiplied with its
-    /// texture's; empty where no vertex has a colour of its own.
+    /// Linear RGB albedo at each triangle's corners, in place of the material's base colour and multiplied with the
+    /// texture's; empty if no vertex has a colour.
     pub corner_colors: Vec<[Vec3; 3]>,
-    /// What stands in the scene more than once, in the order of their vertices and triangles, which are the last ones.
+    /// Instanced meshes, in the order of the models' vertices and triangles at the end of [`Self::positions`] and
+    /// [`Self::triangles`].
     pub models: Vec<Model>,
-    /// Materials that the triangles use.
+    /// Materials of the triangles.
     pub materials: Vec<Material>,
-    /// Textures that the materials use.
+    /// Textures of the materials.
     pub textures: Vec<Texture>,
     /// The scene's own lights, world space.
     pub lights: Vec<Light>,
     /// The scene's own cameras, world space; may be empty.
     pub cameras: Vec<Camera>,
-    /// The lights' names; fewer, or empty ones, where they have none.
+    /// Names of the lights; may be shorter than [`Self::lights`], and names may be empty.
     pub light_names: Vec<String>,
-    /// The cameras' names, likewise.
+    /// Names of the cameras, likewise.
     pub camera_names: Vec<String>,
-    /// How the scene's own lights move.
+    /// Animations of the scene's own lights.
     pub animations: Vec<Animation>,
-    /// What of the file is not taken over because it cannot be used; each names what and why.
+    /// Unusable parts of the file that were left out, as sentences with name and reason.
     pub left_out: Vec<String>,
-    /// What of the file is read otherwise than it is written, or is likely not meant; each names what and why.
+    /// Parts of the file that are read differently from the file's text or are likely mistakes, as sentences with name
+    /// and reason.
     pub notes: Vec<String>,
-    /// Triangles without area that were left out.
+    /// Number of degenerate triangles (without area) that were left out.
     pub degenerate_triangles: usize,
 }
 
 /// Loads a scene: the path of a .gltf or .glb file, or `builtin:NAME`.
 ///
 /// # Errors
-/// [`SceneError`], which names the file and says what to do.
+/// [`SceneError`], with the file's name and advice.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
     load_with(spec, &LoadOptions::default())
 }
 
-/// What of a file is loaded, and how.
+/// Options for loading a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
-    /// The glTF scene that is taken, by its name or number; the file's default when absent.
+    /// Name or number of the glTF scene; the file's default scene when absent.
     pub scene: Option<String>,
     /// Linear RGB albedo of meshes without a material; glTF's default, 1, when absent.
     pub albedo: Option<[f32; 3]>,
 }
 
-/// [`load`] with options. A built-in scene is one scene, and all its meshes have materials.
+/// Loads a scene with options. `builtin:NAME` is a single scene, and all meshes of built-in scenes have materials.
 ///
 /// # Errors
-/// [`SceneError`], which names the file and says what to do.
+/// [`SceneError`], with the file's name and advice.
 pub fn load_with(spec: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
     let Some(name) = spec.strip_prefix("builtin:") else {
         return gltf::load(Path::new(spec), options);
@@ -124,11 +126,11 @@ pub fn load_with(spec: &str, options: &LoadOptions) -> Result<Scene, SceneError>
     Ok(scene)
 }
 
-/// Said where an albedo for meshes without a material is given and none is used.
+/// Note for an unused albedo for meshes without a material.
 const UNUSED_ALBEDO: &str = "--albedo changes nothing: all meshes have materials";
 
-/// Loads a scene from the bytes of a .gltf or .glb file. `name` is what errors call it, and what the scene is called;
-/// files that it refers to are looked for in the working directory.
+/// Loads a scene from the bytes of a .gltf or .glb file. `name` is the file's name in errors and the scene's name;
+/// files referred to are searched in the working directory.
 ///
 /// # Errors
 /// [`SceneError`].
@@ -137,7 +139,8 @@ pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
 }
 
 impl Scene {
-    /// Least and greatest corner, local space, of models' copies their boxes'; both zero without vertices.
+    /// Returns the least and greatest corner, local space; an instance of a model contributes its box. Both zero
+    /// without vertices.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let end = self.models.first().map_or(self.positions.len(), |model| model.vertices.start as usize);
         let alone = (end > 0).then(|| bounds_of(&self.positions[..end]));
@@ -145,8 +148,8 @@ impl Scene {
         alone.into_iter().chain(copies).reduce(union).unwrap_or_default()
     }
 
-    /// Least and greatest corner of the [part](detail::main_part) that has the detail, local space; the
-    /// [bounds](Self::bounds) where no part has.
+    /// Returns the least and greatest corner of the [main part](detail::main_part), local space; the
+    /// [bounds](Self::bounds) without a main part.
     pub fn main_part(&self) -> (Vec3, Vec3) {
         let first = self.models.first().map_or(self.triangles.len(), |model| model.triangles.start as usize);
         let corners = self.triangles[..first].iter().flatten().map(|i| self.positions[*i as usize]);
@@ -154,7 +157,7 @@ impl Scene {
         detail::part_of(corners.chain(copies)).unwrap_or_else(|| self.bounds())
     }
 
-    /// Number of triangles that stand in the scene, each copy of a model's counted.
+    /// Number of triangles in the scene, with the triangles of every instance counted.
     pub fn triangles_placed(&self) -> u64 {
         let more = |model: &Model| {
             model.triangles.len() as u64 * (model.local_from_model.len() as u64).saturating_sub(1)
@@ -168,12 +171,12 @@ impl Scene {
     }
 }
 
-/// The least box around two.
+/// Union of two boxes.
 pub(crate) fn union((a, b): (Vec3, Vec3), (c, d): (Vec3, Vec3)) -> (Vec3, Vec3) {
     (a.min(c), b.max(d))
 }
 
-/// Least and greatest corner; both zero without points.
+/// Least and greatest corner of positions; both zero without positions.
 pub(crate) fn bounds_of(positions: &[Vec3]) -> (Vec3, Vec3) {
     let Some(&first) = positions.first() else {
         return (Vec3::ZERO, Vec3::ZERO);
@@ -181,48 +184,48 @@ pub(crate) fn bounds_of(positions: &[Vec3]) -> (Vec3, Vec3) {
     positions.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
 }
 
-/// Vertices in world space and triangles over them, on the way to a [`Scene`].
+/// World-space vertices and triangles, before conversion into a [`Scene`].
 #[derive(Default)]
 struct WorldMesh {
     positions: Vec<DVec3>,
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
-    /// Linear RGB and alpha; those beyond its end are white.
+    /// Linear RGB and alpha; vertices beyond the end are white.
     colors: Vec<Vec4>,
     triangles: Vec<[u32; 3]>,
     triangle_material: Vec<u32>,
-    /// What stands there more than once, besides.
+    /// Instanced meshes, in addition to [`Self::triangles`].
     models: Vec<WorldModel>,
-    /// Vertices and triangles of the models.
+    /// Number of vertices and of triangles of the models.
     in_models: (usize, usize),
 }
 
 impl WorldMesh {
-    /// Whether a triangle is more than a line or a point.
+    /// True if the triangle is not degenerate to a line or a point.
     fn has_area([a, b, c]: [DVec3; 3]) -> bool {
         let (ab, ac, bc) = (b - a, c - a, c - b);
         let longest = ab.length_squared().max(ac.length_squared()).max(bc.length_squared());
         ab.cross(ac).length() > 1e-9 * longest
     }
 
-    /// Whether a triangle of this mesh is one.
+    /// True if a triangle of this mesh is not degenerate.
     fn is_triangle(&self, t: &[u32; 3]) -> bool {
         Self::has_area(t.map(|i| self.positions[i as usize]))
     }
 
-    /// Least and greatest corner of its triangles, those of models left out; `None` without any.
+    /// Least and greatest corner of the non-degenerate triangles, without models; `None` without triangles.
     fn bounds(&self) -> Option<[DVec3; 2]> {
         self.corners().map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
     }
 
-    /// The corners of its triangles, those of models left out.
+    /// Corners of the non-degenerate triangles, without models.
     fn corners(&self) -> impl Iterator<Item = DVec3> + '_ {
         let triangles = self.triangles.iter().filter(|t| self.is_triangle(t));
         triangles.flat_map(|t| t.map(|i| self.positions[i as usize]))
     }
 
-    /// Moves the origin into the middle of the detail, where f32 is most exact, and leaves out triangles
-    /// without area and vertices that no triangle uses.
+    /// Moves the origin to the centre of the main part, where f32 is most precise, and drops degenerate triangles and
+    /// unused vertices.
     fn finish(mut self, scene: &mut Scene) {
         let mut models = std::mem::take(&mut self.models);
         models.retain(|model| {
@@ -266,7 +269,7 @@ impl WorldMesh {
         colours::apply(scene, &colors);
     }
 
-    /// Adds its triangles, those of models left out, to a scene.
+    /// Appends the non-degenerate triangles, without models, to a scene.
     fn append(self, scene: &mut Scene, origin: DVec3, colors: &mut Vec<Vec4>) {
         let mut used = vec![u32::MAX; self.positions.len()];
         if !self.colors.is_empty() {
@@ -297,7 +300,7 @@ impl WorldMesh {
 }
 
 impl Scene {
-    /// Vertices without a usable normal get the area-weighted mean of their triangles' normals.
+    /// Replaces every unusable vertex normal by the area-weighted mean of the adjacent triangles' normals.
     fn repair_normals(&mut self) {
         let usable = |n: &Vec3| n.is_finite() && n.length_squared() > 0.5;
         if self.normals.iter().all(usable) {

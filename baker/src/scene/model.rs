@@ -1,42 +1,43 @@
-//! Models: what stands in a scene many times, and is in memory once.
+//! Models: instanced meshes, stored once and placed many times.
 
 use super::WorldMesh;
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3, Mat3A, Vec3};
 use std::ops::Range;
 
-/// Triangles that further copies of a mesh must spare for it to become a model: half a megabyte of a file. Each model costs
-/// draw calls of its own in every shadow map, which many small ones would not be worth.
+/// Minimum number of triangles saved by the further instances of a mesh, about half a megabyte of a file, before the
+/// mesh becomes a model. A model costs draw calls of its own in every shadow map, too many for small models.
 const WORTH_IT: usize = 1 << 16;
-/// The largest copy of a model over the smallest: boxes are padded for the smallest.
+/// Maximum size of the largest instance over the smallest: boxes are padded for the smallest instance.
 const LARGEST_RATIO: f64 = 256.0;
-/// A copy's longest direction over its shortest, at most; and where it is sheared, as 32-bit numbers turn that back less well.
+/// Maximum longest over shortest direction of an instance's transform; and the lower maximum for sheared transforms,
+/// which 32-bit numbers invert less exactly.
 const MOST_PULLED: f64 = 64.0;
 const MOST_SHEARED: f64 = 8.0;
-/// Cosine of the angle between two axes beyond which a place is sheared.
+/// Minimum cosine of the angle between two axes of a sheared transform.
 const SHEARED: f64 = 1e-3;
 
-/// Triangles that stand in a scene more than once. They are there once, in a space of their own, in which the largest copy
-/// has its size and the middle is the origin.
+/// A mesh with several instances in a scene. The triangles are stored once, in model space: scaled to the size of the
+/// largest instance and centred at the origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Its triangles among the scene's.
+    /// Range of the model's triangles in the scene's triangles.
     pub triangles: Range<u32>,
-    /// Its vertices among the scene's, which no other triangles use.
+    /// Range of the model's vertices in the scene's vertices; unused by other triangles.
     pub vertices: Range<u32>,
-    /// Where its copies stand. None is mirrored, and all can be inverted.
+    /// Transforms of the instances: invertible and without mirroring.
     pub local_from_model: Vec<Affine3A>,
     /// Least and greatest corner, model space.
     pub bounds: [Vec3; 2],
 }
 
 impl Model {
-    /// Least and greatest corner of each copy's box, local space.
+    /// Least and greatest corner of each instance's box, local space.
     pub fn boxes(&self) -> impl Iterator<Item = (Vec3, Vec3)> + '_ {
         self.local_from_model.iter().map(|place| bounds_of_copy(place, self.bounds))
     }
 }
 
-/// Least and greatest corner, local space, of a copy of what lies within these bounds.
+/// Least and greatest corner, local space, of an instance of the model-space box `[low, high]`.
 pub(crate) fn bounds_of_copy(local_from_model: &Affine3A, [low, high]: [Vec3; 2]) -> (Vec3, Vec3) {
     let middle = local_from_model.transform_point3(0.5 * (low + high));
     let Mat3A { x_axis, y_axis, z_axis } = local_from_model.matrix3;
@@ -45,17 +46,17 @@ pub(crate) fn bounds_of_copy(local_from_model: &Affine3A, [low, high]: [Vec3; 2]
     (middle - half, middle + half)
 }
 
-/// A model on its way to a [`Scene`](super::Scene).
+/// A model before conversion into a [`Scene`](super::Scene).
 #[derive(Default)]
 pub(super) struct WorldModel {
-    /// In model space.
+    /// Mesh in model space.
     pub mesh: WorldMesh,
-    /// Where it stands.
+    /// Transforms of the instances.
     pub world_from_model: Vec<DAffine3>,
 }
 
 impl WorldModel {
-    /// Least and greatest corner of each copy's box, world space.
+    /// Least and greatest corner of each instance's box, world space.
     pub fn boxes(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
         let [low, high] = self.mesh.bounds().unwrap_or_default();
         self.world_from_model.iter().map(move |place| {
@@ -67,16 +68,16 @@ impl WorldModel {
     }
 }
 
-/// The copies of a mesh that can be copies of one model.
+/// Placements of a mesh that become instances of one model.
 pub(super) struct Copies {
-    /// What makes the model's vertices of the mesh's.
+    /// Transform of the mesh's vertices into model space.
     pub model_from_mesh: DMat4,
-    /// Where they stand, and which of the mesh's places each is.
+    /// Index of the placement among the mesh's placements, and its instance transform.
     pub placed: Vec<(usize, DAffine3)>,
 }
 
-/// Divides a mesh's places among models: one for copies, one for mirrored copies, as far as it is worth it. What none has
-/// stands alone. `low` and `high` are the mesh's bounds.
+/// Divides the placements of a mesh among models: one for plain and one for mirrored placements, if instancing saves
+/// enough triangles. Placements outside both models remain ordinary triangles. `low` and `high` are the mesh's bounds.
 pub(super) fn divide(world_from_mesh: &[DMat4], triangles: usize, [low, high]: [DVec3; 2]) -> Vec<Copies> {
     if !(low.is_finite() && high.is_finite()) {
         return Vec::new();
@@ -105,7 +106,7 @@ pub(super) fn divide(world_from_mesh: &[DMat4], triangles: usize, [low, high]: [
     models.collect()
 }
 
-/// How large a mesh is at a place; `None` where the place is too flat, or too sheared, for a model.
+/// Scale of a mesh at a placement, by its longest axis; `None` if the transform is too flat or too sheared for a model.
 fn size(place: &DMat4) -> Option<f64> {
     let matrix = DMat3::from_mat4(*place);
     let axes = |m: DMat3| [m.x_axis, m.y_axis, m.z_axis];
@@ -118,7 +119,7 @@ fn size(place: &DMat4) -> Option<f64> {
     (inverse.is_finite() && size.is_normal() && pulled <= most).then_some(size)
 }
 
-/// The largest of those sizes that differ by no more than a model's may, and are the most.
+/// Largest size of the biggest group of sizes within a ratio of `LARGEST_RATIO`.
 fn largest_of_most(mut sizes: Vec<f64>) -> Option<f64> {
     sizes.sort_unstable_by(f64::total_cmp);
     let (mut first, mut most) = (0, (0, None));
@@ -165,7 +166,7 @@ mod tests {
         let pulled = |by: f64| at(DVec3::new(by, 1.0, 1.0));
         assert_eq!(copies(&[pulled(60.0); 3]).len(), 3);
         assert!(copies(&[pulled(70.0); 3]).is_empty());
-        // A turn, then a pull: what was square is no longer.
+        // A rotation, then a stretch: right angles are lost.
         assert_eq!(copies(&[pulled(5.0) * turn; 3]).len(), 3);
         assert!(copies(&[pulled(60.0) * turn; 3]).is_empty());
         assert!(copies(&[DMat4::from_scale(DVec3::splat(f64::NAN)); 3]).is_empty());

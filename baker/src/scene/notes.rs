@@ -1,21 +1,21 @@
-//! What is said about a file besides its scene, alike notes together.
+//! Notes about a file, with similar notes grouped.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is said while a file is read.
+/// Notes from reading a file.
 #[derive(Debug, Default)]
 pub(super) struct Told {
-    /// What of the file is not taken over.
+    /// Parts of the file that are left out.
     pub left_out: Vec<String>,
-    /// What is taken over otherwise than it is written, or is likely not meant.
+    /// Parts of the file that are read differently from the file's text or are likely mistakes.
     pub notes: Vec<String>,
 }
 
-/// Alike notes that are said one by one.
+/// Maximum number of similar notes on lines of their own.
 const FEW: usize = 3;
 
-/// Notes, each once, in the order of their first appearance. Those with the same end after their last colon are one line
-/// with a count and the first of them, if there are more than a few.
+/// Removes duplicate notes, in the order of first appearance. Notes with equal text after the last colon become a
+/// single line with the first names and a count, if more than `FEW`.
 pub(super) fn grouped(notes: Vec<String>) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let mut places: BTreeMap<&str, usize> = BTreeMap::new();

@@ -1,14 +1,15 @@
-//! Turns that a picture's own metadata ask for, taken out.
+//! Removal of the orientation in pictures' metadata.
 //!
-//! glTF ignores all metadata of pictures; browsers turn them by the tag "orientation" of their Exif metadata (CIPA DC-008),
-//! whatever they are told. So the tag is set to "as it is", in place: no texel is encoded again, and nothing else changes.
+//! glTF ignores all metadata of pictures; browsers always rotate pictures by the tag "orientation" of the Exif metadata
+//! (CIPA DC-008). Therefore the tag is set to "upright" in place: no texel is encoded again, and no other contents
+//! change.
 
-/// Of the metadata's tags, the one that says how the picture is turned.
+/// Exif tag of the picture's orientation.
 const ORIENTATION: u16 = 0x0112;
-/// What precedes the metadata in JPEG files, and in some of the others; the last byte may be anything.
+/// Header of the metadata in JPEG files, and in a few PNG and WebP files; followed by an arbitrary byte.
 const HEAD: &[u8] = b"Exif\0";
 
-/// Sets every turn that a PNG, JPEG or WebP picture asks for to none. Damaged ones stay as they are from the damage on.
+/// Sets the orientation of a PNG, JPEG or WebP picture to upright. A damaged picture is unchanged from the damage on.
 pub fn straighten(picture: &mut [u8]) {
     match picture {
         [0xff, 0xd8, ..] => jpeg(picture),
@@ -18,12 +19,12 @@ pub fn straighten(picture: &mut [u8]) {
     }
 }
 
-/// Looks through a JPEG file's segments, up to where its texels begin.
+/// Searches a JPEG file's segments, up to the start of the texels.
 fn jpeg(file: &mut [u8]) {
     let mut at = 2;
     while let Some(&[0xff, marker]) = file.get(at..at + 2) {
         match marker {
-            // A byte of filling; markers that stand alone; the texels, or the end.
+            // Fill byte; markers without a segment; start of the texels, or end.
             0xff => at += 1,
             0x01 | 0xd0..=0xd8 => at += 2,
             0xd9 | 0xda => return,
@@ -42,7 +43,7 @@ fn jpeg(file: &mut [u8]) {
     }
 }
 
-/// Looks through a PNG file's chunks.
+/// Searches a PNG file's chunks.
 fn png(file: &mut [u8]) {
     let mut at = 8;
     while let Some(length) = file.get(at..at + 4).and_then(|bytes| number(bytes, true)) {
@@ -59,7 +60,7 @@ fn png(file: &mut [u8]) {
     }
 }
 
-/// Looks through a WebP file's chunks, each of an even number of bytes.
+/// Searches a WebP file's chunks, padded to an even number of bytes.
 fn webp(file: &mut [u8]) {
     let mut at = 12;
     while let Some(length) = file.get(at + 4..at + 8).and_then(|bytes| number(bytes, false)) {
@@ -74,13 +75,14 @@ fn webp(file: &mut [u8]) {
     }
 }
 
-/// Sets the orientation of Exif metadata, with or without what precedes them, to "as it is". Whether anything has changed.
+/// Sets the orientation of Exif metadata, with or without header, to upright. Returns true if a byte has changed.
 fn exif(metadata: &mut [u8]) -> bool {
     let start = if metadata.starts_with(HEAD) { HEAD.len() + 1 } else { 0 };
     set_upright(metadata.get_mut(start..).unwrap_or_default()).unwrap_or(false)
 }
 
-/// Sets the orientation in the first directory of a TIFF file, which is what Exif metadata are; `None` where it is cut off.
+/// Sets the orientation in the first directory of a TIFF file (the format of Exif metadata) to upright; `None` if the
+/// file is cut off or not TIFF.
 fn set_upright(tiff: &mut [u8]) -> Option<bool> {
     let is_big = match tiff.get(..2)? {
         b"MM" => true,
@@ -95,7 +97,7 @@ fn set_upright(tiff: &mut [u8]) -> Option<bool> {
         let at = directory + 2 + 12 * entry;
         let entry = tiff.get_mut(at..at + 12)?;
         if number(&entry[..2], is_big)? == usize::from(ORIENTATION) {
-            // One number of 16 bits, which is 1.
+            // A single number of 16 bits: 1, upright.
             let upright: [u8; 10] =
                 if is_big { [0, 3, 0, 0, 0, 1, 0, 1, 0, 0] } else { [3, 0, 1, 0, 0, 0, 1, 0, 0, 0] };
             has_changed |= entry[2..] != upright;
@@ -105,7 +107,7 @@ fn set_upright(tiff: &mut [u8]) -> Option<bool> {
     Some(has_changed)
 }
 
-/// The number that up to four bytes are.
+/// Unsigned integer of up to four bytes.
 fn number(bytes: &[u8], is_big: bool) -> Option<usize> {
     let add = |sum: u32, byte: &u8| sum << 8 | u32::from(*byte);
     let sum = if is_big { bytes.iter().fold(0, add) } else { bytes.iter().rev().fold(0, add) };

@@ -1,17 +1,17 @@
-//! Files of other formats, and how they become glTF.
+//! Files of other formats, with advice for conversion to glTF.
 
 use super::SceneError;
 use std::path::Path;
 
-/// For what Blender opens.
+/// Advice for formats that Blender opens.
 const OPEN: &str = "open it in Blender and choose File > Export > glTF 2.0";
-/// For what Blender imports.
+/// Advice for formats that Blender imports.
 const IMPORT: &str = "in Blender choose File > Import, then File > Export > glTF 2.0";
-/// For all else.
+/// Advice for all other formats.
 const EXPORT: &str =
     "export it as glTF 2.0 from the program that made it, or as FBX or OBJ, which Blender makes into glTF";
 
-/// Endings, what such files are, and how they become glTF.
+/// File extensions, description of the format, and advice for conversion to glTF.
 const FORMATS: [(&[&str], &str, &str); 13] = [
     (&["blend"], "a Blender file", OPEN),
     (&["obj"], "a Wavefront OBJ file", IMPORT),
@@ -29,7 +29,7 @@ const FORMATS: [(&[&str], &str, &str); 13] = [
 ];
 
 impl SceneError {
-    /// What is wrong with a file whose name ends like one of another format; nothing for other names.
+    /// Error for a file with the extension of another format; `None` for other extensions.
     pub fn other_format(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         let (_, format, advice) =

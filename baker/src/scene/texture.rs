@@ -1,4 +1,4 @@
-//! Textures: the picture that came with the scene and its decoded texels.
+//! Textures: the scene's original picture and decoded texels.
 
 use super::texture_size::{TEXELS_A_BYTE, check_size};
 use super::{SceneError, basis, foreign, orientation};
@@ -14,14 +14,14 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     })
 });
 
-/// The linear colour of a texel.
+/// Linear colour of a texel.
 #[inline]
 fn linear([r, g, b, _]: [u8; 4]) -> Vec3 {
     let table = &*LINEAR;
     Vec3::new(table[r as usize], table[g as usize], table[b as usize])
 }
 
-/// The 8-bit sRGB value whose linear value is nearest.
+/// 8-bit sRGB value with the nearest linear value.
 fn nonlinear(x: f32) -> u8 {
     let table = &*LINEAR;
     let above = table.partition_point(|value| *value < x).min(255);
@@ -31,28 +31,30 @@ fn nonlinear(x: f32) -> u8 {
 /// Decoded texels, row after row from the top: sRGB with linear alpha, 8 bits each.
 #[derive(Debug, PartialEq)]
 pub struct Texels {
-    /// Texels in a row.
+    /// Texels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// `width · height` of them.
+    /// `width · height` texels.
     pub rgba: Vec<[u8; 4]>,
-    /// The same in halves, quarters and so on, once they are wanted: as they are, and weighed by alpha.
+    /// Mip levels (halves, quarters and so on), computed on demand: plain means, and means weighted by alpha.
     coarser: [OnceLock<Vec<Texels>>; 2],
 }
 
-/// A texture: its compressed bytes, how it is sampled, and its texels where they are needed.
+/// A texture: compressed bytes, sampling parameters, and texels if decoded.
 #[derive(Clone, Debug)]
 pub struct Texture {
     /// Name, picture type, size and wrapping; `offset` and `len` are not set before writing a file.
     pub meta: meta::Texture,
-    /// The picture as it came, PNG, JPEG or WebP, but for a turn that its metadata ask for; one of another format as PNG.
+    /// The original PNG, JPEG or WebP picture, without the orientation in the metadata; a picture of another format as
+    /// PNG.
     pub bytes: Arc<[u8]>,
-    /// The picture decoded; only base colours are.
+    /// Decoded picture; `None` unless light or pictures need the texels.
     pub texels: Option<Arc<Texels>>,
 }
 
-/// The MIME type that the first bytes of a picture tell, whatever its file calls it.
+/// MIME type by the first bytes of a picture, regardless of the file's declaration; the format's name as an error if
+/// unsupported.
 pub fn sniff(bytes: &[u8]) -> Result<&'static str, &'static str> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Ok("image/png"),
@@ -89,14 +91,14 @@ fn undecodable(error: &image::ImageError) -> String {
     format!("it cannot be decoded ({error}): save it again as PNG or JPEG")
 }
 
-/// The same of all pictures of a scene together.
+/// Maximum number of texels of a scene's pictures together without a check of the pictures' bytes.
 const MANY_TOGETHER: u64 = 1 << 26;
 
-/// Texels that a picture will be decoded to, by its header; none where that cannot be read.
+/// Number of texels after decoding, from the picture's header; 0 without decoding, or if the header is unreadable.
 pub(super) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
     let size = match (basis::is_ktx2(bytes), decoded) {
         (true, _) => basis::size(bytes),
-        // These are decoded in any case.
+        // Pictures of these formats are always decoded.
         (false, _) if foreign::format(bytes).is_some() => foreign::size(bytes),
         (false, true) => dimensions(bytes).ok().map(|(width, height)| (width as u64, height as u64)),
         (false, false) => None,
@@ -104,7 +106,7 @@ pub(super) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
     size.map_or(0, |(width, height)| width.saturating_mul(height))
 }
 
-/// Refuses pictures that say they are larger, together, than their bytes can be.
+/// Refuses pictures with headers that declare more texels, in total, than the pictures' bytes can encode.
 pub(super) fn check_together(texels: u64, bytes: u64) -> Result<(), String> {
     if texels <= MANY_TOGETHER.max(TEXELS_A_BYTE.saturating_mul(bytes)) {
         return Ok(());
@@ -116,7 +118,7 @@ impl Texels {
     /// Decodes a PNG, JPEG or WebP picture.
     ///
     /// # Errors
-    /// A sentence that says what is wrong.
+    /// A sentence with the problem.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
         let (width, height) = dimensions(bytes)?;
         check_size(width as u64, height as u64, bytes.len())?;
@@ -124,30 +126,30 @@ impl Texels {
             .map_err(|e| undecodable(&e))?
             .into_rgba8();
         let (width, height) = picture.dimensions();
-        // Without a copy, as far as the decoder left no room to spare.
+        // Without a copy, unless the decoder's buffer has spare capacity.
         let rgba = bytemuck::try_cast_vec(picture.into_raw())
             .unwrap_or_else(|(_, raw)| raw.as_chunks::<4>().0.to_vec());
         Ok(Self::new(width, height, rgba))
     }
 
-    /// From `width · height` texels.
+    /// Creates a picture from `width · height` texels.
     pub fn new(width: u32, height: u32, rgba: Vec<[u8; 4]>) -> Self {
         Self { width, height, rgba, coarser: Default::default() }
     }
 
-    /// These texels, each the mean of about so many.
+    /// Mip level with texels that are means of about `texels` texels of this picture.
     #[inline]
     fn averaged(&self, texels: f32, by_alpha: bool) -> &Self {
         if texels < 4.0 || texels.is_nan() {
             return self;
         }
-        // A level has a quarter of the texels of the one before: half the power of two.
+        // A level has a quarter of the texels of the level before: the level is half the power of two.
         let level = ((texels.to_bits() >> 23) as usize - 127) >> 1;
         let coarser = self.coarser[by_alpha as usize].get_or_init(|| self.halves(by_alpha));
         coarser.get(level.min(coarser.len()).wrapping_sub(1)).unwrap_or(self)
     }
 
-    /// Halves, quarters and so on, down to one texel.
+    /// Mip levels: halves, quarters and so on, down to one texel.
     fn halves(&self, by_alpha: bool) -> Vec<Self> {
         let mut levels: Vec<Self> = Vec::new();
         loop {
@@ -159,10 +161,11 @@ impl Texels {
         }
     }
 
-    /// Half as many texels along each axis, at least one: means of linear values, weighed by alpha or not.
+    /// Next mip level: half as many texels along each axis, at least one; means of linear values, weighted by alpha if
+    /// `by_alpha`.
     fn half(&self, by_alpha: bool) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
-        // Of an odd number of texels some count for three.
+        // With an odd number of texels, spans of three texels overlap.
         let span = |i: u32, of: u32, size: u32| {
             let (i, of, all) = (i as u64, of as u64, size as u64);
             (i * all / of) as u32..((i + 1) * all).div_ceil(of).min(all) as u32
@@ -195,7 +198,7 @@ impl Texels {
 /// [`f32::floor`] without a call into the system's library.
 #[inline]
 fn floor(x: f32) -> f32 {
-    // From here on there are no fractions.
+    // From here on, f32 has no fractions.
     const WHOLE: f32 = (1u32 << 23) as f32;
     if x.abs() >= WHOLE {
         return x;
@@ -214,7 +217,7 @@ fn fold(t: f32, wrap: Wrap) -> f32 {
     }
 }
 
-/// The two texels around a folded coordinate, and the second one's share.
+/// Texels on both sides of a folded coordinate, and the weight of the second texel.
 #[inline]
 fn neighbours(t: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
     let x = t * size as f32 - 0.5;
@@ -235,10 +238,10 @@ fn nearest(t: f32, size: u32) -> u32 {
     ((t * size as f32) as u32).min(size - 1)
 }
 
-/// How a texture is looked up.
+/// Sampling parameters of a texture.
 #[derive(Clone, Debug)]
 pub struct Sampler {
-    /// The texels.
+    /// Texels.
     pub texels: Arc<Texels>,
     /// Horizontal wrap.
     pub wrap_u: Wrap,
@@ -249,8 +252,8 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Linear RGB around a texture coordinate, over about this share of the texture: texels are made linear first, then
-    /// filtered; weighed by alpha where that is wanted.
+    /// Linear RGB around a texture coordinate, averaged over about this share of the texture. Texels are converted to
+    /// linear values before filtering, and weighted by alpha if `by_alpha`.
     pub fn color(&self, uv: Vec2, share: f32, by_alpha: bool) -> Vec3 {
         let t = self.texels.averaged(share * (self.texels.width * self.texels.height) as f32, by_alpha);
         let (u, v) = (fold(uv.x, self.wrap_u), fold(uv.y, self.wrap_v));
@@ -263,7 +266,7 @@ impl Sampler {
         linear(x0, y0).lerp(linear(x1, y0), fx).lerp(linear(x0, y1).lerp(linear(x1, y1), fx), fy)
     }
 
-    /// The nearest texel: sRGB, and linear alpha.
+    /// Nearest texel: sRGB, and linear alpha.
     #[inline]
     pub fn nearest_texel(&self, uv: Vec2) -> [u8; 4] {
         let t = &*self.texels;
@@ -278,7 +281,8 @@ impl Sampler {
 }
 
 impl Texture {
-    /// A texture, decoded or only looked at. `meta`'s picture type and size are set from the bytes.
+    /// Creates a texture; without `decoded`, only the picture's header is read. Sets the picture type and size in
+    /// `meta` from the bytes.
     ///
     /// # Errors
     /// [`SceneError::Texture`].
@@ -309,7 +313,7 @@ impl Texture {
         Ok(Self { meta, bytes: bytes.into(), texels })
     }
 
-    /// How the texture is looked up; `None` where it is not decoded.
+    /// Sampler of the texture; `None` if the texture is not decoded.
     pub fn sampler(&self) -> Option<Sampler> {
         Some(Sampler {
             texels: self.texels.clone()?,

@@ -1,13 +1,13 @@
-//! How large a picture may be, told before anything is allocated for it.
+//! Limits of a picture's size, checked before allocation.
 
-/// Texels that WebGPU's largest texture has.
+/// Number of texels of WebGPU's largest texture.
 const MOST_TEXELS: u64 = 1 << 28;
-/// Pictures of so many texels need no proof; larger ones must have bytes to show for it.
+/// Maximum number of texels without a check of the picture's bytes.
 const MANY_TEXELS: u64 = 1 << 24;
-/// Texels that a byte of large pictures can stand for, at most. A PNG of one colour has 344 a byte.
+/// Maximum number of texels per byte of a large picture. A PNG of a single colour has 344 texels per byte.
 pub(super) const TEXELS_A_BYTE: u64 = 512;
 
-/// Refuses a picture that says it is larger than its bytes can be, before anything is allocated for it.
+/// Refuses a picture with a declared size beyond the capacity of the picture's bytes, before allocation.
 pub(super) fn check_size(width: u64, height: u64, len: usize) -> Result<(), String> {
     let texels = width.saturating_mul(height);
     if texels == 0 {

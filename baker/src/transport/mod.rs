@@ -1,4 +1,4 @@
-//! Light transport: what turns direct light at points into bounced light at points.
+//! Light transport: converts direct light at points to bounced light at points.
 //!
 //! [`direct_to_indirect`] precomputes a sparse operator (Lehtinen et al. 2008).
 

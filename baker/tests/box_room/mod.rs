@@ -1,4 +1,4 @@
-//! A closed box as a second kind of surface: for tests of what is told about surfaces alone.
+//! A closed box as a second implementation of `Surfaces`: for tests of code against the trait only.
 
 use glam::Vec3;
 use rebounce::geometry::{Hit, Ray, Surfaces};
@@ -38,12 +38,12 @@ impl Surfaces for BoxRoom {
     }
 
     fn see(&self, ray: &Ray, seed: u32) -> Option<Hit> {
-        // Its inside has fronts only.
+        // The inside has only front faces.
         self.cast(ray, seed)
     }
 
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
-        // A box is convex: what its inside does not hold is behind a wall.
+        // A box is convex: a point outside is behind a wall.
         let holds = |p: Vec3| p.cmpge(self.low).all() && p.cmple(self.high).all();
         if holds(from) && holds(to) { Vec3::ONE } else { Vec3::ZERO }
     }

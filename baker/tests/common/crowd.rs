@@ -1,14 +1,14 @@
-//! A room with many copies of one thing, as a glTF file.
+//! A room with copies of a mesh, as a glTF file.
 
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 
-/// Copies that stand upright, and mirrored ones.
+/// Numbers of upright and of mirrored copies.
 pub const COPIES: [usize; 2] = [60, 50];
-/// Triangles of the thing.
+/// Triangles of the mesh.
 pub const FINE: usize = 2 * 40 * 20;
 
-/// Where each copy stands: translation, rotation, scale. The last two are too flat and too small for a model.
+/// Placement of each copy: translation, rotation, scale. The last two are too flat and too small for a model.
 pub fn places() -> Vec<[Vec<f64>; 3]> {
     let place = |i: usize| {
         let at = DVec3::new(
@@ -22,7 +22,7 @@ pub fn places() -> Vec<[Vec<f64>; 3]> {
         let scale = match i {
             110 => DVec3::new(0.3, 0.0, 0.3),
             111 => DVec3::splat(1e-4),
-            // Pulled in one direction.
+            // Stretched along one axis.
             _ if i.is_multiple_of(4) => DVec3::new(mirror * size, 1.8 * size, size),
             _ => DVec3::new(mirror * size, size, size),
         };
@@ -31,18 +31,18 @@ pub fn places() -> Vec<[Vec<f64>; 3]> {
     (0..COPIES[0] + COPIES[1] + 2).map(place).collect()
 }
 
-/// How the file says where copies stand.
+/// Encoding of the copies in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Said {
-    /// A node for each, all of one mesh.
+    /// One node per copy, with a shared mesh.
     Nodes,
     /// EXT_mesh_gpu_instancing.
     Instances,
-    /// A node and a mesh for each.
+    /// One node and one mesh per copy.
     Alone,
 }
 
-/// A room, 12 by 4 by 10, seen from within, with bumpy balls in it; the material's alpha is 1 where it is opaque.
+/// A room, 12 by 4 by 10, seen from the inside, with bumpy balls; the material's alpha is 1 where opaque.
 pub fn glb(said: Said) -> Vec<u8> {
     let mut bin: Vec<u8> = Vec::new();
     let (mut views, mut accessors) = (Vec::new(), Vec::new());
@@ -67,7 +67,7 @@ pub fn glb(said: Said) -> Vec<u8> {
     let mut both = |parts: &[Vec<f32>; 2]| {
         [floats(&mut bin, "VEC3", 3, &parts[0], true), floats(&mut bin, "VEC3", 3, &parts[1], false)]
     };
-    // Of two materials.
+    // The ball has two materials.
     let halves =
         [0, 1].map(|half| ball.each_ref().map(|all| all[half * all.len() / 2..][..all.len() / 2].to_vec()));
     let ball = [primitive(both(&halves[0]), 1), primitive(both(&halves[1]), 2)];
@@ -140,7 +140,7 @@ fn ball() -> [Vec<f32>; 2] {
     let at = |i: usize, j: usize| {
         let (u, v) = (i as f64 / 40.0 * std::f64::consts::TAU, j as f64 / 20.0 * std::f64::consts::PI);
         let normal = DVec3::new(v.sin() * u.cos(), v.cos(), v.sin() * u.sin());
-        // Not where its mesh's origin is.
+        // Off the origin of the mesh.
         let bump = 1.0 + 0.1 * (3.0 * v).sin() * (5.0 * u).sin();
         (normal * bump + DVec3::new(3.0, 1.0, -2.0), normal)
     };
@@ -149,7 +149,7 @@ fn ball() -> [Vec<f32>; 2] {
         for j in 0..20 {
             for (i, j) in [(i, j), (i + 1, j), (i + 1, j + 1), (i, j), (i + 1, j + 1), (i, j + 1)] {
                 let (position, normal) = at(i % 40, j);
-                // Twisted, so that mirrored ones differ.
+                // Twisted, so that mirrored copies differ.
                 let position = position + DVec3::X * 0.3 * position.y * position.y;
                 out[0].extend(position.as_vec3().to_array());
                 out[1].extend(normal.as_vec3().to_array());

@@ -1,4 +1,4 @@
-//! The command as a process of its own: what it says and leaves, and how it is ended.
+//! The command as a child process: output, files and signals.
 #![allow(dead_code, reason = "not every test needs all of it")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output};
 use std::time::Duration;
 
-/// What a process wrote to its standard error.
+/// Standard error of a process.
 pub fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// What lies in a folder, in order.
+/// Sorted names of a folder's entries.
 pub fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).unwrap();
     let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
@@ -24,7 +24,7 @@ pub fn partial(output: &Path) -> PathBuf {
     PathBuf::from(format!("{}.partial", output.display()))
 }
 
-/// Waits until the checkpoint beside this output has this many bytes.
+/// Waits until the checkpoint beside `output` has at least `bytes` bytes.
 pub fn wait_for(child: &mut Child, output: &Path, bytes: u64) {
     while partial(output).metadata().map_or(0, |m| m.len()) < bytes {
         assert!(child.try_wait().unwrap().is_none(), "it ended before it kept {bytes} bytes");
@@ -32,8 +32,8 @@ pub fn wait_for(child: &mut Child, output: &Path, bytes: u64) {
     }
 }
 
-/// A bake that is held (SIGSTOP) at its work, when the checkpoint beside its output has this many bytes more than before. One
-/// that is over too soon, as where whoever watches it gets no time, begins again.
+/// Starts a bake and suspends the process (SIGSTOP) once the checkpoint beside `output` has grown by `more` bytes.
+/// Starts again if the bake ends too early, as on a busy machine.
 pub fn held(start: impl Fn() -> Child, output: &Path, more: u64) -> Child {
     let size = || partial(output).metadata().map_or(0, |m| m.len());
     loop {
@@ -61,14 +61,14 @@ fn is_over(child: &mut Child) -> bool {
     status.is_some()
 }
 
-/// What a held bake says when it goes on to this signal.
+/// Sends a suspended bake the signal `name`, continues the process (SIGCONT) and returns its output.
 pub fn goes_on_to(child: Child, name: &str) -> Output {
     signal(child.id(), name);
     signal(child.id(), "CONT");
     child.wait_with_output().unwrap()
 }
 
-/// Sends a process a signal.
+/// Sends a signal to a process.
 pub fn signal(pid: u32, name: &str) {
     assert!(Command::new("kill").args(["-s", name, &pid.to_string()]).status().unwrap().success());
 }

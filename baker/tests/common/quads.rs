@@ -1,9 +1,9 @@
-//! A .glb of quadrilaterals, each with a material.
+//! A .glb of quadrilaterals with materials.
 
 use glam::Vec3;
 use std::fmt::Write;
 
-/// A parallelogram around `middle` with these half sides, seen from the side of their product.
+/// A parallelogram around `middle` with half sides `u` and `v`; the front is on the side of their cross product.
 #[derive(Clone, Copy)]
 pub struct Quad {
     pub middle: Vec3,
@@ -12,8 +12,8 @@ pub struct Quad {
     pub material: usize,
 }
 
-/// The bytes of the file. `materials` are JSON objects; `picture` is a PNG that texture 0 shows, whole on each quadrilateral;
-/// `more` is further JSON members of the root, each after a comma.
+/// Bytes of the file. `materials` are JSON objects; `picture` is the PNG of texture 0, mapped onto every
+/// quadrilateral; `more` holds further JSON members of the root, with a comma before each.
 pub fn glb(quads: &[Quad], materials: &[String], picture: Option<&[u8]>, more: &str) -> Vec<u8> {
     let mut bin: Vec<u8> = Vec::new();
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];

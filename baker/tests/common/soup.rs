@@ -1,5 +1,5 @@
-//! Scenes of few triangles, out of any bytes: a sheet with steps, holes, folds, seams, edges of many triangles, and
-//! triangles that are there twice or have no area.
+//! Small scenes from arbitrary bytes: a sheet with steps, holes, folds, seams, edges of several triangles,
+//! duplicate triangles and triangles without area.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rebounce::geometry::simplify::{TOLERANCE, simplify};
@@ -13,7 +13,7 @@ mod triangle;
 /// Squares of the sheet along each axis.
 const SIDE: u32 = 8;
 
-/// The scene that these bytes say: four for each thing that is changed.
+/// Decodes a scene: four bytes for each change of the sheet.
 pub fn soup(bytes: &[u8]) -> Scene {
     let textured = Material { base_color_texture: Some(0), ..Material::default() };
     let curtain = Material { alpha: Alpha::Blend, ..Material::default() };
@@ -59,8 +59,8 @@ pub fn soup(bytes: &[u8]) -> Scene {
     scene
 }
 
-/// What is left is made of the scene's corners, one material a triangle, has as much area of each of them, is where the
-/// scene was, and looks the same there. How many triangles that are.
+/// Checks a simplified scene: corners from the scene, one material per triangle, and per material equal area,
+/// position and appearance within tolerance. Returns the number of triangles.
 pub fn keeps_promises(scene: &Scene, together: usize) -> usize {
     let simple = simplify(scene, |i| scene.materials[i].alpha == Alpha::Opaque, together);
     let vertex = |corner: u32| scene.triangles[corner as usize / 3][corner as usize % 3] as usize;
@@ -83,7 +83,7 @@ pub fn keeps_promises(scene: &Scene, together: usize) -> usize {
     }
     let (low, high) = scene.bounds();
     let allowed = 1.5 * (TOLERANCE * (high - low).length()) as f64;
-    // Normal and texture coordinates, one being what they may change by.
+    // Normal and texture coordinates, scaled to an allowed change of 1.
     let look = |corners: [u32; 3], shares: [f64; 3]| {
         let of = |k: usize| {
             let (normal, uv) = (scene.normals[vertex(corners[k])], scene.uvs[vertex(corners[k])]);

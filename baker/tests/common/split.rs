@@ -1,8 +1,8 @@
-//! The same scene of more triangles.
+//! Subdivision of a scene's triangles.
 
 use rebounce::scene::Scene;
 
-/// Splits every triangle into n x n alike ones. Neighbours keep their common edges.
+/// Splits every triangle into n x n similar triangles. Neighbours keep their common edges.
 pub fn split(scene: &mut Scene, n: u32) {
     let (mut positions, mut normals, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
     let (mut triangles, mut materials, mut colors) = (Vec::new(), Vec::new(), Vec::new());

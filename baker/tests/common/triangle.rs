@@ -1,4 +1,4 @@
-//! Where a point is from a triangle, in f64.
+//! Distance of a point from a triangle, in f64.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ pub fn area([a, b, c]: [DVec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// From a point to a triangle, and the shares of its corners at the place nearest to it.
+/// Distance from a point to a triangle, and the barycentric coordinates of the nearest place.
 pub fn nearest([a, b, c]: [DVec3; 3], p: DVec3) -> (f64, [f64; 3]) {
     let corners = [a, b, c];
     let normal = (b - a).cross(c - a);

@@ -1,4 +1,4 @@
-//! A baked scene in memory: what a .rbn file holds, written and read, with every rule checked.
+//! A baked scene in memory: reading, writing and validation of a .rbn file.
 
 mod check;
 
@@ -13,18 +13,18 @@ use crate::rbn::meta::{self, Meta};
 use crate::rbn::{RbnError, container, extras, shown};
 use std::ops::Range;
 
-/// A baked scene: what a .rbn file holds.
+/// Baked scene: contents of a .rbn file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BakedScene {
-    /// Materials, cameras, levels and so on.
+    /// Metadata: materials, cameras, levels, lights.
     pub meta: Meta,
     /// Vertices of the render geometry.
     pub vertices: Vec<Vertex>,
-    /// Corners of triangles, three a triangle, grouped by `meta.draws`.
+    /// Vertex indices, three per triangle, grouped by `meta.draws`.
     pub indices: Vec<u32>,
-    /// Where triangles stand that are there more than once.
+    /// Transforms of instanced triangles.
     pub instances: Vec<Instance>,
-    /// For each of `meta.draws` which of these its triangles have; empty where everything stands once.
+    /// Range of instances for each of `meta.draws`; empty without instanced triangles.
     pub copies: Vec<Copies>,
     /// Textures in their original compressed bytes, located by `meta.textures`.
     pub texture_bytes: Vec<u8>,
@@ -32,16 +32,16 @@ pub struct BakedScene {
     pub points: Vec<Point>,
     /// Planes that end the points' supports.
     pub cuts: Vec<Cut>,
-    /// [Openness](crate::openness) of each point, 0 to [`LEVELS`]; empty where it is not known. Section `OPEN`, which only
-    /// files with it have: readers that do not know it show the light between the points without detail.
+    /// [Openness](crate::openness) of the points, 0 to [`LEVELS`]; empty if unknown. Optional section `OPEN`: readers
+    /// without support show the light between the points without detail.
     pub openness: Vec<u8>,
-    /// How parents are weighed, which the file's version tells.
+    /// Weighting of parents, determined by the version of the file.
     pub parent_weights: ParentWeights,
-    /// Parents and children. They are not in the file but follow from the points: [`Self::relate`].
+    /// Parents and children. Not in the file but derived from the points by [`Self::relate`].
     pub relations: Relations,
-    /// T: from what the senders send to irradiance along the points' normals; a row per point of all levels.
+    /// T: from light sent by the senders to irradiance along the points' normals; a row per point of every level.
     pub links: LinkMatrix<Link>,
-    /// H: from irradiance at the points of the coarse levels to that of all further bounces there.
+    /// H: from irradiance at the points of the coarse levels to irradiance of further bounces at the same points.
     pub later: LinkMatrix<LaterLink>,
 }
 
@@ -64,17 +64,17 @@ impl BakedScene {
         self.first_of_level(self.meta.direct_levels)
     }
 
-    /// Number of points at which light is gathered that bounces again.
+    /// Number of points with rows of H: the points of the coarsest `later_levels` levels.
     pub fn later_count(&self) -> usize {
         self.first_of_level(self.meta.later_levels)
     }
 
-    /// Number of transport links, those for later bounces left out.
+    /// Number of transport links without links of later bounces.
     pub fn link_count(&self) -> usize {
         self.links.links.len()
     }
 
-    /// The points that the picture is made from: those of the finest level.
+    /// Points interpolated in pictures: the points of the finest level.
     pub fn display(&self) -> Range<usize> {
         self.meta.levels.len().checked_sub(1).map_or(0..0, |finest| self.level(finest))
     }
@@ -98,10 +98,10 @@ impl BakedScene {
         self.relations.pull()
     }
 
-    /// Finds the points' relations anew. The points must keep the rules of the format.
+    /// Recomputes the points' relations. The points must satisfy the rules of the format.
     ///
     /// # Errors
-    /// [`RbnError`] where far too many functions lie in one place.
+    /// [`RbnError`] for an excess of functions in one place.
     pub fn relate(&mut self) -> Result<(), RbnError> {
         let direct_levels = self.meta.direct_levels as usize;
         let Self { points, cuts, meta, parent_weights, .. } = self;
@@ -109,12 +109,12 @@ impl BakedScene {
         Ok(())
     }
 
-    /// Which of `instances` the triangles of draw call `i` have; none where they stand once, in local space.
+    /// Range of `instances` of the triangles of draw call `i`; empty for triangles without copies, in local space.
     pub fn copies_of(&self, i: usize) -> Range<usize> {
         self.copies.get(i).map_or(0..0, Copies::range)
     }
 
-    /// Number of triangles that are drawn, those of each copy counted.
+    /// Number of triangles drawn, counted once per copy.
     pub fn triangles_placed(&self) -> u64 {
         let copies = |i: usize| self.copies_of(i).len().max(1) as u64;
         (0..).zip(&self.meta.draws).map(|(i, draw)| draw.index_count as u64 / 3 * copies(i)).sum()
@@ -126,7 +126,7 @@ impl BakedScene {
         &self.texture_bytes[t.offset as usize..(t.offset + t.len) as usize]
     }
 
-    /// The version of the format that its file has: the least that can hold it.
+    /// Returns the format version of the file: the least version with the features used.
     pub fn version(&self) -> u32 {
         let has_extras = self.meta.materials.iter().any(|m| m.extras != extras::Extras::default());
         match (self.parent_weights, has_extras, self.copies.is_empty()) {
@@ -137,10 +137,10 @@ impl BakedScene {
         }
     }
 
-    /// The file's bytes.
+    /// Returns the file's bytes.
     ///
     /// # Errors
-    /// [`RbnError`] when the scene breaks a rule of the format.
+    /// [`RbnError`] if the scene breaks a rule of the format.
     pub fn to_bytes(&self) -> Result<Vec<u8>, RbnError> {
         self.check()?;
         let packed: [Vec<u8>; 7] = [
@@ -169,11 +169,11 @@ impl BakedScene {
         Ok(container::write(self.version(), &sections))
     }
 
-    /// Reads a file: checks checksums, then every length, index and float, so that what is
-    /// returned can be used without further checks.
+    /// Reads a file: checks checksums, then every length, index and float, so that the scene can be used without
+    /// further checks.
     ///
     /// # Errors
-    /// [`RbnError`] for anything but a whole, undamaged, consistent file.
+    /// [`RbnError`] for a truncated, damaged or inconsistent file.
     pub fn from_bytes(file: &[u8]) -> Result<Self, RbnError> {
         let sections = container::read(file)?;
         let bytes = |name: [u8; 4]| {
@@ -185,7 +185,7 @@ impl BakedScene {
         };
         let has_copies = sections.iter().any(|s| COPY_SECTIONS.contains(&s.name));
         let has_extras = sections.iter().any(|s| s.name == EXTRAS_SECTION);
-        // Older readers would draw something else.
+        // Readers of an older version would draw a different scene.
         let version = container::version(file).unwrap_or_default();
         if has_copies && version < container::WITHOUT_EXTRAS {
             return Err(RbnError::invalid("COPY", "a file of this version has none"));
@@ -233,7 +233,7 @@ impl BakedScene {
 }
 
 impl BakedScene {
-    /// Whether the openness of all points is known, or of none.
+    /// Checks that openness is given for every point or for none.
     pub(super) fn check_openness(&self) -> Result<(), RbnError> {
         let is_sound = self.openness.is_empty()
             || self.openness.len() == self.points.len() && self.openness.iter().all(|v| *v <= LEVELS);

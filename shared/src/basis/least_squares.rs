@@ -1,26 +1,29 @@
-//! Parents' weights that interpolate linearly: moving least squares of degree 1 (Lancaster and Salkauskas 1981), kept positive.
+//! Parent weights for linear interpolation: moving least squares of degree 1 (Lancaster and Salkauskas 1981), kept
+//! positive.
 //!
-//! Shepard's weights w_k / Σ w reproduce constants. Along a gradient they make terraces: each parent's value with a steep
-//! change half way to the next, a wave as wide as the parents are apart. Moving least squares reproduce linear functions, too:
+//! Shepard's weights w_k / Σ w reproduce constants. Along a gradient they make terraces: plateaus at the parents'
+//! values with steep changes in between, a wave with the period of the parent spacing. Moving least squares reproduce
+//! linear functions, too:
 //!
 //! ```text
 //! p_k = w_k / Σ w · (1 − s (d_k − d̄)ᵀ C⁻¹ d̄),   d̄ = Σ w d / Σ w,   C = Σ w (d − d̄)(d − d̄)ᵀ / Σ w + μ tr(C) I
 //! ```
 //!
-//! with `d_k` the way from the point to parent k in the point's tangent plane. μ bounds C⁻¹ where parents stand in a line. s is 1
-//! where no weight would become negative, which is where parents stand all around; at the rim of a surface it is smaller.
+//! with `d_k` the offset from the point to parent k in the point's tangent plane. μ bounds C⁻¹ for collinear parents.
+//! s is 1 if no weight would become negative, as with parents all around the point; s is smaller at the rim of a
+//! surface.
 
 use glam::{Vec2, Vec3};
 
 /// μ.
 const RIDGE: f32 = 0.01;
-/// Most of its weight that a parent may lose.
+/// Maximum share of its weight that a parent may lose.
 const MOST_LOST: f32 = 0.95;
-/// Least tr(C) over the square of d̄: parents in one place have no slope.
+/// Least ratio of tr(C) to the square of d̄: coincident parents have no slope.
 const LEAST_SPREAD: f32 = 1e-4;
 
-/// Makes the weights of a row of parents linear at a point with this unit normal. `way` is the way from the point to a
-/// parent, scene units. The sum of the weights and their order stay as they are.
+/// Makes the weights of a row of parents linear at a point with this unit normal. `way` returns the offset from the
+/// point to a parent, scene units. The sum of the weights and the order of the row do not change.
 pub fn make_linear(normal: Vec3, row: &mut [(u32, f32)], way: impl Fn(u32) -> Vec3) {
     let total: f32 = row.iter().map(|entry| entry.1).sum();
     if row.len() < 2 || total <= 0.0 {

@@ -1,31 +1,31 @@
-//! Which functions may cover a place: a hash grid per level, in one array of words that the GPU reads as it is.
+//! Lookup of functions that may cover a place: a hash grid per level, in a single array of words shared with the GPU.
 //!
-//! A pixel reads one bucket of its level and tests the functions in it; the viewer's lookup.wgsl reads what is made
-//! here.
+//! A pixel reads one bucket of its level and tests the functions in the bucket; lookup.wgsl of the viewer reads this
+//! array.
 
 use crate::kernel::SQUASH;
 use crate::rbn::bulk::Point;
 use crate::rbn::meta::Level;
 use glam::{IVec3, Vec3};
 
-/// Words of a level at the begin: one over the cell size (f32), first bucket, number of buckets less one.
+/// Header words per level: reciprocal of the cell size (f32), first bucket, number of buckets minus one.
 pub const LEVEL_WORDS: usize = 3;
 /// Width of a cell over the largest support radius of its level.
 const CELL: f32 = 0.6;
-/// Supports count as this much larger, so that a cell's rim may round to either side.
+/// Enlargement of supports in the grid, so that rounding at a cell's rim is harmless.
 const MARGIN: f32 = 1.001;
 
 /// The tables of all levels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lookup {
-    /// The number of levels, [`LEVEL_WORDS`] words a level (coarsest first), the buckets' offsets, the functions'
-    /// indices over all levels. Bucket `b` of a level holds `words[words[first + b]..words[first + b + 1]]`, ascending;
-    /// cells that share a bucket share its functions.
+    /// Number of levels, [`LEVEL_WORDS`] words per level (coarsest first), bucket offsets, function indices over all
+    /// levels. Bucket `b` of a level holds `words[words[first + b]..words[first + b + 1]]`, ascending; cells in the
+    /// same bucket share its functions.
     pub words: Vec<u32>,
 }
 
 impl Lookup {
-    /// The tables of the levels of `points`.
+    /// Builds the tables for the levels of `points`.
     pub fn new(points: &[Point], levels: &[Level]) -> Self {
         let mut words = vec![0; 1 + LEVEL_WORDS * levels.len()];
         words[0] = levels.len() as u32;
@@ -42,7 +42,7 @@ impl Lookup {
         Self { words }
     }
 
-    /// The functions of a level that may cover a place, ascending.
+    /// Returns the functions of a level that may cover a place, ascending.
     #[inline]
     pub fn functions(&self, level: usize, position: Vec3) -> &[u32] {
         let head = 1 + LEVEL_WORDS * level;
@@ -51,7 +51,7 @@ impl Lookup {
         &self.words[self.words[bucket] as usize..self.words[bucket + 1] as usize]
     }
 
-    /// Functions in the fullest bucket of a level.
+    /// Returns the number of functions in the fullest bucket of a level.
     pub fn fullest(&self, level: usize) -> usize {
         let head = 1 + LEVEL_WORDS * level;
         let first = self.words[head + 1] as usize;
@@ -91,7 +91,8 @@ impl Grid {
         Self { cells_per_unit: if largest > 0.0 { 1.0 / (CELL * largest) } else { 1.0 } }
     }
 
-    /// Buckets, of so many, and the functions in them, counted from `first`: functions ascending, each once a bucket.
+    /// Returns pairs of bucket (below `buckets`) and function (numbered from `first`): functions ascending, once per
+    /// bucket.
     fn buckets(&self, points: &[Point], first: u32, buckets: usize) -> Vec<(u32, u32)> {
         let mut placed = Vec::with_capacity(8 * points.len());
         // The last function put into each bucket: two cells of one function may share a bucket.
@@ -102,8 +103,8 @@ impl Grid {
         placed
     }
 
-    /// Puts a function into the cells that its support may reach into: an ellipsoid, flat along the normal. Not inlined:
-    /// a browser runs wasm at full speed only from some call of a function on.
+    /// Inserts a function into the cells that its support may reach: an ellipsoid, flat along the normal. Not
+    /// inlined, since a browser runs wasm at full speed only from a later call of a function on.
     #[inline(never)]
     fn place(&self, point: &Point, i: u32, last: &mut [u32], placed: &mut Vec<(u32, u32)>) {
         let (centre, normal) = (point.position(), point.normal());
@@ -117,7 +118,8 @@ impl Grid {
         let size = 1.0 / self.cells_per_unit;
         let side = 0.5 * size;
         let thickest = thickness + side * normal.abs().element_sum();
-        // From the support's centre to a cell's, along one axis; and how far the cell's nearest side is, squared.
+        // Offset from the support's centre to the cell's along an axis, and squared distance to the cell's nearest
+        // side.
         let along = |cell: i32, centre: f32| {
             let offset = (cell as f32 + 0.5) * size - centre;
             let nearest = (offset.abs() - side).max(0.0);

@@ -8,52 +8,52 @@ use crate::rbn::RbnError;
 use crate::rbn::bulk::{Cut, Point};
 use crate::rbn::meta::Level;
 
-/// How a point's parents are weighed.
+/// Weighting of a point's parents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ParentWeights {
-    /// By their functions, normalised (Eq. 7; Shepard 1968), as in files up to version 8.
+    /// Shepard's weights (Eq. 7; Shepard 1968): basis functions, normalised; in files up to version 8.
     Shepard,
-    /// The same made linear: [moving least squares](super::least_squares), kept positive.
+    /// Shepard's weights made linear by [moving least squares](super::least_squares), kept positive.
     #[default]
     LeastSquares,
 }
 
-/// Who is whose parent and child, and what may cover a place.
+/// Parents and children of the points, and the lookup of functions by place.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Relations {
-    /// Push rows, one per point: where each begins; and one past the end.
+    /// Offsets of the push rows, one row per point, plus the end offset.
     pub push_offsets: Vec<u32>,
-    /// A point's parents with their weights at the point. Parents are of the next coarser level, or of
-    /// the finest coarser one that covers the point; none at level 0 and where no coarser function
-    /// reaches ("orphans").
+    /// Parents with their weights at the point. Parents are on the finest coarser level with a function that covers
+    /// the point (usually the next coarser level). Empty rows: points of level 0 and points without a coarser
+    /// function ("orphans").
     pub push_entries: Vec<Entry>,
-    /// Pull rows, one per point of all sampled levels but the finest: where each begins; and one past the end.
+    /// Offsets of the pull rows, one row per point of the sampled levels except the finest, plus the end offset.
     pub pull_offsets: Vec<u32>,
-    /// A point's children with their weights.
+    /// Children with their weights.
     pub pull_entries: Vec<Entry>,
-    /// Which functions may cover a place.
+    /// Lookup of the functions that may cover a place.
     pub lookup: Lookup,
 }
 
-/// Functions that one bucket of a level may hold. Points keep their distance, so that a few dozen do; a file whose
-/// points lie on top of each other would take for ever.
+/// Maximum number of functions in a bucket of a level. Poisson-disk spacing leaves a few dozen; a file with
+/// coincident points would take unbounded time.
 const MOST_IN_A_BUCKET: usize = 2048;
-/// Functions that may cover a point, at most, on average over all points, on the levels that are asked for its
-/// parents. Scenes have up to a hundred.
+/// Maximum number of functions tested per point in the search for parents, averaged over the points. Scenes need up
+/// to a hundred.
 const MOST_TESTED: usize = 512;
-/// Parents of a point, at most, on average over all points. Scenes have about four.
+/// Maximum number of parents per point, averaged over the points. Scenes have about four.
 const MOST_PARENTS: usize = 32;
-/// Few points may have more of both, in all.
+/// Allowance added to both totals, for files with few points.
 const MANY: usize = 1 << 16;
 
 impl Relations {
-    /// Finds the relations of points; those of `direct_levels` levels but the last get children, and parents have
-    /// these weights.
+    /// Finds parents of every point with these weights, and children for the first `direct_levels` levels except the
+    /// last.
     ///
-    /// The same points give the same relations, bit by bit, on every machine.
+    /// The result is bit-exact on every machine.
     ///
     /// # Errors
-    /// [`RbnError::Invalid`] where far too many functions lie in one place.
+    /// [`RbnError::Invalid`] for an excess of functions in one place.
     pub fn new(
         points: &[Point],
         cuts: &[Cut],
@@ -68,7 +68,7 @@ impl Relations {
         if (0..levels.len()).any(|l| lookup.fullest(l) > MOST_IN_A_BUCKET) {
             return Err(crowded(MOST_IN_A_BUCKET));
         }
-        // Those of far too crowded points would take for ever, or fill the memory.
+        // The relations of overcrowded points would need unbounded time or memory.
         let mut tests = MOST_TESTED * points.len() + MANY;
         let most_entries = MOST_PARENTS * points.len() + MANY;
         let mut relations = Self { push_offsets: vec![0], lookup, ..Self::default() };
@@ -106,9 +106,9 @@ impl Relations {
         Rows { offsets: &self.pull_offsets, entries: &self.pull_entries }
     }
 
-    /// The pull rows are the push rows transposed, and sharpened: a child counts by the fourth power
-    /// of its share, so that a point averages the direct light around it and not beyond its
-    /// neighbours. Averaging with the plain shares and interpolating again would blur it twice.
+    /// Adds the pull rows: the push rows transposed and sharpened. The weight of a child is the fourth power of its
+    /// share, so that a point averages the direct light around it and not beyond its neighbours. Plain shares would
+    /// blur twice: in averaging and in interpolation.
     fn add_children(&mut self, parents: usize, children: usize) {
         let mut next = vec![0u32; parents + 1];
         for entry in (0..children).flat_map(|j| self.push().row(j)) {
@@ -137,8 +137,8 @@ impl Relations {
     }
 }
 
-/// Fills `row` with the functions of the finest level under `level` that covers this point, and their weights.
-/// Leaves it empty where none does. Returns how many were tested, and levels asked.
+/// Fills `row` with the functions that cover point `p` on the finest covering level coarser than `level`, and their
+/// weights. Leaves `row` empty for an uncovered point. Returns the number of functions tested plus levels visited.
 #[inline(never)]
 fn parents(
     points: &[Point],
@@ -158,7 +158,7 @@ fn parents(
         for &j in functions {
             let q = &points[j as usize];
             let offset = position - q.position();
-            // Most are too far away for their normals to matter.
+            // Rejects by distance before the normals are unpacked.
             if offset.length_squared() < q.radius * q.radius {
                 let w = weight(offset, normal, q.normal(), q.radius);
                 if w > 0.0 && !cuts[q.cuts()].iter().any(|cut| cut.ends(offset)) {
@@ -181,7 +181,7 @@ mod tests {
     use crate::octahedral::pack_snorm16;
     use glam::Vec3;
 
-    /// Two levels of so many functions, `apart` from each other, whose supports are one unit large.
+    /// Two levels of functions with spacing `apart` and a support radius of one unit.
     fn crowd(counts: [u32; 2], apart: f32) -> (Vec<Point>, Vec<Level>) {
         let point = |i: u32| Point {
             position: [apart * (i % 1000) as f32, 0.0, apart * (i / 1000) as f32],
@@ -202,7 +202,7 @@ mod tests {
                 Relations::new(&points, &[], &levels, 2, ParentWeights::Shepard).unwrap_err().to_string();
             assert!(refused.contains("on top of each other"), "{counts:?}: {refused}");
         }
-        // As dense as scenes are, and few on top of each other, are not.
+        // Densities of real scenes are accepted; so are a few coincident points.
         let (points, levels) = crowd([16_000, 16_000], 0.5);
         let relations = Relations::new(&points, &[], &levels, 2, ParentWeights::Shepard).unwrap();
         assert!(relations.push_entries.len() > 4 * 16_000);

@@ -1,4 +1,4 @@
-//! Lights in a .rbn file: as glTF has them, without a size.
+//! Encoding of lights in a .rbn file: as in glTF, without a size.
 
 use super::Light;
 use bincode::de::Decoder;

@@ -1,17 +1,18 @@
-//! Openness of a pixel from the depth buffer, after ground-truth ambient occlusion (Jiménez et al. 2016, Eq. 5 to 10). Over
-//! each of a few slices through the eye the horizon is followed outwards on both sides; the cosine over what it rises by is
-//! integrated in closed form, and counts by the distance of what rises there. The paper lets the highest horizon alone
-//! fall off with distance, which finds corners too open by 0.15. openness.wgsl does the same; a test holds the two together.
+//! Openness of a pixel from the depth buffer, after ground-truth ambient occlusion (Jiménez et al. 2016, Eq. 5 to
+//! 10). A few slices through the eye are marched outwards on both sides. Where the horizon rises, the cosine over the
+//! newly covered angle is integrated in closed form and weighted by the distance of the occluder. The paper
+//! attenuates only the highest horizon with distance, which finds corners too open by 0.15. openness.wgsl does the
+//! same; a test compares the two.
 
 use super::open;
 use glam::Vec3;
 
 /// Slices of the hemisphere, equal in every pixel: per-pixel rotation is noise, and shimmers.
 pub const SLICES: u32 = 3;
-/// Places looked at on each side of a slice.
+/// Number of depth samples on each side of a slice.
 pub const STEPS: u32 = 3;
 
-/// A picture's depth: what [`horizon`] looks at.
+/// Depth of a picture: input of [`horizon`].
 pub struct View<'a> {
     /// The eye, local space.
     pub eye: Vec3,
@@ -25,7 +26,7 @@ pub struct View<'a> {
     pub position: &'a dyn Fn(u32, u32) -> Option<Vec3>,
 }
 
-/// Openness of a pixel, from its position, unit normal and a reach in scene units.
+/// Returns the openness of a pixel, from its position, unit normal and a reach in scene units.
 pub fn horizon(view: &View<'_>, pixel: [u32; 2], position: Vec3, normal: Vec3, reach: f32) -> f32 {
     let [right, up, forward] = view.axes;
     let to_eye = (view.eye - position).normalize();
@@ -43,7 +44,8 @@ pub fn horizon(view: &View<'_>, pixel: [u32; 2], position: Vec3, normal: Vec3, r
         let length = projected.length().max(1e-6);
         let tilt = projected.dot(tangent).atan2(projected.dot(to_eye));
         for side in [-1.0f32, 1.0] {
-            // Between the surface's own horizon, and what rises above it so far, and the eye.
+            // Cosine integral from the eye direction to the angle `horizon`: the part of the slice that is still
+            // free.
             let part = |horizon: f32| {
                 let angle = side * horizon;
                 0.25 * (tilt.cos() + 2.0 * angle * tilt.sin() - (2.0 * angle - tilt).cos())
@@ -66,7 +68,7 @@ pub fn horizon(view: &View<'_>, pixel: [u32; 2], position: Vec3, normal: Vec3, r
                 if height > highest {
                     highest = height;
                     let left = part(height.min(1.0).acos());
-                    // What rises here is met between the place before and this one.
+                    // The occluder lies between the previous sample and the current sample.
                     sum -= length * (free - left) * (1.0 - open(0.5 * (before + distance) / reach));
                     free = left;
                 }
@@ -143,7 +145,7 @@ mod tests {
         let (mut square, mut sum, mut count, mut least) = (0.0, 0.0, 0, 1f32);
         for y in (10..SIZE[1] - 10).step_by(5) {
             for x in (10..SIZE[0] - 10).step_by(5) {
-                // Of a reach of a few pixels the horizons miss more.
+                // With a reach of only a few pixels the horizons miss more occluders.
                 let near = |place: &Vec3| place.distance(corner.eye) < 2.5;
                 let Some(place) = corner.position(x, y).filter(near) else { continue };
                 let normal = if place.x < place.y { Vec3::X } else { Vec3::Y };

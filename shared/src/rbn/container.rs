@@ -1,6 +1,6 @@
-//! The container: a header, a table of sections, and the sections, each with a checksum.
+//! Container of the file: a header, a section table, and sections with checksums.
 //!
-//! All numbers are little-endian.
+//! Numbers are little-endian.
 //!
 //! ```text
 //! header, 32 bytes   0  8 bytes  magic "REBOUNCE"
@@ -16,14 +16,14 @@
 //!                   24  u64      zero
 //! ```
 //!
-//! Every version of the format has the header's first 24 bytes, the table's rows and, first in section META, the
-//! writer's name where this one has them: so a reader of any version can say who wrote a file.
+//! The first 24 bytes of the header, the rows of the table and the writer's name at the begin of section META are
+//! common to every format version: a reader of any version can name the writer of a file.
 
 use super::RbnError;
 
-/// XXH32, seed 0: needs no table, and is many times faster in a page than a CRC, which took a tenth of loading.
+/// XXH32, seed 0: needs no table, and is much faster in a browser than a CRC, which took a tenth of loading.
 fn checksum(bytes: &[u8]) -> u32 {
-    // In parts, as a browser runs a wasm function at full speed only from some call of it on.
+    // Chunked: a browser runs a wasm function at full speed only from a later call on.
     #[inline(never)]
     fn update(hash: &mut xxhash_rust::xxh32::Xxh32, bytes: &[u8]) {
         hash.update(bytes);
@@ -33,19 +33,19 @@ fn checksum(bytes: &[u8]) -> u32 {
     hash.digest()
 }
 
-/// The first eight bytes.
+/// First eight bytes of a file.
 pub const MAGIC: [u8; 8] = *b"REBOUNCE";
-/// The format's version: this code reads it and those before down to [`WITHOUT_COPIES`]. In files of this
-/// version parents have [linear weights](crate::basis::ParentWeights::LeastSquares); a file that was read in an older version
-/// is written in the least version that has all it needs.
+/// Current format version; the reader supports versions from [`WITHOUT_COPIES`] up. Parents in files of this version
+/// have [linear weights](crate::basis::ParentWeights::LeastSquares); a file read in an older version is written in
+/// the least version that supports its features.
 pub const VERSION: u32 = 9;
-/// The last version of files whose parents have [Shepard's weights](crate::basis::ParentWeights::Shepard).
+/// Last version with [Shepard's weights](crate::basis::ParentWeights::Shepard) of parents.
 pub const SHEPARD_WEIGHTS: u32 = 8;
-/// The version of files with triangles that stand in several places, without materials that have [extras](super::extras).
+/// Version of files with instanced triangles, without material [extras](super::extras).
 pub const WITHOUT_EXTRAS: u32 = 7;
-/// The version of files whose triangles all stand once, too.
+/// Version of files without instanced triangles and without extras.
 pub const WITHOUT_COPIES: u32 = 6;
-/// Sections start at multiples of this many bytes: the strictest buffer-offset alignment of WebGPU.
+/// Alignment of sections, bytes: the strictest buffer-offset alignment of WebGPU.
 pub const ALIGNMENT: usize = 256;
 const HEADER: usize = 32;
 const ROW: usize = 32;
@@ -65,13 +65,13 @@ pub struct Section {
 }
 
 impl Section {
-    /// The name as text; what is no printable letter is escaped.
+    /// Name as text; unprintable bytes are escaped.
     pub fn name(&self) -> String {
         self.name.escape_ascii().to_string()
     }
 }
 
-/// Lays out a file of this version from named sections, in this order.
+/// Lays out a file of this version from named sections, in order.
 pub fn write(version: u32, sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
     let mut offset = align(HEADER + ROW * sections.len());
     let mut table = Vec::with_capacity(ROW * sections.len());
@@ -100,7 +100,7 @@ pub fn write(version: u32, sections: &[([u8; 4], &[u8])]) -> Vec<u8> {
     file
 }
 
-/// The version that a file says it has, if it is one.
+/// Returns the version in the header; `None` without the magic bytes.
 pub fn version(file: &[u8]) -> Option<u32> {
     let (magic, rest) = file.split_first_chunk()?;
     let (version, _) = rest.split_first_chunk()?;
@@ -110,7 +110,7 @@ pub fn version(file: &[u8]) -> Option<u32> {
 /// Reads the header and the table and checks every checksum.
 ///
 /// # Errors
-/// [`RbnError`] for anything but a whole, undamaged file of a version that this code reads.
+/// [`RbnError`] for a truncated or damaged file or an unsupported version.
 pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
     if file.len() < MAGIC.len() || file[..8] != MAGIC {
         return Err(RbnError::NotRbn);
@@ -121,7 +121,7 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
     let u32_at = |at: usize| u32::from_le_bytes([file[at], file[at + 1], file[at + 2], file[at + 3]]);
     let u64_at = |at: usize| u32_at(at) as u64 | (u32_at(at + 4) as u64) << 32;
     let damaged = |section: &str| RbnError::Checksum { section: section.to_owned() };
-    // First: another version's checksums may be worked out in another way.
+    // First, since checksums of an unknown version may differ in definition.
     let found = u32_at(8);
     let writer = || writer(file).unwrap_or_else(|| "another Rebounce".to_owned());
     if found > VERSION {
@@ -169,7 +169,7 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
         }
         sections.push(section);
     }
-    // Bytes between sections are zero, so that a flipped bit anywhere is found.
+    // Padding between sections is zero, so that a flipped bit anywhere is found.
     let mut end = HEADER + ROW * count;
     for section in &sections {
         if section.offset < end || file[end..section.offset].iter().any(|&b| b != 0) {
@@ -183,14 +183,14 @@ pub fn read(file: &[u8]) -> Result<Vec<Section>, RbnError> {
     Ok(sections)
 }
 
-/// Who wrote a file of any version, as it says itself: the first words of section META. Nothing is promised about the
-/// rest of such a file.
+/// Returns the writer of a file of any version: the first string of section META. The rest of the section is not
+/// specified for other versions.
 fn writer(file: &[u8]) -> Option<String> {
     let row =
         file.get(HEADER..)?.chunks_exact(ROW).take(MAX_SECTIONS).find(|row| row.starts_with(b"META"))?;
     let offset = u64::from_le_bytes(row.get(8..16)?.try_into().ok()?);
     let (len, rest) = file.get(usize::try_from(offset).ok()?..)?.split_first()?;
-    // A length from 251 on takes more bytes, and is no name.
+    // Length bytes from 251 on start a multi-byte length, too long for a name.
     let name = std::str::from_utf8(rest.get(..*len as usize).filter(|_| *len < 251)?).ok()?;
     let is_plain = name.chars().all(|c| c.is_ascii_graphic() || c == ' ');
     (is_plain && name.starts_with("rebounce")).then(|| name.to_owned())
@@ -238,7 +238,7 @@ mod tests {
         for words in ["by rebounce 0.0.3 in format version 2", "rebounce bake"] {
             assert!(older.contains(words), "{words}: {older}");
         }
-        // Whatever else stands there is not taken for a name.
+        // Other contents are not mistaken for a name.
         for meta in
             [&b""[..], b"\xff", b"\x0erebounce", b"\x0erebounce\x1b[2J  ", b"\x04evil", b"\xfb\x0e\0rebounce"]
         {

@@ -1,4 +1,4 @@
-//! What few materials have: section `MATX`, which only files with such a material have.
+//! Optional material properties: section `MATX`, present only in files with a non-default [`Extras`].
 
 use super::RbnError;
 use super::limits::MAX_BYTES;
@@ -9,27 +9,26 @@ use bincode::error::{DecodeError, EncodeError};
 use bincode::{Decode, Encode};
 use glam::Vec3;
 
-/// Light that goes through a surface, and colour that no lamp changes. Section `META` has nothing of it: it encodes to no
-/// bytes there.
+/// Transmission and unlit colour of a material. In section `META` the encoding is empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extras {
-    /// Pictures show the base colour as it is, in whatever light; for all other surfaces this one is like any other.
+    /// Unlit: pictures show the base colour independent of light; to transport the surface is ordinary.
     pub unlit: bool,
-    /// Share of light that goes straight through what is not metal, 0 to 1, in the base colour times `transmission_tint`;
-    /// multiplied with the texture's red.
+    /// Specular transmission of non-metal, 0 to 1, tinted by base colour times `transmission_tint`; multiplied by the
+    /// texture's red.
     pub transmission: f32,
-    /// Share of light that goes through, in red.
+    /// Transmission texture, in the red channel.
     pub transmission_texture: Option<DetailTexture>,
     /// Linear RGB, 0 to 1.
     pub transmission_tint: [f32; 3],
-    /// Share of the rest that goes through in the colour `scattered_color` instead of being reflected, 0 to 1.
+    /// Share of the remaining light transmitted diffusely in `scattered_color` instead of reflected, 0 to 1.
     pub scattered: f32,
     /// Linear RGB, 0 to 1.
     pub scattered_color: [f32; 3],
 }
 
 impl Default for Extras {
-    /// Lit like any other surface, and nothing goes through.
+    /// Lit and opaque.
     fn default() -> Self {
         Self {
             unlit: false,
@@ -42,19 +41,18 @@ impl Default for Extras {
     }
 }
 
-/// What becomes of the light that meets a surface.
+/// Split of incident light into transmission and reflection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
-    /// Linear RGB share that goes straight through, 0 to 1.
+    /// Transmitted share, linear RGB, 0 to 1.
     pub through: Vec3,
-    /// What the base colour is multiplied with to become the share that is reflected, 0 to 1. No channel of both
-    /// together is over 1.
+    /// Factor from base colour to reflected share, 0 to 1. Transmission plus reflection is at most 1 per channel.
     pub reflected: f32,
 }
 
 impl Extras {
-    /// What becomes of light where the material has this base colour, alpha and metalness, and its transmission texture
-    /// this red; all from 0 to 1.
+    /// Returns the split of light for a base colour, alpha, metalness, and the transmission texture's red; range 0 to
+    /// 1.
     pub fn passage(&self, base: Vec3, alpha: f32, metallic: f32, red: f32) -> Passage {
         let straight = (1.0 - metallic) * self.transmission * red;
         let scattered = ((1.0 - metallic) - straight) * self.scattered;
@@ -81,13 +79,13 @@ impl<C> Decode<C> for Extras {
 
 bincode::impl_borrow_decode!(Extras);
 
-/// A material's number and what it has, in the order of [`Extras`].
+/// Index of a material and its extras, in the order of [`Extras`].
 type Record = (u32, bool, f32, Option<DetailTexture>, [f32; 3], f32, [f32; 3]);
 
-/// Encodes the section; `None` where no material has anything.
+/// Encodes the section; `None` if every material has default extras.
 ///
 /// # Errors
-/// [`RbnError::TooLarge`].
+/// [`RbnError::TooLarge`] past [`MAX_BYTES`].
 pub(crate) fn encode<'a>(materials: impl Iterator<Item = &'a Extras>) -> Result<Option<Vec<u8>>, RbnError> {
     let some = (0u32..).zip(materials).filter(|(_, extras)| **extras != Extras::default());
     let records: Vec<Record> = some
@@ -108,7 +106,7 @@ pub(crate) fn encode<'a>(materials: impl Iterator<Item = &'a Extras>) -> Result<
     })
 }
 
-/// Decodes the section into the materials, which must be in order.
+/// Decodes the section into the materials; records are in ascending order of material index.
 ///
 /// # Errors
 /// [`RbnError::Invalid`].

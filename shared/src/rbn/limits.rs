@@ -1,26 +1,26 @@
-//! Limits of the format: what a reader refuses.
+//! Limits of the format, enforced by readers.
 
-/// Levels of a file, at most: a pixel or a point without a function on a level asks the next coarser one.
+/// Maximum number of levels: a pixel or a point without a function on a level tries the next coarser level.
 pub const MAX_LEVELS: usize = 32;
-/// Links of one row, at most: one invocation of a shader adds them up.
+/// Maximum number of links in a row: one shader invocation adds the row up.
 pub const MAX_ROW: usize = 1 << 18;
-/// Triangles, those of each copy counted, at most: a small file must not keep a GPU busy for minutes.
+/// Maximum number of triangles, counted once per copy: a small file must not occupy a GPU for minutes.
 pub const MAX_TRIANGLES: u64 = 1 << 30;
-/// Copies at most: those of draw calls that follow each other and have the same ones count once.
+/// Maximum number of copies; consecutive draw calls with equal copies count once.
 pub const MAX_COPIES: u64 = 1 << 22;
-/// Materials at most: a pixel keeps its material's number in 16 bits.
+/// Maximum number of materials: a pixel stores its material index in 16 bits.
 pub const MAX_MATERIALS: usize = 0xffff;
-/// Numbers of a file are smaller than this, so that their squares and sums stay finite.
+/// Exclusive bound of numbers in a file; keeps squares and sums finite.
 pub const LARGEST: f32 = 1e15;
-/// Largest `META` section, bytes.
+/// Maximum size of section `META`, bytes.
 pub const MAX_BYTES: usize = 16 << 20;
 
-/// Whether a number is smaller than [`LARGEST`].
+/// Returns true if the magnitude of a number is below [`LARGEST`].
 pub(crate) fn sane(x: f32) -> bool {
     x.abs() < LARGEST
 }
 
-/// Whether all of them are.
+/// Returns true if every number is [`sane`].
 pub(crate) fn all_sane(numbers: &[f32]) -> bool {
     numbers.iter().all(|x| sane(*x))
 }

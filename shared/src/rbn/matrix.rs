@@ -3,7 +3,7 @@
 /// Links by receiver: row `i` is `links[offsets[i]..offsets[i + 1]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkMatrix<L> {
-    /// Where each row begins, and one past the end.
+    /// Offset of each row, plus the end offset.
     pub offsets: Vec<u32>,
     /// The links, row after row.
     pub links: Vec<L>,
@@ -17,7 +17,7 @@ impl<L> Default for LinkMatrix<L> {
 }
 
 impl<L: Copy> LinkMatrix<L> {
-    /// From all receivers' rows, the first one's first.
+    /// Creates a matrix from rows in order of receivers.
     pub fn from_rows(rows: &[Vec<L>]) -> Self {
         let mut matrix = Self::default();
         for row in rows {

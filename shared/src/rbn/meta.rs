@@ -1,6 +1,6 @@
 //! The small metadata of a .rbn file: section `META`, bincode 2 standard configuration.
 //!
-//! bincode is used here and in [`extras`](super::extras) alone, and never for more than [`MAX_BYTES`].
+//! bincode is used only here and in [`extras`](super::extras), and never for more than [`MAX_BYTES`].
 
 use super::RbnError;
 use super::extras::Extras;
@@ -10,7 +10,7 @@ pub use super::texture::DetailTexture;
 use crate::{camera::Camera, light::Light};
 use bincode::{Decode, Encode};
 
-/// What a file holds besides the bulk sections.
+/// Metadata of a file: contents outside the bulk sections.
 #[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
 pub struct Meta {
     /// Program and version that baked the file.
@@ -23,13 +23,13 @@ pub struct Meta {
     pub bounds_min: [f32; 3],
     /// Greatest corner.
     pub bounds_max: [f32; 3],
-    /// Levels of points, coarsest first; level `l` ends where level `l + 1` begins.
+    /// Levels of points, coarsest first; levels are contiguous.
     pub levels: Vec<Level>,
-    /// Senders are the points of this many levels, the coarsest ones.
+    /// Number of sender levels, from the coarsest; their points are the senders.
     pub sender_levels: u32,
-    /// Light that bounces again is gathered by the points of this many levels, at most `sender_levels`.
+    /// Number of levels with later bounces, at most `sender_levels`.
     pub later_levels: u32,
-    /// Direct light is sampled at the points of this many levels, at least `sender_levels`.
+    /// Number of levels with direct light samples, at least `sender_levels`.
     pub direct_levels: u32,
     /// Materials, by index.
     pub materials: Vec<Material>,
@@ -39,24 +39,24 @@ pub struct Meta {
     pub draws: Vec<Draw>,
     /// The scene's own lights, world space.
     pub lights: Vec<Light>,
-    /// The scene's own cameras, world space; the first is the one to start with. Never empty.
+    /// The scene's own cameras, world space; the viewer starts with the first. Never empty.
     pub cameras: Vec<Camera>,
-    /// How the scene's own lights move.
+    /// Animations of the scene's own lights.
     pub animations: Vec<Animation>,
-    /// How the bake was made and what it cost.
+    /// Settings and cost of the bake.
     pub bake: BakeInfo,
     /// Names of lights and cameras, and the ground; not in section `META`.
     pub shown: Shown,
 }
 
 impl Meta {
-    /// Whether any material bends normals.
+    /// Returns true if a material has a normal map.
     pub fn is_bumpy(&self) -> bool {
         self.materials.iter().any(|m| m.normal_texture.is_some())
     }
 }
 
-/// One level of points.
+/// Level of points.
 #[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
 pub struct Level {
     /// Index of its first point.
@@ -75,47 +75,46 @@ pub enum Alpha {
     /// Alpha is ignored.
     #[default]
     Opaque,
-    /// Cut where alpha is under the cutoff.
+    /// Cut out below the alpha cutoff.
     Mask {
         /// 0 to 1.
         cutoff: f32,
     },
-    /// Lets the share 1 − alpha of the light through.
+    /// Transmits the share 1 − alpha of the light.
     Blend,
 }
 
-/// A surface. Light transport takes it as Lambertian in its base colour, metals too; pictures add detail: normal
-/// maps and the direct lights' highlights (glTF 2.0, appendix B).
+/// Surface material. Light transport treats the surface as Lambertian with its base colour, metals too; pictures add
+/// detail: normal maps and specular highlights of direct lights (glTF 2.0, appendix B).
 #[derive(Clone, Debug, PartialEq, Encode, Decode)]
 pub struct Material {
     /// Its glTF name, or empty.
     pub name: String,
-    /// Linear RGB albedo and alpha, multiplied with the texture's.
+    /// Linear RGB albedo and alpha, factor of the texture.
     pub base_color: [f32; 4],
     /// Index of the sRGB base-colour texture.
     pub base_color_texture: Option<u32>,
-    /// How alpha is meant.
+    /// Alpha mode.
     pub alpha: Alpha,
-    /// Whether the back reflects too. If not, the back blocks light and reflects nothing.
+    /// True if the back reflects. Otherwise the back blocks light and reflects nothing.
     pub double_sided: bool,
-    /// Linear RGB radiance that the surface sends out by itself, multiplied with the texture's; shown, not part of
-    /// the transport.
+    /// Emitted linear RGB radiance, factor of the texture; shown, not part of the transport.
     pub emission: [f32; 3],
     /// sRGB texture of the emission.
     pub emission_texture: Option<DetailTexture>,
-    /// 0 to 1, multiplied with the texture's blue.
+    /// Metalness, 0 to 1, factor of the texture's blue.
     pub metallic: f32,
-    /// 0 to 1, multiplied with the texture's green.
+    /// Roughness, 0 to 1, factor of the texture's green.
     pub roughness: f32,
     /// Roughness and metalness.
     pub metallic_roughness_texture: Option<DetailTexture>,
-    /// Strength of the highlights of what is not metal, 0 to 1; 0 for a surface that is Lambertian in pictures too.
+    /// Specular strength of non-metal, 0 to 1; 0 for a surface that is Lambertian in pictures too.
     pub specular: f32,
     /// Normals in tangent space.
     pub normal_texture: Option<DetailTexture>,
-    /// What the normal texture's x and y are multiplied with.
+    /// Factor of the normal texture's x and y.
     pub normal_scale: f32,
-    /// What few materials have; not in section `META`.
+    /// Optional properties; not in section `META`.
     pub extras: Extras,
 }
 
@@ -142,14 +141,14 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Whether any light goes through because of what the material is, not of alpha.
+    /// Returns true if the material transmits light independent of alpha.
     pub fn is_glass(&self) -> bool {
         let e = &self.extras;
         let is_metal = self.metallic >= 1.0 && self.metallic_roughness_texture.is_none();
         (e.transmission > 0.0 || e.scattered > 0.0) && !is_metal
     }
 
-    /// Textures of detail that it has: emission, roughness and metalness, normals, transmission.
+    /// Returns the detail textures: emission, roughness and metalness, normals, transmission.
     pub fn details(&self) -> [Option<&DetailTexture>; 4] {
         let (shine, through) = (&self.metallic_roughness_texture, &self.extras.transmission_texture);
         [&self.emission_texture, shine, &self.normal_texture, through].map(Option::as_ref)
@@ -163,31 +162,31 @@ pub struct Animation {
     pub name: String,
     /// Seconds.
     pub duration: f32,
-    /// What changes.
+    /// Animated properties.
     pub tracks: Vec<Track>,
 }
 
-/// One property of one light over time.
+/// Keyframes of a property of a light.
 #[derive(Clone, Debug, PartialEq, Encode, Decode)]
 pub struct Track {
     /// Index of the light.
     pub light: u32,
-    /// What of it changes.
+    /// Animated property.
     pub property: Property,
-    /// What is between two keys.
+    /// Interpolation between keys.
     pub interpolation: Interpolation,
-    /// Seconds, each greater than the one before; at least one.
+    /// Key times, seconds, strictly ascending; at least one key.
     pub times: Vec<f32>,
-    /// [`Property::width`] numbers a time, in the units of [`Light`].
+    /// [`Property::width`] numbers per key, in the units of [`Light`].
     pub values: Vec<f32>,
 }
 
-/// What of a light may change.
+/// Animated property of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Encode, Decode)]
 pub enum Property {
     /// World space.
     Position,
-    /// The way the light travels, world space.
+    /// Direction of travel of the light, world space.
     Direction,
     /// Candela or lux.
     Intensity,
@@ -196,12 +195,12 @@ pub enum Property {
 }
 
 impl Property {
-    /// Whether its numbers may be negative.
+    /// Returns true if values may be negative.
     pub fn is_signed(self) -> bool {
         matches!(self, Self::Position | Self::Direction)
     }
 
-    /// Its name in the page.
+    /// Returns the name shown in the page.
     pub fn name(self) -> &'static str {
         match self {
             Self::Position => "position",
@@ -211,24 +210,24 @@ impl Property {
         }
     }
 
-    /// Numbers of one value.
+    /// Number of components of a value.
     pub fn width(self) -> usize {
         if self == Self::Intensity { 1 } else { 3 }
     }
 }
 
-/// What is between two keys.
+/// Interpolation between keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Encode, Decode)]
 pub enum Interpolation {
     /// A straight line.
     #[default]
     Linear,
-    /// The key before.
+    /// The previous key.
     Step,
 }
 
 impl Interpolation {
-    /// Its name in the page.
+    /// Returns the name shown in the page.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -237,19 +236,19 @@ impl Interpolation {
     }
 }
 
-/// How a texture coordinate outside [0, 1] is meant.
+/// Wrap mode of texture coordinates outside [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Encode, Decode)]
 pub enum Wrap {
     /// Tiles.
     #[default]
     Repeat,
-    /// Tiles, every other one mirrored.
+    /// Tiles, alternately mirrored.
     MirroredRepeat,
     /// Keeps the border's colour.
     ClampToEdge,
 }
 
-/// A compressed picture in section `TEXD`.
+/// Compressed picture in section `TEXD`.
 #[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
 pub struct Texture {
     /// Its glTF name, or empty.
@@ -270,7 +269,7 @@ pub struct Texture {
     pub wrap_v: Wrap,
     /// False where glTF asks for nearest filtering.
     pub linear_filter: bool,
-    /// True for numbers (roughness, normals), false for sRGB colours.
+    /// True for linear data (roughness, normals), false for sRGB colours.
     pub data: bool,
 }
 
@@ -285,7 +284,7 @@ pub struct Draw {
     pub index_count: u32,
 }
 
-/// How a bake was made and what it cost (the columns of paper, Table 1).
+/// Settings and cost of a bake (the columns of paper, Table 1).
 #[derive(Clone, Debug, Default, PartialEq, Encode, Decode)]
 pub struct BakeInfo {
     /// Name of the preset.
@@ -294,7 +293,7 @@ pub struct BakeInfo {
     pub seed: u64,
     /// Link threshold ε: irradiance per unit irradiance.
     pub epsilon: f32,
-    /// Bounces of light that the operator holds; where it holds all, those that were followed until the light settled.
+    /// Number of bounces in the operator; for an unlimited operator, the number of bounces until convergence.
     pub bounces: u32,
     /// Rays cast for the operator.
     pub rays: u64,
@@ -316,10 +315,10 @@ pub fn encode(meta: &Meta) -> Result<Vec<u8>, RbnError> {
     if bytes.len() > MAX_BYTES { Err(too_large()) } else { Ok(bytes) }
 }
 
-/// Decodes the metadata; all bytes must be used.
+/// Decodes the metadata.
 ///
 /// # Errors
-/// [`RbnError::Invalid`].
+/// [`RbnError::Invalid`] for malformed or left-over bytes.
 pub fn decode(bytes: &[u8]) -> Result<Meta, RbnError> {
     let config = bincode::config::standard().with_limit::<MAX_BYTES>();
     match bincode::decode_from_slice::<Meta, _>(bytes, config) {

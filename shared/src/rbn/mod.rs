@@ -2,11 +2,11 @@
 //!
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);
-//! * [`extras`] – what few materials have; [`shown`] – names, and the ground under an object;
+//! * [`extras`] – optional material properties; [`shown`] – names, and the ground under an object;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
-//! * [`codec`] – how the sections are packed in the file;
+//! * [`codec`] – packing of the sections in the file;
 //! * [`LinkMatrix`] – transport links by receiver;
-//! * [`limits`] – what a reader refuses.
+//! * [`limits`] – limits enforced by a reader.
 //!
 //! A whole file in memory is a [`BakedScene`](crate::baked::BakedScene).
 
@@ -26,19 +26,19 @@ pub use matrix::LinkMatrix;
 /// Names of the sections, in file order.
 pub const SECTIONS: [[u8; 4]; 8] =
     [*b"META", *b"VERT", *b"INDX", *b"PNTS", *b"CUTS", *b"LINK", *b"LATL", *b"TEXD"];
-/// Those that files with copies have besides, after the others.
+/// Names of the sections of files with copies, after [`SECTIONS`].
 pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
-/// The one that files have besides, after these, where a material has [extras].
+/// Name of the optional section of material [extras], after the sections above.
 pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
-/// The optional section for the points' openness, after the others.
+/// Name of the optional section of the points' openness, after the sections above.
 pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
-/// The one that files have besides, last, where there are names or a ground: see [shown].
+/// Name of the optional section of names and ground, last: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 
-/// Why a .rbn file could not be read or written.
+/// Error in reading or writing a .rbn file.
 #[derive(Debug, thiserror::Error)]
 pub enum RbnError {
-    /// The first bytes are not those of a .rbn file.
+    /// Wrong magic bytes.
     #[error("this is not a .rbn file; make one with `rebounce bake SCENE.glb -o FILE.rbn`")]
     NotRbn,
     /// Written by a newer Rebounce.
@@ -47,34 +47,34 @@ pub enum RbnError {
          {supported}: update it, or bake the scene again with this one"
     )]
     NewerVersion {
-        /// Program and version that wrote the file, as it says itself.
+        /// Program and version of the writer, as stored in the file.
         writer: String,
         /// The file's version.
         found: u32,
-        /// The version that this code reads.
+        /// Version supported by the reader.
         supported: u32,
     },
-    /// Written by an older Rebounce whose files are no longer read.
+    /// Written by an older Rebounce in an unsupported version.
     #[error(
         "the file was written by {writer} in format version {found}; this Rebounce reads version {supported}: bake \
          its scene again with `rebounce bake SCENE.glb -o FILE.rbn`"
     )]
     OlderVersion {
-        /// Program and version that wrote the file, as it says itself.
+        /// Program and version of the writer, as stored in the file.
         writer: String,
         /// The file's version.
         found: u32,
-        /// The version that this code reads.
+        /// Version supported by the reader.
         supported: u32,
     },
-    /// The file ends before its header or a section does.
+    /// File shorter than its header or sections.
     #[error(
         "the file is cut short: {expected} bytes were written, {found} are there; download or copy it again"
     )]
     Truncated {
-        /// The bytes that the header promises.
+        /// Length in the header, bytes.
         expected: u64,
-        /// The bytes present.
+        /// Actual length, bytes.
         found: u64,
     },
     /// A checksum does not match.
@@ -88,16 +88,16 @@ pub enum RbnError {
     Invalid {
         /// The section's four-letter name.
         section: String,
-        /// What is wrong.
+        /// Description of the error.
         problem: String,
     },
-    /// Too much for the format.
+    /// Scene beyond a limit of the format.
     #[error("{0}")]
     TooLarge(String),
 }
 
 impl RbnError {
-    /// A short code for programs: the viewer's `error` event carries it.
+    /// Returns a short error code for programs, used by the viewer's `error` event.
     pub fn code(&self) -> &'static str {
         match self {
             RbnError::NotRbn => "not-rbn",

@@ -1,5 +1,5 @@
-//! How a scene is shown besides its light: names, and the ground under an object. Section `SHOW`, which only files with any
-//! of it have; readers that do not know it show the same surfaces in the same light.
+//! Presentation of a scene apart from its light: names, and the ground under an object. Optional section `SHOW`;
+//! readers without support show the same surfaces in the same light.
 
 use bincode::de::Decoder;
 use bincode::enc::Encoder;
@@ -7,22 +7,22 @@ use bincode::error::{DecodeError, EncodeError};
 use bincode::{Decode, Encode};
 use std::iter::once;
 
-/// Places of a [`Ground`] along each side.
+/// Resolution of a [`Ground`] along each side.
 pub const SIDE: usize = 32;
-/// Bytes of a ground: eight floats, of which three are zero, and its shadow.
+/// Size of a ground, bytes: eight floats (three of them zero), and the shadow.
 pub const GROUND: usize = 32 + SIDE * SIDE;
 
 /// Names and ground. In section `META` the encoding is empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shown {
-    /// Names of the lights, then of the cameras, each terminated by a zero byte (an empty name is a zero byte alone);
-    /// empty for a scene without names.
+    /// Names of the lights, then of the cameras, terminated by zero bytes (an empty name is a lone zero byte); empty
+    /// for a scene without names.
     pub names: String,
-    /// [`Ground::to_bytes`] of an object, which stands before a backdrop instead of black; else empty.
+    /// [`Ground::to_bytes`] for an object, shown in front of a backdrop instead of black; empty otherwise.
     pub ground: Vec<u8>,
 }
 
-/// A level plane under an object, with the shadow of what stands on it, in local space.
+/// Horizontal plane under an object, with the object's shadow, in local space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ground {
     /// Least x and z of the shadow.
@@ -31,7 +31,7 @@ pub struct Ground {
     pub high: [f32; 2],
     /// y of the plane.
     pub height: f32,
-    /// Share of the sky that is hidden, 0 to 255, at the middles of [`SIDE`] by [`SIDE`] squares, row after row along x.
+    /// Occluded share of the sky, 0 to 255, at the centres of [`SIDE`] by [`SIDE`] squares, row by row along x.
     pub shade: Vec<u8>,
 }
 
@@ -50,10 +50,10 @@ impl<C> Decode<C> for Shown {
 bincode::impl_borrow_decode!(Shown);
 
 impl Shown {
-    /// From names, all lights' and then all cameras', and a ground.
+    /// Creates `Shown` from the names of lights, then cameras, and a ground.
     pub fn new<'a>(names: impl Iterator<Item = &'a str> + Clone, ground: Option<&Ground>) -> Self {
         let is_named = names.clone().any(|name| !name.is_empty());
-        // A zero within a name would end it.
+        // A zero within a name would terminate the name.
         let letters = |name: &'a str| name.chars().filter(|c| *c != '\0').chain(once('\0'));
         Self {
             names: if is_named { names.flat_map(letters).collect() } else { String::new() },
@@ -61,12 +61,12 @@ impl Shown {
         }
     }
 
-    /// The names in order; none where nothing has one.
+    /// Returns the names in order; empty if nothing is named.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.names.split_terminator('\0')
     }
 
-    /// The ground, if there is one.
+    /// Returns the ground, if present.
     pub fn ground(&self) -> Option<Ground> {
         let (numbers, shade) = self.ground.split_at_checked(32)?;
         let numbers: [f32; 8] = bytemuck::pod_read_unaligned(numbers);
@@ -76,7 +76,7 @@ impl Shown {
 }
 
 impl Ground {
-    /// Little-endian: least x and z, greatest x and z, y, three zeros; the shadow.
+    /// Encodes as little-endian floats: least x and z, greatest x and z, y, three zeros; then the shadow.
     pub fn to_bytes(&self) -> Vec<u8> {
         let numbers = [self.low, self.high, [self.height, 0.0], [0.0; 2]];
         let numbers = numbers.as_flattened().iter().flat_map(|x| x.to_le_bytes());

@@ -1,12 +1,12 @@
-//! How materials name textures.
+//! References of materials to textures.
 
 use bincode::{Decode, Encode};
 
-/// A texture besides the base colour's.
+/// Reference to a detail texture (not the base colour).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Encode, Decode)]
 pub struct DetailTexture {
     /// Index of the texture.
     pub texture: u32,
-    /// Its coordinates from the vertex's (u, v, 1), row by row.
+    /// Matrix from the vertex's (u, v, 1) to texture coordinates, row by row.
     pub uv_from_vertex: [[f32; 3]; 2],
 }

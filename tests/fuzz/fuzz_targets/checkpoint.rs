@@ -1,4 +1,4 @@
-//! The checkpoint of a bake: whatever its records say, it is refused or gone on from.
+//! Checkpoint of a bake: arbitrary records are rejected or resumed.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
@@ -9,12 +9,12 @@ use rebounce_fuzz::partial::mutate;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-/// The bake that the seeds are of.
+/// Identity of the seeds' bake.
 static IDENTITY: LazyLock<Identity> = LazyLock::new(|| {
     let scene = scene::load("builtin:cornell-box").expect("it is built in");
     Identity::new(&scene, &BakeSettings::new(Preset::Draft))
 });
-/// Where inputs are written: in memory, where the system has such a folder, as a disk is slow.
+/// Path of the input file: in memory if the system has such a folder, since a disk is slow.
 static FILE: LazyLock<PathBuf> = LazyLock::new(|| {
     let memory = PathBuf::from("/dev/shm");
     let folder = if memory.is_dir() { memory } else { std::env::temp_dir() };

@@ -1,5 +1,5 @@
-//! A whole .rbn file: refused, or read and written again to the same scene, which keeps every rule that the viewer
-//! relies on. The mutator repairs checksums, so that damage reaches the sections.
+//! Entire .rbn file: rejected, or read and written again to an equal scene with the invariants of the viewer. The
+//! mutator repairs checksums, so that damage reaches the sections.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
@@ -15,7 +15,7 @@ fuzz_target!(|bytes: &[u8]| {
     let Ok(scene) = bounded(bytes.len(), 0, || BakedScene::from_bytes(bytes)) else { return };
     let again = scene.to_bytes().expect("what was read can be written");
     let again = BakedScene::from_bytes(&again).expect("what was written can be read");
-    // Negative zeros are equal to zeros, and bits of a direction that none points to may differ.
+    // Scenes are compared, not bytes: negative zeros equal zeros, and unused bits of directions may differ.
     assert!(again == scene);
     rebounce_fuzz::contents::keeps_promises(&scene);
 });

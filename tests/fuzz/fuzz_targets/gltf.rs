@@ -1,5 +1,5 @@
-//! A .gltf or .glb file: a scene whose indices fit and whose numbers are finite, or an error. The mutator keeps the
-//! container whole.
+//! A .gltf or .glb file: a scene with valid indices and finite numbers, or an error. The mutator keeps the container
+//! valid.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
@@ -7,7 +7,8 @@ use rebounce::scene;
 use rebounce_fuzz::bounded;
 use rebounce_fuzz::glb::mutate;
 
-/// Bytes that pictures may take: theirs are what they say they are, up to 2^26 texels of a file without proof.
+/// Memory limit of decoded pictures, bytes: the sizes in the pictures' headers are trusted up to 2^26 texels per
+/// file.
 const PICTURES: usize = 600 << 20;
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {

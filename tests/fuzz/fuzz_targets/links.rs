@@ -1,4 +1,4 @@
-//! The codec of links: any bytes are refused or give rows, and any rows come back.
+//! Codec of links: arbitrary bytes are rejected or give rows; arbitrary rows survive a round trip.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -16,7 +16,7 @@ fn round_trip<E: Beside + PartialEq + std::fmt::Debug>(rows: &[Vec<E>]) {
     assert_eq!(decode::<E>(&packed).expect("what was packed"), (offsets, entries));
 }
 
-/// Rows from the input: a byte of zero ends one.
+/// Parses rows from the input: a zero step ends a row.
 fn rows<E: Sent>(bytes: &[u8], entry: impl Fn(u32, [u8; 4]) -> E) -> Vec<Vec<E>> {
     let mut rows = vec![Vec::new()];
     let mut index = 0;

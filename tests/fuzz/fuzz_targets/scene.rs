@@ -1,5 +1,5 @@
-//! The contents of a .rbn file before they are packed: whatever numbers stand in them, the file is refused or keeps
-//! every rule that the viewer relies on. The input is switches and the bytes of each section, each after its length.
+//! Unpacked contents of a .rbn file: with arbitrary numbers, the file is rejected or satisfies the invariants of the
+//! viewer. The input is switches and the bytes of the sections with length prefixes.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};

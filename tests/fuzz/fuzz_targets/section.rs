@@ -1,4 +1,4 @@
-//! One packed section: refused, or unpacked to what is packed and unpacked to the same. The first byte says which.
+//! Packed section: rejected, or unpacked to contents that survive a round trip. The first byte selects the section.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

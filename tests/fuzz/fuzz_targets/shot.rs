@@ -1,4 +1,4 @@
-//! A SHOT.json: a shot whose numbers can be used, or what is wrong with it.
+//! A SHOT.json: a shot with usable numbers, or an error message.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

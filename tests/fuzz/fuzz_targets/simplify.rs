@@ -1,5 +1,5 @@
-//! Triangles for rays: whatever sheet with steps, holes, folds and seams the bytes say, what is left is where the scene
-//! was, with as much area, and looks as it looked.
+//! Simplification: for an arbitrary sheet with steps, holes, folds and seams, the result keeps place, area and
+//! appearance of the scene.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -9,7 +9,7 @@ use rebounce::geometry::simplify::TOGETHER;
 mod soup;
 
 fuzz_target!(|bytes: &[u8]| {
-    // All at once, or little by little.
+    // Simplification in one batch or in small batches.
     let together = if bytes.len() % 4 < 2 { TOGETHER } else { 16 };
     soup::keeps_promises(&soup::soup(bytes), together);
 });

@@ -1,5 +1,5 @@
-//! A .rbn file's contents before they are packed, as an input: switches, then ten parts, each after its length. Any
-//! bytes are some contents, so that damage reaches the rules behind the codec.
+//! Unpacked contents of a .rbn file as a fuzz input: switches, then ten parts with length prefixes. Arbitrary bytes
+//! are valid contents, so that damage reaches the rules behind the codec.
 
 use crate::{Random, mutated, put};
 use bytemuck::Pod;
@@ -10,19 +10,20 @@ use rebounce_shared::rbn::container::MAGIC;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::{COPY_SECTIONS, LinkMatrix, MAX_TRIANGLES, SECTIONS, meta};
 
-/// Bytes of a link or later link in an input: the step from the index before, or zero at a row's end; the rest.
+/// Size of a link or later link in an input, bytes: a step from the previous index (zero at a row's end), then the
+/// value.
 const LINK: usize = 6;
-/// An input begins with it; the low bits say what is not made to fit.
+/// First byte of an input; set low bits disable corrections.
 const MARK: u8 = 0xe0;
 
-/// Switches and parts, in the order of the sections.
+/// Switches and parts, parts in the order of the sections.
 pub struct Contents {
     switches: u8,
     parts: [Vec<u8>; 10],
 }
 
 impl Contents {
-    /// From an input, or from a .rbn file, which seeds are.
+    /// Parses an input or a .rbn file; seeds are .rbn files.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(&MAGIC) {
             return Some(Self::of(&BakedScene::from_bytes(bytes).ok()?));
@@ -62,7 +63,7 @@ impl Contents {
         out
     }
 
-    /// Names and bytes of the sections; numbers of things are made to agree, where no switch says otherwise.
+    /// Returns names and bytes of the sections; counts and indices are made consistent unless disabled by a switch.
     pub fn packed(&self) -> Vec<([u8; 4], Vec<u8>)> {
         let [meta_bytes, vertices, indices, points, cuts, links, later, textures, instances, copies] =
             &self.parts;
@@ -146,12 +147,12 @@ impl Contents {
     }
 }
 
-/// As many records as the bytes are.
+/// Converts bytes to records.
 fn records<T: Pod>(bytes: &[u8]) -> Vec<T> {
     bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
 }
 
-/// Links as steps.
+/// Encodes links as steps.
 fn steps<L: Copy>(matrix: &LinkMatrix<L>, split: impl Fn(L) -> (u32, u32)) -> Vec<u8> {
     let mut out = Vec::new();
     for row in matrix.iter() {
@@ -168,7 +169,7 @@ fn steps<L: Copy>(matrix: &LinkMatrix<L>, split: impl Fn(L) -> (u32, u32)) -> Ve
     out
 }
 
-/// Rows from steps, so many of them, unless all are wanted.
+/// Decodes `rows` rows from steps, or every row for `usize::MAX`.
 fn matrix<L: Copy>(bytes: &[u8], rows: usize, link: impl Fn(u32, u32) -> L) -> LinkMatrix<L> {
     let mut found = vec![Vec::new()];
     let mut next = 0u32;
@@ -186,7 +187,7 @@ fn matrix<L: Copy>(bytes: &[u8], rows: usize, link: impl Fn(u32, u32) -> L) -> L
             }
         }
     }
-    // Each row has an end.
+    // The last row has an end marker, too.
     found.pop();
     if rows != usize::MAX {
         found.resize(rows, Vec::new());
@@ -194,7 +195,7 @@ fn matrix<L: Copy>(bytes: &[u8], rows: usize, link: impl Fn(u32, u32) -> L) -> L
     LinkMatrix::from_rows(&found)
 }
 
-/// Damages one part: as bytes, or one of its words.
+/// Damages one part, as bytes or in one word.
 pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize {
     const ODD: [u32; 12] = [
         0,
@@ -214,7 +215,7 @@ pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize
     let Some(mut contents) = Contents::from_bytes(&data[..size]) else {
         return libfuzzer_sys::fuzzer_mutate(data, size, max_size);
     };
-    // Half of it goes into what says how all else is meant, and into the points.
+    // Half of the mutations apply to the metadata and to the points.
     let part = &mut contents.parts[[0, 0, 0, 3, 3, 3, 1, 2, 4, 5, 6, 7, 8, 9][random.below(14)]];
     match random.below(8) {
         0 if part.len() >= 4 => {
@@ -234,7 +235,7 @@ pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize
     }
 }
 
-/// Asserts what the viewer relies on, and what its shaders do with it on the CPU.
+/// Asserts the invariants of the viewer, including the lookups of its shaders.
 pub fn keeps_promises(scene: &BakedScene) {
     for (i, row) in scene.links.iter().enumerate() {
         assert!(row.iter().all(|link| link.amount().is_finite()), "row {i}");

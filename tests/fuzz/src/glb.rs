@@ -1,8 +1,8 @@
-//! .glb files: damage in the JSON's numbers and words and in the binary chunk, in a container that fits.
+//! Mutator of .glb files: damage to numbers and words of the JSON and to the binary chunk, in a valid container.
 
 use crate::{Random, mutated, put};
 
-/// Numbers that broken files have in unlucky places.
+/// Typical hostile numbers of broken files.
 const ODD: [&str; 18] = [
     "-1",
     "0",
@@ -24,7 +24,7 @@ const ODD: [&str; 18] = [
     "1e308",
 ];
 
-/// JSON and binary chunk.
+/// Splits a file into JSON and binary chunk.
 fn parts(file: &[u8]) -> Option<(&[u8], &[u8])> {
     let word = |at: usize| Some(u32::from_le_bytes(file.get(at..at + 4)?.try_into().ok()?) as usize);
     let json = file.get(20..20usize.checked_add(word(12)?)?)?;
@@ -44,7 +44,7 @@ fn whole(json: &[u8], binary: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Begin and end of each run of bytes that `is` takes.
+/// Returns begin and end of the runs of bytes accepted by `is`.
 fn runs(json: &[u8], is: impl Fn(u8) -> bool) -> Vec<(usize, usize)> {
     let mut out: Vec<(usize, usize)> = Vec::new();
     for (at, _) in json.iter().enumerate().filter(|(_, byte)| is(**byte)) {
@@ -56,7 +56,7 @@ fn runs(json: &[u8], is: impl Fn(u8) -> bool) -> Vec<(usize, usize)> {
     out
 }
 
-/// Damages the JSON or the binary chunk, or, seldom, the whole file.
+/// Damages the JSON or the binary chunk, or, seldom, the entire file.
 pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize {
     let mut random = Random::new(seed);
     let file = data[..size].to_vec();
@@ -74,7 +74,7 @@ pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize
                 let other = json[a..b].to_vec();
                 drop(json.splice(from..to, other));
             }
-            // A part of the text a second time.
+            // Duplicates a part of the text.
             4 => {
                 let part = json[from.min(a)..to.max(b)].to_vec();
                 let at = random.below(json.len() + 1);

@@ -1,5 +1,5 @@
-//! What the fuzz targets share: a bound on memory, files put together again with checksums that fit, and mutators that
-//! keep a file's outer form, so that damage reaches what lies behind it.
+//! Code shared by the fuzz targets: a bound on memory, files reassembled with valid checksums, and mutators that keep
+//! a file's outer format, so that damage reaches the code behind the container.
 
 pub mod contents;
 pub mod glb;
@@ -12,10 +12,10 @@ use std::alloc::System;
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
 
-/// Bytes that reading any input may take, besides four times its size.
+/// Memory limit of reading an input, bytes, in addition to four times the input size.
 pub const MEMORY_FREE: usize = 64 << 20;
 
-/// Does the work; ends the process where it takes more memory at once than an input of so many bytes may.
+/// Runs `work`; aborts the process if memory exceeds the limit for `input` bytes plus `more` bytes.
 pub fn bounded<T>(input: usize, more: usize, work: impl FnOnce() -> T) -> T {
     let most = MEMORY.allocated() + 4 * input + MEMORY_FREE + more;
     MEMORY.set_limit(most).expect("what is allocated is under the limit");
@@ -24,16 +24,16 @@ pub fn bounded<T>(input: usize, more: usize, work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// Numbers, from a seed (SplitMix64).
+/// Random numbers from a seed (SplitMix64).
 pub struct Random(u64);
 
 impl Random {
-    /// The numbers of this seed.
+    /// Creates the generator for a seed.
     pub fn new(seed: u32) -> Self {
         Self(seed as u64)
     }
 
-    /// A number under `n`.
+    /// Returns a number below `n`.
     pub fn below(&mut self, n: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -42,7 +42,7 @@ impl Random {
     }
 }
 
-/// libFuzzer's own mutation of one part of an input, which may become this long.
+/// Applies libFuzzer's own mutation to a part of an input, up to `most` bytes long.
 pub fn mutated(part: &[u8], most: usize) -> Vec<u8> {
     let mut bytes = part.to_vec();
     bytes.truncate(most);
@@ -53,7 +53,7 @@ pub fn mutated(part: &[u8], most: usize) -> Vec<u8> {
     bytes
 }
 
-/// Puts a new input where libFuzzer wants it; `None` where it is too long.
+/// Copies a new input into libFuzzer's buffer; `None` for an input over `max_size`.
 pub fn put(input: &[u8], data: &mut [u8], max_size: usize) -> Option<usize> {
     data.get_mut(..input.len().min(max_size + 1))?.get_mut(..input.len())?.copy_from_slice(input);
     (input.len() <= max_size).then_some(input.len())

@@ -1,16 +1,16 @@
-//! Checkpoints of bakes: damage within a record, under checksums that fit.
+//! Mutator of checkpoints: damage within a record, with valid checksums.
 
 use crate::{Random, mutated, put};
 use xxhash_rust::xxh32::xxh32;
 
-/// Bytes before a record's contents.
+/// Size of a record's header, bytes.
 const HEAD: usize = 12;
 
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
 }
 
-/// Kinds and contents of the records, whatever their checksums say.
+/// Returns kinds and contents of the records; ignores checksums.
 fn records(file: &[u8]) -> Vec<(u32, &[u8])> {
     let mut records = Vec::new();
     let mut rest = file;
@@ -22,7 +22,7 @@ fn records(file: &[u8]) -> Vec<(u32, &[u8])> {
     records
 }
 
-/// A file of these records.
+/// Writes a file of these records with valid checksums.
 fn whole(records: &[(u32, &[u8])]) -> Vec<u8> {
     let mut out = Vec::new();
     let mut salt = 0;
@@ -37,7 +37,7 @@ fn whole(records: &[(u32, &[u8])]) -> Vec<u8> {
     out
 }
 
-/// Damages one record, repeats, moves or takes one away, or, seldom, damages the whole file.
+/// Damages, removes, repeats or relabels a record, or, seldom, damages the entire file.
 pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize {
     let mut random = Random::new(seed);
     let file = data[..size].to_vec();

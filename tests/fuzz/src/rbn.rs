@@ -1,12 +1,12 @@
-//! .rbn files: damage within a section, under checksums that fit.
+//! Mutator of .rbn files: damage within a section, with valid checksums.
 
 use crate::{Random, mutated, put};
 use rebounce_shared::rbn::container;
 
-/// Bytes that a row of the table, and the header, take.
+/// Size of the header and of a table row, bytes.
 const ROW: usize = 32;
 
-/// The sections of a file, whatever their checksums say.
+/// Returns the sections of a file; ignores checksums.
 fn sections(file: &[u8]) -> Option<Vec<([u8; 4], &[u8])>> {
     let word = |at: usize| Some(u64::from_le_bytes(file.get(at..at + 8)?.try_into().ok()?));
     let count = (word(8)? >> 32) as usize;
@@ -19,7 +19,7 @@ fn sections(file: &[u8]) -> Option<Vec<([u8; 4], &[u8])>> {
     (0..count.min(64)).map(section).collect()
 }
 
-/// Damages one section, exchanges two, leaves one out, or, seldom, damages the whole file.
+/// Damages a section, swaps the names of two, removes one, or, seldom, damages the entire file.
 pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize {
     let mut random = Random::new(seed);
     let file = data[..size].to_vec();

@@ -1,6 +1,6 @@
-//! `compare PICTURE REFERENCE [REFERENCE]`: prints how far one picture of linear radiance is from another, as JSON; with
-//! two references, which are noisy each in its own way, without their noise.
-//! Each is an .exr, or RGBA floats in a file named NAME-WIDTHxHEIGHT.f32.
+//! `compare PICTURE REFERENCE [REFERENCE]`: prints the difference between two pictures of linear radiance, as JSON.
+//! Two references with independent noise cancel the noise. Files are .exr, or RGBA floats in a file named
+//! NAME-WIDTHxHEIGHT.f32.
 
 use anyhow::{Result, bail};
 use rebounce::picture::compare::compare;

@@ -1,12 +1,13 @@
-//! `damage FOLDER COUNT SEED`: writes so many damaged files, `list.json` of what was done to each, the file that they
-//! were, two whose names are markup, and one with a texture that is said to be far larger than it is. Run by `cargo xtask damage` and by the tests of the page.
+//! `damage FOLDER COUNT SEED`: writes COUNT damaged files, `list.json` with a description of the damage, the original
+//! file, two files with markup as names, and a file with a greatly overstated texture size. Run by
+//! `cargo xtask damage` and by the tests of the page.
 
 use anyhow::{Context, Result};
 use rebounce_tests::damage::{Outcome, damage};
 use rebounce_tests::small::{everything, named};
 use std::path::PathBuf;
 
-/// A name that would be a fault in a page that took it for markup.
+/// A name that runs a script in a page that interprets the name as markup.
 const NAME: &str = "<img src=x onerror=\"globalThis.markup='run'\">";
 
 fn main() -> Result<()> {
@@ -22,14 +23,14 @@ fn main() -> Result<()> {
     write("whole.rbn", &file)?;
     let mut markup = named(&scene, NAME);
     write("names.rbn", &markup.to_bytes()?)?;
-    // The texture's name is told when it cannot be decoded.
+    // The error message of an undecodable texture contains its name.
     markup.texture_bytes.fill(0);
     write("broken-texture.rbn", &markup.to_bytes()?)?;
-    // A picture of four pixels that is said to be as large as can be.
+    // A picture of four pixels with the maximum width in its metadata.
     let mut claims = scene.clone();
     claims.meta.textures.iter_mut().for_each(|texture| texture.width = u32::MAX);
     write("large-claim.rbn", &claims.to_bytes()?)?;
-    // Contents that cannot be packed are tried and left out.
+    // Silences panics: contents that cannot be packed are caught and skipped.
     std::panic::set_hook(Box::new(|_| ()));
     let mut list = Vec::new();
     for index in 0..count {

@@ -1,4 +1,4 @@
-//! `seeds FOLDER`: what the fuzz targets begin with, a folder each. Run by `cargo xtask fuzz`.
+//! `seeds FOLDER`: writes the seeds of the fuzz targets, a folder per target. Run by `cargo xtask fuzz`.
 
 use anyhow::{Context, Result};
 use rebounce::bake::{BakeSettings, Checkpoint, Identity, Preset, bake_with_checkpoint};
@@ -24,7 +24,7 @@ fn main() -> Result<()> {
         let file = scene.to_bytes()?;
         write("file", short, &file)?;
         write("scene", short, &file)?;
-        // The target is told by a byte which section it has.
+        // The first byte of a seed selects the section.
         for section in container::read(&file)? {
             const TOLD: [&[u8; 4]; 9] =
                 [b"META", b"VERT", b"INDX", b"PNTS", b"CUTS", b"LINK", b"LATL", b"INST", b"COPY"];
@@ -55,7 +55,7 @@ fn main() -> Result<()> {
     write("simplify", "sheet", &[0, 40, 64, 0, 7, 9, 0, 0, 1, 30, 2, 2, 4, 77, 0, 0, 5, 3, 60, 30])
 }
 
-/// The checkpoint of a small bake, said to be of a draft of the same scene, as the target expects.
+/// Returns the checkpoint of a small bake with the identity of a draft of the Cornell box, as expected by the target.
 fn checkpoint(folder: &Path) -> Result<Vec<u8>> {
     let scene = scene::load("builtin:cornell-box")?;
     let identity = Identity::new(&scene, &BakeSettings::new(Preset::Draft));

@@ -19,7 +19,7 @@ fn sections(file: &[u8]) -> Sections {
     sections.iter().map(|s| (s.name, file[s.offset..s.offset + s.len].to_vec())).collect()
 }
 
-/// A file of these sections; all checksums fit.
+/// Writes a file of these sections with valid checksums.
 pub fn sealed(sections: &Sections) -> Vec<u8> {
     let parts: Vec<_> = sections.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
     container::write(container::VERSION, &parts)
@@ -60,7 +60,7 @@ pub fn flip_sealed(file: &[u8], random: &mut Random) -> Damaged {
     made(format!("{count} bits of {name} flipped, checksums repaired"), Outcome::Any, sealed(&sections))
 }
 
-/// Gives one section another one's contents.
+/// Swaps the contents of two sections, or duplicates a section.
 pub fn swap(file: &[u8], random: &mut Random) -> Option<Damaged> {
     let mut sections = sections(file);
     let (a, b) = (random.below(sections.len()), random.below(sections.len()));
@@ -72,13 +72,13 @@ pub fn swap(file: &[u8], random: &mut Random) -> Option<Damaged> {
         let first = sections[a].1.clone();
         sections[a].1 = std::mem::replace(&mut sections[b].1, first);
     } else {
-        // One of them twice, the other gone.
+        // Section `b` twice, section `a` missing.
         sections[a] = sections[b].clone();
     }
     Some(made(what, Outcome::Any, sealed(&sections)))
 }
 
-/// Cuts a section, adds to it, or takes it away, and repairs the checksums.
+/// Truncates, extends, shortens or removes a section, and repairs the checksums.
 pub fn resize(file: &[u8], random: &mut Random) -> Option<Damaged> {
     let mut sections = sections(file);
     let at = random.below(sections.len());

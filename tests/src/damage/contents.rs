@@ -1,4 +1,4 @@
-//! Contents that lie: each number where a number goes, but a wrong one.
+//! Damage to contents: well-formed sections with wrong numbers.
 
 use super::container::sealed;
 use super::{Damaged, Outcome, Random, Sections};
@@ -10,7 +10,7 @@ use rebounce_shared::rbn::meta;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Level};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Changes some of what a scene says, and packs it unchecked.
+/// Changes parts of a scene and packs the scene unchecked.
 pub fn lie(scene: &BakedScene, random: &mut Random) -> Option<Damaged> {
     let mut scene = scene.clone();
     let mut what = Vec::new();
@@ -31,13 +31,13 @@ pub fn lie(scene: &BakedScene, random: &mut Random) -> Option<Damaged> {
             _ => light(&mut scene, random),
         });
     }
-    // What cannot even be written is no file.
+    // Contents that cannot be packed give no file.
     let sections = catch_unwind(AssertUnwindSafe(|| packed(&scene))).ok()??;
     let what = format!("{}, checksums right", what.join("; "));
     Some(Damaged { what, outcome: Outcome::Any, bytes: sealed(&sections) })
 }
 
-/// A scene's sections, whatever is in it.
+/// Packs the sections of a scene without validation.
 fn packed(scene: &BakedScene) -> Option<Sections> {
     let mut sections = vec![
         (*b"META", meta::encode(&scene.meta).ok()?),
@@ -56,7 +56,7 @@ fn packed(scene: &BakedScene) -> Option<Sections> {
     Some(sections)
 }
 
-/// Puts a hostile number into some words of the records, or takes or adds records.
+/// Puts a hostile number into words of the records, or removes or adds records.
 fn words<T: Pod>(name: &str, records: &mut Vec<T>, random: &mut Random) -> String {
     match random.below(6) {
         0 => {
@@ -75,7 +75,7 @@ fn words<T: Pod>(name: &str, records: &mut Vec<T>, random: &mut Random) -> Strin
     if words.is_empty() {
         return format!("no {name}");
     }
-    // One word, or the same of every record.
+    // One word, or the corresponding word of every record.
     let (at, all) = (random.below(words.len()), random.below(3) == 0);
     let value = match random.below(2) {
         0 => random.float().to_bits(),
@@ -87,7 +87,7 @@ fn words<T: Pod>(name: &str, records: &mut Vec<T>, random: &mut Random) -> Strin
     format!("word {} of {} {name} is {value:#x}", at % width, if all { "each" } else { "a" })
 }
 
-/// Puts many functions in one place, or makes all supports as large.
+/// Moves every function to one place, or gives every support the same radius.
 fn crowd(scene: &mut BakedScene, random: &mut Random) -> String {
     let first = scene.points[0];
     let radius = random.float();
@@ -137,7 +137,7 @@ fn place(scene: &mut BakedScene, random: &mut Random) -> String {
     format!("{what} {value}")
 }
 
-/// Materials, textures and draw calls.
+/// Damages materials, textures or draw calls.
 fn look(scene: &mut BakedScene, random: &mut Random) -> String {
     let m = &mut scene.meta;
     let value = random.float();
@@ -193,7 +193,7 @@ fn look(scene: &mut BakedScene, random: &mut Random) -> String {
     format!("{what} {value} {index}")
 }
 
-/// Lights and how they move.
+/// Damages lights or animations.
 fn light(scene: &mut BakedScene, random: &mut Random) -> String {
     let m = &mut scene.meta;
     let value = if random.below(4) == 0 { 1e300 } else { random.float() as f64 };

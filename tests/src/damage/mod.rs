@@ -1,7 +1,7 @@
-//! Damaged .rbn files, as a hostile or broken source would send them; each follows from a seed and its number.
+//! Generator of damaged .rbn files, as from a hostile or broken source; deterministic by seed and file number.
 //!
-//! * `container` – bytes, lengths, counts and sections, with checksums as they were or repaired;
-//! * `contents` – numbers that break no checksum: what the file says is wrong.
+//! * `container` – damage to bytes, lengths, counts and sections, with original or repaired checksums;
+//! * `contents` – wrong values under valid checksums.
 
 mod container;
 mod contents;
@@ -9,29 +9,29 @@ mod contents;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::random::Stream;
 
-/// What a damaged file must come to.
+/// Expected outcome of reading a damaged file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The reader must refuse it: a checksum or a length is wrong.
+    /// Rejection: a checksum or a length is wrong.
     Error,
-    /// Its checksums are right: it may be refused, or give a picture, which may be any.
+    /// Rejection or an arbitrary picture: checksums are valid.
     Any,
 }
 
-/// A damaged file.
+/// Damaged file.
 pub struct Damaged {
-    /// What was done to it, in words.
+    /// Description of the damage.
     pub what: String,
-    /// What it must come to.
+    /// Expected outcome.
     pub outcome: Outcome,
     /// The file.
     pub bytes: Vec<u8>,
 }
 
-/// Where the bytes of a file's sections are, by name.
+/// Names and bytes of a file's sections.
 pub type Sections = Vec<([u8; 4], Vec<u8>)>;
 
-/// Damages file number `index`; `file` is `scene` packed, which has points, materials and draw calls.
+/// Creates damaged file number `index`; `file` is the packed `scene`, with points, materials and draw calls.
 pub fn damage(file: &[u8], scene: &BakedScene, seed: u64, index: u64) -> Damaged {
     let mut random = Random(Stream::new(seed, index));
     loop {
@@ -44,7 +44,7 @@ pub fn damage(file: &[u8], scene: &BakedScene, seed: u64, index: u64) -> Damaged
             5 | 6 => Some(container::lie(file, &mut random)),
             _ => contents::lie(scene, &mut random),
         };
-        // Some damage is none: two equal sections that were swapped, for instance.
+        // Damage may be ineffective, for instance a swap of two equal sections.
         if let Some(made) = made.filter(|made| made.bytes != file) {
             return made;
         }
@@ -55,22 +55,22 @@ pub fn damage(file: &[u8], scene: &BakedScene, seed: u64, index: u64) -> Damaged
 pub struct Random(Stream);
 
 impl Random {
-    /// Uniform below `end`, which is at least 1.
+    /// Returns a uniform number below `end`, at least 1.
     pub fn below(&mut self, end: usize) -> usize {
         (self.0.bits() % end.max(1) as u64) as usize
     }
 
-    /// Any 64 bits.
+    /// Returns 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0.bits()
     }
 
-    /// One of these.
+    /// Returns a random element.
     pub fn one<T: Copy>(&mut self, of: &[T]) -> T {
         of[self.below(of.len())]
     }
 
-    /// A length, count or index such as a liar would choose beside the true one.
+    /// Returns a hostile length, count or index near or far from the true value.
     pub fn number(&mut self, truth: u64) -> u64 {
         let bits = self.bits();
         let near = 1 + bits % 4;
@@ -89,7 +89,7 @@ impl Random {
         ])
     }
 
-    /// A float that code seldom expects.
+    /// Returns an unusual float.
     pub fn float(&mut self) -> f32 {
         let bits = self.bits() as u32;
         self.one(&[
@@ -159,7 +159,7 @@ mod tests {
                     assert!(container::read(&made.bytes).is_err(), "{index}: {}", made.what);
                     refused += 1;
                 }
-                // Repaired: the container has no objection.
+                // Repaired: the container is valid.
                 Outcome::Any => sealed += container::read(&made.bytes).is_ok() as u32,
             }
         }

@@ -1,4 +1,4 @@
-//! The viewer beside the CPU: a renderer of a scene, and what its pictures say about radiance.
+//! Comparison of the viewer with the CPU: a renderer of a scene, and radiance from its pictures.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 #![allow(dead_code, reason = "each test uses a part of it")]
 
@@ -11,7 +11,8 @@ use rebounce_viewer::settings::ToneMapping;
 #[path = "../../../viewer/tests/device/mod.rs"]
 mod device;
 
-/// A renderer of a scene at a fixed exposure, with the invertible tone curve; `None`, with a message, without an adapter.
+/// Returns a renderer of a scene at a fixed exposure, with the invertible tone curve; `None`, with a message, without
+/// an adapter.
 pub fn renderer(scene: &BakedScene) -> Option<Renderer> {
     let gpu = device::gpu()?;
     let mut renderer = Renderer::new(gpu.clone()).unwrap();
@@ -23,20 +24,20 @@ pub fn renderer(scene: &BakedScene) -> Option<Renderer> {
     Some(renderer)
 }
 
-/// The mean of the pixels' largest components, and the stops at which pictures show it well below the tone curve's
-/// shoulder.
+/// Returns the mean of the pixels' largest components, and an exposure in stops that maps the mean well below the
+/// tone curve's shoulder.
 pub fn mean_and_stops(truth: &[Vec3]) -> (f32, f32) {
     let mean = truth.iter().map(|p| p.max_element()).sum::<f32>() / truth.len() as f32;
     (mean, (0.25 / mean).log2())
 }
 
-/// Bounced radiance of the viewer's camera and lights.
+/// Returns the viewer's bounced radiance for its camera and lights.
 pub fn indirect(renderer: &mut Renderer, [width, height]: [u32; 2]) -> Vec<Vec3> {
     let bytes = pollster::block_on(renderer.read_indirect(width, height).unwrap().wait()).unwrap();
     bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes).iter().map(|p| Vec3::from_slice(p)).collect()
 }
 
-/// Root of the mean square of the difference, relative to the CPU's picture, and the bias.
+/// Returns the RMS difference relative to the CPU's picture, and the bias.
 pub fn difference(ours: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
     let sum = |f: &dyn Fn(Vec3, Vec3) -> f32| -> f32 { ours.iter().zip(truth).map(|(a, b)| f(*a, *b)).sum() };
     let power = sum(&|_, b| b.length_squared());
@@ -45,7 +46,7 @@ pub fn difference(ours: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
     (error, sum(&|a, _| a.element_sum()) / sum(&|_, b| b.element_sum()) - 1.0)
 }
 
-/// The radiance that a picture of so many pixels shows at this exposure.
+/// Returns the radiance of a picture of this size at this exposure.
 pub fn picture(renderer: &mut Renderer, [width, height]: [u32; 2], stops: f32) -> Vec<Vec3> {
     renderer.set_exposure(stops).unwrap();
     let read = renderer.read_pixels(width, height).unwrap();
@@ -53,7 +54,7 @@ pub fn picture(renderer: &mut Renderer, [width, height]: [u32; 2], stops: f32) -
     bytes.chunks_exact(4).map(|p| linear(p) * (-stops).exp2()).collect()
 }
 
-/// Linear radiance from display values: sRGB, 8 bits, and below its shoulder Khronos PBR Neutral.
+/// Returns linear radiance of display values: inverts 8-bit sRGB and, below its shoulder, Khronos PBR Neutral.
 fn linear(rgb: &[u8]) -> Vec3 {
     let display = Vec3::from_slice(&[rgb[0], rgb[1], rgb[2]].map(|c| {
         let c = f32::from(c) / 255.0;

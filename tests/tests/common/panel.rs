@@ -3,8 +3,8 @@
 use glam::{Vec2, Vec3};
 use rebounce::scene::Scene;
 
-/// Adds a rectangle around a place, world space, with its front on the side of `across` x `up`; `turned`: cut along the other
-/// diagonal.
+/// Adds a rectangle around a place, world space, with its front on the side of `across` x `up`; `turned` selects the
+/// second diagonal.
 pub fn panel(scene: &mut Scene, place: Vec3, [across, up]: [Vec3; 2], material: u32, turned: bool) {
     let place = (place.as_dvec3() - glam::DVec3::from(scene.origin)).as_vec3();
     let first = scene.positions.len() as u32;

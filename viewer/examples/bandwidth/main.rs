@@ -1,9 +1,9 @@
-//! Times relighting and the way from functions to pixels, and holds them against the memory's bandwidth:
-//! `bandwidth FILE.rbn [SHOT.json]`, 1280 x 720, the first light moving.
+//! Measures relighting and the display passes (find, gather) relative to memory bandwidth: `bandwidth FILE.rbn
+//! [SHOT.json]`, 1280 x 720, with the first light moving.
 //!
-//! A pass has to read what it needs and to write what it makes once, whatever it does in between. The time that this
-//! takes at the pace of a plain copy on the same device is what no pass can be faster than; its own time is printed
-//! as a multiple of that. (Software adapters work out of caches, and say little.)
+//! A pass must read its inputs and write its outputs at least once. A plain copy of the same number of bytes on the
+//! same device is a lower bound for the time of the pass; the measured time is printed as a multiple of this bound.
+//! (Software adapters work from caches, so the result means little there.)
 
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
@@ -21,16 +21,16 @@ mod screen;
 
 const WIDTH: u32 = 1280;
 const HEIGHT: u32 = 720;
-/// Frames of which the quickest counts, pass by pass.
+/// Number of frames; the shortest time of a pass counts.
 const FRAMES: usize = 20;
-/// Bytes of each of the two buffers that a copy goes between: more than caches hold.
+/// Bytes of the source and of the target of the copy: larger than caches.
 const COPIED: u64 = 128 << 20;
-/// Copies in a row, so that starting them does not count.
+/// Copies in a row, to hide the launch cost.
 const COPIES: u32 = 8;
-/// Threads of a workgroup of copy.wgsl, each of which copies 16 bytes.
+/// Threads of a workgroup of copy.wgsl; a thread copies 16 bytes.
 const THREADS: u64 = 256;
 
-/// Bytes of a number of three colours and one more on the GPU.
+/// Bytes of an RGB value on the GPU, padded to four floats.
 const COLOUR: u64 = 16;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -89,7 +89,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Bytes that one relighting has to read and to write: relight.rs has its steps.
+/// Bytes read and written by a relighting frame; the steps are in relight.rs.
 fn relit_bytes(scene: &BakedScene) -> u64 {
     let relations = &scene.relations;
     let words = |offsets: &[u32]| 4 * offsets.len() as u64;
@@ -100,13 +100,14 @@ fn relit_bytes(scene: &BakedScene) -> u64 {
     let links = |matrix_offsets: &[u32], links: usize| words(matrix_offsets) + of(links, 4);
     let push = words(&relations.push_offsets) + size_of_val(&relations.push_entries[..]) as u64;
     let pull = words(&relations.pull_offsets) + size_of_val(&relations.pull_entries[..]) as u64;
-    // Direct light: points in, irradiance out. Pull: entries, irradiance in and out. Send: points and irradiance in, out.
+    // Direct light: points in, irradiance out. Pull: entries, irradiance in and out. Send: points and irradiance
+    // in, out.
     let mut bytes = direct * (point + COLOUR) + pull + 2 * COLOUR * direct + senders * (point + 2 * COLOUR);
-    // All links, what they lead from, parents; the display values in and out.
+    // All links, the senders' values, parents; the display values in and out.
     bytes += links(&scene.links.offsets, scene.links.links.len()) + COLOUR * senders + push;
     bytes += points * (point + 2 * COLOUR);
     if coarse > 0 {
-        // The coarse points' links once more, the bounces between them, and what senders send, again.
+        // The coarse points' links once more, the bounces between coarse points, and the senders' values again.
         let first = scene.links.offsets[coarse as usize] as usize;
         bytes += links(&scene.links.offsets[..coarse as usize], first) + coarse * (point + 2 * COLOUR);
         bytes += links(&scene.later.offsets, 2 * scene.later.links.len()) + 3 * COLOUR * coarse;
@@ -115,7 +116,7 @@ fn relit_bytes(scene: &BakedScene) -> u64 {
     bytes
 }
 
-/// Bytes that a plain copy reads and writes in a second.
+/// Bytes per second read and written by a plain copy.
 fn pace(gpu: &Gpu) -> Result<f64, Box<dyn Error>> {
     let module = gpu.device.create_shader_module(wgpu::include_wgsl!("copy.wgsl"));
     let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -141,7 +142,7 @@ fn pace(gpu: &Gpu) -> Result<f64, Box<dyn Error>> {
         layout: &pipeline.get_bind_group_layout(0),
         entries: &entries,
     });
-    // Only by the clock: the work is long enough.
+    // Wall-clock time: the work is long enough.
     let mut best = f64::INFINITY;
     for _ in 0..5 {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());

@@ -1,4 +1,4 @@
-//! Surfaces stop the camera: it stays a clearance away, and slides along them. Pure functions.
+//! Collision of the camera: the camera keeps a clearance from surfaces and slides along surfaces. Pure functions.
 
 use super::Stage;
 use crate::triangles::Triangles;
@@ -8,17 +8,17 @@ use rebounce_shared::camera::Camera;
 /// The kind of a camera's move, and its response to surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// Over the ground: it slides along walls and keeps its height. The target goes along.
+    /// On the ground: slides along walls and keeps the height. The target moves along.
     Walk,
-    /// Anywhere: it slides along surfaces. The target goes along.
+    /// In any direction: slides along surfaces. The target moves along.
     Fly,
-    /// Around the target, which stays: it slides along surfaces.
+    /// Around the fixed target: slides along surfaces.
     Orbit,
-    /// Towards the target, which stays: it stops.
+    /// Towards the fixed target: stops at surfaces.
     Dolly,
 }
 
-/// Moves the camera to where it is wanted, or as far as surfaces let it.
+/// Moves the camera to `wanted`, or as far as surfaces allow.
 pub fn advance(stage: &mut Stage, mut wanted: Camera, motion: Motion) {
     let [from, to] = [stage.camera.position, wanted.position].map(|place| stage.local(place));
     let reached = reach(&stage.triangles, from, to, stage.clearance, motion);
@@ -33,8 +33,8 @@ pub fn advance(stage: &mut Stage, mut wanted: Camera, motion: Motion) {
     stage.camera = wanted;
 }
 
-/// The end of a move from one place towards another, local space, at least `clearance` from surfaces. A camera that begins
-/// nearer to a surface may leave it, or pass it at the same distance.
+/// Returns the end of a move in local space, at least `clearance` from surfaces. A camera that begins closer to a
+/// surface may leave the surface, or pass at the same distance.
 fn reach(triangles: &Triangles, from: Vec3, to: Vec3, clearance: f32, motion: Motion) -> Vec3 {
     let level = |v: Vec3| if motion == Motion::Walk { v.with_y(0.0) } else { v };
     let room = |place: Vec3| triangles.nearest(place, clearance).map_or(clearance, |p| p.distance(place));
@@ -48,7 +48,7 @@ fn reach(triangles: &Triangles, from: Vec3, to: Vec3, clearance: f32, motion: Mo
     if is_open(to, 0.9999) {
         return to;
     }
-    // From what is too near it comes away bit by bit.
+    // A camera too close to a surface moves away gradually.
     let radius = clearance.min(1.05 * before);
     let (mut at, mut wanted) = (from, to);
     for _ in 0..3 {
@@ -70,7 +70,7 @@ fn reach(triangles: &Triangles, from: Vec3, to: Vec3, clearance: f32, motion: Mo
         let Some(hit) = hit.filter(|_| motion != Motion::Dolly) else { break };
         wanted = at + level(wanted - at).reject_from(level(hit.normal).normalize_or(Vec3::Y));
     }
-    // Pressed against a wall it stands still.
+    // A camera pressed against a wall stops.
     if at.distance(from) > 1e-3 * radius && is_open(at, 0.99) { at } else { from }
 }
 
@@ -87,13 +87,13 @@ mod tests {
         [[a, b, c], [b, d, c]]
     }
 
-    /// A wall with a door 0.9 wide.
+    /// A wall with a door, 0.9 wide.
     fn doored() -> Stage {
         let walls = [wall([-5.0, -0.45], 0.0), wall([0.45, 5.0], 0.0)].concat();
         Stage { triangles: two_sided(&walls).into(), ..stage() }
     }
 
-    /// The place after `steps` moves of `by`, local space.
+    /// The camera's position after `steps` moves of `by`, local space.
     fn go(stage: &mut Stage, from: [f64; 3], by: [f64; 3], steps: usize, motion: Motion) -> Vec3 {
         let add = |a: [f64; 3], b: [f64; 3]| (DVec3::from(a) + DVec3::from(b)).to_array();
         stage.camera.position = from;

@@ -1,8 +1,8 @@
-//! Dragging the lights' handles.
+//! Dragging of the lights' handles.
 //!
-//! A light follows the pointer in a plane that faces the camera, but stays before the first surface that the eye sees
-//! there: it slides along what comes nearer. A spot's second handle aims it at the surface under the pointer, a sun's handle
-//! turns the sun.
+//! A light follows the pointer in a plane that faces the camera, but stays in front of the first surface visible
+//! there: the light slides along closer surfaces. A spot's second handle aims the spot at the surface under the
+//! pointer; a sun's handle turns the sun.
 
 use super::Stage;
 use super::gizmo::{self, Handle};
@@ -10,31 +10,31 @@ use glam::{DVec3, Vec2};
 use rebounce_shared::light::Light;
 use std::f32::consts::PI;
 
-/// A handle that is held.
+/// A grabbed handle.
 #[derive(Clone, Debug)]
 pub struct Grip {
-    /// Which.
+    /// The handle.
     pub handle: Handle,
-    /// The light as it was.
+    /// The light before the drag.
     pub before: Light,
-    /// From the handle to the pointer, pixels.
+    /// Offset from the handle to the pointer, pixels.
     offset: [f64; 2],
     /// Distance of the plane along the view, world units.
     depth: f32,
-    /// Surfaces do not matter.
+    /// Whether surfaces are ignored.
     free: bool,
 }
 
 impl Grip {
-    /// Takes a handle where the pointer is.
+    /// Grabs a handle at the pointer's position.
     pub fn new(stage: &Stage, handle: Handle, at: [f64; 2]) -> Option<Self> {
         let ([x, y], depth) = gizmo::projected(stage, handle)?;
         let before = stage.lights.get(handle.light)?.clone();
         Some(Self { handle, before, offset: [at[0] - x as f64, at[1] - y as f64], depth, free: false })
     }
 
-    /// The pointer has moved from one place to another. `free`: through surfaces. `depth`: up is farther away and down
-    /// nearer, and the handle stays where it is in the picture.
+    /// Moves the pointer. `free`: passes through surfaces. `depth`: up moves the handle farther away and down
+    /// closer, at the same place in the picture.
     pub fn drag(&mut self, stage: &mut Stage, [from, to]: [[f64; 2]; 2], free: bool, depth: bool) {
         self.free = free;
         let mut factor = 1.0;
@@ -55,13 +55,13 @@ impl Grip {
         let mut distance = self.depth * factor as f32 / ahead;
         let is_light = !self.handle.aim;
         if !self.free {
-            // A spot is aimed at what is seen, however far it is.
+            // A spot is aimed at the visible surface at any distance.
             let gap = if is_light { 0.5 * stage.clearance } else { 0.0 };
             let hit = stage.seen_along(ray, if is_light { distance + gap } else { f32::INFINITY });
             distance = hit.map_or(distance, |hit| (hit.distance - gap).max(0.5 * hit.distance));
         }
         if factor != 1.0 {
-            // What a surface has kept does not add up.
+            // Distances limited by a surface do not accumulate.
             self.depth = (distance * ahead).max(1e-3 * stage.extent as f32).min(4.0 * stage.extent as f32);
         }
         let place = stage.along(ray, distance);
@@ -101,7 +101,7 @@ mod tests {
         DVec3::from(*position)
     }
 
-    /// Drags a handle by so much, in steps of a pixel or so.
+    /// Drags a handle by this offset, in steps of about a pixel.
     fn dragged(stage: &mut Stage, handle: Handle, by: [f64; 2], free: bool, depth: bool) -> Grip {
         let ([x, y], _) = gizmo::projected(stage, handle).unwrap();
         let start = [x as f64 + 2.0, y as f64 - 1.0];
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn it_never_passes_a_surface_that_the_eye_sees_and_with_shift_it_does() {
-        // A wall that comes nearer to the right.
+        // A wall that is closer to the camera on the right.
         let wall = [Vec3::new(-9.0, -50.0, -4.0), Vec3::new(9.0, -50.0, 6.0), Vec3::new(0.0, 90.0, 1.0)];
         let solid = std::rc::Rc::new(two_sided(&[wall]));
         let mut s = Stage { triangles: solid.clone(), ..lit() };
@@ -197,7 +197,7 @@ mod tests {
             let Light::Spot { position, direction, .. } = s.lights[0] else { panic!() };
             let to = (there - DVec3::from(position)).normalize();
             assert!(DVec3::from(direction).normalize().dot(to) > 0.99999, "{direction:?} and {to}");
-            // The handle stays there, on what is lit.
+            // The handle stays there, on the lit surface.
             let ([p, q], _) = gizmo::projected(&s, aim).unwrap();
             assert!((p as f64 - u as f64 - x).hypot(q as f64 - v as f64 - y) < 0.5, "{p} {q}");
         }

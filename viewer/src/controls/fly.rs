@@ -1,4 +1,4 @@
-//! Walking and flying with keys, W A S D, Q E, arrows, shift for faster, and with the on-screen stick.
+//! Walking and flying with keys (W A S D, Q E, arrows; shift for faster) and with the on-screen stick.
 
 use super::collide::{self, Motion};
 use super::{Stage, orbit};
@@ -7,10 +7,10 @@ use super::{Stage, orbit};
 const SPEED: f64 = 0.12;
 /// Radians a second.
 const TURN: f64 = 1.5;
-/// Longest step of time that is believed, seconds: after a pause nothing jumps.
+/// Maximum time step, seconds: no jump after a pause.
 const LONGEST: f64 = 0.1;
 
-/// The keys' codes; the number of a key is its place here.
+/// Key codes; the index of a key is its bit number.
 const KEYS: [&str; 12] = [
     "KeyW",
     "KeyA",
@@ -38,10 +38,10 @@ const RIGHT: u32 = 9;
 /// The bits of both shift keys.
 const SHIFT: u32 = 0b11 << 10;
 
-/// Which keys are down, where the stick is, and when the camera last moved.
+/// State of keys and stick, and the time of the last move.
 #[derive(Debug, Default)]
 pub struct Fly {
-    /// Bit by bit the keys that are down.
+    /// Bit mask of the keys that are down.
     down: u32,
     /// To the right and ahead, -1 to 1.
     stick: [f64; 2],
@@ -49,7 +49,7 @@ pub struct Fly {
 }
 
 impl Fly {
-    /// A key (`KeyboardEvent.code`) goes down or up; true when it is one of the keys here.
+    /// A key (`KeyboardEvent.code`) goes down or up; true if the key moves the camera.
     pub fn key(&mut self, code: &str, down: bool) -> bool {
         let Some(key) = KEYS.iter().position(|&k| k == code) else { return false };
         let bit = 1 << key;
@@ -57,13 +57,13 @@ impl Fly {
         bit & SHIFT == 0
     }
 
-    /// Lets go of all keys and the stick.
+    /// Releases all keys and the stick.
     pub fn release(&mut self) {
         self.down = 0;
         self.stick = [0.0; 2];
     }
 
-    /// The stick is held to the right and ahead, -1 to 1; zeros when it is let go.
+    /// Sets the stick: right and ahead, -1 to 1; zeros when released.
     pub fn stick(&mut self, to: [f64; 2]) {
         self.stick = to.map(|x| x.clamp(-1.0, 1.0));
     }
@@ -73,7 +73,8 @@ impl Fly {
         self.stick != [0.0; 2] || self.down & !SHIFT != 0
     }
 
-    /// Moves the camera to `now_ms`: over the ground, and straight up and down, where it walks; else along the view.
+    /// Moves the camera to time `now_ms`. Walking moves over the ground, and straight up and down; flying moves
+    /// along the view.
     pub fn advance(&mut self, now_ms: f64, stage: &mut Stage, walks: bool) {
         if !self.moving() {
             self.last_ms = None;
@@ -95,8 +96,8 @@ impl Fly {
     }
 }
 
-/// Moves the camera to the right, up and ahead, world units, as far as surfaces let it. Who walks goes over the ground, and
-/// then straight up.
+/// Moves the camera to the right, up and ahead, world units, as far as surfaces allow. Walking moves over the
+/// ground, then straight up.
 pub fn travel(stage: &mut Stage, [right, up, ahead]: [f64; 3], walks: bool) {
     let steps = if walks {
         [([right, 0.0, ahead], Motion::Walk), ([0.0, up, 0.0], Motion::Fly)]
@@ -116,7 +117,7 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// How far a key takes the camera in a second, in steps of so many milliseconds.
+    /// Displacement of the camera by a key in a second, in steps of `step_ms` milliseconds.
     fn run(key: &str, target: [f64; 3], walks: bool, step_ms: f64) -> DVec3 {
         let (mut fly, mut s) = (Fly::default(), stage());
         s.camera.target = target;

@@ -1,7 +1,8 @@
-//! The lights' handles in the view: where they lie and which one is under a pointer.
+//! The lights' handles in the view: positions in the picture, and picking with a pointer.
 //!
-//! Point and spot lights have a handle at their place; spots a second one where they shine, or on the way there, in the
-//! picture; directional lights one on a map of all directions around the picture's middle.
+//! Point and spot lights have a handle at their position. A spot has a second handle on the lit surface, or on the
+//! way there, inside the picture. A directional light has a handle on a map of all directions around the picture's
+//! middle.
 
 use super::Stage;
 use glam::{DVec3, Vec3};
@@ -9,13 +10,13 @@ use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::Light;
 use std::f32::consts::PI;
 
-/// Share of the scene's diagonal: how far a spot's second handle is from the first, where the spot meets no surface.
+/// Share of the scene's diagonal: distance of a spot's second handle from the first if the spot meets no surface.
 const AIM: f64 = 0.12;
-/// Shares of the picture around its middle in which second handles stay, the first that can be.
+/// Shares of the picture around its middle for second handles; the first possible share is used.
 const MIDDLE: [f32; 2] = [0.9, 0.99];
 /// Share of the picture's shorter side: radius of the map of directions.
 const MAP: f32 = 0.42;
-/// Colour of what is chosen.
+/// Colour of selected handles.
 const ACCENT: [f32; 4] = [1.0, 0.7, 0.33, 0.95];
 
 /// A shape to draw, canvas pixels.
@@ -35,7 +36,7 @@ pub struct Shape {
     pub color: [f32; 4],
 }
 
-/// Which handle of which light.
+/// A handle of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Handle {
     /// Index of the light.
@@ -47,9 +48,9 @@ pub struct Handle {
 /// Highlighted handles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
-    /// Under the pointer, or dragged.
+    /// The handle under the pointer, or the dragged handle.
     pub hovered: Option<Handle>,
-    /// The chosen light.
+    /// The selected light.
     pub selected: Option<usize>,
 }
 
@@ -63,8 +64,8 @@ fn seen(frame: &CameraFrame, v: Vec3) -> Vec3 {
     Vec3::new(v.dot(frame.right), v.dot(frame.up), v.dot(frame.forward))
 }
 
-/// Distance of a second handle along a ray (origin and direction in view space): `wanted`, clamped to the part of the ray
-/// inside the picture, away from its edge if possible.
+/// Distance of a second handle along a ray (origin and direction in view space): `wanted`, clamped to the part of
+/// the ray inside the picture, away from its edge if possible.
 fn visible(frame: &CameraFrame, size: [f32; 2], place: Vec3, direction: Vec3, wanted: f32) -> f32 {
     for share in MIDDLE {
         let high = share * frame.tan_half_yfov;
@@ -90,7 +91,8 @@ pub(super) fn map_radius(size: [f32; 2]) -> f32 {
     MAP * size[0].min(size[1])
 }
 
-/// Where a handle lies in the picture, pixels, and its distance along the view, world units. `None` behind the eye.
+/// Position of a handle in the picture, pixels, and its distance along the view, world units. `None` behind the
+/// eye.
 pub(super) fn projected(stage: &Stage, handle: Handle) -> Option<([f32; 2], f32)> {
     let size = stage.size.map(|side| side as f32);
     let frame = stage.frame();
@@ -105,7 +107,7 @@ pub(super) fn projected(stage: &Stage, handle: Handle) -> Option<([f32; 2], f32)
             place + along * visible(&frame, size, place, along, wanted)
         }
         (Light::Directional { direction, .. }, false) => {
-            // Straight ahead is the middle, straight behind the map's edge.
+            // The middle is straight ahead, the map's edge straight behind.
             let to_light = seen(&frame, -unit(direction));
             let across = to_light.truncate();
             let far = map_radius(size) * across.length().atan2(to_light.z) / PI;
@@ -125,12 +127,12 @@ fn handles(stage: &Stage) -> impl Iterator<Item = Handle> + '_ {
     (0..stage.lights.len()).flat_map(|light| [Handle { light, aim: true }, Handle { light, aim: false }])
 }
 
-/// Radius of a handle, pixels, in a picture this high.
+/// Radius of a handle, pixels, in a picture of this size.
 pub(super) fn radius(size: [u32; 2]) -> f32 {
     (size[1] as f32 / 75.0).clamp(5.0, 18.0)
 }
 
-/// What to draw for all lights.
+/// Shapes of all lights' handles.
 pub fn shapes(stage: &Stage, marks: Marks) -> Vec<Shape> {
     let r = radius(stage.size);
     let mut out = Vec::new();
@@ -174,14 +176,14 @@ pub fn shapes(stage: &Stage, marks: Marks) -> Vec<Shape> {
     out
 }
 
-/// A light's colour for its handle: as bright as a screen can show it.
+/// Colour of a light's handle: the light's colour at the highest displayable brightness.
 fn color(light: &Light) -> [f32; 3] {
     let (Light::Point { color, .. } | Light::Spot { color, .. } | Light::Directional { color, .. }) = light;
     let brightest = color.iter().fold(1e-12f64, |m, c| m.max(*c));
     color.map(|c| (c / brightest).max(0.0).powf(1.0 / 2.2) as f32)
 }
 
-/// The handle within `reach` pixels of a pointer, or nearly under it; the nearest.
+/// Returns the nearest handle within `reach` pixels of a pointer, or nearly under the pointer.
 pub fn pick(stage: &Stage, at: [f64; 2], reach: f64) -> Option<Handle> {
     let reach = reach.max(1.8 * radius(stage.size) as f64);
     handles(stage)
@@ -248,7 +250,7 @@ pub(super) mod tests {
                 let Light::Directional { direction, .. } = &mut s.lights[1] else { panic!() };
                 *direction = to;
                 in_picture(&s, Handle { light: 1, aim: false });
-                // The spot itself at the picture's edge, looking anywhere; and above it, looking down.
+                // The spot itself at the picture's edge, with any direction; and above the picture, looking down.
                 let Light::Spot { direction, position, .. } = &mut s.lights[0] else { panic!() };
                 (*position, *direction) = ([0.0, -5.0, 0.5], to);
                 in_picture(&s, Handle { light: 0, aim: true });

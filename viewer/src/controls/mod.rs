@@ -1,9 +1,9 @@
-//! What pointers, wheel and keys do to the camera and to the lights. No GPU, no browser.
+//! Controls: effects of pointers, wheel and keys on the camera and the lights. No GPU, no browser.
 //!
-//! One pointer on a light's handle drags it and chooses the light ([`drag`]). Elsewhere the primary button looks around
-//! inside and orbits outside ([`surroundings`]), the secondary one (or ctrl) looks around, the middle one (or shift) pans.
-//! Wheel and two pointers walk inside, and dolly outside. W A S D, Q E, arrows and the stick walk inside, and fly outside
-//! ([`fly`]). Surfaces stop the camera ([`collide`]).
+//! A single pointer on a light's handle drags and selects the light ([`drag`]). Elsewhere the primary button looks
+//! around inside and orbits outside ([`surroundings`]), the secondary button (or ctrl) looks around, the middle
+//! button (or shift) pans. Wheel and two pointers walk inside, and dolly outside. W A S D, Q E, arrows and the
+//! stick walk inside, and fly outside ([`fly`]). Surfaces stop the camera ([`collide`]).
 
 pub mod collide;
 pub mod drag;
@@ -24,15 +24,15 @@ use rebounce_shared::camera::{Camera, CameraFrame};
 use rebounce_shared::light::Light;
 use std::rc::Rc;
 
-/// Scene diagonals that one walks for a pixel of the wheel.
+/// Walking distance for a pixel of the wheel, scene diagonals.
 const WHEEL: f64 = 2.5e-4;
-/// Scene diagonals that one walks when two pointers are moved apart to e times their distance.
+/// Walking distance when two pointers move apart to e times their distance, scene diagonals.
 const PINCH: f64 = 0.15;
 
-/// Radians that a drag over the picture's height orbits.
+/// Orbit angle of a drag over the picture's height, radians.
 const ORBIT: f64 = 3.0;
 
-/// What the controls act on, world space.
+/// State changed by the controls, world space.
 #[derive(Clone)]
 pub struct Stage {
     /// The camera.
@@ -45,47 +45,47 @@ pub struct Stage {
     pub size: [u32; 2],
     /// The scene's diagonal, scene units.
     pub extent: f64,
-    /// Where local space has its origin.
+    /// Origin of local space.
     pub origin: [f64; 3],
-    /// How far the camera stays away from surfaces, scene units.
+    /// Distance that the camera keeps from surfaces, scene units.
     pub clearance: f32,
     /// The scene's triangles, local space.
     pub triangles: Rc<Triangles>,
 }
 
 impl Stage {
-    /// The camera's frame in the picture, its eye aside.
+    /// The camera's frame in the picture, for directions; its eye is not in local space.
     pub fn frame(&self) -> CameraFrame {
         frame(&self.camera, [0.0; 3], self.size)
     }
 
-    /// The place that is seen at a pixel, world space.
+    /// The visible place at a pixel, world space.
     pub fn surface_at(&self, at: [f64; 2]) -> Option<[f64; 3]> {
         let [width, height] = self.size;
         let ray = self.frame().direction(at[0] as f32, at[1] as f32, width, height);
         self.seen_along(ray, f32::INFINITY).map(|hit| self.along(ray, hit.distance))
     }
 
-    /// The first surface before `most` along a ray of unit direction from the eye.
+    /// The nearest hit before `most` along a ray of unit direction from the eye.
     fn seen_along(&self, ray: Vec3, most: f32) -> Option<Hit> {
         self.triangles.cast(self.local(self.camera.position), ray, most)
     }
 
-    /// A place on a ray from the eye, world space.
+    /// Returns a place on a ray from the eye, world space.
     fn along(&self, ray: Vec3, distance: f32) -> [f64; 3] {
         (DVec3::from(self.camera.position) + (ray * distance).as_dvec3()).to_array()
     }
 
-    /// A place in local space.
+    /// Converts a place to local space.
     pub fn local(&self, place: [f64; 3]) -> Vec3 {
         (DVec3::from(place) - DVec3::from(self.origin)).as_vec3()
     }
 }
 
-/// What a pressed pointer is meant to do.
+/// Action of a pressed pointer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointerButton {
-    /// Looks around inside, orbits outside, or drags a light's handle that lies under it.
+    /// Looks around inside, orbits outside, or drags the light's handle under the pointer.
     Turn,
     /// Turns the camera around itself.
     Look,
@@ -118,38 +118,38 @@ struct Pointer {
 #[derive(Debug, Default)]
 pub struct Controls {
     pointers: Vec<Pointer>,
-    /// The handle that is dragged.
+    /// The dragged handle.
     grip: Option<Grip>,
     /// The camera when the first pointer went down.
     before: Option<Camera>,
-    /// Pointers have been dragged since, or there were several: no click.
+    /// The pointers have been dragged since, or several pointers were down: no click.
     dragged: bool,
     fly: Fly,
     hovered: Option<Handle>,
-    /// The chosen light.
+    /// The selected light.
     pub selected: Option<usize>,
-    /// Whether drags look around; `None`: where the camera is inside.
+    /// Whether drags look around; `None` decides by whether the camera is inside.
     pub looks: Option<bool>,
     inside: bool,
-    /// Where that was found out.
+    /// Camera position of the decision on `inside`.
     decided_at: Option<[f64; 3]>,
 }
 
 impl Controls {
-    /// Forgets pointers, keys and whether the camera is inside; call when camera or scene were replaced.
+    /// Forgets pointers, keys and whether the camera is inside; call after replacing the camera or the scene.
     pub fn reset(&mut self) {
         self.pointers.clear();
         (self.grip, self.hovered, self.decided_at) = (None, None, None);
         self.fly.release();
     }
 
-    /// What of the handles stands out.
+    /// The highlighted handles.
     pub fn marks(&self) -> Marks {
         let hovered = self.grip.as_ref().map(|grip| grip.handle).or(self.hovered);
         Marks { hovered, selected: self.selected }
     }
 
-    /// Marks a light's handle as one under a pointer is.
+    /// Highlights a light's handle as if under a pointer.
     pub fn hover(&mut self, light: Option<usize>) {
         self.hovered = light.map(|light| Handle { light, aim: false });
     }
@@ -159,7 +159,7 @@ impl Controls {
         self.looks.unwrap_or(self.inside)
     }
 
-    /// Updates whether the camera is inside, after a move and while no pointer or key holds it.
+    /// Updates `inside` after a move, while no pointer or key holds the camera.
     fn decide(&mut self, stage: &Stage) {
         if self.pointers.is_empty() && !self.fly.moving() && self.decided_at != Some(stage.camera.position) {
             self.inside = surroundings::is_inside(stage, self.inside && self.decided_at.is_some());
@@ -167,14 +167,14 @@ impl Controls {
         }
     }
 
-    /// Moves the camera to `now_ms`; true while further frames will move it too.
+    /// Moves the camera to time `now_ms`; true while the motion continues.
     pub fn advance(&mut self, now_ms: f64, stage: &mut Stage) -> bool {
         self.decide(stage);
         self.fly.advance(now_ms, stage, self.is_inside());
         self.fly.moving()
     }
 
-    /// A pointer goes down; `reach` is how near to a handle counts, pixels.
+    /// A pointer goes down; `reach` is the picking distance of handles, pixels.
     pub fn pointer_down(&mut self, id: i32, at: [f64; 2], button: PointerButton, reach: f64, stage: &Stage) {
         self.decide(stage);
         self.pointers.retain(|p| p.id != id);
@@ -192,8 +192,8 @@ impl Controls {
         self.pointers.push(Pointer { id, at, start: at, button });
     }
 
-    /// A pointer moves. Over a handle one that is not down marks it. A dragged light goes through surfaces with `shift`,
-    /// nearer and farther with `alt`.
+    /// A pointer moves. A pointer that is not down highlights the handle under the pointer. A dragged light passes
+    /// through surfaces with `shift`, and moves nearer and farther with `alt`.
     pub fn pointer_move(&mut self, id: i32, at: [f64; 2], shift: bool, alt: bool, stage: &mut Stage) {
         let Some(i) = self.pointers.iter().position(|p| p.id == id) else {
             self.hovered = if stage.handles { gizmo::pick(stage, at, 0.0) } else { None };
@@ -225,7 +225,7 @@ impl Controls {
                     orbit::orbit(&mut wanted, -delta[0] * ORBIT / height, -delta[1] * ORBIT / height);
                     collide::advance(stage, wanted, Motion::Orbit);
                 }
-                // The picture is grabbed: what is under the pointer stays there.
+                // Grabs the picture: the place under the pointer stays under the pointer.
                 PointerButton::Turn | PointerButton::Look => {
                     let tan = stage.frame().tan_half_yfov;
                     let angle = |at: [f64; 2], i: usize| {
@@ -242,7 +242,7 @@ impl Controls {
         }
     }
 
-    /// A pointer goes up; `click`: by hand. A click beside all handles leaves no light chosen.
+    /// A pointer goes up; `click`: released by the user. A click without a handle clears the selection.
     pub fn pointer_up(&mut self, id: i32, click: bool) {
         let button = self.pointers.iter().find(|p| p.id == id).map(|p| p.button);
         if click && !self.dragged && self.grip.is_none() && button == Some(PointerButton::Turn) {
@@ -283,18 +283,18 @@ impl Controls {
         }
     }
 
-    /// The on-screen stick is held to the right and ahead, -1 to 1.
+    /// Sets the on-screen stick: right and ahead, -1 to 1.
     pub fn stick(&mut self, to: [f64; 2]) {
         self.fly.stick(to);
     }
 
-    /// A key (`KeyboardEvent.code`) goes down or up; true when the controls use it.
+    /// A key (`KeyboardEvent.code`) goes down or up; true if the controls use the key.
     pub fn key(&mut self, code: &str, down: bool, stage: &mut Stage) -> bool {
         if code == "Escape" { down && self.cancel(stage) } else { self.fly.key(code, down) }
     }
 }
 
-/// Goes to `factor` times the distance from the target, as far as surfaces let it.
+/// Moves to `factor` times the distance from the target, as far as surfaces allow.
 fn dolly(stage: &mut Stage, factor: f64) {
     let mut wanted = stage.camera.clone();
     orbit::dolly(&mut wanted, factor, 0.01 * stage.extent);

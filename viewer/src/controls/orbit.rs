@@ -1,9 +1,9 @@
-//! The camera moved by pointers and wheel: orbit, look, pan, dolly. All functions are pure.
+//! Camera moves by pointers and wheel: orbit, look, pan, dolly. All functions are pure.
 
 use glam::{DQuat, DVec3};
 use rebounce_shared::camera::Camera;
 
-/// Nearest that a camera looks to straight up or down, radians.
+/// Smallest angle between the view and straight up or down, radians.
 const POLE: f64 = 0.02;
 
 /// The camera's axes and its distance from its target: right, up, forward, distance.
@@ -50,8 +50,8 @@ pub fn look(camera: &mut Camera, yaw: f64, pitch: f64) {
     camera.target = (DVec3::from(camera.position) + forward * distance).to_array();
 }
 
-/// Moves camera and target by so much to the right, up and ahead, world units; `level`: over the ground, along the view
-/// from above.
+/// Moves camera and target to the right, up and ahead, world units; `level`: over the ground, along the view from
+/// above.
 pub fn travel(camera: &mut Camera, [right, up, ahead]: [f64; 3], level: bool) {
     let (mut r, mut u, mut f, _) = axes(camera);
     if level {
@@ -63,7 +63,7 @@ pub fn travel(camera: &mut Camera, [right, up, ahead]: [f64; 3], level: bool) {
     camera.target = (DVec3::from(camera.target) + move_by).to_array();
 }
 
-/// Moves to `factor` times the distance from the target; nearer than `least`, the target moves along.
+/// Moves to `factor` times the distance from the target; at distances below `least`, the target moves along.
 pub fn dolly(camera: &mut Camera, factor: f64, least: f64) {
     let (_, _, forward, distance) = axes(camera);
     let wanted = distance * factor;

@@ -1,17 +1,18 @@
-//! Where a new sun stands: where it shines in, if what is seen is a room with openings.
+//! Direction of a new sun: through an opening, if the view shows a room with openings.
 
 use super::Stage;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// Direction of sunlight where no other one is better.
+/// Default direction of sunlight.
 const USUAL: Vec3 = Vec3::new(-0.4, -1.0, -0.3);
-/// Directions that are tried besides: ways around, each at elevations of 22, 39 and 58 degrees.
+/// Number of further directions: 16 azimuths at elevations of 22, 39 and 58 degrees.
 const TRIES: usize = 3 * 16;
 /// Rays through the picture, across and up.
 const RAYS: [usize; 2] = [10, 6];
 
-/// Direction of sunlight that lights most of what is seen; the usual one unless that lights less than half of it.
+/// Returns the direction of sunlight that lights most of the visible surfaces. The default direction is kept unless
+/// another direction lights more than twice as much.
 pub fn sunlight(stage: &Stage) -> [f64; 3] {
     let frame = stage.frame();
     let eye = stage.local(stage.camera.position);
@@ -45,7 +46,7 @@ pub fn sunlight(stage: &Stage) -> [f64; 3] {
     direction(best).as_dvec3().to_array()
 }
 
-/// The direction with this number; the usual one is the last.
+/// Returns direction number `i`; the last is the default direction.
 #[inline(never)]
 fn direction(i: usize) -> Vec3 {
     if i == TRIES {
@@ -56,7 +57,7 @@ fn direction(i: usize) -> Vec3 {
 }
 
 impl Stage {
-    /// Whether there is nothing but glass on a ray of unit direction from a place in local space.
+    /// Whether a ray of unit direction from a place in local space meets only glass or blended surfaces.
     fn sees_sky(&self, mut place: Vec3, ray: Vec3, gap: f32) -> bool {
         while let Some(hit) = self.triangles.cast(place, ray, f32::INFINITY) {
             if !hit.clear {
@@ -74,7 +75,7 @@ mod tests {
     use super::*;
     use crate::triangles::tests::two_sided;
 
-    /// A room, 12 by 3 by 12, whose wall at z = -6 or x = 6 has an opening, or none.
+    /// A room, 12 by 3 by 12, with an optional opening in the wall at z = -6 and in the wall at x = 6.
     fn room(open: [bool; 2]) -> Stage {
         let corners = [(-6.0, -6.0), (6.0, -6.0), (6.0, 6.0), (-6.0, 6.0), (-6.0, -6.0)];
         let quad = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| [[a, b, c], [a, c, d]];

@@ -1,16 +1,16 @@
-//! Whether a camera stands inside: then it looks around and walks; outside it orbits.
+//! Whether a camera is inside or outside: inside, the camera looks around and walks; outside, the camera orbits.
 
 use super::Stage;
 use glam::Vec3;
 
-/// Level directions that are tried.
+/// Number of horizontal test directions.
 const DIRECTIONS: u16 = 12;
-/// Directions that must meet a surface for a camera from outside, and for one that was inside (hysteresis).
+/// Minimum number of directions with a hit for a camera from outside, and for a camera from inside (hysteresis).
 const INSIDE: [usize; 2] = [8, 6];
 
-/// Whether surfaces stand around the camera: rays in at least 8 of 12 level directions, 30° apart, meet one. Up and down
-/// do not count: a court has no ceiling, and an object stands on a floor. A camera that was inside leaves below 6, so that
-/// the state does not flicker in a door.
+/// Whether surfaces surround the camera: rays in at least 8 of 12 horizontal directions, 30° apart, hit a surface.
+/// Up and down do not count: a court has no ceiling, and an object stands on a floor. A camera from inside stays
+/// inside down to 6 hits, so that the state does not flicker in a door.
 pub fn is_inside(stage: &Stage, was_inside: bool) -> bool {
     let eye = stage.local(stage.camera.position);
     let meets = |i: &u16| {

@@ -32,7 +32,7 @@ fn room() -> Stage {
     Stage { triangles: two_sided(&walls).into(), ..stage() }
 }
 
-/// A press there, moved to the right by so much, and what holds it.
+/// Presses the pointer at `at` and moves it to the right by `by`; returns the controls.
 fn press(s: &mut Stage, at: [f64; 2], button: PointerButton, by: f64) -> Controls {
     let mut controls = Controls::default();
     controls.pointer_down(1, at, button, 0.0, s);
@@ -71,7 +71,7 @@ fn inside_a_drag_looks_around_and_a_page_may_have_it_otherwise() {
     let mut s = room();
     press(&mut s, ASIDE, PointerButton::Turn, 30.0);
     assert_eq!(s.camera.position, stage().camera.position);
-    // The picture is grabbed: what was in the middle goes to the right.
+    // The picture is grabbed: its middle moves to the right.
     assert!(s.camera.target[0] < -0.1, "{:?}", s.camera.target);
     for (looks, mut s) in [(false, room()), (true, stage())] {
         let mut controls = Controls { looks: Some(looks), ..Controls::default() };
@@ -153,7 +153,7 @@ fn outside_nothing_brings_the_camera_into_an_object() {
         controls.wheel(-300.0, &mut s);
     }
     assert!((s.camera.position[2] - 1.2).abs() < 0.01, "{:?}", s.camera);
-    // Around its corner it stays before it, too.
+    // Orbiting around the object's corner, the camera stays in front, too.
     controls.pointer_down(1, ASIDE, PointerButton::Turn, 0.0, &s);
     for i in 0..60 {
         controls.pointer_move(1, [100.0 + 5.0 * i as f64, 100.0], false, false, &mut s);

@@ -1,41 +1,41 @@
-//! Which [way](Way) to take: the one that is asked for, or the faster of the two. Both are measured on the pictures that are
-//! drawn anyway, which look the same.
+//! Choice of the [way](Way) from functions to pixels: the requested way, or the faster of the two. Both ways draw
+//! the same picture, so ordinary pictures serve as measurements.
 
 use crate::settings::{Display, Way};
 
-/// Pictures of each way that are measured. The first one, for which things are made, does not count.
+/// Number of measured pictures for each way. The first picture includes creation of resources and is not counted.
 const PICTURES: u32 = 4;
 
-/// The choice, and what has been measured for it.
+/// The choice, with its measurements.
 #[derive(Debug)]
 pub struct Choice {
     wanted: Display,
-    /// The adapter is the processor itself, which is slow at quads: not measured.
+    /// The adapter is a software renderer on the CPU, slow at quads: no measurement.
     software: bool,
-    /// Pixels of the pictures that are measured.
+    /// Pixels of the measured pictures.
     pixels: u64,
-    /// By way: pictures measured, and the least time of any.
+    /// By way: number of measured pictures, and the shortest time.
     measured: [(u32, f64); 2],
 }
 
 impl Choice {
-    /// For an adapter.
+    /// Without measurements; `software`: see the field.
     pub fn new(software: bool) -> Self {
         Self { wanted: Display::Auto, software, pixels: 0, measured: NONE }
     }
 
-    /// What is asked for.
+    /// The requested display.
     pub fn wanted(&self) -> Display {
         self.wanted
     }
 
-    /// Asks for a way; whether that is another one than before.
+    /// Sets the requested display; returns whether the request changed.
     pub fn set(&mut self, wanted: Display) -> bool {
         std::mem::replace(&mut self.wanted, wanted) != wanted
     }
 
-    /// The way for the next picture, of so many pixels. Where they are twice as many as those measured, or half as many, the
-    /// measurement begins anew.
+    /// The way for the next picture of `pixels` pixels. The measurement restarts at twice or half of the measured
+    /// pixels.
     pub fn of_size(&mut self, pixels: u64) -> Way {
         if pixels >= 2 * self.pixels || 2 * pixels <= self.pixels {
             (self.pixels, self.measured) = (pixels, NONE);
@@ -57,7 +57,7 @@ impl Choice {
         }
     }
 
-    /// What a picture took in this way, in any unit of time.
+    /// Adds the time of a picture drawn in this way, in any unit.
     pub fn add(&mut self, way: Way, time: f64) {
         let (pictures, least) = &mut self.measured[way as usize];
         if *pictures > 0 {
@@ -73,12 +73,12 @@ const NONE: [(u32, f64); 2] = [(0, f64::INFINITY); 2];
 mod tests {
     use super::*;
 
-    /// Draws pictures until both ways are measured, and some more; the ways they were drawn in.
+    /// Draws pictures past the measurement of both ways; returns their ways.
     fn draw(choice: &mut Choice, pixels: u64, [lookup, splat]: [f64; 2]) -> Vec<Way> {
         let mut ways = Vec::new();
         for picture in 0..12 {
             let way = choice.of_size(pixels);
-            // The first of each is slow, and now and then another.
+            // The first picture of a way is slow, and a later picture now and then.
             let slow = if picture % 4 == 0 { 100.0 } else { 0.0 };
             choice.add(way, slow + if way == Way::Lookup { lookup } else { splat });
             ways.push(way);
@@ -92,7 +92,7 @@ mod tests {
             let mut choice = Choice::new(false);
             let ways = draw(&mut choice, 1000, times);
             assert_eq!(ways, [[Way::Lookup; 4], [Way::Splat; 4], [kept; 4]].concat());
-            // A window that is made a little larger changes nothing; a much larger one is measured anew.
+            // A slightly larger window changes nothing; a much larger window restarts the measurement.
             assert_eq!(choice.of_size(1900), kept);
             assert_eq!(choice.of_size(2000), Way::Lookup);
             assert_eq!(draw(&mut choice, 2000, [times[1], times[0]]).last() == Some(&kept), false);

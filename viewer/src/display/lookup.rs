@@ -1,5 +1,5 @@
-//! Pixels look functions up: which ones cover each slot, with what weights, is found once a camera; their light is
-//! gathered whenever it changes.
+//! Lookup: finds the functions that cover every slot, with their weights, after a change of the camera; gathers the
+//! light of these functions whenever the light changes.
 
 use super::{SlotBuffers, Sources};
 use crate::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout};
@@ -10,12 +10,12 @@ use crate::shaders;
 use crate::timing::Stamps;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Functions of a row at most; more than these cover a pixel only in crowded corners, and the smallest weights go.
+/// Maximum number of functions in a row; only crowded corners have more, and the smallest weights are dropped.
 const ROW_LENGTH: u32 = 16;
 /// Bytes of a row's entry.
 const ENTRY: u64 = 4;
 
-/// Functions in the row of each of so many slots, for all to fit one binding.
+/// Functions in the row of a slot, so that the rows of all `slots` fit one binding.
 pub fn row_length(slots: u64) -> u32 {
     (MAX_BINDING / (ENTRY * slots)).clamp(1, ROW_LENGTH as u64) as u32
 }
@@ -36,7 +36,7 @@ pub struct LookupTarget {
 }
 
 impl LookupPass {
-    /// Makes the pipelines; `find` is the layout of find.wgsl.
+    /// Creates the pipelines; `find` is the layout of find.wgsl.
     pub fn new(gpu: &Gpu, find: &wgpu::BindGroupLayout) -> Self {
         let [uniform, read] = [Slot::Uniform, Slot::Read];
         let gather = [uniform, uniform, read, read, read, Slot::Write, read, read];
@@ -49,7 +49,7 @@ impl LookupPass {
         }
     }
 
-    /// Rows for these slots; `find` makes the bind group of find.wgsl.
+    /// Rows for these slots; `find` creates the bind group of find.wgsl.
     pub fn target(
         &self,
         own: Scope,

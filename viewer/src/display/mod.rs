@@ -1,8 +1,9 @@
-//! From points to pixels, in one of two [ways](Way): pixels look up the functions that cover them ([`lookup`]), or functions
-//! are splatted to the pixels that they cover ([`splat`]). Both give every *slot* its light; the picture does not depend on which it was.
+//! From points to pixels, in one of two [ways](Way): pixels look up the functions that cover them ([`lookup`]), or
+//! functions are splatted to the covered pixels ([`splat`]). Both ways compute the light of every *slot*; the
+//! picture is the same.
 //!
-//! Half of the pixels' rows and columns have slots; the others are interpolated where the surface goes on, and
-//! have slots of their own where it does not (slots.wgsl).
+//! Every second row and column of pixels has slots. Other pixels interpolate between slots on continuous surfaces,
+//! and have slots of their own at edges (slots.wgsl).
 
 pub mod choice;
 mod lookup;
@@ -23,10 +24,10 @@ use splat::{SplatPass, SplatTarget};
 use std::cell::OnceCell;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Slots of single pixels, as a share of all pixels. Past this they are interpolated across edges.
+/// Slots of single pixels, as a share of all pixels. Further single pixels are interpolated across edges.
 const SINGLE_SHARE: u64 = 5;
-/// Such slots of small pictures, in which edges are everywhere: as many as there are pixels, up to so many. So no two pictures
-/// of one view differ by which pixel came first.
+/// Single slots of small pictures, where edges are dense: one for every pixel, up to this number. Pictures of one
+/// view then do not depend on the order in which pixels request slots.
 const LEAST_SINGLES: u64 = 1 << 16;
 /// Distance over which light is interpolated between pixels, as a share of the finest support radius.
 const REACH: f32 = 0.25;
@@ -41,57 +42,57 @@ struct Slots {
     tilts: u32,
 }
 
-/// The pipelines of both ways.
+/// The pipelines of lookup and splatting.
 pub struct DisplayPass {
     find_layout: wgpu::BindGroupLayout,
     lookup: LookupPass,
-    /// Made when first asked for.
+    /// Created on first use.
     splat: OnceCell<SplatPass>,
 }
 
-/// What a [`DisplayTarget`] is made from.
+/// Sources of a [`DisplayTarget`].
 #[derive(Clone, Copy)]
 pub struct Sources<'a> {
     /// The scene.
     pub scene: &'a GpuScene,
     /// The camera's uniform.
     pub frame: &'a wgpu::Buffer,
-    /// What it sees.
+    /// The camera's G-buffer.
     pub gbuffer: &'a GBuffer,
 }
 
-/// The slots of one picture size, and what fills them.
+/// The slots of one picture size, with the buffers and bind groups that fill them.
 pub struct DisplayTarget {
     /// The slots.
     pub slots: SlotBuffers,
     made: Made,
 }
 
-/// What the picture reads, and both ways fill.
+/// The slots: written by lookup or splatting, read by the composite pass.
 pub struct SlotBuffers {
     size: [u32; 2],
     capacity: u32,
     row_length: u32,
     /// `Slots` in slots.wgsl.
     layout: wgpu::Buffer,
-    /// Slots of single pixels that were asked for; functions looked at, or quads drawn; kernels evaluated by lookup: u32 each.
+    /// u32 counters: requested single-pixel slots; functions tested, or quads drawn; kernels evaluated by lookup.
     pub counts: wgpu::Buffer,
-    /// The slot of every pixel that has one of its own, else 0.
+    /// Slot number of every pixel with its own slot, else 0.
     pub by_pixel: wgpu::Buffer,
-    /// Bounced irradiance by slot: RGB, and its tilt (tilt.wgsl).
+    /// Bounced irradiance by slot: RGB, and the tilt (tilt.wgsl).
     pub light: wgpu::Buffer,
     /// Received share of the interpolated irradiance: f32 by slot (openness.wgsl).
     pub open: wgpu::Buffer,
 }
 
-/// What one way needs.
+/// Resources of one way.
 enum Made {
     Lookup(LookupTarget),
     Splat(SplatTarget),
 }
 
 impl SlotBuffers {
-    /// For a picture of this size; for `every_pixel` a slot each, so that nothing is interpolated.
+    /// Buffers for a picture of this size; `every_pixel` gives every pixel a slot, without interpolation.
     fn new(scope: &Scope, scene: &GpuScene, size: [u32; 2], every_pixel: bool) -> Self {
         let blocks = size[0].div_ceil(2) as u64 * size[1].div_ceil(2) as u64;
         let pixels = size[0] as u64 * size[1] as u64;
@@ -117,7 +118,7 @@ impl SlotBuffers {
 }
 
 impl DisplayPass {
-    /// Makes the pipelines of lookup.
+    /// Creates the pipelines of lookup.
     pub fn new(gpu: &Gpu) -> Self {
         let find = [
             Slot::Uniform,
@@ -137,7 +138,8 @@ impl DisplayPass {
         Self { lookup: LookupPass::new(gpu, &find_layout), splat: OnceCell::new(), find_layout }
     }
 
-    /// Slots for a picture of this size, filled in this way where it can be; for `every_pixel` one each, so that nothing is interpolated.
+    /// Slots for a picture of this size, filled by `way` where possible; `every_pixel` gives every pixel a slot,
+    /// without interpolation.
     pub fn target(
         &self,
         scope: &Scope,
@@ -150,8 +152,8 @@ impl DisplayPass {
         DisplayTarget { made: self.make(scope, &slots, from, way), slots }
     }
 
-    /// Fills the slots in another way, where it can be, from the next [`Self::find`] on. The tallest pictures cannot be
-    /// splatted.
+    /// Changes the way of filling slots, from the next [`Self::find`] on. Pictures too tall for splatting keep
+    /// lookup.
     pub fn set_way(&self, gpu: &Gpu, target: &mut DisplayTarget, from: Sources<'_>, way: Way) {
         if target.way() != way && (way == Way::Lookup || splat::fits(target.slots.size)) {
             target.made = self.make(gpu, &target.slots, from, way);
@@ -159,7 +161,7 @@ impl DisplayPass {
     }
 
     fn make(&self, gpu: &Gpu, slots: &SlotBuffers, from: Sources<'_>, way: Way) -> Made {
-        // `rows`: those of lookup.
+        // `rows`: the rows of lookup.
         let find = |scope: &Scope, rows: &wgpu::Buffer| {
             let upload = &from.scene.upload;
             let resources = [
@@ -191,7 +193,7 @@ impl DisplayPass {
         self.splat.get_or_init(|| SplatPass::new(gpu, &self.find_layout))
     }
 
-    /// After the G-buffer has changed: finds which functions may reach which slots.
+    /// After a change of the G-buffer: finds the functions that may reach each slot.
     pub fn find(
         &self,
         gpu: &Gpu,
@@ -206,7 +208,7 @@ impl DisplayPass {
         }
     }
 
-    /// After that, or after the light at the points has changed: gives every slot its light.
+    /// After [`Self::find`], or after a change of the light at the points: computes the light of every slot.
     pub fn gather(
         &self,
         gpu: &Gpu,
@@ -222,7 +224,7 @@ impl DisplayPass {
 }
 
 impl DisplayTarget {
-    /// How its slots are filled.
+    /// Way of filling the slots.
     pub fn way(&self) -> Way {
         match self.made {
             Made::Lookup(_) => Way::Lookup,
@@ -230,7 +232,7 @@ impl DisplayTarget {
         }
     }
 
-    /// Bytes of what belongs to the way alone.
+    /// Bytes of the way's own buffers.
     pub fn bytes(&self) -> u64 {
         match &self.made {
             Made::Lookup(made) => made.bytes(),

@@ -1,4 +1,4 @@
-//! The part of a picture that a function may reach, on the CPU: as quads.wgsl. No GPU.
+//! The pixels that a function may reach, as a quad, computed on the CPU: the twin of quads.wgsl.
 
 use crate::view::Frame;
 use glam::{Mat4, Vec2, Vec3, Vec4};
@@ -19,12 +19,12 @@ pub struct Quad {
 /// cos and sin of 30°, as in the shader.
 const AWAY: Vec2 = Vec2::new(0.866_025_4, 0.5);
 
-/// A linear form's gradient where the support is the unit ball.
+/// Gradient of a linear form in coordinates that map the support to the unit ball.
 fn gradient(form: Vec3, normal: Vec3, radius: f32) -> Vec3 {
     radius * (form - SQUASH / (1.0 + SQUASH) * form.dot(normal) * normal)
 }
 
-/// Least and greatest x / w over the support.
+/// Minimum and maximum of x / w over the support.
 fn extent(x: Vec4, w: Vec4, centre: Vec4, normal: Vec3, radius: f32) -> [f32; 2] {
     let w_centre = w.dot(centre);
     let middle = x.dot(centre) / w_centre;
@@ -37,7 +37,7 @@ fn extent(x: Vec4, w: Vec4, centre: Vec4, normal: Vec3, radius: f32) -> [f32; 2]
 }
 
 impl Quad {
-    /// Of a function as a camera sees it; `None` where it reaches no pixel.
+    /// The quad of a function for a camera; `None` if the function reaches no pixel.
     pub fn of(frame: &Frame, point: &Point) -> Option<Self> {
         let rows = Mat4::from_cols_array_2d(&frame.clip_from_local).transpose();
         let (normal, radius) = (point.normal(), point.radius);
@@ -122,7 +122,7 @@ mod tests {
             for _ in 0..200 {
                 let way = direction(&mut seed);
                 let place = rim(&point, way);
-                // Just inside, where it has some weight for a surface that faces the eye.
+                // Just inside the support, with a positive weight for a surface that faces the eye.
                 let inside = position.lerp(place, 0.999);
                 let to_eye = (eye - inside).normalize();
                 let normal = (point.normal() - 0.4 * way).normalize();
@@ -157,7 +157,7 @@ mod tests {
             }
         }
         assert!(unseen > 500 && whole > 500, "{unseen} of none, {whole} of {seen} whole");
-        // Two hundred places on a support's rim fall short of its extent.
+        // Two hundred places on a support's rim underestimate the extent.
         let wasted = wasted / whole as f32;
         assert!(wasted < 0.1, "{wasted}");
     }

@@ -1,9 +1,9 @@
-//! Functions are splatted (paper, section 4.1): a quad bounds what each may reach in the picture, and in every pixel of it the
-//! function's weight and weighted irradiance are added up, by blending of 16-bit floats. The quads hold while the camera
-//! stands still; the sums are made anew whenever light changes.
+//! Splatting of functions (paper, section 4.1): a quad bounds the pixels that a function may reach; in every pixel
+//! of the quad the function's weight and weighted irradiance are summed, by blending of 16-bit floats. The quads
+//! are valid while the camera rests; the sums are computed again after every change of the light.
 //!
-//! The finest level is drawn first; a coarser one is drawn where no finer one covers a place, which the GPU itself finds out:
-//! the draws of the coarser levels are indirect, and have no instances where nothing is open.
+//! The finest level is drawn first; a coarser level is drawn only at places without a finer function. The GPU
+//! decides: the draws of the coarser levels are indirect, and have no instances if no place is open.
 
 use super::{SlotBuffers, Sources};
 use crate::bindings::{
@@ -18,7 +18,7 @@ use bytemuck::{Pod, Zeroable};
 use std::cell::OnceCell;
 use wgpu::{BlendFactor, BlendOperation, BufferUsages, CompareFunction, ShaderStages, TextureFormat};
 
-/// WebGPU blends no wider format without optional features.
+/// Format of the sums: WebGPU blends no wider format without optional features.
 const SUMS: TextureFormat = TextureFormat::Rgba16Float;
 /// Workgroups of brightest.wgsl.
 const BRIGHTEST_GROUPS: u32 = 64;
@@ -37,15 +37,15 @@ struct Level {
     pad: [u32; 3],
 }
 
-/// How a level is drawn: arguments of indirect calls, whose numbers quads.wgsl and resolve.wgsl fill in.
+/// Arguments of a level's indirect draws; quads.wgsl and resolve.wgsl fill in the counts.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 struct Draws {
-    /// The level's quads over pixels with slots of their own and over blocks, where something is open.
+    /// The level's quads over pixels with their own slots and over blocks, if a place is open.
     quads: [[u32; 4]; 2],
-    /// One triangle where something is open.
+    /// One triangle, if a place is open.
     mask: [u32; 4],
-    /// All quads in view, likewise.
+    /// All quads in view, over pixels and over blocks.
     all: [[u32; 4]; 2],
     /// Workgroups of resolve.wgsl, and the number of functions in view.
     resolve: [u32; 4],
@@ -64,7 +64,7 @@ pub struct SplatPass {
     quads: (wgpu::ComputePipeline, wgpu::BindGroupLayout),
     brightest: (wgpu::ComputePipeline, wgpu::BindGroupLayout),
     draw_layout: wgpu::BindGroupLayout,
-    /// Mask and splats, without and with tilts; made when first needed.
+    /// Pipelines of mask and splats, without and with tilts; created on first use.
     drawn: [OnceCell<[wgpu::RenderPipeline; 2]>; 2],
     resolve: (wgpu::ComputePipeline, wgpu::BindGroupLayout),
 }
@@ -74,12 +74,12 @@ pub struct SplatTarget {
     find: wgpu::BindGroup,
     brightest_bits: wgpu::Buffer,
     brightest: wgpu::BindGroup,
-    /// The finest first.
+    /// Levels, finest first.
     levels: Vec<LevelTarget>,
-    /// What every frame's [`Draws`] begin with, of all levels.
+    /// Initial [`Draws`] of all levels at the start of every frame.
     template: wgpu::Buffer,
     light: wgpu::TextureView,
-    /// In scenes with normal maps.
+    /// Sums of tilts, in scenes with normal maps.
     tilts: Option<wgpu::TextureView>,
     depth: wgpu::TextureView,
     pipelines: [wgpu::RenderPipeline; 2],
@@ -94,8 +94,8 @@ struct LevelTarget {
     resolve: wgpu::BindGroup,
 }
 
-/// Size of the texture that a picture's splats are summed in (atlas.wgsl): a row more than is used, for the viewport of the
-/// blocks, which begins a quarter of a texel further down.
+/// Size of the texture for a picture's sums (atlas.wgsl): one row more than used, for the viewport of the blocks,
+/// which begins a quarter of a texel further down.
 fn atlas([width, height]: [u32; 2]) -> [u32; 2] {
     [width, height + height.div_ceil(2) + 1]
 }
@@ -106,7 +106,7 @@ pub fn fits(size: [u32; 2]) -> bool {
 }
 
 impl SplatPass {
-    /// Makes the pipelines; `find` is the layout of find.wgsl.
+    /// Creates the pipelines; `find` is the layout of find.wgsl.
     pub fn new(gpu: &Gpu, find: &wgpu::BindGroupLayout) -> Self {
         let kernel = |entry, source, slots: &[Slot]| {
             let layout = layout(gpu, entry, ShaderStages::COMPUTE, slots);
@@ -192,7 +192,7 @@ impl SplatPass {
         self.drawn[tilts as usize].get_or_init(make).clone()
     }
 
-    /// Quads and sums for these slots; `find` makes the bind group of find.wgsl.
+    /// Quads and sums for these slots; `find` creates the bind group of find.wgsl.
     pub fn target(
         &self,
         own: Scope,
@@ -282,7 +282,7 @@ impl SplatPass {
                     &self.resolve.1,
                     &[
                         view(&light),
-                        // Without normal maps nothing is read from it.
+                        // Placeholder: not read without normal maps.
                         view(tilts.as_ref().unwrap_or(&light)),
                         slots.by_pixel.as_entire_binding(),
                         brightest_bits.as_entire_binding(),
@@ -308,7 +308,7 @@ impl SplatPass {
         }
     }
 
-    /// Finds the pixels that have slots of their own, and the quads of all functions.
+    /// Finds the pixels with their own slots, and the quads of all functions.
     pub fn find(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -383,7 +383,7 @@ impl SplatPass {
             let quads = if finest { ALL } else { 0 };
             pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
             pass.draw_indirect(&level.draws, quads);
-            // The middle of a block's texel is that of its first pixel.
+            // The centre of a block's texel is the centre of its first pixel.
             pass.set_viewport(0.25, height + 0.25, 0.5 * width, 0.5 * height, 0.0, 1.0);
             pass.draw_indirect(&level.draws, quads + 16);
             drop(pass);

@@ -1,4 +1,4 @@
-//! The passes of a frame, in order, each only where something changed.
+//! The passes of a frame, in order; a pass runs only after a change of its inputs.
 
 use super::Renderer;
 use crate::blended_fit;
@@ -14,8 +14,8 @@ use crate::view::{Frame, Sample, frame};
 use wgpu::TextureFormat;
 
 impl Renderer {
-    /// Brings shadow maps and bounced light up to date with the lights and, for a picture of this size that shows direct
-    /// light, with the camera.
+    /// Updates shadow maps and bounced light after changes of the lights. For a picture of this size with direct
+    /// light, also updates the cascades after changes of the camera.
     pub(super) fn update_lights(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -63,7 +63,7 @@ impl Renderer {
         self.relights += 1;
     }
 
-    /// Draws what changed of the interactive picture, or one more picture for its average.
+    /// Draws the changed parts of the interactive picture, or a further picture for its average.
     pub(super) fn update_picture(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -72,7 +72,7 @@ impl Renderer {
     ) {
         let moved = self.dirty.view || self.dirty.display;
         if moved || self.dirty.shade || self.dirty.key {
-            // After an average the G-buffer holds a shifted picture.
+            // After averaging, the G-buffer holds a shifted picture.
             if self.dirty.view || self.pictures > 1 {
                 self.draw_view(encoder, scene, target, Sample::of(0), true);
             } else if self.dirty.display {
@@ -88,8 +88,9 @@ impl Renderer {
         }
     }
 
-    /// Measures the automatic exposure on what is drawn, where it may have changed and is used. Submits what `encoder`
-    /// holds: the picture's own settings must come later. True where it drew blended surfaces as the picture wants them.
+    /// Measures the automatic exposure from the G-buffer, if the exposure is in use and may have changed. Submits
+    /// the commands in `encoder`: the picture's own settings must come later. Returns true if the blended surfaces
+    /// were drawn with the picture's settings.
     pub(super) fn update_key(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -112,7 +113,7 @@ impl Renderer {
         self.mode == Mode::All
     }
 
-    /// G-buffer and bounced light of one picture of a series.
+    /// Draws the G-buffer and bounced light of a picture of a series.
     pub(super) fn draw_view(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -121,7 +122,7 @@ impl Renderer {
         sample: Sample,
         timed: bool,
     ) {
-        // Pictures that are read may have any size.
+        // Pictures for reading back may have any size.
         let way = if timed { self.choice.of_size(target.screen_pixels()) } else { self.choice.way() };
         target.set_way(&self.gpu, &self.pipelines, scene, way);
         self.way = target.display.way();
@@ -153,7 +154,7 @@ impl Renderer {
         self.pipelines.display.gather(&self.gpu, encoder, &target.display, stamps);
     }
 
-    /// Draws the layers of blended surfaces, as the picture's settings say; without such surfaces nothing happens.
+    /// Draws the layers of blended surfaces with the picture's settings; no effect without blended surfaces.
     pub(super) fn draw_blended(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -168,8 +169,8 @@ impl Renderer {
         self.blended_layers += scene.upload.blended_layers as u64;
     }
 
-    /// Makes picture `picture` of a series of what is drawn, and averages it with those before; first it draws blended
-    /// surfaces, where `blended` says so.
+    /// Shades picture `picture` of a series and averages the result with the earlier pictures; `blended` draws
+    /// blended surfaces first.
     pub(super) fn shade(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -212,7 +213,7 @@ impl Renderer {
                 | flag(veiled.is_some_and(|scene| scene.upload.tinted), composite::TINTED)
                 | flag(unlit, composite::UNLIT)
                 | flag(backdrop, composite::BACKDROP)
-                // A picture alone, or the mean of two.
+                // A single picture, or the mean of two.
                 | flag(self.antialias && blend > 0.4, composite::SMOOTH),
             enlarge: 1,
             unit: veiled.map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lights, scene.extent.all)),
@@ -229,7 +230,7 @@ impl Renderer {
         format: TextureFormat,
         size: [u32; 2],
     ) {
-        // A sketch's depth has another size than the screen.
+        // A sketch's depth has a size different from the screen's.
         let dots = self.overlay != Overlay::None && target.enlarge == 1;
         if !dots && !self.gizmos {
             return;

@@ -1,7 +1,7 @@
-//! The renderer: keeps what was drawn, and draws again only what changed.
+//! The renderer: keeps the results of passes, and runs only the passes whose inputs changed.
 //!
 //! * here: the renderer itself, its scene, a whole frame;
-//! * `state` – what it is told: camera, lights, exposure, what to show;
+//! * `state` – settings: camera, lights, exposure, mode, overlay;
 //! * `frame` – the passes;
 //! * `read` – pictures read back.
 
@@ -32,14 +32,14 @@ use state::check_lights;
 use std::rc::Rc;
 use wgpu::TextureFormat;
 
-/// Pictures averaged while nothing moves: smooth edges.
+/// Number of pictures averaged for antialiasing while nothing changes.
 const STILL_PICTURES: u32 = 16;
-/// Pixels of the screen across one of a sketch.
+/// Screen pixels across one pixel of a sketch.
 const SKETCH: u32 = 2;
-/// The same of the first picture of a scene, which is there soonest.
+/// Screen pixels across one pixel of the first picture of a scene, for a short delay.
 const FIRST_SKETCH: u32 = 4;
 
-/// What must be drawn again.
+/// Parts of the frame to draw again.
 #[derive(Clone, Copy, Debug, Default)]
 struct Dirty {
     lights: bool,
@@ -47,7 +47,7 @@ struct Dirty {
     display: bool,
     key: bool,
     shade: bool,
-    /// Only what lies over the picture.
+    /// Only the presentation to the screen, with the overlay.
     present: bool,
 }
 
@@ -64,12 +64,12 @@ pub struct Renderer {
     gpu: Gpu,
     pipelines: Rc<Pipelines>,
     shadows: Shadows,
-    /// The automatic exposure, and who owns it.
+    /// Buffer of the automatic exposure, and the scope that owns the buffer.
     key: (wgpu::Buffer, Scope),
     measured: Option<Readback>,
-    /// Somebody waits for the exposure that the scene begins with.
+    /// A caller waits for the exposure at the start of the scene.
     key_wanted: bool,
-    /// Owns what the last overlay was drawn with.
+    /// Scope with the resources of the last overlay.
     over: Option<Scope>,
     timing: Option<Timing>,
     scene: Option<Rc<GpuScene>>,
@@ -87,18 +87,18 @@ pub struct Renderer {
     every_pixel: bool,
     antialias: bool,
     choice: Choice,
-    /// How the last picture's slots were filled.
+    /// Way of filling the slots of the last picture.
     way: Way,
-    /// The frame that is being drawn has a picture of a view, whose time counts for the choice.
+    /// The current frame has a picture of a new view, whose time counts for the choice.
     viewed: bool,
     marks: Marks,
     dirty: Dirty,
-    /// Pictures averaged so far, and how many are wanted.
+    /// Number of pictures averaged so far, and the number wanted.
     pictures: u32,
     still_pictures: u32,
     /// Draws sketches while the view changes.
     sketching: bool,
-    /// Nothing of the scene has been shown.
+    /// No picture of the scene has been shown yet.
     first: bool,
     frames: u64,
     relights: u64,
@@ -108,16 +108,16 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer without a scene, with pipelines of its own.
+    /// Creates a renderer without a scene, with its own pipelines.
     ///
     /// # Errors
-    /// [`ViewerError::Internal`] where the device refuses a pipeline at once.
+    /// [`ViewerError::Internal`] if the device refuses a pipeline immediately.
     pub fn new(gpu: Gpu) -> Result<Self, ViewerError> {
         let pipelines = Rc::new(Pipelines::new(&gpu)?);
         Ok(Self::with(gpu, pipelines))
     }
 
-    /// A renderer without a scene that shares pipelines, which must be of the same device.
+    /// Creates a renderer without a scene that shares `pipelines`, which must be of the same device.
     pub fn with(gpu: Gpu, pipelines: Rc<Pipelines>) -> Self {
         let shadows = Shadows::new(&gpu, &pipelines.shadow);
         let own = Scope::new(&gpu);
@@ -172,20 +172,20 @@ impl Renderer {
         &self.gpu
     }
 
-    /// Which the [loaders](Pipelines::loaders) are part of.
+    /// The pipelines, with the [loaders](Pipelines::loaders).
     pub fn pipelines(&self) -> Rc<Pipelines> {
         self.pipelines.clone()
     }
 
-    /// Shows another scene, from its first camera and with its own lights.
+    /// Replaces the scene; starts with the first camera and the lights of the file.
     ///
     /// # Errors
-    /// [`ViewerError::BadArgument`] for a camera that cannot be used; then all stays as it was.
+    /// [`ViewerError::BadArgument`] for an invalid camera; the renderer is unchanged then.
     pub fn install(&mut self, scene: GpuScene) -> Result<(), ViewerError> {
         if let Some(camera) = scene.meta.cameras.first() {
             self.set_camera(camera.clone())?;
         }
-        // A file may hold more lights than there can be shadow maps for; the first ones are on.
+        // A file may hold more lights than shadow maps are possible; the first lights are on.
         let mut lights = scene.meta.lights.clone();
         lights.truncate(shadow_fit::MAX_LAYERS as usize);
         while check_lights(&lights).is_err() {
@@ -206,29 +206,29 @@ impl Renderer {
         self.scene.as_deref()
     }
 
-    /// Draws everything again on the next frame, as after a change of the canvas's size.
+    /// Draws the picture to the screen again on the next frame, as after a change of the canvas's size.
     pub fn invalidate(&mut self) {
         self.dirty.present = true;
     }
 
-    /// True when [`Renderer::draw`] would draw something new.
+    /// True if [`Renderer::draw`] would change the picture.
     pub fn needs_frame(&self) -> bool {
         self.dirty.any() || self.sketched() || self.refining()
     }
 
-    /// True where the last picture is a sketch, which the next one replaces.
+    /// True if the last picture is a sketch, to be replaced by the next picture.
     fn sketched(&self) -> bool {
         self.target.as_ref().is_some_and(|target| target.enlarge > 1)
     }
 
-    /// True where the next picture is a whole one from a new view.
+    /// True if the next picture is from a new view, at full resolution.
     pub fn draws_view(&self) -> bool {
         let moves = self.dirty.view || self.target.is_none();
         if self.sketching { self.sketched() && !moves } else { moves }
     }
 
-    /// Draws with half the width and height whenever the view has changed, and in full when it stands still: for slow
-    /// devices.
+    /// Draws at a fraction of the width and height while the view changes, and at full resolution once the view
+    /// rests: for slow devices.
     pub fn set_sketching(&mut self, on: bool) {
         self.sketching = on;
     }
@@ -239,17 +239,17 @@ impl Renderer {
         self.scene.is_some() && !self.dirty.any() && !self.sketched() && !complete
     }
 
-    /// Leaves the average as it is until something changes: for slow devices.
+    /// Stops averaging until the next change: for slow devices.
     pub fn stop_refining(&mut self) {
         self.pictures = self.pictures.max(self.still_pictures);
     }
 
-    /// Averages so many pictures while nothing moves; 1 for none.
+    /// Sets the number of pictures averaged while nothing changes; 1 for no averaging.
     pub fn set_still_pictures(&mut self, count: u32) {
         self.still_pictures = count.max(1);
     }
 
-    /// Gives every pixel bounced light of its own instead of interpolating it where a surface goes on; for
+    /// Gives every pixel a slot of its own for bounced light, without interpolation on continuous surfaces; for
     /// measurements.
     pub fn set_every_pixel(&mut self, on: bool) {
         self.every_pixel = on;
@@ -257,13 +257,13 @@ impl Renderer {
         self.dirty.view = true;
     }
 
-    /// Makes shadow maps at most so many texels wide; for measurements.
+    /// Limits the width of shadow maps, texels; for measurements.
     pub fn set_largest_shadow_map(&mut self, texels: u32) {
         self.shadows.largest = texels.clamp(16, shadow_fit::LARGEST);
         self.dirty.lights = true;
     }
 
-    /// How the last picture's light got from functions to pixels: `lookup` or `splat`.
+    /// Way of filling the slots of the last picture: `lookup` or `splat`.
     pub fn displayed(&self) -> &'static str {
         self.way.name()
     }
@@ -354,7 +354,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What the GPU took lately, of which the choice hears, too.
+    /// Collects the latest GPU times, and passes the time of the display way to the choice.
     fn collect_times(&mut self) -> Milliseconds {
         let Some(timing) = &mut self.timing else { return Milliseconds::default() };
         let milliseconds = timing.collect(&self.gpu);
@@ -364,13 +364,13 @@ impl Renderer {
         milliseconds
     }
 
-    /// How the frame that was just drawn filled the slots, if that is new and no pass was timed: then give its time to
-    /// [`Self::add_time`].
+    /// Returns the way of filling slots if the last frame filled the slots anew and the device cannot time passes:
+    /// the caller then passes the frame's time to [`Self::add_time`].
     pub fn untimed(&self) -> Option<Way> {
         (self.viewed && self.timing.is_none()).then_some(self.way)
     }
 
-    /// Milliseconds of a frame that was drawn in this way: see [`Self::untimed`].
+    /// Adds the milliseconds of a frame drawn in this way: see [`Self::untimed`].
     pub fn add_time(&mut self, way: Way, milliseconds: f64) {
         self.choice.add(way, milliseconds);
     }
@@ -382,7 +382,7 @@ impl Renderer {
                 "a picture of {width} x {height} pixels: both must be between 1 and {limit}"
             )));
         }
-        // A number a pixel must fit one binding.
+        // A 32-bit value for every pixel must fit one binding.
         let most = MAX_BINDING / 4;
         if width as u64 * height as u64 > most {
             return Err(ViewerError::BadArgument(format!(

@@ -11,16 +11,16 @@ use crate::upload::MAX_BUFFER;
 use crate::view::Sample;
 use wgpu::TextureFormat;
 
-/// Pictures that [`Renderer::read_indirect`] averages.
+/// Number of pictures averaged by [`Renderer::read_indirect`].
 const PICTURES: u32 = 16;
-/// Pixels of one of them at most.
+/// Maximum pixels of one of these pictures.
 const MOST_PIXELS: u64 = 1 << 22;
 
 impl Renderer {
-    /// Begins to read the bounced light of the present camera and lights at this size: RGBA 32-bit
-    /// floats, linear radiance albedo/π·E; each pixel is the mean over 64 places, 16 in pictures of over a
-    /// million pixels. Alpha is the share that surfaces cover: blended ones lie over what is behind them, with the
-    /// bounced light that they reflect, as on the CPU, where the share 1 − alpha of the rays goes through. Surfaces are
+    /// Begins to read the bounced light for the present camera and lights at this size: RGBA 32-bit floats, linear
+    /// radiance albedo/π·E. A pixel is the mean over 64 places, or 16 in pictures of over a million pixels. Alpha
+    /// is the share covered by surfaces: blended surfaces are composited over the surfaces behind, with their
+    /// reflected bounced light, as on the CPU, where the share 1 − alpha of the rays passes. Surfaces are
     /// Lambertian, without normal maps, as in the bake.
     ///
     /// # Errors
@@ -43,11 +43,11 @@ impl Renderer {
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.update_lights(&mut encoder, &scene, None);
-        // One submission a picture: their uniforms differ.
+        // One submission per picture: uniforms differ.
         for picture in 0..PICTURES {
             std::mem::swap(&mut before, &mut out);
             self.draw_view(&mut encoder, &scene, &mut target, Sample::of_count(picture, PICTURES), false);
-            // Lambertian surfaces, as the CPU's picture has them.
+            // Lambertian surfaces, as in the CPU's picture.
             let shading = self.shading(1.0 / (picture + 1) as f32);
             let flags = shading.flags & !composite::DETAILED;
             let shading = Shading { direct: 0.0, indirect: 1.0, scale, flags, ..shading };
@@ -67,8 +67,8 @@ impl Renderer {
         Ok(Readback::texture(&self.gpu, &out, 16))
     }
 
-    /// Begins to read how the bounced light of the last picture that [`Renderer::draw`] drew was looked up: its size,
-    /// and what [`Counts::new`](crate::stats::Counts::new) makes numbers of.
+    /// Begins to read the work counts of the last picture of [`Renderer::draw`]: returns the picture's size, and
+    /// the bytes for [`Counts::new`](crate::stats::Counts::new).
     ///
     /// # Errors
     /// [`ViewerError::NoScene`] before a picture is drawn.
@@ -91,7 +91,7 @@ impl Renderer {
         let view = out.create_view(&Default::default());
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.update_lights(&mut encoder, &scene, Some([width, height]));
-        // One submission a picture: their uniforms differ.
+        // One submission per picture: uniforms differ.
         for picture in 0..self.still_pictures {
             self.draw_view(&mut encoder, &scene, &mut target, Sample::of(picture), false);
             let blended = self.update_key(&mut encoder, &scene, &target, false);

@@ -1,4 +1,4 @@
-//! What the renderer is told: camera, lights, exposure, what to show.
+//! Settings of the renderer: camera, lights, exposure, mode, overlay.
 
 use super::Renderer;
 use crate::composite::FIRST_KEY;
@@ -51,8 +51,8 @@ impl Renderer {
     /// Replaces the lights.
     ///
     /// # Errors
-    /// [`ViewerError::BadArgument`] for numbers that are not finite, negative intensities, or more lights than
-    /// there can be shadow maps for.
+    /// [`ViewerError::BadArgument`] for numbers that are not finite, negative intensities, or too many lights for
+    /// the shadow maps.
     pub fn set_lights(&mut self, lights: Vec<Light>) -> Result<(), ViewerError> {
         check_lights(&lights)?;
         let changes = self.lights != lights;
@@ -70,7 +70,7 @@ impl Renderer {
     /// Sets the exposure.
     ///
     /// # Errors
-    /// [`ViewerError::BadArgument`] unless it lies between -32 and 32.
+    /// [`ViewerError::BadArgument`] outside of -32 to 32.
     pub fn set_exposure(&mut self, stops: f32) -> Result<(), ViewerError> {
         if !(-32.0..=32.0).contains(&stops) {
             return Err(ViewerError::BadArgument("exposure: it must be between -32 and 32 stops".into()));
@@ -80,7 +80,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether the exposure is measured and follows what is shown (key.wgsl); else radiance 1 is white at 0 stops.
+    /// Whether the exposure is measured and follows the picture (key.wgsl); if not, radiance 1 is white at 0 stops.
     pub fn auto_exposure(&self) -> bool {
         self.auto_exposure
     }
@@ -93,13 +93,13 @@ impl Renderer {
         self.auto_exposure = on;
     }
 
-    /// Measures the exposure that a scene begins with anew on the next frame.
+    /// Measures the scene's initial exposure again on the next frame.
     pub fn rekey(&mut self) {
         self.begin_with_key(0.0);
     }
 
-    /// Takes over what radiance was multiplied with when the scene was shown first, instead of measuring that on the
-    /// next frame; what is not above 0 changes nothing.
+    /// Sets the factor on radiance of the first picture of the scene, replacing a measurement on the next frame.
+    /// Values not above 0 are ignored.
     pub fn set_key(&mut self, key: f32) {
         if key > 0.0 {
             self.begin_with_key(key);
@@ -111,56 +111,56 @@ impl Renderer {
         self.dirty.key = true;
     }
 
-    /// Whether [`Self::take_measured`] shall have the exposure that the scene begins with whenever one is measured: until
-    /// it is known, as a scene may begin in the dark.
+    /// Sets whether [`Self::take_measured`] returns the scene's initial exposure after every measurement. Needed
+    /// until the exposure is known, as a scene may begin in the dark.
     pub fn want_key(&mut self, wanted: bool) {
         self.key_wanted = wanted;
     }
 
-    /// What [`crate::composite::key`] holds, on its way to the CPU.
+    /// Readback of the buffer [`crate::composite::key`].
     pub fn take_measured(&mut self) -> Option<Readback> {
         self.measured.take()
     }
 
-    /// How radiance becomes display values.
+    /// The tone mapping from radiance to display values.
     pub fn tone_mapping(&self) -> ToneMapping {
         self.tone_mapping
     }
 
-    /// Sets how radiance becomes display values.
+    /// Sets the tone mapping.
     pub fn set_tone_mapping(&mut self, tone_mapping: ToneMapping) {
         self.dirty.shade |= self.tone_mapping != tone_mapping;
         self.tone_mapping = tone_mapping;
     }
 
-    /// Which light is shown.
+    /// The displayed part of the light.
     pub fn mode(&self) -> Mode {
         self.mode
     }
 
-    /// Sets which light is shown.
+    /// Sets the displayed part of the light.
     pub fn set_mode(&mut self, mode: Mode) {
         self.dirty.shade |= self.mode != mode;
         self.mode = mode;
     }
 
-    /// What is drawn over the picture.
+    /// The overlay.
     pub fn overlay(&self) -> Overlay {
         self.overlay
     }
 
-    /// Sets what is drawn over the picture.
+    /// Sets the overlay.
     pub fn set_overlay(&mut self, overlay: Overlay) {
         self.dirty.present |= self.overlay != overlay;
         self.overlay = overlay;
     }
 
-    /// How light gets from functions to pixels.
+    /// The display method from functions to pixels.
     pub fn display(&self) -> Display {
         self.choice.wanted()
     }
 
-    /// Sets how light gets from functions to pixels.
+    /// Sets the display method.
     pub fn set_display(&mut self, display: Display) {
         self.dirty.view |= self.choice.set(display);
     }
@@ -176,13 +176,13 @@ impl Renderer {
         self.gizmos = on;
     }
 
-    /// Turns detail on or off: whether bounced light follows the openness of pixels.
+    /// Turns detail on or off: modulation of bounced light by the openness of pixels.
     pub fn set_detail(&mut self, on: bool) {
         self.dirty.view |= self.detail != on;
         self.detail = on;
     }
 
-    /// Whether an object stands before a backdrop; else what is behind it is black.
+    /// Whether a backdrop is drawn behind an object; otherwise the background is black.
     pub fn backdrop(&self) -> bool {
         self.backdrop
     }
@@ -193,8 +193,8 @@ impl Renderer {
         self.backdrop = on;
     }
 
-    /// Smooths edges in pictures that are not averaged, as moving ones, or leaves them as they are. On at first but on
-    /// software adapters, where it takes longer than it is worth.
+    /// Turns edge smoothing of pictures without averaging (for example moving pictures) on or off. Initially on,
+    /// except on software adapters, where the cost exceeds the benefit.
     pub fn set_antialias(&mut self, on: bool) {
         self.dirty.shade |= self.antialias != on;
         self.antialias = on;
@@ -206,12 +206,13 @@ impl Renderer {
         self.marks = marks;
     }
 
-    /// What the controls act on, in a picture of this size; give it back with [`Renderer::apply`].
+    /// Scene state for the controls, for a picture of this size; [`Renderer::apply`] writes changes back.
     pub fn stage(&self, size: [u32; 2]) -> Stage {
         let (camera, lights, handles) = (self.camera.clone(), self.lights.clone(), self.gizmos);
         let scene = self.scene.as_deref();
         let extent = scene.map_or(1.0, |scene| (scene.extent.all[1] - scene.extent.all[0]).length());
-        // A person's in metres, in scenes of another unit a share of the whole; and farther than the near plane.
+        // A person's clearance in metres, or a share of the extent in scenes of another unit; greater than the near
+        // plane.
         let near = scene.map_or(0.0, |scene| scene.near);
         Stage {
             camera,
@@ -225,7 +226,7 @@ impl Renderer {
         }
     }
 
-    /// Takes over what the controls changed; what cannot be used is dropped.
+    /// Applies the changes of the controls; invalid values are dropped.
     pub fn apply(&mut self, stage: Stage) {
         // Controls only ever make small steps from a valid state.
         let _ = self.set_camera(stage.camera);

@@ -1,6 +1,6 @@
-//! The WGSL modules, each put together from its parts when it is used; build.rs shortens them (minify.rs).
+//! The WGSL modules, concatenated from their parts on use; build.rs minifies the parts (minify.rs).
 
-/// A module's parts, in order.
+/// Parts of a module, in order.
 pub type Source = &'static [&'static str];
 
 macro_rules! modules {
@@ -18,15 +18,15 @@ modules! {
     DIRECT: "octahedral" "point" "lights" "lights_second" "visibility" "penumbra" "footprint" "step" "direct";
     /// Pull.
     PULL: "link" "step" "pull";
-    /// What the senders send.
+    /// Radiance sent by the senders.
     SEND: "colour" "point" "step" "send";
-    /// Links times what is sent.
+    /// Matrix product of links and the senders' light.
     TRANSPORT: "octahedral" "link" "point" "tilt" "step" "lanes" "transport";
     /// Later bounces between coarse points.
     BOUNCE: "colour" "step" "lanes" "bounce";
     /// Later bounces to finer senders.
     LIFT: "link" "step" "lift";
-    /// How much light there is.
+    /// Light level.
     LEVEL: "step" "light_level";
     /// Shadow maps.
     SHADOW: "material" "model" "shadow";
@@ -39,11 +39,11 @@ modules! {
         "visibility" "penumbra" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
     FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place" "slots" "openness" "find";
-    /// From functions to pixels.
+    /// Light of the slots, from functions to pixels.
     GATHER: "frame" "slots" "tilt" "gather";
-    /// Where functions may be seen.
+    /// Bounding quads of functions.
     QUADS: "octahedral" "point" "kernel" "frame" "level" "quads";
-    /// How bright splats are.
+    /// Brightness of the splats.
     BRIGHTEST: "brightest";
     /// From functions to sums in pixels.
     SPLAT: "octahedral" "point" "kernel" "cuts" "frame" "place" "slots" "tilt" "level" "atlas" "fullscreen" "splat";

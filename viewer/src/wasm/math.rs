@@ -1,5 +1,6 @@
-//! The C names by which compiled code calls for sines and the like, answered by the page's `Math`: without these, a
-//! library of its own would be linked, sixteen kilobytes that the browser has already. None of it is called in loops.
+//! C library names for sine and other functions in compiled code, implemented with the page's `Math`: without these
+//! functions, a math library of sixteen kilobytes would be linked, a duplicate of the browser's. No loop calls
+//! these functions.
 #![allow(unsafe_code, reason = "these names are the linker's: each does what C says it does")]
 
 use js_sys::Math;
@@ -7,7 +8,8 @@ use js_sys::Math;
 macro_rules! answered {
     ($($name:ident($($argument:ident),+): $type:ty = $of:ident),+) => {
         $(
-            // SAFETY: the C library's function of this name takes and gives the same, and nothing else here has it.
+            // SAFETY: same arguments and result as the C library's function of this name, and no other definition
+            // is linked.
             #[unsafe(no_mangle)]
             extern "C" fn $name($($argument: $type),+) -> $type {
                 Math::$of($(f64::from($argument)),+) as $type

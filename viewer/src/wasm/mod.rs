@@ -1,11 +1,11 @@
 //! The browser's class `Viewer`: the renderer on a canvas.
 //!
-//! * here: its life, and frames;
-//! * `settings` – what it is told;
+//! * here: construction, loading, frames;
+//! * `settings` – settings;
 //! * `input` – pointers, wheel, keys;
-//! * `read` – pictures, counts and figures.
+//! * `read` – pictures, counts and statistics.
 //!
-//! Every failure is a JavaScript `Error` whose `code` is one of [`ViewerError::code`]'s.
+//! Every failure is a JavaScript `Error` with a `code` from [`ViewerError::code`].
 
 mod input;
 mod math;
@@ -32,12 +32,12 @@ use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::HtmlCanvasElement;
 
-/// Half as much code as the standard allocator.
+/// Half the code size of the standard allocator.
 #[global_allocator]
 static ALLOCATOR: talc::wasm::WasmDynamicTalc = talc::wasm::new_wasm_dynamic_allocator();
 
-/// Runs once when the module is loaded: a bug in Rust code becomes an `Error` with the code
-/// `internal` and the panic's words instead of a bare trap.
+/// Runs once when the module is loaded: turns a panic into an `Error` with the code `internal` and the panic's
+/// message, instead of a bare trap.
 #[wasm_bindgen(start)]
 pub fn start() {
     std::panic::set_hook(Box::new(|info| {
@@ -57,7 +57,7 @@ struct Callbacks {
     change: RefCell<Option<js_sys::Function>>,
     lost: RefCell<Option<js_sys::Function>>,
     is_lost: Cell<bool>,
-    /// The automatic exposure that the scene began with, as it was read back; 0 before.
+    /// The scene's initial automatic exposure, as read back; 0 before.
     key: Rc<Cell<f32>>,
 }
 
@@ -74,7 +74,7 @@ struct State {
 }
 
 impl Drop for State {
-    /// Takes the pictures from the canvas, which may live on.
+    /// Detaches the device from the canvas, which may outlive the viewer.
     fn drop(&mut self) {
         self.context.unconfigure();
     }
@@ -128,7 +128,7 @@ impl Callbacks {
 }
 
 impl Viewer {
-    /// Runs `work` on the state, then tells the page that a frame is wanted.
+    /// Runs `work` on the state, then requests a frame from the page.
     fn change<T>(&self, work: impl FnOnce(&mut State) -> Result<T, ViewerError>) -> Result<T, JsValue> {
         let result = work(&mut self.state.borrow_mut());
         self.callbacks.changed();
@@ -138,7 +138,7 @@ impl Viewer {
 
 #[wasm_bindgen]
 impl Viewer {
-    /// Makes a viewer that draws on `canvas`. Rejects with `no-webgpu`, `no-adapter` or `no-device`.
+    /// Creates a viewer that draws on `canvas`. Rejects with `no-webgpu`, `no-adapter` or `no-device`.
     #[wasm_bindgen(unchecked_return_type = "Promise<Viewer>")]
     pub fn create(canvas: HtmlCanvasElement) -> js_sys::Promise {
         promise(async move {
@@ -148,7 +148,7 @@ impl Viewer {
             let context = context.ok_or_else(|| ViewerError::NoDevice("the canvas has no context".into()))?;
             let callbacks = Rc::new(Callbacks::default());
             shared.watch(&callbacks);
-            // Errors of its own, on the shared device.
+            // Separate errors, on the shared device.
             let gpu = shared.gpu.share();
             let pace = Pace::default();
             if gpu.software {
@@ -168,12 +168,12 @@ impl Viewer {
         })
     }
 
-    /// Loads the bytes of a .rbn file, with its first camera and its lights. The scene before stays
-    /// until the new one is ready. Rejects with `not-rbn`, `truncated`, `corrupt`, `newer-version`,
-    /// `older-version`, `too-large`, `texture` or `device-lost`.
+    /// Loads the bytes of a .rbn file, with its first camera and its lights. The previous scene stays until the new
+    /// scene is ready. Rejects with `not-rbn`, `truncated`, `corrupt`, `newer-version`, `older-version`,
+    /// `too-large`, `texture` or `device-lost`.
     #[wasm_bindgen(unchecked_return_type = "Promise<void>")]
     pub fn load(&self, bytes: js_sys::Uint8Array) -> js_sys::Promise {
-        // Weak: a viewer that is disposed meanwhile is gone, and what has been loaded goes with its device.
+        // Weak: if the viewer is disposed meanwhile, the loaded data is dropped with its device.
         let (held, callbacks) = (Rc::downgrade(&self.state), self.callbacks.clone());
         let gpu = self.state.borrow().renderer.gpu().clone();
         let pipelines = self.state.borrow().renderer.pipelines();
@@ -196,7 +196,7 @@ impl Viewer {
         })
     }
 
-    /// Sets the size of the canvas's drawing buffer, device pixels. Clamped to what the GPU can draw.
+    /// Sets the size of the canvas's drawing buffer, device pixels. Clamped to the GPU's limits.
     pub fn resize(&self, width: u32, height: u32) {
         {
             let mut state = self.state.borrow_mut();
@@ -211,8 +211,8 @@ impl Viewer {
         self.callbacks.changed();
     }
 
-    /// Draws if anything changed since the last call and the GPU has done the frame before. True while motion,
-    /// or a change not yet drawn, wants further frames.
+    /// Draws if the view changed since the last call and the GPU has finished the previous frame. True if motion,
+    /// or a change not yet drawn, needs further frames.
     #[wasm_bindgen(js_name = frame)]
     pub fn frame(&self, now_ms: f64) -> Result<bool, JsValue> {
         if self.callbacks.is_lost.get() {
@@ -261,7 +261,7 @@ impl Viewer {
             if let (Some(way), Some(state)) = (untimed, held.upgrade()) {
                 state.borrow_mut().renderer.add_time(way, taken);
             }
-            // What was refused is known by now, and the next frame says so, wanted for itself or not.
+            // Errors are known by now; the next frame reports them, even if nothing else needs a frame.
             if let Some(callbacks) = callbacks.upgrade().filter(|_| errors.has_error()) {
                 callbacks.changed();
             }
@@ -278,18 +278,18 @@ impl Viewer {
         Ok(moving || state.renderer.needs_frame())
     }
 
-    /// Called with nothing when input or a setter wants a frame.
+    /// Called without arguments when input or a setter needs a frame.
     #[wasm_bindgen(setter)]
     pub fn set_onchange(&self, callback: Option<js_sys::Function>) {
         *self.callbacks.change.borrow_mut() = callback;
     }
 
-    /// Called with a sentence when the GPU device is lost.
+    /// Called with a message when the GPU device is lost.
     #[wasm_bindgen(setter)]
     pub fn set_ondevicelost(&self, callback: Option<js_sys::Function>) {
         *self.callbacks.lost.borrow_mut() = callback;
     }
 
-    /// Frees the viewer and the GPU's memory that it took; with the page's last viewer goes the device.
+    /// Frees the viewer and its GPU memory; the device is destroyed with the page's last viewer.
     pub fn dispose(self) {}
 }

@@ -1,4 +1,4 @@
-//! What goes to the page: errors with a code, promises, objects.
+//! Conversions for the page: errors with a code, promises, objects.
 
 use crate::error::ViewerError;
 use rebounce_shared::rbn::meta;
@@ -6,7 +6,7 @@ use std::future::Future;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::future_to_promise;
 
-/// An error as the page catches it.
+/// A viewer error as a JavaScript error.
 pub fn js_error(error: &ViewerError) -> JsValue {
     coded(error.code(), &error.to_string())
 }
@@ -18,7 +18,7 @@ pub fn coded(code: &str, message: &str) -> JsValue {
     error.into()
 }
 
-/// A promise of what this work gives.
+/// A promise of the result of `work`.
 pub fn promise<T: Into<JsValue>>(
     work: impl Future<Output = Result<T, ViewerError>> + 'static,
 ) -> js_sys::Promise {

@@ -1,4 +1,4 @@
-//! What the class [`Viewer`] gives back: pictures, counts, figures, animations.
+//! Results of the class [`Viewer`]: pictures, counts, statistics, animations.
 
 use super::Viewer;
 use super::page::{animation, promise};
@@ -8,7 +8,7 @@ use crate::wire;
 use wasm_bindgen::prelude::*;
 
 impl Viewer {
-    /// Has the renderer read something.
+    /// Runs a reading function on the renderer.
     fn read<T>(&self, work: impl FnOnce(&mut Renderer) -> T) -> T {
         let renderer = &mut self.state.borrow_mut().renderer;
         let gpu = renderer.gpu().clone();
@@ -29,12 +29,13 @@ impl Viewer {
         self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.scene_name.clone())
     }
 
-    /// Names of the file's own lights and then of its cameras, each ended by a zero; empty where nothing has a name.
+    /// Names of the file's own lights, then of its cameras, zero-terminated; empty if no light or camera has a
+    /// name.
     pub fn names(&self) -> String {
         self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.shown.names.clone())
     }
 
-    /// The file's cameras, as [`crate::wire`] lists them, one after the other.
+    /// The file's cameras as concatenated lists of numbers: see [`crate::wire`].
     pub fn cameras(&self) -> Vec<f64> {
         let mut out = Vec::new();
         for camera in self.state.borrow().renderer.scene().map_or(&[][..], |scene| &scene.meta.cameras) {
@@ -43,12 +44,12 @@ impl Viewer {
         out
     }
 
-    /// How the last picture's light got from functions to pixels: `"lookup"` or `"splat"`.
+    /// Way from functions to pixels of the last picture: `"lookup"` or `"splat"`.
     pub fn displayed(&self) -> String {
         self.state.borrow().renderer.displayed().into()
     }
 
-    /// Counts, bytes on the GPU and, where the device can time them, microseconds per pass: JSON, whole numbers.
+    /// Counts, bytes on the GPU and, if the device has timestamp queries, microseconds per pass: JSON, integers.
     pub fn stats(&self) -> String {
         self.state.borrow_mut().renderer.stats().json()
     }
@@ -61,8 +62,8 @@ impl Viewer {
         animations.iter().map(animation).collect()
     }
 
-    /// How the bounced light of the last picture was looked up: pixels, those that looked functions up, functions looked
-    /// at, kernels evaluated. Of splatting: quads instead of functions looked at, and no kernels.
+    /// Work counts of the last picture's bounced light: pixels, pixels with a lookup, functions tested, kernels
+    /// evaluated. For splatting: quads instead of functions tested, and no kernels.
     #[wasm_bindgen(unchecked_return_type = "Promise<Float64Array>")]
     pub fn counts(&self) -> js_sys::Promise {
         let begun = self.state.borrow().renderer.read_counts();

@@ -1,4 +1,4 @@
-//! What the class [`Viewer`] is told: camera, lights, exposure, what to show.
+//! Settings of the class [`Viewer`]: camera, lights, exposure, mode, overlay.
 
 use super::Viewer;
 use crate::settings::{Display, Mode, Overlay, ToneMapping};
@@ -7,7 +7,7 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
 impl Viewer {
-    /// The present camera, as [`crate::wire`] lists it.
+    /// The present camera as a list of numbers: see [`crate::wire`].
     pub fn camera(&self) -> Vec<f64> {
         wire::camera_numbers(self.state.borrow().renderer.camera())
     }
@@ -33,7 +33,7 @@ impl Viewer {
         self.change(|state| state.renderer.set_lights(wire::lights_of(lights)?))
     }
 
-    /// Sets both, or neither, and measures the exposure again.
+    /// Sets camera and lights, or neither on an error, and measures the exposure again.
     #[wasm_bindgen(js_name = setShot)]
     pub fn set_shot(&self, camera: &[f64], lights: &[f64]) -> Result<(), JsValue> {
         let key = self.callbacks.key.clone();
@@ -64,13 +64,13 @@ impl Viewer {
         self.change(|state| state.renderer.set_exposure(stops as f32))
     }
 
-    /// What the measured exposure multiplied radiance with when the scene was shown first; 0 while that is not known.
+    /// Measured factor on radiance in the first picture of the scene; 0 while unknown.
     #[wasm_bindgen(getter)]
     pub fn measured(&self) -> f32 {
         self.callbacks.key.get()
     }
 
-    /// Takes such an exposure over instead of measuring one, as after the loss of a device; 0 changes nothing.
+    /// Sets the initial exposure without a measurement, as after the loss of a device; 0 changes nothing.
     #[wasm_bindgen(setter)]
     pub fn set_measured(&self, key: f32) -> Result<(), JsValue> {
         self.callbacks.key.set(key);
@@ -80,7 +80,7 @@ impl Viewer {
         })
     }
 
-    /// Whether the exposure is measured; else radiance 1 is white at 0 stops.
+    /// Whether the exposure is measured; if not, radiance 1 is white at 0 stops.
     #[wasm_bindgen(getter, js_name = autoExposure)]
     pub fn auto_exposure(&self) -> bool {
         self.state.borrow().renderer.auto_exposure()
@@ -95,13 +95,13 @@ impl Viewer {
         })
     }
 
-    /// How radiance becomes display values: `"agx"` or `"neutral"`.
+    /// Tone mapping from radiance to display values: `"agx"` or `"neutral"`.
     #[wasm_bindgen(getter, js_name = toneMapping)]
     pub fn tone_mapping(&self) -> String {
         self.state.borrow().renderer.tone_mapping().name().into()
     }
 
-    /// Sets how radiance becomes display values.
+    /// Sets the tone mapping.
     #[wasm_bindgen(setter, js_name = toneMapping)]
     pub fn set_tone_mapping(&self, name: &str) -> Result<(), JsValue> {
         self.change(|state| {
@@ -110,13 +110,13 @@ impl Viewer {
         })
     }
 
-    /// `"all"`, `"direct"` or `"indirect"`.
+    /// Displayed part of the light: `"all"`, `"direct"` or `"indirect"`.
     #[wasm_bindgen(getter)]
     pub fn mode(&self) -> String {
         self.state.borrow().renderer.mode().name().into()
     }
 
-    /// Sets which light is shown.
+    /// Sets the displayed part of the light.
     #[wasm_bindgen(setter)]
     pub fn set_mode(&self, mode: &str) -> Result<(), JsValue> {
         self.change(|state| {
@@ -125,13 +125,13 @@ impl Viewer {
         })
     }
 
-    /// `"none"`, `"points"` or `"levels"`.
+    /// Overlay on the picture: `"none"`, `"points"` or `"levels"`.
     #[wasm_bindgen(getter)]
     pub fn overlay(&self) -> String {
         self.state.borrow().renderer.overlay().name().into()
     }
 
-    /// Sets what is drawn over the picture.
+    /// Sets the overlay.
     #[wasm_bindgen(setter)]
     pub fn set_overlay(&self, overlay: &str) -> Result<(), JsValue> {
         self.change(|state| {
@@ -140,13 +140,13 @@ impl Viewer {
         })
     }
 
-    /// `"auto"`, `"lookup"` or `"splat"`.
+    /// Display method from functions to pixels: `"auto"`, `"lookup"` or `"splat"`.
     #[wasm_bindgen(getter)]
     pub fn display(&self) -> String {
         self.state.borrow().renderer.display().name().into()
     }
 
-    /// Sets how light gets from functions to pixels.
+    /// Sets the display method.
     #[wasm_bindgen(setter)]
     pub fn set_display(&self, display: &str) -> Result<(), JsValue> {
         self.change(|state| {
@@ -155,7 +155,7 @@ impl Viewer {
         })
     }
 
-    /// Whether bounced light follows the openness of pixels; true at first.
+    /// Whether openness of pixels modulates bounced light; initially true.
     #[wasm_bindgen(setter)]
     pub fn set_detail(&self, on: bool) -> Result<(), JsValue> {
         self.change(|state| {
@@ -164,7 +164,7 @@ impl Viewer {
         })
     }
 
-    /// Whether an object stands before a backdrop; true at first.
+    /// Whether a backdrop is drawn behind an object; initially true.
     #[wasm_bindgen(setter)]
     pub fn set_backdrop(&self, on: bool) -> Result<(), JsValue> {
         self.change(|state| {
@@ -173,7 +173,7 @@ impl Viewer {
         })
     }
 
-    /// Whether the lights' handles are drawn and can be dragged; true at first.
+    /// Whether the lights' handles are drawn and can be dragged; initially true.
     #[wasm_bindgen(getter)]
     pub fn gizmos(&self) -> bool {
         self.state.borrow().renderer.gizmos()

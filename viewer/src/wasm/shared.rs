@@ -1,4 +1,4 @@
-//! The page's device: all viewers of a page draw with one, as long as any of them lives.
+//! The page's device, shared by all viewers of a page while a viewer lives.
 
 use super::Callbacks;
 use crate::browser;
@@ -15,36 +15,36 @@ thread_local! {
     static PRESENT: RefCell<Present> = const { RefCell::new(Present::None) };
 }
 
-/// How it stands with the device.
+/// State of the device.
 enum Present {
     None,
-    /// Somebody has asked for one; these wait for the answer.
+    /// A request is in flight; these callers wait for the answer.
     Opening(Vec<Sender<()>>),
     Open(Weak<Shared>),
 }
 
-/// What the next who wants a device must do.
+/// Next action of a caller of [`Shared::get`].
 enum Next {
     Take(Rc<Shared>),
     Wait(Receiver<()>),
     Open,
 }
 
-/// A device and what belongs to it alone.
+/// A device and its pipelines.
 pub struct Shared {
     /// The device.
     pub gpu: Gpu,
-    /// Its pipelines.
+    /// The device's pipelines.
     pub pipelines: Rc<Pipelines>,
-    /// Whether blue comes first in the format that canvases are shown in without a copy.
+    /// Whether the canvas format without a copy is BGRA.
     pub is_bgra: bool,
     is_lost: Cell<bool>,
-    /// Who is told when the device is lost.
+    /// Viewers to notify when the device is lost.
     viewers: RefCell<Vec<Weak<Callbacks>>>,
 }
 
 impl Shared {
-    /// The page's device; a new one where there is none, or none any more.
+    /// Returns the page's device, or opens a new device if none is alive.
     ///
     /// # Errors
     /// [`ViewerError::NoWebGpu`], [`ViewerError::NoAdapter`], [`ViewerError::NoDevice`], [`ViewerError::Internal`].
@@ -52,7 +52,7 @@ impl Shared {
         loop {
             match PRESENT.with_borrow_mut(next) {
                 Next::Take(shared) => return Ok(shared),
-                // Then there is one; or none, and whoever comes first asks again.
+                // Afterwards a device exists, or the first waiting caller requests again.
                 Next::Wait(answer) => answer.await,
                 Next::Open => {
                     let opened = Self::open().await;
@@ -92,7 +92,7 @@ impl Shared {
         let held = Rc::downgrade(&shared);
         spawn_local(async move {
             let message = lost.await;
-            // Where nobody holds it any more, the last viewer has let it go.
+            // Without a holder, the last viewer has dropped the device.
             if let Some(shared) = held.upgrade() {
                 shared.lose(message);
             }
@@ -100,12 +100,12 @@ impl Shared {
         Ok(shared)
     }
 
-    /// The format of pictures on canvases. The shader encodes sRGB itself.
+    /// Texture format of canvases. The shader encodes sRGB itself.
     pub fn format(&self) -> wgpu::TextureFormat {
         if self.is_bgra { wgpu::TextureFormat::Bgra8Unorm } else { wgpu::TextureFormat::Rgba8Unorm }
     }
 
-    /// Tells these when the device is lost.
+    /// Notifies this viewer when the device is lost.
     pub fn watch(&self, viewer: &Rc<Callbacks>) {
         let mut viewers = self.viewers.borrow_mut();
         viewers.retain(|viewer| viewer.strong_count() > 0);
@@ -115,7 +115,7 @@ impl Shared {
     fn lose(&self, message: String) {
         self.is_lost.set(true);
         let text = ViewerError::DeviceLost(message).to_string();
-        // Whoever hears of it may let go of its viewer at once.
+        // A callback may drop its viewer at once.
         let viewers: Vec<_> = self.viewers.borrow().iter().filter_map(Weak::upgrade).collect();
         for viewer in &viewers {
             viewer.is_lost.set(true);

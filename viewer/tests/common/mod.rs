@@ -1,4 +1,4 @@
-//! A small baked room made up by hand, and a device.
+//! A small synthetic baked room, and a device.
 
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
@@ -38,8 +38,8 @@ const WALLS: [[Vec3; 3]; 6] = [
     [Vec3::NEG_Z, Vec3::Y, Vec3::X],
 ];
 
-/// A closed room, the cube [-1, 1]³ seen from within, whose levels have `side`² points a wall, with
-/// links that mean nothing but fill all of the format: signs, directions, rows of all lengths.
+/// A closed room, the cube [-1, 1]³ seen from inside. Every level has `side`² points a wall. The links are
+/// arbitrary, but cover the format: signs, directions, rows of all lengths.
 pub fn room(sides: &[u32]) -> BakedScene {
     let mut scene = BakedScene::default();
     let mut meta =
@@ -68,7 +68,7 @@ pub fn room(sides: &[u32]) -> BakedScene {
                 let planes = [Cut::new(*u, 0.8 * spacing), Cut::new(-*v, 0.8 * spacing)];
                 let cuts = &planes[..(i % 3 == 0) as usize + (i % 6 == 0) as usize];
                 let (position, radius) = (-*normal + *u * a + *v * b, 1.6 * spacing);
-                // The samples that lie within the room; but every fifth point has none.
+                // Samples within the room; every fifth point has no samples.
                 let inside = |k: &u32| {
                     let place = position + footprint::offset(*k, *normal, radius);
                     i % 5 != 0 && place.abs().max_element() < 0.99
@@ -123,8 +123,7 @@ fn link(scene: &mut BakedScene) {
     }));
 }
 
-/// Some receivers have no row, some few links, some many; `link` makes one from its sender and random numbers
-/// in -0.5..0.5.
+/// Random rows: empty, short and long; `link` makes a link from its sender and random numbers in -0.5..0.5.
 fn rows<L>(
     receivers: std::ops::Range<u32>,
     senders: u32,

@@ -1,6 +1,6 @@
-//! What stands for a canvas.
+//! Render target in place of a canvas.
 
-/// What an element draws on, and a test or an example reads.
+/// A texture to draw to, as an element's canvas, and to read in a test or an example.
 pub fn screen(gpu: &rebounce_viewer::gpu::Gpu, width: u32, height: u32) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,

@@ -1,8 +1,8 @@
-//! A device to test with.
+//! A device for tests.
 
 use rebounce_viewer::gpu::Gpu;
 
-/// The device, or `None` (said aloud) where there is no adapter.
+/// The device, or `None` (with a message) without an adapter.
 pub fn gpu() -> Option<Gpu> {
     match Gpu::headless() {
         Ok(gpu) => Some(gpu),

@@ -1,29 +1,29 @@
-//! What is measured: a scene, a shot of it, and its path-traced references.
+//! Test cases: a scene, a shot of the scene, and its path-traced references.
 
 use super::measure::Tool;
 use crate::process;
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 
-/// One shot of one scene.
+/// One shot of a scene.
 pub struct Case {
-    /// Its name on the page.
+    /// Name on the page.
     pub name: String,
-    /// What `rebounce bake` is given.
+    /// Scene argument of `rebounce bake`.
     pub scene: String,
-    /// SHOT.json; the scene's own first camera and lights when absent.
+    /// SHOT.json; the scene's first camera and lights when absent.
     pub shot: Option<PathBuf>,
-    /// Width and height in pixels; the shot's when absent.
+    /// Width and height in pixels; from the shot when absent.
     pub size: Option<&'static str>,
     /// Two references of bounced light with independent noise.
     pub references: [PathBuf; 2],
-    /// Where another renderer made the references: the same picture by the project's own path tracer.
+    /// For references by another renderer: the same picture by the project's path tracer.
     pub traced: Option<PathBuf>,
-    /// Bare walls in the picture, where spots are measured: left, top, right, bottom, as shares of it.
+    /// Bare walls in the picture for measuring spots: left, top, right, bottom, as shares of the picture.
     pub bare: &'static [&'static str],
 }
 
-/// Bare walls of a scene in the view that is measured.
+/// Bare walls of a scene in its measured view.
 fn bare(name: &str) -> &'static [&'static str] {
     match name {
         "attic" => &["0.03,0.30,0.36,0.62", "0.47,0.30,0.83,0.65"],
@@ -33,18 +33,18 @@ fn bare(name: &str) -> &'static [&'static str] {
     }
 }
 
-/// Samples a pixel of each reference that is made here.
+/// Samples per pixel of each generated reference.
 const SAMPLES: u32 = 256;
-/// Samples a pixel of the path tracer's picture beside given references.
+/// Samples per pixel of the path tracer's picture beside given references.
 const TRACED_SAMPLES: u32 = 64;
 
 impl Case {
-    /// The file name of its picture.
+    /// File name of the picture.
     pub fn picture_name(&self) -> String {
         format!("{}.png", self.name)
     }
 
-    /// Path-traces the pictures that are missing, each with a seed of its own.
+    /// Path-traces missing pictures, with different seeds.
     fn trace(&self, tool: &Tool, pictures: &[PathBuf], samples: u32) -> Result<()> {
         for (seed, picture) in (11..).zip(pictures) {
             if !picture.exists() {
@@ -67,7 +67,7 @@ impl Case {
     }
 }
 
-/// The scenes that the project generates; their references are made once.
+/// The generated scenes; their references are computed once.
 pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
     [("attic", "480x270"), ("cornell-box", "240x240"), ("two-rooms-door", "320x180"), ("library", "320x180")]
         .into_iter()
@@ -88,19 +88,19 @@ pub fn generated(tool: &Tool) -> Result<Vec<Case>> {
         .collect()
 }
 
-/// A folder of scenes with finished references, where there is one beside the repository.
+/// Folder of scenes with finished references, if present beside the repository.
 pub fn given() -> Option<PathBuf> {
     let folder = process::root().join("../shared/scenes");
     folder.join("shots").is_dir().then_some(folder)
 }
 
-/// A file of that folder, or where it is not there a `generated` scene.
+/// A file of the folder of given scenes, or the `generated` scene if the file is missing.
 pub fn given_or(file: &str, generated: &str) -> String {
     let known = given().map(|folder| folder.join(file)).filter(|file| file.exists());
     known.map_or_else(|| generated.to_owned(), |file| file.display().to_string())
 }
 
-/// All shots of a folder: `shots/NAME.shot.json`, which names its scene, and
+/// Returns the shots of a folder: `shots/NAME.shot.json`, with the scene's name, and
 /// `references/NAME.indirect.{a,b}.exr`.
 pub fn in_folder(tool: &Tool, folder: &Path) -> Result<Vec<Case>> {
     let shots = folder.join("shots");

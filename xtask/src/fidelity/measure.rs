@@ -1,4 +1,4 @@
-//! Runs `rebounce` and reads what it says.
+//! Runs `rebounce` and parses its output.
 
 use super::cases::Case;
 use crate::process;
@@ -7,7 +7,7 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What `rebounce compare --json` prints.
+/// Output of `rebounce compare --json`.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Comparison {
     error: Option<f64>,
@@ -27,7 +27,7 @@ struct Spots {
 }
 
 impl Comparison {
-    /// The error; what it is at most where the references' noise hides it.
+    /// The error; the upper bound of the error if hidden by the references' noise.
     pub fn error(&self) -> f64 {
         self.error.or(self.error_at_most).unwrap_or(f64::INFINITY)
     }
@@ -47,7 +47,7 @@ impl Comparison {
     }
 }
 
-/// What of `rebounce bake --report` the page shows.
+/// Fields of `rebounce bake --report` shown on the page.
 #[derive(Debug, Deserialize)]
 pub struct Report {
     pub promised_error: f64,
@@ -60,23 +60,23 @@ pub struct Report {
     pub file_bytes: u64,
 }
 
-/// A bake measured.
+/// Measurements of a bake.
 pub struct Measured {
     pub scene: String,
     pub preset: String,
     pub report: Report,
     pub comparison: Comparison,
-    /// Whether the scene is one that the project generates.
+    /// Whether the scene is a generated scene.
     pub is_generated: bool,
 }
 
-/// The command `rebounce`, and a folder to work in.
+/// The command `rebounce`, with a work folder.
 pub struct Tool {
     rebounce: PathBuf,
     work: PathBuf,
 }
 
-/// Samples a pixel of renders.
+/// Samples per pixel of renders.
 const SAMPLES: u32 = 64;
 
 impl Tool {
@@ -85,7 +85,7 @@ impl Tool {
         Ok(Self { rebounce: process::target().join("release/rebounce"), work })
     }
 
-    /// A file in the folder.
+    /// A file in the work folder.
     pub fn file(&self, name: &str) -> PathBuf {
         self.work.join(name)
     }
@@ -114,7 +114,7 @@ impl Tool {
         process::run(command.args(["--spp", &samples.to_string(), "-o"]).arg(out))
     }
 
-    /// Bakes with more arguments if `told`, renders the bounced light and compares; draws a panel if
+    /// Bakes with the additional arguments `told`, renders the bounced light and compares; draws a panel if
     /// `shown`.
     pub fn measure(
         &self,
@@ -146,7 +146,8 @@ impl Tool {
         })
     }
 
-    /// Two rooms joined by nothing, light in one: bounced radiance in the other over that in the lit one.
+    /// Light leak between two unconnected rooms, with light in one room: bounced radiance in the dark room over
+    /// bounced radiance in the lit room.
     pub fn leak(&self, preset: &str) -> Result<f64> {
         let baked = self.file("two-rooms.rbn");
         process::run(self.command("bake").args(["builtin:two-rooms", "--preset", preset, "-o"]).arg(&baked))?;
@@ -169,7 +170,7 @@ impl Tool {
             Ok(picture)
         };
         let (dark, lit) = (take("dark", 1.0)?, take("lit", -1.0)?);
-        // The bias is the one's mean over the other's, less one.
+        // The bias is the ratio of the means, minus 1.
         Ok(self.compare(&dark, &lit, None, &[])?.bias + 1.0)
     }
 

@@ -1,6 +1,6 @@
-//! `cargo xtask fidelity`: how far baked scenes are from path-traced ones. Bakes, renders, path-traces,
-//! compares, and writes docs/fidelity.md with its tables and pictures. Takes long: half an hour for the
-//! generated scenes at `draft` and `standard`.
+//! `cargo xtask fidelity`: errors of baked scenes against path-traced references. Bakes, renders, path-traces,
+//! compares, and writes docs/fidelity.md with its tables and pictures. Duration: half an hour for the generated
+//! scenes at `draft` and `standard`.
 
 mod cases;
 mod measure;
@@ -55,7 +55,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let mut page = page::Page::default();
     for case in &cases {
         for preset in &options.presets {
-            // Pictures of scenes that are not the project's own stay out of its documentation.
+            // Pictures of third-party scenes stay out of the documentation.
             let shown = if case.traced.is_some() {
                 tool.file(&case.picture_name())
             } else {

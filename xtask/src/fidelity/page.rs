@@ -7,16 +7,16 @@ use plotters::prelude::*;
 use std::fmt;
 use std::path::Path;
 
-/// Everything measured.
+/// Measurements of the page.
 #[derive(Default)]
 pub struct Page {
     /// Scenes at presets.
     pub scenes: Vec<Measured>,
     /// The path tracer against other renderers' references, by scene.
     pub tracer: Vec<(String, Comparison)>,
-    /// Light that leaks through a wall, by preset.
+    /// Light leaks through a wall, by preset.
     pub leaks: Vec<(String, f64)>,
-    /// A lamp's way, by preset, and the path tracer's.
+    /// Steps of a moving lamp, by preset, and of the path tracer.
     pub steps: Vec<(String, Steps)>,
     /// Bakes by ε.
     pub curve: Vec<(f32, Measured)>,
@@ -146,10 +146,10 @@ The library at `draft`, by the link threshold ε (a share of what the scene's su
 |---|---|---|---|---|
 ";
 
-/// What `rebounce bake --help` says of presets.
+/// Source of the presets' promises: `rebounce bake --help`.
 const PROMISES: &str = "`bake --help`";
 
-/// True if the error is over what the bake's preset promises.
+/// Whether the error is over the error promised by the bake's preset.
 fn is_over(m: &Measured) -> bool {
     m.comparison.error() > m.report.promised_error
 }

@@ -1,4 +1,4 @@
-//! A lamp on its way: how much the bounced light changes from one picture to the next.
+//! Temporal stability: change of the bounced light between consecutive pictures of a moving lamp.
 
 use super::measure::Tool;
 use anyhow::{Context, Result};
@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 /// Pictures along the way.
 const STEPS: usize = 200;
-/// Samples a pixel of the path tracer's, all with the same random numbers, so that noise stays in place.
+/// Samples per pixel of the path tracer, with identical random numbers in every picture: noise does not move.
 const TRUTH_SAMPLES: u32 = 32;
 
-/// The largest change between neighbouring pictures of one lamp's way through the library.
+/// Largest change between neighbouring pictures on a lamp's path through the library.
 pub struct Steps {
     /// Root mean square change over the root mean square.
     pub whole: f64,
@@ -18,7 +18,7 @@ pub struct Steps {
 }
 
 impl Tool {
-    /// Of a baked library; of the path tracer's pictures without one.
+    /// Measures a baked library; path-traced pictures if `baked` is `None`.
     pub fn steps(&self, baked: Option<&Path>) -> Result<Steps> {
         let (mut last, mut next) = (self.file("step.0.exr"), self.file("step.1.exr"));
         let mut largest = Steps { whole: 0.0, blocks: 0.0 };

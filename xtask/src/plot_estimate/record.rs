@@ -1,4 +1,4 @@
-//! What bakes took for each of their parts, for the tests of the estimate: `baker/src/bake/estimate/courses.json`.
+//! Records the times of a bake's parts for the tests of the estimate: `baker/src/bake/estimate/courses.json`.
 
 use super::{Line, lines};
 use crate::process;
@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// What is read of a bake's report.
+/// Used fields of a bake's report.
 #[derive(Deserialize)]
 struct Report {
     scene: String,
@@ -43,8 +43,8 @@ struct Course {
     parts: Vec<Part>,
 }
 
-/// The parts of a bake, in order: each from its first line to the first one of the next. `functions` of each level are as many
-/// as there were in the end.
+/// Parts of a bake, in order: a part ends at the first line of the next part. For point placement, the number of
+/// units is the final number of functions of the level.
 fn parts(lines: &[Line], functions: &[u64]) -> Vec<Part> {
     let begins = |pair: &&[Line]| (&pair[0].stage, pair[0].level) != (&pair[1].stage, pair[1].level);
     let mut before = 0.0;
@@ -69,7 +69,7 @@ fn course(log: &Path) -> Result<Course> {
     Ok(Course { scene, preset, triangles, ray_triangles, functions, coarse_entries, parts })
 }
 
-/// Records bakes; the report of each lies beside its log.
+/// Records bakes; the report of a bake is beside its log.
 ///
 /// # Errors
 /// If a file cannot be read or written.

@@ -1,4 +1,4 @@
-//! What the scenes of the site cost: bytes, seconds of the bake, milliseconds of a frame.
+//! Costs of the site's scenes: file size, bake time, frame time.
 
 use super::page::Values;
 use super::{VIEWS, View};
@@ -8,10 +8,10 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// A bake's figures of its report: `file-SCENE` and `bake-SCENE`, with their units.
+/// Figures from a bake's report: `file-SCENE` and `bake-SCENE`, with units.
 ///
 /// # Errors
-/// If the report cannot be read, or lacks them.
+/// If the report cannot be read, or lacks a figure.
 pub fn of_bake(scene: &str, report: &Path) -> Result<Values> {
     let text = fs::read_to_string(report).with_context(|| report.display().to_string())?;
     let report: Value = serde_json::from_str(&text).context("a bake's report")?;
@@ -24,11 +24,11 @@ pub fn of_bake(scene: &str, report: &Path) -> Result<Values> {
     ]))
 }
 
-/// Frames' figures, measured in headless Chromium with the site in `out`, at this size: `frame-VIEW` of each view with a
-/// shot, in milliseconds, the `adapter` that drew them, and `frame-size`.
+/// Frame times, measured in headless Chromium with the site in `out`, at the given size: `frame-VIEW` for every
+/// view with a shot, in milliseconds, the `adapter`, and `frame-size`.
 ///
 /// # Errors
-/// If they cannot be measured.
+/// If the measurement fails.
 pub fn of_frames(out: &Path, [width, height]: [u32; 2]) -> Result<Values> {
     let mut node = web::node();
     node.arg("test/figures.mjs").arg(out).args([width, height].map(|length| length.to_string()));
@@ -51,7 +51,7 @@ pub fn of_frames(out: &Path, [width, height]: [u32; 2]) -> Result<Values> {
     Ok(values)
 }
 
-/// Two digits, or all before the point.
+/// Formats a number with two digits, or with its integer digits.
 fn short(number: f64) -> String {
     if number < 9.95 { format!("{number:.1}") } else { format!("{number:.0}") }
 }

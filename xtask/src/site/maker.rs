@@ -10,7 +10,7 @@ use std::process::Command;
 /// The scene of the comparison.
 const COMPARED: &str = "library";
 
-/// Makes scenes and pictures where they are not yet there.
+/// Builds missing or outdated scenes and pictures.
 pub struct Maker<'a> {
     rebounce: &'a Path,
     work: PathBuf,
@@ -18,17 +18,17 @@ pub struct Maker<'a> {
 }
 
 impl<'a> Maker<'a> {
-    /// Makes with this program, of this quality.
+    /// A maker with the program `rebounce` and the given quality.
     ///
     /// # Errors
-    /// If its folder cannot be made.
+    /// If the work folder cannot be created.
     pub fn new(rebounce: &'a Path, quality: &'a Quality) -> Result<Self> {
         let work = process::target().join("site-work").join(quality.key());
         fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
         Ok(Self { rebounce, work, quality })
     }
 
-    /// A baked scene, and the bake's figures.
+    /// A baked scene, and the bake's report.
     ///
     /// # Errors
     /// If the bake fails.
@@ -36,7 +36,7 @@ impl<'a> Maker<'a> {
         let report = self.work.join(format!("{name}.json"));
         let file = format!("{name}.rbn");
         if !report.exists() {
-            // It is written after the scene.
+            // The report is written after the scene.
             let _ = fs::remove_file(self.work.join(&file));
         }
         let baked = self.made(&file, &[], |command| {
@@ -46,10 +46,10 @@ impl<'a> Maker<'a> {
         Ok((baked, report))
     }
 
-    /// The picture of a view, as high as all; with the scene's first camera and its lights where no shot is given.
+    /// Renders a view, at the common height; with the scene's first camera and lights if no shot is given.
     ///
     /// # Errors
-    /// If the picture cannot be taken.
+    /// If rendering fails.
     pub fn picture(&self, view: &View, shot: Option<&Path>) -> Result<PathBuf> {
         let (baked, _) = self.baked(view.scene)?;
         let [width, height] = view.shape;
@@ -61,10 +61,11 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// Path-traced picture, ours or part of ours, and their difference, side by side; how far ours is off.
+    /// Panel of the path-traced picture, the relit picture (or a component of it), and their difference, side by
+    /// side; and the relit picture's error.
     ///
     /// # Errors
-    /// If a picture cannot be taken or compared.
+    /// If a picture cannot be rendered or compared.
     pub fn panel(&self, name: &str, only: &str) -> Result<(PathBuf, f64)> {
         let truth = |seed: &str| {
             self.made(&format!("truth-{seed}.exr"), &[], |command| {
@@ -91,8 +92,8 @@ impl<'a> Maker<'a> {
         format!("{width}x{height}")
     }
 
-    /// A file of the work folder; `rebounce` makes it with these arguments and `-o` where it is older than the program or
-    /// one of what it depends on.
+    /// Returns a file of the work folder; runs `rebounce` with `arguments` and `-o` if the file is older than the
+    /// program or a dependency in `on`.
     fn made(&self, name: &str, on: &[&Path], arguments: impl Fn(&mut Command)) -> Result<PathBuf> {
         let file = self.work.join(name);
         let time = |path: &Path| fs::metadata(path).and_then(|data| data.modified()).ok();

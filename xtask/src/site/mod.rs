@@ -1,7 +1,7 @@
 //! `cargo xtask site`: the site of web/site with its scenes, pictures and figures, in target/site. Scenes and
-//! pictures are made anew only when what makes them is newer than they are.
+//! pictures are rebuilt only when older than their inputs.
 //!
-//! * `maker` – scenes and pictures; `figures` – what they cost; `page` – the pages.
+//! * `maker` – scenes and pictures; `figures` – their costs; `page` – the pages.
 
 mod figures;
 mod maker;
@@ -15,7 +15,7 @@ use page::{Values, page};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What the command line asks for.
+/// Command line options.
 #[derive(Debug, PartialEq)]
 struct Options {
     quality: Quality,
@@ -23,52 +23,52 @@ struct Options {
     port: Option<u16>,
 }
 
-/// How good scenes and pictures are.
+/// Quality of scenes and pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
     /// Preset of the bakes.
     preset: String,
-    /// More arguments of the bakes.
+    /// Additional arguments of the bakes.
     bake: Vec<String>,
     /// Width and height of the pictures, pixels.
     size: [u32; 2],
-    /// Samples a pixel of each of the two path-traced pictures.
+    /// Samples per pixel of each of the two path-traced pictures.
     samples: u32,
 }
 
 impl Quality {
-    /// To look at: some minutes on two cores.
+    /// For viewing: a few minutes on two cores.
     fn usual() -> Self {
         Self { preset: "draft".into(), bake: Vec::new(), size: [768, 432], samples: 32 }
     }
 
-    /// To test with: seconds.
+    /// For tests: seconds.
     pub fn quick() -> Self {
         let bake = vec!["--functions".into(), "4000".into()];
         Self { preset: "draft".into(), bake, size: [160, 90], samples: 4 }
     }
 
-    /// Part of file names: files of another quality are other files.
+    /// Key in file names, different for every quality.
     fn key(&self) -> String {
         let [width, height] = self.size;
         format!("{}{}-{width}x{height}-{}", self.preset, self.bake.concat(), self.samples)
     }
 }
 
-/// A picture that stands for a viewer until its scene is there: `images/NAME.png`.
+/// Placeholder picture of a viewer until its scene is loaded: `images/NAME.png`.
 pub struct View {
     name: &'static str,
     /// The built-in scene.
     scene: &'static str,
-    /// Camera and lights are of `shots/NAME.json`; of the scene's own otherwise.
+    /// Whether camera and lights come from `shots/NAME.json`; otherwise from the scene.
     has_shot: bool,
     /// Width over height.
     shape: [u32; 2],
 }
 
-/// The built-in scenes that the pages show.
+/// Built-in scenes shown on the pages.
 const SCENES: [&str; 4] = ["cornell-box", "apartment", "library", "two-rooms-door"];
-/// The views of all viewers.
+/// Views of the viewers on the pages.
 const VIEWS: [View; 7] = [
     View { name: "hero", scene: "cornell-box", has_shot: true, shape: [1, 1] },
     View { name: "apartment", scene: "apartment", has_shot: false, shape: [16, 9] },
@@ -100,13 +100,13 @@ fn parse(args: &[String]) -> Result<Options> {
     Ok(options)
 }
 
-/// Builds everything, and serves it if asked to.
+/// Builds the site, and serves it on request.
 ///
 /// # Errors
 /// If a step fails.
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
-    // It measures how long frames take.
+    // The browser measures frame times.
     install::ensure(&install::BROWSER)?;
     web::build()?;
     let program = ["build", "--locked", "--release", "--package", "rebounce", "--bin", "rebounce"];
@@ -121,8 +121,7 @@ pub fn run(args: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// Puts the site into a folder, with the scenes and pictures that this `rebounce` makes. web/dist is
-/// there.
+/// Builds the site in a folder, with scenes and pictures by the program `rebounce`. Requires web/dist.
 ///
 /// # Errors
 /// If a file cannot be read or written, or a bake or a picture fails.
@@ -168,7 +167,7 @@ pub fn build(rebounce: &Path, quality: &Quality, out: &Path) -> Result<()> {
     write_pages(&site, out, &values)
 }
 
-/// Writes the pages, with the files that they name.
+/// Writes the pages, and copies the files of their folder.
 fn write_pages(site: &Path, out: &Path, values: &Values) -> Result<()> {
     let layout = read(&site.join("layout.html"))?;
     for file in entries(site)? {

@@ -1,4 +1,4 @@
-//! Pages: what stands in web/site, in the layout, with values.
+//! Pages: contents of web/site, in the layout, with values filled in.
 
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeMap;
@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 /// Values by their names.
 pub type Values = BTreeMap<String, String>;
 
-/// Puts a page into the layout. It begins with lines `<!-- NAME: VALUE -->`: title, description and,
-/// where it has any, scripts. `{{NAME}}` in the page stands for a value.
+/// Puts a page into the layout. The page begins with lines `<!-- NAME: VALUE -->`: title, description and optional
+/// scripts. `{{NAME}}` in the page is replaced by the value.
 ///
 /// # Errors
-/// If the page has no title or description, or names a value that there is not.
+/// If the page has no title or description, or names an unknown value.
 pub fn page(layout: &str, name: &str, text: &str, values: &Values) -> Result<String> {
     let mut head: BTreeMap<&str, &str> = BTreeMap::new();
     let mut rest = text;

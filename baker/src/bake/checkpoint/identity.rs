@@ -1,4 +1,4 @@
-//! What a bake's result depends on.
+//! Identity of a bake: the inputs of the result.
 
 use super::super::BakeSettings;
 use crate::sampling::PlaceSettings;
@@ -9,17 +9,17 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fmt::Debug;
 
-/// Everything that a bake's result depends on, by name: the program, the scene's contents, the settings. Bakes of one
-/// identity have the same result, to the byte.
+/// All inputs of a bake's result, by name: the program, the scene's contents, the settings. Bakes with equal identities
+/// have equal results, to the byte.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     parts: Vec<(String, String)>,
 }
 
 impl Identity {
-    /// The identity of baking this scene with these settings by this program.
+    /// Returns the identity of a bake of `scene` with `settings` by this program.
     pub fn new(scene: &Scene, settings: &BakeSettings) -> Self {
-        // Taken apart in full, so that nothing new is forgotten here.
+        // Destructured in full, so that no new field is forgotten.
         let BakeSettings { preset, viewpoints, camera, place, operator, direct_levels } =
             settings.clone().normalised();
         let PlaceSettings { levels, coarse_radius, functions, coarse_overlap, fine_overlap, patience, seed } =
@@ -75,13 +75,13 @@ impl Identity {
         Self { parts: named }
     }
 
-    /// As a file holds it.
+    /// Returns the identity as stored in a file.
     pub(in crate::bake) fn to_json(&self) -> Vec<u8> {
         serde_json::to_vec(self).unwrap_or_default()
     }
 
-    /// How `self`, found in a file, differs from what is asked for: "functions 3000, not 2000"; `None` where they are
-    /// the same.
+    /// Describes how `self`, found in a file, differs from the requested identity: "functions 3000, not 2000"; `None`
+    /// if equal.
     pub fn difference(&self, asked: &Self) -> Option<String> {
         let value = |of: &Self, name: &str| {
             of.parts.iter().find(|part| part.0 == name).map_or("unknown".to_owned(), |part| part.1.clone())
@@ -97,7 +97,7 @@ impl Identity {
     }
 }
 
-/// The scene's contents as 16 hexadecimal digits.
+/// Returns a digest of the scene's contents, 16 hexadecimal digits.
 fn digest(scene: &Scene) -> String {
     let Scene {
         name,
@@ -136,7 +136,7 @@ fn digest(scene: &Scene) -> String {
         add(bytemuck::cast_slice(&places));
         add(format!("{triangles:?} {vertices:?} {bounds:?}").as_bytes());
     }
-    // Debug prints numbers so that they read back the same.
+    // Debug output of numbers reads back exactly.
     add(format!("{name:?} {origin:?} {materials:?} {lights:?} {cameras:?} {animations:?}").as_bytes());
     add(format!("{light_names:?} {camera_names:?}").as_bytes());
     for texture in textures {

@@ -1,10 +1,10 @@
-//! A file beside the output in which a bake keeps what it has done, so that a bake that was stopped or killed can go on.
+//! Checkpoint of a bake: a file beside the output with the finished work, so that a stopped or killed bake can resume.
 //!
-//! * [`identity`] – what the result depends on;
+//! * [`identity`] – the inputs of the result;
 //! * [`record`] – the file's records.
 //!
-//! The file only grows. What a kill leaves of the last record does not match its checksum and is cut off before the
-//! bake goes on. A thread of its own writes, and forces what it wrote to the disk every few seconds.
+//! The file is append-only. A record cut short by a kill does not match its checksum and is removed before the bake
+//! resumes. A dedicated thread writes, and forces the written data to disk every few seconds.
 
 mod identity;
 mod record;
@@ -25,36 +25,36 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use writer::Writer;
 
-/// Why a checkpoint cannot be used.
+/// Reason for an unusable checkpoint.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
-    /// It cannot be read or written.
+    /// The file cannot be read or written.
     #[error("{path}: {source}; what was kept there before is whole, and --resume goes on from it")]
     Io {
-        /// The checkpoint.
+        /// Path of the checkpoint.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// Another process is at it.
+    /// Another process uses the file.
     #[error("{0} is in use by another bake: wait for that one, or write elsewhere with --output")]
     Busy(PathBuf),
-    /// Not a checkpoint.
+    /// The file is no checkpoint.
     #[error("{0} is no checkpoint of a bake: remove it, or bake without --resume, which replaces it")]
     Foreign(PathBuf),
-    /// A checkpoint of another scene or other settings.
+    /// The checkpoint belongs to another scene or to other settings.
     #[error(
         "{path} is of another bake ({difference}): give the same scene and settings to go on with that one, or leave --resume out to begin anew"
     )]
     Other {
-        /// The checkpoint.
+        /// Path of the checkpoint.
         path: PathBuf,
-        /// In what it differs from what was asked for.
+        /// Difference between the checkpoint's identity and the requested identity.
         difference: String,
     },
 }
 
-/// What an earlier run left.
+/// Records of an earlier run.
 #[derive(Default)]
 struct Saved {
     placed: Vec<Option<(PlacedMark, Vec<SurfacePoint>)>>,
@@ -64,7 +64,7 @@ struct Saved {
     records: usize,
 }
 
-/// A bake's checkpoint, open and locked. It is written until it is dropped.
+/// Checkpoint of a bake, open and locked; written until dropped.
 pub struct Checkpoint {
     path: PathBuf,
     salt: u32,
@@ -73,7 +73,7 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Begins a checkpoint; one that is there is replaced.
+    /// Begins a checkpoint; replaces an existing checkpoint.
     ///
     /// # Errors
     /// [`CheckpointError`].
@@ -82,17 +82,17 @@ impl Checkpoint {
         Self::begin(path, file, identity)
     }
 
-    /// Goes on with a checkpoint; begins one where there is none yet.
+    /// Resumes from a checkpoint; begins a checkpoint if the file is new.
     ///
     /// # Errors
-    /// [`CheckpointError`], among them a checkpoint of another bake, which is left as it is.
+    /// [`CheckpointError`], also for the checkpoint of another bake, which stays unchanged.
     pub fn resume(path: &Path, identity: &Identity) -> Result<Self, CheckpointError> {
         let io = |source| CheckpointError::Io { path: path.to_owned(), source };
         let mut file = open(path)?;
         let length = file.metadata().map_err(io)?.len();
         let mut from = BufReader::with_capacity(1 << 20, &file);
         let Some((first, mut end)) = record::read(&mut from, length, 0).map_err(io)? else {
-            // Killed before its first record was written, or something else altogether.
+            // Either killed before the first record was written, or no checkpoint.
             drop(from);
             file.rewind().map_err(io)?;
             let mut start = Vec::new();
@@ -130,7 +130,7 @@ impl Checkpoint {
         Ok(Self::on(Box::new(file), path, identity))
     }
 
-    /// A checkpoint written to some storage that is empty; `path` is what errors call it.
+    /// Creates a checkpoint on an empty storage; errors name `path`.
     pub fn on(storage: Box<dyn Storage>, path: &Path, identity: &Identity) -> Self {
         let first = record::identity(&identity.to_json());
         let salt = record::checksum_in(&first);
@@ -139,22 +139,22 @@ impl Checkpoint {
         Self { path: path.to_owned(), salt, saved: Mutex::default(), writer }
     }
 
-    /// Where it is.
+    /// Returns the path of the checkpoint.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Records that were found when it was opened, besides the first.
+    /// Returns the number of records found at opening, without the first record.
     pub fn records_found(&self) -> usize {
         self.saved.lock().map_or(0, |saved| saved.records)
     }
 
-    /// Whether writing has failed; [`Self::flush`] says why.
+    /// Returns whether writing has failed; [`Self::flush`] returns the error.
     pub fn has_failed(&self) -> bool {
         self.writer.has_failed()
     }
 
-    /// Waits until all is on the disk.
+    /// Waits until all records are on disk.
     ///
     /// # Errors
     /// [`CheckpointError::Io`] if writing failed, now or before.
@@ -162,14 +162,14 @@ impl Checkpoint {
         self.writer.flush().map_err(|source| CheckpointError::Io { path: self.path.clone(), source })
     }
 
-    /// Ends writing and removes the file: the bake is done.
+    /// Ends writing and removes the file after a finished bake.
     pub fn remove(self) {
         drop(self.writer);
-        // One that is left over takes room and does no harm.
+        // A leftover file only takes disk space.
         let _ = std::fs::remove_file(&self.path);
     }
 
-    /// The next level of points, if it is known; levels are asked for in order.
+    /// Takes the saved points of `level`; `None` if not saved. Levels are requested in order.
     pub(super) fn take_placed(&self, level: usize) -> Option<(PlacedMark, Vec<SurfacePoint>)> {
         self.saved.lock().ok()?.placed.get_mut(level)?.take()
     }
@@ -178,7 +178,7 @@ impl Checkpoint {
         self.writer.append(record::placed(self.salt, mark, points));
     }
 
-    /// Cuts and samples of the points from the first on, as far as they are known.
+    /// Takes the saved cuts and samples of the first points, up to the first gap.
     pub(super) fn take_shaped(&self) -> (Vec<Vec<Cut>>, Vec<u8>) {
         let (mut cuts, mut samples) = (Vec::new(), Vec::new());
         for (first, more, bits) in
@@ -233,7 +233,7 @@ impl PartialResults for Checkpoint {
     }
 }
 
-/// Opens a checkpoint for this process alone.
+/// Opens and locks a checkpoint for this process.
 fn open(path: &Path) -> Result<File, CheckpointError> {
     let io = |source| CheckpointError::Io { path: path.to_owned(), source };
     let file =
@@ -241,7 +241,7 @@ fn open(path: &Path) -> Result<File, CheckpointError> {
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(CheckpointError::Busy(path.to_owned())),
-        // A file system without locks.
+        // The file system has no locks.
         Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => Ok(file),
         Err(TryLockError::Error(error)) => Err(io(error)),
     }

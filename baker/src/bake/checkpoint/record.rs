@@ -1,4 +1,4 @@
-//! The records of a checkpoint: what each holds, as bytes.
+//! Records of a checkpoint, and their encoding.
 //!
 //! ```text
 //! a record    0  u32  length of the contents, bytes
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! All numbers are little-endian. The first record is the [`Identity`](super::Identity) as JSON, with salt 0; its
-//! checksum is the salt of all others, so that no record of another bake is taken for one of this.
+//! checksum is the salt of all later records, so that a record of a different bake is not accepted.
 
 use crate::sampling::{PlacedMark, SurfacePoint};
 use crate::transport::direct_to_indirect::bytes::{Reader, lengths, put, put_columns, put_receivers};
@@ -21,21 +21,21 @@ use rebounce_shared::rbn::bulk::{Cut, MAX_CUTS};
 use std::io::{self, Read};
 use xxhash_rust::xxh32::Xxh32;
 
-/// Bytes before a record's contents.
+/// Length of a record's header, bytes.
 pub const HEAD: usize = 12;
 
-/// What one record holds.
+/// Decoded contents of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Record {
     /// The identity as JSON.
     Identity(Vec<u8>),
-    /// The points of one level, levels in order, and where placing goes on.
+    /// Points of one level (records are in level order), and the state of the placement after the level.
     Placed(PlacedMark, Vec<SurfacePoint>),
-    /// Cuts and samples of points from the first on.
+    /// Cuts and samples of consecutive points, from the given index on.
     Shaped(usize, Vec<Vec<Cut>>, Vec<u8>),
-    /// What was gathered for receivers from the first on.
+    /// Gather results of consecutive receivers, from the given index on.
     Receivers(usize, Vec<Gathered>),
-    /// One part of the later bounces.
+    /// One part of the later bounces, by part number.
     Columns(usize, Columns),
 }
 
@@ -52,12 +52,12 @@ fn checksum(salt: u32, kind: u32, contents: &[u8]) -> u32 {
     hash.digest()
 }
 
-/// The checksum in a whole record's bytes.
+/// Returns the checksum stored in a complete record.
 pub fn checksum_in(record: &[u8]) -> u32 {
     record.get(8..HEAD).and_then(|bytes| bytes.try_into().ok()).map_or(0, u32::from_le_bytes)
 }
 
-/// A record while it is written.
+/// Record under construction.
 struct Writer(Vec<u8>);
 
 impl Writer {
@@ -77,7 +77,7 @@ impl Writer {
     }
 }
 
-/// The identity, and with it the salt of the records that follow.
+/// Encodes the identity record. Its checksum is the salt of the following records.
 pub fn identity(json: &[u8]) -> Vec<u8> {
     let mut out = Writer::new();
     out.put(json);
@@ -119,11 +119,11 @@ pub fn columns(salt: u32, part: usize, columns: &Columns) -> Vec<u8> {
     out.finish(salt, COLUMNS)
 }
 
-/// Reads the next record and its length in bytes from a file of which `left` bytes are left; `None` where what is left
-/// is none: the file was cut short there, or damaged.
+/// Reads the next record from a file with `left` remaining bytes; returns the record and its length in bytes. Returns
+/// `None` if the file ends, is cut short or is damaged at this position.
 ///
 /// # Errors
-/// What the system says.
+/// Error of the operating system.
 pub fn read(file: &mut impl Read, left: u64, salt: u32) -> io::Result<Option<(Record, u64)>> {
     if left < HEAD as u64 {
         return Ok(None);
@@ -150,7 +150,7 @@ fn decode(kind: u32, contents: Vec<u8>) -> Option<Record> {
         PLACED => {
             let mark = PlacedMark { next_particle: from.one()?, coarse_radius: from.one()? };
             let points = from.take::<[Vec3; 3]>(from.rest::<[Vec3; 3]>())?;
-            // Far more particles than a bake ever traces.
+            // Limit far above the number of particles of any bake.
             let is_mark = (1e-30..1e30).contains(&mark.coarse_radius) && mark.next_particle < 1 << 48;
             if !is_mark || points.len() > MAX_POINTS || !points.iter().flatten().all(|v| v.is_finite()) {
                 return None;
@@ -231,7 +231,7 @@ mod tests {
             for at in 0..bytes.len() {
                 let mut bytes = bytes.clone();
                 bytes[at] ^= 0x10;
-                // A length that grew past the end, or one that shrank, or other contents.
+                // The damage makes the length greater than the file, or smaller, or changes the contents.
                 assert_eq!(read(&mut &bytes[..], bytes.len() as u64, 7).unwrap(), None, "byte {at}");
             }
         }

@@ -1,4 +1,4 @@
-//! A thread that writes records, so that those who compute do not wait for the disk.
+//! Writer thread of a checkpoint, so that computing threads do not wait for the disk.
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -8,23 +8,23 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// At least this often what was written is forced to the disk.
+/// Maximum time between writing data and forcing the data to disk.
 const SYNC_EVERY: Duration = Duration::from_secs(5);
-/// Records that wait to be written, at most.
+/// Maximum number of queued records.
 const QUEUE: usize = 256;
 
-/// What records are written to.
+/// Destination of records.
 pub trait Storage: Write + Send {
-    /// Forces what was written to the disk.
+    /// Forces the written data to disk.
     ///
     /// # Errors
-    /// What the system says.
+    /// Error of the operating system.
     fn sync(&mut self) -> io::Result<()>;
 
-    /// Cuts off what comes after so many bytes.
+    /// Truncates the storage to `length` bytes.
     ///
     /// # Errors
-    /// What the system says.
+    /// Error of the operating system.
     fn cut(&mut self, length: u64) -> io::Result<()>;
 }
 
@@ -50,7 +50,7 @@ struct Fate {
     error: Mutex<Option<io::Error>>,
 }
 
-/// Writes records in the order they come. Ends, with all on the disk, when it is dropped.
+/// Writes records in order. When dropped, writes all queued records to disk and ends.
 pub struct Writer {
     queue: Option<SyncSender<Message>>,
     thread: Option<JoinHandle<()>>,
@@ -58,7 +58,7 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Appends to a storage that holds so many bytes.
+    /// Appends to a storage of `length` bytes.
     pub fn new(storage: Box<dyn Storage>, length: u64) -> Self {
         let (queue, messages) = sync_channel(QUEUE);
         let fate = Arc::new(Fate::default());
@@ -67,29 +67,29 @@ impl Writer {
         Self { queue: Some(queue), thread: Some(thread), fate }
     }
 
-    /// Hands a record over.
+    /// Queues a record.
     pub fn append(&self, record: Vec<u8>) {
         if let Some(queue) = &self.queue {
-            // Fails only when writing has failed, which is told elsewhere.
+            // Fails only after a write error; [`Self::flush`] returns the error.
             let _ = queue.send(Message::Append(record));
         }
     }
 
-    /// Whether writing has failed.
+    /// Returns whether writing has failed.
     pub fn has_failed(&self) -> bool {
         self.fate.failed.load(Ordering::Relaxed)
     }
 
-    /// Waits until all is on the disk.
+    /// Waits until all records are on disk.
     ///
     /// # Errors
-    /// Why writing failed.
+    /// The write error.
     pub fn flush(&self) -> io::Result<()> {
         let (told, done) = sync_channel(1);
         if let Some(queue) = &self.queue
             && queue.send(Message::Flush(told)).is_ok()
         {
-            // Ends with an error when writing has failed.
+            // Fails after a write error.
             let _ = done.recv();
         }
         if !self.has_failed() {
@@ -137,7 +137,7 @@ fn write_all(mut storage: Box<dyn Storage>, mut length: u64, messages: &Receiver
         }
     };
     if let Err(error) = work() {
-        // What came of the last record goes; if not now, then when the bake goes on.
+        // Removes a partly written record; if truncating fails, resuming removes the record.
         let _ = storage.cut(length);
         if let Ok(mut place) = fate.error.lock() {
             *place = Some(error);

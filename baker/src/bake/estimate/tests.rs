@@ -1,10 +1,10 @@
-//! The estimate over whole bakes: what it is told as a bake goes on, at the times that real bakes took for their parts.
+//! Tests of the estimate over complete bakes: replays recorded bakes with the measured times of their parts.
 
 use super::*;
 use crate::bake::Preset;
 use serde::Deserialize;
 
-/// What a bake was, as `cargo xtask plot-estimate --record` writes it.
+/// Recorded bake, as written by `cargo xtask plot-estimate --record`.
 #[derive(Clone, Debug, Deserialize)]
 struct Course {
     scene: String,
@@ -13,12 +13,12 @@ struct Course {
     ray_triangles: u64,
     /// Points of each level.
     functions: Vec<usize>,
-    /// Of the rows that later bounces are made of.
+    /// Entries of the rows for later bounces.
     coarse_entries: u64,
     parts: Vec<Recorded>,
 }
 
-/// A part of it: units of work and processor seconds.
+/// Part of a recorded bake: units of work and processor seconds.
 #[derive(Clone, Debug, Deserialize)]
 struct Recorded {
     stage: String,
@@ -27,7 +27,7 @@ struct Recorded {
     seconds: f64,
 }
 
-/// Measured with one thread on two cores.
+/// Recorded bakes. Measured with one thread on two cores.
 fn courses() -> Vec<Course> {
     serde_json::from_str(include_str!("courses.json")).unwrap()
 }
@@ -53,17 +53,18 @@ fn preset(name: &str) -> Preset {
     all.into_iter().find(|preset| preset.name() == name).unwrap()
 }
 
-/// Primitives that a part is told of.
+/// Number of progress updates per part.
 const STEPS: usize = 50;
 
-/// A bake under way.
+/// State of a replayed bake.
 struct Run {
     estimate: Estimate,
-    /// The clock's seconds over the processors'.
+    /// Clock seconds per processor second.
     stretch: f64,
     past: f64,
     total: f64,
-    /// Shares of the way, and the time left then, estimated over true: the processors' and the clock's.
+    /// At every update: share of the total time passed, and the ratio of estimated to true time left, for processor
+    /// time and for clock time.
     found: Vec<(f64, f64, f64)>,
 }
 
@@ -86,7 +87,7 @@ impl Run {
     }
 }
 
-/// Follows a bake on a machine that is so many times as slow, and that others take this much of.
+/// Replays a bake on a machine slower by the factor `slow`, with `stretch` clock seconds per processor second.
 fn follow(course: &Course, slow: f64, stretch: f64) -> Run {
     let settings = BakeSettings::new(preset(&course.preset)).normalised();
     let total: f64 = course.parts.iter().map(|part| part.seconds).sum();

@@ -1,5 +1,5 @@
-//! What an object stands on in pictures: a level plane in the shadow of what is above it. No light falls on it and none
-//! bounces off it.
+//! Ground under an object in pictures: a level plane with the object's ambient shadow. Takes no part in light
+//! transport.
 
 use crate::geometry::{Ray, Surfaces};
 use crate::random::Stream;
@@ -7,14 +7,14 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::rbn::shown::{Ground, SIDE};
 
-/// How far the shadow reaches beside the object, over the object's greatest side.
+/// Width of the shadow margin around the object, relative to the object's greatest side.
 const BESIDE: f32 = 0.5;
-/// What is farther away than this casts no shadow, over the object's diagonal; what is nearer one that fades with distance.
+/// Maximum distance of an occluder, relative to the object's diagonal; occlusion fades with distance.
 const REACH: f32 = 0.6;
-/// Rays from each place.
+/// Rays per texel.
 const RAYS: u64 = 256;
 
-/// The ground of an open scene that is an object; none in rooms and landscapes.
+/// Returns the ground of an open scene with a single object; `None` for rooms and landscapes.
 pub fn ground<S: Surfaces>(surfaces: &S, is_open: bool) -> Option<Ground> {
     let (low, high) = surfaces.bounds();
     let size = high - low;
@@ -24,7 +24,7 @@ pub fn ground<S: Surfaces>(surfaces: &S, is_open: bool) -> Option<Ground> {
     let margin = BESIDE * size.max_element();
     let (least, most) = (low - margin, high + margin);
     let reach = REACH * size.length();
-    // The same for each place, or it would be grainy.
+    // Equal directions for every texel prevent grain.
     let ways: Vec<Vec3> = (0..RAYS).map(|i| Stream::new(0x6772_6f75, i).cosine_hemisphere(Vec3::Y)).collect();
     let hidden = |place: usize| {
         let at = |i: usize| (i as f32 + 0.5) / SIDE as f32;
@@ -36,7 +36,7 @@ pub fn ground<S: Surfaces>(surfaces: &S, is_open: bool) -> Option<Ground> {
             surfaces.cast(&ray, 0).map_or(0.0, |hit| 1.0 - hit.distance / reach)
         };
         let sum: f32 = ways.iter().map(of).sum();
-        // Nothing at the borders, beyond which there is none.
+        // The shadow fades to zero at the border of the plane.
         let inside = |x: f32| (6.0 * x.min(1.0 - x)).min(1.0);
         (255.0 * sum / RAYS as f32 * inside(x) * inside(z)).round() as u8
     };

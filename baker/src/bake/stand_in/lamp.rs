@@ -1,4 +1,4 @@
-//! A lamp for a scene that has none: in the picture, beside what is looked at, which it lights.
+//! Lamp for a scene without lights: placed within the picture, beside the surface in view, which the lamp lights.
 
 use super::{ASPECT, spread_over_picture};
 use crate::geometry::{Hit, Ray, Surfaces};
@@ -9,52 +9,57 @@ use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::light::{Light, LightSource};
 use std::f32::consts::PI;
 
-/// Where in the picture lamps are tried, from its middle, over half its width and half its height: in the left or right
-/// third, where their handles are well within the picture.
+/// Candidate positions in the picture, measured from the centre, relative to half the width and half the height: in the
+/// left or right third, with the lamp's handle well within the picture.
 const ACROSS: [f32; 5] = [0.38, 0.46, 0.55, 0.65, 0.75];
 const UP: [f32; 8] = [0.72, 0.62, 0.52, 0.42, 0.32, 0.22, 0.12, 0.05];
-/// How far away, over the distance of what is behind them there.
+/// Candidate distances from the eye, relative to the distance of the surface behind.
 const AWAY: [f32; 7] = [0.85, 0.75, 0.65, 0.55, 0.45, 0.35, 0.25];
-/// How far below the ceiling a lamp hangs best, over the eye's height: nearer it burns the ceiling out. In high rooms half
-/// way between eye and ceiling, in low ones at least so high, over the eye's height.
+/// Best distance of a lamp below the ceiling, relative to the eye's height above the floor: a nearer lamp burns out the
+/// ceiling. In high rooms, the best height is midway between eye and ceiling; in low rooms, the best height is `LEAST`
+/// times the eye's height or more.
 const BELOW: f32 = 0.75;
 const LEAST: f32 = 1.05;
-/// The widest spot, degrees: wider ones take six shadow maps.
+/// Widest spot (outer cone angle), degrees: a wider spot needs six shadow maps.
 const WIDEST: f32 = 60.0;
-/// The cone of a spot over what the object's sphere takes: what the object stands on is lit, and fades out.
+/// Cone angle of a spot, relative to the angle of the object's bounding sphere: the light on the ground fades out.
 const CONE: f32 = 1.9;
-/// How far a spot is from the middle of an object at least, over the scene's diagonal, to light all of it.
+/// Preferred minimum distance of a spot from the centre of an object, relative to the scene's diagonal, so that the
+/// spot lights the object completely.
 const BACK: f32 = 0.7;
-/// The best so many places are looked at closely, with so many rays of the picture.
+/// Number of best-rated positions to rate by illumination, and rays per picture.
 const CLOSELY: usize = 96;
 const RAYS: u32 = 160;
-/// What gets so many times the usual light is burnt out in the picture, and the share of it that is little.
+/// Irradiance of burnt-out points, relative to the mean; and the share of burnt-out points considered small.
 const BURNT: f32 = 5.0;
 const FEW_BURNT: f32 = 0.03;
-/// Free space around a lamp in a room, over the room's height there; and in the open, over the scene's diagonal.
+/// Free distance around a lamp: in a room, relative to the local room height; in the open, relative to the scene's
+/// diagonal.
 const FREE: f32 = 0.12;
 const FREE_IN_OPEN: f32 = 0.05;
-/// How high it hangs best under the sky, and the most height that counts, over the eye's height.
+/// Best height of a lamp under open sky, and the upper bound of the room height, relative to the eye's height.
 const SKY: [f32; 2] = [2.5, 3.0];
-/// Free space to its sides that it hangs best in, in a room, over the room's height there: walls are evenly lit then.
+/// Free horizontal distance of a well-placed lamp in a room, relative to the local room height: walls are then evenly
+/// lit.
 const ASIDE: f32 = 0.5;
 
-/// What a picture shows.
+/// Surfaces in a picture.
 struct Sight<'a, S: Surfaces> {
     surfaces: &'a S,
     frame: &'a CameraFrame,
     is_open: bool,
-    /// Least and greatest corner of what has the detail, local space.
+    /// Minimum and maximum corner of the detailed part of the scene, local space.
     part: (Vec3, Vec3),
-    /// How high the eye is above what is below it.
+    /// Height of the eye above the surface below.
     tall: f32,
-    /// The surface in the middle of the picture, or nearest to it.
+    /// Hit at the centre of the picture, or nearest to the centre.
     target: Option<Hit>,
-    /// Surfaces in the picture.
+    /// Hits in the picture.
     seen: Vec<Hit>,
 }
 
-/// How far surfaces are from a place: in any direction, level, up and down.
+/// Distances of the surfaces around a position: minimum over all directions, minimum over horizontal directions, up,
+/// down.
 struct Room {
     around: f32,
     aside: f32,
@@ -62,7 +67,7 @@ struct Room {
     below: Option<f32>,
 }
 
-/// A lamp for this picture, world space: a point light in a room, a spot outside.
+/// Returns a lamp for the picture, world space: a point light in a room, a spot in the open.
 pub fn lamp<S: Surfaces>(surfaces: &S, frame: &CameraFrame, is_open: bool, origin: [f64; 3]) -> Light {
     let sight = Sight::new(surfaces, frame, is_open);
     let place = sight.place();
@@ -88,7 +93,7 @@ pub fn lamp<S: Surfaces>(surfaces: &S, frame: &CameraFrame, is_open: bool, origi
     }
 }
 
-/// A number rounded to two digits.
+/// Rounds to two significant digits.
 fn two_digits(x: f64) -> f64 {
     format!("{x:.1e}").parse().unwrap_or(x)
 }
@@ -108,7 +113,7 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         sight
     }
 
-    /// A unit direction through a place in the picture, from -1 to 1, right and up.
+    /// Returns the unit direction through a position in the picture, -1 to 1, right and up.
     fn way(&self, [x, y]: [f32; 2]) -> Vec3 {
         let t = self.frame.tan_half_yfov;
         (self.frame.forward + t * (ASPECT * x * self.frame.right + y * self.frame.up)).normalize()
@@ -123,7 +128,7 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         (self.part.1 - self.part.0).length()
     }
 
-    /// How far surfaces are from a place.
+    /// Returns the distances of the surfaces around a position.
     fn room(&self, place: Vec3) -> Room {
         let free = |way: Vec3| self.surfaces.cast(&Ray::visibility(place, way), 0).map(|hit| hit.distance);
         let signs = [-1.0, 0.0, 1.0];
@@ -144,7 +149,7 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         }
     }
 
-    /// The irradiance at what is looked at from 1 cd there; 0 where no light gets there.
+    /// Returns the irradiance of the target from 1 cd at `place`; 0 if occluded.
     fn reaches(&self, place: Vec3) -> f32 {
         self.target.as_ref().map_or(0.0, |hit| self.irradiance(place, hit))
     }
@@ -156,19 +161,19 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         direct::at_hit(self.surfaces, &lights, hit).element_sum() / 3.0
     }
 
-    /// The irradiance of points in the picture that get light from 1 cd at `place`.
+    /// Returns the irradiance of the lit points in the picture, from 1 cd at `place`.
     fn lit(&self, place: Vec3) -> Vec<f32> {
         self.seen.iter().map(|hit| self.irradiance(place, hit)).filter(|light| *light > 0.0).collect()
     }
 
-    /// Geometric mean of the irradiance of lit points in the picture, from 1 cd at `place`.
+    /// Returns the geometric mean of the irradiance of lit points in the picture, from 1 cd at `place`.
     fn gain(&self, place: Vec3) -> f32 {
         let mean = geometric_mean(&self.lit(place));
         let distance = 0.5 * self.diagonal();
         mean.max(1e-3 / (distance * distance).max(f32::MIN_POSITIVE))
     }
 
-    /// Where the lamp is, local space.
+    /// Returns the position of the lamp, local space.
     fn place(&self) -> Vec3 {
         let eye = self.frame.eye;
         let looked = self.target.as_ref().map_or(0.5 * self.diagonal(), |hit| hit.distance);
@@ -198,8 +203,8 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         best.map_or(eye, |best| rated[best].1)
     }
 
-    /// Score of a place without its illumination, above 0: free space, height below the ceiling, light on the target from
-    /// the side, distance from the eye.
+    /// Returns the score of a position without the illumination of the picture, over 0: free space, height below the
+    /// ceiling, light on the target from the side, distance from the eye.
     fn rate(&self, place: Vec3, [x, _]: [f32; 2], looked: f32) -> f32 {
         let diagonal = self.diagonal();
         let room = self.room(place);
@@ -235,13 +240,13 @@ impl<'a, S: Surfaces> Sight<'a, S> {
         let nearer = place.distance(self.frame.eye) / looked.max(1e-6 * diagonal);
         let depth = bell(nearer - 0.55, 0.45).max(0.05);
         let third = bell(x.abs() - 0.5, 0.4);
-        // What is not free is no place at all while there is another.
+        // A position without free space is only a last resort.
         let free = if free < 1.0 { 0.001 * free } else { 1.0 };
         free * (0.02 + up.max(0.0)) * (0.2 + 0.8 * aside) * reached * depth * third + f32::MIN_POSITIVE
     }
 }
 
-/// 0 of nothing.
+/// Returns the geometric mean; 0 for an empty slice.
 fn geometric_mean(light: &[f32]) -> f32 {
     let logs: f32 = light.iter().map(|light| light.ln()).sum();
     if light.is_empty() { 0.0 } else { (logs / light.len() as f32).exp() }

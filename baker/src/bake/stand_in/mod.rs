@@ -1,7 +1,7 @@
-//! Camera and lamp of a scene that has none, so that there is something to see; and the ground under an object.
+//! Camera and lamp for scenes without, so that a picture is not empty; and the ground under an object.
 //!
-//! * `room` – a view of a room; `object` – one of an object or a landscape;
-//! * `lamp` – a lamp in the picture; `ground` – what an object stands on.
+//! * `room` – view of a room; `object` – view of an object or a landscape;
+//! * `lamp` – lamp in the picture; `ground` – ground under an object.
 
 mod ground;
 mod lamp;
@@ -16,15 +16,15 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::shown::Shown;
 
-/// Vertical field of view of cameras that are added, degrees.
+/// Vertical field of view of added cameras, degrees.
 const YFOV_DEG: f64 = 60.0;
-/// Width over height of the picture that a view is chosen for.
+/// Aspect ratio (width / height) used to choose a view.
 const ASPECT: f32 = 16.0 / 9.0;
-/// Names of what is added.
+/// Names of the added lamp and camera.
 const LAMP: &str = "Lamp";
 const VIEW: &str = "First view";
 
-/// Lights and cameras, world space, neither of them empty; their names, and the ground.
+/// Lights and cameras, world space, both non-empty; names, and the ground.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Staged {
     pub lights: Vec<Light>,
@@ -33,7 +33,7 @@ pub(super) struct Staged {
 }
 
 impl Staged {
-    /// The scene's own, or what takes their place.
+    /// Returns the scene's own lights and cameras, or added ones.
     pub fn new(scene: &Scene, vantage: &ParticleEmitter, surfaces: &TriangleSurfaces) -> Self {
         let (mut lights, mut cameras) = (scene.lights.clone(), scene.cameras.clone());
         let named = |names: &[String], count| {
@@ -61,10 +61,10 @@ impl Staged {
     }
 }
 
-/// A camera that sees a scene from outside.
+/// Returns a camera that sees the scene from outside.
 pub(super) fn outside(scene: &Scene) -> Camera {
     let (low, high) = scene.main_part();
-    // Of models only the places are known here; of landscapes the part that has the detail is what is shown.
+    // Triangles of models are not in local space; a landscape is framed by its detailed part.
     let is_object = scene.models.is_empty() && (low, high) == scene.bounds();
     let corners = scene.triangles.iter().map(|t| t.map(|i| scene.positions[i as usize]));
     let (low, high) = if is_object { object::shown(corners, low, high) } else { (low, high) };
@@ -72,17 +72,17 @@ pub(super) fn outside(scene: &Scene) -> Camera {
     camera(scene.origin, eye, target)
 }
 
-/// A level camera from local space.
+/// Returns a camera with vertical up direction; inputs in local space.
 fn camera(origin: [f64; 3], eye: Vec3, target: Vec3) -> Camera {
     let world = |local: Vec3| std::array::from_fn(|i| origin[i] + f64::from(local[i]));
     Camera { position: world(eye), target: world(target), up: [0.0, 1.0, 0.0], yfov_deg: YFOV_DEG }
 }
 
-/// Rays through a picture, as places in it: x and y from -1 to 1, right and up, evenly spread.
+/// Returns evenly spread positions in the picture: x and y from -1 to 1, right and up.
 fn spread_over_picture(count: u32) -> impl Iterator<Item = [f32; 2]> {
     (0..count).map(move |i| {
         let across = (i as f32 + 0.5) / count as f32;
-        // The golden ratio.
+        // Golden ratio.
         let up = (i as f32 * 0.618_034).fract();
         [2.0 * across - 1.0, 2.0 * up - 1.0]
     })

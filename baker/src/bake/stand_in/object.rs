@@ -1,26 +1,26 @@
-//! A view of an object or a landscape from outside.
+//! View of an object or a landscape from outside.
 
 use super::YFOV_DEG;
 use crate::scene::bounds_of;
 use glam::Vec3;
 
-/// Where it is looked at from, seen from its middle: from ahead of it (glTF's objects face +z), from a little to the right
-/// and above.
+/// Direction from the object to the eye: from the front (glTF objects face +z), slightly right and above.
 const AHEAD: Vec3 = Vec3::new(0.45, 0.35, 1.0);
-/// The share of the picture's height that its box fills, or of the width of a picture that is so many times as wide as high.
+/// Share of the picture's height filled by the object's box, or share of the width in a picture `WIDE` times as wide as
+/// high.
 const FILLED: f32 = 0.85;
 const WIDE: f32 = 1.3;
-/// A box around most triangles leaves out this share of them at each end of each axis.
+/// Share of triangles excluded from the central box at each end of each axis.
 const FEW: f32 = 0.02;
-/// How much of what is around them is in the picture besides.
+/// Interpolation from the central box to the complete box.
 const AROUND: f32 = 0.5;
-/// Steps of the bisection for the eye.
+/// Number of bisection steps for the eye.
 const STEPS: usize = 32;
-/// Triangles that are looked at, about.
+/// Approximate maximum number of triangles to examine.
 const LOOKED: usize = 1 << 16;
 
-/// The box that a picture shows: around most of these triangles, and something of the rest. So a statue on a plate is larger
-/// than with all of the plate.
+/// Returns the box to frame: the box of the central triangles, enlarged towards the complete box `low`, `high`. A
+/// statue on a plate thus appears larger than if the complete plate were framed.
 pub fn shown(triangles: impl ExactSizeIterator<Item = [Vec3; 3]>, low: Vec3, high: Vec3) -> (Vec3, Vec3) {
     let step = triangles.len().div_ceil(LOOKED).max(1);
     let triangles: Vec<[Vec3; 3]> = triangles.step_by(step).collect();
@@ -43,7 +43,7 @@ pub fn shown(triangles: impl ExactSizeIterator<Item = [Vec3; 3]>, low: Vec3, hig
     (least.lerp(low, AROUND), most.lerp(high, AROUND))
 }
 
-/// Eye and target, local space, so that the box between these corners fills a picture and is in its middle.
+/// Returns eye and target, local space, so that the box `low`, `high` fills the picture and is centred.
 pub fn view(low: Vec3, high: Vec3) -> (Vec3, Vec3) {
     let middle = 0.5 * (low + high);
     let radius = 0.5 * (high - low).length().max(f32::MIN_POSITIVE);
@@ -52,7 +52,7 @@ pub fn view(low: Vec3, high: Vec3) -> (Vec3, Vec3) {
     let up = back.cross(right);
     let reach = FILLED * (0.5 * YFOV_DEG as f32).to_radians().tan();
     let corners: Vec<Vec3> = (0..8).map(|i| Vec3::select(mask(i), high, low) - middle).collect();
-    // Across the view, and along it towards the eye.
+    // Coordinates across the view, and along the view towards the eye.
     let seen =
         |axis: Vec3| -> Vec<(f32, f32)> { corners.iter().map(|c| (c.dot(axis), c.dot(back))).collect() };
     let axes = [(seen(right), WIDE * reach), (seen(up), reach)];
@@ -62,15 +62,16 @@ pub fn view(low: Vec3, high: Vec3) -> (Vec3, Vec3) {
     (eye, eye - distance * back)
 }
 
-/// Least distance of an eye from which all points (x across the view, z towards the eye) lie between lines of slope
-/// `reach` through the eye.
+/// Returns the minimum distance of an eye from which all points (x across the view, z towards the eye) are between
+/// lines of slope `reach` through the eye.
 fn farthest(seen: &[(f32, f32)], reach: f32) -> f32 {
     let most = seen.iter().map(|(x, z)| x + reach * z).fold(f32::MIN, f32::max);
     let least = seen.iter().map(|(x, z)| x - reach * z).fold(f32::MAX, f32::min);
     (most - least) / (2.0 * reach)
 }
 
-/// Position of the eye across the view, at this distance, that centres the points: by bisection, as slopes fall with it.
+/// Returns the position of the eye across the view, at `distance`, that centres the points. Bisection: slopes fall with
+/// the position.
 fn centred(seen: &[(f32, f32)], distance: f32, radius: f32) -> f32 {
     let (mut low, mut high) = (-2.0 * radius, 2.0 * radius);
     for _ in 0..STEPS {

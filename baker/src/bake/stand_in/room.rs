@@ -1,4 +1,4 @@
-//! A view of a room: from the height of eyes above a large floor, level, where it is open and shows much of the room.
+//! View of a room: level, from eye height above a large floor, with open space and large parts of the room in view.
 
 use super::{ASPECT, YFOV_DEG, spread_over_picture};
 use crate::geometry::{Ray, Surfaces};
@@ -10,44 +10,44 @@ use rayon::prelude::*;
 use rebounce_shared::light::LightSource;
 use std::collections::HashMap;
 
-/// Height of eyes, in metres; and the heights of rooms that are believed to be in metres.
+/// Eye height, in metres; and the range of room heights interpreted as metres.
 const EYES: f32 = 1.6;
 const METRES: std::ops::Range<f32> = 1.9..60.0;
-/// Height of eyes in other rooms, over the room's.
+/// Eye height in other rooms, relative to the room height.
 const UP: f32 = 0.6;
-/// And never higher than this.
+/// Maximum eye height, relative to the room height.
 const HIGHEST: f32 = 0.7;
-/// Places on floors that are tried.
+/// Number of candidate positions on floors.
 const TRIES: u64 = 768;
-/// A floor is large where this share of the tries stands on it: tables are not.
+/// Share of candidate positions at the height of a large floor; tables have fewer.
 const LARGE: f32 = 0.12;
-/// Level rays around a place, and of the best ways to look so many are looked at closely, with so many rays.
+/// Number of horizontal rays around a position; number of best views to score; rays per score.
 const AROUND: usize = 32;
 const CLOSELY: usize = 160;
 const RAYS: u32 = 240;
-/// Free space around eyes, and what is too near to look at, over the eyes' height.
+/// Free distance around the eye, and the distance of surfaces too near to look at, relative to the eye height.
 const FREE: f32 = 0.3;
 const NEAR: f32 = 0.9;
 
-/// Where a room is seen from.
+/// Eye and direction of a view of a room.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Local space.
+    /// Position of the eye, local space.
     pub eye: Vec3,
-    /// Level unit direction.
+    /// Horizontal unit direction.
     pub towards: Vec3,
-    /// How far away the point is that is looked at.
+    /// Distance from the eye to the target.
     pub far: f32,
 }
 
-/// A place to stand: above a floor, with so much height to the ceiling.
+/// Candidate position: a point on a floor, and the height of the ceiling.
 #[derive(Clone, Copy)]
 struct Stand {
     floor: Vec3,
     height: Option<f32>,
 }
 
-/// The best view that is found; none where there is no floor. Lit places count, where there are lights.
+/// Returns the best view; `None` without a floor. With lights, lit surfaces raise the score.
 pub fn view<S: Surfaces>(surfaces: &S, vantage: &ParticleEmitter, lights: &[LightSource]) -> Option<View> {
     let stands = stands(surfaces, &vantage.viewpoints);
     let mut heights: Vec<f32> = stands.iter().filter_map(|stand| stand.height).collect();
@@ -56,7 +56,7 @@ pub fn view<S: Surfaces>(surfaces: &S, vantage: &ParticleEmitter, lights: &[Ligh
     let usual = heights.get(heights.len() / 2).copied().unwrap_or(high.y - low.y);
     let tall = if METRES.contains(&usual) { EYES } else { UP * usual };
     let ways = |stand: &Stand| {
-        // Not with the head at the ceiling.
+        // Keeps the eye below a low ceiling.
         let up = stand.height.map_or(tall, |height| tall.min(HIGHEST * height));
         let eye = stand.floor + up * Vec3::Y;
         if is_free(surfaces, eye, FREE * tall) { rough(surfaces, eye, tall) } else { Default::default() }
@@ -74,7 +74,7 @@ pub fn view<S: Surfaces>(surfaces: &S, vantage: &ParticleEmitter, lights: &[Ligh
     Some(View { eye, towards, far: 0.7 * far })
 }
 
-/// Places on large floors, below places that the viewpoints see.
+/// Returns positions on large floors, below positions visible from the viewpoints.
 fn stands<S: Surfaces>(surfaces: &S, viewpoints: &[Vec3]) -> Vec<Stand> {
     let (low, high) = surfaces.main_part();
     let find = |i: u64| {
@@ -111,7 +111,7 @@ fn is_free<S: Surfaces>(surfaces: &S, eye: Vec3, least: f32) -> bool {
     })
 }
 
-/// How open a level view is, for the three best ones from a place.
+/// Returns the three most open level views from a position: openness, eye, direction.
 fn rough<S: Surfaces>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec3)> {
     let way = |i: usize| {
         let (z, x) = (std::f32::consts::TAU * i as f32 / AROUND as f32).sin_cos();
@@ -120,12 +120,12 @@ fn rough<S: Surfaces>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec
     let open: Vec<f32> = (0..AROUND)
         .map(|i| match surfaces.cast(&Ray::visibility(eye, way(i)), 0) {
             Some(hit) if hit.faces(way(i)) => (hit.distance / tall).ln_1p(),
-            // Backs, and the sky.
+            // Back sides, and the sky.
             Some(_) => -1.0,
             None => 0.5,
         })
         .collect();
-    // An eighth of the way around to each side.
+    // An eighth of a turn to each side.
     let side = AROUND / 8;
     let mut ways: Vec<(f32, Vec3, Vec3)> = (0..AROUND)
         .map(|i| {
@@ -138,8 +138,8 @@ fn rough<S: Surfaces>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec
     ways
 }
 
-/// Score of a level view: distant and varied surfaces, floor in view, lit where there are lights; near surfaces, backs and
-/// sky count against it.
+/// Returns the score of a level view: distant and varied surfaces, floor in view, and, with lights, lit surfaces raise
+/// the score; near surfaces, back sides and sky lower the score.
 fn score<S: Surfaces>(surfaces: &S, eye: Vec3, towards: Vec3, tall: f32, lights: &[LightSource]) -> f32 {
     let right = towards.cross(Vec3::Y);
     let half = (0.5 * YFOV_DEG as f32).to_radians().tan();
@@ -163,7 +163,7 @@ fn score<S: Surfaces>(surfaces: &S, eye: Vec3, towards: Vec3, tall: f32, lights:
         }
     }
     let rays = RAYS as f32;
-    // As many as of equal shares would be as mixed.
+    // Effective number of materials: the number of equal shares with the same entropy.
     let part = |count: &u32| *count as f32 / seen.max(1.0);
     let kinds = kinds.values().map(|count| -part(count) * part(count).ln()).sum::<f32>().exp();
     let share = |part: f32| part / rays;

@@ -1,4 +1,4 @@
-//! `rebounce bake --target-error`: each bake is held to a path tracer, and a finer one follows where that is needed.
+//! `rebounce bake --target-error`: compares every bake with a path-traced reference; a finer bake follows if needed.
 
 use crate::cli::picture::{Rows, shot_or_own};
 use crate::cli::plain::plain;
@@ -10,45 +10,46 @@ use rebounce::scene::Scene;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::shot::Shot;
 
-/// The error that is wanted, where it is measured, and what was found so far.
+/// Target error, path-traced reference, and measured errors.
 pub struct Aim<'a> {
     target: f64,
     judge: Judge<'a>,
-    /// What each is at most where noise hides it.
+    /// Error of each bake; an upper bound if noise hides the error.
     errors: Vec<f64>,
 }
 
 /// Decimals of errors.
 const DECIMALS: usize = 3;
 
-/// What a bake's error asks for.
+/// Result of measuring a bake's error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Small enough.
+    /// Within the target.
     Met,
-    /// Too large, and a finer bake may help.
+    /// Over the target; a finer bake may help.
     Finer,
-    /// Too large, and this is the last bake.
+    /// Over the target, and the last bake.
     Missed,
-    /// This is the last bake, and noise hides whether it is too large.
+    /// The last bake; noise hides whether the error is over the target.
     TooNoisy,
 }
 
-/// Why no finer bake follows.
+/// Reason why no finer bake follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Last {
-    /// One does.
+    /// A finer bake follows.
     No,
-    /// There is none.
+    /// The bake is the finest.
     Finest,
-    /// It would be over the budget.
+    /// A finer bake would exceed the budget.
     Budget,
 }
 
-/// A shot to measure with; nothing where there is none, and the scene has no camera or no light.
+/// Returns the shot for measuring: `given`, or the scene's first camera and lights; `None` if the scene lacks camera or
+/// light.
 ///
 /// # Errors
-/// A shot that is given and cannot be taken.
+/// If `given` is unusable.
 pub fn shot_for(given: Option<Shot>, spec: &str, scene: &Scene) -> Result<Option<Shot>> {
     let is_given = given.is_some();
     match shot_or_own(given, spec, &scene.cameras, &scene.lights) {
@@ -62,10 +63,10 @@ pub fn shot_for(given: Option<Shot>, spec: &str, scene: &Scene) -> Result<Option
 }
 
 impl<'a> Aim<'a> {
-    /// Traces the truth, and says so.
+    /// Path traces the reference, and prints a message.
     ///
     /// # Errors
-    /// Where no bounced light is seen in the shot.
+    /// If the shot shows no bounced light.
     pub fn new(target: f64, scene: &'a Scene, shot: &'a Shot, bounces: Option<u32>) -> Result<Self> {
         eprintln!("path tracing the view that --target-error is measured in");
         let rows = Rows::new(Judge::rows(shot));
@@ -74,7 +75,8 @@ impl<'a> Aim<'a> {
         Ok(Self { target, judge, errors: Vec::new() })
     }
 
-    /// Measures a bake, says what it found, and returns the error. Path traces on where noise hides the answer.
+    /// Measures a bake, prints the result, and returns the error. Adds samples to the reference while noise hides the
+    /// answer.
     ///
     /// # Errors
     /// If the file cannot be measured.
@@ -119,7 +121,7 @@ impl<'a> Aim<'a> {
         Ok((error, outcome))
     }
 
-    /// Whether the last bake is nearer than all before.
+    /// Whether the last bake has the smallest error so far.
     pub fn is_best(&self) -> bool {
         let best = self.errors.iter().copied().reduce(f64::min);
         self.errors.last().copied() == best

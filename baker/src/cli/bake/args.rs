@@ -19,13 +19,13 @@ use std::io::Read;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-/// Rays per receiver at most: more than a second each.
+/// Maximum rays per receiver: over a second of work per receiver.
 const MOST_RAYS: i64 = 1 << 20;
 /// Headings of the help.
 const QUALITY: &str = "Quality";
 const ADVANCED: &str = "Advanced: how functions are laid out";
 
-/// Support over disk radius: under 1 there are gaps between functions, beyond 4 hundreds of them meet.
+/// Range of support radius over disk radius: under 1, functions leave gaps; beyond 4, hundreds of functions overlap.
 const OVERLAPS: RangeInclusive<f32> = 1.0..=4.0;
 
 const AFTER_HELP: &str = "\
@@ -170,12 +170,12 @@ enum PresetName {
     Fine,
 }
 
-/// Whether two names are of one file.
+/// Whether two paths name a single file.
 fn is_same(a: &Path, b: &Path) -> bool {
     a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
-/// Whether a file can be written there, under a name with this ending.
+/// Checks that `path` has the ending and can be written; `what` names the file in errors.
 fn check_output(path: &Path, ending: &str, what: &str) -> Result<()> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
         bail!("{}: {what} is a .{ending} file: give a name that ends in .{ending}", path.display());
@@ -183,7 +183,7 @@ fn check_output(path: &Path, ending: &str, what: &str) -> Result<()> {
     Ok(check_place(path)?)
 }
 
-/// Whether a file begins as baked ones do.
+/// Whether a file begins with the magic of .rbn files.
 fn is_baked(path: &Path) -> bool {
     let mut first = [0; MAGIC.len()];
     let file = std::fs::metadata(path).is_ok_and(|entry| entry.is_file()).then(|| File::open(path));
@@ -191,10 +191,10 @@ fn is_baked(path: &Path) -> bool {
 }
 
 impl BakeArgs {
-    /// Checks what can be checked before long work: where the results go, and that they replace nothing that is read.
+    /// Checks the paths before long work: the outputs can be written, and overwrite no input.
     ///
     /// # Errors
-    /// What cannot be, in words.
+    /// A message about the problem.
     pub(super) fn check(&self) -> Result<()> {
         if is_baked(Path::new(&self.scene)) {
             return Err(SceneError::Baked { file: self.scene.clone() }.into());
@@ -220,7 +220,7 @@ impl BakeArgs {
         Ok(())
     }
 
-    /// The preset that is asked for, or made for the error.
+    /// Returns the preset of `--preset`, or the preset for `--target-error`.
     pub(super) fn preset(&self) -> Result<Preset> {
         Ok(match (self.target_error, self.preset) {
             (Some(error), _) => budget::preset_for(error)?,
@@ -230,15 +230,15 @@ impl BakeArgs {
         })
     }
 
-    /// The shot that is told of.
+    /// Reads the shot of `--shot`.
     ///
     /// # Errors
-    /// Where it cannot be read.
+    /// If the file cannot be read.
     pub(super) fn shot(&self) -> Result<Option<Shot>> {
         Ok(self.shot.as_deref().map(shot::read).transpose()?)
     }
 
-    /// A preset's settings, and what else is told; points are placed for this camera, too.
+    /// Returns the preset's settings with the overrides of the arguments; points are placed for `camera`, too.
     pub(super) fn settings(&self, preset: Preset, camera: Option<&Camera>) -> BakeSettings {
         let mut s = BakeSettings::new(preset);
         fn set<T: Clone>(value: &mut T, given: &Option<T>) {
@@ -265,7 +265,7 @@ impl BakeArgs {
         s
     }
 
-    /// Where the file goes.
+    /// Path of the output file.
     pub(super) fn output(&self) -> PathBuf {
         let name = || PathBuf::from(self.scene.rsplit([':', '/', '\\']).next().unwrap_or("scene"));
         self.output.clone().unwrap_or_else(|| name().with_extension("rbn"))

@@ -1,7 +1,7 @@
 //! `rebounce bake`: a scene in, a .rbn file out.
 //!
-//! * `args` – what it is told; `plan` – what is baked, and the checkpoint; `tries` – baking, until `aim` finds it good
-//!   enough; `observers` – who hears of it.
+//! * `args` – arguments; `plan` – settings and checkpoint; `tries` – bakes, until `aim` finds the error within the
+//!   target; `observers` – progress, previews and signals.
 
 mod aim;
 mod args;
@@ -47,7 +47,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
         if team.rank() != 0 {
             return follow(args, &args.load.load(&args.scene)?, team);
         }
-        // Until here, and while this loads, signals end the process at once.
+        // Until the scene is loaded, signals end the process at once.
         let loaded = args.check().and_then(|()| args.load.load(&args.scene));
         let done = loaded.and_then(|scene| lead(args, &scene, team));
         if let Some(error) = done.as_ref().err().filter(|_| args.json_progress) {
@@ -57,7 +57,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
     })
 }
 
-/// The part of a process that is not the first of its team: it works, and leaves files and words to the first.
+/// Work of a process other than the first: bakes, and leaves files and messages to the first process.
 fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
     let stop = Stop::install(|| ()).context("setting up signals")?;
     let shot = args.shot()?;
@@ -69,7 +69,7 @@ fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8>
     }
 }
 
-/// The first process's part, or all of it.
+/// Work of the first process, or of a single process.
 fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
     let output = args.output();
     warn(scene);
@@ -122,7 +122,7 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
     Ok(code)
 }
 
-/// What is said once when a bake is stopped, whoever comes first to say it.
+/// Returns a function that prints the message of a stopped bake; only the first call prints.
 fn last_words(
     checkpoint: &Checkpoint,
     team: &dyn Communicator,

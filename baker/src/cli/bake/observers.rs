@@ -1,4 +1,4 @@
-//! What a bake tells, and who hears it.
+//! Observers of a bake.
 
 use crate::cli::progress::Display;
 use crate::cli::stop::Stop;
@@ -6,7 +6,7 @@ use rebounce::bake::{Observer, Preview, Progress};
 use rebounce::write::write_whole;
 use std::path::PathBuf;
 
-/// Hands on signals.
+/// Observer that forwards stop requests.
 pub struct Follower(pub Stop);
 
 impl Observer for Follower {
@@ -15,19 +15,20 @@ impl Observer for Follower {
     }
 }
 
-/// Shows progress, hands on signals, writes previews.
+/// Observer that shows progress, forwards stop requests and writes previews.
 pub struct Watcher {
     pub display: Display,
     pub stop: Stop,
-    /// Where previews are written, if they are.
+    /// Path of previews, if enabled.
     pub previews: Option<PathBuf>,
 }
 
 impl Watcher {
-    /// A whole bake is written: previews of the next one would show less than it.
+    /// Ends previews after a complete bake is written: previews of the next bake would be coarser. Removes the preview
+    /// file.
     pub fn end_previews(&mut self) {
         if let Some(preview) = self.previews.take() {
-            // It may never have been written.
+            // The file may never have been written.
             let _ = std::fs::remove_file(preview);
         }
     }
@@ -35,7 +36,7 @@ impl Watcher {
 
 impl Observer for Watcher {
     fn progress(&self, progress: &Progress) {
-        // What stops has its own last line.
+        // A stopped bake has a separate last line.
         if !self.stop.is_asked() {
             self.display.show(progress);
         }

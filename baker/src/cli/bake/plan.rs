@@ -1,4 +1,4 @@
-//! What is to be baked, and the checkpoint to go on with.
+//! Planned bakes, and the checkpoint to resume.
 
 use super::args::BakeArgs;
 use anyhow::{Context, Result};
@@ -8,45 +8,45 @@ use rebounce::scene::Scene;
 use rebounce_shared::camera::Camera;
 use std::path::{Path, PathBuf};
 
-/// What follows a file's name while it is not done.
+/// Suffix of the checkpoint, after the output's file name.
 const PARTIAL: &str = ".partial";
 
-/// One bake.
+/// Plan of a single bake.
 pub struct Plan {
-    /// Within the budget.
+    /// Settings within the budget.
     pub settings: BakeSettings,
-    /// The number of functions where the budget lowered it.
+    /// Number of functions, if lowered by the budget.
     pub fewer: Option<usize>,
 }
 
 impl Plan {
-    /// A bake with these settings, or with fewer functions. `is_judged`: it is measured.
+    /// Plans a bake with `settings`, or with fewer functions. `is_judged`: the bake is measured.
     ///
     /// # Errors
-    /// Where the scene alone is over the budget.
+    /// If the scene by itself exceeds the budget.
     fn new(args: &BakeArgs, scene: &Scene, mut settings: BakeSettings, is_judged: bool) -> Result<Self> {
         let budget = Budget { bytes: args.max_bytes, memory: args.max_memory, is_judged };
         let fewer = budget::plan(scene, &mut settings, &budget).with_context(|| args.scene.clone())?;
         Ok(Self { settings, fewer })
     }
 
-    /// The one bake that is asked for.
+    /// Plans the requested bake, without a target error.
     ///
     /// # Errors
-    /// Where it cannot be within its budget.
+    /// If the bake cannot fit the budget.
     pub fn asked_for(args: &BakeArgs, scene: &Scene, camera: Option<&Camera>) -> Result<Self> {
         Self::new(args, scene, args.settings(args.preset()?, camera), false)
     }
 
-    /// The bakes that are tried one after the other until one is within its target.
+    /// Plans successively finer bakes, tried in order until a bake is within the target.
     ///
     /// # Errors
-    /// Where the first one cannot be within its budget.
+    /// If the first bake cannot fit the budget.
     pub fn tries(args: &BakeArgs, scene: &Scene, camera: Option<&Camera>) -> Result<Vec<Self>> {
         let mut plans = Vec::new();
         for settings in aim::tries(|preset| args.settings(preset, camera)) {
             let plan = Self::new(args, scene, settings, true)?;
-            // What comes after would be lowered to the same number of functions.
+            // Later plans would be lowered to an equal number of functions.
             let is_last = plan.fewer.is_some();
             plans.push(plan);
             if is_last {
@@ -57,10 +57,10 @@ impl Plan {
     }
 }
 
-/// The checkpoint beside the output, to go on with or to begin, and which of the plans it is of.
+/// Opens the checkpoint beside the output, to resume or to begin, and returns the index of the matching plan.
 ///
 /// # Errors
-/// Where it is of another bake, or cannot be opened.
+/// If the checkpoint belongs to a different bake, or cannot be opened.
 pub fn open_checkpoint(
     args: &BakeArgs,
     output: &Path,
@@ -122,7 +122,7 @@ mod tests {
         assert!(plans.iter().all(|plan| plan.settings.operator.bounces == Some(2) && plan.fewer.is_none()));
         let args = told(&["--target-error", "0.1", "--max-bytes", "4M"]);
         let plans = Plan::tries(&args, &scene, None).unwrap();
-        // The last one has what the budget pays for.
+        // The last plan has the functions that fit the budget.
         assert!(plans.len() == 2 && plans[0].fewer.is_none(), "{}", plans.len());
         assert_eq!(plans[1].fewer, Some(plans[1].settings.place.functions));
         assert!(Plan::asked_for(&told(&["--max-bytes", "1K"]), &scene, None).is_err());
@@ -140,14 +140,14 @@ mod tests {
                 .map(|(_, number)| number)
                 .map_err(|e| e.to_string())
         };
-        // Nothing is there.
+        // No checkpoint exists.
         assert_eq!(opened(&plans), Ok(0));
         for (number, plan) in plans.iter().enumerate() {
             let path = folder.path().join("rooms.rbn.partial");
             drop(Checkpoint::create(&path, &Identity::new(&scene, &plan.settings)).unwrap());
             assert_eq!(opened(&plans), Ok(number));
         }
-        // The last one's is of none of these.
+        // The checkpoint of the last plan matches neither of the first two.
         assert!(opened(&plans[..2]).unwrap_err().contains("another bake"));
     }
 }

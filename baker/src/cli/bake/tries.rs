@@ -1,4 +1,4 @@
-//! The bakes that a command makes, one after the other, until one is good enough; the best of them is the file.
+//! The bakes of a command, in sequence until the error is within the target; the output is the best bake.
 
 use super::aim::{Aim, Last, Outcome};
 use super::args::BakeArgs;
@@ -14,41 +14,41 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::container;
 use std::path::PathBuf;
 
-/// Bakes of a scene by the first process of its team, or by the only one.
+/// Bakes of a scene by the communicator's first process, or by a single process.
 pub struct Tries<'a> {
     pub args: &'a BakeArgs,
     pub scene: &'a Scene,
     pub team: &'a dyn Communicator,
     pub watcher: Watcher,
-    /// Where the file goes.
+    /// Path of the output file.
     pub output: PathBuf,
-    /// What is good enough; `None`: anything.
+    /// Target error; `None` accepts any bake.
     pub aim: Option<Aim<'a>>,
-    /// Of the file that is written.
+    /// Report of the written file.
     pub written: Option<BakeReport>,
 }
 
-/// How the bakes ended.
+/// Result of the bakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
-    /// With a file that is good enough.
+    /// A file within the target.
     Met,
-    /// With a file that is not.
+    /// A file over the target.
     Missed,
-    /// With a file of which noise hides whether it is.
+    /// A file for which noise hides whether the error is over the target.
     TooNoisy,
-    /// The team's first process is another.
+    /// This process is not the communicator's first.
     Elsewhere,
-    /// They were stopped; the checkpoint has what was done.
+    /// Stopped; the checkpoint has the finished work.
     Stopped,
 }
 
 impl Tries<'_> {
-    /// Bakes the plans from `first` on, to which the checkpoint belongs. It is removed where it is of no more use. From the
-    /// file on the end waits.
+    /// Bakes the plans from index `first` on; `checkpoint` belongs to plan `first`. Removes the checkpoint when no
+    /// longer useful. From the writing of the file on, a forced exit waits.
     ///
     /// # Errors
-    /// Where a bake fails, or its file cannot be written.
+    /// If a bake fails, or the file cannot be written.
     pub fn run(&mut self, plans: &[Plan], first: usize, mut checkpoint: Checkpoint) -> Result<Ended> {
         let mut ended = Ended::Met;
         for (number, plan) in plans.iter().enumerate().skip(first) {
@@ -59,7 +59,7 @@ impl Tries<'_> {
             }
             let (mut baked, mut report) = match self.bake(plan, &checkpoint) {
                 Ok(Some(baked)) => baked,
-                // Nobody but the first process has no result.
+                // Only the first process has a result.
                 Ok(None) => return Ok(Ended::Elsewhere),
                 Err(BakeError::Stopped) => return Ok(Ended::Stopped),
                 Err(
@@ -68,7 +68,7 @@ impl Tries<'_> {
                     return Err(error.into());
                 }
                 Err(error) => {
-                    // It would end the same way again.
+                    // A resumed bake would fail again.
                     checkpoint.remove();
                     if self.written.is_some() {
                         eprintln!("note: {} has the best of the bakes before", self.output.display());
@@ -83,7 +83,7 @@ impl Tries<'_> {
                 (false, false) => Last::No,
             };
             let outcome = self.measure(plan, &baked, &mut report, last)?;
-            // Each bake that is better than those before is written: what follows may fail.
+            // Write every bake that is better than all before: the next bake may fail.
             if self.aim.as_ref().is_none_or(Aim::is_best) {
                 self.write(&baked, report, &checkpoint)?;
                 if let Err(error) = self.write_report() {
@@ -120,7 +120,7 @@ impl Tries<'_> {
         bake_in_team(self.scene, settings, &self.watcher, Some(checkpoint), self.team)
     }
 
-    /// Makes the file as small as it is to be.
+    /// Removes links until the file is within `--max-bytes`.
     fn thin(&self, baked: &mut BakedScene) -> Result<Option<Thinned>> {
         let Some(bytes) = self.args.max_bytes else { return Ok(None) };
         let thinned = budget::fit(baked, bytes).with_context(|| self.args.scene.clone())?;
@@ -130,7 +130,7 @@ impl Tries<'_> {
         Ok(thinned)
     }
 
-    /// Whether a bake is good enough; `report` gets its error.
+    /// Compares the bake's error with the target, and adds the error to `report`.
     fn measure(
         &mut self,
         plan: &Plan,
@@ -145,7 +145,7 @@ impl Tries<'_> {
         Ok(outcome)
     }
 
-    /// Writes the file. The end waits from then on.
+    /// Writes the file. From then on, a forced exit waits.
     fn write(&mut self, baked: &BakedScene, mut report: BakeReport, checkpoint: &Checkpoint) -> Result<()> {
         let bytes = baked.to_bytes().with_context(|| self.args.scene.clone())?;
         self.watcher.stop.hold();
@@ -159,7 +159,7 @@ impl Tries<'_> {
         Ok(())
     }
 
-    /// Writes the report of the file that is written.
+    /// Writes the report of the written file.
     fn write_report(&self) -> Result<()> {
         let (Some(path), Some(report)) = (&self.args.report, &self.written) else { return Ok(()) };
         let write = || -> Result<()> { Ok(write_whole(path, &serde_json::to_vec_pretty(report)?)?) };

@@ -1,4 +1,4 @@
-//! What the server says to requests of all kinds, over TCP.
+//! Responses to valid and malformed requests, over TCP.
 
 use super::*;
 
@@ -34,7 +34,7 @@ fn many_connections_at_once_are_all_answered() {
             _ => Response { status: 404, mime: "text/plain", body: Body::Text("no".into()) },
         })
     });
-    // Connections that say nothing, as browsers open them in advance.
+    // Silent connections, as browsers open in advance.
     let _silent: Vec<_> = (0..8).map(|_| TcpStream::connect(address).unwrap()).collect();
     let ask = |line: &str| {
         let mut stream = TcpStream::connect(address).unwrap();
@@ -57,15 +57,15 @@ fn many_connections_at_once_are_all_answered() {
 
 static HEADERS: [(&str, &str); 1] = [("X-Test", "yes")];
 
-/// What shows a hang, on however busy a machine, and waits no longer than that.
+/// Timeout that shows a hang even on a busy machine.
 const HANGS: Duration = Duration::from_secs(600);
 
-/// A server that says its requests' targets, and has a file under `/file`.
+/// Starts a server that returns the target of a request, and the file under `/file`.
 fn server(file: Option<std::path::PathBuf>) -> std::net::SocketAddr {
     server_for(HANGS, file)
 }
 
-/// The same with this patience.
+/// Like `server`, with the timeout `patience`.
 fn server_for(patience: Duration, file: Option<std::path::PathBuf>) -> std::net::SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
@@ -81,7 +81,7 @@ fn server_for(patience: Duration, file: Option<std::path::PathBuf>) -> std::net:
     address
 }
 
-/// What comes back for these bytes, to the end.
+/// Sends `bytes` and returns the response, to the end.
 fn answer(address: std::net::SocketAddr, bytes: &[u8]) -> String {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.write_all(bytes).unwrap();
@@ -119,10 +119,10 @@ fn whatever_is_sent_is_answered_once_and_closed() {
             "{answer}"
         );
     }
-    // What follows a request is not taken for a second one.
+    // The bytes after a request are not a second request.
     let two = answer(address, b"GET /a HTTP/1.1\r\n\r\nGET /b HTTP/1.1\r\n\r\n");
     assert!(two.ends_with("\r\n\r\n/a") && two.matches("HTTP/1.1").count() == 1, "{two}");
-    // Parts are not offered: the whole comes, and no word of ranges.
+    // Ranges are not supported: the response is complete, without range headers.
     let part = answer(address, b"GET /a HTTP/1.1\r\nRange: bytes=1-1\r\n\r\n");
     assert!(part.starts_with("HTTP/1.1 200 OK") && part.ends_with("\r\n\r\n/a"), "{part}");
     assert!(answer(address, b"PUT /not HTTP/1.1\r\n\r\n").contains("\r\nAllow: GET, HEAD\r\n"));
@@ -144,7 +144,7 @@ fn slow_and_silent_clients_are_let_go() {
     let began = Instant::now();
     let mut slow = TcpStream::connect(address).unwrap();
     let silent = TcpStream::connect(address).unwrap();
-    // A byte now and then, for ever: the time for a whole head counts, not that from byte to byte.
+    // A byte now and then, for ever: the timeout covers the entire head, not the time between bytes.
     while slow.write_all(b"G").is_ok() {
         assert!(began.elapsed() < HANGS, "it was never let go");
         std::thread::sleep(patience / 10);
@@ -184,7 +184,7 @@ fn a_file_that_shrinks_while_it_is_sent_ends_short_of_the_length_told() {
     let mut start = [0; 1000];
     stream.read_exact(&mut start).unwrap();
     assert!(String::from_utf8_lossy(&start).contains(&format!("Content-Length: {length}\r\n")));
-    // Buffers on the way hold a few megabytes of it.
+    // Socket buffers hold a few megabytes of the file.
     File::options().write(true).open(&path).unwrap().set_len(1000).unwrap();
     let rest = io::copy(&mut stream, &mut io::sink()).unwrap();
     assert!(rest < length - 1000, "{rest}");

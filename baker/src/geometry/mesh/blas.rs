@@ -1,6 +1,6 @@
-//! Bottom-level acceleration structure (BLAS): the triangles of one space in the order of a [BVH8](super::bvh8)'s leaves, and
-//! their shading attributes. It answers nearest-hit, visibility and transmittance queries for a single ray; bundles of rays
-//! use [packet traversal](super::packet_traversal).
+//! Bottom-level acceleration structure (BLAS): the triangles of one space in the order of a [BVH8](super::bvh8)'s
+//! leaves, with shading attributes. Answers nearest-hit, visibility and transmittance queries for a single ray;
+//! bundles of rays use [packet traversal](super::packet_traversal).
 
 use super::bvh8::{Bvh8, LARGEST_LEAF, Visit};
 use super::geometry::{Surface, Triangle};
@@ -12,17 +12,18 @@ use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// Marks a triangle's number.
+/// Flag in a triangle's number: the triangle may let a ray pass.
 const TRANSPARENT: u32 = 1 << 31;
 
-/// A triangle's marks: that it reflects on both sides.
+/// Flag in a triangle's marks: the triangle reflects on both sides.
 pub(super) const TWO_SIDED: u8 = 1 << 2;
-/// That its front, the side of its shading normals, is the one from where its corners go clockwise.
+/// Flag in a triangle's marks: the front, the side of the shading normals, is the side with clockwise corners.
 const TURNED: u8 = 1 << 3;
-/// Which corner is across from its longest side: [`SurfaceCoordinates::at`](crate::geometry::SurfaceCoordinates::at) counts from there.
+/// Mask in a triangle's marks: index of the corner opposite the longest side, the origin of
+/// [`SurfaceCoordinates::at`](crate::geometry::SurfaceCoordinates::at).
 pub(super) const FIRST: u8 = 3;
 
-/// What a triangle looks like: one cache line, of which the walk reads nothing.
+/// Shading attributes of a triangle: one cache line, never read by the traversal.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct ShadingAttributes {
@@ -44,7 +45,8 @@ impl ShadingAttributes {
         self.uvs[0] * u + self.uvs[1] * v + self.uvs[2] * w
     }
 
-    /// The share of the texture on a unit of area; `spanned` are the [corners'](Corners::spanned).
+    /// Returns the fraction of the texture per unit of area; `spanned` is the [corners'](Corners::spanned) area
+    /// vector.
     #[inline]
     pub fn share(&self, spanned: Vec3) -> f32 {
         let [p, q, r] = self.uvs;
@@ -52,7 +54,7 @@ impl ShadingAttributes {
     }
 }
 
-/// A box of a hierarchy's.
+/// Padded box, the input of a BVH build.
 pub(super) struct Padded(pub Aabb);
 
 impl Padded {
@@ -68,7 +70,7 @@ impl Boundable for Padded {
     }
 }
 
-/// A hierarchy over boxes, with at most so many of them in a leaf, and their order in it.
+/// Builds a BVH8 over boxes, with at most `leaf` boxes per leaf; also returns the leaf order.
 pub(super) fn build(boxes: &[Padded], leaf: u32) -> (Bvh8, Vec<u32>) {
     if boxes.is_empty() {
         return Default::default();
@@ -77,28 +79,28 @@ pub(super) fn build(boxes: &[Padded], leaf: u32) -> (Bvh8, Vec<u32>) {
     Bvh8::new(&build_bvh2(boxes, build, &mut Default::default()))
 }
 
-/// A ray in the space of some triangles: its direction may have any length, in which distances are counted.
+/// Ray in the space of a BLAS. The direction may have any length; distances are in units of this length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {
     pub origin: Vec3,
     pub direction: Vec3,
 }
 
-/// Triangles.
+/// Triangles of one space, with a BVH8.
 pub(super) struct Blas {
     pub bvh: Bvh8,
-    /// In the order of the hierarchy's leaves.
+    /// Corners by triangle, in leaf order.
     pub corners: Vec<Corners>,
-    /// Each triangle's number as it came, and [`TRANSPARENT`] where a hit may be none.
+    /// Original number by triangle, with the flag [`TRANSPARENT`] if the triangle may let a ray pass.
     numbers: Vec<u32>,
     pub marks: Vec<u8>,
     pub attributes: Vec<ShadingAttributes>,
-    /// The vertices' colours, in the same order, or none.
+    /// Vertex colours by triangle, in leaf order; empty without vertex colours.
     colors: Vec<[Vec3; 3]>,
 }
 
 impl Blas {
-    /// Builds the hierarchy over these triangles, the first of which has the number `first`. Boxes grow by the `padding`.
+    /// Builds the BVH8 over these triangles; the first triangle has the number `first`. Boxes grow by the `padding`.
     pub fn new(
         triangles: &[Triangle],
         colors: &[[Vec3; 3]],
@@ -109,7 +111,7 @@ impl Blas {
         let boxes: Vec<Padded> = triangles.par_iter().map(|t| Padded::new(t.bounds(), padding)).collect();
         let (bvh, order) = build(&boxes, LARGEST_LEAF);
         drop(boxes);
-        // In the hierarchy's order.
+        // In leaf order.
         let ordered = || order.par_iter().map(|&i| (i, &triangles[i as usize]));
         let surface = |t: &Triangle| &surfaces[t.material as usize];
         let marks = |t: &Triangle| {
@@ -133,7 +135,7 @@ impl Blas {
         }
     }
 
-    /// The share of light that a triangle lets through at a place, linear RGB.
+    /// Returns the transmittance of a triangle at a hit, linear RGB.
     #[inline]
     fn through(&self, surfaces: &[Surface], triangle: usize, m: TriangleHit) -> Vec3 {
         let look = &self.attributes[triangle];
@@ -141,7 +143,7 @@ impl Blas {
         surfaces[look.material as usize].through(color, look.uv(m.shares()))
     }
 
-    /// Whether a triangle that may be transparent stops the ray with this seed.
+    /// Returns whether a triangle with transparency stops the ray with this seed.
     fn stops(&self, surfaces: &[Surface], triangle: usize, m: TriangleHit, seed: u32) -> bool {
         let look = &self.attributes[triangle];
         let color = self.color(surfaces, triangle, m.shares());
@@ -150,20 +152,20 @@ impl Blas {
             || (opacity > 0.0 && unit(mix((seed as u64) << 32 | self.numbers[triangle] as u64)) < opacity)
     }
 
-    /// A vector across a triangle, on the side of its front, as long as twice its area.
+    /// Returns a normal vector on a triangle's front; the length is twice the triangle's area.
     #[inline]
     pub fn front(&self, triangle: usize) -> Vec3 {
         let spanned = self.corners[triangle].spanned();
         if self.marks[triangle] & TURNED == 0 { spanned } else { -spanned }
     }
 
-    /// Whether a direction meets the back of a triangle that reflects on its front alone.
+    /// Returns whether a ray in this direction hits the back of a one-sided triangle.
     #[inline]
     pub fn is_dark(&self, triangle: usize, direction: Vec3) -> bool {
         self.marks[triangle] & TWO_SIDED == 0 && self.front(triangle).dot(direction) > 0.0
     }
 
-    /// The factor of the albedo, by the shares of a triangle's corners.
+    /// Returns the factor of the albedo at barycentric weights of a triangle's corners.
     #[inline]
     pub fn color(&self, surfaces: &[Surface], triangle: usize, [u, v, w]: [f32; 3]) -> Vec3 {
         match self.colors.get(triangle) {
@@ -172,7 +174,8 @@ impl Blas {
         }
     }
 
-    /// The nearest triangle that stops the ray before `limit` or there; with `strictly`, before it.
+    /// Returns the nearest triangle stopping the ray at or before `limit`, with `strictly` before `limit`; as index in
+    /// leaf order, and the hit.
     #[inline(never)]
     pub fn nearest(
         &self,
@@ -189,7 +192,7 @@ impl Blas {
         nearest.stop.best
     }
 
-    /// The same where backs that do not reflect are not there.
+    /// As [`Self::nearest`], with backs of one-sided triangles culled.
     #[inline(never)]
     pub fn nearest_seen(
         &self,
@@ -206,7 +209,7 @@ impl Blas {
         seen.nearest.stop.best
     }
 
-    /// The share of light that gets through all triangles before `limit`, linear RGB.
+    /// Returns the transmittance of the triangles before `limit`, linear RGB.
     pub fn transmittance(&self, surfaces: &[Surface], line: &Line, limit: f32) -> Vec3 {
         let sheared = ShearedRay::new(line.origin, line.direction);
         let mut through = Through { blas: self, surfaces, sheared, left: Vec3::ONE };
@@ -214,13 +217,13 @@ impl Blas {
         through.left.max(Vec3::ZERO)
     }
 
-    /// The product over all triangles before `limit` of what each lets through over its mean, linear RGB.
-    /// Without backs that do not reflect where the line comes `from_eye`.
+    /// Returns the product, over the triangles before `limit`, of transmittance over mean transmittance, linear RGB.
+    /// If the ray comes `from_eye`, backs of one-sided triangles are culled.
     pub fn tint(&self, surfaces: &[Surface], line: &Line, limit: f32, from_eye: bool) -> Vec3 {
         let sheared = ShearedRay::new(line.origin, line.direction);
         let mut tint = Vec3::ONE;
         let mut visit = |place: usize, limit: f32| {
-            // What lies at the limit itself stopped the ray.
+            // The triangle at the limit has stopped the ray.
             if self.numbers[place] & TRANSPARENT != 0
                 && !(from_eye && self.is_dark(place, line.direction))
                 && let Some(meeting) = self.corners[place].meet(&sheared, limit)
@@ -237,23 +240,23 @@ impl Blas {
     }
 }
 
-/// Where a ray is stopped, as far as is known.
+/// State of a nearest-hit query.
 pub(super) struct Stop<'a> {
     pub blas: &'a Blas,
     pub surfaces: &'a [Surface],
     pub strictly: bool,
     pub seed: u32,
-    /// The place of the triangle, and where it is met.
+    /// Triangle of the nearest hit, as index in leaf order, and the hit.
     pub best: Option<(usize, TriangleHit)>,
 }
 
 impl Stop<'_> {
-    /// Takes in where the ray, followed so far, meets a triangle; how far to follow it now.
+    /// Adds a hit of a triangle to the query, with the ray's current `limit`; returns the new limit.
     #[inline(always)]
     pub fn take(&mut self, place: usize, meeting: TriangleHit, limit: f32) -> f32 {
         let blas = self.blas;
         let number = blas.numbers[place];
-        // Of two triangles at one place the first counts, in whatever order they are met.
+        // Of two triangles at equal distance the first number counts, in any order of traversal.
         let nearer = meeting.distance < limit
             || match self.best {
                 Some((place, _)) => number < blas.numbers[place],
@@ -267,7 +270,7 @@ impl Stop<'_> {
     }
 }
 
-/// Looks for the nearest triangle that stops a ray.
+/// Visitor for the nearest triangle stopping a ray.
 pub(super) struct Nearest<'a> {
     pub stop: Stop<'a>,
     pub sheared: ShearedRay,
@@ -283,7 +286,7 @@ impl Visit for Nearest<'_> {
     }
 }
 
-/// Looks for the nearest triangle that a camera sees along a ray.
+/// Visitor for the nearest triangle seen by a camera along a ray.
 struct Seen<'a> {
     nearest: Nearest<'a>,
     direction: Vec3,
@@ -299,7 +302,7 @@ impl Visit for Seen<'_> {
     }
 }
 
-/// Multiplies what the triangles on a ray's way let through.
+/// Visitor for the product of transmittances along a ray.
 struct Through<'a> {
     blas: &'a Blas,
     surfaces: &'a [Surface],

@@ -1,9 +1,10 @@
-//! BVH8: a bounding volume hierarchy with eight children a node, collapsed from obvhs' binary BVH (Wald, Benthin and Boulos
-//! 2008, *Getting Rid of Packets*).
+//! BVH8: a bounding volume hierarchy with eight children per node, collapsed from obvhs' binary BVH (Wald, Benthin and
+//! Boulos 2008, *Getting Rid of Packets*).
 //!
-//! The boxes of a node's children are stored side by side (structure of arrays) and tested by one slab test of eight lanes:
-//! AVX2 where the processor has it, the same arithmetic in scalar code elsewhere. Invariant: traversal finds what brute force
-//! over all triangles finds. Boxes keep 32-bit floats; obvhs' compressed wide BVH (CWBVH) misses hits in large scenes.
+//! The boxes of a node's children are stored side by side (structure of arrays) and tested by one slab test of eight
+//! lanes: AVX2 if the processor has AVX2, otherwise the same arithmetic in scalar code. Invariant: traversal finds the
+//! hits of brute force over the triangles. Boxes keep 32-bit floats; obvhs' compressed wide BVH (CWBVH) misses hits in
+//! large scenes.
 
 use crate::processor;
 use glam::Vec3;
@@ -14,42 +15,43 @@ use smallvec::SmallVec;
 use std::arch::x86_64::*;
 use std::ops::{ControlFlow, Range};
 
-/// Children of a node.
+/// Number of children of a node.
 pub(super) const WIDTH: usize = 8;
-/// Marks a child that is a range of triangles: three bits for their number less one, the rest for the first one.
+/// Flag of a leaf, a child with a range of triangles: bits 28 to 30 are the number of triangles − 1, bits 0 to 27 the
+/// first triangle.
 pub(super) const LEAF: u32 = 1 << 31;
-/// Where the number of a leaf's triangles begins.
+/// Lowest bit of a leaf's number of triangles.
 const COUNT_SHIFT: u32 = 28;
-/// Most triangles of a leaf.
+/// Maximum number of triangles of a leaf.
 pub(super) const LARGEST_LEAF: u32 = 8;
-/// Boxes are met so much beyond the limit: where a triangle is slim, a hit's distance is rounded by more than its box's.
+/// Factor on the limit in box tests: for a slim triangle, the rounding error of a hit's distance exceeds the rounding
+/// error of the box's distance.
 pub(super) const BEYOND: f32 = 1.0 + 1e-5;
-/// What is smaller counts as this much where it is divided by.
+/// Minimum magnitude of a divisor.
 pub(super) const SMALL: f32 = 1e-12;
-/// Nodes that wait for their turn without memory of their own; in tests so few that there is often no room.
+/// Capacity of the traversal stack without heap memory; in tests small enough to overflow often.
 const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 64 };
 
 /// A node.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// Low and high sides of the children's boxes along each axis; of children that there are not, such that no ray meets
-    /// them.
+    /// Low and high sides of the children's boxes, by axis. The box of an absent child is missed by every ray.
     pub sides: [[[f32; WIDTH]; 2]; 3],
-    /// Nodes, or with [`LEAF`] triangles.
+    /// Indices of nodes, or leaves with the flag [`LEAF`].
     pub children: [u32; WIDTH],
 }
 
-/// A ray as nodes are tested against it.
+/// Ray, prepared for the slab test of nodes.
 #[derive(Debug)]
 pub(super) struct SlabRay {
     pub origin: [f32; 3],
     pub inverse: [f32; 3],
-    /// For each axis whether the ray goes down it, so that a box's high side is its near one.
+    /// By axis: 1 if the ray's direction is negative, so that a box's high side is the near side; otherwise 0.
     pub down: [usize; 3],
 }
 
-/// The same for all children of a node at once.
+/// Ray, prepared for the slab test of a node's eight children at once.
 #[cfg(target_arch = "x86_64")]
 pub(super) struct SlabRay8 {
     origin: [__m256; 3],
@@ -57,9 +59,10 @@ pub(super) struct SlabRay8 {
     down: [usize; 3],
 }
 
-/// What is done with the triangles that a ray may meet. A closure is one, too, but is called, not inlined.
+/// Visitor of the triangles possibly hit by a ray. A closure is a visitor too, but is called, not inlined.
 pub(super) trait Visit {
-    /// Gets a triangle's place and the ray's present limit; returns a new limit or ends the walk.
+    /// Receives a triangle's index in leaf order and the ray's current limit; returns a new limit or ends the
+    /// traversal.
     fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32>;
 }
 
@@ -70,19 +73,19 @@ impl<F: FnMut(usize, f32) -> ControlFlow<(), f32>> Visit for F {
     }
 }
 
-/// A hierarchy over triangles in [its own order](Self::order).
+/// BVH8 over triangles in leaf order, the order returned by [`Self::new`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bvh8 {
     pub nodes: Vec<Node>,
 }
 
 impl Bvh8 {
-    /// From a binary hierarchy whose leaves have at most [`LARGEST_LEAF`] triangles, and the triangles' order: leaves
-    /// name places in it.
+    /// Collapses a binary BVH with at most [`LARGEST_LEAF`] triangles per leaf. Also returns the leaf order of the
+    /// triangles: leaves refer to indices in the leaf order.
     pub fn new(binary: &Bvh2) -> (Self, Vec<u32>) {
         let mut order = Vec::with_capacity(binary.primitive_indices.len());
         let mut nodes: Vec<Node> = Vec::new();
-        // Nodes yet to be filled: what is near is filled, and lies in memory, one after another.
+        // Nodes to be filled, depth first: nearby nodes are filled, and stored, consecutively.
         let mut waiting: Vec<(usize, &Bvh2Node)> = Vec::new();
         if let Some(root) = binary.nodes.first() {
             nodes.push(Node::EMPTY);
@@ -110,7 +113,7 @@ impl Bvh8 {
         (Self { nodes }, order)
     }
 
-    /// Visits the triangles that a ray may meet before `limit`, near boxes first.
+    /// Visits the triangles possibly hit by a ray before `limit`, near boxes first.
     #[inline(always)]
     pub fn walk(&self, origin: Vec3, direction: Vec3, limit: f32, visit: &mut impl Visit) {
         if self.nodes.is_empty() {
@@ -119,7 +122,7 @@ impl Bvh8 {
         let walker = SlabRay::new(origin, direction);
         #[cfg(target_arch = "x86_64")]
         if processor::has_avx2() {
-            // SAFETY: the processor has all that the function asks for.
+            // SAFETY: the processor has the target features of the function.
             #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
             return unsafe { self.walk_avx2(&walker, limit, visit) };
         }
@@ -139,7 +142,8 @@ impl Bvh8 {
         );
     }
 
-    /// The walk from a node on, with this test of a node's children; the limit at its end.
+    /// Traverses the hierarchy from the node `from`, with `meet` as the test of a node's children; returns the final
+    /// limit.
     #[inline(always)]
     pub fn walk_by<W>(
         &self,
@@ -150,7 +154,7 @@ impl Bvh8 {
         visit: &mut impl Visit,
     ) -> f32 {
         let mut reach = limit * BEYOND;
-        // Children that wait for their turn, of each node the nearest last; and those that there was no room for.
+        // Traversal stack: a node's nearest child is last. `farther` has the children without room on the stack.
         let (mut waiting, mut count) = ([0; WAITING], 0);
         let mut farther: Vec<u64> = Vec::new();
         let mut next = from;
@@ -164,7 +168,7 @@ impl Bvh8 {
                         met &= met - 1;
                         (entry(node.children[child], near[child]), met != 0)
                     };
-                    // The nearest child is next, the others wait.
+                    // The nearest child is next, the other children are pushed.
                     let (mut nearest, mut are_more) = take();
                     if are_more && count + WIDTH > WAITING {
                         count = move_half(&mut waiting, &mut farther, count);
@@ -173,7 +177,7 @@ impl Bvh8 {
                     while are_more {
                         let another;
                         (another, are_more) = take();
-                        // Few are met: sorted as they come.
+                        // Insertion sort: few children are hit.
                         let waits = another.max(nearest);
                         let mut place = count;
                         while place > from && waiting[place - 1] < waits {
@@ -196,7 +200,7 @@ impl Bvh8 {
                 }
                 reach = limit * BEYOND;
             }
-            // A box whose near side is exactly there must be opened too.
+            // A box with the near side exactly at the limit must be opened too.
             next = loop {
                 let entry = if count > 0 {
                     count -= 1;
@@ -213,19 +217,19 @@ impl Bvh8 {
     }
 }
 
-/// A child and how far its box is, which is not under zero, as one number: the farther, the greater.
+/// Packs a child and the distance to the child's box, at least 0, into a number that increases with the distance.
 #[inline(always)]
 pub(super) fn entry(child: u32, near: f32) -> u64 {
     (near.to_bits() as u64) << 32 | child as u64
 }
 
-/// How far an entry's box is.
+/// Returns the distance to an entry's box.
 #[inline(always)]
 pub(super) fn distance(entry: u64) -> f32 {
     f32::from_bits((entry >> 32) as u32)
 }
 
-/// Makes room by moving half of those that wait to `farther`; how many are left.
+/// Makes room by moving the first half of the waiting entries to `farther`; returns the number of remaining entries.
 #[cold]
 #[inline(never)]
 pub(super) fn move_half<T: Copy>(waiting: &mut [T], farther: &mut Vec<T>, count: usize) -> usize {
@@ -235,14 +239,15 @@ pub(super) fn move_half<T: Copy>(waiting: &mut [T], farther: &mut Vec<T>, count:
     count - half
 }
 
-/// The places of a leaf's triangles.
+/// Returns the range of a leaf's triangles, in leaf order.
 #[inline(always)]
 pub(super) fn places(leaf: u32) -> Range<usize> {
     let first = (leaf & ((1 << COUNT_SHIFT) - 1)) as usize;
     first..first + ((leaf & !LEAF) >> COUNT_SHIFT) as usize + 1
 }
 
-/// Up to eight nodes that make up this one: of those there are, the largest is opened as long as there is room.
+/// Returns up to eight nodes that make up this node: as long as there is room, the largest inner node is replaced by
+/// its two children.
 fn children<'a>(binary: &'a Bvh2, node: &'a Bvh2Node) -> SmallVec<[&'a Bvh2Node; WIDTH]> {
     let mut children: SmallVec<[&Bvh2Node; WIDTH]> = SmallVec::from_slice(&[node]);
     while children.len() < WIDTH {
@@ -276,7 +281,7 @@ impl SlabRay8 {
     }
 }
 
-/// 1/x, never infinite, so that the box test has no 0 · ∞.
+/// Returns 1/x, never infinite, so that the box test has no 0 · ∞.
 #[inline(always)]
 fn inverse(x: f32) -> f32 {
     if x.abs() < SMALL { (1.0 / SMALL).copysign(x) } else { 1.0 / x }
@@ -286,7 +291,7 @@ impl Node {
     const EMPTY: Self =
         Self { sides: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], children: [0; WIDTH] };
 
-    /// A node over these boxes, with these names.
+    /// Creates a node of these boxes, with `names` as the children.
     fn new(boxes: &[&Bvh2Node], names: &[u32]) -> Self {
         let mut node = Self::EMPTY;
         for (child, b) in boxes.iter().enumerate() {
@@ -299,7 +304,8 @@ impl Node {
         node
     }
 
-    /// How far each child's box is along the ray, and a bit for each that is met before the limit.
+    /// Returns the distances to the children's boxes along the ray, and a bit mask of the children hit before the
+    /// limit.
     #[inline(always)]
     pub fn meet(&self, ray: &SlabRay, limit: f32) -> ([f32; WIDTH], u32) {
         let (mut near, mut far) = ([0f32; WIDTH], [limit; WIDTH]);
@@ -316,7 +322,7 @@ impl Node {
         (near, (0..WIDTH).fold(0, |met, child| met | ((near[child] <= far[child]) as u32) << child))
     }
 
-    /// The same, by the same arithmetic.
+    /// AVX2 version of [`Self::meet`], by the same arithmetic.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     #[inline]

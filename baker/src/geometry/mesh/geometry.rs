@@ -1,4 +1,4 @@
-//! What the ray caster needs to know, from a loaded [`Scene`] or a baked file alike.
+//! Input of the ray caster, from a loaded [`Scene`] or a baked file.
 
 use super::glass::{Detail, Glass};
 use crate::geometry::simplify::{TOGETHER, simplify};
@@ -15,10 +15,10 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A triangle with all it needs for shading.
+/// A triangle with the data for shading.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
-    /// Corners, local space or its model's.
+    /// Corners, local space or model space.
     pub positions: [Vec3; 3],
     /// Unit shading normals at the corners.
     pub normals: [Vec3; 3],
@@ -28,7 +28,7 @@ pub struct Triangle {
     pub material: u32,
 }
 
-/// A material ready for lookups.
+/// A material, prepared for lookups.
 #[derive(Clone, Debug)]
 pub struct Surface {
     /// Linear RGB factor of the albedo.
@@ -37,49 +37,49 @@ pub struct Surface {
     pub alpha_factor: f32,
     /// Colour and alpha texture, multiplied with the factors.
     pub texture: Option<Sampler>,
-    /// How alpha is meant; `Opaque` wherever alpha can never matter.
+    /// Alpha mode; `Opaque` if alpha never matters.
     pub alpha: Alpha,
     /// Whether the back reflects too.
     pub double_sided: bool,
-    /// Linear RGB radiance sent out by itself, and the texture that it is multiplied with.
+    /// Emitted linear RGB radiance, and the texture multiplied with the radiance.
     pub emission: Vec3,
     emission_texture: Option<Box<Detail>>,
-    /// Whether pictures show the albedo as it is.
+    /// Whether pictures show the albedo unlit.
     pub is_unlit: bool,
-    /// Where it lets light through besides what alpha does.
+    /// Transmission in addition to alpha.
     pub glass: Option<Box<Glass>>,
 }
 
-/// Some of the triangles, in a space of their own, and where they stand.
+/// A model: triangles in model space, and the transforms of the copies.
 #[derive(Clone, Debug)]
 pub struct Placed {
-    /// Which they are.
+    /// Range of the model's triangles.
     pub triangles: Range<usize>,
-    /// Where their copies stand: none mirrored, all invertible.
+    /// Transforms of the copies: none mirrored, each invertible.
     pub local_from_model: Vec<Affine3A>,
 }
 
 /// Triangles and materials.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    /// All triangles: first those in local space, then those of [`Self::models`].
+    /// Triangles: first in local space, then of [`Self::models`].
     pub triangles: Vec<Triangle>,
-    /// What stands there more than once, in the order of the triangles.
+    /// Models, in the order of the triangles.
     pub models: Vec<Placed>,
     /// Linear RGB factors of the albedo at the triangles' corners, in place of the materials'; empty for none.
     pub colors: Vec<[Vec3; 3]>,
-    /// All materials.
+    /// Materials.
     pub surfaces: Vec<Surface>,
 }
 
 impl Surface {
-    /// Prepares a material. `texture` gives its textures by number.
+    /// Prepares a material. `texture` returns textures by number.
     pub fn new(material: &Material, texture: impl Fn(u32) -> Option<Sampler>) -> Self {
         let [r, g, b, a] = material.base_color;
         let glass = Glass::new(material, &texture);
         let emission_texture = Detail::new(&material.emission_texture, &texture).map(Box::new);
         let texture = material.base_color_texture.and_then(texture);
-        // Many exporters mark opaque surfaces as BLEND or MASK: see whether any texel is not opaque.
+        // Many exporters mark opaque surfaces as BLEND or MASK: search for a texel that is not opaque.
         let least = |s: &Sampler| s.texels.rgba.iter().map(|t| t[3]).min().unwrap_or(255) as f32 / 255.0;
         let alpha = match material.alpha {
             Alpha::Opaque => Alpha::Opaque,
@@ -105,12 +105,12 @@ impl Surface {
         }
     }
 
-    /// Whether it stops all light everywhere.
+    /// Returns whether the surface stops light completely at every position.
     pub fn is_opaque(&self) -> bool {
         self.alpha == Alpha::Opaque && self.glass.is_none()
     }
 
-    /// The base colour around a texture coordinate.
+    /// Returns the base colour around a texture coordinate, averaged over about the fraction `share` of the texture.
     #[inline]
     fn base(&self, color: Vec3, uv: Vec2, share: f32) -> Vec3 {
         match &self.texture {
@@ -119,14 +119,14 @@ impl Surface {
         }
     }
 
-    /// Linear RGB reflectance around a texture coordinate, over about this share of the texture, of what does not let a ray
-    /// through; `color` is the factor, [`Self::color`] or the vertices'.
+    /// Returns the linear RGB reflectance around a texture coordinate, for stopped rays, averaged over about the
+    /// fraction `share` of the texture. `color` is the factor: [`Self::color`] or the vertices' colour.
     #[inline]
     pub fn albedo(&self, color: Vec3, uv: Vec2, share: f32) -> Vec3 {
         let base = self.base(color, uv, share);
         match &self.glass {
             None => base,
-            // What it reflects comes from the rays that it stops.
+            // Reflected light comes from stopped rays.
             Some(glass) => {
                 let passage = glass.passage(self.base(color, uv, 0.0), self.cover(uv), uv);
                 (base * (passage.reflected / stopped(passage.through).max(1e-6))).min(Vec3::ONE)
@@ -134,12 +134,13 @@ impl Surface {
         }
     }
 
-    /// Linear RGB radiance that it sends out by itself around a texture coordinate, over about this share of the texture.
+    /// Returns the emitted linear RGB radiance around a texture coordinate, averaged over about the fraction `share`
+    /// of the texture.
     pub fn shine(&self, uv: Vec2, share: f32) -> Vec3 {
         self.emission * self.emission_texture.as_ref().map_or(Vec3::ONE, |texture| texture.color(uv, share))
     }
 
-    /// Alpha, 1 where it does not matter.
+    /// Returns alpha; 1 for an opaque surface.
     #[inline]
     fn cover(&self, uv: Vec2) -> f32 {
         let alpha = || self.alpha_factor * self.texture.as_ref().map_or(1.0, |t| t.alpha(uv));
@@ -150,7 +151,7 @@ impl Surface {
         }
     }
 
-    /// The share of light that goes through at a texture coordinate, linear RGB.
+    /// Returns the transmittance at a texture coordinate, linear RGB.
     #[inline]
     pub fn through(&self, color: Vec3, uv: Vec2) -> Vec3 {
         match &self.glass {
@@ -159,7 +160,7 @@ impl Surface {
         }
     }
 
-    /// The share of light that the surface stops at a texture coordinate, as the mean over the channels: 1 where opaque.
+    /// Returns the fraction of light stopped at a texture coordinate, as the mean over the channels: 1 if opaque.
     #[inline]
     pub fn opacity(&self, color: Vec3, uv: Vec2) -> f32 {
         match &self.glass {
@@ -169,19 +170,19 @@ impl Surface {
     }
 }
 
-/// The share that is stopped where so much goes through.
+/// Returns the stopped fraction for a transmittance.
 #[inline]
 fn stopped(through: Vec3) -> f32 {
     1.0 - through.element_sum() / 3.0
 }
 
-/// Least and greatest corner of triangles; both zero without any.
+/// Returns the minimum and maximum corner of triangles; zero without triangles.
 pub(super) fn bounds(triangles: &[Triangle]) -> (Vec3, Vec3) {
     triangles.par_iter().map(Triangle::bounds).reduce_with(union).unwrap_or_default()
 }
 
 impl Triangle {
-    /// Least and greatest corner.
+    /// Returns the minimum and maximum corner.
     pub(super) fn bounds(&self) -> (Vec3, Vec3) {
         let [a, b, c] = self.positions;
         (a.min(b).min(c), a.max(b).max(c))
@@ -189,19 +190,20 @@ impl Triangle {
 }
 
 impl Placed {
-    /// The box of each copy of a model within these bounds.
+    /// Returns the local-space boxes of the copies of a model with these bounds.
     pub(super) fn boxes(&self, (low, high): (Vec3, Vec3)) -> impl Iterator<Item = (Vec3, Vec3)> {
         self.local_from_model.iter().map(move |place| bounds_of_copy(place, [low, high]))
     }
 }
 
 impl Geometry {
-    /// Least and greatest corner of each model, in its space.
+    /// Returns the minimum and maximum corner of the models, model space.
     pub(super) fn model_bounds(&self) -> Vec<(Vec3, Vec3)> {
         self.models.iter().map(|model| bounds(&self.triangles[model.triangles.clone()])).collect()
     }
 
-    /// Corners of the [part](detail::main_part) that has the detail, local space, where that is not all.
+    /// Returns the minimum and maximum corner of the [part](detail::main_part) with the detail, local space; `None`
+    /// for the complete scene.
     pub(super) fn main_part(&self) -> Option<(Vec3, Vec3)> {
         let end = self.models.first().map_or(self.triangles.len(), |model| model.triangles.start);
         let corners = self.triangles[..end].iter().flat_map(|triangle| triangle.positions);
@@ -210,17 +212,17 @@ impl Geometry {
         detail::part_of(corners.chain(boxes.flat_map(|(low, high)| [low, high])))
     }
 
-    /// A scene's surfaces of as few triangles as they need: [`simplify`].
+    /// Returns a scene's geometry after simplification: [`simplify`].
     pub fn simplified(scene: &Scene) -> Self {
         let surfaces = surfaces(scene);
         let corners = simplify(scene, |i| surfaces[i].is_opaque(), TOGETHER);
-        // A model's are together as before.
+        // A model's triangles stay consecutive.
         let first = |t: u32| corners.partition_point(|corners| corners[0] / 3 < t);
         Self::of(scene, surfaces, corners.par_iter().copied(), first)
     }
 
-    /// Triangles between corners of a scene, each three times a triangle's number and which of its corners.
-    /// `first` says which of them is the first that was one of the scene's triangles from a number on.
+    /// Builds geometry from triangles between corners of a scene. A corner is 3 × triangle number + corner index.
+    /// `first` returns the index of the first triangle from a scene triangle's number on.
     fn of(
         scene: &Scene,
         surfaces: Vec<Surface>,
@@ -251,7 +253,7 @@ impl Geometry {
     }
 }
 
-/// The materials of a scene.
+/// Prepares the materials of a scene.
 fn surfaces(scene: &Scene) -> Vec<Surface> {
     let texture = |t: u32| scene.textures[t as usize].sampler();
     scene.materials.iter().map(|m| Surface::new(m, texture)).collect()
@@ -267,10 +269,10 @@ impl From<&Scene> for Geometry {
 impl TryFrom<&BakedScene> for Geometry {
     type Error = SceneError;
 
-    /// Decodes the textures of a baked file that light needs, and those of emission.
+    /// Decodes the textures of a baked file for light transport and for emission.
     ///
     /// # Errors
-    /// [`SceneError::Texture`] where a picture cannot be decoded.
+    /// [`SceneError::Texture`] if a picture for light transport cannot be decoded.
     fn try_from(scene: &BakedScene) -> Result<Self, SceneError> {
         let materials = &scene.meta.materials;
         let needed: HashSet<u32> = materials.iter().flat_map(needed::of_light).collect();
@@ -292,7 +294,7 @@ impl TryFrom<&BakedScene> for Geometry {
                             problem,
                         });
                     }
-                    // Pictures do without it.
+                    // Pictures do without an emission texture.
                     Err(_) => return Ok(None),
                 };
                 Ok(Some(Sampler {
@@ -306,7 +308,7 @@ impl TryFrom<&BakedScene> for Geometry {
         let textures = textures?;
         let texture = |t: u32| textures[t as usize].clone();
         let (mut triangles, mut models): (Vec<Triangle>, Vec<Placed>) = Default::default();
-        // What stands once, then models, each of draw calls that follow each other.
+        // Triangles without instances first, then models: a model is a run of draw calls with equal copies.
         let stands = |draw: usize| scene.copies_of(draw);
         let draws = || scene.meta.draws.iter().enumerate();
         let alone = draws().filter(|(draw, _)| stands(*draw).is_empty());

@@ -1,21 +1,21 @@
-//! Surfaces that let a share of the light through, in a colour.
+//! Glass: surfaces with coloured transmission.
 
 use crate::scene::texture::Sampler;
 use glam::{Vec2, Vec3};
 use rebounce_shared::rbn::extras::{Extras, Passage};
 use rebounce_shared::rbn::meta::{DetailTexture, Material};
 
-/// What of a material decides which light goes through.
+/// Parameters of a material for transmission.
 #[derive(Clone, Debug)]
 pub struct Glass {
     extras: Extras,
     metallic: f32,
-    /// Whose red the transmission, and whose blue the metalness is multiplied with.
+    /// Textures of factors: red for the transmission, blue for the metalness.
     transmission_texture: Option<Detail>,
     metallic_texture: Option<Detail>,
 }
 
-/// A texture besides the base colour's, and its coordinates from those of the vertices.
+/// Texture other than the base colour's, with a transform from the vertices' texture coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Detail {
     sampler: Sampler,
@@ -33,12 +33,13 @@ impl Detail {
         Vec2::new(self.rows[0].dot(at), self.rows[1].dot(at))
     }
 
-    /// One channel of the nearest texel, 0 to 1.
+    /// Returns a channel of the nearest texel, 0 to 1.
     fn channel(&self, uv: Vec2, channel: usize) -> f32 {
         f32::from(self.sampler.nearest_texel(self.at(uv))[channel]) / 255.0
     }
 
-    /// Linear RGB around a place, over about this share of the base colour's texture.
+    /// Returns the linear RGB colour around a place, averaged over about the fraction `share` of the base colour's
+    /// texture.
     pub fn color(&self, uv: Vec2, share: f32) -> Vec3 {
         let larger = (self.rows[0].x * self.rows[1].y - self.rows[0].y * self.rows[1].x).abs();
         self.sampler.color(self.at(uv), share * larger, false)
@@ -46,7 +47,8 @@ impl Detail {
 }
 
 impl Glass {
-    /// Of a material that lets light through. `texture` gives textures by number, those that [light needs](crate::scene::needed::of_light) at least.
+    /// Creates the glass of a material; `None` without transmission. `texture` returns textures by number, at least
+    /// the textures [needed by light](crate::scene::needed::of_light).
     pub fn new(material: &Material, texture: &impl Fn(u32) -> Option<Sampler>) -> Option<Box<Self>> {
         material.is_glass().then(|| {
             Box::new(Self {
@@ -58,7 +60,7 @@ impl Glass {
         })
     }
 
-    /// What becomes of light at a texture coordinate, where the base colour and alpha are these.
+    /// Returns the transmitted and reflected light at a texture coordinate, for this base colour and alpha.
     pub fn passage(&self, base: Vec3, alpha: f32, uv: Vec2) -> Passage {
         let channel =
             |detail: &Option<Detail>, channel| detail.as_ref().map_or(1.0, |d| d.channel(uv, channel));

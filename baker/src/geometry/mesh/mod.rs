@@ -1,12 +1,13 @@
-//! Triangle meshes as [`Surfaces`]: a two-level BVH, one [BLAS](blas) for what is not instanced, one for each [instanced
-//! mesh](crate::scene::Model), and a [TLAS](tlas) over the instances.
+//! Triangle meshes as [`Surfaces`]: a two-level BVH with a [BLAS](blas) of the triangles without instances, a BLAS per
+//! [instanced mesh](crate::scene::Model), and a [TLAS](tlas) over the instances.
 //!
-//! obvhs builds the binary BVHs, [`bvh8`] collapses them. Boxes are padded by some rounding errors and the triangle test is
-//! watertight, so traversal finds what brute force finds; a test holds that.
+//! obvhs builds the binary BVHs, [`bvh8`] collapses the binary BVHs to eight children per node. Boxes are padded by
+//! several rounding errors and the triangle test is watertight, so traversal finds the hits of brute force; a test
+//! checks the equality.
 //!
 //! * [`geometry`]: the input; `glass`: transmission and alpha; `triangle`: watertight ray/triangle test;
 //! * `bvh8`, `blas`, `tlas`: acceleration structures; `packet`, `packet_traversal`: bundles of rays;
-//! * `split`: large triangles cut up around the detail; `primitives`: triangles by number.
+//! * `split`: subdivision of large triangles around the detail; `primitives`: triangles by number.
 
 mod blas;
 mod bvh8;
@@ -35,51 +36,53 @@ use rebounce_shared::baked::BakedScene;
 use tlas::{Instance, Tlas};
 use triangle::TriangleHit;
 
-/// Faces whose normals are turned from each other by less than the angle of this cosine from opposite ones lie back to back.
+/// Two faces are back to back if the cosine between the normal of one face and the reversed normal of the other
+/// exceeds this.
 const OPPOSITE: f32 = 0.9;
-/// A ray counts as this steep at least (cosine of the angle to the normal) where distances along it are worked out.
+/// Minimum cosine between ray and normal, for distances along the ray.
 const FLATTEST: f32 = 1e-3;
-/// Boxes grow by this share of the diagonal, for the rounding of the box test.
+/// Padding of boxes, as a fraction of the scene's diagonal, for the rounding of the box test.
 const PADDING: f32 = 5e-7;
-/// Primitives at most: what rays find is worked out beforehand only where there is room for it.
+/// Maximum number of primitives with [`Primitives`]: hit data is precomputed only if memory has room.
 pub(crate) const MOST_PRIMITIVES: u64 = 1 << 25;
 
 /// Triangles with textures and alpha.
 pub struct TriangleSurfaces {
-    /// What stands in the scene once.
+    /// BLAS of the triangles without instances.
     static_blas: Blas,
     models: Vec<Blas>,
     instances: Tlas,
     surfaces: Vec<Surface>,
-    /// Whether some of them let light through in a colour.
+    /// Whether a surface transmits coloured light.
     has_glass: bool,
     low: Vec3,
     high: Vec3,
-    /// Corners of the part that has the detail.
+    /// Minimum and maximum corner of the part with the detail.
     main: (Vec3, Vec3),
     exactness: Exactness,
-    /// Triangles, each copy's counted.
+    /// Number of triangles, with every copy counted.
     primitives: u64,
 }
 
-/// A triangle somewhere in the scene.
+/// Triangle, without instances or in an instance.
 #[derive(Clone, Copy)]
 struct Found<'a> {
     blas: &'a Blas,
     triangle: usize,
-    /// The copy whose it is.
+    /// The triangle's instance; `None` for a triangle without instances.
     copy: Option<&'a Instance>,
 }
 
 impl Found<'_> {
-    /// A vector across it, on the side of its front, as long as twice its area, local space.
+    /// Returns a normal vector on the triangle's front, local space; the length is twice the triangle's area.
     #[inline]
     fn front(&self) -> Vec3 {
         let spanned = self.blas.front(self.triangle);
         self.copy.map_or(spanned, |copy| copy.across(spanned))
     }
 
-    /// The shading normal at a place, by the shares of the corners, local space; zero where they cancel out.
+    /// Returns the unit shading normal at barycentric weights of the corners, local space; zero if the corners'
+    /// normals cancel.
     #[inline]
     fn normal(&self, [u, v, w]: [f32; 3]) -> Vec3 {
         let mut normals = self.blas.attributes[self.triangle].normals;
@@ -89,13 +92,13 @@ impl Found<'_> {
         (normals[0] * u + normals[1] * v + normals[2] * w).normalize_or_zero()
     }
 
-    /// Whether a direction meets a back that does not reflect.
+    /// Returns whether a ray in this direction hits a back without reflection.
     #[inline]
     fn is_dark(&self, direction: Vec3) -> bool {
         self.front().dot(direction) > 0.0 && self.blas.marks[self.triangle] & TWO_SIDED == 0
     }
 
-    /// A place of its model, local space.
+    /// Transforms a position of the triangle to local space.
     #[inline]
     fn place(&self, position: Vec3) -> Vec3 {
         self.copy.map_or(position, |copy| copy.place(position))
@@ -103,7 +106,7 @@ impl Found<'_> {
 }
 
 impl TriangleSurfaces {
-    /// Builds the hierarchy.
+    /// Subdivides large triangles and builds the acceleration structures.
     pub fn new(mut geometry: Geometry) -> Self {
         let main = geometry.main_part();
         if let Some((low, high)) = main {
@@ -139,35 +142,35 @@ impl TriangleSurfaces {
         }
     }
 
-    /// The surfaces of a loaded scene.
+    /// Builds the surfaces of a loaded scene.
     pub fn from_scene(scene: &Scene) -> Self {
         Self::new(Geometry::from(scene))
     }
 
-    /// The surfaces of a loaded scene, of as few triangles as they need.
+    /// Builds the surfaces of a loaded scene, after simplification.
     pub fn simplified(scene: &Scene) -> Self {
         Self::new(Geometry::simplified(scene))
     }
 
-    /// The surfaces of a baked file.
+    /// Builds the surfaces of a baked file.
     ///
     /// # Errors
-    /// [`SceneError::Texture`] where a picture cannot be decoded.
+    /// [`SceneError::Texture`] if a picture for light transport cannot be decoded.
     pub fn from_baked(scene: &BakedScene) -> Result<Self, SceneError> {
         Ok(Self::new(Geometry::try_from(scene)?))
     }
 
-    /// Number of triangles, those of a model counted once.
+    /// Returns the number of triangles, with a model counted once.
     pub fn triangle_count(&self) -> usize {
         self.static_blas.corners.len() + self.models.iter().map(|model| model.corners.len()).sum::<usize>()
     }
 
-    /// Number of triangles, those of each copy of a model counted.
+    /// Returns the number of triangles, with every copy of a model counted.
     pub fn piece_count(&self) -> u64 {
         self.primitives
     }
 
-    /// Whether pictures show some of them as they are.
+    /// Returns whether pictures show a surface unlit.
     pub fn has_unlit(&self) -> bool {
         self.surfaces.iter().any(|surface| surface.is_unlit)
     }
@@ -207,14 +210,13 @@ impl TriangleSurfaces {
         Hit { distance: m.distance, position, geometric_normal, normal, albedo, emission, is_unlit }
     }
 
-    /// Where a ray meets the nearest surface, and nothing about it: what of [`Surfaces::cast`] is the walk through the
-    /// hierarchy.
+    /// Returns the distance of the nearest hit: the traversal of [`Surfaces::cast`] without shading.
     #[inline]
     pub fn distance(&self, ray: &Ray, seed: u32) -> Option<f32> {
         self.nearest(ray, seed).map(|(_, meeting)| meeting.distance)
     }
 
-    /// The nearest triangle that stops the ray.
+    /// Returns the nearest triangle stopping the ray, and the hit.
     #[inline]
     fn nearest(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, TriangleHit)> {
         let line = Line { origin: ray.origin, direction: ray.direction };
@@ -222,7 +224,7 @@ impl TriangleSurfaces {
         self.with_all(ray, seed, alone)
     }
 
-    /// The same, where of the triangles that stand alone it is known.
+    /// As [`Self::nearest`], with the hit `alone` of the triangles without instances as input.
     #[inline]
     fn with_all(
         &self,
@@ -239,9 +241,9 @@ impl TriangleSurfaces {
         Some((found, meeting))
     }
 
-    /// The face that lies back to back with one whose back was found: at the same place but for rounding, where two
-    /// one-sided surfaces stand for the two sides of one. Whichever of the two is nearer by rounding, or comes first, a ray
-    /// finds the one that faces it.
+    /// Returns the front face back to back with a hit back face: at an equal position up to rounding, two one-sided
+    /// surfaces represent the two sides of a surface. A ray hits the face towards its origin, whichever face is nearer
+    /// by rounding or first in order. `None` without a front face.
     #[cold]
     #[inline(never)]
     fn front_at(
@@ -260,7 +262,7 @@ impl TriangleSurfaces {
         is_opposite.then_some((front, meeting))
     }
 
-    /// The nearest triangle that a camera sees along the ray.
+    /// Returns the nearest triangle seen by a camera along the ray, and the hit.
     #[inline]
     fn nearest_seen(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, TriangleHit)> {
         let line = Line { origin: ray.origin, direction: ray.direction };
@@ -268,7 +270,8 @@ impl TriangleSurfaces {
         self.with_copies(ray, seed, alone, Blas::nearest_seen)
     }
 
-    /// The nearest triangle, where of those that stand alone it is known; in a model it is found `by` this.
+    /// Returns the nearest triangle, with the hit `alone` of the triangles without instances as input; `by` finds the
+    /// nearest triangle of a model.
     #[inline]
     fn with_copies(
         &self,
@@ -299,13 +302,14 @@ impl TriangleSurfaces {
         Found { blas: &self.models[copy.model as usize], triangle, copy: Some(copy) }
     }
 
-    /// A primitive by number: those that stand alone first, then copy after copy.
+    /// Returns a primitive by number: first the triangles without instances, then copy after copy.
     #[inline]
     fn found(&self, primitive: u32) -> Found<'_> {
         if (primitive as usize) < self.static_blas.corners.len() {
             return Found { blas: &self.static_blas, triangle: primitive as usize, copy: None };
         }
-        // The last one that begins there or before: one without triangles begins where the next does.
+        // The last copy with a first primitive at or before the number: a copy without triangles shares the first
+        // primitive of the next copy.
         let index = self.instances.all.partition_point(|copy| copy.first_primitive <= primitive) - 1;
         self.of_copy(index, (primitive - self.instances.all[index].first_primitive) as usize)
     }
@@ -325,7 +329,7 @@ impl Surfaces for TriangleSurfaces {
     fn transmittance(&self, from: Vec3, to: Vec3) -> Vec3 {
         let offset = to - from;
         let length = offset.length();
-        // A light may touch a surface: what is there does not hide it.
+        // A light may touch a surface: a surface at the light's position does not hide the light.
         let limit = length - self.exactness.near;
         if limit <= 0.0 {
             return Vec3::ONE;

@@ -5,47 +5,48 @@ use super::triangle::{ShearedRay, ShearedRays};
 use crate::geometry::Ray;
 use std::arch::x86_64::*;
 
-/// Numbers that a register holds.
+/// Number of values per register.
 pub(super) const LANES: usize = 8;
-/// Registers for one number of each ray.
+/// Number of registers for one value per ray.
 const GROUPS: usize = 8;
-/// Rays of a packet at most; as many as a [`Rays`] has bits.
+/// Maximum number of rays of a packet: the number of bits of [`Rays`].
 pub(super) const MOST: usize = LANES * GROUPS;
 
-/// A number of each ray, as registers.
+/// One value per ray, as registers.
 type All = [__m256; GROUPS];
-/// The same, one by one.
+/// One value per ray, as an array.
 type Each = [f32; MOST];
-/// A bit for each ray.
+/// Bit mask of rays.
 pub(super) type Rays = u64;
 
-/// Rays that go up and down the same axes and most along the same one.
+/// Rays of one octant and major axis.
 pub(super) struct Packet {
     origin: [All; 3],
     inverse: [All; 3],
-    /// For each axis whether the rays go down it.
+    /// By axis: 1 if the rays' directions are negative, otherwise 0.
     down: [usize; 3],
-    /// By axis, the origins by which a box's near and far sides are nearest and farthest: bounds of the rays.
+    /// By axis: the origins for a lower bound of the distance to a box's near side, and for an upper bound of the
+    /// distance to the far side, over the rays.
     near_origin: [__m256; 3],
     far_origin: [__m256; 3],
-    /// By axis, the least and the greatest inverse.
+    /// By axis: minimum and maximum of the inverse directions.
     least_inverse: [__m256; 3],
     most_inverse: [__m256; 3],
-    /// How the rays are sheared for triangles: see [`ShearedRay`].
+    /// Shear of the rays for triangle tests: see [`ShearedRay`].
     axes: [usize; 3],
     shear: [All; 3],
-    /// How far each ray is followed.
+    /// Maximum hit distances of the rays.
     pub limits: Limits,
 }
 
-/// How far rays are followed.
+/// Maximum hit distances of a packet's rays.
 pub(super) struct Limits {
     each: All,
-    /// The greatest, a little [beyond](BEYOND), in all lanes.
+    /// Maximum of the limits, a little [beyond](BEYOND), in every lane.
     farthest: __m256,
 }
 
-/// The least and the greatest of some numbers, in all lanes.
+/// Returns the minimum and maximum of the values, in every lane.
 #[target_feature(enable = "avx2")]
 #[inline]
 fn ends(of: &All) -> (__m256, __m256) {
@@ -53,7 +54,7 @@ fn ends(of: &All) -> (__m256, __m256) {
     for some in &of[1..] {
         (least, most) = (_mm256_min_ps(least, *some), _mm256_max_ps(most, *some));
     }
-    // Halves, then quarters, then neighbours change places.
+    // Swaps halves, then quarters, then neighbours.
     let swapped = |x| _mm256_permute2f128_ps::<1>(x, x);
     let (least, most) = (_mm256_min_ps(least, swapped(least)), _mm256_max_ps(most, swapped(most)));
     let swapped = |x| _mm256_permute_ps::<0b01_00_11_10>(x);
@@ -62,7 +63,7 @@ fn ends(of: &All) -> (__m256, __m256) {
     (_mm256_min_ps(least, swapped(least)), _mm256_max_ps(most, swapped(most)))
 }
 
-/// [`bvh8::inverse`](super::bvh8::inverse) of each.
+/// Returns [`bvh8::inverse`](super::bvh8::inverse) of the eight values.
 #[target_feature(enable = "avx2")]
 #[inline]
 fn inverses(of: __m256) -> __m256 {
@@ -82,26 +83,26 @@ impl Limits {
         limits
     }
 
-    /// That of one ray.
+    /// Returns the limit of a ray.
     #[inline]
     pub fn of(&self, ray: usize) -> f32 {
         bytemuck::cast_ref::<All, Each>(&self.each)[ray]
     }
 
-    /// Follows a ray so far; [`Self::find_farthest`] afterwards.
+    /// Sets the limit of a ray; requires [`Self::find_farthest`] afterwards.
     #[inline]
     pub fn set(&mut self, ray: usize, limit: f32) {
         bytemuck::cast_mut::<All, Each>(&mut self.each)[ray] = limit;
     }
 
-    /// Finds the farthest.
+    /// Updates the farthest limit.
     #[target_feature(enable = "avx2")]
     #[inline]
     pub fn find_farthest(&mut self) {
         self.farthest = _mm256_mul_ps(ends(&self.each).1, _mm256_set1_ps(BEYOND));
     }
 
-    /// No ray meets what is farther away.
+    /// Returns the farthest limit: no ray has a hit beyond.
     #[target_feature(enable = "avx2")]
     #[inline]
     pub fn farthest(&self) -> f32 {
@@ -110,12 +111,13 @@ impl Limits {
 }
 
 impl Packet {
-    /// Of rays of this [class](Ray::octant_and_axis), at least one and at most [`MOST`]. Without NaN: it would be a bound of all.
+    /// Builds a packet of 1 to [`MOST`] rays of one [class](Ray::octant_and_axis). Values are never NaN: a NaN would
+    /// be a bound of the packet.
     #[target_feature(enable = "avx2")]
     #[inline]
     pub fn new<'a>(rays: impl Iterator<Item = &'a Ray>, class: u8) -> Self {
         let (mut origin, mut direction) = ([[0.0; MOST]; 3], [[0.0; MOST]; 3]);
-        // What has no ray in it meets nothing.
+        // An unused slot has no hit.
         let mut limits = [-1.0; MOST];
         let mut count = 0;
         for (i, ray) in rays.take(MOST).enumerate() {
@@ -128,7 +130,7 @@ impl Packet {
             limits[i] = ray.max_distance;
             count = i + 1;
         }
-        // It repeats the first ray, so that it widens no bound.
+        // An unused slot repeats the first ray, so that no bound widens.
         for axis in 0..3 {
             let (of_origin, of_direction) = (origin[axis][0], direction[axis][0]);
             origin[axis][count..].fill(of_origin);
@@ -165,7 +167,7 @@ impl Packet {
         }
     }
 
-    /// One of the rays, as nodes and triangles are tested against it alone.
+    /// Returns one ray, prepared for single-ray tests of nodes and triangles.
     #[inline]
     pub fn alone(&self, ray: usize) -> (SlabRay, ShearedRay) {
         let of = |all: &[All; 3]| -> [f32; 3] {
@@ -176,7 +178,8 @@ impl Packet {
         (SlabRay { origin, inverse: of(&self.inverse), down: self.down }, sheared)
     }
 
-    /// Takes up to [`LANES`] of these `rays` out; which they are, and how triangles are tested against them.
+    /// Removes up to [`LANES`] rays from `rays`; returns the indices of the rays, the number of rays, and the rays
+    /// prepared for triangle tests.
     #[target_feature(enable = "avx2")]
     #[inline]
     pub fn take_eight(&self, rays: &mut Rays) -> ([usize; LANES], usize, ShearedRays) {
@@ -198,14 +201,15 @@ impl Packet {
 }
 
 impl Node {
-    /// How near each child's box may be to any of the rays, and a bit for each that may be met.
+    /// Returns lower bounds of the rays' distances to the children's boxes, and a bit mask of the children possibly
+    /// hit by a ray.
     #[target_feature(enable = "avx2")]
     #[inline]
     pub fn meet_any(&self, packet: &Packet) -> ([f32; WIDTH], u32) {
         let (mut near, mut far) = (_mm256_setzero_ps(), packet.limits.farthest);
         for axis in 0..3 {
             let sides = &self.sides[axis];
-            // An offset over a direction is least and greatest where the inverse is.
+            // The product of an offset and an inverse direction is minimal and maximal at the bounds of the inverse.
             let along = |sides: &[f32; WIDTH], origin: __m256| {
                 let offset = _mm256_sub_ps(bytemuck::cast(*sides), origin);
                 let (least, most) = (packet.least_inverse[axis], packet.most_inverse[axis]);
@@ -220,7 +224,7 @@ impl Node {
         (bytemuck::cast(near), met)
     }
 
-    /// Which of these `rays` meet a child's box, by the arithmetic of [`Node::meet`].
+    /// Returns the rays of `rays` with a hit of a child's box, by the arithmetic of [`Node::meet`].
     #[target_feature(enable = "avx2")]
     #[inline]
     pub fn meet_child(&self, child: usize, packet: &Packet, rays: Rays) -> Rays {

@@ -1,10 +1,10 @@
 //! Packet traversal of a BVH8 (Wald et al. 2001; interval culling after Boulos et al. 2006).
 //!
-//! The eight children of a node are tested against the interval bounds of all rays; a child that passes, against each active
-//! ray, eight rays at a time; a triangle, against the rays that hit its leaf's box. A ray that diverges from the packet goes
-//! on by single-ray traversal. Invariant: each ray finds the hit of single-ray traversal, to the last bit. The triangle test
-//! is the same arithmetic, no hit lies before its box by more than rounding, and of two triangles at one distance the first
-//! counts.
+//! The eight children of a node are tested against the interval bounds of the packet; then a passing child is tested
+//! against the active rays, eight rays at a time. A triangle is tested against the rays with a hit of the leaf's box.
+//! A ray that diverges from the packet continues by single-ray traversal. Invariant: a ray finds the hit of single-ray
+//! traversal, to the last bit. The triangle test has the same arithmetic, no hit is before the triangle's box by more
+//! than rounding, and of two triangles at equal distance the first counts.
 
 use super::blas::{Blas, Nearest, Stop};
 use super::bvh8::{LEAF, Node, SlabRay8, WIDTH, distance, entry, move_half, places};
@@ -13,25 +13,26 @@ use super::packet::{LANES, MOST, Packet, Rays};
 use super::triangle::TriangleHit;
 use crate::geometry::Ray;
 
-/// Children that wait without memory of their own; in tests so few that there is often no room.
+/// Capacity of the traversal stack without heap memory; in tests small enough to overflow often.
 const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 128 };
 
-/// What each ray meets first: the triangle's place, and where.
+/// Nearest hit by ray: the triangle's index in leaf order, and the hit.
 pub(super) type Firsts = [Option<(usize, TriangleHit)>; MOST];
 
-/// A child that waits.
+/// A child on the traversal stack.
 #[derive(Clone, Copy, Default)]
 struct Waiting {
-    /// How near it is, and its name: that of the node that it is a child of, and its place in it.
+    /// Distance to the child's box, and the child's name: index of the parent node, and index of the child in the
+    /// parent.
     entry: u64,
-    /// The rays that meet its parent.
+    /// Rays with a hit of the parent.
     rays: Rays,
 }
 
-/// Bits of a child's place in its node.
+/// Number of bits of a child's index in the parent.
 const PLACE_BITS: u32 = WIDTH.trailing_zeros();
 
-/// A walk.
+/// State of a packet traversal.
 struct Together<'a> {
     blas: &'a Blas,
     surfaces: &'a [Surface],
@@ -41,7 +42,7 @@ struct Together<'a> {
 }
 
 impl Blas {
-    /// [`Blas::nearest`], not strictly, for some rays of one [class](Ray::octant_and_axis) with their seeds, at most [`MOST`].
+    /// [`Blas::nearest`], not strictly, for at most [`MOST`] rays of one [class](Ray::octant_and_axis), with seeds.
     #[target_feature(enable = "avx2,bmi1,lzcnt")]
     #[inline(never)]
     pub fn nearest_together<'r>(
@@ -75,14 +76,14 @@ impl Together<'_> {
             if count + WIDTH > WAITING {
                 count = move_half(&mut waiting, &mut farther, count);
             }
-            // The nearest last. Few are met: sorted as they come.
+            // Insertion sort, nearest child last: few children are hit.
             let from = count;
             while met != 0 {
                 let child = met.trailing_zeros();
                 met &= met - 1;
                 let waits = Waiting { entry: entry(open << PLACE_BITS | child, near[child as usize]), rays };
                 let mut place = count;
-                // The remainders change nothing; they say that there is room.
+                // The remainders change nothing; they show that the index is in range.
                 while place > from && waiting[(place - 1) % WAITING].entry < waits.entry {
                     waiting[place % WAITING] = waiting[(place - 1) % WAITING];
                     place -= 1;
@@ -149,21 +150,21 @@ impl Together<'_> {
         }
     }
 
-    /// Where a ray is stopped, as far as is known.
+    /// Returns the nearest-hit query of a ray.
     #[inline]
     fn stop(&self, ray: usize) -> Stop<'_> {
         let &Self { blas, surfaces, .. } = self;
         Stop { blas, surfaces, strictly: false, seed: self.seeds[ray], best: self.found[ray] }
     }
 
-    /// A triangle and a ray that rounding makes unclear.
+    /// Tests a triangle against a single ray, after a result made unclear by rounding.
     #[cold]
     #[inline(never)]
     fn meet_alone(&self, place: usize, ray: usize) -> Option<TriangleHit> {
         self.blas.corners[place].meet(&self.packet.alone(ray).1, self.packet.limits.of(ray))
     }
 
-    /// One ray goes on from a node.
+    /// Continues the traversal of a single ray from a node on.
     #[target_feature(enable = "avx2,bmi1,lzcnt")]
     #[inline(never)]
     fn alone(&mut self, from: u32, ray: usize) {

@@ -1,4 +1,4 @@
-//! Triangles as numbered [`Primitives`], so that a [hit cache](crate::transport::direct_to_indirect) can be laid over them.
+//! Triangles as numbered [`Primitives`], for a [hit cache](crate::transport::direct_to_indirect) over the triangles.
 
 use super::blas::{FIRST, TWO_SIDED};
 #[cfg(target_arch = "x86_64")]
@@ -8,7 +8,7 @@ use super::{Found, TriangleSurfaces};
 use crate::geometry::{Primitive, Primitives, Ray, SurfaceCoordinates, SurfaceSample};
 use glam::{Vec2, Vec3};
 
-/// Fewer rays are quicker one by one.
+/// Minimum number of rays for a packet: fewer rays are faster one by one.
 #[cfg(target_arch = "x86_64")]
 const WORTH_IT: usize = 3;
 
@@ -88,7 +88,7 @@ impl Primitives for TriangleSurfaces {
                 found.extend(some.iter().map(|number| self.find(&of(number).0, of(number).1)));
                 continue;
             }
-            // SAFETY: the processor has all that the function asks for.
+            // SAFETY: the processor has the target features of the function.
             #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
             let alone =
                 unsafe { self.static_blas.nearest_together(&self.surfaces, some.iter().map(of), first) };
@@ -102,7 +102,7 @@ impl Primitives for TriangleSurfaces {
 }
 
 impl TriangleSurfaces {
-    /// The place where a ray ends, where light is reflected, and how far away it is.
+    /// Returns location and distance of a hit; `None` if the surface reflects no light at the hit.
     #[inline]
     fn place_of(&self, ray: &Ray, found: Found, meeting: TriangleHit) -> Option<(SurfaceCoordinates, f32)> {
         let is_back = found.front().dot(ray.direction) > 0.0;

@@ -1,16 +1,17 @@
-//! Large triangles cut up towards the place where numbers are exact.
+//! Subdivision of large triangles near the origin of local space, where numbers are exact.
 //!
-//! Where a ray meets a triangle is off by a share of the triangle's size: by a millimetre on a plain of ten kilometres,
-//! which is too much beside a house. So around a scene's detail, which is where its local space begins, edges longer than
-//! the detail is wide, and longer than they are far away, are halved. An edge alone decides, so neighbours stay joined.
+//! The error of a hit's position is a fraction of the triangle's size: a millimetre on a plain of ten kilometres, too
+//! much beside a house. Around the scene's detail, at the origin of local space, an edge is halved if the edge is
+//! longer than the size of the detail, and longer than the distance of the edge's middle from the origin. The decision
+//! depends on the edge only, so neighbours stay joined.
 
 use super::geometry::{Geometry, Triangle};
 use glam::Vec3;
 
-/// Halves an edge at most so often: from any scene down to the exactness of numbers.
+/// Maximum number of halvings of an edge: from any scene down to the exactness of numbers.
 const MOST: u32 = 40;
 
-/// Cuts up what stands alone, around a detail of this size at the origin, scene units.
+/// Subdivides triangles without instances, around a detail of this size at the origin, scene units.
 pub(super) fn split(geometry: &mut Geometry, size: f32) {
     let end = geometry.models.first().map_or(geometry.triangles.len(), |model| model.triangles.start);
     let has_colors = !geometry.colors.is_empty();
@@ -38,7 +39,8 @@ pub(super) fn split(geometry: &mut Geometry, size: f32) {
     }
 }
 
-/// The longest of the edges that are to be halved, by the corner that it begins at.
+/// Returns the longest edge to be halved, as the index of the edge's first corner; `None` if every edge is short
+/// enough.
 fn longest(triangle: &Triangle, size: f32) -> Option<usize> {
     let p = triangle.positions;
     let edge = |i: usize| (p[(i + 1) % 3].distance(p[i]), middle(p[i], p[(i + 1) % 3]).length());
@@ -46,17 +48,17 @@ fn longest(triangle: &Triangle, size: f32) -> Option<usize> {
     long.max_by(|a, b| a.1.0.total_cmp(&b.1.0)).map(|(i, _)| i)
 }
 
-/// The same whichever way an edge goes.
+/// Returns the middle, independent of the edge's direction.
 fn middle(a: Vec3, b: Vec3) -> Vec3 {
     0.5 * (a + b)
 }
 
-/// The two halves of a triangle whose edge is halved that begins at corner `i`.
+/// Returns the two halves of a triangle with the edge from corner `i` halved.
 fn halves(triangle: &Triangle, color: [Vec3; 3], i: usize) -> [(Triangle, [Vec3; 3]); 2] {
     let j = (i + 1) % 3;
     let &Triangle { positions: p, normals: n, uvs, .. } = triangle;
     let position = middle(p[i], p[j]);
-    // Not made a unit vector, so that the halves have the normals of the whole.
+    // Not normalised, so that the halves have the normals of the original triangle.
     let (normal, uv, tone) = (middle(n[i], n[j]), 0.5 * (uvs[i] + uvs[j]), middle(color[i], color[j]));
     [i, j].map(|corner| {
         let (mut half, mut color) = (*triangle, color);
@@ -113,7 +115,7 @@ mod tests {
                 let [p, q] = [t.positions[i], t.positions[(i + 1) % 3]];
                 *edges.entry([bits(p), bits(q)]).or_default() += 1;
                 *edges.entry([bits(q), bits(p)]).or_default() -= 1;
-                // Short where it is near.
+                // Edges near the origin are short.
                 let nearest = p.length().min(q.length()).min((0.5 * (p + q)).length());
                 assert!(p.distance(q) <= 10.0f32.max(2.0 * nearest), "{p} {q}");
                 assert_eq!(t.uvs[i], Vec2::new(p.x, p.z));

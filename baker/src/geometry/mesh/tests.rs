@@ -29,7 +29,7 @@ fn surfaces(triangles: Vec<Triangle>, materials: &[Material]) -> TriangleSurface
     TriangleSurfaces::new(Geometry { triangles, surfaces, ..Geometry::default() })
 }
 
-/// A closed, finely divided, axis-aligned box with a floor that bulges out, and loose triangles of all sizes in it.
+/// Returns a closed, finely divided, axis-aligned box with a bulging floor, and loose triangles of all sizes inside.
 fn scrap(seed: u64) -> Vec<Triangle> {
     let mut stream = Stream::new(seed, 0);
     let mut out = Vec::new();
@@ -86,7 +86,7 @@ fn hits_equal_brute_force() {
     let mut hits = 0;
     for k in 0..100_000 {
         let mut direction = stream.sphere();
-        // Every kind of ray: any, along an axis, in an axis plane, and through a shared corner.
+        // Kinds of rays: any, along an axis, in an axis plane, and through a shared corner.
         let mut origin = stream.sphere() * 0.95 * stream.unit();
         match k % 4 {
             1 => direction = [Vec3::X, -Vec3::Y, Vec3::Z][k % 3],
@@ -155,14 +155,14 @@ fn a_leaving_ray_does_not_hit_its_own_surface() {
         let Some(hit) = surfaces.cast(&ray, 0) else { continue };
         let direction = stream.cosine_hemisphere(hit.geometric_normal);
         let origin = hit.offset_origin(direction, surfaces.epsilon());
-        // Along the plane's normal the start must lie on the right side, as computed in f32.
+        // Along the plane's normal the origin must be on the correct side, as computed in f32.
         assert!((origin - hit.position).dot(hit.geometric_normal) > 0.0);
         let back = Ray { origin, direction, max_distance: 0.5 * surfaces.epsilon(), spread: 0.0 };
         assert!(surfaces.cast(&back, 0).is_none_or(|h| h.geometric_normal.dot(hit.geometric_normal) < 0.999));
     }
 }
 
-/// A square at z = 0 in front of one at z = −1, with the given material in front.
+/// Returns a square at z = 0 with the material `front`, in front of a square at z = −1.
 fn two_squares(front: Material, texture: Option<Sampler>) -> TriangleSurfaces {
     let square = |z: f32, material| {
         let [a, b, c, d] =
@@ -276,7 +276,7 @@ fn a_baked_file_is_hit_where_its_scene_is() {
 
 #[test]
 fn a_wide_ray_sees_the_mean_of_a_chequered_square() {
-    // 64 x 64 texels over a square of 2 x 2, black and white in turns.
+    // 64 x 64 texels over a square of 2 x 2, alternately black and white.
     let rgba = (0..64 * 64).map(|i| if (i + i / 64) % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] }).collect();
     let texture = Sampler {
         texels: Arc::new(Texels::new(64, 64, rgba)),
@@ -292,7 +292,7 @@ fn a_wide_ray_sees_the_mean_of_a_chequered_square() {
         let line = seen(0.0);
         assert!(line < 1e-6 || line > 0.999, "{line}");
         narrow += (line > 0.5) as u32;
-        // Twice as wide as a texel at the square, and wider than the square.
+        // Footprints: twice as wide as a texel at the square, and wider than the square.
         for spread in [0.15, 10.0] {
             assert!((seen(spread) - 0.5).abs() < 0.01, "{} at a spread of {spread}", seen(spread));
         }
@@ -335,7 +335,7 @@ fn a_place_says_what_a_hit_does() {
             let spot = surfaces.spot(place, 0.0);
             assert!(spot.position.distance(hit.position) < 1e-5);
             assert_eq!(spot.opacity, 1.0);
-            // The side is that of the true surface; of bent normals the one towards the ray may be the other one.
+            // The side is the side of the true surface; the bent normal towards the ray may be on the other side.
             if hit.normal.dot(spot.normal) > 0.0 && hit.faces(ray.direction) {
                 assert!(hit.normal.distance(spot.normal) < 1e-4, "{} {}", hit.normal, spot.normal);
                 assert!(hit.albedo.distance(spot.albedo) < 1e-3, "{} {}", hit.albedo, spot.albedo);

@@ -1,5 +1,6 @@
-//! Top-level acceleration structure (TLAS): a [BVH8](super::bvh8) over the boxes of instances, each a [BLAS](super::blas) and a
-//! transform. A ray is transformed into an instance's space without renormalising its direction, so distances compare.
+//! Top-level acceleration structure (TLAS): a [BVH8](super::bvh8) over the boxes of instances. An instance is a
+//! [BLAS](super::blas) and a transform. A ray is transformed into an instance's space without renormalising the
+//! direction, so distances compare.
 
 use super::blas::{Blas, Line, Padded, build};
 use super::bvh8::Bvh8;
@@ -8,18 +9,18 @@ use super::triangle::TriangleHit;
 use glam::{Affine3A, Mat3A, Vec3};
 use std::ops::ControlFlow;
 
-/// A model somewhere in the scene.
+/// An instance of a model.
 #[derive(Clone, Debug)]
 pub(super) struct Instance {
     /// Index of the model.
     pub model: u32,
-    /// Of two copies at one place that with the smaller number counts.
+    /// Number of the copy: of two copies at an equal place the smaller number counts.
     number: u32,
-    /// Number of its first primitive.
+    /// Number of the first primitive.
     pub first_primitive: u32,
     local_from_model: Affine3A,
     model_from_local: Affine3A,
-    /// For vectors across surfaces, as long as an area: the cofactors.
+    /// Cofactor matrix, for normal vectors with an area as length.
     across: Mat3A,
 }
 
@@ -36,7 +37,7 @@ impl Instance {
         self.number
     }
 
-    /// A ray in the model's space; distances along it are the same.
+    /// Transforms a ray to model space; distances along the ray stay the same.
     #[inline]
     pub fn line(&self, line: &Line) -> Line {
         Line {
@@ -45,35 +46,35 @@ impl Instance {
         }
     }
 
-    /// A place of the model, local space.
+    /// Transforms a position of the model to local space.
     #[inline]
     pub fn place(&self, position: Vec3) -> Vec3 {
         self.local_from_model.transform_point3(position)
     }
 
-    /// A vector across a surface of the model, as long as an area there, local space.
+    /// Transforms a normal vector of the model, with an area as length, to local space.
     #[inline]
     pub fn across(&self, spanned: Vec3) -> Vec3 {
         self.across * spanned
     }
 
-    /// The seed of what is left to chance: each copy has its own.
+    /// Returns the copy's seed of random decisions: copies differ.
     #[inline]
     pub fn seed(&self, seed: u32) -> u32 {
         crate::random::mix((seed as u64) << 32 | self.number as u64) as u32
     }
 }
 
-/// All copies, and a hierarchy over their boxes.
+/// Instances, and a BVH8 over the boxes of the instances.
 #[derive(Default)]
 pub(super) struct Tlas {
-    /// In the order of the hierarchy's leaves.
+    /// Instances, in leaf order.
     pub all: Vec<Instance>,
     bvh: Bvh8,
 }
 
 impl Tlas {
-    /// How far boxes in a model's space grow where those in local space grow by `padding`.
+    /// Returns the padding of boxes in model space for a `padding` of boxes in local space.
     pub fn padding(model: &Placed, padding: f32) -> f32 {
         let longest = |place: &Affine3A| {
             let Mat3A { x_axis, y_axis, z_axis } = place.matrix3.inverse();
@@ -82,7 +83,8 @@ impl Tlas {
         padding * model.local_from_model.iter().map(longest).fold(1.0, f32::max)
     }
 
-    /// Builds the hierarchy over all copies of models with these bounds. Their primitives have the numbers from `first_primitive` on.
+    /// Builds the BVH8 over the copies of models with these bounds. Primitives have the numbers from `first_primitive`
+    /// on.
     pub fn new(models: &[Placed], bounds: &[(Vec3, Vec3)], padding: f32, first_primitive: u64) -> Self {
         let mut boxes = Vec::new();
         let mut unordered = Vec::new();
@@ -103,7 +105,7 @@ impl Tlas {
         Self { all: order.iter().map(&mut ordered).collect(), bvh }
     }
 
-    /// The nearest triangle that stops the ray before `limit`, with the index of its copy; `strictly` as for
+    /// Returns the nearest triangle stopping the ray before `limit`, with the index of the copy; `strictly` as for
     /// [`Blas::nearest`].
     #[inline(never)]
     pub fn nearest(
@@ -128,7 +130,7 @@ impl Tlas {
         best
     }
 
-    /// The product of what `through` says of each copy before `limit`, linear RGB.
+    /// Returns the product of `through` over the copies before `limit`, linear RGB.
     pub fn product(
         &self,
         blases: &[Blas],

@@ -1,9 +1,8 @@
-//! Ray against triangle without gaps (Woop, Benthin, Wald: *Watertight Ray/Triangle
-//! Intersection*, JCGT 2013).
+//! Watertight ray/triangle test (Woop, Benthin, Wald: *Watertight Ray/Triangle Intersection*, JCGT 2013).
 //!
-//! The corners are sheared so that the ray becomes the z axis; what is left are signs of areas
-//! in the plane, and those are exact. A ray through a shared edge or corner therefore always
-//! hits one of the triangles around it: closed rooms are closed.
+//! The corners are sheared so that the ray becomes the z axis; the remaining test is of the signs of areas in the
+//! plane, and the signs are exact. A ray through a shared edge or corner therefore always hits an adjacent triangle:
+//! closed rooms are closed.
 
 use crate::geometry::Ray;
 use glam::{DVec4, Vec3, Vec4, Vec4Swizzles};
@@ -29,7 +28,7 @@ impl ShearedRay {
     }
 }
 
-/// Eight rays that go along one axis most, sheared.
+/// Eight sheared rays with a common major axis.
 #[cfg(target_arch = "x86_64")]
 pub(super) struct ShearedRays {
     axes: [usize; 3],
@@ -39,7 +38,7 @@ pub(super) struct ShearedRays {
 
 #[cfg(target_arch = "x86_64")]
 impl ShearedRays {
-    /// Their [`ShearedRay`]s, whose `axes` are the same.
+    /// Combines eight [`ShearedRay`]s with equal `axes`.
     #[inline]
     pub fn new(axes: [usize; 3], origin: [[f32; 8]; 3], shear: [[f32; 8]; 3]) -> Self {
         let registers = |of: [[f32; 8]; 3]| of.map(bytemuck::cast);
@@ -47,12 +46,12 @@ impl ShearedRays {
     }
 }
 
-/// Where eight rays meet a triangle.
+/// Hits of eight rays with a triangle.
 #[cfg(target_arch = "x86_64")]
 pub(super) struct TriangleHits {
-    /// A bit for each ray that meets it, or may.
+    /// Bit mask of rays with a certain or possible hit.
     pub met: u32,
-    /// A bit for each that may: [`Corners::meet`] says whether it does.
+    /// Bit mask of rays with a possible hit: [`Corners::meet`] decides.
     pub unclear: u32,
     distance: [f32; 8],
     v: [f32; 8],
@@ -61,21 +60,21 @@ pub(super) struct TriangleHits {
 
 #[cfg(target_arch = "x86_64")]
 impl TriangleHits {
-    /// That of a ray that does.
+    /// Returns the hit of a ray with a certain hit.
     #[inline]
     pub fn of(&self, ray: usize) -> TriangleHit {
         TriangleHit { distance: self.distance[ray], v: self.v[ray], w: self.w[ray] }
     }
 }
 
-/// The corners by axis: all x, all y, all z; the fourth components are zero. 48 bytes.
+/// Corners by axis: x, y and z of the three corners; the fourth components are zero. 48 bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corners([Vec4; 3]);
 
-/// Where a ray meets a triangle.
+/// Hit of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TriangleHit {
-    /// From the ray's origin, in units of its direction's length.
+    /// Distance from the ray's origin, in units of the direction's length.
     pub distance: f32,
     /// Weight of the second corner.
     pub v: f32,
@@ -84,7 +83,7 @@ pub(super) struct TriangleHit {
 }
 
 impl TriangleHit {
-    /// Weights of all corners, which sum to 1.
+    /// Returns the barycentric weights of the three corners; the sum is 1.
     #[inline]
     pub fn shares(&self) -> [f32; 3] {
         [1.0 - self.v - self.w, self.v, self.w]
@@ -97,21 +96,21 @@ impl Corners {
         Self([Vec4::new(a.x, b.x, c.x, 0.0), Vec4::new(a.y, b.y, c.y, 0.0), Vec4::new(a.z, b.z, c.z, 0.0)])
     }
 
-    /// The corners.
+    /// Returns the corners.
     #[inline]
     pub fn positions(&self) -> [Vec3; 3] {
         let [x, y, z] = self.0;
         [Vec3::new(x.x, y.x, z.x), Vec3::new(x.y, y.y, z.y), Vec3::new(x.z, y.z, z.z)]
     }
 
-    /// Across the triangle, and as long as twice its area.
+    /// Returns a normal vector; the length is twice the triangle's area.
     #[inline]
     pub fn spanned(&self) -> Vec3 {
         let [a, b, c] = self.positions();
         (b - a).cross(c - a)
     }
 
-    /// The corner across from the longest side.
+    /// Returns the index of the corner opposite the longest side.
     #[inline]
     pub fn first(&self) -> usize {
         let [a, b, c] = self.positions();
@@ -120,19 +119,19 @@ impl Corners {
         (1..3).fold(0, longest)
     }
 
-    /// The meeting with a ray at a distance from 0 up to and including `limit`.
+    /// Returns the hit of a ray at a distance from 0 up to and including `limit`.
     #[inline(always)]
     pub fn meet(&self, ray: &ShearedRay, limit: f32) -> Option<TriangleHit> {
         let along = |i: usize| self.0[ray.axes[i]] - ray.origin[i];
         let z = along(2);
         let x = along(0) - ray.shear[0] * z;
         let y = along(1) - ray.shear[1] * z;
-        // Twice the signed areas of the triangles that the z axis makes with each edge: the
-        // weights of a, b and c, up to a factor. A rounded difference of rounded products has
-        // the wrong sign never, but may be zero where the exact one is not.
+        // Twice the signed areas of the triangles between the z axis and the edges: the weights of a, b and c, up to a
+        // factor. A rounded difference of rounded products never has the wrong sign, but may be zero where the exact
+        // difference is not.
         let mut areas = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
         if areas.cmpeq(Vec4::ZERO).bitmask() & 7 == 0 {
-            // All of one sign, or beside the triangle.
+            // Areas of equal sign, or the ray is beside the triangle.
             if !matches!(areas.is_negative_bitmask() & 7, 0 | 7) {
                 return None;
             }
@@ -141,7 +140,7 @@ impl Corners {
         }
         let sum = areas.x + areas.y + areas.z;
         let scale = 1.0 / sum;
-        // In this order everywhere, so that one ray and eight find the same.
+        // Order of operations as for eight rays, for equal results.
         let parts = areas * z;
         let distance = ((parts.x + parts.z) + parts.y) * scale * ray.shear[2];
         // Also false for the NaN of a ray within the plane.
@@ -154,7 +153,7 @@ impl Corners {
 
 #[cfg(target_arch = "x86_64")]
 impl Corners {
-    /// [`Self::meet`] for those of eight `rays` that have their bits set, by the same arithmetic in the same order.
+    /// [`Self::meet`] for the rays of the bit mask `rays`, by the same arithmetic in the same order.
     #[target_feature(enable = "avx2")]
     #[inline]
     pub fn meet_together(&self, sheared: &ShearedRays, limits: [f32; 8], rays: u32) -> TriangleHits {
@@ -200,7 +199,7 @@ impl Corners {
     }
 }
 
-/// The same areas by products that are exact; `None` where the ray is beside the triangle.
+/// Returns the areas, from exact products; `None` if the ray is beside the triangle.
 #[cold]
 #[inline(never)]
 fn exact_areas(x: Vec4, y: Vec4) -> Option<Vec4> {

@@ -1,4 +1,4 @@
-//! Whether a vertex can go, and which neighbour takes its place.
+//! Vertex removal: whether a vertex can be removed, and the neighbour as its replacement.
 
 use super::patch::MOST;
 use super::patch::{COLOR, Look, NORMAL, Patch, UV};
@@ -7,43 +7,43 @@ use glam::Vec3;
 use smallvec::{SmallVec, smallvec};
 use std::ops::ControlFlow;
 
-/// A triangle is good enough whose height is this share of its longest side; others must not get worse.
+/// Sufficient roundness (height over longest side) of a triangle; a lower roundness must not decrease.
 const ROUND_ENOUGH: f32 = 0.005;
-/// What is off by no more than this is as good as flat and even.
+/// Maximum deviation of a surface that counts as flat with linear looks, as a fraction of the limit.
 const EVEN: f32 = 0.02;
-/// Passes over the vertices at most.
+/// Maximum number of passes over the vertices.
 const PASSES: u32 = 40;
 
-/// Something for each sector: few have more than two.
+/// Values by sector: rarely more than two.
 type Sectors<T> = SmallVec<[T; 2]>;
 
-/// The triangles at a vertex between two seams.
+/// Triangles at a vertex between two seams.
 struct Sector {
-    /// Where its sides begin in the ring, and one past their end.
+    /// First side in the ring, and one past the last side.
     range: (usize, usize),
     /// Unit normal.
     normal: Vec3,
-    /// How far the triangles are from what they were once some neighbour took the vertex' place.
+    /// Deviation of the triangles after a neighbour has replaced the vertex, as a fraction of the limit.
     error: f32,
-    /// The least of the triangles.
+    /// Minimum roundness of the triangles.
     roundness: f32,
 }
 
 impl Sector {
-    /// Its sides, counter-clockwise.
+    /// Returns the sides, counter-clockwise.
     #[inline]
     fn sides<'a>(&self, ring: &'a Ring) -> &'a [Side] {
         &ring.sides[self.range.0..self.range.1]
     }
 }
 
-/// Takes out the vertices that the surface does not need. Those next to one that was taken out wait for the next pass, so
-/// that all places get coarser alike.
+/// Removes vertices not needed by the surface. Neighbours of a removed vertex wait for the next pass, for even
+/// coarsening.
 pub fn collapse_all(patch: &mut Patch) {
     let is_free = |patch: &Patch, vertex: u32| !patch.is_fixed[vertex as usize];
     let mut waiting: Vec<u32> = (0..patch.positions.len() as u32).filter(|v| is_free(patch, *v)).collect();
     let mut next = Vec::new();
-    // The last pass in which something changed next to a vertex.
+    // By vertex: last pass with a change at a neighbour.
     let mut changed = vec![0; patch.positions.len()];
     let mut ring = Ring::default();
     for pass in 1..=PASSES {
@@ -52,7 +52,7 @@ pub fn collapse_all(patch: &mut Patch) {
                 continue;
             }
             if collapse(patch, vertex, &mut ring).is_none() {
-                // Where seams meet, surfaces may only touch.
+                // At meeting seams, surfaces may touch without a common edge.
                 if ring.seams.len() > 2
                     && let Some(new) = ring.part(patch, vertex)
                 {
@@ -75,16 +75,16 @@ pub fn collapse_all(patch: &mut Patch) {
     }
 }
 
-/// Takes a vertex out, if there is a neighbour that can be in its place in all of its triangles.
+/// Removes a vertex if a neighbour can replace it in the triangles of the ring.
 fn collapse(patch: &mut Patch, vertex: u32, ring: &mut Ring) -> Option<()> {
     ring.find(patch, vertex)?;
     let sectors = match sectors(patch, vertex, ring) {
         Some(even) if even.iter().all(|sector| sector.error <= EVEN) => even,
-        // Along a crease that hardly shows nothing of what is allowed is used up.
+        // Removal along a barely visible crease uses up none of the allowed deviation.
         Some(uneven) => creased(patch, vertex, ring, EVEN).unwrap_or(uneven),
         None => creased(patch, vertex, ring, 1.0)?,
     };
-    // A vertex of two seams can only go along them.
+    // A vertex on two seams only moves along the seams.
     let neighbours = if ring.seams.is_empty() { &ring.ends[..] } else { &ring.seams };
     let least = sectors.iter().map(|sector| sector.roundness).fold(ROUND_ENOUGH, f32::min);
     let mut candidates: SmallVec<[(f32, u32); MOST]> =
@@ -112,7 +112,7 @@ fn collapse(patch: &mut Patch, vertex: u32, ring: &mut Ring) -> Option<()> {
     Some(())
 }
 
-/// The sectors of a ring; `None` where the vertex must stay, whichever neighbour would take its place.
+/// Returns the sectors of a ring; `None` if the vertex must stay, for any neighbour.
 fn sectors(patch: &Patch, vertex: u32, ring: &Ring) -> Option<Sectors<Sector>> {
     let at = patch.positions[vertex as usize];
     let place = |v: u32| patch.positions[v as usize] - at;
@@ -129,7 +129,7 @@ fn sectors(patch: &Patch, vertex: u32, ring: &Ring) -> Option<Sectors<Sector>> {
         if before + off > 1.0 {
             return None;
         }
-        // A fold may reach beyond what is around it.
+        // A fold may reach beyond the ring.
         let roundness = ends().map(|[a, b]| roundness(Vec3::ZERO, a, b, normal)).fold(1.0, f32::min);
         if roundness <= 0.0 {
             return None;
@@ -141,9 +141,9 @@ fn sectors(patch: &Patch, vertex: u32, ring: &Ring) -> Option<Sectors<Sector>> {
     ring.sectors.iter().map(sector).collect()
 }
 
-/// The sectors on both sides of a straight crease through the vertex, which then counts as two seams: there the surface
-/// bends, or what it looks like changes in another way from there on. `None` where there is no such crease that leaves
-/// both sides no farther than `most` from what they were.
+/// Returns the sectors on the two sides of a straight crease through the vertex; the crease then counts as two seams.
+/// At a crease the surface bends, or the gradient of looks changes. `None` without a crease whose sectors deviate by
+/// at most `most`.
 fn creased(patch: &Patch, vertex: u32, ring: &mut Ring, most: f32) -> Option<Sectors<Sector>> {
     let count = ring.sides.len();
     if !ring.seams.is_empty() || ring.sectors[..] != [(0, count)] {
@@ -175,15 +175,15 @@ fn creased(patch: &Patch, vertex: u32, ring: &mut Ring, most: f32) -> Option<Sec
     None
 }
 
-/// How far the looks around a vertex are from changing evenly, 1 being all that is allowed: what is between them, however
-/// they are joined by triangles, differs by no more. `place` says where a vertex is from there.
+/// Returns the deviation of the looks around a vertex from linear looks, as a fraction of the limit: an upper bound
+/// for every triangulation of the ring. `place` returns a vertex's position relative to the central vertex.
 fn bend(patch: &Patch, sides: &[Side], place: impl Fn(u32) -> Vec3, normal: Vec3) -> Option<f32> {
     let alike = sides.first()?.looks[0];
     if sides.iter().all(|side| side.looks == [alike; 3]) {
         return Some(0.0);
     }
     let look = |look: u32| &patch.looks[look as usize];
-    // What the largest triangle says of the places beyond it.
+    // Linear extrapolation from the largest triangle.
     let area = |side: &Side| place(side.ends[0]).cross(place(side.ends[1])).dot(normal);
     let areas = sides.iter().map(|side| (area(side), side));
     let (most, largest) = areas.max_by(|p, q| p.0.total_cmp(&q.0))?;
@@ -202,8 +202,8 @@ fn bend(patch: &Patch, sides: &[Side], place: impl Fn(u32) -> Vec3, normal: Vec3
     Some(off.max(rests(told, &ends, |look| look.color).max_element() / COLOR))
 }
 
-/// The size of the box that the differences are in between what looks are and what a triangle's say at their places, each
-/// told by the shares of its second and its third corner.
+/// Returns the size of the box around the residuals: looks minus the linear extrapolation of `told`, a triangle's
+/// looks. An element of `looks` has the barycentric weights of the second and the third corner.
 #[inline]
 fn rests(told: [&Look; 3], looks: &[(&Look, f32, f32)], of: impl Fn(&Look) -> Vec3) -> Vec3 {
     let [first, second, third] = told.map(&of);
@@ -215,18 +215,19 @@ fn rests(told: [&Look; 3], looks: &[(&Look, f32, f32)], of: impl Fn(&Look) -> Ve
         let rest = of(look) - (first + *u * (second - first) + *v * (third - first));
         (low, high, sum) = (low.min(rest), high.max(rest), sum + rest);
     }
-    // What is not a number is not in any box.
+    // NaN is in no box.
     if sum.is_finite() { high - low } else { Vec3::INFINITY }
 }
 
-/// A triangle's height over its longest side, seen along a normal: negative from behind.
+/// Returns a triangle's height over its longest side, projected along `normal`: negative from behind.
 fn roundness(a: Vec3, b: Vec3, c: Vec3, normal: Vec3) -> f32 {
     let (ab, ac) = (b - a, c - a);
     let longest = ab.length_squared().max(ac.length_squared()).max(b.distance_squared(c));
     ab.cross(ac).dot(normal) / longest
 }
 
-/// The least roundness of the triangles that are left with this neighbour in the vertex' place; 0 where a sector loses all.
+/// Returns the minimum roundness of the remaining triangles with this neighbour in place of the vertex; 0 if a sector
+/// loses every triangle.
 fn roundness_after(patch: &Patch, ring: &Ring, sectors: &[Sector], to: u32) -> f32 {
     let place = |v: u32| patch.positions[v as usize];
     let of = |sector: &Sector| {
@@ -236,8 +237,8 @@ fn roundness_after(patch: &Patch, ring: &Ring, sectors: &[Sector], to: u32) -> f
     sectors.iter().map(|sector| of(sector).unwrap_or(0.0)).fold(1.0, f32::min)
 }
 
-/// What each sector's triangles look like at the corner that takes the vertex' place, and how far they are then from what
-/// they were; `None` where that is too far.
+/// Returns, by sector, the look of the corner in place of the vertex, and the deviation after the replacement; `None`
+/// if the deviation exceeds the limit.
 fn corners_after(
     patch: &Patch,
     vertex: u32,
@@ -245,7 +246,7 @@ fn corners_after(
     sectors: &[Sector],
     to: u32,
 ) -> Option<Sectors<(u32, f32)>> {
-    // Between two seams' ends there is the vertex.
+    // The vertex is between the ends of the two seams.
     let off = match ring.seams.iter().find(|other| **other != to) {
         None => 0.0,
         Some(&from) => {
@@ -269,13 +270,13 @@ fn corners_after(
     sectors.iter().map(after).collect()
 }
 
-/// Whether no edge gets more triangles than it has, and the neighbour does not get too many.
+/// Returns whether no edge gains triangles, and the neighbour's triangle count stays limited.
 fn stays_a_surface(patch: &mut Patch, ring: &Ring, to: u32) -> bool {
     let beside: SmallVec<[[u32; 2]; 4]> =
         ring.sides.iter().map(|side| side.ends).filter(|ends| ends.contains(&to)).collect();
     let is_far = |end: &u32| !beside.iter().any(|ends| ends.contains(end));
     let far: SmallVec<[u32; MOST]> = ring.ends.iter().copied().filter(is_far).collect();
-    // Both have the triangles between them, which go.
+    // The removed triangles belong to both vertices.
     let mut count = 0;
     let visited = patch.corners(to, |_, triangle| {
         count += 1;

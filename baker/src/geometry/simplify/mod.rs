@@ -1,14 +1,15 @@
-//! A scene's triangles as rays need them: where the surface is flat, or as good as flat, a few large ones in place of many.
+//! Mesh simplification for ray casting: a few large triangles replace many small ones in flat or nearly flat regions.
 //!
-//! What rays cost grows with the triangles that they walk by; what light does depends on the surface, not on how it is
-//! cut up. Vertices are taken out one by one where the surface without them is no further from the one before than
-//! [`TOLERANCE`] of the scene, less than rays are moved off surfaces by, and as far as the file rounds positions; normals,
-//! texture coordinates and colours stay as they were to less than what shows. Seams between materials, textures and
-//! faces stay where they are and are only straightened; so do borders, and what is joined stays joined. Scenes in which
-//! every vertex counts come out as they went in. Models are simplified in their own space, where the largest copy has its size.
+//! The cost of a ray grows with the triangles along its path; light transport depends on the surface, not on its
+//! triangulation. Vertices are removed one by one as long as the surface stays within [`TOLERANCE`], a fraction of the
+//! scene's size, of the previous surface: less than the offset of ray origins, and about the rounding of positions in
+//! the file. Normals, texture coordinates and colours change by less than a visible difference. Seams between
+//! materials, textures and faces stay in place and are only straightened; likewise borders. Connected surfaces stay
+//! connected. If no vertex can be removed, the triangles stay unchanged. Models are simplified in model space, at the
+//! size of the largest copy.
 //!
-//! * `patch` – some triangles and what they share;
-//! * `ring` – the triangles around a vertex; `collapse` – whether it can go, and where to.
+//! * `patch` – triangles with shared vertices and looks;
+//! * `ring` – the triangles around a vertex; `collapse` – whether a vertex can be removed, and its replacement.
 
 mod collapse;
 mod patch;
@@ -25,45 +26,46 @@ use rayon::prelude::*;
 use rebounce_shared::rbn::meta::Material;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// How far the simplified surface may be from the scene's, as a share of the diagonal of the scene's main part.
+/// Maximum distance between the simplified and the original surface, as a fraction of the diagonal of the scene's main
+/// part.
 pub const TOLERANCE: f32 = 1e-6;
 
-/// Triangles that one thread simplifies by themselves at first: they fit a processor's cache.
+/// Triangles per patch in the first round, simplified by a single thread: fits a processor's cache.
 pub const TOGETHER: usize = 1 << 14;
-/// Vertices that others have, too, wait for a round with so much larger patches.
+/// Growth factor of patches from round to round: vertices shared between patches wait for a larger patch.
 const WIDER: usize = 4;
-/// Rounds at most.
+/// Maximum number of rounds.
 const ROUNDS: usize = 4;
-/// The share of triangles that a round must take away for another one to be worth it.
+/// Minimum fraction of triangles removed by a round, for another round to follow.
 const WORTH_IT: f32 = 0.1;
-/// The share of places that patches may have together before their triangles are put in order.
+/// Maximum fraction of places shared between patches before the triangles are sorted by position.
 const MIXED: f32 = 0.3;
-/// No patch, and more than one.
+/// Patch number of a place in no patch (`NOBODY`) or in several patches (`MANY`).
 const NOBODY: u32 = u32::MAX;
 const MANY: u32 = u32::MAX - 1;
 
-/// One triangle: corners of the scene, each three times a triangle's number and which of its corners.
+/// A triangle, by corners of the scene: 3 × triangle number + corner index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cut {
     corners: [u32; 3],
-    /// The scene's triangle that it was.
+    /// Number of the original triangle in the scene.
     number: u32,
-    /// How far it may be from what it stands for, 1 being all that is allowed.
+    /// Maximum deviation from the original surface, as a fraction of the tolerance; at most 1.
     error: f32,
 }
 
-/// What all patches read.
+/// Input shared by the patches.
 struct Source<'a> {
     scene: &'a Scene,
-    /// For each vertex the first one at the same place.
+    /// By vertex, the place: the first vertex at an equal position.
     places: Vec<u32>,
-    /// The length that [`TOLERANCE`] is here, scene units.
+    /// [`TOLERANCE`] as a length, scene units.
     tolerance: f32,
-    /// For each material whether texture coordinates matter, and whether rays may go through.
+    /// By material: whether texture coordinates matter, and whether rays may pass.
     materials: Vec<Kind>,
 }
 
-/// What a material asks for.
+/// Properties of a material relevant for simplification.
 #[derive(Clone, Copy, Debug)]
 struct Kind {
     is_textured: bool,
@@ -71,19 +73,19 @@ struct Kind {
 }
 
 impl Source<'_> {
-    /// The vertex of a corner.
+    /// Returns the vertex of a corner.
     #[inline]
     fn vertex(&self, corner: u32) -> usize {
         self.scene.triangles[corner as usize / 3][corner as usize % 3] as usize
     }
 
-    /// The place of a corner.
+    /// Returns the place of a corner.
     #[inline]
     fn place(&self, corner: u32) -> u32 {
         self.places[self.vertex(corner)]
     }
 
-    /// What a corner of a triangle of this material looks like.
+    /// Returns the look of a corner, for a triangle of this material.
     fn look(&self, corner: u32, material: u32) -> Look {
         let vertex = self.vertex(corner);
         let is_textured = self.materials[material as usize].is_textured;
@@ -97,17 +99,18 @@ impl Source<'_> {
     }
 }
 
-/// The triangles for rays: each corner is three times the number of one of the scene's triangles and which of its corners
-/// it is, with its normal, texture coordinates, colour and material. All three corners have one material. In the scene's
-/// order. `is_opaque` says of each material whether rays never go through it; triangles of others stay. A thread takes
-/// `together` triangles at first, [`TOGETHER`] being fastest; the result depends on it, and on nothing else.
+/// Returns the triangles for ray casting, in the scene's order. A corner is 3 × the number of a scene triangle + the
+/// corner index, and refers to the scene's normal, texture coordinates, colour and material at the corner. The three
+/// corners of a triangle share a material. `is_opaque` returns whether a material stops every ray; triangles of other
+/// materials stay unchanged. `together` is the number of triangles per patch in the first round; [`TOGETHER`] is
+/// fastest. No other setting changes the result.
 pub fn simplify(scene: &Scene, is_opaque: impl Fn(usize) -> bool, together: usize) -> Vec<[u32; 3]> {
     let ((low, high), main) = (scene.bounds(), scene.main_part());
     let kind = |(i, m): (usize, &Material)| Kind {
         is_textured: m.base_color_texture.is_some(),
         is_transparent: !is_opaque(i),
     };
-    // Vertices of different models have nothing in common, whatever their numbers. Zero has two signs.
+    // Vertices of different models are never merged, even with equal coordinates. Zero has two signs.
     let space = |i: u32| scene.models.partition_point(|model| model.vertices.start <= i) as u32;
     let position = |i: u32| {
         let [x, y, z] = (scene.positions[i as usize] + 0.0).to_array().map(f32::to_bits);
@@ -131,7 +134,7 @@ pub fn simplify(scene: &Scene, is_opaque: impl Fn(usize) -> bool, together: usiz
             break;
         }
         if is_mixed {
-            // What lies together is all over the file.
+            // Triangles of a region are scattered over the file.
             let code = |cut: &Cut| morton::code(scene.positions[source.vertex(cut.corners[0])], low, high);
             triangles.par_sort_by_cached_key(|cut| (code(cut), cut.number));
             is_sorted = false;
@@ -144,14 +147,14 @@ pub fn simplify(scene: &Scene, is_opaque: impl Fn(usize) -> bool, together: usiz
     triangles.into_iter().map(|cut| cut.corners).collect()
 }
 
-/// What a round leaves.
+/// Result of a round.
 struct Round {
     left: Vec<Cut>,
-    /// The share of places that more than one patch has.
+    /// Fraction of places shared by several patches.
     shared: f32,
 }
 
-/// Simplifies each patch of triangles but for what it shares with others.
+/// Simplifies the patches in parallel; vertices shared between patches stay.
 fn round(source: &Source, triangles: &[Cut], together: usize) -> Round {
     let users: Vec<AtomicU32> =
         (0..source.places.len()).into_par_iter().map(|_| AtomicU32::new(NOBODY)).collect();
@@ -159,7 +162,7 @@ fn round(source: &Source, triangles: &[Cut], together: usize) -> Round {
         let patch = patch as u32;
         for corner in some.iter().flat_map(|cut| cut.corners) {
             let user = &users[source.place(corner) as usize];
-            // Whoever comes first: of two that differ many are left.
+            // Independent of thread order: two different patches always result in `MANY`.
             let known = user.load(Ordering::Relaxed);
             if known == patch || known == MANY {
                 continue;

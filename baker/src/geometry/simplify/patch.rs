@@ -1,39 +1,39 @@
-//! Some triangles and what they share.
+//! Patch of triangles with shared vertices and looks.
 
 use super::{Cut, Source};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
-/// Triangles around a vertex, at most: more are not looked at.
+/// Maximum number of triangles around a vertex; further triangles are not examined.
 pub const MOST: usize = 24;
 
-/// No corner, no vertex.
+/// Absent corner or vertex.
 pub const NONE: u32 = u32::MAX;
-/// Places are near each other where there are at most so many for each triangle.
+/// Maximum range of places per triangle for a dense table.
 const NEAR: usize = 16;
 
-/// How far normals, texture coordinates and colours may be from what they were: a half of a degree, half a texel of 1,024,
-/// a step of 8 bits.
+/// Maximum change of normals, texture coordinates and colours: 0.5°, 0.5 texels of 1,024, a step of 8 bits.
 pub const NORMAL: f32 = 0.01;
 pub const UV: f32 = 0.5 / 1024.0;
 pub const COLOR: f32 = 1.0 / 256.0;
-/// The share of that by which what counts as one look may differ; over all rounds that may add up to the whole.
+/// Fraction of the maximum change within which looks are merged; over the rounds the changes may add up to the
+/// maximum.
 const ALIKE: f32 = 0.25;
 
-/// What a corner looks like; neighbours that look alike at an edge go on smoothly there.
+/// Appearance of a corner. The surface is smooth across an edge with equal looks on its two sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     pub normal: Vec3,
-    /// Zero where no texture needs them.
+    /// Zero without a texture.
     pub uv: Vec2,
     pub color: Vec3,
     pub material: u32,
 }
 
 impl Look {
-    /// Whether two corners at one place look the same but for rounding: normals that were worked out triangle by
-    /// triangle differ by a hair where the surface is flat.
+    /// Returns whether two corners at a place have equal looks up to rounding: normals computed per triangle differ
+    /// slightly on a flat surface.
     fn is_like(&self, other: &Self) -> bool {
         self.material == other.material
             && self.normal.distance_squared(other.normal) <= (ALIKE * NORMAL).powi(2)
@@ -55,29 +55,29 @@ pub struct Triangle {
     pub is_gone: bool,
 }
 
-/// Some triangles, with vertices and looks of their own numbering.
+/// Triangles with their own numbering of vertices and looks.
 #[derive(Default)]
 pub struct Patch {
     pub triangles: Vec<Triangle>,
     pub positions: Vec<Vec3>,
-    /// Vertices that must stay where they are.
+    /// By vertex: whether the vertex must stay in place.
     pub is_fixed: Vec<bool>,
     pub looks: Vec<Look>,
-    /// A corner of the scene that has each look.
+    /// By look: a corner of the scene with the look.
     origins: Vec<u32>,
-    /// The first of each vertex' corners, three times the triangle and which corner, and the one after each corner.
+    /// Linked lists of corners: by vertex, the first corner (3 × triangle + corner index); by corner, the next corner.
     first: Vec<u32>,
     next: Vec<u32>,
-    /// The length that the surface may move by, scene units.
+    /// Maximum displacement of the surface, scene units.
     pub tolerance: f32,
 }
 
 impl Patch {
-    /// From these triangles. `is_shared` says which places others have, too.
+    /// Builds a patch from these triangles. `is_shared` returns whether other patches use a place.
     pub fn new(source: &Source, triangles: &[Cut], is_shared: impl Fn(u32) -> bool) -> Self {
         let mut patch = Self { tolerance: source.tolerance, ..Self::default() };
         let mut numbers = Numbers::new(source, triangles);
-        // For each look the one before it at the same vertex; for each vertex the last one, and how many it has.
+        // By look: the previous look at the vertex. By vertex: the last look, and the number of looks.
         let mut before: Vec<u32> = Vec::new();
         let mut last: Vec<(u32, usize)> = Vec::new();
         for cut in triangles {
@@ -129,24 +129,24 @@ impl Patch {
         patch
     }
 
-    /// The triangles that are left, in their order.
+    /// Returns the remaining triangles, in order.
     pub fn finish(self) -> Vec<Cut> {
         let left = self.triangles.iter().filter(|triangle| !triangle.is_gone);
         let corners = |looks: [u32; 3]| looks.map(|look| self.origins[look as usize]);
         left.map(|t| Cut { corners: corners(t.looks), number: t.number, error: t.error }).collect()
     }
 
-    /// A corner is one of this vertex' from now on.
+    /// Adds a corner to a vertex.
     pub fn link(&mut self, corner: u32, vertex: u32) {
         self.next[corner as usize] = std::mem::replace(&mut self.first[vertex as usize], corner);
     }
 
-    /// A vertex has no corners any more.
+    /// Removes every corner of a vertex.
     pub fn forget(&mut self, vertex: u32) {
         self.first[vertex as usize] = NONE;
     }
 
-    /// Makes a new vertex at the place of one, for some of its corners.
+    /// Moves these corners of a vertex to a new vertex at the vertex's position; returns the new vertex.
     pub fn part(&mut self, vertex: u32, corners: &[u32]) -> u32 {
         let new = self.positions.len() as u32;
         self.positions.push(self.positions[vertex as usize]);
@@ -163,7 +163,7 @@ impl Patch {
         new
     }
 
-    /// Visits a vertex' corners until one breaks, and forgets those of triangles that are gone.
+    /// Visits the corners of a vertex until a break, and unlinks corners of removed triangles.
     #[inline]
     pub fn corners<B>(
         &mut self,
@@ -188,10 +188,10 @@ impl Patch {
     }
 }
 
-/// The numbers that places have in a patch.
+/// Vertex numbers of the places in a patch.
 struct Numbers {
     low: u32,
-    /// Of places from the lowest on, where they are near each other; else there is a table.
+    /// Dense table from the lowest place on, for a small range of places; otherwise empty, with `far` as the table.
     near: Vec<u32>,
     far: HashMap<u32, u32>,
 }
@@ -205,7 +205,7 @@ impl Numbers {
         Self { low, near: vec![NONE; if is_near { span } else { 0 }], far: HashMap::new() }
     }
 
-    /// The number of a place, [`NONE`] at first.
+    /// Returns the vertex number of a place, initially [`NONE`].
     #[inline]
     fn of(&mut self, place: u32) -> &mut u32 {
         match self.near.is_empty() {

@@ -4,36 +4,37 @@ use super::patch::{MOST, Patch};
 use smallvec::SmallVec;
 use std::ops::ControlFlow;
 
-/// A triangle at the vertex, from one spoke to the next.
+/// Triangle at the vertex, between two successive spokes.
 #[derive(Clone, Copy, Debug)]
 pub struct Side {
-    /// The vertex' corner of it.
+    /// The triangle's corner at the vertex.
     pub corner: u32,
-    /// The other vertices, counter-clockwise.
+    /// The two opposite vertices, counter-clockwise.
     pub ends: [u32; 2],
     /// Looks at the vertex and at the ends.
     pub looks: [u32; 3],
     pub error: f32,
 }
 
-/// A vertex' triangles: sectors, each of them counter-clockwise, from one seam to another, or one all around.
+/// Triangles of a vertex, as sectors: counter-clockwise fans from a seam to the next seam, or a closed fan.
 ///
-/// A seam is an edge where looks change, or that another number of triangles than two have, or where they do not go on.
+/// A seam is an edge with a change of looks, with a number of triangles other than two, or with triangles of
+/// inconsistent orientation.
 #[derive(Default)]
 pub struct Ring {
     /// Sector by sector.
     pub sides: SmallVec<[Side; MOST]>,
-    /// Where each sector begins among the sides, and one past its end.
+    /// By sector: first side, and one past the last side.
     pub sectors: SmallVec<[(usize, usize); 4]>,
-    /// The vertices across, once each.
+    /// Opposite vertices, without duplicates.
     pub ends: SmallVec<[u32; MOST]>,
-    /// Those across seams; three where there are more than two.
+    /// Opposite vertices at seams; three for more than two seams.
     pub seams: SmallVec<[u32; 4]>,
 }
 
 impl Ring {
-    /// Finds the triangles of a vertex. `None` where they are too many, or where it must stay: where seams meet or one ends,
-    /// or surfaces touch.
+    /// Finds the triangles of a vertex. `None` for more than [`MOST`] triangles, or if the vertex must stay: seams
+    /// meet, a seam ends, or surfaces touch.
     pub fn find(&mut self, patch: &mut Patch, vertex: u32) -> Option<()> {
         self.seams.clear();
         self.gather(patch, vertex)?;
@@ -55,7 +56,7 @@ impl Ring {
         let mut first = 0;
         while first < sides.len() {
             let begins = |side: &Side| seams.is_empty() || seams.contains(&side.ends[0]);
-            // All around without seams, or there would be a second sector all around.
+            // Without seams, a closed fan; a second closed fan is rejected.
             let start = (first..sides.len())
                 .find(|i| begins(&sides[*i]))
                 .filter(|_| !seams.is_empty() || first == 0)?;
@@ -67,7 +68,7 @@ impl Ring {
                 sides.swap(end, next);
                 end += 1;
             }
-            // From a seam to the other one.
+            // A sector ends at the opposite seam.
             if !seams.is_empty() && sides[end - 1].ends[1] == begin {
                 return None;
             }
@@ -77,8 +78,9 @@ impl Ring {
         Some(())
     }
 
-    /// Surfaces that meet at a vertex and share no edge there can go on without each other: one of them keeps the vertex, the
-    /// others get a new one together. `None` where they are one surface. After [`Self::find`] has found seams that meet.
+    /// Separates surfaces that meet at a vertex without a common edge: a surface keeps the vertex, the remaining
+    /// surfaces share a new vertex. Returns the new vertex; `None` for a single surface. Requires a preceding
+    /// [`Self::find`] with meeting seams.
     pub fn part(&mut self, patch: &mut Patch, vertex: u32) -> Option<u32> {
         let sides = &mut self.sides;
         let (mut end, mut looked_at) = (sides.len().min(1), 0);
@@ -98,7 +100,7 @@ impl Ring {
         (!others.is_empty()).then(|| patch.part(vertex, &others))
     }
 
-    /// The triangles of a vertex in any order; `None` where they are too many.
+    /// Collects the triangles of a vertex, in no particular order; `None` for more than [`MOST`] triangles.
     fn gather(&mut self, patch: &mut Patch, vertex: u32) -> Option<()> {
         let sides = &mut self.sides;
         sides.clear();
@@ -117,7 +119,7 @@ impl Ring {
     }
 }
 
-/// Whether the surface goes on across the edge to this vertex as if it were not there.
+/// Returns whether the surface is continuous across the edge to `end`: two triangles with equal looks and orientation.
 #[inline]
 fn goes_on(sides: &[Side], end: u32) -> bool {
     let (mut before, mut after) = (None, None);

@@ -9,8 +9,8 @@ use std::ops::Mul;
 #[path = "../../../tests/common/triangle.rs"]
 mod triangle;
 
-/// A sheet of n x n squares over the unit square, two triangles each; `at` says where a place is, `look` its normal and
-/// texture coordinates, `material` what the square is of.
+/// Returns a sheet of n x n squares over the unit square, two triangles per square. `at` returns a position, `look`
+/// normal and texture coordinates, `material` a square's material.
 fn sheet(
     n: u32,
     at: impl Fn(f32, f32) -> Vec3,
@@ -38,7 +38,7 @@ fn sheet(
     scene
 }
 
-/// Simplified, as a bake does.
+/// Simplifies as a bake does.
 fn simple(scene: &Scene) -> Vec<[u32; 3]> {
     simplify(scene, |i| scene.materials[i].alpha == Alpha::Opaque, TOGETHER)
 }
@@ -51,7 +51,7 @@ fn flat(n: u32) -> Scene {
     sheet(n, |x, y| Vec3::new(x, 0.0, y), |x, y| (Vec3::Y, Vec2::new(x, y)), |_, _| 0)
 }
 
-/// A ball of squares, with smooth normals.
+/// Returns a ball of squares with smooth normals.
 fn ball(n: u32, radius: f32) -> Scene {
     let mut scene = Scene { materials: vec![textured()], ..Scene::default() };
     for axis in 0..3 {
@@ -96,7 +96,7 @@ fn positions(scene: &Scene, corners: [u32; 3]) -> [Vec3; 3] {
     corners.map(|corner| scene.positions[vertex(scene, corner)])
 }
 
-/// The shares of a triangle's corners at its place nearest to a point.
+/// Returns the barycentric weights of the triangle's position nearest to a point.
 fn nearest(corners: [Vec3; 3], p: Vec3) -> [f32; 3] {
     triangle::nearest(corners.map(|p| p.as_dvec3()), p.as_dvec3()).1.map(|share| share as f32)
 }
@@ -105,14 +105,14 @@ fn mean<T: Sum<T> + Mul<f32, Output = T>>(shares: [f32; 3], of: impl Fn(usize) -
     (0..3).map(|k| of(k) * shares[k]).sum()
 }
 
-/// Every place of the one surface is on the other, and looks the same there: distance in units of what is allowed,
+/// Returns the maximum deviations of the surface `from` to the surface `to`: distance in units of the tolerance, and
 /// differences of normals and of texture coordinates.
 fn farthest(scene: &Scene, from: &[[u32; 3]], to: &[[u32; 3]]) -> (f32, f32, f32) {
     let (low, high) = scene.bounds();
     let allowed = TOLERANCE * (high - low).length();
     let mut stream = Stream::new(3, 0);
     let mut far = (0f32, 0f32, 0f32);
-    // A hundred of them or two, all over.
+    // 100 to 200 triangles, evenly spread.
     for &corners in from.iter().step_by(1 + from.len() / 100) {
         for k in 0..4 {
             let (mut u, mut v) = (stream.unit(), stream.unit());
@@ -137,7 +137,7 @@ fn farthest(scene: &Scene, from: &[[u32; 3]], to: &[[u32; 3]]) -> (f32, f32, f32
                 )
             };
             let same = |other: &&[u32; 3]| material(scene, **other) == material(scene, corners);
-            // Of those that are at the place the one that looks like it: at a seam there are two.
+            // Of the triangles at the position, the triangle with the most similar look: at a seam there are two.
             let found: Vec<_> = to.iter().filter(same).map(difference).collect();
             let least = found.iter().map(|d| d.0).fold(f32::INFINITY, f32::min);
             let best = found
@@ -151,7 +151,7 @@ fn farthest(scene: &Scene, from: &[[u32; 3]], to: &[[u32; 3]]) -> (f32, f32, f32
     far
 }
 
-/// Everything is as it was, in the same order.
+/// Asserts that the triangles are unchanged and in the same order.
 fn assert_unchanged(scene: &Scene, left: &[[u32; 3]]) {
     let corner = |corner: u32| {
         let vertex = vertex(scene, corner);
@@ -168,7 +168,8 @@ fn all(scene: &Scene) -> Vec<[u32; 3]> {
     (0..scene.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect()
 }
 
-/// How many triangles each edge has, by the places of its ends; the way round counts down.
+/// Returns, by positions of an edge's ends, the number of the edge's triangles, and the number with forward minus
+/// backward direction.
 fn edges(scene: &Scene, triangles: &[[u32; 3]]) -> HashMap<[[u32; 3]; 2], (i32, i32)> {
     let mut edges = HashMap::new();
     for corners in triangles {
@@ -209,7 +210,7 @@ fn what_cannot_be_simpler_comes_out_as_it_went_in() {
 
 #[test]
 fn the_surface_stays_where_it_is_and_looks_alike() {
-    // Finely cut: a ball as a room would have it, a wave that turns flat, a texture that bends.
+    // Finely divided: a ball as in a room, a wave low enough to become flat, a texture that bends.
     let mut small = ball(40, 0.0005);
     small.materials.push(textured());
     let rough = |x: f32, y: f32| 0.05 * (40.0 * x + 3.0).sin() * (37.0 * y + 1.0).cos() - 1.0;
@@ -230,7 +231,7 @@ fn the_surface_stays_where_it_is_and_looks_alike() {
             let (far, normals, uvs) = farthest(&scene, from, to);
             println!("{name}: {share} of the triangles, {far} {normals} {uvs}");
             assert!(share < 0.7, "{name}: {share} of the triangles are left");
-            // Rounding of f32 adds to what is allowed.
+            // Rounding of f32 adds to the tolerance.
             assert!(far <= 1.2 && normals <= 0.02 && uvs <= 1e-3, "{name}: {far} {normals} {uvs}");
         }
     }
@@ -240,7 +241,7 @@ fn the_surface_stays_where_it_is_and_looks_alike() {
 fn what_is_closed_stays_closed() {
     let (low, high) = (Vec3::splat(-1.0), Vec3::splat(1.0));
     for n in [3, 17, 100] {
-        // Six sheets that share nothing but their places.
+        // Six sheets without common vertices, but with common positions.
         let mut cube = Scene { materials: vec![textured(); 2], ..Scene::default() };
         for axis in 0..3 {
             for side in [false, true] {
@@ -257,7 +258,7 @@ fn what_is_closed_stays_closed() {
         }
         assert!(edges(&cube, &all(&cube)).values().all(|edge| *edge == (2, 0)));
         let left = simple(&cube);
-        // Each side is cut across by a seam with n steps, and those stay.
+        // A seam of n steps crosses each side, and stays.
         println!("{} -> {}", cube.triangles.len(), left.len());
         assert!(left.len() < cube.triangles.len() / n as usize * 8, "{}", left.len());
         assert!(edges(&cube, &left).values().all(|edge| *edge == (2, 0)), "{n}: an edge is open");
@@ -305,7 +306,7 @@ fn seams_of_textures_and_borders_are_straightened_and_stay() {
 fn colours_stay() {
     let mut scene = flat(40);
     let of = |p: Vec3| Vec3::new(0.5 + 0.1 * (3.0 * p.x).sin(), p.z, if p.x < 0.5 { 0.1 } else { 0.9 });
-    // One side of the step is a strip of triangles wide.
+    // The step of the colour is one strip of triangles wide.
     let color = |t: &[u32; 3]| t.map(|i| of(scene.positions[i as usize]));
     scene.corner_colors = scene.triangles.iter().map(color).collect();
     let left = simple(&scene);
@@ -326,7 +327,7 @@ fn colours_stay() {
 
 #[test]
 fn straight_creases_go_as_flat_places_do() {
-    // A column of eight flat sides with smooth normals, each cut into 10 x 10.
+    // A column of eight flat sides with smooth normals; a side is 10 x 10 squares.
     let at = |side: f32| Vec3::new((side * 0.5).cos(), 0.0, (side * 0.5).sin());
     let around = |x: f32| {
         let (side, share) = ((8.0 * x).floor().min(7.0), 8.0 * x - (8.0 * x).floor().min(7.0));
@@ -361,14 +362,14 @@ fn what_one_vertex_looks_like_spreads_no_further() {
 
 #[test]
 fn patches_join() {
-    // More triangles than one patch has.
+    // More triangles than in a patch.
     let scene = flat(300);
     assert!(scene.triangles.len() > 8 * TOGETHER);
     let left = simple(&scene);
     assert_eq!(left.len(), 2);
     let open = edges(&scene, &left).values().filter(|edge| edge.0 == 1).count();
     assert_eq!(open, 4, "the sheet's own edges");
-    // In any order.
+    // In random order.
     let mut mixed = scene.clone();
     mixed.triangles.sort_by_key(|t| mix(u64::from(t[0] ^ t[1] << 10 ^ t[2] << 20)));
     assert_eq!(simple(&mixed).len(), 2);
@@ -381,7 +382,7 @@ fn transparent_triangles_and_odd_ones_stay() {
     let mut curtain = flat(8);
     curtain.materials[0].alpha = Alpha::Mask { cutoff: 0.5 };
     assert_unchanged(&curtain, &simple(&curtain));
-    // Three sheets on one edge, two cones at one tip, a triangle without area, one that is there twice, not a number.
+    // Three sheets on one edge, two cones at one tip, a triangle without area, a duplicate triangle, a NaN.
     let mut odd = flat(8);
     add(&mut odd, &sheet(8, |x, y| Vec3::new(x, y, 0.0), |_, _| (Vec3::Z, Vec2::ZERO), |_, _| 0));
     add(&mut odd, &sheet(8, |x, y| Vec3::new(x, -y, 0.0), |_, _| (Vec3::Z, Vec2::ZERO), |_, _| 0));

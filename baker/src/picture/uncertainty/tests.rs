@@ -1,4 +1,4 @@
-//! Pictures whose error and noise are known: intervals hold the truth.
+//! Pictures of known error and noise: intervals must contain the truth.
 
 use super::*;
 use crate::picture::Picture;
@@ -12,11 +12,11 @@ const SEEDS: u64 = 100;
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// As much in all pixels.
+    /// Equal noise in every pixel.
     Even,
-    /// One pixel in a hundred is far too bright, all others are a little too dark.
+    /// One pixel in a hundred is far too bright, the others are a little too dark.
     Fireflies,
-    /// Neighbouring pixels have much of it in common, as reconstruction filters make them.
+    /// Correlated noise of neighbouring pixels, as from reconstruction filters.
     Shared,
 }
 
@@ -25,12 +25,12 @@ fn made(of: impl Fn(u32, u32) -> Vec3) -> Picture {
     Picture { width: SIDE, height: SIDE, pixels }
 }
 
-/// A wall of sorts: bright to the left, darker to the right, with stripes.
+/// A synthetic wall: bright to the left, darker to the right, with stripes.
 fn truth() -> Picture {
     made(|x, y| Vec3::new(1.0, 0.8, 0.6) * (2.0 - x as f32 / SIDE as f32 + 0.3 * (y as f32 * 0.4).sin()))
 }
 
-/// Noise of mean 0, this times as strong as the light.
+/// Adds noise of mean 0 and of `strength` relative to the light.
 fn with_noise(of: &Picture, kind: Kind, strength: f32, seed: u64) -> Picture {
     let one = |x: u32, y: u32| {
         let mut stream = Stream::new(seed, u64::from(y * (SIDE + 1) + x));
@@ -47,7 +47,7 @@ fn with_noise(of: &Picture, kind: Kind, strength: f32, seed: u64) -> Picture {
     made(|x, y| of.pixels[(y * SIDE + x) as usize] * (1.0 + strength * noise(x, y)))
 }
 
-/// Too bright in a blotch by three times this, and too dark elsewhere.
+/// Adds an error: a blotch too bright by 3 × `error`, and the rest too dark.
 fn with_error(of: &Picture, error: f32) -> Picture {
     let shape = |x: u32, y: u32| if x < 12 && y < 12 { 3.0 * error } else { -0.6 * error };
     made(|x, y| of.pixels[(y * SIDE + x) as usize] * (1.0 + shape(x, y)))
@@ -73,7 +73,7 @@ fn intervals_hold_the_truth() {
                 let holds = |e: &&Estimate| e.at_least.unwrap() <= known && known <= e.at_most.unwrap();
                 let held = found.iter().filter(holds).count() as u64;
                 assert!(held * 10 >= SEEDS * 9, "{kind:?} {strength}, error {known:.4}: {held} of {SEEDS}");
-                // Nothing is ever taken for perfect.
+                // No estimate is ever perfect.
                 assert!(found.iter().all(|e| e.value != Some(0.0) && e.at_most.unwrap() > 0.0));
                 assert!(found.iter().all(|e| !e.said(3).contains("error 0.000")));
             }
@@ -89,7 +89,7 @@ fn what_noise_hides_is_too_noisy_to_tell_and_what_it_does_not_is_told() {
         assert!(count(&hidden, |e| e.value.is_none()) * 10 >= SEEDS * 9, "{kind:?}");
         assert!(hidden.iter().all(|e| e.is_within(1.0) == Answer::Within));
         assert!(count(&hidden, |e| e.is_within(0.002) == Answer::TooNoisy) * 10 >= SEEDS * 9);
-        // As strong a noise hides little of a large error, and less of it what there is.
+        // Strong noise hides little of a large error.
         let large = with_error(&truth(), 0.3);
         let known = compare(&large, &truth(), None).unwrap().error.figure();
         let plain = estimates(&large, kind, 0.2);

@@ -1,5 +1,5 @@
-//! A court in the sun with an arcade along one side, behind pillars and hanging curtains: a dim place beside a lit one. The
-//! sun comes from the arcade's side, so that none of it falls between the pillars. Metres.
+//! A court in the sun with an arcade along one side, behind pillars and hanging curtains: a dim place beside a lit
+//! place. The sun stands on the arcade's side, so that no sunlight falls between the pillars. Metres.
 
 use super::super::{Scene, WorldMesh};
 use super::{block, camera, matt};
@@ -12,10 +12,10 @@ const COURT: DVec3 = dvec3(6.5, 9.0, 11.0);
 /// Width (−x) and height of the arcade, as long as the court.
 const WIDTH: f64 = 3.2;
 const HEIGHT: f64 = 3.6;
-/// Distance of the pillars' middles, and their width.
+/// Distance between the pillars' centres, and width of a pillar.
 const BAY: f64 = 2.2;
 const PILLAR: f64 = 0.5;
-/// Where curtains end, above the floor.
+/// Height of the curtains' lower ends above the floor.
 const HEM: f64 = 0.5;
 /// Folds of a curtain.
 const FOLDS: usize = 6;
@@ -91,7 +91,7 @@ fn arcade(mesh: &mut WorldMesh) {
         block(mesh, dvec3(-PILLAR, 0.0, from), dvec3(0.0, HEIGHT - 0.4, to), STONE);
     }
     for k in 0..5 {
-        // One of them is drawn aside.
+        // The second curtain is drawn aside.
         let share = if k == 1 { 0.7 } else { 1.0 };
         let from = BAY * k as f64 + 0.5 * PILLAR;
         curtain(mesh, from, from + share * (BAY - PILLAR));

@@ -1,5 +1,5 @@
-//! A bare room, 5 m by 4 m and 2.6 m high, that the sun lights through one small window: all bounced light comes from a patch
-//! on the floor and a wall. Bare walls show the slightest spot. Metres; walls are 20 cm thick.
+//! A bare room, 5 m by 4 m and 2.6 m high, lit by the sun through a single small window: all bounced light comes from a
+//! patch on the floor and a wall. Bare walls show the slightest spot. Metres; walls are 20 cm thick.
 
 use super::super::{Scene, WorldMesh};
 use super::{block, camera, matt};
@@ -8,7 +8,7 @@ use rebounce_shared::light::Light;
 
 const ROOM: DVec3 = dvec3(5.0, 2.6, 4.0);
 const WALL: f64 = 0.2;
-/// The window: heights, and from where to where along the wall.
+/// The window: range of heights, and range along the wall.
 const WINDOW: [[f64; 2]; 2] = [[0.9, 1.6], [1.6, 2.3]];
 
 /// Cameras look at bare walls.

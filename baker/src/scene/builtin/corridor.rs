@@ -1,4 +1,5 @@
-//! A corridor behind a door that is ajar, and the room with the lamp: what light there is comes through the gap. Metres.
+//! A corridor behind a door that is ajar, and the room with the lamp: the corridor's light comes through the gap.
+//! Metres.
 
 use super::super::{Scene, WorldMesh};
 use super::{block, camera, matt};
@@ -12,7 +13,7 @@ const HEIGHT: f64 = 2.6;
 /// Width of the corridor (−z), and thickness of the wall before it.
 const WIDTH: f64 = 1.7;
 const WALL: f64 = 0.12;
-/// The door: from x to x, its height, its thickness, and how far it is open, degrees.
+/// The door: range of x, height, thickness, and opening angle, degrees.
 const DOOR: [f64; 2] = [1.2, 2.1];
 const DOOR_HEIGHT: f64 = 2.05;
 const LEAF: f64 = 0.04;
@@ -59,7 +60,7 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// The door's leaf, hung at its least x and opened into the corridor.
+/// The door's leaf, hung at the least x and opened into the corridor.
 fn door(mesh: &mut WorldMesh) {
     let (sin, cos) = AJAR.to_radians().sin_cos();
     let (along, across) = (dvec3(cos, 0.0, -sin), dvec3(sin, 0.0, cos));

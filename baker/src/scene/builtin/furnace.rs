@@ -1,4 +1,4 @@
-//! A closed cube whose walls all reflect half the light: what bounces can be worked out by hand.
+//! A closed cube with walls that reflect half the light: bounced light can be computed by hand.
 
 use super::super::{Scene, WorldMesh};
 use super::matt;

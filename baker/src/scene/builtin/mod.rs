@@ -49,7 +49,7 @@ pub fn load(name: &str) -> Result<Scene, SceneError> {
     }
 }
 
-/// Whether there is a built-in scene of this name.
+/// Checks that a built-in scene of this name exists.
 ///
 /// # Errors
 /// [`SceneError::UnknownBuiltin`].
@@ -67,7 +67,7 @@ fn matt(name: &str, [r, g, b]: [f32; 3]) -> Material {
     Material { name: name.to_owned(), base_color: [r, g, b, 1.0], ..Material::default() }
 }
 
-/// A camera at `position` that looks at `target`, upright; places in world space, vertical field of view in degrees.
+/// A camera at `position` that looks at `target`, upright; positions in world space, vertical field of view in degrees.
 fn camera(position: impl Into<[f64; 3]>, target: impl Into<[f64; 3]>, yfov_deg: f64) -> Camera {
     Camera { position: position.into(), target: target.into(), up: [0.0, 1.0, 0.0], yfov_deg }
 }

@@ -1,4 +1,4 @@
-//! A theatre: one seat of fourteen thousand triangles, hundreds of times.
+//! A theatre: a seat of fourteen thousand triangles, with hundreds of instances.
 
 use super::super::model::{self, WorldModel};
 use super::super::{Scene, WorldMesh};
@@ -20,7 +20,7 @@ const ROWS: usize = 17;
 const SEATS: usize = 26;
 /// Height and depth of a row's step.
 const STEP: DVec2 = DVec2::new(0.16, 1.0);
-/// Where the first row's step begins.
+/// Start of the first row's step in z.
 const FIRST: f64 = STAGE + 2.5;
 /// Squares around and along a cushion.
 const FINE: [usize; 2] = [48, 24];
@@ -76,7 +76,7 @@ pub(super) fn scene() -> Scene {
 }
 
 impl WorldMesh {
-    /// Adds another mesh, which must have no models, at all these places: as a model where that is worth it.
+    /// Adds another mesh (without models) at every place: as a model if instancing is worth the cost.
     fn stand(&mut self, other: &Self, places: &[DMat4]) {
         let bounds = other.bounds().unwrap_or_default();
         let mut is_alone = vec![true; places.len()];
@@ -93,7 +93,7 @@ impl WorldMesh {
         alone.for_each(|(place, _)| self.add(other, *place));
     }
 
-    /// Adds another mesh, which must have no models; the matrix may mirror.
+    /// Adds another mesh (without models); the matrix may mirror.
     fn add(&mut self, other: &Self, matrix: DMat4) {
         let first = self.positions.len() as u32;
         let is_mirrored = matrix.determinant() < 0.0;
@@ -107,7 +107,7 @@ impl WorldMesh {
         self.triangle_material.extend(&other.triangle_material);
     }
 
-    /// Adds a grid of squares over 0 to 1 in both parameters, from places and unit normals.
+    /// Adds a grid of squares over 0 to 1 in both parameters, from positions and unit normals.
     fn sheet(&mut self, [n, m]: [usize; 2], at: impl Fn(f64, f64) -> (DVec3, DVec3), material: u32) {
         let first = self.positions.len() as u32;
         for j in 0..=m {
@@ -128,7 +128,7 @@ impl WorldMesh {
         self.triangle_material.resize(self.triangles.len(), material);
     }
 
-    /// Adds a box with round edges: a superellipsoid with these half axes.
+    /// Adds a box with round edges: a superellipsoid with half axes `half`.
     fn cushion(&mut self, middle: DVec3, half: DVec3, material: u32) {
         const SQUARE: f64 = 0.35;
         let power = |x: f64, e: f64| x.abs().powf(e).copysign(x);
@@ -158,7 +158,7 @@ fn seat() -> WorldMesh {
     mesh
 }
 
-/// Where seats stand, a little turned towards the stage; every second one is mirrored.
+/// Placements of the seats, turned a little towards the stage; every second seat is mirrored.
 fn places() -> Vec<DMat4> {
     let place = |i: usize| {
         let (row, seat) = (i / SEATS, i % SEATS);

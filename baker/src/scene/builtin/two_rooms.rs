@@ -1,6 +1,5 @@
-//! Two rooms, 4 m by 4 m and 2.5 m high, one dividing wall 5 cm thick: what leaks through a wall
-//! can be seen. Floor, ceiling and long walls run on under and past the dividing wall, as modellers
-//! leave them.
+//! Two rooms, 4 m by 4 m and 2.5 m high, with a dividing wall 5 cm thick: leaks through the wall are visible. Floor,
+//! ceiling and long walls run on under and past the dividing wall, as modellers leave them.
 
 use super::super::{Scene, WorldMesh};
 use super::{block, camera, matt};
@@ -12,8 +11,8 @@ const DEPTH: f64 = 4.0;
 const HEIGHT: f64 = 2.5;
 const END: f64 = 4.0 + HALF_WALL;
 
-/// The lamp is in the left room; the first camera looks into the right one. With a `door`, 0.9 m wide
-/// and 2 m high, light gets there.
+/// The lamp is in the left room; the first camera looks into the right room. With a `door`, 0.9 m wide and 2 m high,
+/// light reaches the right room.
 pub(super) fn scene(door: bool) -> Scene {
     let mut mesh = WorldMesh::default();
     mesh.room(dvec3(-END, 0.0, 0.0), dvec3(END, HEIGHT, DEPTH), [0, 1, 1, 2, 3, 1]);

@@ -5,11 +5,10 @@ use crate::scene::SceneError;
 use gltf::json::accessor::{ComponentType, GenericComponentType, IndexComponentType, Type};
 use gltf::json::validation::Checked;
 
-/// An accessor without data behind it is all zeros; one of more elements than this and than the file has bytes is a
-/// lie.
+/// Maximum element count of an accessor without data, which is all zeros, unless the file has more bytes.
 const MANY_ZEROS: usize = 1 << 16;
 
-/// One component as an f64; normalised integers become 0..1 or −1..1.
+/// Reads a component as f64; normalised integers become 0..1 or −1..1.
 fn component(bytes: &[u8], kind: ComponentType, normalized: bool) -> f64 {
     let value = match kind {
         ComponentType::I8 => bytes[0] as i8 as f64,
@@ -22,7 +21,7 @@ fn component(bytes: &[u8], kind: ComponentType, normalized: bool) -> f64 {
     if normalized { value_of_normalized(value, kind) } else { value }
 }
 
-/// What a normalised integer stands for: 0..1 or −1..1.
+/// Value of a normalised integer: 0..1 or −1..1.
 pub(super) fn value_of_normalized(value: f64, kind: ComponentType) -> f64 {
     let max = match kind {
         ComponentType::I8 => 127.0,
@@ -35,7 +34,7 @@ pub(super) fn value_of_normalized(value: f64, kind: ComponentType) -> f64 {
     (value / max).max(-1.0)
 }
 
-/// What glTF calls a type.
+/// glTF name of a type.
 pub(super) fn type_name(kind: Type) -> &'static str {
     match kind {
         Type::Scalar => "SCALAR",
@@ -49,7 +48,7 @@ pub(super) fn type_name(kind: Type) -> &'static str {
 }
 
 impl Source {
-    /// The elements of an accessor of this type, as `N` numbers each. `what` names it in errors.
+    /// Reads the elements of an accessor of type `kind`, `N` numbers per element. `what` names the accessor in errors.
     pub fn read<const N: usize>(
         &self,
         index: usize,
@@ -108,7 +107,7 @@ impl Source {
         Ok(out)
     }
 
-    /// Slices of `len` bytes, `stride` apart; `None` where they do not fit.
+    /// Slices of `len` bytes, `stride` bytes apart; `None` if out of bounds.
     fn strided<'a>(
         &self,
         bytes: &'a [u8],

@@ -1,4 +1,4 @@
-//! Keyframes of nodes and lights to keyframes of the scene's lights, in world space.
+//! Conversion of keyframes of nodes and lights to world-space keyframes of the scene's lights.
 
 use super::node::{Placed, placement};
 use super::pose::Pose;
@@ -11,16 +11,17 @@ use gltf::json::validation::Checked;
 use rebounce_shared::rbn::LARGEST;
 use rebounce_shared::rbn::meta::{Animation, Interpolation, Property, Track};
 
-/// Keys a second where a light's way between two keys is not straight: turned, or moved by several nodes.
+/// Sampling rate, keys per second, of a light path that is not straight between keys: rotated, or moved by several
+/// nodes.
 const KEYS_A_SECOND: f64 = 30.0;
-/// Keys of one track at most.
+/// Maximum number of keys that resampling adds to a track.
 const MOST_KEYS: usize = 1 << 16;
 
-/// A sampler's keys: times in seconds, and `W` numbers each.
+/// Keys of a sampler: times in seconds, and values of `W` numbers.
 struct Curve<const W: usize> {
     kind: Kind,
     times: Vec<f64>,
-    /// One value a key; with splines three: in-tangent, value, out-tangent.
+    /// One value per key; for splines three: in-tangent, value, out-tangent.
     values: Vec<[f64; W]>,
 }
 
@@ -49,7 +50,7 @@ impl<const W: usize> Curve<W> {
         Ok(Self { kind, times, values })
     }
 
-    /// The value at a time; before the first key the first, after the last the last (glTF 2.0, 3.11).
+    /// Returns the value at `time`, clamped to the first and last key (glTF 2.0, 3.11).
     fn at(&self, time: f64, between: impl Fn([f64; W], [f64; W], f64) -> [f64; W]) -> [f64; W] {
         let value = |k: usize| self.values[if self.kind == Kind::CubicSpline { 3 * k + 1 } else { k }];
         let next = self.times.partition_point(|&t| t <= time);
@@ -86,7 +87,7 @@ fn around(a: [f64; 4], b: [f64; 4], s: f64) -> [f64; 4] {
     if a.is_finite() && b.is_finite() { a.slerp(b, s).to_array() } else { [0.0, 0.0, 0.0, 1.0] }
 }
 
-/// What moves a node.
+/// Animation curves of a node.
 #[derive(Default)]
 struct Motion {
     translation: Option<Curve<3>>,
@@ -110,8 +111,8 @@ impl Motion {
     }
 }
 
-/// The animations that move `lights`, which are listed as the scene has them: their nodes, and the glTF light. What else they
-/// move stays where it is: the bake holds still geometry.
+/// Returns the animations that move `lights`, in scene order: index of the light's node in `nodes`, and the glTF light.
+/// Animations of geometry are left out: the bake holds still geometry.
 pub(super) fn animations(
     source: &Source,
     nodes: &[Placed],
@@ -157,7 +158,7 @@ pub(super) fn animations(
     Ok(out)
 }
 
-/// The tracks of a light that nodes move: position and direction, as far as its kind has them.
+/// Returns the tracks of a light moved by nodes: position unless directional, direction unless a point light.
 fn way(
     source: &Source,
     nodes: &[Placed],
@@ -206,7 +207,7 @@ fn way(
     position.into_iter().chain(direction).map(distinct).collect()
 }
 
-/// The track of a light's own number, which KHR_animation_pointer names.
+/// Adds tracks for a light's intensity or colour, targeted by KHR_animation_pointer.
 fn of_light(
     source: &Source,
     pointer: &str,
@@ -249,7 +250,7 @@ fn keys<const W: usize>(
     (property, interpolation, times.iter().map(|&t| t as f32).collect(), values)
 }
 
-/// Adds keys between the first and the last of these times, which ascend.
+/// Adds keys between the first and the last of the ascending `times`.
 fn fill(times: &mut Vec<f64>) {
     let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return };
     let more = (((last - first) * KEYS_A_SECOND).ceil() as usize).min(MOST_KEYS);
@@ -258,7 +259,7 @@ fn fill(times: &mut Vec<f64>) {
     times.dedup();
 }
 
-/// Without keys that are at one time once it is an f32.
+/// Removes keys at equal times in f32.
 fn distinct(mut track: Track) -> Track {
     let width = track.property.width();
     let keep: Vec<usize> =

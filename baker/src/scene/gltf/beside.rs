@@ -1,20 +1,20 @@
-//! Files that a scene's file refers to: a URI as it is meant to be, and as exporters write it.
+//! Lookup of external files: by URI, and by the malformed URIs that exporters write.
 
 use super::container::percent_decoded;
 use std::path::{Path, PathBuf};
 
-/// Folders of a name that are tried beside the scene's file.
+/// Maximum number of shortened paths tried beside the scene's file.
 const MOST_FOLDERS: usize = 16;
 
-/// A file's bytes, and where they were found if not where the URI says.
+/// Bytes of a file, and the path if different from the URI.
 pub(super) struct Found {
     pub bytes: Vec<u8>,
     pub elsewhere: Option<String>,
 }
 
-/// Reads the file behind a URI that is not data, beside the scene's file in `dir`: as written, without percent signs,
-/// without `?query` and `#fragment`; then with backslashes as slashes, in any letter case, with ever fewer folders, and
-/// at last its bare name in `dir`. The error is the first of them all.
+/// Reads the file of a URI, except a data URI, beside the scene's file in `dir`: as written, percent-decoded, and
+/// without `?query` and `#fragment`; then with backslashes as slashes, in any letter case, with ever fewer leading
+/// folders, and last the bare name in `dir`. The error is that of the first attempt.
 pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<Found> {
     let mut first = None;
     let mut bytes_of = |path: &Path| {
@@ -25,7 +25,7 @@ pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<Found> {
     let plain = local.split(['?', '#']).next().unwrap_or_default();
     let names = [decoded(plain), plain.to_owned()];
     if !is_on_network(uri) {
-        // A name may hold %, ? or # as they stand.
+        // A file name may contain %, ? or #.
         for name in [decoded(local), local.to_owned()].iter().chain(&names) {
             if let Some(bytes) = bytes_of(&dir.join(name)) {
                 return Ok(Found { bytes, elsewhere: None });
@@ -34,7 +34,7 @@ pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<Found> {
     }
     for name in names {
         let slashed = name.replace('\\', "/");
-        // Whole, then without its first folder, and so on, at last its bare name.
+        // The full path, then without the first folder, and on, down to the bare name.
         let folders = slashed.matches('/').count();
         let shorter = slashed.match_indices('/').skip(folders.saturating_sub(MOST_FOLDERS));
         let shorter = shorter.map(|(at, _)| &slashed[at + 1..]);
@@ -51,12 +51,12 @@ pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<Found> {
     Err(first.unwrap_or_else(|| std::io::ErrorKind::NotFound.into()))
 }
 
-/// What errors call the file.
+/// Name of the file in errors.
 pub(super) fn name(uri: &str) -> String {
     decoded(local(uri))
 }
 
-/// Whether a URI names another machine.
+/// Whether a URI names a network host.
 pub(super) fn is_on_network(uri: &str) -> bool {
     uri.contains("://") && local(uri) == uri
 }
@@ -65,7 +65,7 @@ fn decoded(text: &str) -> String {
     String::from_utf8_lossy(&percent_decoded(text)).into_owned()
 }
 
-/// The path of a `file:` URI; other text as it is.
+/// Path of a `file:` URI; returns a URI of a different scheme unchanged.
 fn local(uri: &str) -> &str {
     let Some(rest) = strip_prefix_of_any_case(uri, "file:") else {
         return uri;
@@ -73,7 +73,7 @@ fn local(uri: &str) -> &str {
     let Some(rest) = rest.strip_prefix("//") else {
         return rest;
     };
-    // A host, which is this machine, ends at the next slash; a drive letter follows it.
+    // The host is the local machine and ends at the next slash; a drive letter may follow.
     let path = rest.find('/').map_or(rest, |at| &rest[at..]);
     let is_drive = path.as_bytes().get(2) == Some(&b':');
     if is_drive { &path[1..] } else { path }
@@ -84,7 +84,7 @@ fn strip_prefix_of_any_case<'a>(text: &'a str, prefix: &str) -> Option<&'a str> 
     head.eq_ignore_ascii_case(prefix).then(|| &text[prefix.len()..])
 }
 
-/// A path below `dir` that is there when letter case does not count; the first of several in the order of their names.
+/// Finds an existing path below `dir`, ignoring letter case; of several matches, the first by name.
 fn in_any_case(dir: &Path, name: &str) -> Option<PathBuf> {
     let mut path = dir.to_path_buf();
     for part in name.split('/').filter(|part| !part.is_empty() && *part != ".") {

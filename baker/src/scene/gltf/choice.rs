@@ -1,13 +1,13 @@
-//! Which of a file's scenes is taken.
+//! Selection of one scene of the file.
 
 use super::source::Source;
 use crate::scene::SceneError;
 use crate::scene::notes::Told;
 use gltf::json::Index;
 
-/// The nodes at the top of the scene that is `wanted` by its name or number, or of the file's default scene. Where that has
-/// no mesh, and just one other has, the other is taken. Without any scene all nodes without a parent are taken. What is not
-/// taken, and what is taken instead, is told.
+/// Returns the root nodes of the scene with the name or number `wanted`, or of the file's default scene. If the default
+/// scene has no mesh and exactly one scene has, that scene replaces the default. Without scenes, returns all nodes
+/// without a parent. `told` gets a message about a replaced default and about skipped scenes.
 pub(super) fn roots(
     source: &Source,
     wanted: Option<&str>,
@@ -72,7 +72,7 @@ pub(super) fn roots(
     Ok(nodes(source, taken))
 }
 
-/// The scene of this name, else of this number.
+/// Index of the scene named `wanted`, or else numbered `wanted`.
 fn named(source: &Source, wanted: &str) -> Result<usize, SceneError> {
     let scenes = &source.root.scenes;
     let by_name = scenes.iter().position(|scene| scene.name.as_deref() == Some(wanted));
@@ -89,7 +89,7 @@ fn named(source: &Source, wanted: &str) -> Result<usize, SceneError> {
     })
 }
 
-/// What errors call a scene.
+/// Name of a scene in errors.
 fn name(source: &Source, scene: usize) -> String {
     match source.root.scenes.get(scene).and_then(|scene| scene.name.as_deref()) {
         Some(name) => format!("scene {scene} ({name:?})"),
@@ -117,7 +117,7 @@ fn without_parent(source: &Source) -> Vec<usize> {
     (0..nodes.len()).filter(|&i| !is_child[i]).collect()
 }
 
-/// For each node, whether it or one below it is such.
+/// For each node, whether `is` holds for the node or a descendant.
 fn reaching(source: &Source, is: impl Fn(usize) -> bool) -> Vec<bool> {
     let nodes = &source.root.nodes;
     let mut parents: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];

@@ -1,4 +1,4 @@
-//! What glTF wraps bytes in: the GLB container, base64, percent signs.
+//! Byte encodings of glTF: GLB container, base64, percent-encoding.
 
 use std::borrow::Cow;
 
@@ -29,15 +29,15 @@ pub(super) fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> 
     Ok((json.ok_or("it has no JSON chunk")?, chunk))
 }
 
-/// JSON as text: without a byte-order mark, which some exporters write before it, and the zeros with which some fill up
-/// after it; what is not UTF-8 becomes U+FFFD.
+/// Decodes JSON bytes as text, without the byte-order mark and the trailing zeros that exporters may write; invalid
+/// UTF-8 becomes U+FFFD.
 pub(super) fn text(json: &[u8]) -> Cow<'_, str> {
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     String::from_utf8_lossy(&json[..end])
 }
 
-/// Replaces %XX by the byte; anything else stays.
+/// Replaces %XX by the byte; the rest stays.
 pub(super) fn percent_decoded(text: &str) -> Cow<'_, [u8]> {
     if !text.contains('%') {
         return Cow::Borrowed(text.as_bytes());

@@ -1,4 +1,4 @@
-//! The JSON of a glTF file: the `gltf` crate's document, and beside it what that document does not keep.
+//! The JSON of a glTF file: the `gltf` crate's document, and the values that the document loses.
 
 use super::exact::Exact;
 use super::repair;
@@ -13,8 +13,8 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Parses the JSON; an error says what is wrong with it and where. Indices are not checked here but where they are
-    /// followed, so that a broken part that nothing uses does no harm.
+    /// Parses the JSON; an error has the problem and the JSON path. Indices are checked on use, not here: a broken part
+    /// without users does no harm.
     pub fn parse(json: &str) -> Result<Self, Refused> {
         let mut value: Value = serde_json::from_str(json).map_err(|e| e.to_string())?;
         check_version(&mut value)?;
@@ -26,11 +26,11 @@ impl Document {
     }
 }
 
-/// Why a file is refused.
+/// Reason for refusing a file.
 pub(super) enum Refused {
-    /// It is glTF of this version.
+    /// An older version of glTF.
     Old(String),
-    /// It is not glTF 2.0; says what it is.
+    /// Not glTF 2.0; the string describes the file.
     Not(String),
 }
 
@@ -40,9 +40,9 @@ impl From<String> for Refused {
     }
 }
 
-/// Refuses all versions but 2.x, before anything else is looked at.
+/// Refuses versions other than 2.x, before reading the rest.
 fn check_version(root: &mut Value) -> Result<(), Refused> {
-    // Some exporters write numbers.
+    // Exporters may write numbers.
     for member in ["version", "minVersion"] {
         let version = root.get_mut("asset").and_then(|asset| asset.get_mut(member));
         if let Some(version) = version.filter(|version| version.is_number()) {
@@ -52,7 +52,7 @@ fn check_version(root: &mut Value) -> Result<(), Refused> {
     let asset = |member: &str| root.get("asset").and_then(|asset| asset.get(member)?.as_str());
     let major = |version: &str| version.trim().split('.').next().and_then(|n| n.parse::<u32>().ok());
     let Some(version) = asset("version") else {
-        // Before 2.0 all was kept by names instead of in lists.
+        // glTF 1.0 has objects keyed by name instead of arrays.
         let by_name =
             ["nodes", "meshes", "accessors"].iter().any(|list| root.get(list).is_some_and(Value::is_object));
         return Err(match by_name || root.get("techniques").is_some() {
@@ -74,12 +74,12 @@ fn check_version(root: &mut Value) -> Result<(), Refused> {
     }
 }
 
-/// What has extensions, of which the crate keeps those that it does not know as they stand in the file.
+/// An object with extensions; the crate keeps unknown extensions as raw JSON.
 pub(super) trait Extensible {
-    /// The extensions that the crate does not know, by their names.
+    /// Extensions unknown to the crate, by name.
     fn raw(&self) -> Option<&Map<String, Value>>;
 
-    /// An extension that the crate does not know, as a `T`; an error says what is wrong in it.
+    /// Reads an extension unknown to the crate as a `T`; the error describes the problem.
     fn extension<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, String> {
         let Some(value) = self.raw().and_then(|raw| raw.get(name)) else {
             return Ok(None);

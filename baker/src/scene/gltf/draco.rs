@@ -1,4 +1,4 @@
-//! KHR_draco_mesh_compression: a primitive's numbers in one compressed piece.
+//! KHR_draco_mesh_compression: attributes and indices of a primitive in a single compressed buffer view.
 
 use super::accessor::value_of_normalized;
 use super::source::Source;
@@ -8,7 +8,7 @@ use gltf::json::accessor::ComponentType;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// Bytes that one primitive may become: more than any exporter writes.
+/// Maximum decompressed size of a primitive, bytes: larger than any exporter writes.
 const MOST_BYTES: u64 = 2 << 30;
 
 /// The extension's name.
@@ -19,19 +19,19 @@ pub(super) const NAME: &str = "KHR_draco_mesh_compression";
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Draco {
     pub buffer_view: usize,
-    /// Draco's own numbers of the attributes.
+    /// Draco's attribute ids, by glTF attribute.
     pub attributes: BTreeMap<String, u32>,
 }
 
 /// A decompressed primitive.
 pub(super) struct Decoded {
     mesh: Mesh,
-    /// Draco's own numbers of the attributes.
+    /// Draco's attribute ids, by glTF attribute.
     attributes: BTreeMap<String, u32>,
 }
 
 impl Decoded {
-    /// Decompresses a primitive; `what` names it in errors.
+    /// Decompresses a primitive; `what` names the primitive in errors.
     pub fn new(source: &Source, packed: Draco, what: &str) -> Result<Self, SceneError> {
         let bad = |problem: String| source.malformed(format!("{what} (compressed by Draco) {problem}"));
         let (bytes, _) = source.view(packed.buffer_view)?;
@@ -45,17 +45,17 @@ impl Decoded {
         Ok(Self { mesh, attributes: packed.attributes })
     }
 
-    /// Vertices of the triangles, one after another.
+    /// Vertex indices of the triangles, as a flat list.
     pub fn indices(&self) -> Vec<u32> {
         self.mesh.faces().iter().flatten().map(|i| i.0).collect()
     }
 
-    /// Whether an attribute is among those that are compressed.
+    /// Whether the attribute `name` is compressed.
     pub fn holds(&self, name: &str) -> bool {
         self.attributes.contains_key(name)
     }
 
-    /// A compressed attribute as `N` numbers each; `None` if there is none or it is of another size.
+    /// Reads a compressed attribute as `N` numbers per vertex; `None` if absent or of a different size.
     pub fn read<const N: usize>(&self, name: &str, normalized: bool) -> Option<Vec<[f64; N]>> {
         let attribute = self.mesh.attribute_by_unique_id(*self.attributes.get(name)?)?;
         if attribute.num_components() as usize != N {

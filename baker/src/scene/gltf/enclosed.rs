@@ -1,4 +1,4 @@
-//! Lamps that a mesh around them encloses, so that their light gets nowhere: a bulb with its lamp in it.
+//! Detection of lamps enclosed by an opaque mesh, such as a lamp within a modelled bulb: no light leaves the mesh.
 
 use super::light;
 use super::mesh::{self, Part};
@@ -6,16 +6,16 @@ use super::source::Source;
 use glam::{DMat4, DQuat, DVec3};
 use rebounce_shared::light::Light;
 
-/// Directions that are looked into, all around a point light or within a spot's cone.
+/// Number of test rays per lamp, over the sphere for a point light, within the cone for a spot light.
 const DIRECTIONS: usize = 64;
-/// What encloses a lamp this near, in shares of the scene's diagonal, is its bulb or shade and no room.
+/// Largest enclosure, as a share of the scene's diagonal, that counts as a bulb or shade; a larger enclosure is a room.
 const NEAR: f64 = 0.05;
-/// Pairs of a lamp and a mesh that are looked at, at most.
+/// Maximum number of (lamp, mesh) pairs tested.
 const MOST: usize = 10_000;
 
-/// A lamp, and the mesh around it.
+/// A lamp and the enclosing mesh.
 pub(super) struct Enclosed {
-    /// Of the file's lights.
+    /// Index into the file's lights.
     light: usize,
     mesh: usize,
     /// Scene units from the lamp to the farthest hit.
@@ -23,7 +23,7 @@ pub(super) struct Enclosed {
 }
 
 impl Enclosed {
-    /// What is said of it in a scene of this diagonal, unless it is a room.
+    /// Returns a note for a scene with the given diagonal; `None` if the enclosure is a room.
     pub fn note(&self, source: &Source, diagonal: f64) -> Option<String> {
         (self.farthest <= NEAR * diagonal).then(|| {
             let (lamp, mesh) = (light::name(source, self.light), mesh::name(source, self.mesh));
@@ -34,9 +34,9 @@ impl Enclosed {
     }
 }
 
-/// The scene's lamps that have a place.
+/// Point and spot lights of the scene, and the enclosures found.
 pub(super) struct Lamps {
-    /// In the order of their x.
+    /// Sorted by x.
     lamps: Vec<Lamp>,
     looked_at: usize,
     pub enclosed: Vec<Enclosed>,
@@ -49,7 +49,7 @@ struct Lamp {
 }
 
 impl Lamps {
-    /// Of these lights, each with its number among the file's.
+    /// Collects the point and spot lights; the index of a pair refers to the file's lights.
     pub fn new<'a>(lights: impl Iterator<Item = (usize, &'a Light)>) -> Self {
         let lamp = |(light, shape): (usize, &Light)| match shape {
             Light::Point { position, .. } => {
@@ -67,7 +67,7 @@ impl Lamps {
         Self { lamps, looked_at: 0, enclosed: Vec::new() }
     }
 
-    /// Looks for lamps within a mesh that stands at `places`. `parts` are those that let no light through.
+    /// Tests the lamps against a mesh placed at `places`. `parts`: the opaque parts of the mesh.
     pub fn look(&mut self, mesh: usize, parts: &[&Part], places: &[DMat4]) {
         if self.lamps.is_empty() {
             return;
@@ -98,13 +98,13 @@ impl Lamps {
     }
 }
 
-/// Least and greatest corner; `None` without points.
+/// Minimum and maximum corner; `None` without points.
 fn bounds(points: impl Iterator<Item = DVec3>) -> Option<[DVec3; 2]> {
     points.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
 }
 
 impl Lamp {
-    /// How far away the farthest of the hits is, one in each direction; `None` where one direction is free.
+    /// Distance to the farthest of the nearest hits, one hit per direction; `None` if a direction has no hit.
     fn farthest(&self, parts: &[&Part], world: &DMat4) -> Option<f64> {
         let corners = |part: &Part, t: &[u32; 3]| {
             t.map(|i| world.transform_point3(part.positions[i as usize]) - self.position)
@@ -124,7 +124,7 @@ impl Lamp {
     }
 }
 
-/// Directions spread evenly over the part of a sphere whose cosine with `axis` is `edge` or more.
+/// Spreads `DIRECTIONS` directions evenly over the spherical cap where the cosine with `axis` is at least `edge`.
 fn directions(axis: DVec3, edge: f64) -> Vec<DVec3> {
     let turn = DQuat::from_rotation_arc(DVec3::Z, axis);
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
@@ -137,7 +137,7 @@ fn directions(axis: DVec3, edge: f64) -> Vec<DVec3> {
     (0..DIRECTIONS).map(direction).collect()
 }
 
-/// How far a ray from the origin goes to a triangle, either side of it; edges belong to both their triangles.
+/// Distance along a ray from the origin to a triangle, two-sided; an edge belongs to both adjacent triangles.
 fn distance([a, b, c]: [DVec3; 3], direction: DVec3) -> Option<f64> {
     let (ab, ac) = (b - a, c - a);
     let p = direction.cross(ac);

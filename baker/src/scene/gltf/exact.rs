@@ -1,11 +1,11 @@
-//! What the `gltf` crate's document rounds or cannot hold, read from the same JSON: transforms and fields of view in 64
-//! bits, and what animations move.
+//! Values that the `gltf` crate's document rounds or cannot hold, read from the same JSON: transforms and fields of
+//! view in 64 bits, and animation targets.
 
 use super::pose::Pose;
 use glam::DMat4;
 use serde::Deserialize;
 
-/// Parts of the document, in the file's order.
+/// Parts of the document, in file order.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Exact {
@@ -14,7 +14,7 @@ pub(super) struct Exact {
     pub animations: Vec<Animation>,
 }
 
-/// A node's transform: a matrix or its parts.
+/// A node's transform: a matrix, or translation, rotation and scale.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Transform {
@@ -25,7 +25,7 @@ pub(super) struct Transform {
 }
 
 impl Transform {
-    /// Its parts, as far as the file gives them.
+    /// Translation, rotation and scale, with defaults for absent parts.
     pub fn pose(&self) -> Pose {
         let rest = Pose::default();
         Pose {
@@ -35,7 +35,7 @@ impl Transform {
         }
     }
 
-    /// From the node's space to its parent's.
+    /// Matrix from node space to parent space.
     pub fn local(&self) -> DMat4 {
         self.matrix.map_or_else(|| self.pose().matrix(), |m| DMat4::from_cols_array(&m))
     }
@@ -74,7 +74,7 @@ pub(super) struct Channel {
     pub target: Target,
 }
 
-/// What a channel moves: a part of a node's transform, or whatever a pointer names.
+/// Target of a channel: a part of a node's transform, or the property named by a pointer.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Target {

@@ -1,12 +1,12 @@
-//! Which required extensions are fine, and what to do about the others.
+//! Supported extensions, ignored extensions, and advice for unsupported extensions.
 
 use super::document::Extensible;
 use crate::scene::SceneError;
 use gltf::json::Root;
 use std::collections::BTreeSet;
 
-/// Extensions that a file may require: those that are supported, and those that change only how
-/// a surface shines, which a Lambertian surface ignores.
+/// Extensions that a file may require: supported extensions, and extensions that change only glossy reflection, which a
+/// Lambertian surface ignores.
 const FINE: [&str; 24] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -34,7 +34,7 @@ const FINE: [&str; 24] = [
     "KHR_texture_transform",
 ];
 
-/// Those of them that are ignored.
+/// The ignored extensions of `FINE`.
 const IGNORED: [&str; 6] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -44,7 +44,7 @@ const IGNORED: [&str; 6] = [
     "KHR_materials_sheen",
 ];
 
-/// The extensions that a file uses and that are not read, each kind with what is lost by it.
+/// Messages about extensions used but not read, grouped by the loss.
 pub(super) fn unread(root: &Root) -> Vec<String> {
     let raw = [root.raw()].into_iter().chain(root.scenes.iter().map(Extensible::raw));
     let raw = raw.chain(root.nodes.iter().map(Extensible::raw));
@@ -72,7 +72,7 @@ pub(super) fn unread(root: &Root) -> Vec<String> {
     out
 }
 
-/// Refuses the required extensions that are not supported, all of them in one error.
+/// Refuses unsupported required extensions, in a single error.
 pub(super) fn check(file: &str, required: &[String]) -> Result<(), SceneError> {
     let unknown: Vec<&String> = required.iter().filter(|name| !FINE.contains(&name.as_str())).collect();
     if unknown.is_empty() {
@@ -86,7 +86,7 @@ pub(super) fn check(file: &str, required: &[String]) -> Result<(), SceneError> {
     })
 }
 
-/// What to do about a file that requires an extension.
+/// Advice for a file that requires an unsupported extension.
 fn advice(extension: &str) -> &'static str {
     match extension {
         "EXT_texture_avif" => "convert its textures with `npx @gltf-transform/cli png in.glb out.glb`",

@@ -1,4 +1,4 @@
-//! Where a node's mesh stands: once, or at every place of EXT_mesh_gpu_instancing.
+//! Placements of a node's mesh: the node's transform, or the instances of EXT_mesh_gpu_instancing.
 
 use super::node::{self, Placed};
 use super::pose::Pose;
@@ -39,7 +39,7 @@ pub(super) fn of(source: &Source, node: &Placed) -> Result<Vec<DMat4>, SceneErro
         rotations.as_ref().map(Vec::len),
         scales.as_ref().map(Vec::len),
     ];
-    // Without any of the three nothing says how many there are; the mesh stands where its node is.
+    // Without the three attributes the instance count is unknown: a single instance at the node.
     let Some(count) = counts.into_iter().flatten().next() else {
         return Ok(vec![node.world]);
     };

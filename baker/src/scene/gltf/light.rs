@@ -1,4 +1,4 @@
-//! Lights as nodes place them.
+//! Lights placed by nodes.
 
 use super::node::{self, Placed, placement};
 use super::punctual::NAME;
@@ -13,27 +13,27 @@ struct NodeLight {
     light: usize,
 }
 
-/// Which light a node places.
+/// Index of the light placed by a node.
 fn index(source: &Source, node: usize) -> Result<Option<usize>, SceneError> {
     let light: Option<NodeLight> =
         source.read_extension(&source.root.nodes[node], &[NAME], format_args!("node {node}"))?;
     Ok(light.map(|light| light.light))
 }
 
-/// What errors call a light.
+/// Name of a light in errors.
 pub(super) fn name(source: &Source, index: usize) -> String {
     let name = source.lights.get(index).and_then(|light| light.name.as_deref());
     format!("light {index} ({:?})", name.unwrap_or_default())
 }
 
-/// A light's own name, or else that of the node that places it; may be empty.
+/// Name of a light, or else of the node that places the light; may be empty.
 pub(super) fn own_name(source: &Source, node: &Placed, index: usize) -> String {
     let own = source.lights.get(index).and_then(|light| light.name.clone()).unwrap_or_default();
     node::or_of_node(source, node, own)
 }
 
-/// The lights that nodes place, in the order of `nodes`: each node's place there, and the light's index. Lights of types
-/// that are not known are left out, and so noted.
+/// Returns the placed lights in the order of `nodes`: index into `nodes`, and index of the light. Lights of unknown
+/// type are left out, with a message.
 pub(super) fn placed(
     source: &Source,
     nodes: &[Placed],
@@ -54,7 +54,7 @@ pub(super) fn placed(
     Ok(out)
 }
 
-/// A light as a node places it. A light cannot be less than dark: negative numbers count as 0, and so noted.
+/// Converts a light placed by a node. A negative intensity or colour counts as 0, with a note.
 pub(super) fn of(source: &Source, node: &Placed, index: usize, told: &mut Told) -> Result<Light, SceneError> {
     let light =
         source.lights.get(index).ok_or_else(|| source.malformed(format!("there is no light {index}")))?;

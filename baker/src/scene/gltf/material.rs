@@ -1,4 +1,4 @@
-//! Materials and their textures. Only what the triangles use is kept and decoded.
+//! Materials and textures. Only those used by triangles are kept and decoded.
 
 use super::document::Extensible;
 use super::picture::{check_sizes, image_index, picture, sampled};
@@ -16,7 +16,7 @@ use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
 use std::collections::{HashMap, HashSet};
 
-/// What a surface looks like, whichever way the file says it.
+/// Surface parameters, from metallic-roughness or specular-glossiness.
 struct Surface {
     base_color: [f32; 4],
     base_color_texture: Option<TextureInfo>,
@@ -28,46 +28,47 @@ struct Surface {
 /// Collects the materials in the order of their first use.
 pub(super) struct Materials<'a> {
     source: &'a Source,
-    /// Our indices of glTF materials; `None` is glTF's default material.
+    /// Output index by glTF material; the key `None` is glTF's default material.
     used: HashMap<Option<usize>, u32>,
-    /// glTF textures in our order, and whether they hold numbers instead of colours.
+    /// glTF textures in output order, and whether the texels are data instead of colours.
     textures: Vec<(usize, bool)>,
     out: Vec<Material>,
     uv: Vec<Option<UvSource>>,
-    /// Linear RGB of what has no material.
+    /// Linear RGB albedo of primitives without a material.
     default: Option<[f32; 3]>,
-    /// What of the file is not taken over.
+    /// Messages about features of the file that are not imported.
     left_out: Vec<String>,
 }
 
 impl<'a> Materials<'a> {
-    /// `default` is the linear RGB albedo of what has no material, glTF's white when absent.
+    /// `default` is the linear RGB albedo of primitives without a material, glTF's white when absent.
     pub fn new(source: &'a Source, default: Option<[f32; 3]>) -> Self {
         let (used, textures, out, uv, left_out) = Default::default();
         Self { source, used, textures, out, uv, default, left_out }
     }
 
-    /// Whether what has no material is white.
+    /// Whether primitives without a material are white.
     pub fn has_white_default(&self) -> bool {
         self.default.is_none()
     }
 
-    /// Whether something has no material.
+    /// Whether a primitive has no material.
     pub fn has_default(&self) -> bool {
         self.used.contains_key(&None)
     }
 
-    /// The name of one of our materials.
+    /// Name of an output material.
     pub fn name(&self, material: u32) -> &str {
         self.out.get(material as usize).map_or("", |m| &m.name)
     }
 
-    /// Whether one of our materials lets no light through.
+    /// Whether an output material transmits no light.
     pub fn is_opaque(&self, material: u32) -> bool {
         self.out.get(material as usize).is_some_and(|m| m.alpha == Alpha::Opaque && !m.is_glass())
     }
 
-    /// Our index for a glTF material, and where its texture coordinates come from.
+    /// Returns the output index of a glTF material and the source of the texture coordinates. Converts the material on
+    /// first use.
     pub fn index(&mut self, material: Option<usize>) -> Result<(u32, Option<UvSource>), SceneError> {
         if let Some(&i) = self.used.get(&material) {
             return Ok((i, self.uv[i as usize]));
@@ -122,7 +123,7 @@ impl<'a> Materials<'a> {
         let emissive = m.emissive_texture.as_ref().map(TextureInfo::new);
         let [base, shiny] = [pbr.base_color_texture, pbr.metallic_roughness_texture];
         let base_color_texture = base.as_ref().map(|info| self.texture_index(info.index, false));
-        // A vertex has one pair of coordinates: the first texture's.
+        // A vertex has a single pair of coordinates: that of the first texture.
         let shone_through = extensions.and_then(|e| e.transmission.as_ref());
         let shone_through = shone_through.and_then(|t| t.transmission_texture.as_ref()).map(TextureInfo::new);
         let uv = [&base, &normal, &shiny, &emissive, &shone_through].into_iter().flatten().next();
@@ -146,7 +147,7 @@ impl<'a> Materials<'a> {
         };
         let material = Material {
             name,
-            // An albedo over 1 would make energy out of nothing.
+            // An albedo over 1 would create energy.
             base_color: base_color.map(|c| c.clamp(0.0, 1.0)),
             base_color_texture,
             alpha,
@@ -164,7 +165,8 @@ impl<'a> Materials<'a> {
         Ok((material, uv))
     }
 
-    /// The surface's colour and shine, which an older extension may say where nothing else does.
+    /// Returns base colour and metallic-roughness. KHR_materials_pbrSpecularGlossiness applies if
+    /// `pbrMetallicRoughness` has no base colour.
     fn surface(&mut self, m: &gltf::json::Material, name: &str) -> Surface {
         let pbr = &m.pbr_metallic_roughness;
         let older = m.extensions.as_ref().and_then(|e| e.pbr_specular_glossiness.as_ref());
@@ -175,7 +177,7 @@ impl<'a> Materials<'a> {
                     let what = format!("the specular-glossiness texture of material {name:?}");
                     self.left_out.push(format!("{what}: its diffuse colour and its factors are taken"));
                 }
-                // The diffuse colour is that of what is not metal.
+                // The diffuse colour is that of a dielectric.
                 Surface {
                     base_color: older.diffuse_factor.0,
                     base_color_texture: older.diffuse_texture.as_ref().map(TextureInfo::new),
@@ -194,7 +196,7 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// What a material lets through, but for its texture.
+    /// Transmission of a material, without the transmission texture.
     fn light_through(
         &mut self,
         index: usize,
@@ -235,7 +237,7 @@ impl<'a> Materials<'a> {
         Ok(extras)
     }
 
-    /// Our index for a glTF texture.
+    /// Returns the output index of a glTF texture.
     fn texture_index(&mut self, texture: usize, data: bool) -> u32 {
         let known = self.textures.iter().position(|t| *t == (texture, data));
         known.unwrap_or_else(|| {
@@ -244,7 +246,7 @@ impl<'a> Materials<'a> {
         }) as u32
     }
 
-    /// A texture besides the base colour's.
+    /// Converts a reference to a texture, except base colour.
     fn detail(
         &mut self,
         material: &str,
@@ -271,13 +273,14 @@ impl<'a> Materials<'a> {
         Some(DetailTexture { texture, uv_from_vertex: [rows.x_axis.into(), rows.y_axis.into()] })
     }
 
-    /// The materials and their textures; textures with one image share it. Only those that light needs are decoded, and those
-    /// of emission: these and the rest are for pictures, which do without what cannot be read.
+    /// Adds the materials and textures to the scene; textures with a common image share the image. Decodes the images
+    /// that light transport needs, and those of emission. Only transport images are required: an unreadable image that
+    /// serves rendered pictures alone is left out.
     pub fn finish(mut self, scene: &mut Scene) -> Result<(), SceneError> {
         let source = self.source;
         let needed: HashSet<u32> = self.out.iter().flat_map(needed::of_light).collect();
         let shining: HashSet<u32> = self.out.iter().filter_map(needed::of_emission).collect();
-        // Which image, whether it is decoded, and whether light needs it.
+        // Image index, whether decoded, whether needed by light transport.
         let mut images: Vec<(usize, bool, bool)> = Vec::new();
         let mut of_image = Vec::new();
         for (t, &(texture, _)) in self.textures.iter().enumerate() {
@@ -301,7 +304,7 @@ impl<'a> Materials<'a> {
         }
         check_sizes(source, &images)?;
         let mut pictures = Vec::new();
-        // What is for pictures alone may be of a kind that only browsers decode.
+        // An image for rendered pictures alone may have a format that only browsers decode.
         let read = |&(i, decoded, needed): &(usize, bool, bool)| match picture(source, i, decoded) {
             Err(_) if decoded && !needed => picture(source, i, false),
             read => read,

@@ -1,4 +1,4 @@
-//! Meshes as the file has them, in their own space.
+//! Meshes of the file, in mesh space.
 
 use super::material::Materials;
 use super::primitive::Numbers;
@@ -12,28 +12,28 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use rebounce_shared::rbn::LARGEST;
 
-/// A primitive's triangles in its mesh's space.
+/// Triangles of a primitive, in mesh space; in world space if skinned.
 pub(super) struct Part {
-    /// What errors call it.
+    /// Name of the part in errors.
     pub what: String,
     pub positions: Vec<DVec3>,
-    /// One per vertex; without them the triangles are flat. Zero where the file's is no number.
+    /// One per vertex, zero where not finite; without normals the triangles are flat-shaded.
     pub normals: Option<Vec<DVec3>>,
-    /// Of the material's first texture, one per vertex.
+    /// Coordinates for the material's first texture, one per vertex.
     pub uvs: Vec<Vec2>,
-    /// Linear RGB and alpha from 0 to 1, one per vertex, where they are not all white.
+    /// Linear RGB and alpha from 0 to 1, one per vertex; `None` if all are white.
     pub colors: Option<Vec<Vec4>>,
     pub triangles: Vec<[u32; 3]>,
     pub material: u32,
 }
 
-/// What errors call a mesh.
+/// Name of a mesh in errors.
 pub(super) fn name(source: &Source, index: usize) -> String {
     let name = source.root.meshes.get(index).and_then(|mesh| mesh.name.as_deref());
     format!("mesh {index} ({:?})", name.unwrap_or_default())
 }
 
-/// The parts of mesh `index`, deformed. Points and lines are left out, and so noted.
+/// Reads the parts of mesh `index`, deformed by `rest`. Points and lines are left out, with a message.
 pub(super) fn read(
     source: &Source,
     index: usize,
@@ -99,7 +99,7 @@ fn part(
                 .collect()
         }
         None => {
-            // Without coordinates all of them are zero, as in browsers.
+            // Without coordinates, all are zero, as in browsers.
             let uv = uv_source.map(|u| u.matrix.transform_point2(DVec2::ZERO).as_vec2());
             if let Some(u) = uv_source {
                 let name = materials.name(material);
@@ -139,13 +139,13 @@ fn part(
     Ok(Some(Part { what, positions, normals, uvs, colors, triangles, material }))
 }
 
-/// Stands for what is not a number, and counts it.
+/// Returns the default in place of a non-finite value, and increments `count`.
 fn counted<T: Default>(count: &mut usize) -> T {
     *count += 1;
     T::default()
 }
 
-/// The vertices' colours, where they are not all white.
+/// Returns the vertex colours; `None` if all are white.
 fn colors(numbers: &Numbers, unusable: &mut usize) -> Result<Option<Vec<Vec4>>, SceneError> {
     let read = if numbers.is(&Semantic::Colors(0), Type::Vec3) {
         let opaque = |rgb: Vec<[f64; 3]>| rgb.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
@@ -158,7 +158,7 @@ fn colors(numbers: &Numbers, unusable: &mut usize) -> Result<Option<Vec<Vec4>>, 
     };
     let bounded = |c: [f64; 4]| {
         let color = Vec4::from_array(c.map(|x| x as f32));
-        // A colour over 1 would make energy out of nothing.
+        // A colour over 1 would create energy.
         if color.is_finite() { color.clamp(Vec4::ZERO, Vec4::ONE) } else { counted::<Vec4>(unusable) + 1.0 }
     };
     let colors: Vec<Vec4> = read.into_iter().map(bounded).collect();

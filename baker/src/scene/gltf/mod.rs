@@ -1,13 +1,13 @@
 //! glTF 2.0 to [`Scene`].
 //!
-//! * `document`, `exact`, `repair` – the JSON, as the `gltf` crate has it and what it has not; `container`, `source`,
-//!   `beside` – the bytes; `accessor` – the numbers;
-//! * `meshopt`, `draco` – compressed numbers; `extensions` – what is refused;
-//! * `material`, `texture_info`, `transmission` – materials, their textures, light that goes through;
-//!   `picture` – which image of a texture is taken;
-//! * `primitive`, `mesh` – triangles in their own space; `rest` – morph targets and skins;
-//! * `instances`, `place` – in the world; `choice` – which scene; `node` – transforms and cameras;
-//! * `light`, `enclosed` – lights, and those that are walled in; `animation` – how lights move.
+//! * `document`, `exact`, `repair` – JSON: parsing by the `gltf` crate, values that the crate loses, malformed input;
+//!   `container`, `source`, `beside` – bytes of buffers and images; `accessor` – accessor elements;
+//! * `meshopt`, `draco` – decompression; `extensions` – supported and refused extensions;
+//! * `material`, `texture_info`, `transmission` – materials, texture references, transmission; `picture` – image
+//!   selection;
+//! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins;
+//! * `instances`, `place` – world-space placement; `choice` – scene selection; `node`, `pose` – transforms and cameras;
+//! * `light`, `punctual`, `enclosed` – lights, and lamps enclosed by a mesh; `animation` – animated lights.
 
 mod accessor;
 mod animation;
@@ -50,12 +50,13 @@ use std::collections::BTreeMap;
 use std::iter::Zip;
 use std::path::{Path, PathBuf};
 
-/// Sizes of a scene, in its units, that 32-bit numbers are good for.
+/// Bounding-box diagonals, scene units, for which 32-bit floats suffice.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
-/// Triangles so many times as long as the middle one are noted: positions are rounded to a share of the whole.
+/// Threshold for the ratio of a mesh's longest triangle side to the scene's median side. A mesh over the threshold is
+/// reported: positions are rounded to a share of the scene's extent.
 const HUGE: f64 = 1e5;
 
-/// Places where meshes stand, at most.
+/// Maximum number of mesh placements.
 const MOST_PLACES: usize = MAX_COPIES as usize;
 
 /// Loads a .gltf or .glb file.
@@ -135,11 +136,11 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     Ok(scene)
 }
 
-/// What is placed: a mesh, and the node that deforms it where one does.
+/// Mesh index, and index of the deforming node, if any.
 type Shape = (usize, Option<usize>);
 
-/// Places all meshes, in the order of the nodes. A mesh is read once for each way in which nodes deform it, and kept as long
-/// as nodes will need it; one that stands in many places becomes a model.
+/// Places all meshes in node order. A mesh is read once per deformation and kept until the last node with the mesh is
+/// placed; a mesh with many placements becomes a model.
 fn place_all(
     source: &Source,
     nodes: &[node::Placed],
@@ -151,7 +152,7 @@ fn place_all(
     let mut places: BTreeMap<Shape, Vec<DMat4>> = BTreeMap::new();
     let mut rests: BTreeMap<usize, Rest> = BTreeMap::new();
     let mut skins = Skins::default();
-    // The shape of each node that has one, and how many places it adds.
+    // Shape of every node with a mesh, and the number of placements added by the node.
     let mut placed: Vec<(Shape, usize)> = Vec::new();
     let mut count = 0;
     for node in nodes {
@@ -207,10 +208,10 @@ fn place_all(
     Ok(seen)
 }
 
-/// The places of a mesh that are still to come, and whether a model stands there.
+/// Remaining placements of a mesh, and whether a model covers the placement.
 type Alone = Zip<std::vec::IntoIter<DMat4>, std::vec::IntoIter<bool>>;
 
-/// Notes triangles that are left out because they have no area, and those that make all others inexact.
+/// Adds to `left_out`: degenerate triangles, and triangles so long that small triangles lose precision.
 fn note_odd_triangles(source: &Source, scene: &mut Scene, seen: &BTreeMap<usize, Seen>) {
     let listed = |odd: Vec<(usize, String)>| {
         let named: Vec<String> =

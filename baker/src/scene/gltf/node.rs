@@ -10,7 +10,7 @@ use serde::Deserialize;
 /// A node of the scene with its transform to world space.
 pub(super) struct Placed {
     pub index: usize,
-    /// The parent's place in the list.
+    /// Index of the parent in the list.
     pub parent: Option<usize>,
     pub world: DMat4,
 }
@@ -46,18 +46,18 @@ pub(super) fn flatten(source: &Source, roots: Vec<usize>) -> Result<Vec<Placed>,
     Ok(out)
 }
 
-/// What errors call a node.
+/// Name of a node in errors.
 pub(super) fn name(source: &Source, index: usize) -> String {
     let name = source.root.nodes.get(index).and_then(|node| node.name.as_deref());
     format!("node {index} ({:?})", name.unwrap_or_default())
 }
 
-/// A name, or where it is empty that of a node.
+/// Returns `name`, or the node's name if `name` is empty.
 pub(super) fn or_of_node(source: &Source, node: &Placed, name: String) -> String {
     if name.is_empty() { source.root.nodes[node.index].name.clone().unwrap_or_default() } else { name }
 }
 
-/// The own name of a node's camera, or else the node's.
+/// Name of a node's camera, or else of the node.
 pub(super) fn camera_name(source: &Source, node: &Placed) -> String {
     let camera =
         source.root.nodes[node.index].camera.and_then(|index| source.root.cameras.get(index.value()));
@@ -81,14 +81,15 @@ impl Default for Visibility {
     }
 }
 
-/// Position and direction of a light or camera with this transform.
+/// Position and direction of a light or camera with the transform `world`.
 pub(super) fn placement(world: &DMat4) -> ([f64; 3], [f64; 3]) {
     let direction = (-world.z_axis.truncate()).try_normalize().unwrap_or(DVec3::NEG_Z);
     (world.w_axis.truncate().to_array(), direction.to_array())
 }
 
-/// The node's camera. `size` is the diagonal of the scene's main part: the point looked at is beside its middle.
-/// An orthographic camera becomes a perspective one that sees as much at the scene's middle.
+/// Converts the node's camera. `size` is the diagonal of the scene's main part. The target is the point of the view
+/// axis beside `origin`, the middle of the main part, and at least 0.05 `size` ahead. An orthographic camera becomes a
+/// perspective camera with equal view height at the target.
 pub(super) fn camera(
     source: &Source,
     node: &Placed,

@@ -1,4 +1,4 @@
-//! Which image of a texture is taken, its bytes, and its sampler.
+//! Image selection of a texture, image bytes, and sampler.
 
 use super::source::Source;
 use crate::scene::texture::{check_together, texels_said};
@@ -9,9 +9,9 @@ use gltf::json::validation::Checked;
 use rebounce_shared::rbn::meta::{self, Wrap};
 use serde::Deserialize;
 
-/// The extensions of pictures besides PNG and JPEG.
+/// Extensions for image formats besides PNG and JPEG.
 const OTHERS: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
-/// What a texture without a PNG or JPEG has in the crate's document.
+/// The `source` of a texture without PNG or JPEG, in the crate's document.
 const NONE: usize = u32::MAX as usize;
 
 #[derive(Default, Deserialize)]
@@ -20,7 +20,7 @@ struct Other {
     source: Option<usize>,
 }
 
-/// The image of a texture: PNG or JPEG where there is one, else WebP, else Basis Universal.
+/// Image of a texture: PNG or JPEG if present, else WebP, else Basis Universal.
 pub(super) fn image_index(source: &Source, texture: usize) -> Result<usize, SceneError> {
     let known = source.root.textures.get(texture);
     let known = known.ok_or_else(|| source.malformed(format!("there is no texture {texture}")))?;
@@ -39,7 +39,7 @@ pub(super) fn image_index(source: &Source, texture: usize) -> Result<usize, Scen
     })
 }
 
-/// An image and its bytes.
+/// Returns an image and the file bytes of the image.
 fn image(source: &Source, index: usize) -> Result<(&Image, Vec<u8>), SceneError> {
     let image = source.root.images.get(index);
     let image = image.ok_or_else(|| source.malformed(format!("there is no image {index}")))?;
@@ -51,11 +51,11 @@ fn image(source: &Source, index: usize) -> Result<(&Image, Vec<u8>), SceneError>
     Ok((image, bytes))
 }
 
-/// Refuses images, decoded or only looked at, that would take far more memory than the file gives reason to.
+/// Refuses images, decoded or with only the header read, that need far more memory than the file size justifies.
 pub(super) fn check_sizes(source: &Source, images: &[(usize, bool, bool)]) -> Result<(), SceneError> {
     let (mut texels, mut size) = (0u64, 0u64);
     for &(index, decoded, _) in images {
-        // What cannot be read is told where it is needed.
+        // An unreadable image is reported on use.
         let Ok((_, bytes)) = image(source, index) else { continue };
         texels = texels.saturating_add(texels_said(&bytes, decoded));
         size += bytes.len() as u64;
@@ -63,7 +63,7 @@ pub(super) fn check_sizes(source: &Source, images: &[(usize, bool, bool)]) -> Re
     check_together(texels, size).map_err(|problem| source.malformed(problem))
 }
 
-/// An image, decoded or only looked at.
+/// Reads an image; without `decoded`, only the header.
 pub(super) fn picture(source: &Source, index: usize, decoded: bool) -> Result<Texture, SceneError> {
     let (image, bytes) = image(source, index)?;
     let file_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")).unwrap_or("");
@@ -72,7 +72,7 @@ pub(super) fn picture(source: &Source, index: usize, decoded: bool) -> Result<Te
     Texture::new(&source.file, meta::Texture { name, ..meta::Texture::default() }, bytes, decoded)
 }
 
-/// A texture: its picture with its sampler. The index has been checked.
+/// Combines a texture's image and sampler. `index` is already checked.
 pub(super) fn sampled(source: &Source, index: usize, data: bool, picture: &Texture) -> Texture {
     let texture = &source.root.textures[index];
     let sampler = texture.sampler.and_then(|s| source.root.samplers.get(s.value()));

@@ -10,7 +10,7 @@ use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
 /// Scene units from the origin beyond which products of lengths leave the range of 32-bit numbers.
 const FAR: f64 = 1e12;
 
-/// What was seen while placing a mesh.
+/// Statistics of the triangles of a placed mesh.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Seen {
     /// Triangles without area.
@@ -19,7 +19,8 @@ pub(super) struct Seen {
     pub longest: f64,
 }
 
-/// Makes models of a mesh's parts as far as that is worth it; tells of each place whether a model stands there now.
+/// Makes models of a mesh's parts for the placements where instancing pays. Returns for each placement whether a model
+/// covers the placement.
 pub(super) fn models(
     source: &Source,
     parts: &[Part],
@@ -29,7 +30,7 @@ pub(super) fn models(
 ) -> Result<Vec<bool>, SceneError> {
     let mut taken = vec![false; places.len()];
     let triangles = parts.iter().map(|part| part.triangles.len()).sum();
-    // Vertices that no triangle uses may be anywhere.
+    // Unused vertices may be anywhere, so the bounds skip unused vertices.
     let used = |part: &Part| {
         part.triangles.iter().flatten().map(|i| part.positions[*i as usize]).collect::<Vec<_>>()
     };
@@ -58,7 +59,7 @@ pub(super) fn models(
     Ok(taken)
 }
 
-/// Whether what is there and so much more is not too much.
+/// Checks the vertex and triangle counts, including the given additions, against `MOST`.
 fn check_counts(
     source: &Source,
     out: &WorldMesh,
@@ -123,7 +124,7 @@ pub(super) fn append(
             out.triangles.extend(part.triangles.iter().map(|t| turned(t).map(|i| i + first as u32)));
         }
         None => {
-            // glTF: without normals, flat ones; vertices are not shared.
+            // glTF: without normals, triangles are flat-shaded; vertices are not shared.
             for t in part.triangles.iter().map(turned) {
                 let [a, b, c] = t.map(|i| world[i as usize]);
                 let normal = (b - a).cross(c - a).try_normalize().map_or(Vec3::ZERO, |n| n.as_vec3());

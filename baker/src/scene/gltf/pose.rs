@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DQuat, DVec3};
 
-/// A node's transform in parts; each of them may be animated.
+/// Parts of a node's transform, animated separately.
 #[derive(Clone, Copy)]
 pub(super) struct Pose {
     pub translation: [f64; 3],

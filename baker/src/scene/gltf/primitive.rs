@@ -1,4 +1,4 @@
-//! The numbers of a primitive, whether accessors or Draco hold them.
+//! Attributes and indices of a primitive, from accessors or Draco.
 
 use super::accessor::type_name;
 use super::draco::{self, Decoded};
@@ -9,17 +9,17 @@ use gltf::json::accessor::{Accessor, Type};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-/// A primitive to be read.
+/// Reader of a primitive.
 pub(super) struct Numbers<'a> {
     source: &'a Source,
     primitive: &'a Primitive,
-    /// What errors call it.
+    /// Name of the primitive in errors.
     what: &'a str,
     draco: Option<Decoded>,
 }
 
 impl<'a> Numbers<'a> {
-    /// Decompresses the primitive where it is compressed and the file has no copy that is not.
+    /// Decompresses a Draco primitive, unless the file has an uncompressed copy.
     pub fn new(source: &'a Source, primitive: &'a Primitive, what: &'a str) -> Result<Self, SceneError> {
         let mut numbers = Self { source, primitive, what, draco: None };
         let copied = |a: &Accessor| a.buffer_view.is_some() || a.sparse.is_some();
@@ -32,7 +32,7 @@ impl<'a> Numbers<'a> {
         Ok(numbers)
     }
 
-    /// What errors call the primitive.
+    /// Name of the primitive in errors.
     pub fn what(&self) -> &'a str {
         self.what
     }
@@ -45,12 +45,12 @@ impl<'a> Numbers<'a> {
         self.source.root.accessors.get(self.index(name)?)
     }
 
-    /// Whether the primitive has an attribute of this type.
+    /// Whether the primitive has the attribute `name` with type `kind`.
     pub fn is(&self, name: &Semantic, kind: Type) -> bool {
         self.accessor(name).is_some_and(|a| a.type_ == Checked::Valid(kind))
     }
 
-    /// An attribute of this type, as `N` numbers a vertex.
+    /// Reads the attribute `name` of type `kind` as `N` numbers per vertex; `None` if absent.
     pub fn read<const N: usize>(
         &self,
         name: &Semantic,
@@ -70,14 +70,14 @@ impl<'a> Numbers<'a> {
         self.source.read(index, kind, &format!("{name} of {}", self.what)).map(Some)
     }
 
-    /// The corners of its triangles, of which `count` vertices may be used, counter-clockwise as glTF has them.
+    /// Returns the vertex indices of the triangles, below `count`, counter-clockwise as in glTF.
     pub fn triangles(&self, count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
         let mode = match self.primitive.mode {
             Checked::Valid(mode) => mode,
             Checked::Invalid => Mode::Triangles,
         };
         let (mode, indices) = match (&self.draco, self.primitive.indices) {
-            // Draco makes a list of strips.
+            // Draco decodes strips to a list.
             (Some(draco), _) => (Mode::Triangles, draco.indices()),
             (None, Some(a)) => {
                 (mode, self.source.read_indices(a.value(), &format!("indices of {}", self.what))?)

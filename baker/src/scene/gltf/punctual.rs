@@ -1,14 +1,13 @@
 //! KHR_lights_punctual.
 //!
-//! Read from the raw extension: in the crate's own form of it numbers have 32 bits and types that it does not know have
-//! no name.
+//! Read from the raw extension: the crate's own types have 32-bit numbers, and lose the name of an unknown light type.
 
 use serde::Deserialize;
 
-/// The extension's name.
+/// Name of the extension.
 pub(super) const NAME: &str = "KHR_lights_punctual";
 
-/// A light as the file has it; nodes place it.
+/// A light of the file; placed by nodes.
 #[derive(Debug, Deserialize)]
 #[serde(default)]
 pub(super) struct PunctualLight {

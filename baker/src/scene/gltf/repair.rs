@@ -1,11 +1,11 @@
-//! JSON that the `gltf` crate refuses to parse though it can be read.
+//! Repair of JSON that the `gltf` crate refuses to parse although the meaning is clear.
 //!
-//! * [`mend`] – the ways in which exporters say "none" or write an index;
-//! * [`complete`] – members that the crate requires and that may be missing.
+//! * [`mend`] – exporters' notations for an absent member and for an index;
+//! * [`complete`] – members that the crate requires but that may be absent.
 
 use serde_json::{Value, json};
 
-/// Members that are the index of something and may be left out, or −1 where exporters mean none.
+/// Optional index members; exporters write −1 for an absent index.
 const OPTIONAL: [&str; 12] = [
     "bufferView",
     "camera",
@@ -20,15 +20,15 @@ const OPTIONAL: [&str; 12] = [
     "skin",
     "source",
 ];
-/// Members that are the index of something and are needed.
+/// Required index members.
 const REQUIRED: [&str; 4] = ["buffer", "index", "input", "output"];
-/// Members that are lists of indices of nodes.
+/// Members that are lists of node indices.
 const LISTS: [&str; 3] = ["children", "joints", "nodes"];
-/// The largest number below which all whole numbers are exact in 64 bits.
+/// 2^53: integers up to this bound are exact in 64-bit floats.
 const EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// Takes out members that are null or an index of −1, and makes whole numbers of those written with a point. What
-/// applications keep for themselves (`extras`) stays as it is.
+/// Removes members that are null or the index −1, and converts integral floats to integers. Leaves application data
+/// (`extras`) unchanged.
 pub(super) fn mend(root: &mut Value) {
     walk("", root);
 }
@@ -47,7 +47,7 @@ fn walk(name: &str, value: &mut Value) {
         }
         Value::Array(list) => {
             if list.iter().any(Value::is_object) {
-                // Indices count the places in the list, empty ones too.
+                // Indices count null elements too, so an empty object replaces null.
                 list.iter_mut().filter(|element| element.is_null()).for_each(|e| *e = json!({}));
             } else if LISTS.contains(&name) {
                 list.retain(|element| !element.is_null() && !is_minus_one(element));
@@ -56,7 +56,7 @@ fn walk(name: &str, value: &mut Value) {
             list.iter_mut().for_each(|element| walk("", element));
         }
         Value::Number(number) => {
-            // Whole numbers are written as such: 3.0 is the index 3. The sign of −0.0 would be lost.
+            // An integral float becomes an integer: 3.0 is the index 3. Except −0.0, which would lose the sign.
             let whole = |x: &f64| x.fract() == 0.0 && x.abs() <= EXACT && (*x != 0.0 || x.is_sign_positive());
             if let Some(x) = number.as_f64().filter(whole).filter(|_| number.is_f64()) {
                 *value = json!(x as i64);
@@ -66,7 +66,7 @@ fn walk(name: &str, value: &mut Value) {
     }
 }
 
-/// Whether a member of the object `of` says that there is none of its kind.
+/// Whether a member of the object `of` means absence: null, or the index −1.
 fn is_none(of: &str, key: &str, member: &Value) -> bool {
     let inner = |index: &str| member.get(index).is_some_and(is_minus_one);
     member.is_null()
@@ -79,15 +79,15 @@ fn is_minus_one(value: &Value) -> bool {
     value.as_f64() == Some(-1.0)
 }
 
-/// The crate cuts indices off above 32 bits: what is larger becomes the largest one, which nothing has.
+/// Clamps an index to `u32::MAX`, an index without an element: the crate truncates indices to 32 bits.
 fn bound(index: &mut Value) {
     if index.as_u64().is_some_and(|i| i > u64::from(u32::MAX)) {
         *index = json!(u32::MAX);
     }
 }
 
-/// Adds members that the crate requires and that may be missing, because an extension stands for them, because nothing
-/// reads them, or because reading them ends in a better sentence.
+/// Adds absent members that the crate requires: members replaced by an extension, members never read, and members with
+/// a better error on reading.
 pub(super) fn complete(root: &mut Value) {
     each(root, "scenes", |scene| add(scene, &[("nodes", json!([]))]));
     each(root, "bufferViews", |view| add(view, &[("buffer", json!(0)), ("byteLength", json!(0))]));
@@ -114,19 +114,19 @@ pub(super) fn complete(root: &mut Value) {
         each(animation, "channels", |channel| {
             add(channel, &[("target", json!({}))]);
             if let Some(target) = channel.get_mut("target") {
-                // What KHR_animation_pointer moves is no node.
+                // A target of KHR_animation_pointer has no node.
                 add(target, &[("node", json!(u32::MAX)), ("path", json!(""))]);
             }
         });
     });
 }
 
-/// Does something to each element of a list, if there is one.
+/// Applies `change` to every element of an array member, if present.
 fn each(of: &mut Value, list: &str, change: impl FnMut(&mut Value)) {
     of.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten().for_each(change);
 }
 
-/// Adds members that an object does not have.
+/// Adds absent members to an object.
 fn add(object: &mut Value, members: &[(&str, Value)]) {
     let Some(object) = object.as_object_mut() else { return };
     for (name, value) in members {

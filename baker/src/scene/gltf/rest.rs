@@ -1,4 +1,4 @@
-//! Meshes at rest: morph targets by their default weights (glTF 2.0, 3.7.2.2), then skins by their joints (3.7.3.3).
+//! Rest pose of meshes: morph targets with default weights (glTF 2.0, 3.7.2.2), then skins (3.7.3.3).
 
 use super::primitive::Numbers;
 use super::source::Source;
@@ -9,10 +9,10 @@ use gltf::json::mesh::{Primitive, Semantic};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// How a node deforms its mesh.
+/// Deformation of a mesh by a node.
 #[derive(Debug, Default)]
 pub(super) struct Rest {
-    /// Of the morph targets, in the file's order; targets beyond the end have weight 0.
+    /// Weights of the morph targets, in file order; targets beyond the end have weight 0.
     weights: Vec<f64>,
     skin: Option<Skin>,
 }
@@ -20,23 +20,23 @@ pub(super) struct Rest {
 /// Linear blend skinning.
 #[derive(Debug)]
 struct Skin {
-    /// World from mesh space, by joint: the joint's global transform after its inverse bind matrix.
+    /// World from mesh space, by joint: global transform of the joint times inverse bind matrix.
     world_from_mesh: Rc<[DMat4]>,
-    /// The node's own transform, which counts for primitives without joints alone.
+    /// World from node space, used only for primitives without joints.
     world_from_node: DMat4,
 }
 
 impl Rest {
-    /// The deformation that a mesh has wherever a node says nothing else.
+    /// The mesh's default deformation, for nodes without skin or weights.
     pub fn of_mesh(source: &Source, mesh: usize) -> Self {
         let weights = source.root.meshes.get(mesh).and_then(|mesh| mesh.weights.as_deref());
         Self { weights: wide(weights.unwrap_or_default()), skin: None }
     }
 
-    /// The deformation of a node's mesh where the node has a skin or weights of its own.
+    /// The deformation by a node that has a skin or weights; `None` without both.
     ///
     /// # Errors
-    /// Skins, joints or matrices that are not there, or not finite.
+    /// Skins, joints or matrices that are missing or not finite.
     pub fn of_node(
         source: &Source,
         node: usize,
@@ -58,15 +58,15 @@ impl Rest {
         Ok(Some(rest))
     }
 
-    /// Whether deformed positions are in world space instead of the mesh's.
+    /// Whether deformed positions are in world space instead of mesh space.
     pub fn is_skinned(&self) -> bool {
         self.skin.is_some()
     }
 
-    /// Deforms a primitive's vertices. True where that turns the triangles inside out.
+    /// Deforms a primitive's vertices. Returns true if the deformation turns the triangles inside out.
     ///
     /// # Errors
-    /// Targets or joints that are missing, of another length, or not finite.
+    /// Morph targets or joints that are missing, of the wrong length, or not finite.
     pub fn apply(
         &self,
         source: &Source,
@@ -136,12 +136,13 @@ impl Skin {
         for (normal, linear) in normals.into_iter().flatten().zip(linear()) {
             *normal = (normals_along(linear) * *normal).try_normalize().unwrap_or(DVec3::ZERO);
         }
-        // Mirrored are triangles by all three corners; where corners differ, most of a primitive decides.
+        // A mirroring matrix flips a triangle; where the corners differ, the majority of the primitive's vertices
+        // decides.
         let mirrored = linear().filter(|linear| linear.determinant() < 0.0).count();
         Ok(2 * mirrored > blended.len())
     }
 
-    /// Each vertex's matrix: the mean of its joints' by weight.
+    /// Returns the matrix of each vertex: the weighted mean of joint matrices.
     fn blended(&self, source: &Source, numbers: &Numbers, count: usize) -> Result<Vec<DMat4>, SceneError> {
         let mut sums = vec![(DMat4::ZERO, 0.0); count];
         let mut first = Vec::new();
@@ -170,7 +171,7 @@ impl Skin {
             if total > 0.0 {
                 return Ok(sum * (1.0 / total));
             }
-            // Without weights a vertex follows its first joint.
+            // A vertex without weights follows the first joint.
             self.matrix(joints[0]).ok_or_else(|| self.no_joint(source, numbers, joints[0]))
         };
         sums.into_iter().zip(first).map(of_vertex).collect()
@@ -186,7 +187,7 @@ impl Skin {
     }
 }
 
-/// The inverse transpose but for its scale, which takes normals along: the cofactor matrix by the determinant's sign.
+/// Matrix for normals: the inverse transpose up to scale, as cofactor matrix times sign of the determinant.
 pub(super) fn normals_along(linear: DMat3) -> DMat3 {
     let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
     DMat3::from_cols(
@@ -196,14 +197,14 @@ pub(super) fn normals_along(linear: DMat3) -> DMat3 {
     ) * sign
 }
 
-/// The joints of the skins met so far: many nodes may have one skin, and many joints one ancestor.
+/// Cache of joint matrices: nodes may share a skin, and joints may share ancestors.
 #[derive(Default)]
 pub(super) struct Skins {
-    /// World from mesh space, by joint.
+    /// World from mesh space, by skin and joint.
     found: BTreeMap<usize, Rc<[DMat4]>>,
-    /// The parent of every node, in whatever scene the node is.
+    /// Parent of every node, in any scene.
     parents: Vec<Option<usize>>,
-    /// World from node space, of the nodes met so far.
+    /// World from node space, by node.
     worlds: BTreeMap<usize, DMat4>,
 }
 
@@ -234,7 +235,7 @@ impl Skins {
         Ok(joints)
     }
 
-    /// A node's transform to world space, by the chain of its parents.
+    /// Returns a node's world transform, along the chain of parents.
     fn world(&mut self, source: &Source, joint: usize) -> Result<DMat4, SceneError> {
         if self.parents.is_empty() {
             self.parents = parents(source);

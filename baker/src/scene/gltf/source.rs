@@ -1,4 +1,4 @@
-//! The bytes of a glTF file: buffers, their views, data URIs and files beside it.
+//! Bytes of a glTF file: buffers, buffer views, data URIs and external files.
 
 use super::beside;
 use super::container::{base64_decoded, percent_decoded, split_glb, text};
@@ -17,23 +17,23 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// A parsed glTF file with the bytes of its buffers.
 pub(super) struct Source {
-    /// What errors call the file.
+    /// Name of the file in errors.
     pub file: String,
     dir: PathBuf,
     pub root: Root,
-    /// What `root` rounds or cannot hold.
+    /// Values that `root` rounds or cannot hold.
     pub exact: Exact,
-    /// Of KHR_lights_punctual.
+    /// Lights of KHR_lights_punctual.
     pub lights: Vec<PunctualLight>,
-    /// A buffer that only stands for decompressed bytes has none.
+    /// Bytes by buffer; empty for a fallback buffer of meshopt compression.
     buffers: Vec<Vec<u8>>,
-    /// By buffer view; the compressed ones, as soon as something reads them.
+    /// Decompressed bytes by buffer view; set on the first read of a compressed view.
     unpacked: Vec<OnceLock<Vec<u8>>>,
     notes: Mutex<Vec<String>>,
 }
 
 impl Source {
-    /// Parses the JSON, refuses what is not supported, and reads all buffers.
+    /// Reads and parses a file: refuses unsupported extensions, and reads all buffers.
     pub fn open(path: &Path) -> Result<Self, SceneError> {
         let file = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: file.clone(), source })?;
@@ -44,7 +44,7 @@ impl Source {
         })
     }
 
-    /// The same from bytes; files that it names are looked for in `dir`.
+    /// Like `open`, from bytes; external files are looked up in `dir`.
     pub fn parse(file: String, dir: PathBuf, bytes: &[u8]) -> Result<Self, SceneError> {
         let not_gltf = |problem: String| SceneError::NotGltf { file: file.clone(), problem };
         if bytes.starts_with(&MAGIC) {
@@ -74,7 +74,7 @@ impl Source {
             let meshopt: Option<meshopt::Fallback> =
                 source.read_extension(buffer, &meshopt::NAMES, format_args!("buffer {i}"))?;
             if meshopt.is_some_and(|m| m.fallback) {
-                // It stands for what is compressed elsewhere.
+                // A fallback buffer has no data: a placeholder for bytes compressed in a separate buffer.
                 source.buffers.push(Vec::new());
                 continue;
             }
@@ -94,12 +94,12 @@ impl Source {
         Ok(source)
     }
 
-    /// An error that says what is wrong in this file.
+    /// Makes a `SceneError::Malformed` for the file.
     pub fn malformed(&self, problem: impl Into<String>) -> SceneError {
         SceneError::Malformed { file: self.file.clone(), problem: problem.into() }
     }
 
-    /// The bytes behind a URI: a data URI or a file beside this one.
+    /// Reads the bytes of a URI: a data URI or a file beside the scene's file.
     pub fn uri(&self, uri: &str) -> Result<Vec<u8>, SceneError> {
         if let Some(data) = uri.strip_prefix("data:") {
             let (head, body) =
@@ -129,22 +129,22 @@ impl Source {
         }
     }
 
-    /// Keeps what is to be said about the file.
+    /// Adds a note for the user.
     fn note(&self, note: String) {
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
     }
 
-    /// What is to be said about the file as far as it has been read.
+    /// Returns the notes added so far.
     pub fn notes(&self) -> Vec<String> {
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Bytes of all buffers together: what a count can be measured by that has no bytes of its own.
+    /// Total bytes of all buffers: a bound for counts without data.
     pub fn size(&self) -> usize {
         self.buffers.iter().map(Vec::len).sum()
     }
 
-    /// The bytes of a buffer view, decompressed, and how far apart its elements are if it says so.
+    /// Returns the decompressed bytes of a buffer view, and the stride in bytes if stated.
     pub fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), SceneError> {
         let bad = |problem: &str| self.malformed(format!("buffer view {index} {problem}"));
         let view = self.root.buffer_views.get(index);
@@ -156,7 +156,7 @@ impl Source {
             let (buffer, from, len) =
                 (view.buffer.value(), offset(view.byte_offset), length(view.byte_length));
             let bytes = self.slice(buffer, from, len).ok_or_else(outside)?;
-            // Browsers take zero for none.
+            // Browsers read stride 0 as absent.
             let stride = view.byte_stride.map(|stride| stride.0).filter(|stride| *stride > 0);
             return Ok((bytes, stride));
         };
@@ -172,7 +172,7 @@ impl Source {
         Ok((cell.get().map_or(&[], Vec::as_slice), stride))
     }
 
-    /// The first of these extensions that a part of the file has; `what` names the part in errors.
+    /// Reads the first extension of `names` present on `of`; `what` names the object in errors.
     pub fn read_extension<T: DeserializeOwned>(
         &self,
         of: &impl Extensible,
@@ -190,12 +190,12 @@ impl Source {
     }
 }
 
-/// A count or a length as this machine has them; one that it cannot have is one that nothing is long enough for.
+/// Converts a count or length to `usize`, saturating: no buffer has `usize::MAX` bytes.
 pub(super) fn length(size: USize64) -> usize {
     usize::try_from(size.0).unwrap_or(usize::MAX)
 }
 
-/// The same of an offset, which is zero where none is given.
+/// Converts a byte offset to `usize`; 0 if absent.
 pub(super) fn offset(size: Option<USize64>) -> usize {
     size.map_or(0, length)
 }

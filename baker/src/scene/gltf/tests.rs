@@ -23,8 +23,8 @@ fn base64(bytes: &[u8]) -> String {
     sextets.collect()
 }
 
-/// One mesh whose positions are a unit square in the plane z = 0, seen from +z; `node` and
-/// `more` are JSON members of the node and of the root, `primitive` of the primitive.
+/// A mesh with a unit square in the plane z = 0 as positions, seen from +z; `node`, `more` and `primitive` are JSON
+/// members of the node, the root and the primitive.
 fn square(node: &str, primitive: &str, more: &str) -> String {
     let positions = [[0f32, 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
     let mut bytes: Vec<u8> = positions.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
@@ -56,7 +56,7 @@ fn every_way_to_list_triangles_gives_the_same_surface() {
         assert!(scene.normals.iter().all(|&n| n == Vec3::Z), "{primitive}");
         assert_eq!(scene.origin, [0.5, 0.5, 0.0]);
     }
-    // Strip: 0 1 2, then 1 3 2 – both counter-clockwise in their order of corners.
+    // Strip: 0 1 2, then 1 3 2 – both counter-clockwise in corner order.
     let strip = parse(&square("", r#","mode":5"#, "")).unwrap();
     assert_eq!(strip.triangles.len(), 2);
     assert_eq!(strip.normals[0], Vec3::Z);
@@ -145,7 +145,7 @@ fn lights_and_cameras_have_their_own_names_or_those_of_their_nodes() {
 }
 
 /// The square with texture coordinates (x, 1 − y) and a picture of four texels: red, green above
-/// blue, white. glTF has v = 0 at the top, so that the picture stands upright.
+/// blue, white. glTF has v = 0 at the top, so the picture is upright.
 fn textured(info: &str) -> Scene {
     textured_with(&format!(
         r#""pbrMetallicRoughness":{{"baseColorFactor":[0.5,1,1,1],"baseColorTexture":{{"index":0{info}}}}}"#
@@ -249,7 +249,7 @@ fn broken_files_give_sentences() {
     }
 }
 
-/// A file with one square, a node 1 with a spot light, its child of a parent node 2, and animations over `floats`.
+/// A file with a square, a spot light at node 1, the child of node 2, and animations over `floats`.
 fn animated(floats: &[f32], accessors: &str, animations: &str) -> String {
     let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
     let more = format!(
@@ -329,7 +329,7 @@ fn a_light_follows_its_parent_s_keyframes() {
     let track = &scene.animations[0].tracks[0];
     assert_eq!((track.interpolation, track.times.len()), (Interpolation::Step, 2));
 
-    // What moves no light is left out and named.
+    // Animations that move no light are left out and named.
     let other = moved.replace(r#""node":2"#, r#""node":0"#);
     let scene = parse(&animated(&numbers, &accessors, &other)).unwrap();
     assert!(scene.animations.is_empty() && scene.left_out[0].contains("way"));
@@ -379,6 +379,6 @@ fn detail_textures_keep_their_coordinates_relative_to_the_first() {
     assert!(base != normal, "colours and numbers are uploaded differently");
     assert!(!scene.textures[base as usize].meta.data && scene.textures[normal as usize].meta.data);
     assert_eq!(scene.textures[base as usize].bytes, scene.textures[normal as usize].bytes);
-    // Coordinates of another set are not there; only the picture is poorer.
+    // Coordinates of a different set are ignored; only the picture loses detail.
     assert!(m.emission_texture.is_none() && scene.left_out[0].contains("TEXCOORD_1"), "{:?}", scene.left_out);
 }

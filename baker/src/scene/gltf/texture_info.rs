@@ -1,4 +1,4 @@
-//! Which texture a material asks for, and by which coordinates.
+//! A material's references to textures, and texture coordinates.
 
 use super::document::Extensible;
 use glam::{DMat3, DVec3};
@@ -8,9 +8,9 @@ use gltf::json::texture::Info;
 
 /// A material's reference to a texture.
 pub(super) struct TextureInfo {
-    /// Of the file's textures.
+    /// Index into the file's textures.
     pub index: usize,
-    /// Number of the TEXCOORD attribute, unless the transform has its own.
+    /// Number of the TEXCOORD attribute, unless overridden by the transform.
     set: u32,
     transform: Option<TextureTransform>,
 }
@@ -20,7 +20,7 @@ pub(super) struct TextureInfo {
 pub(super) struct UvSource {
     /// Number of the TEXCOORD attribute.
     pub set: u32,
-    /// From (u, v, 1) of the attribute.
+    /// Transform of (u, v, 1) of the attribute.
     pub matrix: DMat3,
 }
 
@@ -30,7 +30,7 @@ impl TextureInfo {
         Self { index: info.index.value(), set: info.tex_coord, transform }
     }
 
-    /// Of a normal texture, whose transform the crate leaves raw.
+    /// Reads the reference of a normal texture; the crate leaves the transform raw.
     pub fn of_normals(info: &NormalTexture) -> Result<Self, String> {
         let transform = info.extension("KHR_texture_transform")?;
         Ok(Self { index: info.index.value(), set: info.tex_coord, transform })

@@ -1,13 +1,13 @@
-//! Light that goes through a surface: KHR_materials_transmission, _volume, _diffuse_transmission.
+//! Transmission through a surface: KHR_materials_transmission, _volume, _diffuse_transmission.
 
 use gltf::json::texture::Info;
 use rebounce_shared::rbn::extras::Extras;
 use serde::Deserialize;
 
-/// The extension that the `gltf` crate does not know.
+/// Name of the extension unknown to the `gltf` crate.
 pub(super) const DIFFUSE: &str = "KHR_materials_diffuse_transmission";
 
-/// KHR_materials_diffuse_transmission as the file has it.
+/// JSON of KHR_materials_diffuse_transmission.
 #[derive(Debug, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct DiffuseTransmission {
@@ -29,7 +29,7 @@ impl Default for DiffuseTransmission {
     }
 }
 
-/// What a file says of it; `default` where it says nothing.
+/// Transmission parameters of a file; absent parameters are `default`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Numbers {
     /// `transmissionFactor`.
@@ -60,13 +60,14 @@ impl Default for Numbers {
 }
 
 impl Numbers {
-    /// Whether none is NaN.
+    /// Whether all parameters are numbers, not NaN.
     pub fn are_usable(&self) -> bool {
         let factors = [self.transmission, self.thickness, self.attenuation_distance, self.scattered];
         !factors.iter().chain(&self.attenuation_color).chain(&self.scattered_color).any(|x| x.is_nan())
     }
 
-    /// The light that goes through. A volume has two faces: at each of them half of its thickness takes its share.
+    /// Converts to [`Extras`]. Light crosses two faces of a volume: the tint of a face is the attenuation by half the
+    /// thickness.
     pub fn extras(&self) -> Extras {
         let unit = |x: f32| x.clamp(0.0, 1.0);
         let depth = 0.5 * self.thickness.max(0.0) / self.attenuation_distance.max(f32::MIN_POSITIVE);

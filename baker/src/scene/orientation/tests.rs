@@ -1,4 +1,4 @@
-//! Pictures of each kind, tagged by hand, lose their turn and nothing else.
+//! Pictures of each kind, tagged by hand, lose the orientation only.
 
 use super::*;
 use crate::random::Stream;
@@ -16,7 +16,7 @@ fn plain(kind: ImageFormat) -> Vec<u8> {
     file.into_inner()
 }
 
-/// Exif metadata with a maker's name and a turn by a quarter.
+/// Exif metadata with a maker's name and an orientation.
 fn metadata(is_big: bool, orientation: u16) -> Vec<u8> {
     let short = |n: u16| if is_big { n.to_be_bytes() } else { n.to_le_bytes() };
     let long = |n: u32| if is_big { n.to_be_bytes() } else { n.to_le_bytes() };
@@ -36,7 +36,7 @@ fn metadata(is_big: bool, orientation: u16) -> Vec<u8> {
     out
 }
 
-/// The picture with these metadata.
+/// A picture with these metadata.
 fn tagged(kind: ImageFormat, exif: &[u8]) -> Vec<u8> {
     let file = plain(kind);
     match kind {
@@ -72,7 +72,7 @@ fn a_turn_is_taken_out_and_nothing_else() {
             assert_eq!(orientation(kind, &file), Orientation::Rotate90, "{kind:?}");
             straighten(&mut file);
             assert_eq!(orientation(kind, &file), Orientation::NoTransforms, "{kind:?}");
-            // What has said so from the start is the same file.
+            // A picture that is tagged upright from the start is the same file.
             let upright = tagged(kind, &metadata(is_big, 1));
             assert!(file == upright, "{kind:?}");
             straighten(&mut file);

@@ -1,4 +1,4 @@
-//! Textures are sampled as glTF says, and their means are what they should be.
+//! Textures are sampled according to glTF, with correct means.
 
 use super::*;
 
@@ -59,7 +59,7 @@ fn what_a_wide_ray_sees_is_the_mean() {
 
 #[test]
 fn a_picture_of_one_very_long_row_keeps_its_colour() {
-    // Twice its width squared is more than 32 bits hold.
+    // Twice the squared width exceeds 32 bits.
     let texels = Texels::new(200_000, 1, vec![[90, 20, 160, 255]; 200_000]);
     let s =
         Sampler { linear_filter: true, texels: Arc::new(texels), wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat };

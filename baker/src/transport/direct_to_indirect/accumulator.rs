@@ -1,22 +1,23 @@
-//! Sparse accumulator: a receiver's row, summed by sender while its rays are shaded; and the row format of coarse irradiance.
+//! Sparse accumulator: sums of a receiver's row by sender during shading. Also the row format of
+//! coarse irradiance.
 
 use crate::processor;
 use crate::random::{mix, unit};
 
-/// A receiver's irradiance from senders, ascending.
+/// Irradiance of a receiver by sender, senders ascending.
 pub type IrradianceRow = Vec<(u32, f32)>;
 
-/// `N` sums by sender, of which few are not zero, such as what a receiver gets and what it is expected to get: what is
-/// read together lies together.
+/// `N` sums per sender, mostly zero, such as gathered and predicted irradiance. The sums of a
+/// sender are adjacent in memory.
 pub struct SparseAccumulator<const N: usize> {
     sums: Vec<[f32; N]>,
-    /// One bit a sender, so that those touched come in order.
+    /// One bit per sender, set by additions, for visits in ascending order.
     touched: Vec<u64>,
-    /// One bit a word of `touched`: most are empty.
+    /// One bit per word of `touched`; few words are non-zero.
     words: Vec<u64>,
 }
 
-/// Calls `visit` with the number of each bit that is set, ascending.
+/// Calls `visit` with the index of each set bit, ascending.
 #[inline]
 fn bits(mut word: u64, mut visit: impl FnMut(usize)) {
     while word != 0 {
@@ -26,19 +27,19 @@ fn bits(mut word: u64, mut visit: impl FnMut(usize)) {
 }
 
 impl<const N: usize> SparseAccumulator<N> {
-    /// For this many senders.
+    /// Allocates sums for `senders` senders.
     pub fn new(senders: usize) -> Self {
         let words = senders.div_ceil(64);
         Self { sums: vec![[0.0; N]; senders], touched: vec![0; words], words: vec![0; words.div_ceil(64)] }
     }
 
-    /// Asks for a sender's sums, which are added to soon.
+    /// Prefetches the sums of a sender.
     #[inline]
     pub fn fetch(&self, sender: usize) {
         processor::fetch(&self.sums, sender);
     }
 
-    /// Adds to one of a sender's sums.
+    /// Adds to sum `which` of a sender.
     #[inline]
     pub fn add(&mut self, which: usize, sender: usize, amount: f32) {
         self.sums[sender][which] += amount;
@@ -46,7 +47,7 @@ impl<const N: usize> SparseAccumulator<N> {
         self.words[sender / 4096] |= 1 << (sender / 64 % 64);
     }
 
-    /// Adds to all of a sender's sums.
+    /// Adds to all sums of a sender.
     #[inline]
     pub fn add_each(&mut self, sender: usize, amounts: [f32; N]) {
         for (sum, amount) in self.sums[sender].iter_mut().zip(amounts) {
@@ -56,7 +57,7 @@ impl<const N: usize> SparseAccumulator<N> {
         self.words[sender / 4096] |= 1 << (sender / 64 % 64);
     }
 
-    /// Visits the senders that anything was added to, ascending.
+    /// Visits the senders with additions, ascending.
     #[inline]
     pub fn each(&self, mut visit: impl FnMut(u32, [f32; N])) {
         for (i, words) in self.words.iter().enumerate() {
@@ -70,7 +71,7 @@ impl<const N: usize> SparseAccumulator<N> {
         }
     }
 
-    /// Back to nothing.
+    /// Resets all sums to zero.
     pub fn clear(&mut self) {
         for (i, words) in self.words.iter_mut().enumerate() {
             bits(std::mem::take(words), |j| {
@@ -82,8 +83,9 @@ impl<const N: usize> SparseAccumulator<N> {
 }
 
 impl SparseAccumulator<1> {
-    /// The irradiance from each sender. What is not over `least` is carried over to the next sender; who of those that it is
-    /// from [speaks](reservoir_takes) for the sum, chance says, which depends on `name`.
+    /// Returns the irradiance by sender. An amount up to `least` is carried over to the next
+    /// sender; the entry of a carried sum is assigned by chance to a contributing sender
+    /// ([`reservoir_takes`]), seeded by `name`.
     pub fn row(&self, least: f32, name: u64) -> IrradianceRow {
         let (mut carried, mut speaks) = (0.0, 0);
         let mut row: IrradianceRow = Vec::new();
@@ -103,9 +105,10 @@ impl SparseAccumulator<1> {
     }
 }
 
-/// Whether the last of some senders, of `amount` of their `sum`, speaks for all of them: as often as its share of the sum, so
-/// that on the whole each speaks for as much as it gives. If it were always the last one, light would be moved along the
-/// curve: where the curve leads from a lit room to a dark one, it would be said to come from the dark one.
+/// Whether the last sender, with `amount` of the carried `sum`, becomes the sender of the sum. The
+/// probability is the sender's share of the sum, so that on average a sender represents exactly its
+/// own light. Always choosing the last sender would move light along the curve: light of a lit room
+/// would come from a dark room that follows on the curve.
 pub fn reservoir_takes(name: u64, amount: f32, sum: f32) -> bool {
     unit(mix(name)) * sum < amount
 }
@@ -151,7 +154,7 @@ mod tests {
 
     #[test]
     fn rows_keep_their_sum_and_on_the_whole_each_sender_speaks_for_what_it_gives() {
-        // Strong ones after many weak ones, as where the curve goes from far away to near.
+        // Strong senders after many weak senders, as where the curve leads from far away to near.
         let gives = |sender: u32| if sender % 10 == 9 { 0.5 } else { 0.1 };
         let (count, rows) = (100u32, 4_000);
         let mut tally = SparseAccumulator::<1>::new(count as usize);
@@ -164,7 +167,7 @@ mod tests {
             row.iter().for_each(|(sender, amount)| spoken[*sender as usize] += amount / rows as f32);
         }
         for (sender, spoken) in (0..count).zip(spoken) {
-            // Four standard deviations of a mean of so many rows.
+            // Four standard deviations of a mean over `rows` rows.
             let wanted = gives(sender);
             let noise = 4.0 * (1.4 * wanted / rows as f32).sqrt();
             assert!((spoken - wanted).abs() < noise, "{sender}: {spoken}, not {wanted}");

@@ -1,14 +1,15 @@
 //! Later bounces: S = T + T² + T³ + … (Eq. 15) as S = T (1 + P (1 + H) F).
 //!
-//! The links T take whatever the senders hold to all receivers. F is the part of T that ends at the points of the
-//! coarse levels (paper, section 3.2: later bounces on coarse receivers): the irradiance there after one bounce. H
-//! adds that of all further bounces between them; P interpolates to the finer senders, where it is added to the
-//! direct light. So later bounces leave as smooth as the coarse levels are, and arrive with all the detail that
-//! T has.
+//! The links T carry the senders' light to all receivers. F is the part of T that ends at the
+//! points of the coarse levels (paper, section 3.2: later bounces on coarse receivers): the
+//! irradiance at coarse points after the first bounce. H adds all further bounces between coarse
+//! points. P interpolates to the finer senders, where the result is added to the direct light.
+//! Later bounces leave with the smoothness of the coarse levels and arrive with the full detail of
+//! T.
 //!
-//! `H = C + C² + …`, with C the irradiance of coarse points from each other. The [`series`](super::series) is summed a
-//! few columns at a time: unit light at one coarse point is bounced among them until it has settled. No product of sparse
-//! matrices grows on the way.
+//! `H = C + C² + …`, with C the irradiance of coarse points from other coarse points. The
+//! [`series`](super::series) is summed a few columns at a time: unit light at a coarse point is
+//! bounced between coarse points until convergence. No product of sparse matrices is stored.
 
 use super::accumulator::{IrradianceRow, reservoir_takes};
 use super::bytes::{Reader, put, put_columns};
@@ -22,19 +23,19 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::link::LaterLink;
 
-/// Batches of a part of the journal.
+/// Batches per part of the journal.
 const BATCHES: usize = 8;
 
-/// A receiver's irradiance by channel from senders, ascending.
+/// Irradiance of a receiver by sender and channel, senders ascending.
 type ColourRow = Vec<(u32, Vec3)>;
 
-/// How many columns later bounces have: the units that [`add_later_bounces`] counts in.
+/// Number of columns of the later bounces, the unit of progress in [`add_later_bounces`].
 pub fn column_count(operator: &Operator, settings: &OperatorSettings) -> usize {
     let none = settings.bounces.is_some_and(|wanted| wanted <= 1);
     if none { 0 } else { active(&operator.coarse).len() }
 }
 
-/// The coarse points whose light reaches another: only that needs to be followed.
+/// Coarse points whose light reaches a coarse point; only their columns are computed.
 fn active(coarse: &[IrradianceRow]) -> Vec<u32> {
     let mut sends = vec![false; coarse.len()];
     for (sender, _) in coarse.iter().flatten() {
@@ -43,12 +44,13 @@ fn active(coarse: &[IrradianceRow]) -> Vec<u32> {
     (0..coarse.len() as u32).filter(|s| sends[*s as usize]).collect()
 }
 
-/// Fills the operator's [`later`](Operator::later) rows together with the team; those of the first member, as no other
-/// reads them. A unit of `watch` is a column. What the first member's `journal` has is taken from there. How many bytes
-/// were sent.
+/// Computes the operator's [`later`](Operator::later) rows with all processes of the communicator
+/// and returns the number of bytes sent. Only the first process stores the rows, because no other
+/// process reads them. A unit of `watch` is a column. Parts in the first process's `journal` are
+/// read from the journal.
 ///
 /// # Errors
-/// [`CommunicatorError`]; the operator is as it was.
+/// [`CommunicatorError`]; the operator is unchanged.
 pub fn add_later_bounces(
     operator: &mut Operator,
     settings: &OperatorSettings,
@@ -64,7 +66,7 @@ pub fn add_later_bounces(
     let tints = super::tint::unpack(&operator.tints[..count]);
     let series = Series::new(&operator.coarse, &tints, settings.bounces);
     let active = active(&operator.coarse);
-    // By parts of ascending columns, so that small entries can be carried over.
+    // Parts hold ascending columns, so that small entries can be carried over.
     let parts: Vec<&[u32]> = active.chunks(BATCH * BATCHES).collect();
     let mut found: Vec<Option<Columns>> = vec![None; parts.len()];
     for (part, senders) in parts.iter().enumerate() {
@@ -75,7 +77,7 @@ pub fn add_later_bounces(
     }
     let mut left: Vec<u64> = (0..parts.len() as u64).filter(|part| found[*part as usize].is_none()).collect();
     if team.size() > 1 {
-        // What the first member has to do is what there is to do.
+        // The first process decides which parts are left.
         let mut told = Vec::new();
         put(&mut told, &left);
         let received = team.exchange(&[], if team.rank() == 0 { &told } else { &[] }, watch)?;
@@ -130,8 +132,9 @@ pub fn add_later_bounces(
     Ok(traffic)
 }
 
-/// Rows of C + C² + … for some senders, ascending, between so many points. What is not over `least` is carried over to the
-/// next sender; who of those that it is from [speaks](reservoir_takes) for the sum, chance says.
+/// Computes rows of C + C² + … for ascending `senders`, between `count` points. An amount up to
+/// `least` is carried over to the next sender; the entry of a carried sum is assigned by chance to
+/// a contributing sender ([`reservoir_takes`]).
 fn part_of(
     series: &Series,
     senders: &[u32],
@@ -142,7 +145,7 @@ fn part_of(
     let mut deepest = 2;
     let mut kept: Vec<ColourRow> = vec![Vec::new(); count];
     let mut carried = vec![Vec3::ZERO; count];
-    // Who speaks for what is carried.
+    // Sender assigned to each receiver's carried sum.
     let mut speaks = vec![0; count];
     for batch in senders.chunks(BATCH) {
         let (light, bounces) = series.columns(batch, watch)?;

@@ -1,5 +1,5 @@
-//! Finished parts of the operator as bytes: in a checkpoint, and between the processes of a team. All numbers are
-//! little-endian.
+//! Serialization of finished parts of the operator: for checkpoints, and for messages between the
+//! processes of a communicator. All numbers are little-endian.
 
 use super::gather::Gathered;
 use super::gather_context::GatherCost;
@@ -8,17 +8,17 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rebounce_shared::link::Link;
 
-/// Appends the bytes of some numbers.
+/// Appends the bytes of `values`.
 pub fn put<T: Pod>(out: &mut Vec<u8>, values: &[T]) {
     out.extend_from_slice(bytemuck::cast_slice(values));
 }
 
-/// The lengths of rows.
+/// Returns the lengths of rows.
 pub fn lengths<'a, T: 'a>(rows: impl Iterator<Item = &'a Vec<T>>) -> Vec<u32> {
     rows.map(|row| row.len() as u32).collect()
 }
 
-/// Appends what was gathered for receivers from the first on.
+/// Appends the gathered results of receivers from `first` on.
 pub fn put_receivers(out: &mut Vec<u8>, first: usize, found: &[Gathered]) {
     put(out, &[first as u64, found.len() as u64]);
     put(out, &found.iter().map(|g| g.cost.rays).collect::<Vec<u64>>());
@@ -31,7 +31,7 @@ pub fn put_receivers(out: &mut Vec<u8>, first: usize, found: &[Gathered]) {
     }
 }
 
-/// Appends one part of the later bounces.
+/// Appends a part of the later bounces.
 pub fn put_columns(out: &mut Vec<u8>, part: usize, columns: &Columns) {
     put(out, &[part as u64, columns.rows.len() as u64]);
     put(out, &[columns.bounces]);
@@ -42,38 +42,38 @@ pub fn put_columns(out: &mut Vec<u8>, part: usize, columns: &Columns) {
     }
 }
 
-/// Bytes while they are read; nothing where there is too little.
+/// Reader of serialized bytes; a read past the end returns `None`.
 pub struct Reader<'a>(pub &'a [u8]);
 
 impl Reader<'_> {
-    /// Whether all is read.
+    /// Whether all bytes are read.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// So many numbers.
+    /// Reads `count` numbers.
     pub fn take<T: Pod + Zeroable>(&mut self, count: usize) -> Option<Vec<T>> {
         let (bytes, rest) = self.0.split_at_checked(count.checked_mul(size_of::<T>())?)?;
         self.0 = rest;
         Some(bytemuck::pod_collect_to_vec(bytes))
     }
 
-    /// One number.
+    /// Reads a single number.
     pub fn one<T: Pod + Zeroable>(&mut self) -> Option<T> {
         self.take(1)?.pop()
     }
 
-    /// Rows of these lengths.
+    /// Reads rows of these lengths.
     pub fn rows<T: Pod + Zeroable>(&mut self, lengths: &[u32]) -> Option<Vec<Vec<T>>> {
         lengths.iter().map(|length| self.take(*length as usize)).collect()
     }
 
-    /// As many as there are left.
+    /// Number of whole values of type `T` in the unread bytes.
     pub fn rest<T>(&self) -> usize {
         self.0.len() / size_of::<T>()
     }
 
-    /// What [`put_receivers`] wrote.
+    /// Reads the output of [`put_receivers`].
     pub fn receivers(&mut self) -> Option<(usize, Vec<Gathered>)> {
         let [first, count] = self.one::<[u64; 2]>()?.map(|n| n as usize);
         let rays = self.take::<u64>(count)?;
@@ -88,7 +88,7 @@ impl Reader<'_> {
         Some((first, found))
     }
 
-    /// What [`put_columns`] wrote.
+    /// Reads the output of [`put_columns`].
     pub fn columns(&mut self) -> Option<(usize, Columns)> {
         let [part, count] = self.one::<[u64; 2]>()?.map(|n| n as usize);
         let bounces = self.one()?;

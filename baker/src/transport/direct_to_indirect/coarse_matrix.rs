@@ -1,5 +1,6 @@
-//! Coarse transport matrix C = F P: the irradiance of the coarse points from each other, of light that leaves them
-//! interpolated (P) to the finest senders and arrives over the links T (F is the part of T that ends at coarse points).
+//! Coarse transport matrix C = F P: the irradiance of coarse points from other coarse points. Light
+//! leaves coarse points interpolated (P) to the finest senders and arrives over the links T (F is
+//! the part of T that ends at coarse points).
 
 use super::accumulator::{IrradianceRow, SparseAccumulator};
 use super::{OperatorSettings, tint};
@@ -8,9 +9,10 @@ use rayon::prelude::*;
 use rebounce_shared::interpolation::Rows;
 use rebounce_shared::link::{Link, Sent};
 
-/// The irradiance of each coarse point from every other. `values` are what the coarse points get from all senders (F);
-/// light that bounced leaves a finer sender as its parents' does, `push`, and so on up to the coarse points (P). A row says
-/// it in the tint of the coarse point that the light is from; `tints` are the senders'. A unit of `watch` is a row.
+/// Computes the irradiance of each coarse point from every other. `values` are the coarse points'
+/// irradiance from all senders (F). Bounced light of a finer sender is interpolated from its
+/// parents by `push`, recursively up to the coarse points (P). A row's amounts are in the tint of
+/// the sending coarse point; `tints` are the senders'. A unit of `watch` is a row.
 ///
 /// # Errors
 /// [`Stopped`].

@@ -1,14 +1,15 @@
-//! The directions of one hemispherical gather.
+//! Ray directions of a hemispherical gather.
 //!
-//! Irradiance weighs directions by their cosine. They are drawn from a mixture,
-//! `p(ω) = (2βz + 1 − β) / 2π` with z the cosine, so that grazing directions, where senders are small and near, are
-//! not left to few rays. They come from the Fibonacci lattice – of R2, jittered strata and this
-//! one it had the least error at every count from 256 to 4096 – sorted so that neighbours in the
-//! list are neighbours on the hemisphere, and shifted per receiver.
+//! Irradiance weighs directions by their cosine. Directions are drawn from the mixture density
+//! `p(ω) = (2βz + 1 − β) / 2π`, with z the cosine, so that grazing directions, where senders are
+//! small and near, have enough rays. The samples are a Fibonacci lattice, which has the least error
+//! of R2, jittered strata and Fibonacci at every count from 256 to 4096. The samples are sorted so
+//! that neighbours in the list are neighbours on the hemisphere, and shifted per receiver.
 //!
-//! Receivers next to each other are blended in the picture, so their shifts fill the gap between two directions evenly
-//! (the R2 sequence, Roberts 2018, along the curve that points are sorted by): what is far away is seen by all of them
-//! as by one receiver with their rays together.
+//! Adjacent receivers are blended in the picture, so their shifts fill the gap between two
+//! directions evenly (the R2 sequence, Roberts 2018, along the points' space-filling curve).
+//! Several adjacent receivers sample distant light like a single receiver with the rays of all of
+//! them.
 
 use crate::random::Stream;
 use glam::{Vec2, Vec3};
@@ -16,32 +17,34 @@ use glam::{Vec2, Vec3};
 /// Share β of the cosine-weighted directions.
 const COSINE_SHARE: f32 = 0.8;
 
-/// Directions that are worked out side by side.
+/// Directions per block (SIMD lanes).
 pub const LANES: usize = 8;
-/// A number of each of them.
+/// A scalar of every direction in a block.
 pub type Lanes = [f32; LANES];
 
-/// Points of the unit square, to be shifted and mapped to hemispheres.
+/// Samples of the unit square, to be shifted and mapped to hemispheres.
 #[derive(Clone, Debug)]
 pub struct Directions {
-    /// The first coordinate, and cosine and sine of the second one times 2π; the last ones are filled up with zeros.
+    /// First coordinate, and cosine and sine of 2π times the second coordinate; the last block is
+    /// padded with zeros.
     square: Vec<[Lanes; 3]>,
     count: usize,
-    /// Two short steps from point to point, side by side: between them lie all shifts that differ.
+    /// Two short lattice vectors that span a lattice cell, the domain of distinct shifts.
     steps: [Vec2; 2],
 }
 
-/// Some directions side by side.
+/// A block of up to [`LANES`] directions.
 pub struct Block {
-    /// By axis; unit, local space.
+    /// Unit directions by axis, local space.
     pub direction: [Lanes; 3],
-    /// Cosine to the normal times the weight of a ray, before the division by the sum of that.
+    /// Cosine to the normal times the ray's weight, before normalisation by the sum over all
+    /// directions.
     pub share: Lanes,
-    /// How many there are.
+    /// Number of directions in the block.
     pub len: usize,
 }
 
-/// How the unit square is mapped to a receiver's hemisphere.
+/// Mapping from the unit square to a receiver's hemisphere.
 struct Frame {
     tangent: Vec3,
     bitangent: Vec3,
@@ -73,7 +76,7 @@ impl Frame {
 }
 
 impl Directions {
-    /// `count` directions.
+    /// Creates a lattice of `count` directions.
     pub fn new(count: u32) -> Self {
         let mut square: Vec<Vec2> = (0..count)
             .map(|i| {
@@ -81,7 +84,7 @@ impl Directions {
                 Vec2::new((x + 0.5 / count as f64) as f32, y as f32)
             })
             .collect();
-        // Rows of about square tiles, back and forth.
+        // Rows of roughly square tiles, traversed back and forth.
         let tiles = (count as f32).sqrt().ceil().max(1.0) / 2.0;
         let order = |p: &Vec2| {
             let row = (p.x * tiles) as u32;
@@ -109,29 +112,30 @@ impl Directions {
         self.count
     }
 
-    /// True if there is none.
+    /// Whether the number of directions is 0.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// How far a receiver's points of the unit square are shifted.
+    /// Shift of a receiver's samples in the unit square.
     fn shift(&self, receiver: usize, seed: u64) -> Vec2 {
-        // 1 / ρ and 1 / ρ² of the plastic number ρ: the sequence with the evenest first n points for every n.
+        // 1 / ρ and 1 / ρ² of the plastic number ρ (R2 sequence): the first n points are the most
+        // even for every n.
         const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
         let from = Stream::new(seed, 0).square();
         let along = |from: f32, part: f64| (from as f64 + receiver as f64 * part).fract() as f32;
         let [one, other] = self.steps;
-        // A shift by a whole is none.
+        // A shift by an integer has no effect.
         (one * along(from.x, PLASTIC[0]) + other * along(from.y, PLASTIC[1])).fract_gl()
     }
 
-    /// The directions around a receiver's unit normal, block by block. Receivers with numbers next to each other have
-    /// directions between each other's.
+    /// Returns the directions around a receiver's unit normal, in blocks. Directions of receivers
+    /// with adjacent numbers interleave.
     #[inline(always)]
     pub fn blocks(&self, normal: Vec3, receiver: usize, seed: u64) -> impl Iterator<Item = Block> + '_ {
         let shift = self.shift(receiver, seed);
         let (tangent, bitangent) = normal.any_orthonormal_pair();
-        // A shift of the second coordinate turns the hemisphere.
+        // A shift of the second coordinate rotates the hemisphere.
         let (sin, cos) = (shift.y * std::f32::consts::TAU).sin_cos();
         let (tangent, bitangent) = (tangent * cos + bitangent * sin, bitangent * cos - tangent * sin);
         let frame = Frame { tangent, bitangent, normal, shift: shift.x };
@@ -149,18 +153,18 @@ fn lattice(i: u32, count: u32) -> [f64; 2] {
     [i as f64 / count as f64, (i as f64 * GOLDEN).fract()]
 }
 
-/// The shortest step from a lattice point to another, and the shortest one that goes another way.
+/// The shortest lattice vector, and the shortest lattice vector in a different direction.
 fn steps(count: u32) -> [Vec2; 2] {
     let wrapped = |i: u32| {
         let [x, y] = lattice(i, count);
         [x, y - y.round()]
     };
     let length = |step: &[f64; 2]| step[0] * step[0] + step[1] * step[1];
-    // Around the whole square there is always a step that goes another way.
+    // A step around the unit square is always available as a second direction.
     let mut all: Vec<[f64; 2]> = (1..count).map(wrapped).chain([[0.0, 1.0], [1.0, 0.0]]).collect();
     all.sort_by(|a, b| length(a).total_cmp(&length(b)));
     let one = all[0];
-    // The lattice's cells have an area of 1 / count, those of steps along one line none.
+    // A lattice cell has an area of 1 / count; parallel steps span no area.
     let is_another = |step: &&[f64; 2]| (one[0] * step[1] - one[1] * step[0]).abs() > 0.5 / count as f64;
     let other = all.iter().find(is_another).copied().unwrap_or([-one[1], one[0]]);
     [one, other].map(|step| Vec2::new(step[0] as f32, step[1] as f32))
@@ -170,14 +174,14 @@ fn steps(count: u32) -> [Vec2; 2] {
 mod tests {
     use super::*;
 
-    /// A direction to cast, and what it counts: as in a [`Block`].
+    /// A ray direction and its share, as in a [`Block`].
     struct Direction {
         direction: Vec3,
         share: f32,
     }
 
     impl Directions {
-        /// The blocks' directions, one by one.
+        /// The directions of all blocks.
         fn around(&self, normal: Vec3, receiver: usize, seed: u64) -> impl Iterator<Item = Direction> + '_ {
             self.blocks(normal, receiver, seed).flat_map(|block| {
                 let Block { direction: [x, y, z], share, len } = block;
@@ -214,14 +218,15 @@ mod tests {
             let cells = (one.perp_dot(other) * count as f32).abs();
             assert!((cells - 1.0).abs() < 0.01, "{count}: {cells}");
             assert!(one.length() <= other.length());
-            // Not slim: shifts along both are about as far. (The lattice of two points is.)
+            // The cell is not elongated: both steps have similar lengths. (The lattice of two
+            // points is elongated.)
             assert!(count < 3 || other.length() < 3.0 * one.length(), "{count}: {one} {other}");
         }
     }
 
     #[test]
     fn neighbours_share_what_is_small_and_far_evenly() {
-        // A lit spot that one receiver has two rays for.
+        // A lit spot that is hit by two rays of a receiver.
         let (normal, spot, cosine) = (Vec3::Y, Vec3::new(0.5, 0.7, -0.3).normalize(), 0.997);
         let directions = Directions::new(512);
         let share = |receiver: usize, seed: u64| {

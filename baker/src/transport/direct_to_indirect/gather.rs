@@ -1,4 +1,5 @@
-//! Hemispherical gather: a receiver's row of irradiance from all senders (Eq. 16), less what its parents predict (Eq. 17).
+//! Hemispherical gather: a receiver's row of irradiance from all senders (Eq. 16), minus the
+//! prediction from the parents' values (Eq. 17).
 
 use super::accumulator::SparseAccumulator;
 use super::directions::Directions;
@@ -9,46 +10,48 @@ use super::sparsify::{PooledNoise, sparsify, sparsify_pooled};
 use crate::geometry::Surfaces;
 use rebounce_shared::link::{Link, Sent};
 
-/// ε of a receiver's value as its children subtract it, over that of its links: a value's small parts are
-/// carried over like a link's, which keeps values short and changes nothing but the place that they come from.
+/// Ratio of the ε for a receiver's value, as subtracted by the receiver's children, to the ε for
+/// links. Small entries of a value are carried over as in a row of links: values stay short, and
+/// only the sender of the light changes.
 const VALUE_EPSILON: f32 = 0.5;
 
-/// Rays that are cast and kept at once, for as many receivers as they are enough for: so many that those that go alike
-/// are some, and so few that they stay near.
+/// Rays per gather batch, rounded down to whole receivers: enough for coherent packets, and few
+/// enough for the cache.
 const TOGETHER: usize = 1 << 12;
 
-/// Receivers whose rays are cast at once.
+/// Receivers per gather batch.
 pub fn receivers_together(directions: &Directions) -> usize {
     (TOGETHER / directions.len().max(1)).max(1)
 }
 
-/// Some receivers of a level to gather for.
+/// Receivers of a level to gather for.
 pub struct Gather<'a> {
-    /// The receivers.
+    /// Indices of the receivers.
     pub receivers: &'a [usize],
-    /// Their level.
+    /// Level of the receivers.
     pub level: usize,
-    /// The directions of their rays.
+    /// Ray directions of each receiver.
     pub directions: &'a Directions,
     /// The [values](Gathered::value) of all coarser levels.
     pub values: &'a [Vec<Link>],
 }
 
-/// What one gather finds.
+/// Result of a gather for a receiver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gathered {
-    /// The receiver's links, senders ascending: differences to what coarser receivers say.
+    /// The receiver's links, senders ascending: differences to the values of the parents.
     pub links: Vec<Link>,
-    /// The whole value that its links and its ancestors' say, where children or later bounces read it: on all levels but
-    /// the finest, and of points that later bounces travel through.
+    /// The receiver's total irradiance per sender: its own links plus the interpolated values of
+    /// its parents. Filled only for receivers whose value is read: on all levels but the finest,
+    /// and at points of later bounces.
     pub value: Vec<Link>,
-    /// The cost.
+    /// Cost of the gather.
     pub cost: GatherCost,
 }
 
 impl Gathered {
-    /// Whether it can be of a scene with so many senders, whoever says it: indices are under that and ascend, numbers
-    /// are finite.
+    /// Whether data of unknown origin is valid in a scene with `senders` senders: sender indices
+    /// are in range and ascend, the number of rays is below 2³², and the other numbers are finite.
     pub fn fits(&self, senders: usize) -> bool {
         let row = |links: &[Link]| {
             links.windows(2).all(|pair| pair[0].sender() < pair[1].sender())
@@ -62,18 +65,19 @@ impl Gathered {
     }
 }
 
-/// A thread's working memory, reused from receiver to receiver.
+/// Working memory of a thread, reused between receivers.
 pub struct Scratch {
-    /// What rays find, and what coarser receivers say: [`GATHERED`], [`PREDICTED`].
+    /// Gathered and predicted irradiance by sender: [`GATHERED`](super::gather_context::GATHERED),
+    /// [`PREDICTED`].
     senders: SparseAccumulator<2>,
     found: GatherBatch,
-    /// A receiver's own differences and its neighbourhood's.
+    /// A receiver's own differences and the mean differences of the neighbourhood.
     pooled: SparseAccumulator<4>,
     neighbourhood: Neighbourhood,
 }
 
 impl Scratch {
-    /// Working memory for this many senders.
+    /// Allocates working memory for `senders` senders.
     pub fn new(senders: usize) -> Self {
         Self {
             senders: SparseAccumulator::new(senders),
@@ -85,11 +89,11 @@ impl Scratch {
 }
 
 impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
-    /// The links of some receivers of a level, and more: tells `cast` the rays of each, and `done` what they make, in turn. Fastest
-    /// for neighbours.
+    /// Gathers for the receivers of a level. Calls `cast` with the number of rays of each receiver,
+    /// and `done` with the receiver and its result. Fastest for neighbouring receivers.
     ///
     /// # Errors
-    /// What `cast` returns.
+    /// Errors of `cast`.
     pub fn links<E>(
         &self,
         gather: &Gather,
@@ -101,7 +105,8 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         if self.settings.is_pooled(level) {
             return self.pooled_links(gather, scratch, cast, done);
         }
-        // The variance of a mean of rays that either hit a sender or do not, per unit seen.
+        // Variance of a mean of rays with a binary outcome (hit or miss of a sender), per unit of
+        // gathered irradiance, times the squared significance.
         let noise = self.settings.significance.powi(2) / directions.len() as f32;
         let epsilon = self.settings.epsilon_on(level);
         let Scratch { senders, found, .. } = scratch;
@@ -123,7 +128,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         Ok(())
     }
 
-    /// As [`Self::links`], of receivers that share what their rays find.
+    /// [`Self::links`] for a level whose receivers share gathered differences.
     fn pooled_links<E>(
         &self,
         gather: &Gather,
@@ -180,12 +185,13 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         Ok(())
     }
 
-    /// Whether anything reads a receiver's whole value.
+    /// Whether a receiver's value is read: by children or by later bounces.
     fn is_read(&self, receiver: usize, level: usize) -> bool {
         level + 1 < self.settings.levels || receiver < self.coarse_count
     }
 
-    /// What is left of a receiver that is not refined: the value that its parents' say.
+    /// Returns the result of a receiver that is not refined: no links, and the value interpolated
+    /// from its parents.
     pub fn inherit(
         &self,
         receiver: usize,
@@ -209,12 +215,13 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         row.iter().map(move |e| (e.point(), e.weight() / total))
     }
 
-    /// A receiver's value as its children will subtract it.
+    /// Sparsifies the predicted sums into a receiver's value, as its children subtract it.
     fn value(&self, level: usize, sums: &SparseAccumulator<2>) -> Vec<Link> {
         sparsify(sums, |[_, said]| (said, 0.0), VALUE_EPSILON * self.settings.epsilon_on(level), 0.0)
     }
 
-    /// The same of a receiver with links of its own: the sum of these and the parents' values in `sums`.
+    /// Sparsifies the value of a receiver with its own links: the links plus the parents' values in
+    /// `sums`.
     fn value_with(&self, links: &[Link], level: usize, sums: &mut SparseAccumulator<2>) -> Vec<Link> {
         for link in links {
             sums.add(PREDICTED, link.sender(), link.amount());
@@ -222,7 +229,7 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
         self.value(level, sums)
     }
 
-    /// Eq. 17: what the parents' values say at this receiver, as the push will interpolate it.
+    /// Eq. 17: adds the parents' values at this receiver, interpolated as in the push.
     fn predict(&self, receiver: usize, values: &[Vec<Link>], sums: &mut SparseAccumulator<2>) {
         for (parent, share) in self.parents(receiver) {
             for link in &values[parent] {

@@ -1,7 +1,9 @@
-//! Gather batch: the rays of several receivers, cast in [sorted order](super::ray_sort) and shaded (Eq. 16).
+//! Gather batch: the rays of several receivers, cast in [sorted order](super::ray_sort) and shaded
+//! (Eq. 16).
 //!
-//! Receivers of a batch are neighbours, so that nodes, triangles, texels and functions are in cache. Results are kept by ray
-//! and added up in the order of each receiver's own rays: sums do not depend on the batch.
+//! Receivers of a batch are neighbours, so nodes, triangles, texels and functions stay in cache.
+//! Results are stored by ray and summed in the order of each receiver's own rays: sums do not
+//! depend on the batch.
 
 use super::accumulator::SparseAccumulator;
 use super::directions::Directions;
@@ -13,45 +15,46 @@ use crate::geometry::{Primitives, SurfaceCoordinates, Surfaces};
 use crate::random::{mix, unit};
 use glam::{Vec3, Vec3A};
 
-/// Rays that are cast before their tiles are looked at, so that one step waits for memory far away once, not once a ray; as
-/// many as [walk together](Primitives::intersect_packet) at most.
+/// Rays per packet: rays cast before the lookup of their tiles, so that a step waits for distant
+/// memory once per packet instead of once per ray. At most the size of a
+/// [packet](Primitives::intersect_packet).
 pub const BATCH: usize = 64;
-/// Rays by which sums are asked for before they are added to.
+/// Prefetch distance of sums, in rays.
 const AHEAD: usize = 8;
 
-/// Where a ray ended.
+/// Hit of a ray.
 struct Landed {
     number: u32,
     place: SurfaceCoordinates,
-    /// Scene units.
+    /// Distance of the hit, scene units.
     distance: f32,
-    /// The senders' tile there.
+    /// Tile of the hit in the hit cache.
     tile: Option<u32>,
 }
 
-/// Rays of some receivers, and what they find.
+/// Gather rays of several receivers and their shading results.
 #[derive(Default)]
 pub struct GatherBatch {
     rays: GatherRays,
-    /// Where each receiver's rays begin, and one past the end.
+    /// Index of each receiver's first ray, and the end of the last receiver's rays.
     first_rays: Vec<u32>,
-    /// The rays in the order that they are cast.
+    /// Ray numbers in casting order.
     order: Vec<u32>,
-    /// What each ray brings to the senders.
+    /// Light that each ray sends to the sender functions.
     brought: Vec<PackedWeights>,
-    /// One over the length of each ray, 0 where it hits nothing.
+    /// Reciprocal hit distance of each ray; 0 without a hit.
     nearness: Vec<f32>,
-    /// Where the rays of a batch end.
+    /// Hits of a packet: surface coordinates and distance.
     places: Vec<Option<(SurfaceCoordinates, f32)>>,
-    /// Rays of a batch that hit something.
+    /// Rays of a packet that hit a surface.
     batch: Vec<Landed>,
-    /// The functions that cover one hit.
+    /// Functions that cover a hit, with normalised weights.
     weights: Vec<(u32, f32)>,
     weighed: Vec<(u32, f32, f32)>,
 }
 
 impl GatherBatch {
-    /// Casts the rays of these receivers.
+    /// Casts and shades the rays of these receivers.
     pub fn cast<S: Surfaces + ?Sized>(
         &mut self,
         context: &GatherContext<S>,
@@ -111,7 +114,7 @@ impl GatherBatch {
         self.order = order;
     }
 
-    /// Takes what the tiles have where a ray ended, or looks at the place itself.
+    /// Shades a hit with its tile from the hit cache, or individually.
     #[inline]
     fn take<S: Surfaces + ?Sized>(
         &mut self,
@@ -131,7 +134,7 @@ impl GatherBatch {
         self.look_at(context, number, spot.position, spot.normal, spot.albedo);
     }
 
-    /// Looks for the functions that cover what one ray hits.
+    /// Shades a hit individually: evaluates the functions that cover the hit.
     #[inline(never)]
     fn look_at<S: Surfaces + ?Sized>(
         &mut self,
@@ -147,7 +150,8 @@ impl GatherBatch {
         let Self { weights, weighed, .. } = self;
         context.senders.interpolate(position, normal, weights);
         weighed.clear();
-        // As bright as the light is counted in each sender's tint: the best fit of the one to the other.
+        // Amount of the light in each sender's tint: the least-squares fit of the tint to the
+        // light.
         let light = |f: u32| arriving.dot(context.duals[f as usize]);
         weighed.extend(weights.iter().map(|&(f, weight)| (f, weight, light(f))));
         self.brought[number] = match weighed.is_empty() {
@@ -156,14 +160,14 @@ impl GatherBatch {
         };
     }
 
-    /// The harmonic mean distance of what one of the receivers sees (Ward and Heckbert 1992), scene units; infinite where its
-    /// rays hit nothing.
+    /// Harmonic mean hit distance of a receiver (Ward and Heckbert 1992), scene units; infinite if
+    /// no ray of the receiver hits a surface.
     pub fn distance(&self, receiver: usize) -> f32 {
         let rays = self.first_rays[receiver] as usize..self.first_rays[receiver + 1] as usize;
         rays.map(|ray| self.nearness[ray] * self.rays.shares[ray]).sum::<f32>().recip()
     }
 
-    /// Adds up what the rays of one of the receivers brought, by sender.
+    /// Adds the light of a receiver's rays to the sums by sender.
     pub fn add(&self, receiver: usize, senders: &mut SparseAccumulator<2>) -> GatherCost {
         let mut cost = GatherCost::default();
         let rays = self.first_rays[receiver] as usize..self.first_rays[receiver + 1] as usize;

@@ -1,4 +1,4 @@
-//! What gathers read, and what one costs.
+//! Input and cost of gathers.
 
 use super::OperatorSettings;
 use super::hit_cache::HitCache;
@@ -8,40 +8,40 @@ use crate::geometry::Surfaces;
 use crate::sampling::Points;
 use glam::Vec3A;
 
-/// What all gathers read.
+/// Read-only input of all gathers.
 pub struct GatherContext<'a, S: Surfaces + ?Sized> {
-    /// The scene.
+    /// Surfaces of the scene.
     pub surfaces: &'a S,
     /// All points.
     pub points: &'a Points,
-    /// Parents and children.
+    /// Parents and children of the points.
     pub relations: &'a Relations,
-    /// The sender levels' functions, coarsest first.
+    /// Functions of the sender levels, coarsest first.
     pub senders: &'a Leveled,
-    /// Number of points on the levels that later bounces travel between.
+    /// Number of points on the levels of later bounces.
     pub coarse_count: usize,
-    /// What rays find on each tile of the surfaces, where they tell their pieces.
+    /// Hit cache; `None` for surfaces without primitives.
     pub tiles: Option<&'a HitCache>,
     /// The [duals](super::tint::duals) of the points' tints.
     pub duals: &'a [Vec3A],
-    /// Where the senders are, roughly.
+    /// Bounding spheres of blocks of senders.
     pub sender_blocks: &'a SenderBlocks,
-    /// Settings.
+    /// Settings of the operator.
     pub settings: &'a OperatorSettings,
 }
 
-/// What one gather leaves besides links.
+/// Cost and lost light of a gather.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GatherCost {
-    /// Rays cast.
+    /// Number of rays cast.
     pub rays: u64,
-    /// Cosine-weighted reflectance seen.
+    /// Cosine-weighted reflectance at the hits.
     pub seen: f64,
-    /// The part of it that no sender covers.
+    /// Part of `seen` at hits without a sender function.
     pub lost: f64,
 }
 
-/// Index in an accumulator of what rays gathered from a sender.
+/// Index in an accumulator of the irradiance gathered from a sender.
 pub const GATHERED: usize = 0;
-/// Index of what the parents' values predict.
+/// Index of the irradiance predicted by the parents' values.
 pub const PREDICTED: usize = 1;

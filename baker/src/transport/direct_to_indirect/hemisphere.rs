@@ -1,4 +1,4 @@
-//! The rays of one receiver's hemispherical gather, in the order in which they are cast.
+//! Gather rays of a receiver's hemisphere, in the order of the directions.
 
 use super::directions::Directions;
 use super::ray_sort::cells;
@@ -9,19 +9,20 @@ use crate::random::mix;
 use crate::sampling::SurfacePoint;
 use glam::Vec3;
 
-/// The rays of some gathers, one after the other.
+/// Gather rays of several receivers, receiver after receiver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GatherRays {
-    /// What is cast, and what decides on what transparent surfaces do.
+    /// Rays, each with the random seed for transparent surfaces.
     pub rays: Vec<(Ray, u32)>,
-    /// What each ray counts: cosine times weight, over the sum of that over all directions.
+    /// Share of each ray in the irradiance: cosine times weight, over the sum of cosine times
+    /// weight over all directions.
     pub shares: Vec<f32>,
-    /// The [cell](super::order) of each ray's direction.
+    /// Direction [cell](super::ray_sort) of each ray.
     pub cells: Vec<u16>,
 }
 
 impl GatherRays {
-    /// Takes all rays out.
+    /// Removes all rays.
     pub fn clear(&mut self) {
         self.rays.clear();
         self.shares.clear();
@@ -29,8 +30,10 @@ impl GatherRays {
     }
 }
 
-/// Adds the rays of a receiver to `out`: those of `directions` around its shading normal that leave its true
-/// surface. `epsilon` is [`Surfaces::epsilon`](crate::geometry::Surfaces::epsilon). A closed white room's shares sum to 1.
+/// Appends the rays of a receiver to `out`: `directions` around the shading normal, without
+/// directions below the geometric surface. `epsilon` is the distance of ray origins from the
+/// surface, as in [`Surfaces::epsilon`](crate::geometry::Surfaces::epsilon). In a closed white room
+/// the shares sum to 1.
 pub fn gather_rays(
     point: &SurfacePoint,
     receiver: usize,
@@ -49,7 +52,7 @@ pub fn gather_rays(
     gather.rays(out);
 }
 
-/// What [`gather_rays`] is told.
+/// Arguments of [`gather_rays`].
 struct Gather<'a> {
     point: &'a SurfacePoint,
     receiver: usize,
@@ -59,7 +62,7 @@ struct Gather<'a> {
 }
 
 impl Gather<'_> {
-    /// Eight at a time.
+    /// [`Gather::rays`] with eight lanes.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn rays_avx2(&self, out: &mut GatherRays) {
@@ -72,7 +75,7 @@ impl Gather<'_> {
         let origin = point.position + point.geometric_normal * self.epsilon;
         let name = mix(self.seed) ^ (self.receiver as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let first = out.shares.len();
-        // The square root of the solid angle that each stands for.
+        // Square root of the solid angle of a ray.
         let spread = (std::f32::consts::TAU / directions.len() as f32).sqrt();
         let mut total = 0.0;
         let mut number = 0;
@@ -91,7 +94,7 @@ impl Gather<'_> {
                 number += 1;
             }
         }
-        // Dividing by this sum instead of the number of rays makes a closed white room exact.
+        // Normalising by this sum instead of the number of rays makes a closed white room exact.
         out.shares[first..].iter_mut().for_each(|share| *share /= total);
     }
 }
@@ -101,7 +104,7 @@ mod tests {
     use super::*;
     use crate::random::Stream;
 
-    /// A bake has the same bytes whatever the processor has.
+    /// A bake is byte-identical on every processor.
     #[test]
     fn rays_do_not_depend_on_how_many_are_made_at_a_time() {
         let mut stream = Stream::new(3, 3);

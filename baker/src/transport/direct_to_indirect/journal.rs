@@ -1,19 +1,20 @@
-//! Partial results: where finished chunks of the operator are kept, so that a bake that was ended can be resumed.
+//! Partial results: storage of finished chunks of the operator, for resuming an interrupted bake.
 
 use super::gather::Gathered;
 use glam::Vec3;
 
-/// Rows of later bounces for some coarse senders.
+/// Rows of later bounces for a set of coarse senders.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Columns {
-    /// Bounces that they hold.
+    /// Number of bounces in the rows.
     pub bounces: u32,
-    /// For each coarse receiver what it gets, by sender and channel, senders ascending.
+    /// Irradiance of each coarse receiver by sender and channel, senders ascending.
     pub rows: Vec<Vec<(u32, Vec3)>>,
 }
 
 impl Columns {
-    /// Whether they can be what these senders, which ascend, send to so many points, whoever says it.
+    /// Whether data of unknown origin is valid: rows for `count` points, from these senders
+    /// (ascending), with finite irradiance.
     pub fn fits(&self, senders: &[u32], count: usize) -> bool {
         let row = |row: &Vec<(u32, Vec3)>| {
             row.windows(2).all(|pair| pair[0].0 < pair[1].0)
@@ -23,23 +24,23 @@ impl Columns {
     }
 }
 
-/// Keeps parts of the operator as they are done, and has those of an earlier run. What it gives back is, to the bit,
-/// what it was given.
+/// Storage for finished parts of the operator, including parts of an earlier run. Loaded parts are
+/// bit-identical to the stored parts.
 pub trait PartialResults: Sync {
-    /// What was found for `count` receivers from `first` on, if it is known.
+    /// Loads the results of `count` receivers from `first` on; `None` if not stored.
     fn receivers(&self, first: usize, count: usize) -> Option<Vec<Gathered>>;
 
-    /// Keeps what was found for receivers from `first` on.
+    /// Stores the results of receivers from `first` on.
     fn keep_receivers(&self, first: usize, found: &[Gathered]);
 
-    /// One part of the later bounces, if it is known; parts are counted from 0.
+    /// Loads a part of the later bounces; `None` if not stored. Parts are numbered from 0.
     fn columns(&self, part: usize) -> Option<Columns>;
 
-    /// Keeps one part of the later bounces.
+    /// Stores a part of the later bounces.
     fn keep_columns(&self, part: usize, columns: &Columns);
 }
 
-/// Nothing is kept.
+/// Stores nothing.
 impl PartialResults for () {
     fn receivers(&self, _first: usize, _count: usize) -> Option<Vec<Gathered>> {
         None

@@ -1,19 +1,21 @@
-//! Mean albedo of a scene: the share of light that its surfaces reflect to each other. ε is relative to it.
+//! Mean albedo of a scene: the share of light that surfaces reflect to other surfaces. ε is
+//! relative to the mean albedo.
 
 use crate::geometry::{Ray, Surfaces};
 use crate::random::Stream;
 use crate::sampling::Points;
 use rayon::prelude::*;
 
-/// Points that look around, the coarsest first.
+/// Number of sampled points, starting with the coarsest.
 const POINTS: usize = 1024;
-/// Rays from each.
+/// Rays per sampled point.
 const RAYS: u64 = 64;
-/// A black scene still has an ε.
+/// Least mean albedo, so that a black scene has a positive ε.
 const LEAST: f32 = 0.02;
 
-/// The mean irradiance at the points from surfaces of unit irradiance: the scene's mean albedo, with
-/// the sky black. 0.02 to 1. The `coarsest` levels are left out: they are of what lies far away.
+/// Returns the mean irradiance at the points from surfaces of unit irradiance, 0.02 to 1: the
+/// scene's mean albedo, with a black sky. Points of the `coarsest` levels are skipped, because
+/// these levels cover distant surroundings.
 pub fn reflected_share<S: Surfaces + ?Sized>(
     surfaces: &S,
     points: &Points,

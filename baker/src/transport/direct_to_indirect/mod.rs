@@ -1,20 +1,21 @@
 //! The direct-to-indirect operator S (paper, section 3).
 //!
-//! * [`reflected`] – how bright the scene is, which ε is a share of;
-//! * [`tint`] – the senders' colours;
-//! * [`directions`] – the rays of one hemispherical gather;
-//! * [`hemisphere`] – a receiver's rays;
-//! * [`tiles`] – what rays find, worked out beforehand;
-//! * [`order`] – the order in which they are cast;
-//! * [`found`] – what those of some receivers find;
-//! * [`gather`] – Eq. 16 for one receiver and all senders, and Eq. 17's differences;
-//! * [`tally`] – what a gather sums up, by sender;
-//! * [`pool`] – what neighbours share;
-//! * [`sparsify`] – which of it becomes a link;
-//! * [`bytes`] – what is done, as bytes;
-//! * [`journal`] – where what is done is kept, to go on from;
+//! * [`mean_albedo`] – mean albedo of the scene; ε is relative to the mean albedo;
+//! * [`tint`] – colours of the senders;
+//! * [`directions`] – ray directions of a hemispherical gather;
+//! * [`hemisphere`] – gather rays of a receiver;
+//! * [`hit_cache`] – precomputed basis weights and light for tiles of the surfaces;
+//! * [`ray_sort`] – order of the rays in a gather batch;
+//! * [`gather_batch`] – casts and shades the rays of several receivers;
+//! * [`gather_context`] – inputs and cost of a gather;
+//! * [`gather`] – Eq. 16 for a receiver and all senders, and the differences of Eq. 17;
+//! * [`accumulator`] – sums of a gather by sender;
+//! * [`neighbourhood`] – sharing of gathered differences between receivers;
+//! * [`sparsify`] – selection of row entries that become links;
+//! * [`bytes`] – serialization of finished parts;
+//! * [`journal`] – storage of partial results for resuming a bake;
 //! * [`refine`] – the adaptive queue of Fig. 5: the one-bounce operator T;
-//! * [`among`] – what the coarse points get from each other;
+//! * [`among`] – coarse transport matrix C between the coarse points;
 //! * [`bounces`] – later bounces: S, by the [`series`] of bounces between coarse points.
 
 pub mod accumulator;
@@ -40,78 +41,84 @@ use accumulator::IrradianceRow;
 use coarse_matrix::among;
 use rebounce_shared::link::{LaterLink, Link};
 
-/// How the operator is computed.
+/// Settings of the operator's computation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatorSettings {
-    /// Senders are the functions of this many coarsest levels; direct light is sent by the finest
-    /// of them that covers a place.
+    /// Number of coarsest levels whose functions are senders. Direct light leaves from the finest
+    /// sender level that covers a place.
     pub sender_levels: usize,
-    /// ε on the finest level, as a share of [`Self::reflected`]: links whose magnitude (irradiance per
-    /// unit irradiance) is under it are given to a neighbour. Smaller on coarser levels: see
-    /// [`Self::epsilon_on`].
+    /// ε on the finest level, as a share of [`Self::reflected`]. A link with magnitude (irradiance
+    /// per unit irradiance) below ε is merged into a neighbour's link. Coarser levels use a smaller
+    /// ε: see [`Self::epsilon_on`].
     pub epsilon: f32,
-    /// The share of light that the scene's surfaces pass on to each other
-    /// ([`mean_albedo::reflected_share`]); 1 for an absolute ε. Bounced light is weaker in a dark scene,
-    /// and so are the links that make it up.
+    /// Share of light that the scene's surfaces reflect to other surfaces
+    /// ([`mean_albedo::reflected_share`]); 1 for an absolute ε. In a dark scene bounced light and
+    /// its links are weaker.
     pub reflected: f32,
-    /// Levels that `epsilon` counts from.
+    /// Number of levels; `epsilon` applies to level `levels - 1`.
     pub levels: usize,
-    /// Rays per receiver, by level; the last entry holds for all finer levels.
+    /// Rays per receiver, by level; the last entry applies to all finer levels.
     pub rays: Vec<u32>,
-    /// Links under this many standard deviations of their own Monte Carlo noise are dropped; of as many more as a receiver of the
-    /// [pooled levels](Self::pooled_levels) is [bare](neighbourhood::Row::strictness).
+    /// Least ratio of a link to the standard deviation of its own Monte Carlo noise; weaker links
+    /// are dropped. On [pooled levels](Self::pooled_levels) the ratio is multiplied by the
+    /// receiver's [strictness](neighbourhood::Row::strictness), which is higher on bare surfaces.
     pub significance: f32,
-    /// Finest levels whose receivers [share](pool) what their rays find; never the coarsest level.
+    /// Number of finest levels whose receivers [share](neighbourhood) gathered differences; never
+    /// includes the coarsest level.
     pub pooled_levels: usize,
-    /// Bounces of light; `None`: all.
+    /// Number of bounces of light; `None` for all bounces.
     pub bounces: Option<u32>,
-    /// Light that bounced is gathered and sent on by the functions of this many coarsest levels,
-    /// at most the sender levels.
+    /// Number of coarsest levels whose points gather bounced light and send it on (later bounces);
+    /// at most `sender_levels`.
     pub later_levels: usize,
-    /// Coarsest levels whose receivers all gather, whether their parents receive anything: functions that are as large as a house
-    /// reach through it, and what one storey does not see another may.
+    /// Number of coarsest levels with unconditional gathering: receivers are refined even if the
+    /// parents have no links. A function as large as a house reaches through the house, and light
+    /// that is hidden from a receiver on one storey may reach a receiver on the next. If not 0, the
+    /// next finer level gathers unconditionally, too.
     pub far_levels: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
 
-/// ε of a level over that of the next finer one: the same squared error for the same number of links. Measured on two
-/// scenes (links, error): 0.5 gives 2.8 M, 0.059 and 3.8 M, 0.073; 0.65 gives 2.0 M, 0.063 and 2.6 M, 0.082, and with ε
-/// smaller by a fifth 2.6 M, 0.065 and 3.2 M, 0.079.
+/// Ratio of a level's ε to ε of the next finer level: equal squared error for an equal number of
+/// links. Measured on two scenes (links, error): 0.5: 2.8 M, 0.059 and 3.8 M, 0.073; 0.65: 2.0 M,
+/// 0.063 and 2.6 M, 0.082; 0.65 with ε smaller by a fifth: 2.6 M, 0.065 and 3.2 M, 0.079.
 const COARSER: f32 = 0.5;
 
-/// ε of the links for later bounces over that of the finest level's. With 1 the errors of five scenes are the same within 0.001,
-/// and files are larger by 4 to 40%.
+/// Ratio of ε for later-bounce links to ε of the finest level. With 1 the errors of five scenes are
+/// equal within 0.001, and files are larger by 4 to 40%.
 const LATER: f32 = 3.0;
 
-/// Receivers of a chunk; more where they share what they find, so that few of them lie at an edge.
+/// Receivers per chunk: on levels without pooling, and on pooled levels (more, so that few
+/// receivers are at a chunk's edge).
 const CHUNK: [usize; 2] = [64, 512];
 
 impl OperatorSettings {
-    /// ε on a level, irradiance per unit irradiance: smaller on coarser levels, whose dropped links are errors over
-    /// larger supports ([`COARSER`]).
+    /// ε on a level, irradiance per unit irradiance. Smaller on coarser levels, because their
+    /// dropped links are errors over larger supports ([`COARSER`]).
     pub fn epsilon_on(&self, level: usize) -> f32 {
         let coarser = (self.levels.max(1) - 1).saturating_sub(level);
         self.epsilon * self.reflected * COARSER.powi(coarser as i32)
     }
 
-    /// The least entry of a row of irradiance between coarse functions, which all of a scene's later
-    /// bounces go through: a smaller one is given to a neighbour.
+    /// Least entry of a row of irradiance between coarse functions, from which all later bounces
+    /// are computed. A smaller entry is carried over to the next sender.
     pub fn least_irradiance(&self) -> f32 {
         self.epsilon * self.reflected / 8.0
     }
 
-    /// ε of the links for later bounces, larger than the first bounce's: a receiver averages over its whole hemisphere ([`LATER`]).
+    /// ε of the links for later bounces. Larger than ε of the first bounce ([`LATER`]), because a
+    /// receiver averages over its hemisphere.
     pub fn epsilon_later(&self) -> f32 {
         LATER * self.epsilon * self.reflected
     }
 
-    /// Whether receivers of a level share what their rays find.
+    /// Whether receivers of a level share gathered differences with neighbours.
     pub fn is_pooled(&self, level: usize) -> bool {
         level > 0 && level + self.pooled_levels >= self.levels
     }
 
-    /// Receivers of a level that one thread gathers for one after another, and that are kept together.
+    /// Receivers per chunk of a level. A chunk is gathered by a single thread and stored as a unit.
     pub fn chunk_on(&self, level: usize) -> usize {
         CHUNK[self.is_pooled(level) as usize]
     }
@@ -122,34 +129,35 @@ impl OperatorSettings {
     }
 }
 
-/// The operator: links by receiver, and what it took.
+/// The operator as links by receiver, with statistics of the computation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Operator {
-    /// For every point its links, senders ascending; empty where it receives nothing of its own. They carry what the
-    /// senders hold, direct light and bounced light alike: T.
+    /// T: links of every point, senders ascending; empty for a point without links of its own.
+    /// Links carry the senders' direct and bounced light.
     pub links: Vec<Vec<Link>>,
-    /// The colour that each point's surface gives to light, rgb9e5.
+    /// Colour of the light that each point's surface reflects, rgb9e5.
     pub tints: Vec<u32>,
-    /// For every point of the coarse levels its whole irradiance from every other, what later bounces are made
-    /// of; not part of the file.
+    /// C: total irradiance of every coarse point from every other coarse point, the input of later
+    /// bounces. Not stored in the file.
     pub coarse: Vec<IrradianceRow>,
-    /// For every point of the coarse levels its links for light that bounces again, between such points: H.
+    /// H: links of every coarse point for light that bounces again between coarse points.
     pub later: Vec<Vec<LaterLink>>,
-    /// Rays cast.
+    /// Number of rays cast.
     pub rays: u64,
-    /// Receivers whose links were computed.
+    /// Number of receivers that were gathered for.
     pub receivers: u64,
-    /// Share of the reflected light that no sender's function covers, and that is lost.
+    /// Share of the reflected light that is lost because no sender's function covers the hit.
     pub lost_share: f64,
-    /// Share of the reflected light that links leave out where all senders are lit alike; negative where they add to it.
-    /// Later bounces lose it once a bounce.
+    /// Share of the reflected light that the links lose under uniform lighting of all senders;
+    /// negative for a gain. Later bounces lose this share at every bounce.
     pub link_loss: f64,
-    /// Bounces that the operator holds; where all are wanted, those followed until the light settled.
+    /// Number of bounces that the operator contains; without a limit, the number computed until
+    /// convergence.
     pub bounces: u32,
 }
 
 impl Operator {
-    /// Number of links of each point of T.
+    /// Number of links of each point in T.
     pub fn link_counts(&self) -> impl Iterator<Item = usize> + '_ {
         self.links.iter().map(Vec::len)
     }
@@ -159,7 +167,7 @@ impl Operator {
         self.later.iter().map(Vec::len).sum()
     }
 
-    /// Number of entries that later bounces are made of: those of [`coarse`](Self::coarse).
+    /// Number of entries of the coarse matrix [`coarse`](Self::coarse), the input of later bounces.
     pub fn coarse_count(&self) -> usize {
         self.coarse.iter().map(Vec::len).sum()
     }

@@ -1,69 +1,74 @@
-//! Neighbourhoods of receivers share what their rays find: on the finest levels a link is decided by the weighted mean of the
-//! [differences](Difference) of receivers on the same surface.
+//! Neighbourhoods: receivers share gathered differences. On the finest levels a link is decided by
+//! the weighted mean of the [differences](Difference) of receivers on the same surface.
 //!
-//! Light from a small lit patch reaches a receiver along a few of its rays, so that most of one receiver's difference is
-//! noise, and a link made of it is a spot on a bare wall. The mean has a fraction of the variance. The irradiance from a
-//! sender at distance d changes over a distance s by about s / d of itself, by the split-sphere bound (Ward, Rubinstein and
-//! Clear 1988). So each sender has a neighbourhood of its own: no wider than a fifth of its distance.
+//! Light from a small lit patch reaches a receiver along few rays, so a single receiver's
+//! difference is mostly noise, and a link from noise is a spot on a bare wall. The mean has a
+//! fraction of the variance. The irradiance from a sender at distance d changes over a distance s
+//! by about s / d of itself, by the split-sphere bound (Ward, Rubinstein and Clear 1988). Therefore
+//! the neighbourhood is chosen per sender: no wider than a fifth of the sender's distance.
 
 use crate::sampling::{Points, SurfacePoint};
 use glam::Vec3;
 use rebounce_shared::kernel::weight;
 
-/// Least distance of a sender over the radius of the neighbourhood that shares it.
+/// Least ratio of a sender's distance to the neighbourhood's radius.
 const FAR: f32 = 5.0;
-/// Radii of neighbourhoods: the support, halved so many times less one; and the receiver alone.
+/// Number of neighbourhood radii: the support radius, halved up to `RADII` - 2 times, and the
+/// receiver alone.
 const RADII: usize = 4;
-/// Neighbours of less weight cost as much as others and bring little.
+/// Least weight of a neighbour. A neighbour of lower weight costs as much and contributes little.
 const LEAST_SHARED: f32 = 0.1;
-/// Senders of a block.
+/// Senders per block.
 const BLOCK: usize = 32;
-/// Bare are surfaces that see what is at least so many support radii away.
+/// Mean hit distance, in support radii, from which a surface counts as fully bare.
 const BARE: f32 = 50.0;
-/// How much stricter the test against noise is on bare surfaces, where a spot shows, than in front of details: on the
-/// finest level, and on coarser ones, where a spot is larger.
+/// Factor on the noise threshold for bare surfaces, where a spot is visible, relative to surfaces
+/// near details: on the finest level, and on coarser levels, where a spot is larger.
 const STRICTER: [f32; 2] = [10.0, 20.0];
 
-/// What a receiver gets from a sender less what coarser receivers expect it to get (Eq. 17).
+/// Gathered irradiance of a receiver from a sender minus the irradiance predicted by the parents'
+/// values (Eq. 17).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
-    /// The sender.
+    /// Index of the sender.
     pub sender: u32,
     /// Irradiance per unit irradiance.
     pub amount: f32,
-    /// The larger of what is subtracted from each other: the variance of `amount` goes with it.
+    /// The larger of minuend and subtrahend, in magnitude. The variance of `amount` is proportional
+    /// to `magnitude`.
     pub magnitude: f32,
 }
 
-/// What the rays of one receiver find.
+/// Gathered differences of a receiver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
-    /// By sender, ascending.
+    /// Sorted by sender, ascending.
     pub differences: Vec<Difference>,
-    /// The harmonic mean distance of what it sees, scene units.
+    /// Harmonic mean distance of the hits, scene units.
     pub distance: f32,
 }
 
 impl Row {
-    /// All differences together.
+    /// Sum of all differences.
     fn sum(&self) -> f32 {
         self.differences.iter().map(|difference| difference.amount).sum()
     }
 
-    /// How much stricter than elsewhere links must stand out of their noise, for a receiver of this support radius so many
-    /// levels above the finest.
+    /// Factor on the noise threshold of links, 1 or more, for a receiver with this support radius,
+    /// `above_finest` levels above the finest. Grows with the mean hit distance.
     pub fn strictness(&self, support: f32, above_finest: usize) -> f32 {
         let most = STRICTER[(above_finest > 0) as usize];
         1.0 + (most - 1.0) * (self.distance / (BARE * support)).min(1.0)
     }
 }
 
-/// Senders in blocks of consecutive ones, which lie together, and the balls that hold them.
+/// Bounding spheres (centre, radius) of blocks of `BLOCK` consecutive senders. Consecutive senders
+/// are close together.
 #[derive(Clone, Debug, Default)]
 pub struct SenderBlocks(Vec<(Vec3, f32)>);
 
 impl SenderBlocks {
-    /// Of the first `count` points.
+    /// Computes the bounding spheres of the first `count` points.
     pub fn new(points: &Points, count: usize) -> Self {
         let ball = |block: &[SurfacePoint]| {
             let of = |fold: fn(Vec3, Vec3) -> Vec3| block.iter().map(|p| p.position).reduce(fold);
@@ -74,21 +79,22 @@ impl SenderBlocks {
     }
 }
 
-/// A receiver and its neighbours.
+/// A receiver and its neighbours, with weights for averaging differences.
 #[derive(Clone, Debug, Default)]
 pub struct Neighbourhood {
-    /// Row and weights of each; the weights of each radius sum to 1.
+    /// Row index and weights of each member; for each radius the weights sum to 1.
     members: Vec<(usize, [f32; RADII])>,
-    /// The variance of the mean over that of one receiver, by radius.
+    /// Ratio of the variance of the mean to the variance of a single receiver, by radius.
     variances: [f32; RADII],
-    /// The receiver's position, local space.
+    /// Position of the receiver, local space.
     position: Vec3,
-    /// The largest radius, scene units.
+    /// Largest radius, scene units.
     support: f32,
 }
 
 impl Neighbourhood {
-    /// Makes it that of a receiver: entry `of` of `receivers`, of a level of this support radius.
+    /// Sets the neighbourhood to that of receiver `receivers[of]`, on a level with this support
+    /// radius.
     pub fn gather(&mut self, points: &Points, receivers: &[usize], of: usize, support: f32) {
         let receiver = receivers[of];
         let point = &points.points[receiver];
@@ -114,7 +120,7 @@ impl Neighbourhood {
         }
     }
 
-    /// Which radius a sender at this place has.
+    /// Index of the radius for a sender at this position.
     #[inline]
     fn radius(&self, sender: Vec3) -> usize {
         let far = (FAR * self.support).powi(2);
@@ -122,8 +128,8 @@ impl Neighbourhood {
         (0..RADII - 1).find(|radius| distance >= far / (1u32 << (2 * radius)) as f32).unwrap_or(RADII - 1)
     }
 
-    /// Visits what each member contributes to the mean difference of each sender: sender, amount, and what the variance of
-    /// the mean goes with, per unit of variance of one receiver.
+    /// Visits the contribution of each member to the mean difference of each sender: sender,
+    /// amount, and a factor of the mean's variance, per unit of variance of a single receiver.
     pub fn each(
         &self,
         points: &Points,
@@ -150,7 +156,7 @@ impl Neighbourhood {
         }
     }
 
-    /// The mean of the members' sums over all senders, and its variance.
+    /// Mean of the members' sums over all senders, and the variance of the mean.
     pub fn sum(&self, rows: &[Row]) -> (f32, f32) {
         let mean: f32 = self.members.iter().map(|(row, weights)| weights[0] * rows[*row].sum()).sum();
         let deviation = |row: usize| (rows[row].sum() - mean).powi(2);
@@ -164,7 +170,8 @@ mod tests {
     use super::*;
     use crate::sampling::PointLevel;
 
-    /// A grid of points on a floor, one more on its underside, and one more, the sender, at a height over the middle.
+    /// A grid of points on a floor, a point on the floor's underside, and a sender at a height
+    /// above the centre.
     fn floor(height: f32) -> (Points, Vec<usize>, Vec<Row>) {
         let mut points: Vec<SurfacePoint> = (0..81)
             .map(|k| {
@@ -184,7 +191,7 @@ mod tests {
         )
     }
 
-    /// Who shares a sender so high over a receiver with it, and the variance that is left.
+    /// Members that share a sender at `height` above a receiver, and the remaining variance.
     fn shared(height: f32, of: usize) -> (Vec<usize>, f32) {
         let (points, receivers, mut rows) = floor(height);
         let (mut hood, blocks) = (Neighbourhood::default(), SenderBlocks::new(&points, 83));
@@ -207,7 +214,7 @@ mod tests {
     fn neighbours_on_the_same_surface_share_what_is_far() {
         let (members, variance) = shared(100.0, 40);
         assert_eq!(members, [30, 31, 32, 39, 40, 41, 48, 49, 50], "not the underside");
-        // Between alike weights and one receiver alone.
+        // Between equal weights and a single receiver.
         assert!(variance > 1.0 / 9.0 && variance < 0.3, "{variance}");
         assert_eq!(shared(100.0, 81), (vec![81], 1.0));
     }
@@ -216,7 +223,8 @@ mod tests {
     fn what_is_near_is_shared_with_the_nearest_or_nobody() {
         assert_eq!(shared(0.6, 40), (vec![40], 1.0), "half the radius reaches none");
         assert_eq!(shared(0.1, 40), (vec![40], 1.0));
-        // At five supports the whole neighbourhood shares it, under it half as wide a one.
+        // From five supports on the whole neighbourhood shares the sender; below, a neighbourhood
+        // of half the radius.
         assert_eq!(shared(1.01, 40).0.len(), 9);
         assert_eq!(shared(0.99, 40).0.len(), 1);
     }

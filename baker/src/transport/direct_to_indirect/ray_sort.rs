@@ -1,16 +1,17 @@
-//! Ray sort: rays of a gather batch are cast by octant, major axis and direction, so that consecutive rays are coherent and
-//! fill [packets](crate::geometry::Primitives::intersect_packet).
+//! Ray sort: rays of a gather batch are cast by octant, major axis and direction, so that
+//! consecutive rays are coherent and fill [packets](crate::geometry::Primitives::intersect_packet).
 
 use super::directions::{LANES, Lanes};
 use crate::geometry::Ray;
 
-/// Cells of directions of one [class](Ray::octant_and_axis) along each of two axes: numbers of three bits.
+/// Direction cells of a [class](Ray::octant_and_axis) along each of two axes; a cell coordinate has
+/// three bits.
 const GRID: u32 = 8;
-/// Cells in all.
+/// Total number of cells.
 const CELLS: usize = Ray::OCTANTS_AND_AXES * (GRID * GRID) as usize;
 
-/// Replaces `order` by the numbers of the rays of these [`cells`] in the order of their directions: class by class, in each
-/// along a Morton curve; rays of one cell keep their order.
+/// Replaces `order` by the ray numbers sorted by cell ([`cells`]): by class, and along a Morton
+/// curve within a class. The sort is stable.
 pub fn sort(cells: &[u16], order: &mut Vec<u32>) {
     let mut ends = [0u32; CELLS];
     cells.iter().for_each(|cell| ends[*cell as usize] += 1);
@@ -28,15 +29,16 @@ pub fn sort(cells: &[u16], order: &mut Vec<u32>) {
     }
 }
 
-/// The cells of some directions, given by axis: where they go through a cube's side, of which a [class](Ray::octant_and_axis) has a
-/// quarter.
+/// Returns the cells of directions, given by axis: the direction's position on a face of a cube. A
+/// [class](Ray::octant_and_axis) covers a quarter of a face.
 #[inline(always)]
 pub fn cells([x, y, z]: &[Lanes; 3]) -> [u16; LANES] {
     let mut cells = [0; LANES];
     for i in 0..LANES {
         let (x, y, z) = (x[i], y[i], z[i]);
         let (sx, sy, sz) = (x.abs(), y.abs(), z.abs());
-        // As Ray::major_axis, without branches; those of the other axes are no longer.
+        // As Ray::major_axis, without branches; the other two components are no longer than the
+        // major one.
         let (is_x, is_y) = (sx > sy && sx > sz, sy > sz);
         let (main, u, v) = if is_x {
             (sx, sy, sz)

@@ -1,7 +1,7 @@
 //! The one-bounce operator T by adaptive refinement of the receivers (paper, Fig. 5).
 //!
-//! The queue of the paper goes level by level, so all receivers of one level can be gathered in
-//! parallel: each reads only the links of coarser levels.
+//! The paper's queue is processed level by level. The receivers of a level are gathered in
+//! parallel, because a receiver reads only the links of coarser levels.
 
 use super::bytes::{Reader, put_receivers};
 use super::directions::Directions;
@@ -46,7 +46,7 @@ pub fn refine<S: Surfaces + ?Sized>(
     Ok(refiner.finish())
 }
 
-/// The functions that light leaves from.
+/// The sender functions, their tints, hit cache and blocks.
 pub struct Senders {
     all: Leveled,
     count: usize,
@@ -57,8 +57,8 @@ pub struct Senders {
 }
 
 impl Senders {
-    /// The senders among these points, with the points' [`tints`](tint::tints), and what rays find of them. A unit of
-    /// `watch` is a tile.
+    /// Builds the evaluators, hit cache and blocks of the senders among `points`. `tints` are the
+    /// points' [`tints`](tint::tints). A unit of `watch` is a tile.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -88,7 +88,7 @@ impl Senders {
         })
     }
 
-    /// What gathers for these senders read.
+    /// Returns the input of gathers for these senders.
     pub fn context<'a, S: Surfaces + ?Sized>(
         &'a self,
         surfaces: &'a S,
@@ -115,21 +115,21 @@ pub struct Refiner<'a, S: Surfaces + ?Sized> {
     context: GatherContext<'a, S>,
     sender_count: usize,
     operator: Operator,
-    /// What the receivers so far have as a whole: [`Gathered::value`].
+    /// Values of the receivers of finished levels: [`Gathered::value`].
     values: Vec<Vec<Link>>,
-    /// The next level.
+    /// The next level to compute.
     level: usize,
-    /// The sum of each receiver's row: its irradiance where all senders have a unit of light.
+    /// Row sum of each receiver: the receiver's irradiance with unit light at all senders.
     row_sums: Vec<f32>,
-    /// What gathered receivers get where all senders have a unit of light: by their rays, of it where no function is, and by
-    /// their rows.
+    /// Total irradiance of gathered receivers with unit light at all senders: by their rays
+    /// (`seen`), the part without a sender function (`lost`), and by their rows (`kept`).
     seen: f64,
     lost: f64,
     kept: f64,
 }
 
 impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
-    /// Nothing is computed yet.
+    /// Creates a refiner with all levels still to compute.
     pub fn new(
         surfaces: &'a S,
         points: &'a Points,
@@ -153,8 +153,9 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         }
     }
 
-    /// Whether a receiver of the next level is gathered for: children of receivers that kept a link, and those that no
-    /// coarser function reaches; of far levels all, and theirs.
+    /// Whether a receiver of the next level is gathered for: a child of a receiver with links, a
+    /// receiver without parents, or any receiver of the far levels and of the level after the far
+    /// levels.
     fn is_wanted(&self, i: usize) -> bool {
         if self.level <= self.context.settings.far_levels && self.context.settings.far_levels > 0 {
             return true;
@@ -169,18 +170,19 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         level.into_par_iter().filter(|i| self.is_wanted(*i)).collect()
     }
 
-    /// Rays that the next level will cast.
+    /// Number of rays to cast for the next level.
     pub fn rays_ahead(&self) -> u64 {
         self.receivers_ahead().len() as u64 * self.context.settings.rays_on(self.level) as u64
     }
 
-    /// Computes the next level together with the team. A unit of `watch` is a ray. What the first member's `journal` has
-    /// is taken from there; the rest of the chunks go round the members, so that each gets its share of the costly ones.
-    /// All rows are for the first member; the others get what the next level and later bounces read. How many bytes that
-    /// took.
+    /// Computes the next level with all processes of the communicator and returns the number of
+    /// bytes sent. A unit of `watch` is a ray. Chunks in the first process's `journal` are read
+    /// from the journal; the remaining chunks are dealt to the processes in turn, so that costly
+    /// chunks are spread evenly. The first process receives all rows; the other processes receive
+    /// only the data for the next level and later bounces.
     ///
     /// # Errors
-    /// [`CommunicatorError`]; the level is as if it had not been begun, but for what `journal` keeps.
+    /// [`CommunicatorError`]; the level stays uncomputed, except for chunks in `journal`.
     pub fn level(
         &mut self,
         watch: &dyn Watch,
@@ -207,7 +209,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let left = (0..found.rows.len()).filter(|chunk| found.rows[*chunk].is_none());
         let mut mine: Vec<(usize, usize)> =
             left.skip(team.rank()).step_by(team.size()).map(|chunk| found.place(chunk)).collect();
-        // All over the scene from the first to the last, so that what is done says how long the rest takes.
+        // In random order over the scene, so that progress predicts the remaining time.
         mine.sort_by_key(|(first, _)| mix(*first as u64));
         let directions = Directions::new(context.settings.rays_on(l));
         let pool = Mutex::new(Vec::new());
@@ -242,7 +244,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let arrive = |member: usize, for_first: &[u8], for_all: &[u8]| {
             for (first, rows) in join(for_first, for_all).ok_or(CommunicatorError::Garbled(member))? {
                 let rays = rows.iter().map(|gathered| gathered.cost.rays).sum();
-                // Only the first member has all of a row.
+                // Only the first process has complete rows.
                 if team.rank() == 0 {
                     journal.keep_receivers(first, &rows);
                 }
@@ -257,7 +259,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
             found.set(first, rows).ok_or(CommunicatorError::Garbled(team.rank()))?;
         }
         if !for_all && team.rank() != 0 {
-            // Nobody reads the rows that are not here.
+            // The missing rows are never read on this process.
             found.rows.iter_mut().for_each(|rows| *rows = rows.take().or(Some(Vec::new())));
         }
         let rows = found.rows.into_iter().collect::<Option<Vec<_>>>().ok_or(CommunicatorError::Garbled(0))?;
@@ -275,8 +277,8 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         Ok(traffic)
     }
 
-    /// Once the coarse levels are computed: what their points get from each other, for later bounces. A unit of `watch` is such a
-    /// point.
+    /// Computes the coarse transport matrix for later bounces, after the coarse levels. A unit of
+    /// `watch` is a coarse point.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -303,27 +305,28 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         self.values[i] = gathered.value;
     }
 
-    /// T so far.
+    /// T of the levels computed so far.
     pub fn operator(&self) -> &Operator {
         &self.operator
     }
 
-    /// T so far, for later bounces to be added once the coarse levels are done.
+    /// T of the levels computed so far, mutable: later bounces can be added after the coarse
+    /// levels.
     pub fn operator_mut(&mut self) -> &mut Operator {
         &mut self.operator
     }
 
-    /// T.
+    /// Returns T.
     pub fn finish(self) -> Operator {
         self.operator
     }
 }
 
-/// The chunks of one level, as far as they are known.
+/// Chunks of a level; `None` for chunks that are not known yet.
 struct KnownRows {
     start: usize,
     end: usize,
-    /// Receivers of a chunk; the last one may have fewer.
+    /// Receivers per chunk; the last chunk may have fewer.
     size: usize,
     rows: Vec<Option<Vec<Gathered>>>,
 }
@@ -333,20 +336,21 @@ impl KnownRows {
         Self { start, end, size, rows: vec![None; (end - start).div_ceil(size)] }
     }
 
-    /// The first receiver of a chunk, and how many there are.
+    /// First receiver and number of receivers of a chunk.
     fn place(&self, chunk: usize) -> (usize, usize) {
         let first = self.start + chunk * self.size;
         (first, self.size.min(self.end - first))
     }
 
-    /// Takes the rows of a chunk; `None` where they do not fit.
+    /// Stores the rows of a chunk; returns `None` if `first` and the number of rows match no chunk.
     fn set(&mut self, first: usize, rows: Vec<Gathered>) -> Option<()> {
         let chunk = first.checked_sub(self.start)? / self.size;
         let is_one = chunk < self.rows.len() && (first, rows.len()) == self.place(chunk);
         is_one.then(|| self.rows[chunk] = Some(rows))
     }
 
-    /// The first member tells the others which chunks it has from an earlier run. How many bytes that took.
+    /// Sends the first process's known chunks (from an earlier run) to the other processes. Returns
+    /// the number of bytes.
     fn announce(&mut self, team: &dyn Communicator, watch: &dyn Watch) -> Result<u64, CommunicatorError> {
         let mut known = Vec::new();
         if team.rank() == 0 {
@@ -367,7 +371,8 @@ impl KnownRows {
     }
 }
 
-/// What all members read of some rows: not their links, but whether there are any.
+/// Part of the rows for all processes: the values, and the first link as a flag for non-empty
+/// links.
 fn for_others(rows: &[Gathered]) -> Vec<Gathered> {
     let of_one = |row: &Gathered| Gathered {
         links: row.links.first().copied().into_iter().collect(),
@@ -377,7 +382,8 @@ fn for_others(rows: &[Gathered]) -> Vec<Gathered> {
     rows.iter().map(of_one).collect()
 }
 
-/// Sends some rows: links and cost to the first member, the rest to all where that is wanted.
+/// Sends rows: links and cost to the first process, and the part [`for_others`] to all processes if
+/// `for_all`.
 fn post(outbox: &SendBuffer, first: usize, rows: &[Gathered], for_all: bool) {
     let of_one =
         |row: &Gathered| Gathered { links: row.links.clone(), cost: row.cost, ..Gathered::default() };
@@ -390,7 +396,7 @@ fn post(outbox: &SendBuffer, first: usize, rows: &[Gathered], for_all: bool) {
     });
 }
 
-/// Puts together what [`post`] sent; `None` where it is something else.
+/// Joins the two parts of rows sent by [`post`]; `None` for malformed or mismatched bytes.
 fn join(for_first: &[u8], for_all: &[u8]) -> Option<Vec<(usize, Vec<Gathered>)>> {
     let read = |bytes: &[u8]| {
         let mut from = Reader(bytes);
@@ -407,7 +413,7 @@ fn join(for_first: &[u8], for_all: &[u8]) -> Option<Vec<(usize, Vec<Gathered>)>>
     if whole.len() != others.len() {
         return None;
     }
-    // Both were posted in the same order.
+    // Both parts were posted in the same order.
     for ((first, rows), (same, more)) in whole.iter_mut().zip(others) {
         if *first != same || rows.len() != more.len() {
             return None;

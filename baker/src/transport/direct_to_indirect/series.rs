@@ -1,31 +1,35 @@
 //! The series of bounces C + C² + … between coarse points, for a few columns at a time.
 //!
-//! All bounces together are what light settles to: X = B + C X, with B = C E the first of them. Summed one by one, what is
-//! left shrinks by the share λ that a bounce keeps; here it does by about λ / (1 + √(1 - λ²)) with each sweep over the
-//! rows, 0.41 instead of 0.7: Chebyshev's iteration (Golub and Varga 1961), which is for matrices with real eigenvalues
-//! between -λ and λ. C, times the points' reflectance, is like a symmetric one, as light goes both ways alike, but for its
-//! noise. A given number of bounces is summed one by one, by the same sweeps.
+//! The sum of all bounces is the fixed point X = B + C X, with the first bounce B = C E. Summed
+//! bounce by bounce, the residual shrinks by the share λ of light that a bounce keeps. Chebyshev's
+//! iteration (Golub and Varga 1961) shrinks the residual by about λ / (1 + √(1 - λ²)) with each
+//! sweep over the rows: 0.41 instead of 0.7. Chebyshev's iteration is for matrices with real
+//! eigenvalues between -λ and λ. C, scaled by the points' reflectance, is symmetric up to noise,
+//! because light transport is reciprocal. A limited number of bounces is summed bounce by bounce,
+//! by the same sweeps.
 
 use super::accumulator::IrradianceRow;
 use crate::processor;
 use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 
-/// Coarse points whose light travels together.
+/// Coarse points (columns) per batch.
 pub const BATCH: usize = 16;
-/// The light has settled when what is still to come is under this share of what has, by what is left and the share that a
-/// bounce keeps: an upper bound; 0.002 of the light is off in a kitchen, 0.005 in a hall.
+/// Convergence threshold: the light that is still to come, over the light summed so far. The light
+/// to come is estimated from the residual and the share that a bounce keeps: an upper bound. The
+/// remaining error of the light is 0.002 in a kitchen and 0.005 in a hall.
 const SETTLED: f32 = 0.02;
-/// No more sweeps than this.
+/// Greatest number of sweeps.
 const MOST_SWEEPS: u32 = 64;
-/// It never will when so many times as much is left as was once: noise can make more of the light in white rooms than
-/// there was.
+/// Divergence threshold: ratio of the residual to its least value so far. Noise can make C amplify
+/// light in white rooms.
 const UNSETTLED: f32 = 4.0;
-/// Bounces by which the share is measured that a bounce keeps, and what it is taken for at most.
+/// Number of bounces for measuring the share of light that a bounce keeps, and the upper bound of
+/// the share.
 const MEASURED: u32 = 12;
 const MOST_KEPT: f32 = 0.98;
 
-/// Irradiance at a point: red, green and blue, of each column of a batch. Whole cache lines.
+/// Irradiance at a point: red, green and blue, for every column of a batch. Aligned to cache lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Light(pub [[f32; BATCH]; 3]);
@@ -34,35 +38,36 @@ impl Light {
     const NONE: Self = Self([[0.0; BATCH]; 3]);
 }
 
-/// An operator's coarse rows, for the series.
+/// The coarse rows of an operator, prepared for the series.
 pub struct Series<'a> {
     rows: &'a [IrradianceRow],
-    /// For each point those that get light from it, and how much.
+    /// Receivers of the light of each point, with the transfer to each receiver.
     columns: Vec<IrradianceRow>,
     tints: &'a [Vec3],
-    /// Bounces that light has when the links have taken it on; `None`: all.
+    /// Number of bounces of the light, including the bounce over the links T; `None` for all
+    /// bounces.
     wanted: Option<u32>,
-    /// Share of the light that a bounce keeps.
+    /// Share of the light that a bounce keeps (λ).
     kept: f32,
 }
 
-/// Where an iteration is.
+/// State of an iteration.
 struct State {
-    /// The sum so far, without what is left.
+    /// The sum so far, X, without the residual.
     sum: Vec<Light>,
-    /// What is left: the residual B - (1 - C) X.
+    /// The residual B - (1 - C) X.
     left: Vec<Light>,
-    /// By what the sum grows next.
+    /// Next increment of the sum.
     step: Vec<Light>,
-    /// The same as the points send it, in their colours; and room for the next.
+    /// `step` times the points' tints, and a buffer for the next sweep.
     sent: [Vec<Light>; 2],
 }
 
-/// What the next step is made of: so much of the last one, and of what is left.
+/// Coefficients of the next step: of the last step, and of the residual.
 type Mix = [f32; 2];
 
 impl<'a> Series<'a> {
-    /// Between points with these rows and tints.
+    /// Prepares the series for these coarse rows and tints.
     pub fn new(rows: &'a [IrradianceRow], tints: &'a [Vec3], wanted: Option<u32>) -> Self {
         let mut columns = vec![IrradianceRow::new(); rows.len()];
         for (receiver, row) in (0..).zip(rows) {
@@ -73,14 +78,15 @@ impl<'a> Series<'a> {
         Self { rows, columns, tints, wanted, kept: kept(rows, tints) }
     }
 
-    /// Unit light at some coarse points, at most [`BATCH`]: the irradiance of its bounces on every coarse point, the light
-    /// itself not counted; and the bounces that it has when the links have taken it on.
+    /// Returns the irradiance of every coarse point from the bounces of unit light at `senders`
+    /// (coarse points, at most [`BATCH`]), without the unit light itself, and the number of bounces
+    /// including the bounce over the links T.
     ///
     /// # Errors
     /// [`Stopped`].
     pub fn columns(&self, senders: &[u32], watch: &dyn Watch) -> Result<(Vec<Light>, u32), Stopped> {
         let none = || vec![Light::NONE; self.rows.len()];
-        // One bounce on the way here (F), one on the way to the receivers (T).
+        // The light has bounced over F already, and bounces over T to the receivers.
         if self.wanted.is_some_and(|wanted| wanted <= 2) {
             return Ok((none(), 2));
         }
@@ -96,7 +102,8 @@ impl<'a> Series<'a> {
         let mut least = f32::INFINITY;
         while sweeps < most {
             watch.step(0)?;
-            // What is left of a sum of some bounces is the last one, which is the next step.
+            // For a limited number of bounces the residual of a sum is the last bounce, which is
+            // the next step.
             let mix = if self.wanted.is_some() { [0.0, 1.0] } else { mixes.next() };
             let [left, sum] = self.sweep(&mut state, mix);
             sweeps += 1;
@@ -106,7 +113,7 @@ impl<'a> Series<'a> {
                 break;
             }
         }
-        // What is left has come, too; of the dark some is a little less than none.
+        // The residual belongs to the sum. Dark entries may be slightly negative.
         for (sum, left) in state.sum.iter_mut().zip(&state.left) {
             for (sum, left) in sum.0.as_flattened_mut().iter_mut().zip(left.0.as_flattened()) {
                 *sum = (*sum + left).max(0.0);
@@ -115,7 +122,7 @@ impl<'a> Series<'a> {
         Ok((state.sum, 3 + sweeps))
     }
 
-    /// The first bounce, of unit light at these points.
+    /// The first bounce of unit light at these points.
     fn first(&self, senders: &[u32]) -> Vec<Light> {
         let mut first = vec![Light::NONE; self.rows.len()];
         for (b, sender) in senders.iter().enumerate() {
@@ -129,7 +136,8 @@ impl<'a> Series<'a> {
         first
     }
 
-    /// Takes a step and works out the next; how much is left, and the sum.
+    /// Adds the step to the sum and computes the next step. Returns the totals of the residual's
+    /// magnitude and of the sum.
     fn sweep(&self, state: &mut State, mix: Mix) -> [f32; 2] {
         #[cfg(target_arch = "x86_64")]
         if processor::has_avx512() {
@@ -145,7 +153,8 @@ impl<'a> Series<'a> {
     }
 }
 
-/// The share of light that a bounce keeps: of light that is everywhere, after some bounces, of the channel that keeps most.
+/// Measures λ, the share of light that a bounce keeps: from uniform light, after several bounces,
+/// in the channel with the largest share.
 fn kept(rows: &[IrradianceRow], tints: &[Vec3]) -> f32 {
     let total = |light: &[Vec3]| light.iter().sum::<Vec3>();
     let mut light = vec![Vec3::ONE; rows.len()];
@@ -163,8 +172,8 @@ fn kept(rows: &[IrradianceRow], tints: &[Vec3]) -> f32 {
     kept.max_element().clamp(0.0, MOST_KEPT)
 }
 
-/// What the steps of Chebyshev's iteration are made of, one after the other: with its polynomials T, and k bounces done,
-/// `ratio` is T_k(1 / λ) / (λ T_{k + 1}(1 / λ)).
+/// Generates the coefficients of Chebyshev's iteration, step by step. With Chebyshev polynomials T
+/// and k bounces done, `ratio` is T_k(1 / λ) / (λ T_{k + 1}(1 / λ)).
 struct Mixes {
     kept: f32,
     ratio: f32,
@@ -182,7 +191,7 @@ impl Mixes {
     }
 }
 
-/// What a point sends of what it gets.
+/// Light that a point sends: irradiance times tint.
 #[inline(always)]
 fn tinted(light: &Light, tint: Vec3) -> Light {
     let mut sent = *light;
@@ -192,7 +201,7 @@ fn tinted(light: &Light, tint: Vec3) -> Light {
     sent
 }
 
-/// The irradiance of one point from what all points send.
+/// The irradiance of a point from the light sent by all points.
 #[inline(always)]
 fn arriving(row: &IrradianceRow, sent: &[Light]) -> Light {
     let mut sum = [[0f32; BATCH]; 3];
@@ -227,14 +236,14 @@ fn sweep(rows: &[IrradianceRow], tints: &[Vec3], state: &mut State, [of_last, of
     [is_left, has_come].map(|each| each.as_flattened().iter().sum())
 }
 
-/// The same arithmetic in the same order, and so the same numbers, eight at a time.
+/// [`sweep`] with eight lanes: equal arithmetic in equal order, hence identical results.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn sweep_avx2(rows: &[IrradianceRow], tints: &[Vec3], state: &mut State, mix: Mix) -> [f32; 2] {
     sweep(rows, tints, state, mix)
 }
 
-/// Sixteen at a time.
+/// [`sweep`] with sixteen lanes.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f")]
 fn sweep_avx512(rows: &[IrradianceRow], tints: &[Vec3], state: &mut State, mix: Mix) -> [f32; 2] {
@@ -246,7 +255,7 @@ mod tests {
     use super::*;
     use crate::random::Stream;
 
-    /// Points that light goes between both ways alike, and that send on so much of it at most.
+    /// Points with symmetric transport, whose rows sum to at most a given share.
     fn points(count: u32, kept: f32) -> (Vec<IrradianceRow>, Vec<Vec3>) {
         let mut stream = Stream::new(5, count as u64);
         let mut some = || stream.unit();
@@ -268,7 +277,7 @@ mod tests {
         (rows.into_iter().map(row).collect(), tints)
     }
 
-    /// The sum of so many bounces of unit light at a point, one by one, in double precision.
+    /// Sum of a number of bounces of unit light at a point, bounce by bounce, in double precision.
     fn one_by_one(rows: &[IrradianceRow], tints: &[Vec3], sender: usize, bounces: usize) -> Vec<[f64; 3]> {
         let tint = |k: usize, c: usize| tints[k][c] as f64;
         let mut light = vec![[0.0; 3]; rows.len()];
@@ -291,7 +300,7 @@ mod tests {
         sum
     }
 
-    /// How far off columns are, over what there is in all.
+    /// Relative error of columns.
     fn off(series: &Series, senders: &[u32], bounces: usize) -> f64 {
         let (found, _) = series.columns(senders, &()).unwrap();
         let (mut off, mut all) = (0.0, 0.0);
@@ -336,7 +345,7 @@ mod tests {
 
     #[test]
     fn light_that_no_bounce_takes_anything_from_ends_all_the_same() {
-        // Two mirrors of each other, which see nothing else: what one gives comes back for ever, or more of it.
+        // Two mirrors that see only each other: light is kept entirely, or amplified.
         for given in [1.0, 1.01, 1.05, 1.3] {
             let rows = vec![vec![(1, given)], vec![(0, given)]];
             let series = Series::new(&rows, &[Vec3::ONE; 2], None);

@@ -1,21 +1,22 @@
-//! Row sparsification: which entries of a receiver's gathered row become links. The criterion of Fig. 5 (an entry over ε),
-//! with error diffusion along the senders' space-filling curve: an entry that is too small is added to the next sender, so that
-//! a row keeps its sum.
+//! Row sparsification: selects the entries of a receiver's gathered row that become links. The
+//! criterion of Fig. 5 (an entry over ε), with error diffusion along the senders' space-filling
+//! curve: an entry below ε is added to the next sender, so that a row keeps its sum.
 
 use super::accumulator::SparseAccumulator;
 use rebounce_shared::link::{Link, Sent};
 
-/// What is left of a row without links is one link if it is at least this share of ε: else a few such rows,
-/// one under the other, would lose a noticeable part of the light.
+/// Least sum, as a share of ε, for which a row without links becomes a single link. Without this
+/// link, a few nested rows of dropped sums would lose a noticeable part of the light.
 const LEAST_SUM: f32 = 0.125;
 
-/// The criterion of Fig. 5, ε, and two changes to it: a link must stand out of its own noise,
-/// and what is dropped is carried over to the next sender along the space-filling curve until
-/// it adds up to a link. So a row keeps its sum, and what a dropped link would have said is
-/// said by a neighbour: senders that are too small to matter one by one act as one.
+/// Converts a gathered row to links. The criterion of Fig. 5, ε, with two changes: a link must
+/// exceed its own noise, and dropped amounts are carried over to the next sender along the
+/// space-filling curve until the sum exceeds the threshold. Therefore a row keeps its sum, and
+/// senders that are too small individually are merged into the link of a neighbour.
 ///
-/// `of` says of a sender's sums what it gives and what coarser receivers expect it to give; the links are for the first
-/// less the second. `noise` is the variance of a gathered sum per unit of it.
+/// `of` maps a sender's sums to the gathered and the predicted irradiance; links hold gathered
+/// minus predicted. `noise` is the variance of a gathered sum per unit of the sum, times the
+/// squared significance.
 pub fn sparsify<const N: usize>(
     tally: &SparseAccumulator<N>,
     of: impl Fn([f32; N]) -> (f32, f32),
@@ -24,7 +25,7 @@ pub fn sparsify<const N: usize>(
 ) -> Vec<Link> {
     let mut row: Vec<Link> = Vec::new();
     let (mut carried, mut seen) = (0f32, 0f32);
-    // Place, sender and amount of the last link and of the smallest before it.
+    // Position, sender and amount of the last link, and of the smallest link before the last.
     let (mut last, mut smallest) = ((0, 0, 0f32), None::<(usize, u32, f32)>);
     let mut strongest = (0, 0.0);
     tally.each(|sender, sums| {
@@ -33,8 +34,8 @@ pub fn sparsify<const N: usize>(
         if sum > strongest.1 {
             strongest = (sender, sum);
         }
-        // Rays that by chance all miss a small sender say as little as those that by chance hit it often:
-        // what coarser receivers expect counts, too.
+        // Rays that all miss a small sender by chance are as unreliable as rays that hit it often
+        // by chance: the prediction counts as well.
         let expected = sum.abs().max(expected.abs());
         if noise > 0.0 {
             seen += expected;
@@ -43,7 +44,7 @@ pub fn sparsify<const N: usize>(
             let link = Link::pack(sender, carried);
             let held = link.amount();
             row.push(link);
-            // What packing lost is carried over too.
+            // The packing error is carried over too.
             carried -= held;
             if row.len() > 1 && smallest.is_none_or(|s| last.2.abs() < s.2.abs()) {
                 smallest = Some(last);
@@ -56,7 +57,8 @@ pub fn sparsify<const N: usize>(
         carried += last.2;
         *link = Link::pack(last.1, carried);
         let held = link.amount();
-        // What packing lost at the end goes where it is lost least: to the smallest link.
+        // The packing error of the last link is added to the smallest link, whose packing error is
+        // least.
         if let Some((at, sender, amount)) = smallest {
             row[at] = Link::pack(sender, amount + carried - held);
         }
@@ -66,25 +68,28 @@ pub fn sparsify<const N: usize>(
     row
 }
 
-/// Places of a sender's sums in what [`sparsify_pooled`] reads: the receiver's own [`Difference`](super::neighbourhood::Difference), amount and
-/// magnitude, and the mean over its neighbourhood.
+/// Indices of a sender's sums as read by [`sparsify_pooled`]: the receiver's own
+/// [`Difference`](super::neighbourhood::Difference), amount (`OWN`) and magnitude, and amount and
+/// magnitude (`POOLED_MAGNITUDE`) of the mean over the neighbourhood.
 const OWN: usize = 0;
 const POOLED_MAGNITUDE: usize = 3;
 
-/// Variances that [`sparsify_pooled`] holds sums to.
+/// Noise thresholds of [`sparsify_pooled`], as variances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PooledNoise {
-    /// Of a mean sum per unit of magnitude, which links must stand out of.
+    /// Threshold for the mean difference of a link, per unit of magnitude.
     pub pooled: f32,
-    /// Of an own sum per unit of magnitude, which an own amount must stand out of.
+    /// Threshold for replacing the mean by the receiver's own difference, per unit of magnitude.
     pub own: f32,
-    /// Which the sum of a row without links must stand out of.
+    /// Threshold for the sum of a row without links.
     pub sum: f32,
 }
 
-/// As [`sparsify`], of a receiver whose neighbourhood decides which links there are: where the mean difference stands out of ε and
-/// of its noise. A link holds the receiver's own difference where that stands out of the mean by its standard deviation, and the
-/// mean elsewhere. The row's sum is the receiver's own where one of its links is, and `sum`, the neighbourhood's, elsewhere.
+/// [`sparsify`] for a receiver with a neighbourhood. A link exists where the mean difference
+/// exceeds ε and its noise. The link holds the receiver's own difference where the own difference
+/// deviates from the mean by more than its standard deviation, and the mean otherwise. The row's
+/// sum is the receiver's own sum if any link holds an own difference, and otherwise `sum`, the mean
+/// sum of the neighbourhood.
 pub fn sparsify_pooled(
     tally: &SparseAccumulator<4>,
     sum: f32,
@@ -108,12 +113,13 @@ pub fn sparsify_pooled(
             let link = Link::pack(sender, amount);
             row.push(link);
             held += link.amount();
-            // What packing lost is carried over.
+            // The packing error is carried over.
             sums = [amount - link.amount(), 0.0, amount - link.amount(), 0.0];
         }
     });
-    // The row keeps its sum: what is left is said of the sender that gives most, and what packing that loses of the
-    // smallest link's. The former is near, and as bright as most: a lit sender far away would make a spot of it.
+    // The row keeps its sum: the remainder is added to the strongest sender, and the packing error
+    // to the smallest link. The strongest sender is near and of typical brightness; a lit sender
+    // far away would turn the remainder into a spot.
     let left = if has_other { own_sum } else { sum } - held;
     if row.is_empty() {
         if left.abs() > LEAST_SUM * epsilon && left * left > noise.sum {
@@ -142,7 +148,7 @@ mod tests {
 
     const EPSILON: f32 = 0.01;
 
-    /// Links of senders whose own and mean differences are these; all of them give 0.01.
+    /// Links of senders with these own and mean differences; the magnitude of every sender is 0.01.
     fn links(senders: &[(u32, f32, f32)], noise: f32) -> Vec<(usize, f32)> {
         let mut tally = SparseAccumulator::new(1000);
         for &(sender, own, pooled) in senders {
@@ -168,7 +174,7 @@ mod tests {
         assert!(found.len() > 20, "{}", found.len());
         let sum: f32 = found.iter().map(|link| link.1).sum();
         assert!((sum - 0.4).abs() < 0.01, "{sum}");
-        // The same within its noise.
+        // Equal input below its noise.
         assert_eq!(links(&agreed, 1.0), []);
     }
 

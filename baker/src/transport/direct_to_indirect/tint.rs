@@ -1,7 +1,7 @@
-//! What colour each point's surface gives to light: the mean reflectance under its function.
+//! Tint of each point: the mean reflectance of the surface under the point's function, as a colour.
 //!
-//! Links say how bright a sender is as a receiver sees it, with one amount for all channels; the colour is the
-//! sender's own.
+//! A link holds the brightness of a sender as seen by a receiver, a single amount for all channels;
+//! the colour is the sender's tint.
 
 use crate::geometry::{Ray, Surfaces};
 use crate::random::Stream;
@@ -12,15 +12,15 @@ use rayon::prelude::*;
 use rebounce_shared::colour::{pack_rounded, unpack_rgb9e5};
 use rebounce_shared::kernel::weight;
 
-/// Rays to a point's surroundings: on the finest level, and at most.
+/// Rays per point: on the finest level, and at most.
 const RAYS: [usize; 2] = [8, 64];
-/// How far above the surface they start, over the support radius.
+/// Height of the ray origins above the surface, in support radii.
 const ABOVE: f32 = 0.1;
-/// Mantissas are multiples of this: a channel is within a 256th of the largest one.
+/// Mantissas are multiples of this unit: a channel is exact within a 256th of the largest channel.
 const TINT_UNIT: u32 = 2;
 
-/// The tints of all points, rgb9e5 as the file holds them; the channels' mean is 1. Black surfaces are grey. A unit of
-/// `watch` is a point.
+/// Computes the tints of all points, rgb9e5 as in the file; the channels' mean is 1. The tint of a
+/// black surface is grey. A unit of `watch` is a point.
 ///
 /// # Errors
 /// [`Stopped`].
@@ -32,7 +32,7 @@ pub fn tints<S: Surfaces + ?Sized>(
 ) -> Result<Vec<u32>, Stopped> {
     let mut tints = Vec::with_capacity(points.points.len());
     for (l, level) in points.levels.iter().enumerate() {
-        // A function of a coarser level covers four times the surface.
+        // A function of the next coarser level covers four times the area.
         let rays = (RAYS[0] << (2 * (points.levels.len() - 1 - l)).min(16)).min(RAYS[1]);
         let found = level.range().into_par_iter().map(|i| {
             watch.step(1)?;
@@ -45,18 +45,19 @@ pub fn tints<S: Surfaces + ?Sized>(
     Ok(tints)
 }
 
-/// The same as colours.
+/// Decodes tints to linear colours.
 pub fn unpack(tints: &[u32]) -> Vec<Vec3> {
     tints.iter().map(|tint| unpack_rgb9e5(*tint)).collect()
 }
 
-/// What light is multiplied with, as a dot product, to give how much of each tint fits it best: the tint over its
-/// length squared.
+/// Dual of each tint: tint over its squared length. The dot product of light and dual is the amount
+/// of the tint that fits the light best.
 pub fn duals(tints: &[u32]) -> Vec<Vec3A> {
     unpack(tints).into_iter().map(|tint| Vec3A::from(tint / tint.length_squared())).collect()
 }
 
-/// The mean reflectance around a point by its function's weight, up to a factor; zero where nothing reflects.
+/// Mean reflectance around a point, weighted by the point's function, up to a factor; zero if no
+/// surface reflects.
 fn mean_albedo<S: Surfaces + ?Sized>(
     surfaces: &S,
     points: &Points,
@@ -69,7 +70,7 @@ fn mean_albedo<S: Surfaces + ?Sized>(
     let (first, second) = point.normal.any_orthonormal_pair();
     let mut stream = Stream::new(seed ^ 0x7469_6e74, i as u64);
     let mut sum = Vec3::ZERO;
-    // At the surface as wide as each ray's share of the disk.
+    // The ray's width at the surface equals its share of the disk.
     let spread = (std::f32::consts::PI / rays as f32).sqrt() / ABOVE;
     for k in 0..rays {
         let (angle, share) =

@@ -1,10 +1,11 @@
-//! The rules of the metadata.
+//! Validation of the metadata.
 
 use crate::rbn::RbnError;
 use crate::rbn::limits::{MAX_LEVELS, MAX_MATERIALS, all_sane, sane};
 use crate::rbn::meta::{Alpha, Animation, Material, Meta, Track};
 
-/// Checks the metadata of a file of so many points and bytes of textures; section INDX is compared elsewhere.
+/// Checks the metadata of a file, given the number of points and the bytes of textures. The caller compares section
+/// INDX.
 pub(super) fn check(m: &Meta, points: u64, texture_bytes: u64) -> Result<(), RbnError> {
     if !m.origin.iter().all(|x| x.abs() < 1e30) || !all_sane(&m.bounds_min) || !all_sane(&m.bounds_max) {
         return bad("origin or bounds are not finite, or far too large");
@@ -39,7 +40,7 @@ fn bad(problem: impl Into<String>) -> Result<(), RbnError> {
     Err(RbnError::invalid("META", problem))
 }
 
-/// Few levels, one after another, that hold all points.
+/// Checks for at most [`MAX_LEVELS`] contiguous levels that hold every point.
 fn check_levels(m: &Meta, points: u64) -> Result<(), RbnError> {
     if m.levels.len() > MAX_LEVELS {
         return bad(format!("{} levels, more than {MAX_LEVELS}", m.levels.len()));
@@ -63,7 +64,7 @@ fn check_levels(m: &Meta, points: u64) -> Result<(), RbnError> {
     Ok(())
 }
 
-/// Numbers in their ranges, of textures that are there.
+/// Returns true for numbers in range and existing textures.
 fn is_sound(material: &Material, textures: usize) -> bool {
     let details = material.details().into_iter().flatten();
     let mut used = details.clone().map(|d| d.texture).chain(material.base_color_texture);
@@ -83,7 +84,8 @@ fn is_sound(material: &Material, textures: usize) -> bool {
         && details.into_iter().all(|d| all_sane(d.uv_from_vertex.as_flattened()))
 }
 
-/// Keys in order and as many values as they need, all finite, of lights that are there; no negative light.
+/// Checks for ascending keys, matching numbers of values, finite values, existing lights, and no negative intensity
+/// or colour.
 fn check_animation(animation: &Animation, lights: usize) -> Result<(), RbnError> {
     let sound = |track: &Track| {
         (track.light as usize) < lights

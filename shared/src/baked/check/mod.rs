@@ -1,4 +1,4 @@
-//! The rules of the format that a file must keep, so that what is read needs no further checks.
+//! Validation of the format's rules, so that a loaded scene needs no further checks.
 
 mod meta;
 
@@ -13,7 +13,7 @@ use crate::rbn::meta::Meta;
 use crate::rbn::shown::{GROUND, SIDE, Shown};
 use glam::Vec3;
 
-/// Supports are at least this large, scene units.
+/// Least support radius, scene units.
 const LEAST_RADIUS: f32 = 1e-15;
 
 impl BakedScene {
@@ -49,7 +49,7 @@ impl BakedScene {
             }
             drawn += draw.index_count as u64;
         }
-        // Each triangle is drawn once.
+        // A triangle is drawn by one draw call.
         if drawn > self.indices.len() as u64 {
             return Err(bad("META", "draw calls overlap"));
         }
@@ -84,7 +84,8 @@ impl BakedScene {
     }
 }
 
-/// Whether there are as many names as lights and cameras, or none, and the ground's numbers can be used.
+/// Returns true if the number of names equals the number of lights and cameras, or is zero, and the ground's numbers
+/// are usable.
 fn is_shown_sound(meta: &Meta) -> bool {
     let Shown { names, ground } = &meta.shown;
     let count = names.bytes().filter(|byte| *byte == 0).count();
@@ -97,7 +98,7 @@ fn is_shown_sound(meta: &Meta) -> bool {
 }
 
 impl BakedScene {
-    /// Copies of draw calls that are there, at places that can be inverted and do not mirror.
+    /// Checks that copies refer to existing instances with invertible, unmirrored transforms.
     fn check_copies(&self) -> Result<(), RbnError> {
         if self.copies.is_empty() && self.instances.is_empty() {
             return Ok(());
@@ -122,7 +123,7 @@ impl BakedScene {
                 "{copies} copies; a file holds at most {MAX_COPIES}: simplify the scene"
             )));
         }
-        // What is placed has numbers as small as what stands once.
+        // Transformed vertices have the same bound as untransformed vertices.
         let most = (self.vertices.iter()).fold(Vec3::ZERO, |most, v| most.max(Vec3::from(v.position).abs()));
         let sound = |instance: &Instance| {
             let place = instance.local_from_model();
@@ -141,7 +142,7 @@ impl BakedScene {
     }
 }
 
-/// Checks that there are so many rows, in order, and that the indices of each ascend and are under `limit`.
+/// Checks for `rows` rows in order, and for ascending indices below `limit` in every row.
 fn check_rows<E: links::Beside>(
     section: &str,
     offsets: &[u32],

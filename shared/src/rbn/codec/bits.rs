@@ -1,8 +1,8 @@
-//! Whole numbers as a class, which is entropy coded, and the bits below the leading one, which are not.
+//! Integers split into an entropy-coded class and raw bits below the leading bit.
 
 use super::Damaged;
 
-/// Bits, the first in the lowest place.
+/// Writer of bits, low bits first.
 #[derive(Default)]
 pub struct BitWriter {
     bytes: Vec<u8>,
@@ -23,7 +23,7 @@ impl BitWriter {
         }
     }
 
-    /// All bits, filled up to a byte with zeros.
+    /// Returns the bits, padded with zeros to a byte.
     pub fn finish(mut self) -> Vec<u8> {
         if self.count > 0 {
             self.bytes.push(self.pending as u8);
@@ -32,7 +32,7 @@ impl BitWriter {
     }
 }
 
-/// Reads what [`BitWriter`] wrote.
+/// Reader of bits written by [`BitWriter`].
 pub struct BitReader<'a> {
     bytes: &'a [u8],
     pending: u64,
@@ -40,12 +40,12 @@ pub struct BitReader<'a> {
 }
 
 impl<'a> BitReader<'a> {
-    /// From the first bit on.
+    /// Creates a reader at the first bit.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, pending: 0, count: 0 }
     }
 
-    /// The next `count` bits, at most 32.
+    /// Reads the next `count` bits, at most 32.
     ///
     /// # Errors
     /// [`Damaged`] past the end.
@@ -64,19 +64,19 @@ impl<'a> BitReader<'a> {
     }
 
     /// # Errors
-    /// [`Damaged`] unless all bytes were read and what is left of the last one is zero.
+    /// [`Damaged`] for unread bytes or nonzero padding bits.
     pub fn finish(self) -> Result<(), Damaged> {
         if self.bytes.is_empty() && self.pending == 0 { Ok(()) } else { Err(Damaged) }
     }
 }
 
-/// A number's class: how many bits it has, 0 for 0. It has `class - 1` bits below the leading one.
+/// Returns the class of a number: the number of bits, 0 for 0. A number has `class - 1` bits below the leading bit.
 #[inline]
 pub fn class(value: u32) -> u8 {
     (32 - value.leading_zeros()) as u8
 }
 
-/// Writes what the class does not tell.
+/// Writes the bits below the leading bit.
 #[inline]
 pub fn push_rest(bits: &mut BitWriter, value: u32) {
     let class = class(value) as u32;
@@ -85,7 +85,7 @@ pub fn push_rest(bits: &mut BitWriter, value: u32) {
     }
 }
 
-/// The number of a class, at most 32, with its rest from `bits`.
+/// Reads a number of this class, at most 32, with low bits from `bits`.
 ///
 /// # Errors
 /// [`Damaged`].

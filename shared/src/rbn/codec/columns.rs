@@ -1,18 +1,18 @@
-//! Records of one size, field by field: neighbours in a section lie near each other, so each field is a column of
-//! numbers that seldom change much.
+//! Codec of fixed-size records, field by field: neighbours in a section are close in space, so a field is a column of
+//! slowly changing numbers.
 //!
-//! A column is packed as it is or as differences, whichever is shorter, in as many planes of bytes as it needs.
-//! Numbers that were rounded to multiples of a power of two (positions, texture coordinates) are whole numbers of it.
+//! A column is packed as values or as differences, whichever is shorter, in as few byte planes as needed. Numbers
+//! rounded to multiples of a power of two (positions, texture coordinates) are stored as integer multiples.
 
 use super::{Damaged, Reader, Writer};
 use crate::octahedral::NORMAL_STEP;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use bytemuck::Pod;
 
-/// What a 32-bit word of a record is.
+/// Type of a 32-bit word of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A whole number.
+    /// An integer.
     Number,
     /// A float.
     Float,
@@ -24,9 +24,9 @@ pub enum Kind {
     Cuts,
 }
 
-/// A record made of 32-bit words.
+/// Record of 32-bit words.
 pub trait Columns: Pod {
-    /// What its words are.
+    /// Types of the words.
     const KINDS: &'static [Kind];
 }
 
@@ -56,7 +56,7 @@ impl Columns for Cut {
     const KINDS: &'static [Kind] = &[Kind::Float, Kind::Float, Kind::Float];
 }
 
-/// Added to a float column's exponent, so that its header is above any number of bits.
+/// Offset of a float column's exponent; keeps the header above any number of bits.
 const EXPONENT_BIAS: i32 = 256;
 
 /// Packs records.
@@ -72,7 +72,7 @@ pub fn encode<T: Columns>(records: &[T]) -> Vec<u8> {
     writer.finish(size_of_val(records))
 }
 
-/// The records of a section.
+/// Unpacks the records of a section.
 ///
 /// # Errors
 /// [`Damaged`].
@@ -139,7 +139,7 @@ fn encode_column(kind: Kind, column: &[u32], writer: &mut Writer) {
         Kind::Cuts => {
             field(&mut |word| word & 7);
             field(&mut |word| word >> 3 & 255);
-            // A point's cuts follow those of the point before it.
+            // The cuts of consecutive points are contiguous.
             let mut next = 0;
             field(&mut |word| {
                 let skipped = (word >> 11).wrapping_sub(next);
@@ -159,7 +159,7 @@ fn decode_column(kind: Kind, reader: &mut Reader<'_>, count: usize) -> Result<Ve
             if header < 32 {
                 column.iter_mut().for_each(|word| *word <<= header);
             } else {
-                // 2^exponent, of a normal float.
+                // Step 2^exponent, a normal float.
                 let exponent = header.checked_sub((EXPONENT_BIAS - 126) as usize).ok_or(Damaged)?;
                 if exponent > 252 {
                     return Err(Damaged);
@@ -212,7 +212,7 @@ fn decode_column(kind: Kind, reader: &mut Reader<'_>, count: usize) -> Result<Ve
     }
 }
 
-/// The exponent of the largest power of two that all of these floats are multiples of, if they are 31-bit numbers of it.
+/// Returns the exponent of the largest power of two that divides every float, if the multiples fit in 31 bits.
 fn common_step(column: &[u32]) -> Option<i32> {
     let (mut lowest, mut highest) = (i32::MAX, i32::MIN);
     for &word in column {
@@ -220,7 +220,7 @@ fn common_step(column: &[u32]) -> Option<i32> {
         if word == 0 {
             continue;
         }
-        // Negative zero, denormals, infinities and NaNs stay bits.
+        // Columns with negative zero, denormals, infinities or NaNs are stored as bits.
         if exponent == -127 || exponent == 128 {
             return None;
         }
@@ -229,17 +229,17 @@ fn common_step(column: &[u32]) -> Option<i32> {
         highest = highest.max(exponent);
     }
     let lowest = if lowest == i32::MAX { 0 } else { lowest };
-    // The step itself is a normal float: multiples of smaller ones stay bits.
+    // The step is a normal float: multiples of smaller steps are stored as bits.
     (highest.max(lowest) - lowest < 30 && (-126..=126).contains(&lowest)).then_some(lowest)
 }
 
-/// A float as a whole number of 2^exponent.
+/// Converts a float to an integer multiple of 2^exponent.
 fn in_steps(word: u32, exponent: i32) -> u32 {
     (f32::from_bits(word) as f64 * (-exponent as f64).exp2()) as i32 as u32
 }
 
-/// Numbers as they are or as differences: twice the number of planes of bytes, plus one for differences; the planes,
-/// low bytes first.
+/// Writes numbers as values or differences. Header: twice the number of byte planes, plus 1 for differences; then the
+/// planes, low bytes first.
 fn encode_numbers(values: &[u32], writer: &mut Writer) {
     let plain = planes(values, 0);
     let mut last = 0u32;
@@ -288,7 +288,7 @@ fn decode_numbers(reader: &mut Reader<'_>, count: usize) -> Result<Vec<u32>, Dam
     Ok(values)
 }
 
-/// In parts, as a browser runs a wasm function at full speed only from some call of it on.
+/// Chunk length: a browser runs a wasm function at full speed only from a later call on.
 const CHUNK: usize = 1024;
 
 #[inline(never)]
@@ -305,7 +305,7 @@ fn add_plane(values: &mut [u32], plane: &[u8], shift: u32) {
     }
 }
 
-/// Differences to numbers; the last one's.
+/// Sums differences in place; returns the last number.
 #[inline(never)]
 fn add_up(part: &mut [u32], mut last: u32) -> u32 {
     for value in part {
@@ -315,7 +315,7 @@ fn add_up(part: &mut [u32], mut last: u32) -> u32 {
     last
 }
 
-/// Small differences of either sign as small numbers.
+/// Maps small differences of either sign to small numbers.
 fn zigzag(difference: u32) -> u32 {
     difference << 1 ^ ((difference as i32 >> 31) as u32)
 }

@@ -1,25 +1,25 @@
-//! Rows of ascending indices with something beside each: transport links.
+//! Codec of rows of ascending indices with values: transport links.
 //!
-//! Of each row: how many; of each entry: the step from the index before it in the row. Numbers are written by
-//! class ([`super::bits`]). A step's class is coded in the light of the class before it, as senders that are seen
-//! together lie together. What stands beside the indices is split into bytes that are entropy coded, signs, which
-//! come in runs, and bits that say little ([`Beside`]).
+//! A row is stored as its length and, per entry, the step from the previous index. Numbers are written by class
+//! ([`super::bits`]). The context of a step's class is the class of the previous step, since senders visible together
+//! are close in index. Values beside the indices are split into entropy-coded bytes, signs (which come in runs), and
+//! nearly random bits ([`Beside`]).
 
 use super::bits::{BitReader, BitWriter, class, push_rest, take_value};
 use super::{Damaged, Reader, Writer};
 use crate::link::{LaterLink, Link, MAX_SENDERS, Sent};
 
-/// An entry of a row: an index, and something beside it.
+/// Entry of a row: an index and a value.
 pub trait Beside: Copy {
-    /// Streams of bytes that are entropy coded.
+    /// Number of entropy-coded byte streams.
     const BYTES: usize;
-    /// The index; ascends within a row.
+    /// Returns the index; ascends within a row.
     fn index(self) -> u32;
-    /// True below zero.
+    /// Returns true for a negative value.
     fn is_negative(self) -> bool;
-    /// Writes the rest: `bytes[k]` into stream k, and bits.
+    /// Writes the value: a byte to stream `bytes[k]`, and bits.
     fn split(self, bytes: &mut [Vec<u8>], bits: &mut BitWriter);
-    /// Puts it together again; `bytes` has the next byte of each stream.
+    /// Reassembles an entry; `bytes` has the next byte of every stream.
     ///
     /// # Errors
     /// [`Damaged`].
@@ -50,12 +50,13 @@ impl Beside for Link {
     }
 }
 
-/// Low bits of the mantissas of a later link's colour, which the baker leaves zero.
+/// Number of low mantissa bits of a later link's colour that the baker leaves zero.
 const LOW: u32 = 4;
 const LOW_BITS: u32 = 0b1111 << 18 | 0b1111 << 9 | 0b1111;
 
 impl Beside for LaterLink {
-    /// The mantissas' high bits: green, red and blue less green; the exponent, plus 32 where low bits follow.
+    /// High bits of the mantissas: green, red minus green, blue minus green; then the exponent, plus 32 if low bits
+    /// follow.
     const BYTES: usize = 4;
 
     fn index(self) -> u32 {
@@ -93,10 +94,10 @@ impl Beside for LaterLink {
     }
 }
 
-/// Classes that a step can have: it is the context of the next one's.
+/// Number of classes of a step; the class is the context of the next step's class.
 const CLASSES: usize = 33;
 
-/// Packs rows: `entries[offsets[i]..offsets[i + 1]]`; indices ascend within each.
+/// Packs rows `entries[offsets[i]..offsets[i + 1]]` with ascending indices.
 pub fn encode<E: Beside>(offsets: &[u32], entries: &[E]) -> Vec<u8> {
     let mut bits = BitWriter::default();
     let mut lengths = Vec::new();
@@ -130,14 +131,14 @@ pub fn encode<E: Beside>(offsets: &[u32], entries: &[E]) -> Vec<u8> {
     writer.finish(4 * offsets.len() + size_of_val(entries) + bits.len())
 }
 
-/// What the entries of a section are made of.
+/// Streams of a section's entries.
 struct Streams {
     steps: Vec<std::vec::IntoIter<u8>>,
     signs: Vec<u8>,
     bytes: Vec<Vec<u8>>,
 }
 
-/// The offsets and entries of a section.
+/// Unpacks the offsets and entries of a section.
 ///
 /// # Errors
 /// [`Damaged`].
@@ -171,12 +172,13 @@ pub fn decode<E: Beside>(section: &[u8]) -> Result<(Vec<u32>, Vec<E>), Damaged> 
         offsets.push(entries.len() as u32);
     }
     bits.finish()?;
-    // The last byte of the signs has no more of them than entries.
+    // Unused bits of the last sign byte are zero.
     let spare = streams.signs.last().is_some_and(|last| count % 8 != 0 && last >> (count % 8) != 0);
     if entries.len() == count && left == 0 && !spare { Ok((offsets, entries)) } else { Err(Damaged) }
 }
 
-/// One row; a function of its own, as a browser runs wasm at full speed only from some call of a function on.
+/// Decodes one row. A separate function, since a browser runs wasm at full speed only from a later call of a function
+/// on.
 #[inline(never)]
 fn decode_row<E: Beside>(
     length: usize,
@@ -225,7 +227,7 @@ mod tests {
     fn round_trip<E: Beside + PartialEq + std::fmt::Debug>((offsets, entries): (Vec<u32>, Vec<E>)) -> f64 {
         let packed = encode(&offsets, &entries);
         assert_eq!(decode::<E>(&packed).unwrap(), (offsets.clone(), entries.clone()));
-        // Whatever is damaged: an error or other rows, no panic.
+        // Damage gives an error or different rows, no panic.
         for i in (0..packed.len()).step_by(7) {
             let mut damaged = packed.clone();
             damaged[i] ^= 1 << (i % 8);
@@ -243,7 +245,7 @@ mod tests {
         assert!(round_trip(rows(|index, seed| Link::pack(index, amount(seed)))) < 3.1);
         let direction = |seed: u32| Vec3::new(amount(seed), amount(seed + 1), amount(seed + 2));
         round_trip(rows(|index, seed| LaterLink::pack(index, direction(seed).abs())));
-        // Equal everywhere: next to nothing once packed, and yet not over what a reader allows.
+        // Constant rows: next to nothing once packed, and still within the limit of a reader.
         round_trip(((0..=20_000).collect(), vec![Link::pack(0, 1.0); 20_000]));
         round_trip::<Link>((vec![0], Vec::new()));
         round_trip::<Link>((vec![0; 400], Vec::new()));

@@ -1,25 +1,25 @@
-//! How bulk sections are packed in a file. No record changes: what was written is read back bit by bit.
+//! Lossless packing of the bulk sections in a file.
 //!
 //! * [`rans`] – entropy coding of bytes;
 //! * [`bits`] – numbers as classes and bits;
-//! * [`links`] – rows of ascending indices with something beside each: links;
-//! * [`columns`] – any other records, field by field.
+//! * [`links`] – rows of ascending indices with values: transport links;
+//! * [`columns`] – other records, field by field.
 //!
-//! A packed section never holds more than [`MOST_TIMES`] times its own size: a reader knows what it must allocate
-//! from the bytes that are there.
+//! Contents are at most [`MOST_TIMES`] times the packed size, so that a reader can bound allocations by the bytes
+//! present.
 
 mod bits;
 pub mod columns;
 pub mod links;
 mod rans;
 
-/// A section's contents over its packed size, at most.
+/// Maximum ratio of a section's contents to its packed size.
 pub const MOST_TIMES: usize = 64;
 
-/// Bytes of a stream that share a table.
+/// Number of stream bytes coded with one table.
 const BLOCK: usize = 1 << 15;
 
-/// A section's contents at most, bytes.
+/// Maximum size of a section's contents, bytes.
 const MOST: usize = 1 << 30;
 
 /// A packed section that was not written by [`Writer`].
@@ -38,13 +38,13 @@ impl Writer {
         self.out.extend_from_slice(&(value as u32).to_le_bytes());
     }
 
-    /// Appends bytes, entropy coded where that makes them fewer, in blocks: what is common changes along a section,
-    /// with the levels that its rows are of.
+    /// Appends bytes in blocks, entropy coded if shorter. Statistics change along a section with the level of the
+    /// rows, so blocks have separate tables.
     pub fn bytes(&mut self, bytes: &[u8]) {
         self.number(bytes.len());
         for block in bytes.chunks(BLOCK) {
             let mut packed = Vec::new();
-            // Of fewer bytes nothing shorter can be made.
+            // Shorter blocks cannot shrink.
             if block.len() > rans::LEAST {
                 rans::encode(block, &mut packed);
             }
@@ -55,14 +55,14 @@ impl Writer {
         }
     }
 
-    /// Appends what the shorter of two has written, the second of equal ones.
+    /// Appends the shorter of two outputs, the second in a tie.
     pub fn append_shorter(&mut self, one: Writer, other: Writer) {
         self.out.extend_from_slice(if one.out.len() < other.out.len() { &one.out } else { &other.out });
     }
 
-    /// The section, for contents of so many bytes.
+    /// Returns the section, given the size of its contents in bytes.
     pub fn finish(mut self, contents: usize) -> Vec<u8> {
-        // Filled up with zeros where it holds too much for its size.
+        // Zero padding keeps the ratio of contents to size within the limit.
         let least = contents.div_ceil(MOST_TIMES);
         if self.out.len() < least {
             self.out.resize(least, 0);
@@ -71,15 +71,15 @@ impl Writer {
     }
 }
 
-/// Reads what [`Writer`] packed.
+/// Reads a section packed by [`Writer`].
 pub struct Reader<'a> {
     rest: &'a [u8],
-    /// Bytes that may still be made.
+    /// Remaining bytes that may be decoded.
     allowed: usize,
 }
 
 impl<'a> Reader<'a> {
-    /// From a section's bytes.
+    /// Creates a reader for a section's bytes.
     pub fn new(section: &'a [u8]) -> Self {
         Self { rest: section, allowed: section.len().saturating_mul(MOST_TIMES).min(MOST) }
     }
@@ -99,16 +99,16 @@ impl<'a> Reader<'a> {
         Ok(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize)
     }
 
-    /// Says that so many bytes will be made.
+    /// Reserves decoded bytes against the section's limit.
     ///
     /// # Errors
-    /// [`Damaged`] if that is more than the section can hold.
+    /// [`Damaged`] past the section's limit.
     pub fn allow(&mut self, bytes: usize) -> Result<(), Damaged> {
         self.allowed = self.allowed.checked_sub(bytes).ok_or(Damaged)?;
         Ok(())
     }
 
-    /// The next bytes; there must be so many.
+    /// Reads the next stream, of length `len`.
     ///
     /// # Errors
     /// [`Damaged`].
@@ -131,22 +131,22 @@ impl<'a> Reader<'a> {
         Ok(out)
     }
 
-    /// The next bytes, at most so many.
+    /// Reads the next stream, at most `most` bytes.
     ///
     /// # Errors
-    /// [`Damaged`] if there are more.
+    /// [`Damaged`] for a longer stream.
     pub fn bytes_up_to(&mut self, most: usize) -> Result<Vec<u8>, Damaged> {
         let len = self.next_len()?;
         if len <= most { self.bytes(len) } else { Err(Damaged) }
     }
 
-    /// How many bytes come next.
+    /// Returns the length of the next stream, bytes.
     fn next_len(&self) -> Result<usize, Damaged> {
         let len = self.rest.get(..4).ok_or(Damaged)?;
         Ok(u32::from_le_bytes([len[0], len[1], len[2], len[3]]) as usize)
     }
 
-    /// The next bytes, however many; they count as made.
+    /// Reads the next stream of any length; reserves its bytes.
     ///
     /// # Errors
     /// [`Damaged`].
@@ -157,7 +157,7 @@ impl<'a> Reader<'a> {
     }
 
     /// # Errors
-    /// [`Damaged`] unless all is read but zeros.
+    /// [`Damaged`] if unread bytes are not zero.
     pub fn finish(self) -> Result<(), Damaged> {
         if self.rest.iter().all(|byte| *byte == 0) { Ok(()) } else { Err(Damaged) }
     }

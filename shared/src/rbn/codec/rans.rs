@@ -1,12 +1,12 @@
 //! Entropy coding of bytes: range asymmetric numeral systems (Duda 2013), order 0, two interleaved states.
 //!
-//! A stream is its table, its two states and its words:
+//! A stream consists of a frequency table, two states and words:
 //!
 //! ```text
-//! 32 bytes        one bit a byte value that occurs
-//! 2 bytes each    their frequencies less one, of 4096; they sum to 4096
-//! 4 + 4 bytes     the states after the last byte, which is the first that a reader undoes
-//! the rest        bytes that the states shift in
+//! 32 bytes        mask of the occurring byte values, one bit per value
+//! 2 bytes each    frequencies of the occurring values minus one; frequencies sum to 4096
+//! 4 + 4 bytes     final states of the encoder, initial states of a reader
+//! the rest        bytes shifted into the states
 //! ```
 
 use super::Damaged;
@@ -14,13 +14,13 @@ use super::Damaged;
 /// Bits of a probability.
 const SCALE_BITS: u32 = 12;
 const SCALE: u32 = 1 << SCALE_BITS;
-/// States stay at or above this.
+/// Lower bound of the states.
 const LOW: u32 = 1 << 23;
 
-/// Bytes of the shortest stream: a table of one value, and the states.
+/// Size of the shortest stream, bytes: a table of one value, and the states.
 pub const LEAST: usize = 32 + 2 + 8;
 
-/// Frequencies of the byte values: 4096 together, at least 1 for each that occurs.
+/// Returns frequencies of the byte values with sum 4096, at least 1 for an occurring value.
 fn frequencies(bytes: &[u8]) -> [u32; 256] {
     let mut counts = [0u64; 256];
     for &byte in bytes {
@@ -28,7 +28,7 @@ fn frequencies(bytes: &[u8]) -> [u32; 256] {
     }
     let total = bytes.len().max(1) as u64;
     let mut scaled = counts.map(|c| if c == 0 { 0 } else { ((c * SCALE as u64 / total) as u32).max(1) });
-    // What rounding left over, or took too much of, goes to or comes from the most frequent values.
+    // The most frequent values absorb the rounding error of the sum.
     loop {
         let sum: u32 = scaled.iter().sum();
         let Some(largest) = (0..256).max_by_key(|i| scaled[*i]).filter(|i| scaled[*i] > 0) else {
@@ -83,7 +83,7 @@ pub fn encode(bytes: &[u8], out: &mut Vec<u8>) {
     out.extend(shifted.into_iter().rev());
 }
 
-/// Fills `out` with the bytes of a stream, which must use all of `stream`.
+/// Fills `out` with the bytes of a stream; `stream` must be used up.
 ///
 /// # Errors
 /// [`Damaged`].
@@ -95,7 +95,7 @@ pub fn decode(stream: &[u8], out: &mut [u8]) -> Result<(), Damaged> {
         Ok(head)
     };
     let mask = take(32)?;
-    // A slot's value, its frequency less one, and the slot's place within it.
+    // Slots: value, frequency minus one, and index of the slot within the value's range.
     let mut table = [0u32; SCALE as usize];
     let mut start = 0u32;
     for value in (0..256u32).filter(|v| mask[*v as usize / 8] >> (v % 8) & 1 != 0) {
@@ -122,7 +122,7 @@ pub fn decode(stream: &[u8], out: &mut [u8]) -> Result<(), Damaged> {
         }
     }
     let mut words = rest.iter();
-    // One value everywhere does not change the states.
+    // A constant stream leaves the states unchanged.
     if table[0] >> 8 == SCALE - 1 {
         out.fill(table[0] as u8);
         return if rest.is_empty() && states == [LOW; 2] { Ok(()) } else { Err(Damaged) };
@@ -133,8 +133,8 @@ pub fn decode(stream: &[u8], out: &mut [u8]) -> Result<(), Damaged> {
     if words.next().is_some() || states != [LOW; 2] { Err(Damaged) } else { Ok(()) }
 }
 
-/// Even, as two states take turns. In parts, as a browser runs a wasm function at full speed only from some call of it
-/// on, not from the middle of its first.
+/// Chunk length, even since two states alternate. A browser runs a wasm function at full speed only from a later call
+/// on, not from the middle of the first call.
 const CHUNK: usize = 4096;
 
 #[inline(never)]

@@ -1,4 +1,4 @@
-//! A wide hierarchy holds what the binary one held, and finds it.
+//! A BVH8 has the triangles of the binary BVH, and traversal finds the triangles.
 
 use super::*;
 use crate::random::Stream;
@@ -117,7 +117,7 @@ fn a_walk_visits_every_box_that_a_ray_meets() {
             },
         );
         assert_eq!(visited, none, "with AVX2 and without");
-        // Middles of triangles that the ray passes are among them.
+        // Triangles hit by the ray away from the edges are visited.
         for (t, visited) in triangles.iter().zip(visited) {
             let (a, b, c) = (Vec3::from(t.v0), Vec3::from(t.v1), Vec3::from(t.v2));
             let normal = (b - a).cross(c - a);

@@ -1,14 +1,14 @@
-//! Backs of one-sided triangles: cameras look through them, and of two faces back to back a ray finds its own.
+//! Backs of one-sided triangles: culled for cameras; of two faces back to back a ray hits the face towards its origin.
 
 use super::*;
 
-/// Rays from within the box that [`scrap`] is in, or from outside.
+/// Returns a ray with the origin inside the box of [`scrap`], or outside for a large `reach`.
 fn ray(stream: &mut Stream, reach: f32) -> Ray {
     let origin = reach * stream.sphere() * stream.unit();
     Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 }
 }
 
-/// The same triangle the other way around, from another corner, this far along its normal.
+/// Returns the triangle with reversed orientation, from another first corner, moved along its normal by `by`.
 fn reversed(t: &Triangle, by: f32) -> Triangle {
     let [a, b, c] = t.positions.map(|position| position + t.normals[0] * by);
     triangle([b, a, c], t.material)
@@ -41,8 +41,7 @@ fn a_camera_sees_what_there_is_without_the_backs() {
 #[test]
 fn of_two_faces_back_to_back_a_ray_finds_the_one_that_faces_it() {
     let fronts = scrap(6);
-    // How far the faces are apart, over what rays are moved off surfaces by: two that were written by themselves differ
-    // by rounding.
+    // Distance of the faces, as a fraction of the offset of ray origins: separately written faces differ by rounding.
     for (apart, missed) in [(0.0, 0), (0.4, 10), (-0.4, 10)] {
         let epsilon = surfaces(fronts.clone(), &[white()]).epsilon();
         let mut pairs = fronts.clone();
@@ -60,12 +59,13 @@ fn of_two_faces_back_to_back_a_ray_finds_the_one_that_faces_it() {
             assert_eq!(pairs.find(&ray, 0).is_some(), hit.faces(ray.direction), "{ray:?}");
             let steep = expected.geometric_normal.dot(ray.direction).abs();
             far += ((hit.distance - expected.distance).abs() * steep > 2.0 * epsilon) as u32;
-            // What leaves the face is free of the other one.
+            // A ray leaving the face does not hit the opposite face.
             let origin = hit.offset_origin(hit.normal, epsilon);
             let on = Ray::visibility(origin, hit.normal);
             assert!(pairs.cast(&on, 0).is_none_or(|next| next.distance > 0.1 * epsilon), "{ray:?}");
         }
-        // A ray that passes an edge nearer than the faces are apart, one in some thousands, meets one of them alone.
+        // A ray past an edge, nearer than the distance of the faces, hits one of the faces only: one ray in several
+        // thousand.
         assert!(dark <= missed && far <= missed, "{apart}: {dark} dark, {far} elsewhere");
     }
 }
@@ -76,7 +76,7 @@ fn together_rays_find_the_same_faces_of_pairs() {
     let pairs: Vec<Triangle> = triangles.iter().step_by(2).map(|t| reversed(t, 0.0)).collect();
     triangles.extend(pairs);
     packet_traversal::find_the_same(&surfaces(triangles.clone(), &[white()]), &triangles);
-    // A copy's face on one that stands alone, and two copies back to back.
+    // A copy's face on a face without instances, and two copies back to back.
     let mut crowd = tlas::crowd();
     crowd.surfaces[1].double_sided = false;
     let model = crowd.models[0].triangles.clone();
@@ -92,7 +92,7 @@ fn together_rays_find_the_same_faces_of_pairs() {
     let corners = crowd.triangles.clone();
     let surfaces = TriangleSurfaces::new(crowd);
     packet_traversal::find_the_same(&surfaces, &corners);
-    // From outside the model, at its copy: whichever of the two faces comes first, a ray finds one that faces it.
+    // From outside the model, at the copy: whichever face is first, a ray hits a face towards its origin.
     let mut stream = Stream::new(8, 0);
     let (mut met, mut dark) = (0, 0);
     for t in alone.iter().cycle().take(5_000) {

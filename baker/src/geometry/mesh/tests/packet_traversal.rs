@@ -1,9 +1,9 @@
-//! Rays that walk together find what each finds alone.
+//! Rays of a packet find the hits of single rays.
 
 use super::*;
 
-/// Rays of a few bundles, narrow and wide; some go along an axis or in an axis plane, through corners that triangles share,
-/// or end early.
+/// Returns bundles of rays, narrow and wide; some rays are along an axis or in an axis plane, pass through shared
+/// corners, or end early.
 fn bundles(seed: u64, corners: &[Triangle]) -> Vec<(Ray, u32)> {
     let mut stream = Stream::new(seed, 1);
     let mut rays = Vec::new();
@@ -36,14 +36,14 @@ fn bundles(seed: u64, corners: &[Triangle]) -> Vec<(Ray, u32)> {
 fn mixed() -> (Vec<Triangle>, Vec<Material>) {
     let mut triangles = scrap(1);
     triangles.iter_mut().enumerate().for_each(|(i, t)| t.material = i as u32 % 3);
-    // Some twice, of another kind the second time.
+    // Some triangles are duplicated with another material.
     let again: Vec<Triangle> = triangles.iter().step_by(5).cloned().collect();
     triangles.extend(again.into_iter().map(|t| Triangle { material: (t.material + 1) % 3, ..t }));
     let half = Material { base_color: [0.5, 0.5, 0.5, 0.4], alpha: Alpha::Blend, ..white() };
     (triangles, vec![white(), half, Material { double_sided: true, ..white() }])
 }
 
-/// The cells of the rays' directions.
+/// Returns the cells of the rays' directions.
 fn cells(rays: &[(Ray, u32)]) -> Vec<u16> {
     let of_some = |some: &[(Ray, u32)]| {
         let axis =
@@ -58,13 +58,13 @@ pub(super) fn find_the_same(surfaces: &TriangleSurfaces, corners: &[Triangle]) {
     let (mut found, mut ended, mut rays_cast) = (Vec::new(), 0, 0);
     for seed in 0..60 {
         let mut rays = bundles(seed, corners);
-        // Some end exactly where they hit something, or a hair before.
+        // Some rays end exactly at the hit, or just before.
         for (i, (ray, seed)) in rays.iter_mut().enumerate().filter(|(i, _)| i % 7 < 2) {
             if let Some((_, distance)) = primitives.find(ray, *seed) {
                 ray.max_distance = if i % 7 == 0 { distance } else { distance.next_down() };
             }
         }
-        // As they come, in the order of a gather, and every third one.
+        // Unsorted, in the order of a gather, and every third ray.
         let mut order = Vec::new();
         crate::transport::direct_to_indirect::ray_sort::sort(&cells(&rays), &mut order);
         let as_they_come: Vec<u32> = (0..rays.len() as u32).collect();
@@ -128,7 +128,7 @@ fn eight_rays_meet_a_triangle_as_one_by_one() {
             let sheared: Vec<ShearedRay> =
                 some.iter().map(|ray| ShearedRay::new(ray.origin, ray.direction)).collect();
             let lanes = |of: &dyn Fn(&ShearedRay) -> f32| std::array::from_fn(|ray| of(&sheared[ray]));
-            // By axis, and by place among the axes, as one ray has both.
+            // Origin and shear in the order of `axes`, as in a single ray.
             let axes = sheared[0].axes;
             let together = ShearedRays::new(
                 axes,

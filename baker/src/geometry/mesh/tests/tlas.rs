@@ -1,9 +1,9 @@
-//! Tlas of models: what is found among them is what trying all triangles of all copies finds.
+//! TLAS of models: hits equal brute force over the triangles of every copy.
 
 use super::*;
 use glam::{Affine3A, Mat3A, Quat};
 
-/// Turned, moved, of many sizes, and some pulled in one direction; the last two at the same place.
+/// Returns transforms with rotation, translation, various sizes and some stretched; the last two are equal.
 fn places(count: usize) -> Vec<Affine3A> {
     let mut stream = Stream::new(5, 0);
     let place = |i: usize| {
@@ -17,7 +17,7 @@ fn places(count: usize) -> Vec<Affine3A> {
     places
 }
 
-/// A closed room, and copies of two models in it: some scrap, and a single triangle.
+/// Returns a closed room with copies of two models: loose triangles of [`scrap`], and a single triangle.
 pub(super) fn crowd() -> Geometry {
     let mut triangles = scrap(1);
     let alone = triangles.len();
@@ -40,7 +40,7 @@ fn ray(stream: &mut Stream) -> Ray {
     Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 }
 }
 
-/// The nearest triangle: its number, of which copy it is, and how far away.
+/// Returns the number and the distance of the nearest triangle.
 fn brute_force(geometry: &Geometry, surfaces: &TriangleSurfaces, ray: &Ray) -> Option<(usize, f32)> {
     let line = Line { origin: ray.origin, direction: ray.direction };
     let nearest = |line: &Line, range: std::ops::Range<usize>| {
@@ -109,7 +109,7 @@ fn a_hit_is_where_and_what_its_piece_says() {
         );
         assert!(hit.geometric_normal.dot(hit.normal).abs() > 0.999, "flat triangles");
         assert!(primitive.middle.distance(hit.position) <= primitive.sides[0] + primitive.sides[1]);
-        // And a ray that leaves it does not meet it.
+        // A ray leaving the hit does not hit the surface again.
         let direction = stream.cosine_hemisphere(hit.geometric_normal);
         let origin = hit.offset_origin(direction, surfaces.epsilon());
         assert!((origin - hit.position).dot(hit.geometric_normal) > 0.0);
@@ -134,7 +134,7 @@ fn of_copies_at_one_place_the_first_counts_and_chance_is_their_own() {
     let panes = with(vec![Affine3A::IDENTITY, behind], Alpha::Blend, 0.5);
     let (from, to) = (Vec3::new(0.1, 0.1, 1.0), Vec3::new(0.1, 0.1, -2.0));
     assert!((panes.transmittance(from, to).x - 0.25).abs() < 1e-6);
-    // Half the rays stop at the first pane; of the others half at the second.
+    // 50% of the rays stop at the first pane, 25% at the second.
     let stops = |z: f32| {
         let stops = |seed: &u32| panes.cast(&down(0.1, 0.1), *seed).is_some_and(|h| h.position.z == z);
         (0..40_000).filter(stops).count()
@@ -156,7 +156,7 @@ fn of_too_many_pieces_none_are_told() {
     let (few, many) = (with(most), with(most + 1));
     assert!(few.primitives().is_some() && many.primitives().is_none());
     assert!(many.piece_count() > MOST_PRIMITIVES && many.triangle_count() == few.triangle_count());
-    // Both are there all the same, the last copy, too.
+    // Both have every copy, including the last.
     for surfaces in [few, many] {
         let last = surfaces.bounds().1.x - 1.0;
         let ray =

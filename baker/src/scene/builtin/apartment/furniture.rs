@@ -1,10 +1,10 @@
-//! What stands in the rooms: boxes and prisms.
+//! Furniture of the rooms: boxes and prisms.
 
 use super::{Is, ROOM, WorldMesh, block};
 use glam::{DVec3, dvec3};
 use std::f64::consts::TAU;
 
-/// Corners of round things.
+/// Corners of round objects.
 const SIDES: usize = 12;
 
 /// A box from its least x, y, z and its size.
@@ -13,7 +13,7 @@ fn put(mesh: &mut WorldMesh, low: [f64; 3], size: [f64; 3], is: Is) {
     block(mesh, low, low + DVec3::from(size), is as u32);
 }
 
-/// An upright prism with a regular base, `foot` in the middle of it.
+/// An upright prism with a regular base; `foot` is the centre of the base.
 fn column(mesh: &mut WorldMesh, foot: [f64; 3], radius: f64, height: f64, is: Is) {
     let foot = DVec3::from(foot);
     let up = dvec3(0.0, height, 0.0);
@@ -52,7 +52,7 @@ fn table(mesh: &mut WorldMesh, low: [f64; 3], size: [f64; 3], top: f64, leg: f64
     }
 }
 
-/// A chair of 42 cm, its back at the greater (`side` = 1) or lesser (-1) z.
+/// A chair of 42 cm, with the back at the greater (`side` = 1) or lesser (-1) z.
 fn chair(mesh: &mut WorldMesh, x: f64, z: f64, side: f64, is: Is) {
     table(mesh, [x, 0.0, z], [0.42, 0.46, 0.42], 0.04, 0.035, is);
     let back = if side > 0.0 { z + 0.385 } else { z };
@@ -99,8 +99,8 @@ fn plant(mesh: &mut WorldMesh, [x, y, z]: [f64; 3], height: f64) {
     }
 }
 
-/// A framed picture that hangs before a wall: `low` and `size` of its frame, thin along `axis`,
-/// seen from the greater (`side` = 1) or lesser (-1) end of it.
+/// A framed picture before a wall: `low` and `size` of the frame, thin along `axis`, seen from the greater (`side` = 1)
+/// or lesser (-1) end of `axis`.
 fn picture(mesh: &mut WorldMesh, low: [f64; 3], size: [f64; 3], axis: usize, side: f64, is: Is) {
     put(mesh, low, size, Is::Dark);
     let (mut low, mut size) = (low, size);

@@ -16,7 +16,7 @@ const OUTER: f64 = 0.3;
 /// Half the thickness of the walls between rooms.
 const INNER: f64 = 0.06;
 
-/// The materials, by their places in [`MATERIALS`].
+/// Materials, by index into [`MATERIALS`].
 #[derive(Clone, Copy)]
 enum Is {
     Floor,
@@ -129,7 +129,7 @@ fn lights() -> Vec<Light> {
     ]
 }
 
-/// A hole in a wall: where it begins and ends along the wall, and at which heights.
+/// A hole in a wall: start and end along the wall, lower and upper height.
 type Hole = [f64; 4];
 
 /// Floor, ceiling, walls with doors and windows.
@@ -201,7 +201,7 @@ fn window(mesh: &mut WorldMesh, axis: usize, at: f64, &[from, to, sill, head]: &
     }
 }
 
-/// What is seen through the windows: grass, a terrace, and a hedge around, cut in uneven blocks.
+/// The view from the windows: grass, a terrace, and a hedge around, cut in uneven blocks.
 fn garden(mesh: &mut WorldMesh) {
     const WIDTH: f64 = 0.9;
     let (low, high) = (dvec3(-6.6, -0.6, -4.5), dvec3(15.6, -0.32, 14.4));

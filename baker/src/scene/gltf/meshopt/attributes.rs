@@ -1,11 +1,11 @@
-//! Mode ATTRIBUTES: elements in blocks; in a block byte by byte, as differences to the element before.
+//! Mode ATTRIBUTES: elements in blocks; a block has a row per byte of the element, of deltas to the preceding element.
 
 use super::{Reader, unzigzag};
 
-/// Elements of a block whose differences are packed together.
+/// Number of elements in a group of packed deltas.
 const GROUP: usize = 16;
 
-/// `count` elements of `stride` bytes.
+/// Decodes `count` elements of `stride` bytes.
 pub(super) fn decode(packed: &[u8], count: usize, stride: usize) -> Option<Vec<u8>> {
     let version = packed.first()?.checked_sub(0xa0).filter(|v| *v <= 1)?;
     let tail_len = stride + if version == 0 { 0 } else { stride / 4 };
@@ -39,7 +39,8 @@ pub(super) fn decode(packed: &[u8], count: usize, stride: usize) -> Option<Vec<u
     stream.bytes.is_empty().then_some(out)
 }
 
-/// A block's differences: all first bytes of its elements, then all second ones. Each row is padded to whole groups.
+/// Decodes the deltas of a block: the row of the elements' first bytes, then of the second bytes, and on. A row is
+/// padded to whole groups.
 fn block(stream: &mut Reader, version: u8, size: usize, stride: usize) -> Option<Vec<u8>> {
     let row = size.next_multiple_of(GROUP);
     let groups = row / GROUP;
@@ -65,7 +66,7 @@ fn block(stream: &mut Reader, version: u8, size: usize, stride: usize) -> Option
     Some(out)
 }
 
-/// Sixteen differences of so many bits; one with all bits set stands for a whole byte that follows.
+/// Decodes 16 deltas of `bits` bits; a delta with all bits set is the escape for a following byte.
 fn group(stream: &mut Reader, bits: u32, out: &mut [u8]) -> Option<()> {
     match bits {
         0 => {}
@@ -74,7 +75,7 @@ fn group(stream: &mut Reader, bits: u32, out: &mut [u8]) -> Option<()> {
             let packed = stream.take(2 * bits as usize)?;
             let (each, mask) = (8 / bits as usize, (1u8 << bits) - 1);
             for (i, out) in out.iter_mut().enumerate() {
-                // Single bits begin with the lowest, all else with the highest.
+                // 1-bit deltas begin at the lowest bit, wider deltas at the highest.
                 let place = if bits == 1 { i % each } else { each - 1 - i % each };
                 let value = packed[i / each] >> (place as u32 * bits) & mask;
                 *out = if value == mask { stream.byte()? } else { value };
@@ -84,7 +85,7 @@ fn group(stream: &mut Reader, bits: u32, out: &mut [u8]) -> Option<()> {
     Some(())
 }
 
-/// Four bytes from those of the element before and their difference, as the channel says.
+/// Adds a delta to four bytes of the preceding element; `channel` selects byte sums, 16-bit sums or a rotated XOR.
 fn add(last: [u8; 4], delta: [u8; 4], channel: u8) -> Option<[u8; 4]> {
     let pair = |b: [u8; 4], i: usize| u16::from_le_bytes([b[i], b[i + 1]]);
     match channel & 3 {

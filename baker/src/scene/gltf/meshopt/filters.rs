@@ -1,6 +1,6 @@
-//! Filters: what attributes were turned into so that they pack well, undone.
+//! Inverse filters: decoding of attributes that were transformed for better compression.
 
-/// Undoes a filter in place; an error says why it cannot be.
+/// Undoes a filter in place; an unknown filter or stride is an error.
 pub(super) fn undo(filter: &str, bytes: &mut [u8], stride: usize) -> Result<(), String> {
     match (filter, stride) {
         ("NONE", _) => {}
@@ -45,7 +45,7 @@ fn bytes_of(words: [u16; 4]) -> [u8; 8] {
     std::array::from_fn(|i| words[i / 2].to_le_bytes()[i % 2])
 }
 
-/// A unit vector from two coordinates on an octahedron and what stands for one.
+/// Decodes a vector of length `max` from two octahedral coordinates and the encoding of 1.
 fn octahedral([x, y, one]: [f32; 3], max: f32) -> [f32; 3] {
     let (x, y) = (x / one, y / one);
     let z = 1.0 - x.abs() - y.abs();
@@ -55,7 +55,8 @@ fn octahedral([x, y, one]: [f32; 3], max: f32) -> [f32; 3] {
     [x, y, z].map(|c| (c * scale).round())
 }
 
-/// A quaternion from its three smaller components; the fourth number says which one is missing, and the range.
+/// Decodes a quaternion from the three smaller components; the fourth number has the index of the missing component,
+/// and the range.
 fn quaternion(v: &mut [u8; 8]) {
     let [x, y, z, w] = words(v).map(|c| c as i16);
     let scale = std::f32::consts::FRAC_1_SQRT_2 / (w | 3) as f32;
@@ -75,7 +76,8 @@ fn exponential(v: &mut [u8; 4]) {
     *v = ((mantissa as f64 * (exponent as f64).exp2()) as f32).to_le_bytes();
 }
 
-/// RGBA from brightness, two differences of colour and an alpha whose highest bit says how many bits all have.
+/// Decodes RGBA from luma, two chroma differences and alpha; the highest set bit of alpha is the bit depth of all
+/// channels.
 fn colour([y, co, cg, a]: [i32; 4], max: f32) -> [f32; 4] {
     let full = (1i32 << (32 - a.leading_zeros())) - 1;
     let alpha = a & (full >> 1);

@@ -18,19 +18,19 @@ impl<const N: usize> Recent<N> {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// The one pushed `back` numbers before the last one.
+    /// Returns the number pushed `back` numbers before the last.
     fn get(&self, back: usize) -> u32 {
         self.numbers[self.next.wrapping_sub(1 + back) % N]
     }
 }
 
-/// What a list of triangles is decoded with.
+/// Decoder state of a triangle list.
 struct State<'a> {
     edges: Recent<32>,
     vertices: Recent<16>,
-    /// The index that has not been seen yet.
+    /// The next new index.
     next: u32,
-    /// The index written out last.
+    /// The last explicit index.
     last: u32,
     data: Reader<'a>,
 }
@@ -46,7 +46,7 @@ impl State<'_> {
         Some(self.last)
     }
 
-    /// A corner by its code: new, one of the last vertices, or (where `written`) written out.
+    /// Decodes a corner: a new vertex, a recent vertex, or (if `written`) an explicit index.
     fn corner(&mut self, code: u8, written: bool) -> Option<u32> {
         match code {
             0 => Some(self.fresh()),
@@ -55,7 +55,7 @@ impl State<'_> {
         }
     }
 
-    /// Remembers a corner unless it came from what is remembered.
+    /// Adds a new or explicit corner to the recent vertices.
     fn remember(&mut self, code: u8, written: bool, corner: u32) {
         if code == 0 || (code == 15 && written) {
             self.vertices.push(corner);
@@ -69,7 +69,7 @@ impl State<'_> {
         }
     }
 
-    /// A triangle that shares an edge with an earlier one.
+    /// Decodes a triangle that shares an edge with an earlier triangle.
     fn on_edge(&mut self, edge: u8, code: u8) -> Option<[u32; 3]> {
         let [a, b] = [0, 1].map(|end| self.edges.get(2 * edge as usize + end));
         let c = match code {
@@ -88,7 +88,7 @@ impl State<'_> {
         Some([a, b, c])
     }
 
-    /// A triangle by itself; `known` are the usual codes of its corners.
+    /// Decodes a triangle without a shared edge; `known` is the table of frequent corner codes.
     fn alone(&mut self, code: u8, known: &[u8]) -> Option<[u32; 3]> {
         let written = code >= 14;
         let codes = if written { self.data.byte()? } else { *known.get(code as usize)? };
@@ -107,13 +107,13 @@ impl State<'_> {
     }
 }
 
-/// `count` indices of a list of triangles.
+/// Decodes a triangle list of `count` indices.
 pub(super) fn triangles(packed: &[u8], count: usize) -> Option<Vec<u32>> {
     if packed.first() != Some(&0xe1) || !count.is_multiple_of(3) {
         return None;
     }
     let (body, known) = packed[1..].split_at_checked(packed.len().checked_sub(17)?)?;
-    // One byte a triangle, so that the count is no lie.
+    // One code byte per triangle bounds the count by the data.
     let (codes, data) = body.split_at_checked(count / 3)?;
     let (edges, vertices) = (Recent::new(), Recent::new());
     let mut state = State { edges, vertices, next: 0, last: 0, data: Reader { bytes: data } };
@@ -125,7 +125,7 @@ pub(super) fn triangles(packed: &[u8], count: usize) -> Option<Vec<u32>> {
     state.data.bytes.is_empty().then_some(out)
 }
 
-/// `count` indices in no special order: differences to the last one of two.
+/// Decodes `count` indices without triangle structure: deltas to either of two earlier indices.
 pub(super) fn sequence(packed: &[u8], count: usize) -> Option<Vec<u32>> {
     if packed.first() != Some(&0xd1) {
         return None;

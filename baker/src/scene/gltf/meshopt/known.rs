@@ -1,4 +1,4 @@
-//! The streams of meshoptimizer's own tests (js/meshopt_decoder.test.js, MIT), and what their encoder was given.
+//! Test streams of meshoptimizer (js/meshopt_decoder.test.js, MIT), and the encoder's input.
 
 pub(super) struct Known {
     pub mode: &'static str,

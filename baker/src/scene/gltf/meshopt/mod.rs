@@ -1,11 +1,11 @@
-//! EXT_meshopt_compression and KHR_meshopt_compression: buffer views that are packed.
+//! EXT_meshopt_compression and KHR_meshopt_compression: compressed buffer views.
 //!
 //! * `attributes` – mode ATTRIBUTES, versions 0 and 1 of the stream;
 //! * `indices` – modes TRIANGLES and INDICES;
-//! * `filters` – what is done to decoded attributes.
+//! * `filters` – inverse filters of decoded attributes.
 //!
-//! After the specification (appendix A of EXT_meshopt_compression and KHR_meshopt_compression). What is allocated grows
-//! with what has been decoded, never with a count that a file states.
+//! Follows the specification (appendix A of EXT_meshopt_compression and KHR_meshopt_compression). Allocations grow with
+//! the decoded data, never with a count stated by the file.
 
 mod attributes;
 mod filters;
@@ -15,7 +15,7 @@ mod known;
 
 use serde::Deserialize;
 
-/// The extension's names: Khronos', and the one before it.
+/// Names of the extension: the Khronos name, and the earlier name.
 pub(super) const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
 /// A packed buffer view.
@@ -31,14 +31,14 @@ pub(super) struct Meshopt {
     pub filter: Option<String>,
 }
 
-/// A buffer that stands for decompressed bytes may have no data.
+/// Flag of a buffer that is a placeholder for decompressed bytes and may have no data.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Fallback {
     pub fallback: bool,
 }
 
-/// The bytes of a packed buffer view, `count` elements of `byte_stride` bytes; an error says what is wrong with it.
+/// Decodes a packed buffer view of `count` elements of `byte_stride` bytes; the error describes the problem.
 pub(super) fn decode(view: &Meshopt, packed: &[u8]) -> Result<Vec<u8>, String> {
     let (count, stride) = (view.count, view.byte_stride);
     let filter = view.filter.as_deref().unwrap_or("NONE");
@@ -65,7 +65,7 @@ pub(super) fn decode(view: &Meshopt, packed: &[u8]) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Indices as 16 or 32 bits each.
+/// Encodes indices as 16 or 32 bits.
 fn narrow(indices: &[u32], stride: usize) -> Vec<u8> {
     match stride {
         2 => indices.iter().flat_map(|&i| (i as u16).to_le_bytes()).collect(),
@@ -89,7 +89,7 @@ impl<'a> Reader<'a> {
         Some(self.take(1)?[0])
     }
 
-    /// A number in groups of seven bits, lowest first, at most five of them.
+    /// Reads a variable-length integer: at most five groups of seven bits, lowest first.
     fn number(&mut self) -> Option<u32> {
         let mut value = 0;
         for group in 0..5 {
@@ -103,7 +103,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A difference whose lowest bit is its sign.
+/// Decodes a zigzag integer: the lowest bit is the sign.
 fn unzigzag(v: u32) -> u32 {
     (v >> 1) ^ (v & 1).wrapping_neg()
 }
@@ -128,7 +128,7 @@ mod tests {
             let packed = bytes(known.packed);
             let view = |count| Meshopt { filter: filter.clone(), ..view(known.mode, count, known.stride) };
             assert_eq!(decode(&view(known.count), &packed), Ok(bytes(known.bytes)), "{}", known.packed);
-            // Too short, or of another length than was said: no list of another meaning, but an error.
+            // A truncated stream or a wrong count is an error, never a different list.
             for len in 0..packed.len() {
                 assert!(
                     decode(&view(known.count), &packed[..len]).is_err(),

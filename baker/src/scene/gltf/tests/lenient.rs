@@ -1,9 +1,9 @@
-//! Files that break a rule of glTF and that browsers and other programs read.
+//! Files that violate glTF but that browsers and importers read.
 
 use super::*;
 use std::path::Path;
 
-/// The square of the tests, as members of a file of its own and a .bin beside it.
+/// JSON of the test square, with `buffer` as the members of the buffer.
 fn file(buffer: &str) -> String {
     let whole = square("", r#","indices":1"#, "");
     let from = whole.find(r#""uri":"#).unwrap();
@@ -42,10 +42,10 @@ fn null_and_minus_one_are_none() {
         let scene = parse(&whole.replacen(from, to, 1)).unwrap_or_else(|error| panic!("{to}: {error}"));
         assert!(is_the_square(&scene) && scene.lights.is_empty(), "{to}");
     }
-    // A place in a list is counted, whether anything stands there or not.
+    // A null element counts as a list index.
     let counted = whole.replacen(r#""nodes":[{"#, r#""nodes":[null,{"#, 1).replacen("[0]", "[1,null]", 1);
     assert!(is_the_square(&parse(&counted).unwrap()));
-    // None where one is needed is an error that names the place.
+    // A missing required index is an error with the JSON path.
     for (from, to, says) in [
         (r#""buffer":0"#, r#""buffer":-1"#, "bufferViews[0].buffer"),
         (r#""POSITION":0"#, r#""POSITION":"0""#, "meshes[0].primitives[0].attributes.POSITION"),
@@ -139,7 +139,7 @@ fn zeros_after_json_and_a_mark_before_it_are_no_part_of_it() {
         glb.extend(json.as_bytes());
         assert!(is_the_square(&from_bytes("packed.glb", &glb).unwrap()));
     }
-    // A name that is not UTF-8 costs its letters and nothing else.
+    // Invalid UTF-8 in a name loses only the letters.
     let latin = json.replacen("square", "carr\u{e9}", 1).chars().map(|c| c as u8).collect::<Vec<_>>();
     assert!(is_the_square(&from_bytes("latin.gltf", &latin).unwrap()));
 }

@@ -1,9 +1,9 @@
-//! Instances, quantised numbers, colours, and what is noted or refused in meshes.
+//! Instances, quantised attributes, vertex colours, and messages and errors about meshes.
 
 use super::*;
 use glam::DVec3;
 
-/// A file with a triangle in the plane z = 0 and these numbers behind its three corners; `members` names them.
+/// Builder of a file with a triangle in the plane z = 0, as accessor 0, and added accessors.
 struct Built {
     bytes: Vec<u8>,
     views: Vec<String>,
@@ -22,7 +22,7 @@ impl Built {
         built
     }
 
-    /// Adds an accessor over its own bytes; its index.
+    /// Adds an accessor over `bytes` and returns the index.
     fn add(&mut self, component: u32, kind: &str, normalized: bool, bytes: &[u8]) -> usize {
         let size = [1, 1, 2, 2, 0, 4, 4][component as usize - 5120];
         let width = ["SCALAR", "", "VEC3", "VEC4"].iter().position(|k| *k == kind).unwrap() + 1;
@@ -42,7 +42,7 @@ impl Built {
         self.accessors.len() - 1
     }
 
-    /// The file, with more members of its node, attributes of its primitive, and members of its root.
+    /// Loads the file, with added members of the node, attributes of the primitive, and members of the root.
     fn parse(&self, node: &str, attributes: &str, more: &str) -> Result<Scene, SceneError> {
         parse(&format!(
             r#"{{"asset":{{"version":"2.0"}},"nodes":[{{"name":"the node","mesh":0{node}}}],
@@ -66,7 +66,7 @@ fn instances_stand_where_their_attributes_say_inside_their_node() {
     let mut file = Built::new();
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let places = file.add(5126, "VEC3", false, &floats(&[0., 0., 0., 10., 0., 0.]));
-    // A quarter turn about z, as normalised bytes are not exact enough; then as shorts.
+    // A quarter turn about z: normalised bytes are too coarse; then as shorts.
     let turns = file.add(5126, "VEC4", false, &floats(&[0., 0., 0., 1., 0., 0., half, half]));
     let sizes = file.add(5126, "VEC3", false, &floats(&[1., 1., 1., 2., 3., 1.]));
     let instances = |attributes: &str| {
@@ -84,7 +84,7 @@ fn instances_stand_where_their_attributes_say_inside_their_node() {
         assert!(found.distance(expected) < 1e-5, "{corners:?}");
     }
     assert!(scene.normals.iter().all(|n| n.distance(Vec3::Z) < 1e-6));
-    // Nothing says how many: the mesh stands where its node is.
+    // Unknown instance count: a single instance at the node.
     assert_eq!(file.parse(&instances(r#""_ID":0"#), "", "").unwrap().triangles.len(), 1);
     let error = file.parse(&instances(&format!(r#""TRANSLATION":{places},"SCALE":0"#)), "", "").unwrap_err();
     assert!(
@@ -120,11 +120,11 @@ fn light_gets_colours_exactly_and_pictures_their_mean() {
     let origin = Vec3::new(0.25, 0.25, 1.0) - Vec3::from(scene.origin.map(|x| x as f32));
     let hit = surfaces.cast(&Ray { origin, direction: -Vec3::Z, max_distance: 2.0, spread: 0.0 }, 0).unwrap();
     assert!(hit.albedo.distance(Vec3::new(0.5, 0.25, 0.25)) < 1e-6, "{}", hit.albedo);
-    // Pictures show the mean, and that is said.
+    // Pictures show the mean colour, with a message.
     let shown = scene.materials[0].base_color;
     assert!(shown.iter().take(3).all(|c| (c - 1.0 / 3.0).abs() < 1e-6), "{shown:?}");
     assert!(scene.left_out[0].contains("vertex colours of 1 triangles"), "{:?}", scene.left_out);
-    // White ones are none, and three channels do.
+    // White colours are dropped, and three channels suffice.
     let white = file.add(5126, "VEC3", false, &floats(&[1.0; 9]));
     let scene = file.parse("", &format!(r#","COLOR_0":{white}"#), "").unwrap();
     assert!(scene.corner_colors.is_empty() && scene.left_out.is_empty());
@@ -135,7 +135,7 @@ fn light_gets_colours_exactly_and_pictures_their_mean() {
 
 #[test]
 fn what_cannot_be_used_of_a_mesh_is_counted_by_its_name() {
-    // A triangle without area beside one that has, and a normal that is no number.
+    // A degenerate triangle beside a proper triangle, and a NaN normal.
     let mut file = Built::new();
     let numbers = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 2., 0., 0.];
     let positions = file.add(5126, "VEC3", false, &floats(&numbers));
@@ -150,7 +150,7 @@ fn what_cannot_be_used_of_a_mesh_is_counted_by_its_name() {
     for says in ["1 triangles without area, of mesh 0 (\"the mesh\"): 1", "1 normals, texture coordinates"] {
         assert!(noted.contains(says), "{says}: {noted}");
     }
-    // One so long that the other's corners are rounded.
+    // A triangle so long that the corners of the next triangle are rounded.
     let mut file = Built::new();
     let numbers = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 0., 1e6, 0., 0., 0., 1e6, 0.];
     let numbers = [numbers.to_vec(), [0., 0., 0., 1., 0., 0., 0., 1., 1.].repeat(3)].concat();
@@ -198,7 +198,7 @@ fn a_specular_glossiness_material_keeps_its_diffuse_colour() {
     let scene = textured_with(old);
     let m = &scene.materials[0];
     assert_eq!((m.base_color, m.metallic, m.roughness), ([0.2, 0.4, 0.6, 1.0], 0.0, 0.75));
-    // Metallic-roughness comes first where a file has both.
+    // Metallic-roughness has priority over specular-glossiness.
     let both = format!(r#""pbrMetallicRoughness":{{"baseColorFactor":[1,0,0,1],"metallicFactor":0}},{old}"#);
     assert_eq!(textured_with(&both).materials[0].base_color, [1.0, 0.0, 0.0, 1.0]);
 }

@@ -4,8 +4,8 @@ use super::*;
 use glam::DVec3;
 use std::fmt::Write;
 
-/// A file of one mesh, a triangle of which a corner is at each of `corners`, with further members of its primitive, its
-/// mesh and the root, and further accessors as (component type, type, count, bytes), which are number 1 and on.
+/// A file of a mesh with one triangle at `corners`, with added members of primitive, mesh and root, and added accessors
+/// from index 1 on: (component type, type, count, bytes).
 fn triangle(
     corners: [[f32; 3]; 3],
     [primitive, mesh, root]: [&str; 3],
@@ -37,7 +37,7 @@ fn floats(numbers: &[f32]) -> Vec<u8> {
     numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// Corners of the scene's triangles in world space.
+/// World-space corners of the scene's triangles.
 fn corners(scene: &Scene) -> Vec<[DVec3; 3]> {
     let world = |i: u32| scene.positions[i as usize].as_dvec3() + DVec3::from(scene.origin);
     scene.triangles.iter().map(|t| t.map(world)).collect()
@@ -68,7 +68,7 @@ fn morph_targets_count_by_the_nodes_weights_or_else_the_meshs() {
 
 #[test]
 fn a_skin_blends_its_joints_and_forgets_its_node() {
-    // Joint 0 stays, joint 1 is lifted by 2 under a node that doubles sizes; its bind matrix takes 1 off again.
+    // Joint 0 stays, joint 1 is lifted by 2 under a node that doubles sizes; the bind matrix subtracts 1 again.
     let joints = (5121, "VEC4", 3, vec![0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0]);
     let weights = (5126, "VEC4", 3, floats(&[1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.]));
     let mut binds = DMat4::IDENTITY.to_cols_array().map(|x| x as f32).to_vec();
@@ -114,7 +114,7 @@ fn a_mirrored_skin_keeps_its_front_and_joints_that_are_not_there_are_named() {
     assert!(circle.contains("joint node 1 is its own ancestor"), "{circle}");
 }
 
-/// The files that exporters wrote, where they are there: deformed and applied they are one scene.
+/// Exported files, if present: a deformed file and an applied file are equal scenes.
 #[test]
 fn exported_skins_and_morphs_are_what_applying_them_makes() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/cases");

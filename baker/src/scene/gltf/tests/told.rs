@@ -1,8 +1,8 @@
-//! What is said about a file: what of it is not in the scene, and what is likely not meant.
+//! Messages about a file: omissions, and likely mistakes.
 
 use super::*;
 
-/// A file whose meshes are lists of corners, three a triangle; `members` are members of each primitive and of the root.
+/// A file of meshes as lists of corners, three per triangle, with added members of the primitives and of the root.
 fn file(meshes: &[(&str, Vec<[f32; 3]>)], primitive: &str, members: &str) -> String {
     let mut bytes: Vec<u8> = Vec::new();
     let (mut list, mut accessors, mut views) = (Vec::new(), Vec::new(), Vec::new());
@@ -33,7 +33,7 @@ fn triangle() -> Vec<[f32; 3]> {
     vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]]
 }
 
-/// The first so many sides of a cube whose edges are as long as twice `half`.
+/// The first `sides` sides of a cube with edges of length 2 `half`.
 fn cube(half: f32, sides: usize) -> Vec<[f32; 3]> {
     let side = |side: usize| {
         let (axis, sign) = (side % 3, if side < 3 { half } else { -half });
@@ -102,7 +102,7 @@ fn a_texture_without_coordinates_is_one_texel_and_that_is_said() {
         r#""name":"tiles","pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":3,
         "extensions":{"KHR_texture_transform":{"offset":[0.75,0.25]}}}}"#,
     );
-    // The second of four texels, wherever one looks.
+    // The second of four texels, everywhere.
     for (x, y) in [(0.25, 0.25), (0.75, 0.25), (0.3, 0.8), (0.9, 0.9)] {
         assert_eq!(albedo_at(&scene, x, y), Vec3::Y);
     }
@@ -125,13 +125,13 @@ fn the_scene_with_meshes_is_taken_or_the_one_that_is_asked_for() {
         load_with(json, &LoadOptions { scene: scene.map(str::to_owned), ..LoadOptions::default() })
     };
     let width = |scene: &Scene| (scene.bounds().1 - scene.bounds().0).x;
-    // The default is empty and just one other is not.
+    // The default scene is empty, and exactly one scene is not.
     let two = with(r#"{"nodes":[0],"name":"notes"},{"nodes":[1],"name":"house"}"#);
     let scene = take(&two, None).unwrap();
     assert_eq!(width(&scene), 1.0);
     let [note] = &scene.notes[..] else { panic!("{:?}", scene.notes) };
     assert!(note.contains("scene 1 (\"house\") is taken") && note.contains("scene 0 (\"notes\")"), "{note}");
-    // Several are not: one must be asked for, by number or by name.
+    // Several scenes are not empty: the user must select by number or name.
     let three = with(r#"{"nodes":[0]},{"nodes":[1],"name":"house"},{"nodes":[3],"name":"1"}"#);
     let error = take(&three, None).unwrap_err().to_string();
     for says in ["test.gltf", "scene 0, its default", "--scene", "scene 1 (\"house\"), scene 2 (\"1\")"] {
@@ -143,7 +143,7 @@ fn the_scene_with_meshes_is_taken_or_the_one_that_is_asked_for() {
     }
     let error = take(&three, Some("attic")).unwrap_err().to_string();
     assert!(error.contains("no scene `attic`") && error.contains("scene 1 (\"house\")"), "{error}");
-    // What stands in another scene alone is left out, and what stands in both is not.
+    // A mesh in an unselected scene only is reported; a mesh in both scenes is not.
     let scene = take(&with(r#"{"nodes":[1]},{"nodes":[1,3],"name":"all"},{"nodes":[2]}"#), None).unwrap();
     let [left_out] = &scene.left_out[..] else { panic!("{:?}", scene.left_out) };
     assert!(left_out.contains("scene 1 (\"all\")") && left_out.contains("--scene"), "{left_out}");
@@ -168,7 +168,7 @@ fn a_lamp_within_its_own_bulb_is_named_with_it() {
     let note = said(cube(0.1, 6), point, "");
     assert!(note.contains("light 0 (\"lamp\") is enclosed by mesh 1 (\"bulb\")"), "{note}");
     assert!(!note.contains('\n'), "{note}");
-    // A shade that is open, glass, and a room around the lamp let its light out or hold what it lights.
+    // An open shade and glass let the light out; a room around the lamp holds the lit surfaces: no note.
     assert_eq!(said(cube(0.1, 5), point, ""), "");
     assert_eq!(said(cube(0.1, 6), point, r#""alphaMode":"BLEND""#), "");
     assert_eq!(said(cube(4.0, 6), point, ""), "");

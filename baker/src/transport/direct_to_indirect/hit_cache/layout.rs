@@ -1,36 +1,38 @@
-//! Layout of a triangle's tiles: a grid along its two sides, and the tile of surface coordinates.
+//! Layout of a primitive's tiles: a grid along two sides of the triangle, and the tile at given
+//! surface coordinates.
 
 use glam::Vec2;
 
-/// The tiles of a piece: a parallelogram of rows and columns, of which the half beyond the third side is left out by
-/// laying the rows of the upper half, turned around, beside those of the lower half.
+/// Tile grid of a primitive: a parallelogram of rows and columns without the half beyond the third
+/// side. The rows of the triangle's upper half are rotated by 180° and placed next to the rows of
+/// the lower half.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TileLayout {
-    /// Where they begin; those of the back follow those of the front.
+    /// Number of the first tile; tiles of the back follow tiles of the front.
     pub first: u32,
-    /// None: hits are looked at one by one.
+    /// Number of columns; 0 for a primitive without tiles, whose hits are shaded individually.
     pub columns: u16,
     pub rows: u16,
 }
 
 impl TileLayout {
-    /// HitCache from one pair of rows to the next.
+    /// Number of tiles per pair of rows.
     fn width(self) -> u32 {
         let (columns, rows) = (self.columns as u32, self.rows as u32);
         if rows == 1 { columns } else { columns + columns.div_ceil(rows.max(1)) + 1 }
     }
 
-    /// HitCache of a side.
+    /// Number of tiles of a side (front or back).
     pub fn count(self) -> u32 {
         (self.rows as u32).div_ceil(2) * self.width()
     }
 
-    /// HitCache of a row that are not beyond the third side altogether.
+    /// Number of tiles of a row that are at least partly inside the third side.
     fn length(self, row: u32) -> u32 {
         (self.columns as u32 * (self.rows as u32 - row)).div_ceil(self.rows as u32)
     }
 
-    /// The number of the tile that holds a place, among those of its side.
+    /// Returns the number of the tile at `at`, within its side.
     #[inline]
     pub fn number(self, at: Vec2) -> u32 {
         let (columns, rows) = (self.columns as u32, self.rows as u32);
@@ -47,7 +49,7 @@ impl TileLayout {
         }
     }
 
-    /// Column and row of a tile; `None` for one that is no part of the piece.
+    /// Column and row of a tile; `None` for a tile outside the triangle.
     pub fn column_row(self, number: u32) -> Option<(u32, u32)> {
         let (row, k) = (number / self.width(), number % self.width());
         if k < self.length(row) {
@@ -57,8 +59,9 @@ impl TileLayout {
         (other != row && k < self.length(other)).then_some((k, other))
     }
 
-    /// A place of a tile, `within` it from 0 to 1 along each axis; beyond the third side the nearest one towards the
-    /// tile's first corner.
+    /// Returns surface coordinates at the fraction `within` (0 to 1 along each axis) of a tile. A
+    /// position beyond the third side is moved towards the tile's first corner, onto the third
+    /// side.
     pub fn at(self, (column, row): (u32, u32), within: Vec2) -> Vec2 {
         let size = Vec2::new(self.columns as f32, self.rows as f32);
         let corner = Vec2::new(column as f32, row as f32) / size;
@@ -88,7 +91,7 @@ mod tests {
                     let at = laid.at(tile, stream.square() * 0.998 + 0.001);
                     assert!(at.min_element() >= 0.0 && at.element_sum() <= 1.0 + 1e-6, "{at}");
                     let found = laid.number(at);
-                    // A place on the third side may be rounded into the tile beside.
+                    // Rounding may move a position on the third side into the adjacent tile.
                     assert!(
                         found == number || at.element_sum() > 0.9999,
                         "{columns} x {rows}: {tile:?}, {at}"
@@ -96,7 +99,7 @@ mod tests {
                     assert!(laid.column_row(found).is_some());
                 }
             }
-            // All that reach below the third side.
+            // All tiles with the first corner inside the third side.
             let below = |column: u32, row: u32| {
                 column * (rows as u32) + row * (columns as u32) < columns as u32 * rows as u32
             };

@@ -1,9 +1,11 @@
-//! Hit cache: for every small tile of the surfaces the basis functions that cover it, and the light they send per unit, so that
-//! shading a gather ray costs one lookup of 32 bytes instead of an evaluation of the basis and of textures.
+//! Hit cache: stores for every small tile of the surfaces the basis functions that cover the tile
+//! and the light sent to each function per unit of irradiance. Shading a gather ray then costs a
+//! single lookup of 32 bytes instead of an evaluation of the basis and of textures.
 //!
-//! A tile is half a support radius across, over which weights change little. Entries are means over four samples of the tile.
-//! Hits are shaded one by one where a mean would be wrong: on tiles that a clip plane crosses, closer than a tile's width, and
-//! on primitives with too many tiles.
+//! A tile is half a support radius wide; weights change little within a tile. Entries are means
+//! over four samples of the tile. Hits are shaded individually where a mean would be wrong: on
+//! tiles that a clip plane crosses, at distances below a tile's width, and on primitives with too
+//! many tiles.
 
 mod layout;
 mod weights;
@@ -22,40 +24,44 @@ use rebounce_shared::octahedral;
 use smallvec::{SmallVec, smallvec};
 use std::collections::HashMap;
 
-/// Width of a tile over the smallest radius of the functions that cover its primitive.
+/// Ratio of a tile's width to the smallest radius of the functions that cover the primitive.
 const WIDTH: f32 = 0.5;
-/// Hits nearer than this many of the smallest tiles' widths are looked at one by one: in a corner the one tile beside it
-/// fills half of what is seen.
+/// Least hit distance for cached shading, in widths of the smallest tiles. Nearer hits are shaded
+/// individually: in a corner a single tile of the adjacent wall fills half the view.
 const NEAR: f32 = 1.0;
-/// Primitives of more tiles have none: of a plain around a house few tiles are ever hit.
+/// Greatest number of tiles of a primitive. A primitive with more tiles has no cache: of a plain
+/// around a house few tiles are ever hit.
 const MOST: u32 = 1 << 21;
-/// HitCache of all primitives together, for each function and each primitive: further primitives have none. Where functions are everywhere,
-/// a dozen tiles lie in the middle of each; where only some of a plain's places have any, most tiles are for nothing.
+/// Tile budget of the scene, per function and per primitive; primitives beyond the budget have no
+/// cache. In a scene with functions everywhere, each support holds a dozen tiles on average. On a
+/// plain with functions in few places, tiles without functions are useless.
 const MOST_TOGETHER: [usize; 2] = [48, 4];
-/// Cuts may go through this much of a tile along its edges: a cut along a wall ends what is cut a hair before the wall.
+/// Margin of a tile at its edges, as a share of the tile's width, that clip planes may cross: the
+/// clip plane of a wall ends supports slightly before the wall.
 const EDGE: f32 = 0.05;
-/// Small primitives that share a tile lie in one of the cells that are so much of a tile wide.
+/// Width of the position cells that group small primitives into a shared tile, in tile widths.
 const SHARED: f32 = 0.7;
-/// And face the same of the cells of directions, so many to each half of the octahedral map.
+/// Resolution of the normal cells that group small primitives: cells per half of the octahedral
+/// map.
 const FACING: f32 = 4.0;
-/// What a transparent place counts like, at least.
+/// Least opacity weight of a transparent sample.
 const LEAST_OPACITY: f32 = 1e-3;
-/// Places along each axis that tell how wide a large primitive's tiles are.
+/// Samples along each axis of a large primitive that determine the primitive's tile width.
 const PROBES: u32 = 6;
-/// Primitives or tiles that one thread works out at a time; primitives share none beyond.
+/// Primitives or tiles per parallel work unit; primitives of different units share no tile.
 const TOGETHER: usize = 1 << 12;
 
-/// Whether a primitive is smaller than a cell, where tiles are so wide.
+/// Whether a primitive is smaller than a cell, for tiles of this width.
 fn is_small(primitive: &Primitive, width: f32) -> bool {
     primitive.normal != Vec3::ZERO && primitive.sides[0].max(primitive.sides[1]) < SHARED * width
 }
 
-/// How a primitive is laid with tiles of its own; `first` is not known yet.
+/// Returns the layout of a primitive's own tiles; `first` is filled in later.
 fn lay(primitives: &dyn Primitives, number: u32, primitive: &Primitive, functions: &Leveled) -> TileLayout {
     let longest = primitive.sides[0].max(primitive.sides[1]);
     let mut radius = functions.finest_radius();
     if longest > WIDTH * radius {
-        // It may be out of the finest functions' reach.
+        // The primitive may be outside the supports of the finest functions.
         let probes = ((longest / radius) as u32).clamp(1, PROBES);
         let probed = TileLayout { first: 0, columns: probes as u16, rows: probes as u16 };
         let found = (0..probed.count()).filter_map(|tile| {
@@ -73,14 +79,14 @@ fn lay(primitives: &dyn Primitives, number: u32, primitive: &Primitive, function
     TileLayout { first: 0, columns, rows }
 }
 
-/// Small primitives that share a tile.
+/// Group of small primitives that share a tile.
 struct Group {
-    /// The first of them, whose tile it is.
+    /// Number of the first primitive of the group, which owns the tile.
     primitive: u32,
     primitives: u32,
-    /// Some of them.
+    /// Sampled primitives of the group.
     some: SmallVec<[u32; 4]>,
-    /// Least and greatest corner of their middles.
+    /// Bounds of the primitives' centres.
     low: Vec3,
     high: Vec3,
 }
@@ -97,20 +103,20 @@ impl Group {
         if self.some.len() < self.some.inline_size() {
             self.some.push(number);
         } else if self.primitives.is_power_of_two() {
-            // Of many, not only the first ones.
+            // Samples later primitives too, not only the first.
             let place = self.primitives.trailing_zeros() as usize % self.some.len();
             self.some[place] = number;
         }
     }
 
-    /// What is between is in all of these.
+    /// Corners of the bounds of the primitives' centres.
     fn corners(&self) -> impl Iterator<Item = Vec3> {
         let side = |i: u32, axis: usize| if i >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] };
         (0..8).map(move |i| Vec3::new(side(i, 0), side(i, 1), side(i, 2)))
     }
 }
 
-/// What primitives that share a tile have in common.
+/// Key of a group: primitives with equal keys share a tile.
 #[derive(PartialEq, Eq, Hash)]
 struct Alike {
     cell: IVec3,
@@ -131,20 +137,22 @@ impl Alike {
     }
 }
 
-/// How all primitives are laid with tiles.
+/// Tile layouts of all primitives.
 pub struct Layout {
     laid: Vec<TileLayout>,
-    /// Ascending; some have no tiles left.
+    /// In ascending order of the first primitive; the tile of a group may be missing for lack of
+    /// budget.
     groups: Vec<Group>,
-    /// Primitives that have tiles of their own, ascending.
+    /// Primitives that own tiles, ascending.
     owners: Vec<u32>,
-    /// HitCache of all.
+    /// Total number of tiles.
     count: u32,
 }
 
 impl Layout {
-    /// Lays tiles on all primitives; small ones that are neighbours, look alike and face one way share one. `points` is how many
-    /// functions there may be. `watch` is only asked.
+    /// Lays tiles on all primitives. Adjacent small primitives of equal material and similar normal
+    /// share a tile. `points` is the number of functions, for the tile budget. `watch` is only
+    /// polled for a stop.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -156,7 +164,8 @@ impl Layout {
     ) -> Result<Self, Stopped> {
         let width = WIDTH * functions.finest_radius();
         let mut laid = vec![TileLayout::default(); primitives.count()];
-        // First, how many tiles each primitive adds, and after it, whose tiles those are that add none.
+        // First pass: number of tiles that each primitive adds (in `first`), and owner of the tiles
+        // of each primitive.
         let mut leads = vec![0u32; primitives.count()];
         let chunks = laid.par_chunks_mut(TOGETHER).zip(leads.par_chunks_mut(TOGETHER)).enumerate();
         let groups = chunks.map(|(chunk, (laid, leads))| {
@@ -183,7 +192,7 @@ impl Layout {
             Ok(groups)
         });
         let groups = groups.collect::<Result<Vec<Vec<Group>>, Stopped>>()?;
-        // Then, where they begin.
+        // Second pass: first tile of each primitive.
         let mut owners = Vec::new();
         let most = MOST_TOGETHER[0] * points + MOST_TOGETHER[1] * primitives.count();
         let most = most.min(u32::MAX as usize) as u32;
@@ -212,28 +221,29 @@ impl Layout {
     }
 }
 
-/// Four places of a tile, this far from its edges.
+/// Four sample positions of a tile, at distance `edge` from the tile's edges.
 fn inside(edge: f32) -> [Vec2; 4] {
     let far = 1.0 - edge;
     [Vec2::splat(edge), Vec2::new(far, edge), Vec2::new(edge, far), Vec2::splat(far)]
 }
 
-/// Works out tiles.
+/// Computes tiles.
 struct Maker<'a> {
     primitives: &'a dyn Primitives,
     functions: &'a Leveled,
     duals: &'a [Vec3A],
     seed: u64,
-    /// The functions that cover one place.
+    /// Functions that cover a sample, with normalised weights.
     weights: Vec<(u32, f32)>,
-    /// All that cover some place of a tile: what they weigh, and the light that they get.
+    /// Functions that cover any sample of the tile: function, weight, and light sent to the
+    /// function.
     together: Vec<(u32, f32, f32)>,
-    /// What a cut that goes through a tile has on both sides.
+    /// Positions that a clip plane must not separate.
     edges: Vec<Vec3>,
 }
 
 impl Maker<'_> {
-    /// A tile of a primitive, or of the group that it is the first of.
+    /// Computes a tile of a primitive, or of the group whose first primitive is `owner`.
     fn tile(&mut self, owner: u32, group: Option<&Group>, laid: TileLayout, number: u32) -> PackedWeights {
         let primitive = self.primitives.primitive(owner);
         let (count, local) = (laid.count(), number - laid.first);
@@ -254,7 +264,7 @@ impl Maker<'_> {
         let mut total = 0.0;
         for place in places {
             let SurfaceSample { position, normal, albedo: here, opacity } = self.primitives.spot(place, area);
-            // Rays may find something between places that stop none.
+            // Stochastic rays may hit between samples of zero opacity.
             let counts = opacity.max(LEAST_OPACITY);
             self.functions.interpolate(position, normal, &mut self.weights);
             total += if self.weights.is_empty() { 0.0 } else { counts };
@@ -268,7 +278,7 @@ impl Maker<'_> {
             }
         }
         if total == 0.0 {
-            // What rays find of the primitive may be covered all the same.
+            // Functions may still cover other hits on the primitive.
             return PackedWeights::UNKNOWN;
         }
         let has_cuts = self.together.iter().any(|entry| self.functions.has_cuts(entry.0));
@@ -291,17 +301,17 @@ impl Maker<'_> {
     }
 }
 
-/// The tiles of all primitives.
+/// Tiles of all primitives.
 pub struct HitCache {
-    /// Hits nearer than this are looked at one by one, scene units.
+    /// Distance below which hits are shaded individually, scene units.
     near: f32,
     laid: Vec<TileLayout>,
     tiles: Vec<PackedWeights>,
 }
 
 impl HitCache {
-    /// Works out the tiles of a layout of these primitives for these functions. `duals` say what light gives each of the
-    /// functions. A unit of `watch` is a tile.
+    /// Computes the tiles of a layout of `primitives` for `functions`. `duals` map light to the
+    /// amount in each function's tint. A unit of `watch` is a tile.
     ///
     /// # Errors
     /// [`Stopped`].
@@ -321,7 +331,7 @@ impl HitCache {
             let (weights, together, edges) = Default::default();
             let mut maker = Maker { primitives, functions, duals, seed, weights, together, edges };
             let first = (chunk * TOGETHER) as u32;
-            // The last owner that begins here or before.
+            // The last owner whose first tile is at or before `first`.
             let mut owner = owners.partition_point(|primitive| laid[*primitive as usize].first <= first) - 1;
             let mut group = groups.partition_point(|group| group.primitive < owners[owner]);
             for (tile, number) in tiles.iter_mut().zip(first..) {
@@ -345,8 +355,9 @@ impl HitCache {
         self.tiles.len()
     }
 
-    /// The number of the tile at a place, to be asked for its [`Self::shares`] on behalf of a ray from so far away, scene
-    /// units; `None` on primitives that have none, and where one tile would be all that is seen.
+    /// Returns the tile number at surface coordinates, the argument of [`Self::shares`], for a ray
+    /// of length `distance`, scene units; `None` for primitives without tiles and for hits nearer
+    /// than a tile's width.
     #[inline]
     pub fn number(&self, place: SurfaceCoordinates, distance: f32) -> Option<u32> {
         if distance < self.near {
@@ -357,19 +368,20 @@ impl HitCache {
         (laid.columns != 0).then(|| laid.first + back + laid.number(place.at))
     }
 
-    /// Asks for what [`Self::number`] reads of a primitive.
+    /// Prefetches the layout that [`Self::number`] reads for a primitive.
     #[inline]
     pub fn fetch_piece(&self, primitive: u32) {
         processor::fetch(&self.laid, primitive as usize);
     }
 
-    /// Asks for what [`Self::shares`] reads.
+    /// Prefetches the tile that [`Self::shares`] reads.
     #[inline]
     pub fn fetch_shares(&self, number: u32) {
         processor::fetch(&self.tiles, number as usize);
     }
 
-    /// What a unit of light that hits a tile gives to the functions; `None` where hits are to be looked at one by one.
+    /// Returns the light sent to each function per unit of light that hits the tile; `None` if hits
+    /// must be shaded individually.
     #[inline]
     pub fn shares(&self, number: u32) -> Option<PackedWeights> {
         let tile = self.tiles[number as usize];

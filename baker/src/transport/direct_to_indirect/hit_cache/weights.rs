@@ -1,13 +1,13 @@
-//! Packed weights: the light that a tile passes to at most four functions, 32 bytes.
+//! Packed weights: the light from a tile to at most four functions, 32 bytes.
 
-/// Functions that a tile, or a hit, passes its light to.
+/// Greatest number of functions per tile or hit.
 const SLOTS: usize = 4;
-/// No function.
+/// Index of an empty slot.
 const NONE: u32 = u32::MAX;
-/// In place of the first function: nobody knows.
+/// Marker in the first slot of an unknown entry.
 const UNKNOWN: u32 = u32::MAX - 1;
 
-/// Light passed to functions: shares of a whole, half a cache line.
+/// Light sent to functions, per unit of light at the hit; half a cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct PackedWeights {
@@ -18,16 +18,17 @@ pub struct PackedWeights {
 impl PackedWeights {
     /// No light.
     pub const NOTHING: Self = Self { functions: [NONE; SLOTS], amounts: [0.0; SLOTS] };
-    /// Nobody knows: whoever hits it must look.
+    /// Unknown weights: hits must be shaded individually.
     pub const UNKNOWN: Self = Self { functions: [UNKNOWN; SLOTS], amounts: [0.0; SLOTS] };
 
-    /// So much that no function covers.
+    /// Light that is lost because no function covers the hit.
     pub fn lost(amount: f32) -> Self {
         Self { amounts: [amount, 0.0, 0.0, 0.0], ..Self::NOTHING }
     }
 
-    /// From some functions' weights, which sum to 1, and the light that each of them gets for a whole. Of more than
-    /// fit, each is there as often on average as it weighs; `chance`, 0 to 1, decides.
+    /// Packs functions as (index, weight, light per unit weight); the weights sum to 1. With more
+    /// functions than slots, slots are filled by stratified sampling: each function appears with a
+    /// probability proportional to its weight. `chance`, 0 to 1, is the random number.
     pub fn of(weights: &[(u32, f32, f32)], chance: f32) -> Self {
         let mut out = Self::NOTHING;
         if weights.len() <= SLOTS {
@@ -40,7 +41,7 @@ impl PackedWeights {
         let (mut slot, mut below) = (0, 0.0);
         for (i, &(function, weight, light)) in weights.iter().enumerate() {
             below += weight;
-            // The last one takes what rounding leaves.
+            // The last function fills slots left over by rounding.
             while slot < SLOTS && ((slot as f32 + chance) * EACH < below || i + 1 == weights.len()) {
                 (out.functions[slot], out.amounts[slot]) = (function, EACH * light);
                 slot += 1;
@@ -49,32 +50,32 @@ impl PackedWeights {
         out
     }
 
-    /// The same light, scaled.
+    /// Returns the light multiplied by a factor.
     #[inline]
     pub fn scaled(mut self, factor: f32) -> Self {
         self.amounts.iter_mut().for_each(|amount| *amount *= factor);
         self
     }
 
-    /// All light together.
+    /// Total light.
     #[inline]
     pub fn sum(&self) -> f32 {
         self.amounts.iter().sum()
     }
 
-    /// Whether nobody knows.
+    /// Whether the weights are unknown.
     #[inline]
     pub fn is_unknown(&self) -> bool {
         self.functions[0] == UNKNOWN
     }
 
-    /// Whether no function covers what is there.
+    /// Whether no function covers the hit.
     #[inline]
     pub fn is_lost(&self) -> bool {
         self.functions[0] == NONE
     }
 
-    /// Calls `visit(function, amount)` for each function that gets light.
+    /// Calls `visit(function, amount)` for each function with a slot.
     #[inline]
     pub fn each(&self, mut visit: impl FnMut(usize, f32)) {
         for (&function, &amount) in self.functions.iter().zip(&self.amounts) {
@@ -109,7 +110,7 @@ mod tests {
             let sum = sums[function as usize];
             assert!((sum / (weight * light) - 1.0).abs() < 0.01, "{function}: {sum}, not {}", weight * light);
         }
-        // Few are there as they are.
+        // Up to four functions are stored exactly.
         let shares = PackedWeights::of(&weights[..3], 0.9);
         let mut found = Vec::new();
         shares.each(|function, amount| found.push((function, amount)));

@@ -1,4 +1,4 @@
-//! Columns come back as they were, and damaged ones are refused.
+//! Round trips of columns, and rejection of damaged columns.
 
 use super::*;
 use crate::random::Stream;
@@ -25,7 +25,7 @@ fn records_come_back_bit_by_bit() {
     assert_eq!(decode::<Vertex>(&rounded).unwrap(), vertices(true));
     assert_eq!(decode::<Vertex>(&others).unwrap(), vertices(false));
     assert!(rounded.len() < others.len() * 3 / 4, "{} {}", rounded.len(), others.len());
-    // Whatever bits there are.
+    // Arbitrary bits.
     let mut s = Stream::new(5, 0);
     for special in [0, 1, 0x8000_0000, 0x7f80_0000, 0x7fc0_0000, 0xff7f_ffff, 0x0080_0000, 0x4b80_0001] {
         let mut word = || if s.unit() < 0.5 { special } else { s.bits() as u32 & 0x7fff_ffff };
@@ -45,7 +45,7 @@ fn records_come_back_bit_by_bit() {
 fn floats_of_every_size_come_back_bit_by_bit() {
     let mut s = Stream::new(11, 0);
     for exponent in 0..=255u32 {
-        // Columns of about one size, whole multiples of a step and not.
+        // Columns of similar magnitude, with and without a common step.
         for zeros in [0, 3, 12, 20, 23] {
             let mut word = || {
                 let bits = s.bits() as u32;
