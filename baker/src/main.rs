@@ -3,14 +3,14 @@
 mod cli;
 
 use clap::Parser;
-use cli::plain::plain;
+use cli::escape::escape_controls;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     match cli::run(&cli::Arguments::parse()) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("rebounce: {}", plain(&sentence(&error)));
+            eprintln!("rebounce: {}", escape_controls(&sentence(&error)));
             ExitCode::FAILURE
         }
     }

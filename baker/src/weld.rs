@@ -4,7 +4,7 @@ use crate::random::mix;
 use rayon::prelude::*;
 
 /// Returns, for each of `count` items, the index of the first item with identical bits.
-pub fn firsts<const N: usize>(count: usize, bits: impl Fn(u32) -> [u32; N] + Sync) -> Vec<u32> {
+pub fn canonical_indices<const N: usize>(count: usize, bits: impl Fn(u32) -> [u32; N] + Sync) -> Vec<u32> {
     // Upper 32 bits: hash; lower 32 bits: index. Eight bytes sort faster than sixteen.
     let key = |i: u32| {
         let key = bits(i).into_iter().fold(N as u64, |key, bits| mix(key ^ u64::from(bits)));
@@ -12,17 +12,17 @@ pub fn firsts<const N: usize>(count: usize, bits: impl Fn(u32) -> [u32; N] + Syn
     };
     let mut order: Vec<u64> = (0..count as u32).into_par_iter().map(key).collect();
     order.par_sort_unstable();
-    let mut firsts = vec![0; count];
+    let mut canonical_indices = vec![0; count];
     for alike in order.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
         // Hash collisions are rare.
         if alike.len() > 1 {
             alike.sort_unstable_by_key(|i| (bits(*i as u32), *i));
         }
         for same in alike.chunk_by(|a, b| bits(*a as u32) == bits(*b as u32)) {
-            same.iter().for_each(|i| firsts[*i as u32 as usize] = same[0] as u32);
+            same.iter().for_each(|i| canonical_indices[*i as u32 as usize] = same[0] as u32);
         }
     }
-    firsts
+    canonical_indices
 }
 
 #[cfg(test)]
@@ -32,10 +32,10 @@ mod tests {
     #[test]
     fn each_is_told_the_first_one_like_it() {
         let things = [[1, 2], [2, 1], [1, 2], [0, 0], [2, 1], [1, 2], [7, 7]];
-        assert_eq!(firsts(things.len(), |i| things[i as usize]), [0, 1, 0, 3, 1, 0, 6]);
-        assert!(firsts(0, |_| [0]).is_empty());
+        assert_eq!(canonical_indices(things.len(), |i| things[i as usize]), [0, 1, 0, 3, 1, 0, 6]);
+        assert!(canonical_indices(0, |_| [0]).is_empty());
         let count = 50_000;
-        let told = firsts(count, |i| [i % 777, 5]);
+        let told = canonical_indices(count, |i| [i % 777, 5]);
         assert!(told.iter().enumerate().all(|(i, first)| *first == i as u32 % 777));
     }
 }

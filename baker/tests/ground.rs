@@ -197,7 +197,7 @@ fn a_stray_changes_nothing() {
     blocks.push(block([80_000.0, 0.0, 3.0], [80_001.0, 1.0, 4.0]));
     let stray = loaded(&blocks, None);
     assert!(Vec3::from(stray.origin.map(|x| x as f32)).length() < 4.0, "{:?}", stray.origin);
-    assert_eq!(scene::far::far_away(&stray), None);
+    assert_eq!(scene::outliers::far_away(&stray), None);
     let errors = [&room, &stray].map(|scene| {
         let mut scene = scene.clone();
         scene.cameras.push(camera.clone());

@@ -38,10 +38,10 @@ pub struct BlendedPass {
     /// Bind group layouts without and with colours, created for the first scene with blended surfaces.
     layouts: [OnceCell<wgpu::BindGroupLayout>; 2],
     /// Pipelines by `[tinted][one_sided]`.
-    made: [[OnceCell<Made>; 2]; 2],
+    made: [[OnceCell<BlendedPipelines>; 2]; 2],
 }
 
-struct Made {
+struct BlendedPipelines {
     /// Depth pipelines of the first layer, and of the later layers.
     peel: [wgpu::RenderPipeline; 2],
     shade: wgpu::RenderPipeline,
@@ -121,7 +121,7 @@ impl BlendedPass {
         })
     }
 
-    fn made(&self, gpu: &Gpu, tinted: bool, one_sided: bool) -> &Made {
+    fn made(&self, gpu: &Gpu, tinted: bool, one_sided: bool) -> &BlendedPipelines {
         self.made[tinted as usize][one_sided as usize].get_or_init(|| {
             let layouts = [self.layout(gpu, tinted), &self.materials, &self.lights];
             let draw = Draw {
@@ -150,7 +150,7 @@ impl BlendedPass {
                 true => ("tinted_layer", vec![veil(sum), veil(product), veil(sum)]),
             };
             let shade = Draw { fragment: Some(fragment), targets: &targets, ..draw }.pipeline(gpu);
-            Made { peel, shade }
+            BlendedPipelines { peel, shade }
         })
     }
 

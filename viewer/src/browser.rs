@@ -7,10 +7,10 @@ use wgpu::webgpu::GpuTexture;
 #[wasm_bindgen]
 extern "C" {
     /// `GPU`.
-    pub type Gpu;
+    pub type BrowserGpu;
     /// The canvas format without a copy.
     #[wasm_bindgen(method, js_name = getPreferredCanvasFormat)]
-    pub fn format(this: &Gpu) -> String;
+    pub fn format(this: &BrowserGpu) -> String;
 
     /// `GPUDevice`.
     #[derive(Clone)]

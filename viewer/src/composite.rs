@@ -94,8 +94,8 @@ pub fn shading(scope: &Scope) -> wgpu::Buffer {
     empty_buffer(scope, "shading", usage, size_of::<Shading>() as u64)
 }
 
-/// Sources of a [`Picture`].
-pub struct Sources<'a> {
+/// PictureSources of a [`Picture`].
+pub struct PictureSources<'a> {
     /// The camera's uniform.
     pub frame: &'a wgpu::Buffer,
     /// The uniform from [`shading`].
@@ -106,7 +106,7 @@ pub struct Sources<'a> {
     pub slots: &'a SlotBuffers,
     /// Blended surfaces, if present.
     pub veil: Option<&'a Veil>,
-    /// `Look` of surface.wgsl for every material.
+    /// `MaterialRecord` of surface.wgsl for every material.
     pub looks: &'a wgpu::Buffer,
     /// The exposure buffer from [`key`].
     pub key: &'a wgpu::Buffer,
@@ -184,7 +184,7 @@ impl CompositePass {
     }
 
     /// Creates a picture of this size.
-    pub fn target(&self, scope: &Scope, from: &Sources<'_>, size: [u32; 2]) -> Picture {
+    pub fn target(&self, scope: &Scope, from: &PictureSources<'_>, size: [u32; 2]) -> Picture {
         let texture = target(scope, "picture", PICTURE, size[0], size[1]);
         let texture = texture.create_view(&Default::default());
         let looked = empty_buffer(scope, "looked", BufferUsages::STORAGE, 4 * LOOKED as u64);

@@ -12,6 +12,7 @@ pub mod blended;
 pub mod blended_fit;
 #[cfg(target_arch = "wasm32")]
 mod browser;
+pub mod cached_direct;
 pub mod cascades;
 pub mod composite;
 pub mod controls;
@@ -39,7 +40,6 @@ pub mod shadow;
 pub mod shadow_fit;
 pub mod shadow_maps;
 pub mod stats;
-pub mod still;
 pub mod target;
 pub mod textures;
 pub mod timing;

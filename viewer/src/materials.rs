@@ -40,10 +40,10 @@ struct Record {
     scattered_color: [f32; 4],
 }
 
-/// `Look` in surface.wgsl.
+/// `MaterialRecord` in surface.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-struct Look {
+struct MaterialRecord {
     emission: [f32; 3],
     specular: f32,
     metallic: f32,
@@ -98,7 +98,7 @@ pub fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
 pub struct Materials {
     /// One bind group per material.
     pub groups: Vec<wgpu::BindGroup>,
-    /// `Look` of surface.wgsl for every material.
+    /// `MaterialRecord` of surface.wgsl for every material.
     pub looks: wgpu::Buffer,
     /// Whether a material has textures other than base colour and transmission.
     pub detailed: bool,
@@ -139,7 +139,7 @@ impl Materials {
             records[at..at + size_of::<Record>()].copy_from_slice(bytemuck::bytes_of(&record));
         }
         let uniforms = buffer(&own, "materials", BufferUsages::UNIFORM, &records);
-        let look = |m: &Material| Look {
+        let look = |m: &Material| MaterialRecord {
             emission: m.emission,
             specular: m.specular,
             metallic: m.metallic,
@@ -147,7 +147,7 @@ impl Materials {
             unlit: m.extras.unlit as u32 as f32,
             pad: 0.0,
         };
-        let looks: Vec<Look> = materials.iter().map(look).collect();
+        let looks: Vec<MaterialRecord> = materials.iter().map(look).collect();
         let looks = buffer(&own, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&looks));
         let plain = Texture { linear_filter: true, ..Default::default() };
         let texture = |index: Option<u32>| match index {

@@ -5,24 +5,24 @@ use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll, Waker};
 
-struct State<T> {
+struct SlotState<T> {
     value: Option<T>,
     waker: Option<Waker>,
 }
 
 /// The sending half; cheap to clone. The last value sent wins.
-pub struct Sender<T>(Arc<Mutex<State<T>>>);
+pub struct Sender<T>(Arc<Mutex<SlotState<T>>>);
 
 /// The receiving half: a future of the value. Pending forever if no value is sent.
-pub struct Receiver<T>(Arc<Mutex<State<T>>>);
+pub struct Receiver<T>(Arc<Mutex<SlotState<T>>>);
 
 /// A connected pair.
 pub fn channel<T>() -> (Sender<T>, Receiver<T>) {
-    let state = Arc::new(Mutex::new(State { value: None, waker: None }));
+    let state = Arc::new(Mutex::new(SlotState { value: None, waker: None }));
     (Sender(state.clone()), Receiver(state))
 }
 
-fn lock<T>(state: &Mutex<State<T>>) -> MutexGuard<'_, State<T>> {
+fn lock<T>(state: &Mutex<SlotState<T>>) -> MutexGuard<'_, SlotState<T>> {
     state.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -13,10 +13,10 @@ const VIEW_MS: u32 = 150;
 
 /// Whether the GPU works on a frame, and the time of the last frame.
 #[derive(Clone, Debug, Default)]
-pub struct Pace(Arc<Shared>);
+pub struct Pace(Arc<PaceState>);
 
 #[derive(Debug, Default)]
-struct Shared {
+struct PaceState {
     busy: AtomicBool,
     last_ms: AtomicU32,
     /// Time of the last picture for an average; 0 after a frame of another kind.

@@ -1,11 +1,11 @@
 //! One frame of relighting on the GPU: the steps of [`rebounce_shared::relight`] as compute passes.
 
 use crate::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout, part};
+use crate::cached_direct::CachedEvaluation;
 use crate::gpu::Gpu;
 use crate::scope::Scope;
 use crate::shaders;
 use crate::shadow_fit::MAX_LAYERS;
-use crate::still::Choice;
 use crate::upload::{LinkBuffers, Upload};
 use bytemuck::{Pod, Zeroable};
 use rebounce_shared::baked::BakedScene;
@@ -142,18 +142,18 @@ fn measure(scene: &BakedScene) -> Dispatch {
 }
 
 /// A kernel's bind group layout and pipeline.
-type Pass = (wgpu::BindGroupLayout, wgpu::ComputePipeline);
+type KernelPass = (wgpu::BindGroupLayout, wgpu::ComputePipeline);
 
 /// Pipelines, independent of a scene.
 pub struct RelightPipelines {
-    direct: Pass,
-    pull: Pass,
-    send: Pass,
+    direct: KernelPass,
+    pull: KernelPass,
+    send: KernelPass,
     transport: wgpu::BindGroupLayout,
     short: wgpu::ComputePipeline,
     bounce: wgpu::BindGroupLayout,
-    lift: Pass,
-    level: Pass,
+    lift: KernelPass,
+    level: KernelPass,
     lanes: u32,
     shared: [wgpu::ComputePipeline; 2],
 }
@@ -221,7 +221,7 @@ pub struct Relight {
     /// Light levels for the automatic exposure (light_level.wgsl); zero without light.
     pub levels: wgpu::Buffer,
     steps: wgpu::Buffer,
-    /// `Choice` of direct.wgsl.
+    /// `CachedEvaluation` of direct.wgsl.
     choice: wgpu::Buffer,
     direct: wgpu::BindGroup,
     pull: wgpu::BindGroup,
@@ -310,7 +310,7 @@ impl Relight {
     }
 
     /// Sets the lights for the first step to evaluate.
-    pub fn set_lights(&self, gpu: &Gpu, choice: &Choice) {
+    pub fn set_lights(&self, gpu: &Gpu, choice: &CachedEvaluation) {
         let mut words = vec![choice.keep as u32, choice.still.len() as u32, choice.count() as u32];
         words.extend(choice.still.iter().chain(&choice.moving));
         gpu.queue.write_buffer(&self.choice, 0, bytemuck::cast_slice(&words));

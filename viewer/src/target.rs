@@ -2,7 +2,7 @@
 
 use crate::bindings::empty_buffer;
 use crate::blended::{BlendedTarget, Veil};
-use crate::composite::{self, Picture, Sources};
+use crate::composite::{self, Picture, PictureSources};
 use crate::display::{self, DisplayTarget};
 use crate::gbuffer::GBuffer;
 use crate::gpu::Gpu;
@@ -62,7 +62,7 @@ impl Target {
         let display = pipelines.display.target(&own, from, size, every_pixel, way);
         let shading = composite::shading(&own);
         let veil = (scene.upload.blended_layers > 0).then(|| Veil::new(&own, size, scene.upload.tinted));
-        let sources = Sources {
+        let sources = PictureSources {
             frame: &frame,
             shading: &shading,
             gbuffer: &gbuffer,

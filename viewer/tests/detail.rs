@@ -248,7 +248,7 @@ fn furnace(@builtin(global_invocation_id) id: vec3u) {
     let roughness = 0.3 + 0.7 * f32(id.x % 8u) / 7.0;
     let cosine = 0.25 + 0.75 * f32(id.x / 8u % 4u) / 3.0;
     let metallic = f32(id.x / 32u);
-    let look = Look(vec3f(0.0), 1.0, metallic, roughness, 0.0, 0.0);
+    let look = MaterialRecord(vec3f(0.0), 1.0, metallic, roughness, 0.0, 0.0);
     let to_eye = vec3f(sqrt(1.0 - cosine * cosine), 0.0, cosine);
     var sum = 0.0;
     for (var i = 0u; i < STEPS; i++) {

@@ -4,6 +4,7 @@
 mod common;
 
 mod blended;
+mod cached_direct;
 mod detail;
 mod glass;
 mod openness;
@@ -12,4 +13,3 @@ mod relight;
 mod scope;
 mod smooth;
 mod splat;
-mod still;

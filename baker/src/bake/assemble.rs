@@ -5,9 +5,9 @@ use super::stand_in::{Staged, outside};
 use crate::basis::Relations;
 use crate::sampling::Points;
 use crate::scene::steps::{least_step, power_of_two_under, to_steps};
-use crate::scene::{Model, Scene};
+use crate::scene::{InstancedMesh, Scene};
 use crate::transport::direct_to_indirect::Operator;
-use crate::weld::firsts;
+use crate::weld::canonical_indices;
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
@@ -28,7 +28,7 @@ pub(super) fn assemble(
     relations: &Relations,
     operator: &Operator,
 ) -> BakedScene {
-    let Geometry { draws, indices, vertices, instances, copies } = geometry(scene);
+    let RenderGeometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let (low, high) = scene.bounds();
     let senders = points.count_on(settings.operator.sender_levels);
@@ -81,7 +81,7 @@ pub(super) fn assemble(
 
 /// Returns the file contents without light: geometry, materials, textures.
 pub(super) fn without_light(scene: &Scene) -> BakedScene {
-    let Geometry { draws, indices, vertices, instances, copies } = geometry(scene);
+    let RenderGeometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let meta = Meta {
         materials: scene.materials.clone(),
@@ -131,10 +131,10 @@ fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
     const UNUSED: u32 = u32::MAX;
     let bits = |i: u32| -> [u32; 6] { bytemuck::cast(vertices[i as usize]) };
     let mut places = vec![UNUSED; vertices.len()];
-    let firsts = firsts(vertices.len(), bits);
+    let canonical_indices = canonical_indices(vertices.len(), bits);
     let mut welded = Vec::new();
     for index in indices {
-        let first = firsts[*index as usize] as usize;
+        let first = canonical_indices[*index as usize] as usize;
         if places[first] == UNUSED {
             places[first] = welded.len() as u32;
             welded.push(vertices[first]);
@@ -144,8 +144,8 @@ fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
     welded
 }
 
-/// Geometry sections of the file, for drawing.
-struct Geometry {
+/// RenderGeometry sections of the file, for drawing.
+struct RenderGeometry {
     draws: Vec<Draw>,
     indices: Vec<u32>,
     vertices: Vec<Vertex>,
@@ -155,9 +155,10 @@ struct Geometry {
 
 /// Returns the geometry: first the triangles outside of models, then the models; within either, triangles are grouped
 /// by material.
-fn geometry(scene: &Scene) -> Geometry {
+fn geometry(scene: &Scene) -> RenderGeometry {
     let mut indices = vec![0; 3 * scene.triangles.len()];
-    let first = |model: Option<&Model>| model.map_or(scene.triangles.len(), |m| m.triangles.start as usize);
+    let first =
+        |model: Option<&InstancedMesh>| model.map_or(scene.triangles.len(), |m| m.triangles.start as usize);
     let mut draws = draws(scene, 0..first(scene.models.first()), &mut indices);
     let (mut instances, mut copies) = (Vec::new(), Vec::new());
     if !scene.models.is_empty() {
@@ -171,7 +172,7 @@ fn geometry(scene: &Scene) -> Geometry {
         copies.resize(draws.len(), stands);
     }
     let vertices = weld(&vertices(scene), &mut indices);
-    Geometry { draws, indices, vertices, instances, copies }
+    RenderGeometry { draws, indices, vertices, instances, copies }
 }
 
 /// Groups a range of triangles by material into the same range of `indices`: opaque materials first, then masked, then

@@ -53,9 +53,9 @@ const STRETCH: f64 = 0.2;
 /// a shared cache or core costs processor time, too.
 const HALF_LIFE: (f64, f64) = (2.0, 0.2);
 
-/// Kind of work: parts of a kind have one pace.
+/// WorkKind of work: parts of a kind have one pace.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+enum WorkKind {
     /// Setting up, and assembling the file.
     SettingUp,
     /// Almost only rays.
@@ -68,10 +68,10 @@ enum Kind {
 
 /// A stage of the bake, per level where the stage has levels.
 #[derive(Clone, Debug)]
-struct Part {
+struct BakePart {
     stage: Stage,
     level: Option<usize>,
-    kind: Kind,
+    kind: WorkKind,
     units: f64,
     /// Units done, including `skipped` units from an earlier run.
     done: f64,
@@ -85,7 +85,7 @@ struct Part {
     is_over: bool,
 }
 
-impl Part {
+impl BakePart {
     /// Returns the processor seconds at pace 1 of the units done in the current run.
     fn worked(&self) -> f64 {
         self.nominal * ((self.done - self.skipped) / self.units.max(1.0)).clamp(0.0, 1.0)
@@ -153,10 +153,10 @@ fn by_level(settings: &BakeSettings) -> Vec<f64> {
 
 /// Parts of a bake, their work, and the measured pace.
 pub(super) struct Estimate {
-    parts: Vec<Part>,
+    parts: Vec<BakePart>,
     /// Finished setting-up parts: processor seconds spent, and processor seconds at pace 1.
     set_up: [f64; 2],
-    /// Measured paces, by [`Kind`].
+    /// Measured paces, by [`WorkKind`].
     known: [Option<f64>; 5],
     /// Recent time, with exponential decay: clock seconds, and clock seconds of an idle machine.
     clock: [f64; 2],
@@ -185,15 +185,15 @@ impl Estimate {
         let later_levels = settings.operator.later_levels;
         let mut add = |stage, level: Option<usize>| {
             let kind = match (stage, level) {
-                (Stage::Links, Some(level)) if level < later_levels => Kind::CoarseLinks,
-                (Stage::Links, _) => Kind::FineLinks,
-                (Stage::Among | Stage::Bounces, _) => Kind::Bounces,
-                (Stage::Walls, _) => Kind::Walls,
-                _ => Kind::SettingUp,
+                (Stage::Links, Some(level)) if level < later_levels => WorkKind::CoarseLinks,
+                (Stage::Links, _) => WorkKind::FineLinks,
+                (Stage::Among | Stage::Bounces, _) => WorkKind::Bounces,
+                (Stage::Walls, _) => WorkKind::Walls,
+                _ => WorkKind::SettingUp,
             };
             let (units, done, skipped, nominal, spent) = (0.0, 0.0, 0.0, 0.0, 0.0);
             let (late, is_over) = ([0.0; 2], false);
-            estimate.parts.push(Part {
+            estimate.parts.push(BakePart {
                 stage,
                 level,
                 kind,
@@ -296,7 +296,7 @@ impl Estimate {
 
     /// Sets the number of rays of a level.
     pub(super) fn expect_rays(&mut self, level: usize, rays: f64) {
-        let is_coarse = |part: &Part| part.kind == Kind::CoarseLinks && part.level == Some(level);
+        let is_coarse = |part: &BakePart| part.kind == WorkKind::CoarseLinks && part.level == Some(level);
         let of_kind = match self.parts.iter().any(is_coarse) {
             true => 1.0,
             false => {
@@ -319,7 +319,7 @@ impl Estimate {
         }
     }
 
-    fn part(&mut self, stage: Stage, level: Option<usize>) -> Option<&mut Part> {
+    fn part(&mut self, stage: Stage, level: Option<usize>) -> Option<&mut BakePart> {
         self.parts.iter_mut().find(|part| part.stage == stage && part.level == level)
     }
 
@@ -357,7 +357,7 @@ impl Estimate {
         let Some(part) = self.part(stage, level) else { return };
         part.is_over = true;
         let (kind, spent, worked) = (part.kind, part.spent, part.worked());
-        if kind == Kind::SettingUp {
+        if kind == WorkKind::SettingUp {
             if worked > 0.0 {
                 self.set_up = [self.set_up[0] + spent, self.set_up[1] + worked];
             }
@@ -378,18 +378,19 @@ impl Estimate {
     /// for walls did. (Looking for walls uses the setting-up pace without the current part: the first points of a level
     /// come fast, the last points slowly.)
     fn paces(&self) -> [[f64; 2]; 5] {
-        let with = |kind: Kind, expected: f64| {
-            let is_under_way = |part: &&Part| part.kind == kind && !part.is_over && part.done > part.skipped;
+        let with = |kind: WorkKind, expected: f64| {
+            let is_under_way =
+                |part: &&BakePart| part.kind == kind && !part.is_over && part.done > part.skipped;
             let part = self.parts.iter().find(is_under_way);
             [expected, part.map_or(expected, |part| part.pace(expected))]
         };
-        let of = |kind: Kind, other: f64| with(kind, self.known[kind as usize].unwrap_or(other));
+        let of = |kind: WorkKind, other: f64| with(kind, self.known[kind as usize].unwrap_or(other));
         let trust = TRUST.0 + TRUST.1;
-        let set_up = with(Kind::SettingUp, (self.set_up[0] + trust) / (self.set_up[1] + trust));
-        let walls = of(Kind::Walls, set_up[0]);
-        let coarse = of(Kind::CoarseLinks, walls[1]);
-        let fine = of(Kind::FineLinks, coarse[1]);
-        let bounces = of(Kind::Bounces, coarse[1]);
+        let set_up = with(WorkKind::SettingUp, (self.set_up[0] + trust) / (self.set_up[1] + trust));
+        let walls = of(WorkKind::Walls, set_up[0]);
+        let coarse = of(WorkKind::CoarseLinks, walls[1]);
+        let fine = of(WorkKind::FineLinks, coarse[1]);
+        let bounces = of(WorkKind::Bounces, coarse[1]);
         [set_up, walls, coarse, fine, bounces]
     }
 

@@ -6,7 +6,7 @@ use crate::geometry::{Ray, Surfaces};
 use crate::path_trace::{Settings, path_trace};
 use crate::picture::compare::{CompareError, Comparison, compare};
 use crate::picture::expose::Exposure;
-use crate::picture::uncertainty::{Answer, Estimate};
+use crate::picture::uncertainty::{Answer, ErrorEstimate};
 use crate::picture::{Only, Picture};
 use crate::render::render;
 use crate::scene::{Scene, SceneError};
@@ -59,7 +59,7 @@ pub struct Worst {
 
 /// Returns whether an error is within a target. If noise leaves the answer open, the middle of a narrow interval
 /// decides.
-pub fn is_within(error: &Estimate, target: f64) -> Answer {
+pub fn is_within(error: &ErrorEstimate, target: f64) -> Answer {
     let width = error.at_most.zip(error.at_least).map_or(0.0, |(high, low)| high - low);
     match (error.is_within(target), error.value) {
         (Answer::TooNoisy, Some(value)) if width <= 2.0 * NARROW * target => {
@@ -212,7 +212,7 @@ impl<'a> Judge<'a> {
         &mut self,
         picture: &Picture,
         target: f64,
-        sampling_on: impl Fn(&Self, &Estimate) -> R,
+        sampling_on: impl Fn(&Self, &ErrorEstimate) -> R,
     ) -> Result<(Answer, Verdict), JudgeError> {
         loop {
             let verdict = self.verdict(picture)?;
@@ -368,7 +368,7 @@ mod tests {
 
     #[test]
     fn of_an_interval_that_is_narrow_beside_the_target_the_middle_decides() {
-        let about = |value: f64, reach: f64| Estimate {
+        let about = |value: f64, reach: f64| ErrorEstimate {
             value: Some(value),
             at_least: Some(value - reach),
             at_most: Some(value + reach),
@@ -377,7 +377,7 @@ mod tests {
         assert_eq!(is_within(&about(0.102, 0.005), 0.1), Answer::Over);
         assert_eq!(is_within(&about(0.098, 0.02), 0.1), Answer::TooNoisy);
         assert_eq!(is_within(&about(0.05, 0.02), 0.1), Answer::Within);
-        let hidden = Estimate { value: None, at_least: Some(0.0), at_most: Some(0.15) };
+        let hidden = ErrorEstimate { value: None, at_least: Some(0.0), at_most: Some(0.15) };
         assert_eq!((is_within(&hidden, 0.1), is_within(&hidden, 0.2)), (Answer::TooNoisy, Answer::Within));
     }
 

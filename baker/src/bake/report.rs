@@ -2,7 +2,7 @@
 
 use super::{BakeSettings, Stage};
 use crate::communicator::share::Traffic;
-use crate::picture::uncertainty::Estimate;
+use crate::picture::uncertainty::ErrorEstimate;
 use crate::sampling::Points;
 use crate::scene::Scene;
 use crate::transport::direct_to_indirect::Operator;
@@ -183,17 +183,17 @@ impl BakeReport {
     }
 
     /// Adds the measured error.
-    pub fn add_error(&mut self, error: Estimate) {
-        let Estimate { value, at_least, at_most } = error;
+    pub fn add_error(&mut self, error: ErrorEstimate) {
+        let ErrorEstimate { value, at_least, at_most } = error;
         (self.measured_error, self.measured_error_at_least, self.measured_error_at_most) =
             (value, at_least, at_most);
     }
 
     /// Returns the measured error; `None` if not requested.
-    pub fn measured(&self) -> Option<Estimate> {
+    pub fn measured(&self) -> Option<ErrorEstimate> {
         let (value, at_least, at_most) =
             (self.measured_error, self.measured_error_at_least, self.measured_error_at_most);
-        value.or(at_most).map(|_| Estimate { value, at_least, at_most })
+        value.or(at_most).map(|_| ErrorEstimate { value, at_least, at_most })
     }
 
     /// Returns the seconds of all stages.

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 /// processes would wait for this process.
 #[cfg(feature = "mpi")]
 pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<ExitCode> {
-    use crate::cli::plain::plain;
+    use crate::cli::escape::escape_controls;
     use anyhow::Context;
     use rebounce::communicator::mpi::Mpi;
     use std::time::Duration;
@@ -32,7 +32,7 @@ pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<E
         Ok(0) => Ok(ExitCode::SUCCESS),
         Ok(code) => team.abort(code),
         Err(error) => {
-            eprintln!("rebounce: process {rank} of {size}: {}", plain(&crate::sentence(&error)));
+            eprintln!("rebounce: process {rank} of {size}: {}", escape_controls(&crate::sentence(&error)));
             team.abort(1)
         }
     }

@@ -1,6 +1,6 @@
 //! `rebounce info`: what is inside a baked file.
 
-use super::{plain::plain, read_baked};
+use super::{escape::escape_controls, read_baked};
 use anyhow::Result;
 use clap::Args;
 use rebounce_shared::baked::BakedScene;
@@ -31,7 +31,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     } else {
         as_text(&file, &bytes, &sections, &scene)
     };
-    match std::io::stdout().write_all(plain(&text).as_bytes()) {
+    match std::io::stdout().write_all(escape_controls(&text).as_bytes()) {
         // A reader may close the pipe early, as `head` does.
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e.into()),
         _ => Ok(()),

@@ -1,7 +1,7 @@
 //! Loading of scene files, for the subcommands that read a scene.
 
+use super::escape::escape_controls;
 use super::number;
-use super::plain::plain;
 use anyhow::Result;
 use clap::Args;
 use rebounce::scene::{LoadOptions, Scene, load_with};
@@ -31,9 +31,9 @@ impl LoadArgs {
 /// Prints warnings about omissions and changes made while loading a scene's file.
 pub fn warn(scene: &Scene) {
     for problem in &scene.left_out {
-        eprintln!("warning: left out: {}", plain(problem));
+        eprintln!("warning: left out: {}", escape_controls(problem));
     }
     for note in &scene.notes {
-        eprintln!("warning: {}", plain(note));
+        eprintln!("warning: {}", escape_controls(note));
     }
 }

@@ -2,7 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rebounce::bake::{Progress, Stage};
-use rebounce::picture::uncertainty::Estimate;
+use rebounce::picture::uncertainty::ErrorEstimate;
 use serde::Serialize;
 use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
@@ -20,14 +20,14 @@ pub enum Display {
     /// One bar on a terminal.
     Bar(ProgressBar),
     /// Lines on standard error, at stages and every ten seconds.
-    Lines(Mutex<Last>),
+    Lines(Mutex<LastShown>),
     /// JSON objects on standard output, one a line.
-    Json(Mutex<Last>),
+    Json(Mutex<LastShown>),
 }
 
 /// State of the last line.
 #[derive(Default)]
-pub struct Last {
+pub struct LastShown {
     part: Option<(Stage, Option<usize>)>,
     at: Option<Instant>,
     /// Seconds since the bake began.
@@ -35,7 +35,7 @@ pub struct Last {
     fraction: f64,
 }
 
-impl Last {
+impl LastShown {
     /// Whether a new line is due: at a new stage or level, or after `pause`.
     fn is_due(&mut self, progress: &Progress, pause: Duration) -> bool {
         let part = Some((progress.stage, progress.level));
@@ -56,7 +56,7 @@ impl Last {
 
 /// A line of `--json-progress`.
 #[derive(Serialize)]
-struct Line<'a> {
+struct ProgressLine<'a> {
     stage: &'a str,
     level: Option<usize>,
     done: u64,
@@ -133,7 +133,7 @@ impl Display {
             Self::Json(last) => {
                 let Ok(mut last) = last.lock() else { return };
                 if last.is_due(progress, JSON_LINES) {
-                    line(&Line {
+                    line(&ProgressLine {
                         stage: progress.stage.label(),
                         level: progress.level,
                         done: progress.done,
@@ -153,11 +153,11 @@ impl Display {
 
     /// Reports the end of the bake: wall-clock and processor seconds since the bake began, and the error of the written
     /// file.
-    pub fn finish(&self, seconds: f64, processor_seconds: f64, error: Option<Estimate>) {
+    pub fn finish(&self, seconds: f64, processor_seconds: f64, error: Option<ErrorEstimate>) {
         match self {
             Self::Bar(bar) => bar.finish_and_clear(),
             Self::Lines(_) => {}
-            Self::Json(_) => line(&Line {
+            Self::Json(_) => line(&ProgressLine {
                 stage: "done",
                 level: None,
                 done: 0,
@@ -168,7 +168,7 @@ impl Display {
                 processor_seconds,
                 processor_seconds_left: 0.0,
                 fraction: 1.0,
-                measured: error.map(|Estimate { value, at_least, at_most }| Measured {
+                measured: error.map(|ErrorEstimate { value, at_least, at_most }| Measured {
                     measured_error: value,
                     measured_error_at_least: at_least,
                     measured_error_at_most: at_most,
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn lines_come_with_stages_and_with_time() {
-        let mut last = Last::default();
+        let mut last = LastShown::default();
         let mut progress = Progress {
             stage: Stage::Links,
             level: Some(1),

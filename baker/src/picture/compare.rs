@@ -2,7 +2,7 @@
 
 use super::Picture;
 use super::flip::flip;
-use super::uncertainty::{Estimate, Pixel, estimate};
+use super::uncertainty::{ErrorEstimate, Pixel, estimate};
 use glam::Vec3;
 
 /// Side of the blocks of [`Comparison::p95`], pixels; noise may be correlated within a block.
@@ -14,7 +14,7 @@ pub struct Comparison {
     /// Root mean square of the difference over the reference's root mean square, with confidence
     /// interval.
     #[serde(flatten)]
-    pub error: Estimate,
+    pub error: ErrorEstimate,
     /// The picture's mean over the reference's, less one; 0 is perfect.
     pub bias: f64,
     /// 95th percentile, over blocks of 8 by 8 pixels, of the difference of the blocks' means over the
@@ -92,7 +92,7 @@ pub fn compare(
     }
     let error = match is_noise_known {
         true => estimate(pixels_of_blocks(picture, reference, second), power),
-        false => Estimate::with_noise((squares / power).sqrt()),
+        false => ErrorEstimate::with_noise((squares / power).sqrt()),
     };
     let mean = reference_sum / (3 * seen) as f64;
     let mut local = blocks(picture, reference, second);
@@ -205,7 +205,7 @@ mod tests {
         let found = compare(&picture, &reference, None).unwrap();
         assert!((found.error.figure() - 0.25).abs() < 1e-6 && (found.bias - 0.25).abs() < 1e-6, "{found:?}");
         let same = compare(&reference, &reference, None).unwrap();
-        assert_eq!(same, Comparison { error: Estimate::with_noise(0.0), bias: 0.0, p95: 0.0 });
+        assert_eq!(same, Comparison { error: ErrorEstimate::with_noise(0.0), bias: 0.0, p95: 0.0 });
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub const SIGMAS: f64 = 2.5;
 
 /// Error with its confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Estimate {
+pub struct ErrorEstimate {
     /// Root mean square of the difference over the reference's root mean square; 0 is perfect.
     /// `None`: the references are too noisy to distinguish the error from 0.
     #[serde(rename = "error")]
@@ -48,7 +48,7 @@ pub enum Answer {
     TooNoisy,
 }
 
-impl Estimate {
+impl ErrorEstimate {
     /// Error against a single reference, including the unknown noise of the reference.
     pub fn with_noise(error: f64) -> Self {
         Self { value: Some(error), at_least: None, at_most: None }
@@ -99,7 +99,7 @@ pub type Pixel = [DVec3; 3];
 
 /// Estimates the error of a picture and its interval from two references. `blocks` covers the
 /// picture, every pixel in exactly one block of neighbours. `power` is `Σ a·b`, over 0.
-pub fn estimate(blocks: impl Iterator<Item = Vec<Pixel>> + Clone, power: f64) -> Estimate {
+pub fn estimate(blocks: impl Iterator<Item = Vec<Pixel>> + Clone, power: f64) -> ErrorEstimate {
     let squares: f64 = blocks.clone().flatten().map(|[p, a, b]| (p - a).dot(p - b)).sum();
     let ratio = squares / power;
     // A negative ratio is noise.
@@ -128,7 +128,7 @@ pub fn estimate(blocks: impl Iterator<Item = Vec<Pixel>> + Clone, power: f64) ->
     if ratio < 0.0 {
         reach = reach.max(-ratio);
     }
-    Estimate {
+    ErrorEstimate {
         value: (ratio > reach).then(|| known.sqrt()),
         at_least: Some((known - reach).max(0.0).sqrt()),
         at_most: Some((known + reach).sqrt()),

@@ -60,8 +60,8 @@ pub fn regions<S: Surfaces + ?Sized>(surfaces: &S, vantage: &ParticleEmitter, se
         return Vec::new();
     }
     let rays = (RAYS[0] / vantage.views.len().max(1)).max(RAYS[1]);
-    let seen = vantage.views.iter().map(|view| Seen::new(surfaces, view, rays, seed));
-    let seen: Vec<Seen> = seen.filter(|seen| seen.meetings.len() >= LEAST_SEEN).collect();
+    let seen = vantage.views.iter().map(|view| ViewSurvey::new(surfaces, view, rays, seed));
+    let seen: Vec<ViewSurvey> = seen.filter(|seen| seen.meetings.len() >= LEAST_SEEN).collect();
     if seen.is_empty() {
         let (low, high) = surfaces.main_part();
         let is_part = (low, high) != surfaces.bounds();
@@ -71,7 +71,7 @@ pub fn regions<S: Surfaces + ?Sized>(surfaces: &S, vantage: &ParticleEmitter, se
             .into_iter()
             .collect();
     }
-    let mut distances: Vec<f32> = seen.iter().flat_map(Seen::distances).collect();
+    let mut distances: Vec<f32> = seen.iter().flat_map(ViewSurvey::distances).collect();
     let usual = middle_of(&mut distances);
     let scaled = |scale: f32| (scale / usual).max(1.0);
     let mut found: Vec<Region> = Vec::new();
@@ -102,7 +102,7 @@ pub fn regions<S: Surfaces + ?Sized>(surfaces: &S, vantage: &ParticleEmitter, se
 }
 
 /// Hit of a view's ray.
-struct Meeting {
+struct ViewHit {
     position: Vec3,
     distance: f32,
     /// Absolute cosine between the ray and the surface's normal.
@@ -110,24 +110,24 @@ struct Meeting {
 }
 
 /// Hits of a view.
-struct Seen {
-    meetings: Vec<Meeting>,
+struct ViewSurvey {
+    meetings: Vec<ViewHit>,
     /// Median distance of the hits, scene units.
     distance: f32,
     /// Point at the median distance in the view's direction, local space.
     middle: Vec3,
 }
 
-impl Seen {
+impl ViewSurvey {
     fn new<S: Surfaces + ?Sized>(surfaces: &S, view: &View, rays: usize, seed: u64) -> Self {
         let meeting = |i: u64| {
             let mut stream = Stream::new(seed ^ 0x6c6f_6f6b, i);
             let direction = view.direction(&mut stream);
             let hit = surfaces.cast(&Ray::visibility(view.position, direction), mix(stream.bits()) as u32)?;
             let cosine = hit.geometric_normal.dot(direction).abs();
-            Some(Meeting { position: hit.position, distance: hit.distance, cosine })
+            Some(ViewHit { position: hit.position, distance: hit.distance, cosine })
         };
-        let meetings: Vec<Meeting> = (0..rays as u64).filter_map(meeting).collect();
+        let meetings: Vec<ViewHit> = (0..rays as u64).filter_map(meeting).collect();
         let mut distances: Vec<f32> = meetings.iter().map(|meeting| meeting.distance).collect();
         let distance = if distances.is_empty() { 0.0 } else { middle_of(&mut distances) };
         Self { meetings, distance, middle: view.position + view.towards * distance }

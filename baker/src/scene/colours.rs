@@ -15,13 +15,13 @@ const MOST_ALL: usize = 512;
 const ALIKE: f32 = 1.0 / 32.0;
 
 /// Triangles of one material, to be split by colour.
-struct Group {
+struct ColourGroup {
     triangles: Vec<u32>,
     low: Vec4,
     high: Vec4,
 }
 
-impl Group {
+impl ColourGroup {
     fn new(triangles: Vec<u32>, shades: &[Vec4]) -> Self {
         let of = |t: &u32| shades[*t as usize];
         let low = triangles.iter().map(of).fold(Vec4::INFINITY, Vec4::min);
@@ -81,7 +81,7 @@ pub(super) fn apply(scene: &mut Scene, colors: &[Vec4]) {
         if triangles.iter().all(|&t| corners(t as usize) == [Vec4::ONE; 3]) {
             continue;
         }
-        let mut parts = vec![Group::new(triangles, &shades)];
+        let mut parts = vec![ColourGroup::new(triangles, &shades)];
         while parts.len() < MOST_PARTS && materials.len() + parts.len() <= MOST_ALL {
             let widest = (0..parts.len()).max_by(|&a, &b| parts[a].spread().total_cmp(&parts[b].spread()));
             let Some(widest) = widest.filter(|&w| parts[w].spread() > ALIKE) else { break };

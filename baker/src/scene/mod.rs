@@ -14,7 +14,6 @@ pub mod builtin;
 mod colours;
 pub mod detail;
 mod error;
-pub mod far;
 mod foreign;
 mod gltf;
 mod merge;
@@ -23,16 +22,17 @@ pub(crate) mod needed;
 mod notes;
 mod orientation;
 mod other_format;
+pub mod outliers;
 pub(crate) mod steps;
 pub mod texture;
 mod texture_size;
 
 pub use error::SceneError;
-pub use model::Model;
+pub use model::InstancedMesh;
 pub use texture::Texture;
 
 use glam::{Affine3A, DAffine3, DVec3, Vec2, Vec3, Vec4};
-use model::WorldModel;
+use model::WorldInstancedMesh;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{Animation, Material};
@@ -65,7 +65,7 @@ pub struct Scene {
     pub corner_colors: Vec<[Vec3; 3]>,
     /// Instanced meshes, in the order of the models' vertices and triangles at the end of [`Self::positions`] and
     /// [`Self::triangles`].
-    pub models: Vec<Model>,
+    pub models: Vec<InstancedMesh>,
     /// Materials of the triangles.
     pub materials: Vec<Material>,
     /// Textures of the materials.
@@ -144,7 +144,7 @@ impl Scene {
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let end = self.models.first().map_or(self.positions.len(), |model| model.vertices.start as usize);
         let alone = (end > 0).then(|| bounds_of(&self.positions[..end]));
-        let copies = self.models.iter().flat_map(Model::boxes);
+        let copies = self.models.iter().flat_map(InstancedMesh::boxes);
         alone.into_iter().chain(copies).reduce(union).unwrap_or_default()
     }
 
@@ -153,13 +153,13 @@ impl Scene {
     pub fn main_part(&self) -> (Vec3, Vec3) {
         let first = self.models.first().map_or(self.triangles.len(), |model| model.triangles.start as usize);
         let corners = self.triangles[..first].iter().flatten().map(|i| self.positions[*i as usize]);
-        let copies = self.models.iter().flat_map(Model::boxes).flat_map(|(low, high)| [low, high]);
+        let copies = self.models.iter().flat_map(InstancedMesh::boxes).flat_map(|(low, high)| [low, high]);
         detail::part_of(corners.chain(copies)).unwrap_or_else(|| self.bounds())
     }
 
     /// Number of triangles in the scene, with the triangles of every instance counted.
     pub fn triangles_placed(&self) -> u64 {
-        let more = |model: &Model| {
+        let more = |model: &InstancedMesh| {
             model.triangles.len() as u64 * (model.local_from_model.len() as u64).saturating_sub(1)
         };
         self.triangles.len() as u64 + self.models.iter().map(more).sum::<u64>()
@@ -195,7 +195,7 @@ struct WorldMesh {
     triangles: Vec<[u32; 3]>,
     triangle_material: Vec<u32>,
     /// Instanced meshes, in addition to [`Self::triangles`].
-    models: Vec<WorldModel>,
+    models: Vec<WorldInstancedMesh>,
     /// Number of vertices and of triangles of the models.
     in_models: (usize, usize),
 }
@@ -235,7 +235,7 @@ impl WorldMesh {
             }
             is_seen
         });
-        let boxes: Vec<[DVec3; 2]> = models.iter().flat_map(WorldModel::boxes).collect();
+        let boxes: Vec<[DVec3; 2]> = models.iter().flat_map(WorldInstancedMesh::boxes).collect();
         let bounds = self.bounds().into_iter().chain(boxes.iter().copied());
         let bounds = bounds.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
         let main = detail::main_part(&self.corners().chain(boxes.into_iter().flatten()).collect::<Vec<_>>());
@@ -243,7 +243,7 @@ impl WorldMesh {
         scene.origin = origin.to_array();
         let mut colors = Vec::new();
         self.append(scene, origin, &mut colors);
-        for WorldModel { mesh, world_from_model } in models {
+        for WorldInstancedMesh { mesh, world_from_model } in models {
             let copies = world_from_model.len().saturating_sub(1);
             let (first_triangle, first_vertex) = (scene.triangles.len() as u32, scene.positions.len());
             let degenerate = scene.degenerate_triangles;
@@ -255,7 +255,7 @@ impl WorldMesh {
                 let [x, y, z, at] = place.to_cols_array_2d().map(|column| column.map(|x| x as f32));
                 Affine3A::from_cols_array_2d(&[x, y, z, at])
             };
-            scene.models.push(Model {
+            scene.models.push(InstancedMesh {
                 triangles: first_triangle..scene.triangles.len() as u32,
                 vertices: first_vertex as u32..scene.positions.len() as u32,
                 local_from_model: world_from_model.iter().map(local).collect(),

@@ -19,7 +19,7 @@ const SHEARED: f64 = 1e-3;
 /// A mesh with several instances in a scene. The triangles are stored once, in model space: scaled to the size of the
 /// largest instance and centred at the origin.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Model {
+pub struct InstancedMesh {
     /// Range of the model's triangles in the scene's triangles.
     pub triangles: Range<u32>,
     /// Range of the model's vertices in the scene's vertices; unused by other triangles.
@@ -30,7 +30,7 @@ pub struct Model {
     pub bounds: [Vec3; 2],
 }
 
-impl Model {
+impl InstancedMesh {
     /// Least and greatest corner of each instance's box, local space.
     pub fn boxes(&self) -> impl Iterator<Item = (Vec3, Vec3)> + '_ {
         self.local_from_model.iter().map(|place| bounds_of_copy(place, self.bounds))
@@ -48,14 +48,14 @@ pub(crate) fn bounds_of_copy(local_from_model: &Affine3A, [low, high]: [Vec3; 2]
 
 /// A model before conversion into a [`Scene`](super::Scene).
 #[derive(Default)]
-pub(super) struct WorldModel {
+pub(super) struct WorldInstancedMesh {
     /// Mesh in model space.
     pub mesh: WorldMesh,
     /// Transforms of the instances.
     pub world_from_model: Vec<DAffine3>,
 }
 
-impl WorldModel {
+impl WorldInstancedMesh {
     /// Least and greatest corner of each instance's box, world space.
     pub fn boxes(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
         let [low, high] = self.mesh.bounds().unwrap_or_default();

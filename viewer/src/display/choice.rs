@@ -1,4 +1,4 @@
-//! Choice of the [way](Way) from functions to pixels: the requested way, or the faster of the two. Both ways draw
+//! DisplayChoice of the [way](Way) from functions to pixels: the requested way, or the faster of the two. Both ways draw
 //! the same picture, so ordinary pictures serve as measurements.
 
 use crate::settings::{Display, Way};
@@ -8,7 +8,7 @@ const PICTURES: u32 = 4;
 
 /// The choice, with its measurements.
 #[derive(Debug)]
-pub struct Choice {
+pub struct DisplayChoice {
     wanted: Display,
     /// The adapter is a software renderer on the CPU, slow at quads: no measurement.
     software: bool,
@@ -18,7 +18,7 @@ pub struct Choice {
     measured: [(u32, f64); 2],
 }
 
-impl Choice {
+impl DisplayChoice {
     /// Without measurements; `software`: see the field.
     pub fn new(software: bool) -> Self {
         Self { wanted: Display::Auto, software, pixels: 0, measured: NONE }
@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     /// Draws pictures past the measurement of both ways; returns their ways.
-    fn draw(choice: &mut Choice, pixels: u64, [lookup, splat]: [f64; 2]) -> Vec<Way> {
+    fn draw(choice: &mut DisplayChoice, pixels: u64, [lookup, splat]: [f64; 2]) -> Vec<Way> {
         let mut ways = Vec::new();
         for picture in 0..12 {
             let way = choice.of_size(pixels);
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn both_are_measured_and_the_faster_is_kept() {
         for (times, kept) in [([2.0, 1.0], Way::Splat), ([1.0, 2.0], Way::Lookup)] {
-            let mut choice = Choice::new(false);
+            let mut choice = DisplayChoice::new(false);
             let ways = draw(&mut choice, 1000, times);
             assert_eq!(ways, [[Way::Lookup; 4], [Way::Splat; 4], [kept; 4]].concat());
             // A slightly larger window changes nothing; a much larger window restarts the measurement.
@@ -102,13 +102,13 @@ mod tests {
     #[test]
     fn what_is_asked_for_is_done_and_software_looks_up() {
         for software in [false, true] {
-            let mut choice = Choice::new(software);
+            let mut choice = DisplayChoice::new(software);
             for (wanted, way) in [(Display::Splat, Way::Splat), (Display::Lookup, Way::Lookup)] {
                 assert!(choice.set(wanted) && !choice.set(wanted));
                 assert_eq!(draw(&mut choice, 1000, [1.0, 2.0]), [way; 12]);
                 assert_eq!(choice.wanted(), wanted);
             }
         }
-        assert_eq!(draw(&mut Choice::new(true), 1000, [2.0, 1.0]), [Way::Lookup; 12]);
+        assert_eq!(draw(&mut DisplayChoice::new(true), 1000, [2.0, 1.0]), [Way::Lookup; 12]);
     }
 }

@@ -65,7 +65,7 @@ pub struct Sources<'a> {
 pub struct DisplayTarget {
     /// The slots.
     pub slots: SlotBuffers,
-    made: Made,
+    made: MadeTarget,
 }
 
 /// The slots: written by lookup or splatting, read by the composite pass.
@@ -86,7 +86,7 @@ pub struct SlotBuffers {
 }
 
 /// Resources of one way.
-enum Made {
+enum MadeTarget {
     Lookup(LookupTarget),
     Splat(SplatTarget),
 }
@@ -160,7 +160,7 @@ impl DisplayPass {
         }
     }
 
-    fn make(&self, gpu: &Gpu, slots: &SlotBuffers, from: Sources<'_>, way: Way) -> Made {
+    fn make(&self, gpu: &Gpu, slots: &SlotBuffers, from: Sources<'_>, way: Way) -> MadeTarget {
         // `rows`: the rows of lookup.
         let find = |scope: &Scope, rows: &wgpu::Buffer| {
             let upload = &from.scene.upload;
@@ -183,9 +183,9 @@ impl DisplayPass {
         let own = Scope::new(gpu);
         match way {
             Way::Splat if splat::fits(slots.size) => {
-                Made::Splat(self.splat(gpu).target(own, slots, from, find))
+                MadeTarget::Splat(self.splat(gpu).target(own, slots, from, find))
             }
-            _ => Made::Lookup(self.lookup.target(own, slots, from, find)),
+            _ => MadeTarget::Lookup(self.lookup.target(own, slots, from, find)),
         }
     }
 
@@ -203,8 +203,8 @@ impl DisplayPass {
     ) {
         encoder.clear_buffer(&target.slots.counts, 0, None);
         match &target.made {
-            Made::Lookup(made) => self.lookup.find(encoder, made, &target.slots, stamps),
-            Made::Splat(made) => self.splat(gpu).find(encoder, made, &target.slots, stamps),
+            MadeTarget::Lookup(made) => self.lookup.find(encoder, made, &target.slots, stamps),
+            MadeTarget::Splat(made) => self.splat(gpu).find(encoder, made, &target.slots, stamps),
         }
     }
 
@@ -217,8 +217,8 @@ impl DisplayPass {
         stamps: Option<Stamps<'_>>,
     ) {
         match &target.made {
-            Made::Lookup(made) => self.lookup.gather(encoder, made, &target.slots, stamps),
-            Made::Splat(made) => self.splat(gpu).gather(encoder, made, &target.slots, stamps),
+            MadeTarget::Lookup(made) => self.lookup.gather(encoder, made, &target.slots, stamps),
+            MadeTarget::Splat(made) => self.splat(gpu).gather(encoder, made, &target.slots, stamps),
         }
     }
 }
@@ -227,16 +227,16 @@ impl DisplayTarget {
     /// Way of filling the slots.
     pub fn way(&self) -> Way {
         match self.made {
-            Made::Lookup(_) => Way::Lookup,
-            Made::Splat(_) => Way::Splat,
+            MadeTarget::Lookup(_) => Way::Lookup,
+            MadeTarget::Splat(_) => Way::Splat,
         }
     }
 
     /// Bytes of the way's own buffers.
     pub fn bytes(&self) -> u64 {
         match &self.made {
-            Made::Lookup(made) => made.bytes(),
-            Made::Splat(made) => made.bytes(),
+            MadeTarget::Lookup(made) => made.bytes(),
+            MadeTarget::Splat(made) => made.bytes(),
         }
     }
 }

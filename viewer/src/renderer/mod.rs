@@ -9,9 +9,10 @@ mod frame;
 mod read;
 mod state;
 
+use crate::cached_direct::CachedDirectLight;
 use crate::composite;
 use crate::controls::gizmo::Marks;
-use crate::display::choice::Choice;
+use crate::display::choice::DisplayChoice;
 use crate::error::ViewerError;
 use crate::gpu::MAX_BINDING;
 use crate::gpu::{Gpu, LIMITS};
@@ -24,7 +25,6 @@ use crate::settings::{Mode, Overlay, ToneMapping};
 use crate::shadow::Shadows;
 use crate::shadow_fit;
 use crate::stats::{Bytes, Stats};
-use crate::still::StillLights;
 use crate::target::{Target, Wanted};
 use crate::timing::{Milliseconds, Timing};
 use rebounce_shared::{camera::Camera, light::Light};
@@ -86,7 +86,7 @@ pub struct Renderer {
     detail: bool,
     every_pixel: bool,
     antialias: bool,
-    choice: Choice,
+    choice: DisplayChoice,
     /// Way of filling the slots of the last picture.
     way: Way,
     /// The current frame has a picture of a new view, whose time counts for the choice.
@@ -104,7 +104,7 @@ pub struct Renderer {
     relights: u64,
     lights_evaluated: u64,
     blended_layers: u64,
-    still: StillLights,
+    still: CachedDirectLight,
 }
 
 impl Renderer {
@@ -123,7 +123,7 @@ impl Renderer {
         let own = Scope::new(&gpu);
         let timing = Timing::new(&gpu);
         Self {
-            choice: Choice::new(gpu.software),
+            choice: DisplayChoice::new(gpu.software),
             antialias: !gpu.software,
             gpu,
             pipelines,
@@ -163,7 +163,7 @@ impl Renderer {
             relights: 0,
             lights_evaluated: 0,
             blended_layers: 0,
-            still: StillLights::default(),
+            still: CachedDirectLight::default(),
         }
     }
 
@@ -195,7 +195,7 @@ impl Renderer {
         self.target = None;
         self.first = true;
         self.shadows.forget();
-        self.still = StillLights::default();
+        self.still = CachedDirectLight::default();
         self.dirty = Dirty::ALL;
         self.rekey();
         self.set_lights(lights)

@@ -2,7 +2,7 @@
 // before is in every pixel, then what it sends to the eye, put under what is in front of it. Group 1 holds the material.
 
 // By material.
-@group(0) @binding(2) var<storage, read> looks: array<Look>;
+@group(0) @binding(2) var<storage, read> looks: array<MaterialRecord>;
 // Irradiance along each point's normal, and its tilt.
 @group(0) @binding(3) var<storage, read> display: array<vec4f>;
 @group(0) @binding(7) var opaque_depth: texture_depth_2d;

@@ -22,7 +22,7 @@ fn brdf_varnish(roughness: f32, cosine: f32) -> f32 {
 }
 
 // Per steradian, RGB, without the cosine. `normal`, `to_light` and `to_eye` are unit vectors.
-fn brdf(albedo: vec3f, look: Look, normal: vec3f, to_light: vec3f, to_eye: vec3f) -> vec3f {
+fn brdf(albedo: vec3f, look: MaterialRecord, normal: vec3f, to_light: vec3f, to_eye: vec3f) -> vec3f {
     if look.specular <= 0.0 && look.metallic <= 0.0 {
         return albedo / PI;
     }

@@ -6,7 +6,7 @@
 // Bounced irradiance by slot.
 @group(0) @binding(5) var<storage, read> light: array<vec4f>;
 // By material.
-@group(0) @binding(6) var<storage, read> looks: array<Look>;
+@group(0) @binding(6) var<storage, read> looks: array<MaterialRecord>;
 // The slot of every pixel that has one of its own, else 0.
 @group(0) @binding(8) var<storage, read> slots: array<u32>;
 // What blended surfaces send, times `shading.unit`, and the share that they cover; any texture where there are none.

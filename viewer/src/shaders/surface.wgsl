@@ -1,6 +1,6 @@
 // What the G-buffer says about a pixel's surface.
 
-struct Look {
+struct MaterialRecord {
     // Linear RGB radiance that the surface sends out by itself.
     emission: vec3f,
     // Strength of the highlights of what is not metal.
@@ -17,11 +17,11 @@ struct Surface {
     normal: vec3f,
     bent: vec3f,
     facet: vec3f,
-    look: Look,
+    look: MaterialRecord,
 }
 
 // `detailed`: whether the G-buffer holds what textures say; else materials have one look all over.
-fn surface_unpack(texel: vec4u, material: Look, detailed: bool) -> Surface {
+fn surface_unpack(texel: vec4u, material: MaterialRecord, detailed: bool) -> Surface {
     let normal = unpack_normal(texel.x);
     let flat_normal = octahedral_decode(unpack4x8snorm(texel.y & 0xffffu).xy);
     var out = Surface(normal, normal, flat_normal, material);

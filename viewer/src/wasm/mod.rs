@@ -25,7 +25,7 @@ use crate::scene::GpuScene;
 use page::{coded, js_error, promise};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn;
-use shared::Shared;
+use shared::SharedDevice;
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -48,7 +48,7 @@ pub fn start() {
 /// A view of a baked scene on a canvas.
 #[wasm_bindgen]
 pub struct Viewer {
-    state: Rc<RefCell<State>>,
+    state: Rc<RefCell<ViewerState>>,
     callbacks: Rc<Callbacks>,
 }
 
@@ -61,7 +61,7 @@ struct Callbacks {
     key: Rc<Cell<f32>>,
 }
 
-struct State {
+struct ViewerState {
     pace: Pace,
     renderer: Renderer,
     controls: Controls,
@@ -70,17 +70,17 @@ struct State {
     /// Width and height of the canvas's pictures, pixels.
     size: [u32; 2],
     configured: bool,
-    _shared: Rc<Shared>,
+    _shared: Rc<SharedDevice>,
 }
 
-impl Drop for State {
+impl Drop for ViewerState {
     /// Detaches the device from the canvas, which may outlive the viewer.
     fn drop(&mut self) {
         self.context.unconfigure();
     }
 }
 
-impl State {
+impl ViewerState {
     /// Texture for the next picture; `None` while the canvas has no texture.
     fn texture(&mut self) -> Option<wgpu::Texture> {
         let ([width, height], shared) = (self.size, &self._shared);
@@ -129,7 +129,7 @@ impl Callbacks {
 
 impl Viewer {
     /// Runs `work` on the state, then requests a frame from the page.
-    fn change<T>(&self, work: impl FnOnce(&mut State) -> Result<T, ViewerError>) -> Result<T, JsValue> {
+    fn change<T>(&self, work: impl FnOnce(&mut ViewerState) -> Result<T, ViewerError>) -> Result<T, JsValue> {
         let result = work(&mut self.state.borrow_mut());
         self.callbacks.changed();
         result.map_err(|e| js_error(&e))
@@ -142,7 +142,7 @@ impl Viewer {
     #[wasm_bindgen(unchecked_return_type = "Promise<Viewer>")]
     pub fn create(canvas: HtmlCanvasElement) -> js_sys::Promise {
         promise(async move {
-            let shared = Shared::get().await?;
+            let shared = SharedDevice::get().await?;
             let size = [canvas.width().max(1), canvas.height().max(1)];
             let context = canvas.get_context("webgpu").ok().flatten();
             let context = context.ok_or_else(|| ViewerError::NoDevice("the canvas has no context".into()))?;
@@ -154,7 +154,7 @@ impl Viewer {
             if gpu.software {
                 pace.expect_slow();
             }
-            let state = State {
+            let state = ViewerState {
                 pace,
                 renderer: gpu.watch(|| Renderer::with(gpu.clone(), shared.pipelines.clone())),
                 controls: Controls::default(),

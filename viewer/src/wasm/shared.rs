@@ -15,23 +15,23 @@ thread_local! {
     static PRESENT: RefCell<Present> = const { RefCell::new(Present::None) };
 }
 
-/// State of the device.
+/// ViewerState of the device.
 enum Present {
     None,
     /// A request is in flight; these callers wait for the answer.
     Opening(Vec<Sender<()>>),
-    Open(Weak<Shared>),
+    Open(Weak<SharedDevice>),
 }
 
-/// Next action of a caller of [`Shared::get`].
+/// Next action of a caller of [`SharedDevice::get`].
 enum Next {
-    Take(Rc<Shared>),
+    Take(Rc<SharedDevice>),
     Wait(Receiver<()>),
     Open,
 }
 
 /// A device and its pipelines.
-pub struct Shared {
+pub struct SharedDevice {
     /// The device.
     pub gpu: Gpu,
     /// The device's pipelines.
@@ -43,7 +43,7 @@ pub struct Shared {
     viewers: RefCell<Vec<Weak<Callbacks>>>,
 }
 
-impl Shared {
+impl SharedDevice {
     /// Returns the page's device, or opens a new device if none is alive.
     ///
     /// # Errors

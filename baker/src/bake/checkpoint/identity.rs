@@ -2,7 +2,7 @@
 
 use super::super::BakeSettings;
 use crate::sampling::PlaceSettings;
-use crate::scene::{Model, Scene};
+use crate::scene::{InstancedMesh, Scene};
 use crate::transport::direct_to_indirect::OperatorSettings;
 use rebounce_shared::rbn::container;
 use serde::{Deserialize, Serialize};
@@ -131,7 +131,7 @@ fn digest(scene: &Scene) -> String {
     add(bytemuck::cast_slice(triangles));
     add(bytemuck::cast_slice(triangle_material));
     add(bytemuck::cast_slice(corner_colors));
-    for Model { triangles, vertices, local_from_model, bounds } in models {
+    for InstancedMesh { triangles, vertices, local_from_model, bounds } in models {
         let places: Vec<[f32; 12]> = local_from_model.iter().map(glam::Affine3A::to_cols_array).collect();
         add(bytemuck::cast_slice(&places));
         add(format!("{triangles:?} {vertices:?} {bounds:?}").as_bytes());

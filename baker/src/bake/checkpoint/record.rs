@@ -58,9 +58,9 @@ pub fn checksum_in(record: &[u8]) -> u32 {
 }
 
 /// Record under construction.
-struct Writer(Vec<u8>);
+struct RecordWriter(Vec<u8>);
 
-impl Writer {
+impl RecordWriter {
     fn new() -> Self {
         Self(vec![0; HEAD])
     }
@@ -79,14 +79,14 @@ impl Writer {
 
 /// Encodes the identity record. Its checksum is the salt of the following records.
 pub fn identity(json: &[u8]) -> Vec<u8> {
-    let mut out = Writer::new();
+    let mut out = RecordWriter::new();
     out.put(json);
     out.finish(0, IDENTITY)
 }
 
 /// See [`Record::Placed`].
 pub fn placed(salt: u32, mark: &PlacedMark, points: &[SurfacePoint]) -> Vec<u8> {
-    let mut out = Writer::new();
+    let mut out = RecordWriter::new();
     out.put(&[mark.next_particle]).put(&[mark.coarse_radius]);
     for point in points {
         out.put(&[point.position, point.normal, point.geometric_normal]);
@@ -96,7 +96,7 @@ pub fn placed(salt: u32, mark: &PlacedMark, points: &[SurfacePoint]) -> Vec<u8> 
 
 /// See [`Record::Shaped`].
 pub fn shaped(salt: u32, first: usize, cuts: &[Vec<Cut>], samples: &[u8]) -> Vec<u8> {
-    let mut out = Writer::new();
+    let mut out = RecordWriter::new();
     out.put(&[first as u64, cuts.len() as u64]).put(&lengths(cuts.iter()));
     cuts.iter().for_each(|row| {
         out.put(row);
@@ -107,14 +107,14 @@ pub fn shaped(salt: u32, first: usize, cuts: &[Vec<Cut>], samples: &[u8]) -> Vec
 
 /// See [`Record::Receivers`].
 pub fn receivers(salt: u32, first: usize, found: &[Gathered]) -> Vec<u8> {
-    let mut out = Writer::new();
+    let mut out = RecordWriter::new();
     put_receivers(&mut out.0, first, found);
     out.finish(salt, RECEIVERS)
 }
 
 /// See [`Record::Columns`].
 pub fn columns(salt: u32, part: usize, columns: &Columns) -> Vec<u8> {
-    let mut out = Writer::new();
+    let mut out = RecordWriter::new();
     put_columns(&mut out.0, part, columns);
     out.finish(salt, COLUMNS)
 }

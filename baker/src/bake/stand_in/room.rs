@@ -1,4 +1,4 @@
-//! View of a room: level, from eye height above a large floor, with open space and large parts of the room in view.
+//! RoomView of a room: level, from eye height above a large floor, with open space and large parts of the room in view.
 
 use super::{ASPECT, YFOV_DEG, spread_over_picture};
 use crate::geometry::{Ray, Surfaces};
@@ -31,7 +31,7 @@ const NEAR: f32 = 0.9;
 
 /// Eye and direction of a view of a room.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct RoomView {
     /// Position of the eye, local space.
     pub eye: Vec3,
     /// Horizontal unit direction.
@@ -48,7 +48,11 @@ struct Stand {
 }
 
 /// Returns the best view; `None` without a floor. With lights, lit surfaces raise the score.
-pub fn view<S: Surfaces>(surfaces: &S, vantage: &ParticleEmitter, lights: &[LightSource]) -> Option<View> {
+pub fn view<S: Surfaces>(
+    surfaces: &S,
+    vantage: &ParticleEmitter,
+    lights: &[LightSource],
+) -> Option<RoomView> {
     let stands = stands(surfaces, &vantage.viewpoints);
     let mut heights: Vec<f32> = stands.iter().filter_map(|stand| stand.height).collect();
     heights.sort_by(f32::total_cmp);
@@ -71,7 +75,7 @@ pub fn view<S: Surfaces>(surfaces: &S, vantage: &ParticleEmitter, lights: &[Ligh
     let far = surfaces
         .cast(&Ray::visibility(eye, towards), 0)
         .map_or(0.25 * (high - low).length(), |hit| hit.distance);
-    Some(View { eye, towards, far: 0.7 * far })
+    Some(RoomView { eye, towards, far: 0.7 * far })
 }
 
 /// Returns positions on large floors, below positions visible from the viewpoints.

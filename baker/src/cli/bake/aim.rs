@@ -1,11 +1,11 @@
 //! `rebounce bake --target-error`: compares every bake with a path-traced reference; a finer bake follows if needed.
 
+use crate::cli::escape::escape_controls;
 use crate::cli::picture::{Rows, shot_or_own};
-use crate::cli::plain::plain;
 use anyhow::{Context, Result};
 use rebounce::bake::aim::is_worth_another;
 use rebounce::bake::judge::{Judge, Worst};
-use rebounce::picture::uncertainty::{Answer, Estimate};
+use rebounce::picture::uncertainty::{Answer, ErrorEstimate};
 use rebounce::scene::Scene;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::shot::Shot;
@@ -36,7 +36,7 @@ pub enum Outcome {
 
 /// Reason why no finer bake follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Last {
+pub enum StopReason {
     /// A finer bake follows.
     No,
     /// The bake is the finest.
@@ -80,10 +80,15 @@ impl<'a> Aim<'a> {
     ///
     /// # Errors
     /// If the file cannot be measured.
-    pub fn measure(&mut self, baked: &BakedScene, name: &str, last: Last) -> Result<(Estimate, Outcome)> {
+    pub fn measure(
+        &mut self,
+        baked: &BakedScene,
+        name: &str,
+        last: StopReason,
+    ) -> Result<(ErrorEstimate, Outcome)> {
         let target = self.target;
         let picture = self.judge.picture(baked).context("--target-error")?;
-        let sampling_on = |judge: &Judge, error: &Estimate| {
+        let sampling_on = |judge: &Judge, error: &ErrorEstimate| {
             let (said, samples) = (error.said(DECIMALS), judge.samples());
             eprintln!(
                 "{name}: {said}, which may be over {target}: path tracing goes on, from {samples} samples a pixel to {}",
@@ -104,14 +109,14 @@ impl<'a> Aim<'a> {
             Answer::TooNoisy => ("may be over", Outcome::TooNoisy),
             _ => ("is over", Outcome::Missed),
         };
-        if last == Last::No && is_worth_another(&self.errors) {
+        if last == StopReason::No && is_worth_another(&self.errors) {
             eprintln!("{name}: {said}, which {is} {target}; a finer bake follows");
             return Ok((error, Outcome::Finer));
         }
         let why = match last {
-            Last::No => "finer bakes hardly help",
-            Last::Finest => "this is the finest bake there is",
-            Last::Budget => "a finer one would be over --max-bytes or --max-memory",
+            StopReason::No => "finer bakes hardly help",
+            StopReason::Finest => "this is the finest bake there is",
+            StopReason::Budget => "a finer one would be over --max-bytes or --max-memory",
         };
         let worst = match (answer, &verdict.worst) {
             (Answer::Over, Some(worst)) => blamed(worst),
@@ -133,7 +138,7 @@ fn blamed(worst: &Worst) -> String {
     let share = (100.0 * worst.share).min(100.0);
     let name = match &worst.material {
         (number, name) if name.is_empty() => format!("material {number}, which has no name"),
-        (_, name) => format!("material {:?}", plain(name)),
+        (_, name) => format!("material {:?}", escape_controls(name)),
     };
     format!("; {share:.0}% of its square is on {name}, most of that around {x:.2}, {y:.2}, {z:.2}")
 }

@@ -13,8 +13,8 @@ pub use args::BakeArgs;
 
 use super::TOO_NOISY;
 use super::communicator::with_team;
+use super::escape::escape_controls;
 use super::load::warn;
-use super::plain::plain;
 use super::progress::{Display, Unfinished};
 use super::stop::Stop;
 use super::view::PREVIEW;
@@ -51,7 +51,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
         let loaded = args.check().and_then(|()| args.load.load(&args.scene));
         let done = loaded.and_then(|scene| lead(args, &scene, team));
         if let Some(error) = done.as_ref().err().filter(|_| args.json_progress) {
-            Unfinished::Failed { error: plain(&crate::sentence(error)).into_owned() }.print();
+            Unfinished::Failed { error: escape_controls(&crate::sentence(error)).into_owned() }.print();
         }
         done
     })
@@ -73,8 +73,8 @@ fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8>
 fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
     let output = args.output();
     warn(scene);
-    if let Some(far) = scene::far::far_away(scene) {
-        eprintln!("warning: {}", plain(&far));
+    if let Some(far) = scene::outliers::far_away(scene) {
+        eprintln!("warning: {}", escape_controls(&far));
     }
     if scene.lights.is_empty() && scene.materials.iter().any(|material| material.emission != [0.0; 3]) {
         eprintln!(

@@ -103,14 +103,14 @@ mod tests {
     use rebounce::scene;
 
     #[derive(Parser)]
-    struct Line {
+    struct CommandLine {
         #[command(flatten)]
         args: BakeArgs,
     }
 
     fn told(words: &[&str]) -> BakeArgs {
         let words = ["bake", "builtin:two-rooms-door"].iter().chain(words);
-        Line::try_parse_from(words).unwrap().args
+        CommandLine::try_parse_from(words).unwrap().args
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The bakes of a command, in sequence until the error is within the target; the output is the best bake.
 
-use super::aim::{Aim, Last, Outcome};
+use super::aim::{Aim, Outcome, StopReason};
 use super::args::BakeArgs;
 use super::observers::Watcher;
 use super::plan::Plan;
@@ -78,9 +78,9 @@ impl Tries<'_> {
             };
             let thinned = self.thin(&mut baked)?;
             let last = match (plan.fewer.is_some() || thinned.is_some(), number + 1 == plans.len()) {
-                (true, _) => Last::Budget,
-                (false, true) => Last::Finest,
-                (false, false) => Last::No,
+                (true, _) => StopReason::Budget,
+                (false, true) => StopReason::Finest,
+                (false, false) => StopReason::No,
             };
             let outcome = self.measure(plan, &baked, &mut report, last)?;
             // Write every bake that is better than all before: the next bake may fail.
@@ -136,7 +136,7 @@ impl Tries<'_> {
         plan: &Plan,
         baked: &BakedScene,
         report: &mut BakeReport,
-        last: Last,
+        last: StopReason,
     ) -> Result<Outcome> {
         let Some(aim) = &mut self.aim else { return Ok(Outcome::Met) };
         let name = format!("{}, {} functions", plan.settings.preset.name(), report.functions);

@@ -81,7 +81,7 @@ pub(super) fn build(boxes: &[Padded], leaf: u32) -> (Bvh8, Vec<u32>) {
 
 /// Ray in the space of a BLAS. The direction may have any length; distances are in units of this length.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct LocalRay {
     pub origin: Vec3,
     pub direction: Vec3,
 }
@@ -180,13 +180,13 @@ impl Blas {
     pub fn nearest(
         &self,
         surfaces: &[Surface],
-        line: &Line,
+        line: &LocalRay,
         limit: f32,
         strictly: bool,
         seed: u32,
     ) -> Option<(usize, TriangleHit)> {
         let sheared = ShearedRay::new(line.origin, line.direction);
-        let stop = Stop { blas: self, surfaces, strictly, seed, best: None };
+        let stop = NearestSoFar { blas: self, surfaces, strictly, seed, best: None };
         let mut nearest = Nearest { stop, sheared };
         self.bvh.walk(line.origin, line.direction, limit, &mut nearest);
         nearest.stop.best
@@ -197,20 +197,20 @@ impl Blas {
     pub fn nearest_seen(
         &self,
         surfaces: &[Surface],
-        line: &Line,
+        line: &LocalRay,
         limit: f32,
         strictly: bool,
         seed: u32,
     ) -> Option<(usize, TriangleHit)> {
         let sheared = ShearedRay::new(line.origin, line.direction);
-        let stop = Stop { blas: self, surfaces, strictly, seed, best: None };
-        let mut seen = Seen { nearest: Nearest { stop, sheared }, direction: line.direction };
+        let stop = NearestSoFar { blas: self, surfaces, strictly, seed, best: None };
+        let mut seen = NearestSeen { nearest: Nearest { stop, sheared }, direction: line.direction };
         self.bvh.walk(line.origin, line.direction, limit, &mut seen);
         seen.nearest.stop.best
     }
 
     /// Returns the transmittance of the triangles before `limit`, linear RGB.
-    pub fn transmittance(&self, surfaces: &[Surface], line: &Line, limit: f32) -> Vec3 {
+    pub fn transmittance(&self, surfaces: &[Surface], line: &LocalRay, limit: f32) -> Vec3 {
         let sheared = ShearedRay::new(line.origin, line.direction);
         let mut through = Through { blas: self, surfaces, sheared, left: Vec3::ONE };
         self.bvh.walk(line.origin, line.direction, limit, &mut through);
@@ -219,7 +219,7 @@ impl Blas {
 
     /// Returns the product, over the triangles before `limit`, of transmittance over mean transmittance, linear RGB.
     /// If the ray comes `from_eye`, backs of one-sided triangles are culled.
-    pub fn tint(&self, surfaces: &[Surface], line: &Line, limit: f32, from_eye: bool) -> Vec3 {
+    pub fn tint(&self, surfaces: &[Surface], line: &LocalRay, limit: f32, from_eye: bool) -> Vec3 {
         let sheared = ShearedRay::new(line.origin, line.direction);
         let mut tint = Vec3::ONE;
         let mut visit = |place: usize, limit: f32| {
@@ -241,7 +241,7 @@ impl Blas {
 }
 
 /// State of a nearest-hit query.
-pub(super) struct Stop<'a> {
+pub(super) struct NearestSoFar<'a> {
     pub blas: &'a Blas,
     pub surfaces: &'a [Surface],
     pub strictly: bool,
@@ -250,7 +250,7 @@ pub(super) struct Stop<'a> {
     pub best: Option<(usize, TriangleHit)>,
 }
 
-impl Stop<'_> {
+impl NearestSoFar<'_> {
     /// Adds a hit of a triangle to the query, with the ray's current `limit`; returns the new limit.
     #[inline(always)]
     pub fn take(&mut self, place: usize, meeting: TriangleHit, limit: f32) -> f32 {
@@ -272,7 +272,7 @@ impl Stop<'_> {
 
 /// Visitor for the nearest triangle stopping a ray.
 pub(super) struct Nearest<'a> {
-    pub stop: Stop<'a>,
+    pub stop: NearestSoFar<'a>,
     pub sheared: ShearedRay,
 }
 
@@ -287,12 +287,12 @@ impl Visit for Nearest<'_> {
 }
 
 /// Visitor for the nearest triangle seen by a camera along a ray.
-struct Seen<'a> {
+struct NearestSeen<'a> {
     nearest: Nearest<'a>,
     direction: Vec3,
 }
 
-impl Visit for Seen<'_> {
+impl Visit for NearestSeen<'_> {
     #[inline(always)]
     fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
         if self.nearest.stop.blas.is_dark(place, self.direction) {

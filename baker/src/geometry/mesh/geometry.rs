@@ -4,7 +4,7 @@ use super::glass::{Detail, Glass};
 use crate::geometry::simplify::{TOGETHER, simplify};
 use crate::scene::model::bounds_of_copy;
 use crate::scene::texture::{Sampler, Texels};
-use crate::scene::{Model, Scene, SceneError, detail, needed, union};
+use crate::scene::{InstancedMesh, Scene, SceneError, detail, needed, union};
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
@@ -236,7 +236,7 @@ impl Geometry {
             uvs: corners.map(|c| scene.uvs[vertex(c)]),
             material: scene.triangle_material[corners[0] as usize / 3],
         };
-        let placed = |m: &Model| Placed {
+        let placed = |m: &InstancedMesh| Placed {
             triangles: first(m.triangles.start)..first(m.triangles.end),
             local_from_model: m.local_from_model.clone(),
         };

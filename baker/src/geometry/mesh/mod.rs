@@ -1,5 +1,5 @@
 //! Triangle meshes as [`Surfaces`]: a two-level BVH with a [BLAS](blas) of the triangles without instances, a BLAS per
-//! [instanced mesh](crate::scene::Model), and a [TLAS](tlas) over the instances.
+//! [instanced mesh](crate::scene::InstancedMesh), and a [TLAS](tlas) over the instances.
 //!
 //! obvhs builds the binary BVHs, [`bvh8`] collapses the binary BVHs to eight children per node. Boxes are padded by
 //! several rounding errors and the triangle test is watertight, so traversal finds the hits of brute force; a test
@@ -29,7 +29,7 @@ pub use geometry::Geometry;
 use crate::geometry::{Hit, Primitives, Ray, Surfaces};
 use crate::scene::detail::Exactness;
 use crate::scene::{Scene, SceneError, union};
-use blas::{Blas, Line, TWO_SIDED};
+use blas::{Blas, LocalRay, TWO_SIDED};
 use geometry::{Placed, Surface};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
@@ -66,14 +66,14 @@ pub struct TriangleSurfaces {
 
 /// Triangle, without instances or in an instance.
 #[derive(Clone, Copy)]
-struct Found<'a> {
+struct LocatedTriangle<'a> {
     blas: &'a Blas,
     triangle: usize,
     /// The triangle's instance; `None` for a triangle without instances.
     copy: Option<&'a Instance>,
 }
 
-impl Found<'_> {
+impl LocatedTriangle<'_> {
     /// Returns a normal vector on the triangle's front, local space; the length is twice the triangle's area.
     #[inline]
     fn front(&self) -> Vec3 {
@@ -175,9 +175,9 @@ impl TriangleSurfaces {
         self.surfaces.iter().any(|surface| surface.is_unlit)
     }
 
-    fn shade(&self, found: Found, m: TriangleHit, ray: &Ray) -> Hit {
+    fn shade(&self, found: LocatedTriangle, m: TriangleHit, ray: &Ray) -> Hit {
         let direction = ray.direction;
-        let Found { blas, triangle, .. } = found;
+        let LocatedTriangle { blas, triangle, .. } = found;
         let (look, corners) = (&blas.attributes[triangle], &blas.corners[triangle]);
         let [a, b, c] = corners.positions();
         let spanned = found.front();
@@ -218,8 +218,8 @@ impl TriangleSurfaces {
 
     /// Returns the nearest triangle stopping the ray, and the hit.
     #[inline]
-    fn nearest(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, TriangleHit)> {
-        let line = Line { origin: ray.origin, direction: ray.direction };
+    fn nearest(&self, ray: &Ray, seed: u32) -> Option<(LocatedTriangle<'_>, TriangleHit)> {
+        let line = LocalRay { origin: ray.origin, direction: ray.direction };
         let alone = self.static_blas.nearest(&self.surfaces, &line, ray.max_distance, false, seed);
         self.with_all(ray, seed, alone)
     }
@@ -231,7 +231,7 @@ impl TriangleSurfaces {
         ray: &Ray,
         seed: u32,
         alone: Option<(usize, TriangleHit)>,
-    ) -> Option<(Found<'_>, TriangleHit)> {
+    ) -> Option<(LocatedTriangle<'_>, TriangleHit)> {
         let (found, meeting) = self.with_copies(ray, seed, alone, Blas::nearest)?;
         if found.is_dark(ray.direction)
             && let Some(front) = self.front_at(ray, seed, found, meeting)
@@ -250,9 +250,9 @@ impl TriangleSurfaces {
         &self,
         ray: &Ray,
         seed: u32,
-        back: Found<'_>,
+        back: LocatedTriangle<'_>,
         meeting: TriangleHit,
-    ) -> Option<(Found<'_>, TriangleHit)> {
+    ) -> Option<(LocatedTriangle<'_>, TriangleHit)> {
         let normal = back.front().try_normalize()?;
         let there = ray.origin + ray.direction * meeting.distance;
         let beyond = self.exactness.at(there) / normal.dot(ray.direction).max(FLATTEST);
@@ -264,8 +264,8 @@ impl TriangleSurfaces {
 
     /// Returns the nearest triangle seen by a camera along the ray, and the hit.
     #[inline]
-    fn nearest_seen(&self, ray: &Ray, seed: u32) -> Option<(Found<'_>, TriangleHit)> {
-        let line = Line { origin: ray.origin, direction: ray.direction };
+    fn nearest_seen(&self, ray: &Ray, seed: u32) -> Option<(LocatedTriangle<'_>, TriangleHit)> {
+        let line = LocalRay { origin: ray.origin, direction: ray.direction };
         let alone = self.static_blas.nearest_seen(&self.surfaces, &line, ray.max_distance, false, seed);
         self.with_copies(ray, seed, alone, Blas::nearest_seen)
     }
@@ -278,12 +278,12 @@ impl TriangleSurfaces {
         ray: &Ray,
         seed: u32,
         alone: Option<(usize, TriangleHit)>,
-        by: impl Fn(&Blas, &[Surface], &Line, f32, bool, u32) -> Option<(usize, TriangleHit)>,
-    ) -> Option<(Found<'_>, TriangleHit)> {
-        let line = Line { origin: ray.origin, direction: ray.direction };
+        by: impl Fn(&Blas, &[Surface], &LocalRay, f32, bool, u32) -> Option<(usize, TriangleHit)>,
+    ) -> Option<(LocatedTriangle<'_>, TriangleHit)> {
+        let line = LocalRay { origin: ray.origin, direction: ray.direction };
         if !self.instances.all.is_empty() {
             let limit = alone.map_or(ray.max_distance, |(_, meeting)| meeting.distance);
-            let find = |copy: &Instance, line: &Line, limit: f32, strictly: bool| {
+            let find = |copy: &Instance, line: &LocalRay, limit: f32, strictly: bool| {
                 let model = &self.models[copy.model as usize];
                 by(model, &self.surfaces, line, limit, strictly, copy.seed(seed))
             };
@@ -293,20 +293,22 @@ impl TriangleSurfaces {
                 return Some((self.of_copy(copy, triangle), meeting));
             }
         }
-        alone.map(|(triangle, meeting)| (Found { blas: &self.static_blas, triangle, copy: None }, meeting))
+        alone.map(|(triangle, meeting)| {
+            (LocatedTriangle { blas: &self.static_blas, triangle, copy: None }, meeting)
+        })
     }
 
     #[inline]
-    fn of_copy(&self, index: usize, triangle: usize) -> Found<'_> {
+    fn of_copy(&self, index: usize, triangle: usize) -> LocatedTriangle<'_> {
         let copy = &self.instances.all[index];
-        Found { blas: &self.models[copy.model as usize], triangle, copy: Some(copy) }
+        LocatedTriangle { blas: &self.models[copy.model as usize], triangle, copy: Some(copy) }
     }
 
     /// Returns a primitive by number: first the triangles without instances, then copy after copy.
     #[inline]
-    fn found(&self, primitive: u32) -> Found<'_> {
+    fn found(&self, primitive: u32) -> LocatedTriangle<'_> {
         if (primitive as usize) < self.static_blas.corners.len() {
-            return Found { blas: &self.static_blas, triangle: primitive as usize, copy: None };
+            return LocatedTriangle { blas: &self.static_blas, triangle: primitive as usize, copy: None };
         }
         // The last copy with a first primitive at or before the number: a copy without triangles shares the first
         // primitive of the next copy.
@@ -334,8 +336,9 @@ impl Surfaces for TriangleSurfaces {
         if limit <= 0.0 {
             return Vec3::ONE;
         }
-        let line = Line { origin: from, direction: offset / length };
-        let through = |blas: &Blas, line: &Line, limit: f32| blas.transmittance(&self.surfaces, line, limit);
+        let line = LocalRay { origin: from, direction: offset / length };
+        let through =
+            |blas: &Blas, line: &LocalRay, limit: f32| blas.transmittance(&self.surfaces, line, limit);
         let left = through(&self.static_blas, &line, limit);
         if left == Vec3::ZERO || self.instances.all.is_empty() {
             return left;
@@ -347,8 +350,9 @@ impl Surfaces for TriangleSurfaces {
         if !self.has_glass {
             return Vec3::ONE;
         }
-        let line = Line { origin: ray.origin, direction: ray.direction };
-        let tint = |blas: &Blas, line: &Line, limit: f32| blas.tint(&self.surfaces, line, limit, from_eye);
+        let line = LocalRay { origin: ray.origin, direction: ray.direction };
+        let tint =
+            |blas: &Blas, line: &LocalRay, limit: f32| blas.tint(&self.surfaces, line, limit, from_eye);
         let alone = tint(&self.static_blas, &line, distance);
         alone * self.instances.product(&self.models, &line, distance, tint)
     }

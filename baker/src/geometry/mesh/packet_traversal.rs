@@ -6,7 +6,7 @@
 //! traversal, to the last bit. The triangle test has the same arithmetic, no hit is before the triangle's box by more
 //! than rounding, and of two triangles at equal distance the first counts.
 
-use super::blas::{Blas, Nearest, Stop};
+use super::blas::{Blas, Nearest, NearestSoFar};
 use super::bvh8::{LEAF, Node, SlabRay8, WIDTH, distance, entry, move_half, places};
 use super::geometry::Surface;
 use super::packet::{LANES, MOST, Packet, Rays};
@@ -152,9 +152,9 @@ impl Together<'_> {
 
     /// Returns the nearest-hit query of a ray.
     #[inline]
-    fn stop(&self, ray: usize) -> Stop<'_> {
+    fn stop(&self, ray: usize) -> NearestSoFar<'_> {
         let &Self { blas, surfaces, .. } = self;
-        Stop { blas, surfaces, strictly: false, seed: self.seeds[ray], best: self.found[ray] }
+        NearestSoFar { blas, surfaces, strictly: false, seed: self.seeds[ray], best: self.found[ray] }
     }
 
     /// Tests a triangle against a single ray, after a result made unclear by rounding.

@@ -4,7 +4,7 @@ use super::blas::{FIRST, TWO_SIDED};
 #[cfg(target_arch = "x86_64")]
 use super::packet::MOST;
 use super::triangle::TriangleHit;
-use super::{Found, TriangleSurfaces};
+use super::{LocatedTriangle, TriangleSurfaces};
 use crate::geometry::{Primitive, Primitives, Ray, SurfaceCoordinates, SurfaceSample};
 use glam::{Vec2, Vec3};
 
@@ -19,7 +19,7 @@ impl Primitives for TriangleSurfaces {
 
     fn primitive(&self, primitive: u32) -> Primitive {
         let found = self.found(primitive);
-        let Found { blas, triangle, .. } = found;
+        let LocatedTriangle { blas, triangle, .. } = found;
         let first = (blas.marks[triangle] & FIRST) as usize;
         let [a, b, c] = blas.corners[triangle].positions().map(|corner| found.place(corner));
         let (at, next, last) = [(a, b, c), (b, c, a), (c, a, b)][first];
@@ -34,7 +34,7 @@ impl Primitives for TriangleSurfaces {
 
     fn spot(&self, place: SurfaceCoordinates, area: f32) -> SurfaceSample {
         let found = self.found(place.primitive);
-        let Found { blas, triangle, .. } = found;
+        let LocatedTriangle { blas, triangle, .. } = found;
         let (look, corners) = (&blas.attributes[triangle], &blas.corners[triangle]);
         let [u, v, w] = [1.0 - place.at.x - place.at.y, place.at.x, place.at.y];
         let shares = match blas.marks[triangle] & FIRST {
@@ -104,7 +104,12 @@ impl Primitives for TriangleSurfaces {
 impl TriangleSurfaces {
     /// Returns location and distance of a hit; `None` if the surface reflects no light at the hit.
     #[inline]
-    fn place_of(&self, ray: &Ray, found: Found, meeting: TriangleHit) -> Option<(SurfaceCoordinates, f32)> {
+    fn place_of(
+        &self,
+        ray: &Ray,
+        found: LocatedTriangle,
+        meeting: TriangleHit,
+    ) -> Option<(SurfaceCoordinates, f32)> {
         let is_back = found.front().dot(ray.direction) > 0.0;
         let marks = found.blas.marks[found.triangle];
         if is_back && marks & TWO_SIDED == 0 {

@@ -2,7 +2,7 @@
 //! [BLAS](super::blas) and a transform. A ray is transformed into an instance's space without renormalising the
 //! direction, so distances compare.
 
-use super::blas::{Blas, Line, Padded, build};
+use super::blas::{Blas, LocalRay, Padded, build};
 use super::bvh8::Bvh8;
 use super::geometry::Placed;
 use super::triangle::TriangleHit;
@@ -39,8 +39,8 @@ impl Instance {
 
     /// Transforms a ray to model space; distances along the ray stay the same.
     #[inline]
-    pub fn line(&self, line: &Line) -> Line {
-        Line {
+    pub fn line(&self, line: &LocalRay) -> LocalRay {
+        LocalRay {
             origin: self.model_from_local.transform_point3(line.origin),
             direction: self.model_from_local.transform_vector3(line.direction),
         }
@@ -110,10 +110,10 @@ impl Tlas {
     #[inline(never)]
     pub fn nearest(
         &self,
-        line: &Line,
+        line: &LocalRay,
         limit: f32,
         strictly: bool,
-        find: impl Fn(&Instance, &Line, f32, bool) -> Option<(usize, TriangleHit)>,
+        find: impl Fn(&Instance, &LocalRay, f32, bool) -> Option<(usize, TriangleHit)>,
     ) -> Option<(usize, usize, TriangleHit)> {
         let mut best: Option<(usize, usize, TriangleHit)> = None;
         self.bvh.walk(line.origin, line.direction, limit, &mut |place: usize, limit: f32| {
@@ -134,9 +134,9 @@ impl Tlas {
     pub fn product(
         &self,
         blases: &[Blas],
-        line: &Line,
+        line: &LocalRay,
         limit: f32,
-        through: impl Fn(&Blas, &Line, f32) -> Vec3,
+        through: impl Fn(&Blas, &LocalRay, f32) -> Vec3,
     ) -> Vec3 {
         let mut left = Vec3::ONE;
         self.bvh.walk(line.origin, line.direction, limit, &mut |place: usize, limit: f32| {

@@ -1,7 +1,7 @@
 //! Vertex removal: whether a vertex can be removed, and the neighbour as its replacement.
 
 use super::patch::MOST;
-use super::patch::{COLOR, Look, NORMAL, Patch, UV};
+use super::patch::{COLOR, CornerAttributes, NORMAL, Patch, UV};
 use super::ring::{Ring, Side};
 use glam::Vec3;
 use smallvec::{SmallVec, smallvec};
@@ -191,7 +191,7 @@ fn bend(patch: &Patch, sides: &[Side], place: impl Fn(u32) -> Vec3, normal: Vec3
     let told = largest.looks.map(look);
     let last = sides.last()?;
     let ends = sides.iter().map(|side| (side.ends[0], side.looks[1])).chain([(last.ends[1], last.looks[2])]);
-    let ends: SmallVec<[(&Look, f32, f32); MOST + 1]> = ends
+    let ends: SmallVec<[(&CornerAttributes, f32, f32); MOST + 1]> = ends
         .map(|(end, k)| {
             let at = place(end);
             (look(k), at.cross(b).dot(normal) * scale, a.cross(at).dot(normal) * scale)
@@ -205,7 +205,11 @@ fn bend(patch: &Patch, sides: &[Side], place: impl Fn(u32) -> Vec3, normal: Vec3
 /// Returns the size of the box around the residuals: looks minus the linear extrapolation of `told`, a triangle's
 /// looks. An element of `looks` has the barycentric weights of the second and the third corner.
 #[inline]
-fn rests(told: [&Look; 3], looks: &[(&Look, f32, f32)], of: impl Fn(&Look) -> Vec3) -> Vec3 {
+fn rests(
+    told: [&CornerAttributes; 3],
+    looks: &[(&CornerAttributes, f32, f32)],
+    of: impl Fn(&CornerAttributes) -> Vec3,
+) -> Vec3 {
     let [first, second, third] = told.map(&of);
     if second == first && third == first && looks.iter().all(|look| of(look.0) == first) {
         return Vec3::ZERO;

@@ -19,9 +19,9 @@ mod tests;
 
 use crate::morton;
 use crate::scene::Scene;
-use crate::weld::firsts;
+use crate::weld::canonical_indices;
 use glam::{Vec2, Vec3};
-use patch::{Look, Patch};
+use patch::{CornerAttributes, Patch};
 use rayon::prelude::*;
 use rebounce_shared::rbn::meta::Material;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -55,24 +55,24 @@ struct Cut {
 }
 
 /// Input shared by the patches.
-struct Source<'a> {
+struct PatchSource<'a> {
     scene: &'a Scene,
     /// By vertex, the place: the first vertex at an equal position.
     places: Vec<u32>,
     /// [`TOLERANCE`] as a length, scene units.
     tolerance: f32,
     /// By material: whether texture coordinates matter, and whether rays may pass.
-    materials: Vec<Kind>,
+    materials: Vec<MaterialNeeds>,
 }
 
 /// Properties of a material relevant for simplification.
 #[derive(Clone, Copy, Debug)]
-struct Kind {
+struct MaterialNeeds {
     is_textured: bool,
     is_transparent: bool,
 }
 
-impl Source<'_> {
+impl PatchSource<'_> {
     /// Returns the vertex of a corner.
     #[inline]
     fn vertex(&self, corner: u32) -> usize {
@@ -86,11 +86,11 @@ impl Source<'_> {
     }
 
     /// Returns the look of a corner, for a triangle of this material.
-    fn look(&self, corner: u32, material: u32) -> Look {
+    fn look(&self, corner: u32, material: u32) -> CornerAttributes {
         let vertex = self.vertex(corner);
         let is_textured = self.materials[material as usize].is_textured;
         let colors = self.scene.corner_colors.get(corner as usize / 3);
-        Look {
+        CornerAttributes {
             normal: self.scene.normals[vertex],
             uv: if is_textured { self.scene.uvs[vertex] } else { Vec2::ZERO },
             color: colors.map_or(Vec3::ZERO, |colors| colors[corner as usize % 3]),
@@ -106,7 +106,7 @@ impl Source<'_> {
 /// fastest. No other setting changes the result.
 pub fn simplify(scene: &Scene, is_opaque: impl Fn(usize) -> bool, together: usize) -> Vec<[u32; 3]> {
     let ((low, high), main) = (scene.bounds(), scene.main_part());
-    let kind = |(i, m): (usize, &Material)| Kind {
+    let kind = |(i, m): (usize, &Material)| MaterialNeeds {
         is_textured: m.base_color_texture.is_some(),
         is_transparent: !is_opaque(i),
     };
@@ -116,9 +116,9 @@ pub fn simplify(scene: &Scene, is_opaque: impl Fn(usize) -> bool, together: usiz
         let [x, y, z] = (scene.positions[i as usize] + 0.0).to_array().map(f32::to_bits);
         [x, y, z, space(i)]
     };
-    let source = Source {
+    let source = PatchSource {
         scene,
-        places: firsts(scene.positions.len(), position),
+        places: canonical_indices(scene.positions.len(), position),
         tolerance: TOLERANCE * (main.1 - main.0).length(),
         materials: scene.materials.iter().enumerate().map(kind).collect(),
     };
@@ -155,7 +155,7 @@ struct Round {
 }
 
 /// Simplifies the patches in parallel; vertices shared between patches stay.
-fn round(source: &Source, triangles: &[Cut], together: usize) -> Round {
+fn round(source: &PatchSource, triangles: &[Cut], together: usize) -> Round {
     let users: Vec<AtomicU32> =
         (0..source.places.len()).into_par_iter().map(|_| AtomicU32::new(NOBODY)).collect();
     triangles.par_chunks(together).enumerate().for_each(|(patch, some)| {

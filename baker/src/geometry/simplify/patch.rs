@@ -1,6 +1,6 @@
 //! Patch of triangles with shared vertices and looks.
 
-use super::{Cut, Source};
+use super::{Cut, PatchSource};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -23,7 +23,7 @@ const ALIKE: f32 = 0.25;
 
 /// Appearance of a corner. The surface is smooth across an edge with equal looks on its two sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct CornerAttributes {
     pub normal: Vec3,
     /// Zero without a texture.
     pub uv: Vec2,
@@ -31,7 +31,7 @@ pub struct Look {
     pub material: u32,
 }
 
-impl Look {
+impl CornerAttributes {
     /// Returns whether two corners at a place have equal looks up to rounding: normals computed per triangle differ
     /// slightly on a flat surface.
     fn is_like(&self, other: &Self) -> bool {
@@ -44,7 +44,7 @@ impl Look {
 
 /// A triangle of a patch.
 #[derive(Clone, Copy, Debug)]
-pub struct Triangle {
+pub struct PatchTriangle {
     pub vertices: [u32; 3],
     /// Indices of the corners' looks.
     pub looks: [u32; 3],
@@ -58,11 +58,11 @@ pub struct Triangle {
 /// Triangles with their own numbering of vertices and looks.
 #[derive(Default)]
 pub struct Patch {
-    pub triangles: Vec<Triangle>,
+    pub triangles: Vec<PatchTriangle>,
     pub positions: Vec<Vec3>,
     /// By vertex: whether the vertex must stay in place.
     pub is_fixed: Vec<bool>,
-    pub looks: Vec<Look>,
+    pub looks: Vec<CornerAttributes>,
     /// By look: a corner of the scene with the look.
     origins: Vec<u32>,
     /// Linked lists of corners: by vertex, the first corner (3 × triangle + corner index); by corner, the next corner.
@@ -74,9 +74,9 @@ pub struct Patch {
 
 impl Patch {
     /// Builds a patch from these triangles. `is_shared` returns whether other patches use a place.
-    pub fn new(source: &Source, triangles: &[Cut], is_shared: impl Fn(u32) -> bool) -> Self {
+    pub fn new(source: &PatchSource, triangles: &[Cut], is_shared: impl Fn(u32) -> bool) -> Self {
         let mut patch = Self { tolerance: source.tolerance, ..Self::default() };
-        let mut numbers = Numbers::new(source, triangles);
+        let mut numbers = VertexNumbers::new(source, triangles);
         // By look: the previous look at the vertex. By vertex: the last look, and the number of looks.
         let mut before: Vec<u32> = Vec::new();
         let mut last: Vec<(u32, usize)> = Vec::new();
@@ -111,7 +111,7 @@ impl Patch {
             if source.materials[material as usize].is_transparent || a == b || b == c || c == a {
                 vertices.iter().for_each(|vertex| patch.is_fixed[*vertex as usize] = true);
             }
-            patch.triangles.push(Triangle {
+            patch.triangles.push(PatchTriangle {
                 vertices,
                 looks,
                 number: cut.number,
@@ -168,7 +168,7 @@ impl Patch {
     pub fn corners<B>(
         &mut self,
         vertex: u32,
-        mut visit: impl FnMut(u32, &Triangle) -> ControlFlow<B>,
+        mut visit: impl FnMut(u32, &PatchTriangle) -> ControlFlow<B>,
     ) -> ControlFlow<B> {
         let (mut before, mut corner) = (NONE, self.first[vertex as usize]);
         while corner != NONE {
@@ -189,15 +189,15 @@ impl Patch {
 }
 
 /// Vertex numbers of the places in a patch.
-struct Numbers {
+struct VertexNumbers {
     low: u32,
     /// Dense table from the lowest place on, for a small range of places; otherwise empty, with `far` as the table.
     near: Vec<u32>,
     far: HashMap<u32, u32>,
 }
 
-impl Numbers {
-    fn new(source: &Source, triangles: &[Cut]) -> Self {
+impl VertexNumbers {
+    fn new(source: &PatchSource, triangles: &[Cut]) -> Self {
         let places = || triangles.iter().flat_map(|cut| cut.corners).map(|corner| source.place(corner));
         let (low, high) = (places().min().unwrap_or(0), places().max().unwrap_or(0));
         let span = (high - low) as usize + 1;

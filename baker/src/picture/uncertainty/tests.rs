@@ -53,7 +53,7 @@ fn with_error(of: &Picture, error: f32) -> Picture {
     made(|x, y| of.pixels[(y * SIDE + x) as usize] * (1.0 + shape(x, y)))
 }
 
-fn estimates(picture: &Picture, kind: Kind, strength: f32) -> Vec<Estimate> {
+fn estimates(picture: &Picture, kind: Kind, strength: f32) -> Vec<ErrorEstimate> {
     let truth = truth();
     let of = |seed: u64| {
         let [a, b] = [2 * seed, 2 * seed + 1].map(|seed| with_noise(&truth, kind, strength, seed));
@@ -70,7 +70,7 @@ fn intervals_hold_the_truth() {
                 let picture = with_error(&truth(), error);
                 let known = compare(&picture, &truth(), None).unwrap().error.figure();
                 let found = estimates(&picture, kind, strength);
-                let holds = |e: &&Estimate| e.at_least.unwrap() <= known && known <= e.at_most.unwrap();
+                let holds = |e: &&ErrorEstimate| e.at_least.unwrap() <= known && known <= e.at_most.unwrap();
                 let held = found.iter().filter(holds).count() as u64;
                 assert!(held * 10 >= SEEDS * 9, "{kind:?} {strength}, error {known:.4}: {held} of {SEEDS}");
                 // No estimate is ever perfect.
@@ -83,7 +83,9 @@ fn intervals_hold_the_truth() {
 
 #[test]
 fn what_noise_hides_is_too_noisy_to_tell_and_what_it_does_not_is_told() {
-    let count = |found: &[Estimate], is: fn(&Estimate) -> bool| found.iter().filter(|e| is(e)).count() as u64;
+    let count = |found: &[ErrorEstimate], is: fn(&ErrorEstimate) -> bool| {
+        found.iter().filter(|e| is(e)).count() as u64
+    };
     for kind in [Kind::Even, Kind::Fireflies, Kind::Shared] {
         let hidden = estimates(&with_error(&truth(), 0.002), kind, 1.0);
         assert!(count(&hidden, |e| e.value.is_none()) * 10 >= SEEDS * 9, "{kind:?}");
@@ -122,10 +124,10 @@ fn of_one_reference_the_noise_is_part_of_the_error() {
 
 #[test]
 fn a_small_error_is_not_shown_as_none() {
-    let clear = Estimate { value: Some(0.000_04), at_least: Some(0.000_03), at_most: Some(0.000_05) };
+    let clear = ErrorEstimate { value: Some(0.000_04), at_least: Some(0.000_03), at_most: Some(0.000_05) };
     assert_eq!(clear.said(3), "error 4.0e-5 (3.0e-5 to 5.0e-5)");
-    let hidden = Estimate { value: None, at_least: Some(0.0), at_most: Some(0.021_26) };
+    let hidden = ErrorEstimate { value: None, at_least: Some(0.0), at_most: Some(0.021_26) };
     assert_eq!(hidden.said(3), "error too noisy to tell, at most 0.021");
-    assert_eq!((hidden.figure(), Estimate::with_noise(0.0).said(3).as_str()), (0.021_26, "error 0.000"));
+    assert_eq!((hidden.figure(), ErrorEstimate::with_noise(0.0).said(3).as_str()), (0.021_26, "error 0.000"));
     assert_eq!((hidden.is_within(0.03), hidden.is_within(0.02)), (Answer::Within, Answer::TooNoisy));
 }

@@ -1,6 +1,6 @@
 //! A theatre: a seat of fourteen thousand triangles, with hundreds of instances.
 
-use super::super::model::{self, WorldModel};
+use super::super::model::{self, WorldInstancedMesh};
 use super::super::{Scene, WorldMesh};
 use super::{block, matt};
 use glam::{DMat4, DQuat, DVec2, DVec3, Vec2, dvec3};
@@ -81,7 +81,7 @@ impl WorldMesh {
         let bounds = other.bounds().unwrap_or_default();
         let mut is_alone = vec![true; places.len()];
         for copies in model::divide(places, other.triangles.len(), bounds) {
-            let mut model = WorldModel::default();
+            let mut model = WorldInstancedMesh::default();
             model.mesh.add(other, copies.model_from_mesh);
             for (number, world_from_model) in copies.placed {
                 is_alone[number] = false;

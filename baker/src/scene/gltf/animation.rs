@@ -1,6 +1,6 @@
 //! Conversion of keyframes of nodes and lights to world-space keyframes of the scene's lights.
 
-use super::node::{Placed, placement};
+use super::node::{PlacedNode, placement};
 use super::pose::Pose;
 use super::source::Source;
 use crate::scene::SceneError;
@@ -115,7 +115,7 @@ impl Motion {
 /// Animations of geometry are left out: the bake holds still geometry.
 pub(super) fn animations(
     source: &Source,
-    nodes: &[Placed],
+    nodes: &[PlacedNode],
     lights: &[(usize, usize)],
     left_out: &mut Vec<String>,
 ) -> Result<Vec<Animation>, SceneError> {
@@ -161,7 +161,7 @@ pub(super) fn animations(
 /// Returns the tracks of a light moved by nodes: position unless directional, direction unless a point light.
 fn way(
     source: &Source,
-    nodes: &[Placed],
+    nodes: &[PlacedNode],
     motions: &[Motion],
     light: usize,
     place: usize,

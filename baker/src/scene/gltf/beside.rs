@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const MOST_FOLDERS: usize = 16;
 
 /// Bytes of a file, and the path if different from the URI.
-pub(super) struct Found {
+pub(super) struct FoundFile {
     pub bytes: Vec<u8>,
     pub elsewhere: Option<String>,
 }
@@ -15,7 +15,7 @@ pub(super) struct Found {
 /// Reads the file of a URI, except a data URI, beside the scene's file in `dir`: as written, percent-decoded, and
 /// without `?query` and `#fragment`; then with backslashes as slashes, in any letter case, with ever fewer leading
 /// folders, and last the bare name in `dir`. The error is that of the first attempt.
-pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<Found> {
+pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<FoundFile> {
     let mut first = None;
     let mut bytes_of = |path: &Path| {
         let read = std::fs::read(path);
@@ -28,7 +28,7 @@ pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<Found> {
         // A file name may contain %, ? or #.
         for name in [decoded(local), local.to_owned()].iter().chain(&names) {
             if let Some(bytes) = bytes_of(&dir.join(name)) {
-                return Ok(Found { bytes, elsewhere: None });
+                return Ok(FoundFile { bytes, elsewhere: None });
             }
         }
     }
@@ -44,7 +44,7 @@ pub(super) fn read(dir: &Path, uri: &str) -> std::io::Result<Found> {
             let path = in_any_case(dir, name).unwrap_or_else(|| dir.join(name));
             if let Some(bytes) = bytes_of(&path) {
                 let place = path.strip_prefix(dir).unwrap_or(&path).display().to_string();
-                return Ok(Found { bytes, elsewhere: Some(place) });
+                return Ok(FoundFile { bytes, elsewhere: Some(place) });
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Detection of lamps enclosed by an opaque mesh, such as a lamp within a modelled bulb: no light leaves the mesh.
 
 use super::light;
-use super::mesh::{self, Part};
+use super::mesh::{self, MeshPart};
 use super::source::Source;
 use glam::{DMat4, DQuat, DVec3};
 use rebounce_shared::light::Light;
@@ -68,7 +68,7 @@ impl Lamps {
     }
 
     /// Tests the lamps against a mesh placed at `places`. `parts`: the opaque parts of the mesh.
-    pub fn look(&mut self, mesh: usize, parts: &[&Part], places: &[DMat4]) {
+    pub fn look(&mut self, mesh: usize, parts: &[&MeshPart], places: &[DMat4]) {
         if self.lamps.is_empty() {
             return;
         }
@@ -105,8 +105,8 @@ fn bounds(points: impl Iterator<Item = DVec3>) -> Option<[DVec3; 2]> {
 
 impl Lamp {
     /// Distance to the farthest of the nearest hits, one hit per direction; `None` if a direction has no hit.
-    fn farthest(&self, parts: &[&Part], world: &DMat4) -> Option<f64> {
-        let corners = |part: &Part, t: &[u32; 3]| {
+    fn farthest(&self, parts: &[&MeshPart], world: &DMat4) -> Option<f64> {
+        let corners = |part: &MeshPart, t: &[u32; 3]| {
             t.map(|i| world.transform_point3(part.positions[i as usize]) - self.position)
         };
         let triangles = parts.iter().flat_map(|part| part.triangles.iter().map(|t| corners(part, t)));

@@ -1,6 +1,6 @@
 //! Placements of a node's mesh: the node's transform, or the instances of EXT_mesh_gpu_instancing.
 
-use super::node::{self, Placed};
+use super::node::{self, PlacedNode};
 use super::pose::Pose;
 use super::source::Source;
 use crate::scene::SceneError;
@@ -16,7 +16,7 @@ struct Instances {
 }
 
 /// The world-space transforms of a node's mesh.
-pub(super) fn of(source: &Source, node: &Placed) -> Result<Vec<DMat4>, SceneError> {
+pub(super) fn of(source: &Source, node: &PlacedNode) -> Result<Vec<DMat4>, SceneError> {
     let of = &source.root.nodes[node.index];
     let instances: Option<Instances> =
         source.read_extension(of, &["EXT_mesh_gpu_instancing"], format_args!("node {}", node.index))?;

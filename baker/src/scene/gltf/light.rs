@@ -1,6 +1,6 @@
 //! Lights placed by nodes.
 
-use super::node::{self, Placed, placement};
+use super::node::{self, PlacedNode, placement};
 use super::punctual::NAME;
 use super::source::Source;
 use crate::scene::SceneError;
@@ -27,7 +27,7 @@ pub(super) fn name(source: &Source, index: usize) -> String {
 }
 
 /// Name of a light, or else of the node that places the light; may be empty.
-pub(super) fn own_name(source: &Source, node: &Placed, index: usize) -> String {
+pub(super) fn own_name(source: &Source, node: &PlacedNode, index: usize) -> String {
     let own = source.lights.get(index).and_then(|light| light.name.clone()).unwrap_or_default();
     node::or_of_node(source, node, own)
 }
@@ -36,7 +36,7 @@ pub(super) fn own_name(source: &Source, node: &Placed, index: usize) -> String {
 /// type are left out, with a message.
 pub(super) fn placed(
     source: &Source,
-    nodes: &[Placed],
+    nodes: &[PlacedNode],
     told: &mut Told,
 ) -> Result<Vec<(usize, usize)>, SceneError> {
     let mut out = Vec::new();
@@ -55,7 +55,12 @@ pub(super) fn placed(
 }
 
 /// Converts a light placed by a node. A negative intensity or colour counts as 0, with a note.
-pub(super) fn of(source: &Source, node: &Placed, index: usize, told: &mut Told) -> Result<Light, SceneError> {
+pub(super) fn of(
+    source: &Source,
+    node: &PlacedNode,
+    index: usize,
+    told: &mut Told,
+) -> Result<Light, SceneError> {
     let light =
         source.lights.get(index).ok_or_else(|| source.malformed(format!("there is no light {index}")))?;
     if light.intensity < 0.0 || light.color.iter().any(|c| *c < 0.0) {

@@ -4,7 +4,7 @@ use super::document::Extensible;
 use super::picture::{check_sizes, image_index, picture, sampled};
 use super::source::Source;
 use super::texture_info::{TextureInfo, UvSource};
-use super::transmission::{self, DiffuseTransmission, Numbers};
+use super::transmission::{self, DiffuseTransmission, TransmissionFactors};
 use crate::scene::needed;
 use crate::scene::{Scene, SceneError};
 use glam::DMat3;
@@ -16,8 +16,8 @@ use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
 use std::collections::{HashMap, HashSet};
 
-/// Surface parameters, from metallic-roughness or specular-glossiness.
-struct Surface {
+/// MaterialSource parameters, from metallic-roughness or specular-glossiness.
+struct MaterialSource {
     base_color: [f32; 4],
     base_color_texture: Option<TextureInfo>,
     metallic: f32,
@@ -167,7 +167,7 @@ impl<'a> Materials<'a> {
 
     /// Returns base colour and metallic-roughness. KHR_materials_pbrSpecularGlossiness applies if
     /// `pbrMetallicRoughness` has no base colour.
-    fn surface(&mut self, m: &gltf::json::Material, name: &str) -> Surface {
+    fn surface(&mut self, m: &gltf::json::Material, name: &str) -> MaterialSource {
         let pbr = &m.pbr_metallic_roughness;
         let older = m.extensions.as_ref().and_then(|e| e.pbr_specular_glossiness.as_ref());
         let has_colour = pbr.base_color_factor.0 != [1.0; 4] || pbr.base_color_texture.is_some();
@@ -178,7 +178,7 @@ impl<'a> Materials<'a> {
                     self.left_out.push(format!("{what}: its diffuse colour and its factors are taken"));
                 }
                 // The diffuse colour is that of a dielectric.
-                Surface {
+                MaterialSource {
                     base_color: older.diffuse_factor.0,
                     base_color_texture: older.diffuse_texture.as_ref().map(TextureInfo::new),
                     metallic: 0.0,
@@ -186,7 +186,7 @@ impl<'a> Materials<'a> {
                     metallic_roughness_texture: None,
                 }
             }
-            None => Surface {
+            None => MaterialSource {
                 base_color: pbr.base_color_factor.0,
                 base_color_texture: pbr.base_color_texture.as_ref().map(TextureInfo::new),
                 metallic: pbr.metallic_factor.0,
@@ -204,7 +204,7 @@ impl<'a> Materials<'a> {
         name: &str,
     ) -> Result<Extras, SceneError> {
         let extensions = m.extensions.as_ref();
-        let mut numbers = Numbers::default();
+        let mut numbers = TransmissionFactors::default();
         let mut left_out = Vec::new();
         if let Some(t) = extensions.and_then(|e| e.transmission.as_ref()) {
             numbers.transmission = t.transmission_factor.0;

@@ -1,7 +1,7 @@
 //! Meshes of the file, in mesh space.
 
 use super::material::Materials;
-use super::primitive::Numbers;
+use super::primitive::PrimitiveReader;
 use super::rest::Rest;
 use super::source::Source;
 use crate::scene::SceneError;
@@ -13,7 +13,7 @@ use gltf::json::validation::Checked;
 use rebounce_shared::rbn::LARGEST;
 
 /// Triangles of a primitive, in mesh space; in world space if skinned.
-pub(super) struct Part {
+pub(super) struct MeshPart {
     /// Name of the part in errors.
     pub what: String,
     pub positions: Vec<DVec3>,
@@ -40,7 +40,7 @@ pub(super) fn read(
     rest: &Rest,
     materials: &mut Materials,
     told: &mut Told,
-) -> Result<Vec<Part>, SceneError> {
+) -> Result<Vec<MeshPart>, SceneError> {
     let mesh = source.root.meshes.get(index);
     let mesh = mesh.ok_or_else(|| source.malformed(format!("there is no mesh {index}")))?;
     let mut parts = Vec::new();
@@ -70,8 +70,8 @@ fn part(
     rest: &Rest,
     materials: &mut Materials,
     told: &mut Told,
-) -> Result<Option<Part>, SceneError> {
-    let numbers = Numbers::new(source, primitive, &what)?;
+) -> Result<Option<MeshPart>, SceneError> {
+    let numbers = PrimitiveReader::new(source, primitive, &what)?;
     let Some(positions) = numbers.read::<3>(&Semantic::Positions, Type::Vec3)? else {
         told.left_out.push(format!("{what}: it has no positions"));
         return Ok(None);
@@ -136,7 +136,7 @@ fn part(
     if rest.apply(source, primitive, &numbers, &mut positions, normals.as_deref_mut())? {
         triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
-    Ok(Some(Part { what, positions, normals, uvs, colors, triangles, material }))
+    Ok(Some(MeshPart { what, positions, normals, uvs, colors, triangles, material }))
 }
 
 /// Returns the default in place of a non-finite value, and increments `count`.
@@ -146,7 +146,7 @@ fn counted<T: Default>(count: &mut usize) -> T {
 }
 
 /// Returns the vertex colours; `None` if all are white.
-fn colors(numbers: &Numbers, unusable: &mut usize) -> Result<Option<Vec<Vec4>>, SceneError> {
+fn colors(numbers: &PrimitiveReader, unusable: &mut usize) -> Result<Option<Vec<Vec4>>, SceneError> {
     let read = if numbers.is(&Semantic::Colors(0), Type::Vec3) {
         let opaque = |rgb: Vec<[f64; 3]>| rgb.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
         numbers.read::<3>(&Semantic::Colors(0), Type::Vec3)?.map(opaque)

@@ -41,8 +41,8 @@ use super::notes::{Told, grouped};
 use super::{LoadOptions, Scene, SceneError, UNUSED_ALBEDO, WorldMesh};
 use enclosed::Lamps;
 use glam::DMat4;
-use mesh::Part;
-use place::Seen;
+use mesh::MeshPart;
+use place::PlacementNotes;
 use rebounce_shared::rbn::{MAX_COPIES, MAX_TRIANGLES};
 use rest::{Rest, Skins};
 use source::Source;
@@ -143,12 +143,12 @@ type Shape = (usize, Option<usize>);
 /// placed; a mesh with many placements becomes a model.
 fn place_all(
     source: &Source,
-    nodes: &[node::Placed],
+    nodes: &[node::PlacedNode],
     materials: &mut material::Materials,
     lamps: &mut Lamps,
     out: &mut WorldMesh,
     told: &mut Told,
-) -> Result<BTreeMap<usize, Seen>, SceneError> {
+) -> Result<BTreeMap<usize, PlacementNotes>, SceneError> {
     let mut places: BTreeMap<Shape, Vec<DMat4>> = BTreeMap::new();
     let mut rests: BTreeMap<usize, Rest> = BTreeMap::new();
     let mut skins = Skins::default();
@@ -177,8 +177,8 @@ fn place_all(
         placed.push((shape, more.len()));
         places.entry(shape).or_default().extend(more);
     }
-    let mut known: BTreeMap<Shape, (Vec<Part>, Alone)> = BTreeMap::new();
-    let mut seen: BTreeMap<usize, Seen> = BTreeMap::new();
+    let mut known: BTreeMap<Shape, (Vec<MeshPart>, Alone)> = BTreeMap::new();
+    let mut seen: BTreeMap<usize, PlacementNotes> = BTreeMap::new();
     for (shape, count) in placed {
         let (index, deforming) = shape;
         let seen = seen.entry(index).or_default();
@@ -189,7 +189,7 @@ fn place_all(
                 let rest = rest.unwrap_or_else(|| Rest::of_mesh(source, index));
                 let parts = mesh::read(source, index, &rest, materials, told)?;
                 let places = places.remove(&shape).unwrap_or_default();
-                let opaque: Vec<&Part> =
+                let opaque: Vec<&MeshPart> =
                     parts.iter().filter(|part| materials.is_opaque(part.material)).collect();
                 lamps.look(index, &opaque, &places);
                 let taken = place::models(source, &parts, &places, out, seen)?;
@@ -212,7 +212,7 @@ fn place_all(
 type Alone = Zip<std::vec::IntoIter<DMat4>, std::vec::IntoIter<bool>>;
 
 /// Adds to `left_out`: degenerate triangles, and triangles so long that small triangles lose precision.
-fn note_odd_triangles(source: &Source, scene: &mut Scene, seen: &BTreeMap<usize, Seen>) {
+fn note_odd_triangles(source: &Source, scene: &mut Scene, seen: &BTreeMap<usize, PlacementNotes>) {
     let listed = |odd: Vec<(usize, String)>| {
         let named: Vec<String> =
             odd.iter().take(3).map(|(i, count)| format!("{}{count}", mesh::name(source, *i))).collect();

@@ -8,7 +8,7 @@ use rebounce_shared::camera::Camera;
 use serde::Deserialize;
 
 /// A node of the scene with its transform to world space.
-pub(super) struct Placed {
+pub(super) struct PlacedNode {
     pub index: usize,
     /// Index of the parent in the list.
     pub parent: Option<usize>,
@@ -16,10 +16,10 @@ pub(super) struct Placed {
 }
 
 /// All visible nodes at and below `roots`, parents before children.
-pub(super) fn flatten(source: &Source, roots: Vec<usize>) -> Result<Vec<Placed>, SceneError> {
+pub(super) fn flatten(source: &Source, roots: Vec<usize>) -> Result<Vec<PlacedNode>, SceneError> {
     let root = &source.root;
     let mut seen = vec![false; root.nodes.len()];
-    let mut out: Vec<Placed> = Vec::new();
+    let mut out: Vec<PlacedNode> = Vec::new();
     let mut stack: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|i| (i, None)).collect();
     while let Some((index, parent)) = stack.pop() {
         let node =
@@ -41,7 +41,7 @@ pub(super) fn flatten(source: &Source, roots: Vec<usize>) -> Result<Vec<Placed>,
         }
         let place = Some(out.len());
         stack.extend(children(node).rev().map(|child| (child, place)));
-        out.push(Placed { index, parent, world });
+        out.push(PlacedNode { index, parent, world });
     }
     Ok(out)
 }
@@ -53,12 +53,12 @@ pub(super) fn name(source: &Source, index: usize) -> String {
 }
 
 /// Returns `name`, or the node's name if `name` is empty.
-pub(super) fn or_of_node(source: &Source, node: &Placed, name: String) -> String {
+pub(super) fn or_of_node(source: &Source, node: &PlacedNode, name: String) -> String {
     if name.is_empty() { source.root.nodes[node.index].name.clone().unwrap_or_default() } else { name }
 }
 
 /// Name of a node's camera, or else of the node.
-pub(super) fn camera_name(source: &Source, node: &Placed) -> String {
+pub(super) fn camera_name(source: &Source, node: &PlacedNode) -> String {
     let camera =
         source.root.nodes[node.index].camera.and_then(|index| source.root.cameras.get(index.value()));
     or_of_node(source, node, camera.and_then(|camera| camera.name.clone()).unwrap_or_default())
@@ -92,7 +92,7 @@ pub(super) fn placement(world: &DMat4) -> ([f64; 3], [f64; 3]) {
 /// perspective camera with equal view height at the target.
 pub(super) fn camera(
     source: &Source,
-    node: &Placed,
+    node: &PlacedNode,
     origin: [f64; 3],
     size: f64,
 ) -> Result<Option<Camera>, SceneError> {

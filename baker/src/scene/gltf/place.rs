@@ -1,9 +1,9 @@
 //! A mesh's parts to world-space triangles.
 
-use super::mesh::Part;
+use super::mesh::MeshPart;
 use super::rest::normals_along;
 use super::source::Source;
-use crate::scene::model::{self, Copies, WorldModel};
+use crate::scene::model::{self, Copies, WorldInstancedMesh};
 use crate::scene::{MOST, SceneError, WorldMesh};
 use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
 
@@ -12,7 +12,7 @@ const FAR: f64 = 1e12;
 
 /// Statistics of the triangles of a placed mesh.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Seen {
+pub(super) struct PlacementNotes {
     /// Triangles without area.
     pub degenerate: usize,
     /// Longest side of a triangle, scene units.
@@ -23,22 +23,22 @@ pub(super) struct Seen {
 /// covers the placement.
 pub(super) fn models(
     source: &Source,
-    parts: &[Part],
+    parts: &[MeshPart],
     places: &[DMat4],
     out: &mut WorldMesh,
-    seen: &mut Seen,
+    seen: &mut PlacementNotes,
 ) -> Result<Vec<bool>, SceneError> {
     let mut taken = vec![false; places.len()];
     let triangles = parts.iter().map(|part| part.triangles.len()).sum();
     // Unused vertices may be anywhere, so the bounds skip unused vertices.
-    let used = |part: &Part| {
+    let used = |part: &MeshPart| {
         part.triangles.iter().flatten().map(|i| part.positions[*i as usize]).collect::<Vec<_>>()
     };
     let corners = parts.iter().flat_map(used);
     let bounds = corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
     for Copies { model_from_mesh, placed } in model::divide(places, triangles, bounds) {
-        let mut model = WorldModel::default();
-        let mut once = Seen::default();
+        let mut model = WorldInstancedMesh::default();
+        let mut once = PlacementNotes::default();
         for part in parts {
             append(source, part, &model_from_mesh, &mut model.mesh, &mut once)?;
         }
@@ -76,7 +76,7 @@ fn check_counts(
     Ok(())
 }
 
-fn out_of_range(source: &Source, part: &Part) -> SceneError {
+fn out_of_range(source: &Source, part: &MeshPart) -> SceneError {
     let problem = "is placed beyond the range of numbers, 10^12 units from the origin";
     source.malformed(format!("{} {problem}", part.what))
 }
@@ -84,10 +84,10 @@ fn out_of_range(source: &Source, part: &Part) -> SceneError {
 /// Appends a part, placed by `matrix`.
 pub(super) fn append(
     source: &Source,
-    part: &Part,
+    part: &MeshPart,
     matrix: &DMat4,
     out: &mut WorldMesh,
-    seen: &mut Seen,
+    seen: &mut PlacementNotes,
 ) -> Result<(), SceneError> {
     let flat = part.normals.is_none();
     let added = if flat { part.triangles.len().saturating_mul(3) } else { part.positions.len() };

@@ -10,7 +10,7 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 /// Reader of a primitive.
-pub(super) struct Numbers<'a> {
+pub(super) struct PrimitiveReader<'a> {
     source: &'a Source,
     primitive: &'a Primitive,
     /// Name of the primitive in errors.
@@ -18,7 +18,7 @@ pub(super) struct Numbers<'a> {
     draco: Option<Decoded>,
 }
 
-impl<'a> Numbers<'a> {
+impl<'a> PrimitiveReader<'a> {
     /// Decompresses a Draco primitive, unless the file has an uncompressed copy.
     pub fn new(source: &'a Source, primitive: &'a Primitive, what: &'a str) -> Result<Self, SceneError> {
         let mut numbers = Self { source, primitive, what, draco: None };

@@ -1,6 +1,6 @@
 //! Rest pose of meshes: morph targets with default weights (glTF 2.0, 3.7.2.2), then skins (3.7.3.3).
 
-use super::primitive::Numbers;
+use super::primitive::PrimitiveReader;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DMat3, DMat4, DVec3};
@@ -30,7 +30,7 @@ impl Rest {
     /// The mesh's default deformation, for nodes without skin or weights.
     pub fn of_mesh(source: &Source, mesh: usize) -> Self {
         let weights = source.root.meshes.get(mesh).and_then(|mesh| mesh.weights.as_deref());
-        Self { weights: wide(weights.unwrap_or_default()), skin: None }
+        Self { weights: as_f64(weights.unwrap_or_default()), skin: None }
     }
 
     /// The deformation by a node that has a skin or weights; `None` without both.
@@ -50,7 +50,7 @@ impl Rest {
         }
         let mut rest = Self::of_mesh(source, mesh);
         if let Some(weights) = &found.weights {
-            rest.weights = wide(weights);
+            rest.weights = as_f64(weights);
         }
         if let Some(skin) = found.skin {
             rest.skin = Some(Skin { world_from_mesh: skins.joints(source, skin.value())?, world_from_node });
@@ -71,7 +71,7 @@ impl Rest {
         &self,
         source: &Source,
         primitive: &Primitive,
-        numbers: &Numbers,
+        numbers: &PrimitiveReader,
         positions: &mut [DVec3],
         normals: Option<&mut [DVec3]>,
     ) -> Result<bool, SceneError> {
@@ -91,7 +91,7 @@ impl Rest {
         &self,
         source: &Source,
         primitive: &Primitive,
-        numbers: &Numbers,
+        numbers: &PrimitiveReader,
         positions: &mut [DVec3],
         mut normals: Option<&mut [DVec3]>,
     ) -> Result<(), SceneError> {
@@ -124,7 +124,7 @@ impl Skin {
     fn apply(
         &self,
         source: &Source,
-        numbers: &Numbers,
+        numbers: &PrimitiveReader,
         positions: &mut [DVec3],
         normals: Option<&mut [DVec3]>,
     ) -> Result<bool, SceneError> {
@@ -143,7 +143,12 @@ impl Skin {
     }
 
     /// Returns the matrix of each vertex: the weighted mean of joint matrices.
-    fn blended(&self, source: &Source, numbers: &Numbers, count: usize) -> Result<Vec<DMat4>, SceneError> {
+    fn blended(
+        &self,
+        source: &Source,
+        numbers: &PrimitiveReader,
+        count: usize,
+    ) -> Result<Vec<DMat4>, SceneError> {
         let mut sums = vec![(DMat4::ZERO, 0.0); count];
         let mut first = Vec::new();
         for set in 0.. {
@@ -181,7 +186,7 @@ impl Skin {
         self.world_from_mesh.get(joint as usize).copied()
     }
 
-    fn no_joint(&self, source: &Source, numbers: &Numbers, joint: f64) -> SceneError {
+    fn no_joint(&self, source: &Source, numbers: &PrimitiveReader, joint: f64) -> SceneError {
         let count = self.world_from_mesh.len();
         source.malformed(format!("{} has the joint {joint}, but its skin {count}", numbers.what()))
     }
@@ -273,6 +278,6 @@ fn parents(source: &Source) -> Vec<Option<usize>> {
     parents
 }
 
-fn wide(weights: &[f32]) -> Vec<f64> {
+fn as_f64(weights: &[f32]) -> Vec<f64> {
     weights.iter().map(|&weight| f64::from(weight)).collect()
 }

@@ -31,7 +31,7 @@ impl Default for DiffuseTransmission {
 
 /// Transmission parameters of a file; absent parameters are `default`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Numbers {
+pub(super) struct TransmissionFactors {
     /// `transmissionFactor`.
     pub transmission: f32,
     /// `thicknessFactor`, scene units.
@@ -46,7 +46,7 @@ pub(super) struct Numbers {
     pub scattered_color: [f32; 3],
 }
 
-impl Default for Numbers {
+impl Default for TransmissionFactors {
     fn default() -> Self {
         Self {
             transmission: 0.0,
@@ -59,7 +59,7 @@ impl Default for Numbers {
     }
 }
 
-impl Numbers {
+impl TransmissionFactors {
     /// Whether all parameters are numbers, not NaN.
     pub fn are_usable(&self) -> bool {
         let factors = [self.transmission, self.thickness, self.attenuation_distance, self.scattered];
@@ -95,8 +95,12 @@ mod tests {
         for (thickness, attenuation_distance, power) in
             [(0.2, 0.2, 1.0), (0.1, 0.2, 0.5), (0.2, f32::INFINITY, 0.0), (0.0, 0.2, 0.0)]
         {
-            let numbers =
-                Numbers { thickness, attenuation_distance, attenuation_color, ..Numbers::default() };
+            let numbers = TransmissionFactors {
+                thickness,
+                attenuation_distance,
+                attenuation_color,
+                ..TransmissionFactors::default()
+            };
             let tint = numbers.extras().transmission_tint;
             for (face, color) in tint.into_iter().zip(attenuation_color) {
                 assert!((face * face - color.powf(power)).abs() < 1e-6, "{thickness}: {face}");

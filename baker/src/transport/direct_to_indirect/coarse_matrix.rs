@@ -16,7 +16,7 @@ use rebounce_shared::link::{Link, Sent};
 ///
 /// # Errors
 /// [`Stopped`].
-pub fn among(
+pub fn coarse_rows(
     values: &[Vec<Link>],
     push: Rows,
     tints: &[u32],

@@ -1,4 +1,4 @@
-//! Gather rays of a receiver's hemisphere, in the order of the directions.
+//! HemisphereRays rays of a receiver's hemisphere, in the order of the directions.
 
 use super::directions::Directions;
 use super::ray_sort::cells;
@@ -9,7 +9,7 @@ use crate::random::mix;
 use crate::sampling::SurfacePoint;
 use glam::Vec3;
 
-/// Gather rays of several receivers, receiver after receiver.
+/// HemisphereRays rays of several receivers, receiver after receiver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GatherRays {
     /// Rays, each with the random seed for transparent surfaces.
@@ -42,7 +42,7 @@ pub fn gather_rays(
     directions: &Directions,
     out: &mut GatherRays,
 ) {
-    let gather = Gather { point, receiver, seed, epsilon, directions };
+    let gather = HemisphereRays { point, receiver, seed, epsilon, directions };
     #[cfg(target_arch = "x86_64")]
     if processor::has_avx2() {
         // SAFETY: the processor has AVX2.
@@ -53,7 +53,7 @@ pub fn gather_rays(
 }
 
 /// Arguments of [`gather_rays`].
-struct Gather<'a> {
+struct HemisphereRays<'a> {
     point: &'a SurfacePoint,
     receiver: usize,
     seed: u64,
@@ -61,8 +61,8 @@ struct Gather<'a> {
     directions: &'a Directions,
 }
 
-impl Gather<'_> {
-    /// [`Gather::rays`] with eight lanes.
+impl HemisphereRays<'_> {
+    /// [`HemisphereRays::rays`] with eight lanes.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn rays_avx2(&self, out: &mut GatherRays) {
@@ -115,7 +115,8 @@ mod tests {
             let (mut told, mut plain) = (GatherRays::default(), GatherRays::default());
             gather_rays(&point, receiver, 7, 0.01, &directions, &mut told);
             let point = &point;
-            Gather { point, receiver, seed: 7, epsilon: 0.01, directions: &directions }.rays(&mut plain);
+            HemisphereRays { point, receiver, seed: 7, epsilon: 0.01, directions: &directions }
+                .rays(&mut plain);
             assert_eq!(told, plain);
             assert!(told.rays.len() <= count as usize && (count < 8 || !told.rays.is_empty()));
         }

@@ -15,7 +15,7 @@
 //! * [`bytes`] – serialization of finished parts;
 //! * [`journal`] – storage of partial results for resuming a bake;
 //! * [`refine`] – the adaptive queue of Fig. 5: the one-bounce operator T;
-//! * [`among`] – coarse transport matrix C between the coarse points;
+//! * [`coarse_rows`] – coarse transport matrix C between the coarse points;
 //! * [`bounces`] – later bounces: S, by the [`series`] of bounces between coarse points.
 
 pub mod accumulator;
@@ -38,7 +38,7 @@ mod sparsify;
 pub mod tint;
 
 use accumulator::IrradianceRow;
-use coarse_matrix::among;
+use coarse_matrix::coarse_rows;
 use rebounce_shared::link::{LaterLink, Link};
 
 /// Settings of the operator's computation.

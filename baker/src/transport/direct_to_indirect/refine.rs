@@ -10,7 +10,7 @@ use super::gather_context::{GatherContext, GatherCost};
 use super::hit_cache::{HitCache, Layout};
 use super::journal::PartialResults;
 use super::neighbourhood::SenderBlocks;
-use super::{Operator, OperatorSettings, among, tint};
+use super::{Operator, OperatorSettings, coarse_rows, tint};
 use crate::basis::{Leveled, Relations, sender_evaluator};
 use crate::communicator::share::{SendBuffer, Traffic, share};
 use crate::communicator::{Communicator, CommunicatorError};
@@ -286,7 +286,7 @@ impl<'a, S: Surfaces + ?Sized> Refiner<'a, S> {
         let context = &self.context;
         let values = &self.values[..context.coarse_count];
         let tints = &self.operator.tints[..self.sender_count];
-        self.operator.coarse = among(values, context.relations.push(), tints, context.settings, watch)?;
+        self.operator.coarse = coarse_rows(values, context.relations.push(), tints, context.settings, watch)?;
         Ok(())
     }
 

@@ -95,7 +95,7 @@ impl<'a> Series<'a> {
         for ((sent, step), tint) in state.sent[0].iter_mut().zip(&state.step).zip(self.tints) {
             *sent = tinted(step, *tint);
         }
-        let mut mixes = Mixes::new(self.kept);
+        let mut mixes = ChebyshevCoefficients::new(self.kept);
         let mut sweeps = 0;
         let most = self.wanted.map_or(MOST_SWEEPS, |wanted| wanted - 3);
         let to_come = self.kept / (1.0 - self.kept);
@@ -174,12 +174,12 @@ fn kept(rows: &[IrradianceRow], tints: &[Vec3]) -> f32 {
 
 /// Generates the coefficients of Chebyshev's iteration, step by step. With Chebyshev polynomials T
 /// and k bounces done, `ratio` is T_k(1 / λ) / (λ T_{k + 1}(1 / λ)).
-struct Mixes {
+struct ChebyshevCoefficients {
     kept: f32,
     ratio: f32,
 }
 
-impl Mixes {
+impl ChebyshevCoefficients {
     fn new(kept: f32) -> Self {
         Self { kept, ratio: 1.0 }
     }

@@ -42,8 +42,8 @@ fn ray(stream: &mut Stream) -> Ray {
 
 /// Returns the number and the distance of the nearest triangle.
 fn brute_force(geometry: &Geometry, surfaces: &TriangleSurfaces, ray: &Ray) -> Option<(usize, f32)> {
-    let line = Line { origin: ray.origin, direction: ray.direction };
-    let nearest = |line: &Line, range: std::ops::Range<usize>| {
+    let line = LocalRay { origin: ray.origin, direction: ray.direction };
+    let nearest = |line: &LocalRay, range: std::ops::Range<usize>| {
         let sheared = ShearedRay::new(line.origin, line.direction);
         let meet = |i: usize| {
             Some((i, Corners::new(geometry.triangles[i].positions).meet(&sheared, f32::INFINITY)?))

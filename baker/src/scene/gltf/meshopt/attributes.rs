@@ -1,6 +1,6 @@
 //! Mode ATTRIBUTES: elements in blocks; a block has a row per byte of the element, of deltas to the preceding element.
 
-use super::{Reader, unzigzag};
+use super::{ByteStream, unzigzag};
 
 /// Number of elements in a group of packed deltas.
 const GROUP: usize = 16;
@@ -15,7 +15,7 @@ pub(super) fn decode(packed: &[u8], count: usize, stride: usize) -> Option<Vec<u
     let mut last = tail[..stride].to_vec();
     let channels = &tail[stride..];
 
-    let mut stream = Reader { bytes: body };
+    let mut stream = ByteStream { bytes: body };
     let most = ((8192 / stride) & !(GROUP - 1)).min(256);
     let mut out = Vec::new();
     let mut left = count;
@@ -41,7 +41,7 @@ pub(super) fn decode(packed: &[u8], count: usize, stride: usize) -> Option<Vec<u
 
 /// Decodes the deltas of a block: the row of the elements' first bytes, then of the second bytes, and on. A row is
 /// padded to whole groups.
-fn block(stream: &mut Reader, version: u8, size: usize, stride: usize) -> Option<Vec<u8>> {
+fn block(stream: &mut ByteStream, version: u8, size: usize, stride: usize) -> Option<Vec<u8>> {
     let row = size.next_multiple_of(GROUP);
     let groups = row / GROUP;
     let controls = stream.take(if version == 0 { 0 } else { stride / 4 })?;
@@ -67,7 +67,7 @@ fn block(stream: &mut Reader, version: u8, size: usize, stride: usize) -> Option
 }
 
 /// Decodes 16 deltas of `bits` bits; a delta with all bits set is the escape for a following byte.
-fn group(stream: &mut Reader, bits: u32, out: &mut [u8]) -> Option<()> {
+fn group(stream: &mut ByteStream, bits: u32, out: &mut [u8]) -> Option<()> {
     match bits {
         0 => {}
         8 => out.copy_from_slice(stream.take(GROUP)?),

@@ -1,6 +1,6 @@
 //! Modes TRIANGLES and INDICES: index lists.
 
-use super::{Reader, unzigzag};
+use super::{ByteStream, unzigzag};
 
 /// The last 2^n numbers pushed.
 struct Recent<const N: usize> {
@@ -25,17 +25,17 @@ impl<const N: usize> Recent<N> {
 }
 
 /// Decoder state of a triangle list.
-struct State<'a> {
+struct DecoderState<'a> {
     edges: Recent<32>,
     vertices: Recent<16>,
     /// The next new index.
     next: u32,
     /// The last explicit index.
     last: u32,
-    data: Reader<'a>,
+    data: ByteStream<'a>,
 }
 
-impl State<'_> {
+impl DecoderState<'_> {
     fn fresh(&mut self) -> u32 {
         self.next = self.next.wrapping_add(1);
         self.next.wrapping_sub(1)
@@ -116,7 +116,7 @@ pub(super) fn triangles(packed: &[u8], count: usize) -> Option<Vec<u32>> {
     // One code byte per triangle bounds the count by the data.
     let (codes, data) = body.split_at_checked(count / 3)?;
     let (edges, vertices) = (Recent::new(), Recent::new());
-    let mut state = State { edges, vertices, next: 0, last: 0, data: Reader { bytes: data } };
+    let mut state = DecoderState { edges, vertices, next: 0, last: 0, data: ByteStream { bytes: data } };
     let mut out = Vec::with_capacity(count);
     for code in codes {
         let (high, low) = (code >> 4, code & 15);
@@ -130,7 +130,7 @@ pub(super) fn sequence(packed: &[u8], count: usize) -> Option<Vec<u32>> {
     if packed.first() != Some(&0xd1) {
         return None;
     }
-    let mut stream = Reader { bytes: packed[1..].split_at_checked(packed.len().checked_sub(5)?)?.0 };
+    let mut stream = ByteStream { bytes: packed[1..].split_at_checked(packed.len().checked_sub(5)?)?.0 };
     let mut last = [0u32; 2];
     let mut out = Vec::new();
     for _ in 0..count {

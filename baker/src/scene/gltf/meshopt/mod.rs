@@ -74,11 +74,11 @@ fn narrow(indices: &[u32], stride: usize) -> Vec<u8> {
 }
 
 /// Reads a stream byte by byte; `None` at its end.
-struct Reader<'a> {
+struct ByteStream<'a> {
     bytes: &'a [u8],
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ByteStream<'a> {
     fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         let (taken, rest) = self.bytes.split_at_checked(count)?;
         self.bytes = rest;

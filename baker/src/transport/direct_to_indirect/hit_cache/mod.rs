@@ -79,8 +79,8 @@ fn lay(primitives: &dyn Primitives, number: u32, primitive: &Primitive, function
     TileLayout { first: 0, columns, rows }
 }
 
-/// Group of small primitives that share a tile.
-struct Group {
+/// TileGroup of small primitives that share a tile.
+struct TileGroup {
     /// Number of the first primitive of the group, which owns the tile.
     primitive: u32,
     primitives: u32,
@@ -91,7 +91,7 @@ struct Group {
     high: Vec3,
 }
 
-impl Group {
+impl TileGroup {
     fn new(number: u32, primitive: &Primitive) -> Self {
         let some = smallvec![number];
         Self { primitive: number, primitives: 1, some, low: primitive.middle, high: primitive.middle }
@@ -142,7 +142,7 @@ pub struct Layout {
     laid: Vec<TileLayout>,
     /// In ascending order of the first primitive; the tile of a group may be missing for lack of
     /// budget.
-    groups: Vec<Group>,
+    groups: Vec<TileGroup>,
     /// Primitives that own tiles, ascending.
     owners: Vec<u32>,
     /// Total number of tiles.
@@ -170,7 +170,7 @@ impl Layout {
         let chunks = laid.par_chunks_mut(TOGETHER).zip(leads.par_chunks_mut(TOGETHER)).enumerate();
         let groups = chunks.map(|(chunk, (laid, leads))| {
             watch.step(0)?;
-            let mut groups: Vec<Group> = Vec::new();
+            let mut groups: Vec<TileGroup> = Vec::new();
             let mut known: HashMap<Alike, usize> = HashMap::new();
             for ((laid, lead), number) in laid.iter_mut().zip(leads).zip((chunk * TOGETHER) as u32..) {
                 let primitive = primitives.primitive(number);
@@ -183,7 +183,7 @@ impl Layout {
                         *laid = TileLayout { first: 0, columns: 1, rows: 1 };
                         continue;
                     }
-                    groups.push(Group::new(number, &primitive));
+                    groups.push(TileGroup::new(number, &primitive));
                 }
                 *laid = lay(primitives, number, &primitive, functions);
                 laid.first = laid.count() * (1 + primitive.has_back as u32);
@@ -191,7 +191,7 @@ impl Layout {
             groups.retain(|group| group.primitives > 1);
             Ok(groups)
         });
-        let groups = groups.collect::<Result<Vec<Vec<Group>>, Stopped>>()?;
+        let groups = groups.collect::<Result<Vec<Vec<TileGroup>>, Stopped>>()?;
         // Second pass: first tile of each primitive.
         let mut owners = Vec::new();
         let most = MOST_TOGETHER[0] * points + MOST_TOGETHER[1] * primitives.count();
@@ -244,7 +244,13 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     /// Computes a tile of a primitive, or of the group whose first primitive is `owner`.
-    fn tile(&mut self, owner: u32, group: Option<&Group>, laid: TileLayout, number: u32) -> PackedWeights {
+    fn tile(
+        &mut self,
+        owner: u32,
+        group: Option<&TileGroup>,
+        laid: TileLayout,
+        number: u32,
+    ) -> PackedWeights {
         let primitive = self.primitives.primitive(owner);
         let (count, local) = (laid.count(), number - laid.first);
         let Some(tile) = laid.column_row(local % count) else { return PackedWeights::NOTHING };

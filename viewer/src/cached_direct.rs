@@ -8,7 +8,7 @@ const CALM: u32 = 8;
 
 /// State of every light: the lights in the kept sum.
 #[derive(Debug, Default)]
-pub struct StillLights(Vec<Light>);
+pub struct CachedDirectLight(Vec<Light>);
 
 #[derive(Clone, Copy, Debug)]
 struct Light {
@@ -20,7 +20,7 @@ struct Light {
 
 /// Work of an evaluation.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Choice {
+pub struct CachedEvaluation {
     /// Whether the sum continues from its present value; otherwise from zero.
     pub keep: bool,
     /// Lights added to the sum.
@@ -29,22 +29,22 @@ pub struct Choice {
     pub moving: Vec<u32>,
 }
 
-impl Choice {
+impl CachedEvaluation {
     /// Number of evaluated lights.
     pub fn count(&self) -> usize {
         self.still.len() + self.moving.len()
     }
 }
 
-impl StillLights {
+impl CachedDirectLight {
     /// Returns the work of the next evaluation, which must take place: for these lights, in the same scene and with
     /// the same shadow maps as before. Initially the sum is zero.
-    pub fn choose(&mut self, lights: &[LightRecord]) -> Choice {
+    pub fn choose(&mut self, lights: &[LightRecord]) -> CachedEvaluation {
         let before = std::mem::take(&mut self.0);
         // A changed or removed light cannot be subtracted exactly from the sum.
         let changed = |(i, light): (usize, &Light)| light.kept && lights.get(i) != Some(&light.record);
         let keep = !before.iter().enumerate().any(changed);
-        let mut choice = Choice { keep, ..Choice::default() };
+        let mut choice = CachedEvaluation { keep, ..CachedEvaluation::default() };
         for (i, record) in lights.iter().enumerate() {
             let mut light = match before.get(i) {
                 Some(light) if light.record == *record => {
@@ -89,7 +89,7 @@ mod tests {
     }
 
     /// Mirrors the shader, with an intensity for the light of all points.
-    fn evaluate(sum: &mut f64, choice: &Choice, intensities: &[f64]) -> f64 {
+    fn evaluate(sum: &mut f64, choice: &CachedEvaluation, intensities: &[f64]) -> f64 {
         let total = |list: &[u32]| list.iter().map(|i| intensities[*i as usize]).sum::<f64>();
         *sum = if choice.keep { *sum } else { 0.0 } + total(&choice.still);
         *sum + total(&choice.moving)
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn whatever_the_lights_do_their_sum_is_that_of_all() {
-        let (mut still, mut sum) = (StillLights::default(), 0.0);
+        let (mut still, mut sum) = (CachedDirectLight::default(), 0.0);
         let mut intensities = vec![1.0; 5];
         let mut seed = 1u32;
         let mut random = |below: u32| {
@@ -128,18 +128,18 @@ mod tests {
 
     #[test]
     fn one_that_moves_is_evaluated_alone_and_belongs_to_the_others_when_it_rests() {
-        let mut still = StillLights::default();
+        let mut still = CachedDirectLight::default();
         let mut intensities = vec![1.0; 16];
         let all: Vec<u32> = (0..16).collect();
         let first = still.choose(&records(&intensities));
-        assert_eq!(first, Choice { keep: true, still: all.clone(), moving: vec![] });
+        assert_eq!(first, CachedEvaluation { keep: true, still: all.clone(), moving: vec![] });
         intensities[3] = 2.0;
         let begins = still.choose(&records(&intensities));
         assert_eq!((begins.keep, begins.count(), &begins.moving[..]), (false, 16, &[3][..]));
         for step in 0..20 {
             intensities[3] = 3.0 + step as f64;
             let choice = still.choose(&records(&intensities));
-            assert_eq!(choice, Choice { keep: true, still: vec![], moving: vec![3] });
+            assert_eq!(choice, CachedEvaluation { keep: true, still: vec![], moving: vec![3] });
         }
         // A second light changes: all lights once more, then two, until the first light rests.
         for step in 0..CALM {
@@ -150,13 +150,13 @@ mod tests {
         intensities[7] = 1.5;
         assert_eq!(
             still.choose(&records(&intensities)),
-            Choice { keep: true, still: vec![], moving: vec![7] }
+            CachedEvaluation { keep: true, still: vec![], moving: vec![7] }
         );
     }
 
     #[test]
     fn a_light_that_is_off_costs_nothing() {
-        let mut still = StillLights::default();
+        let mut still = CachedDirectLight::default();
         assert_eq!(still.choose(&records(&[0.0, 1.0, 0.0])).count(), 1);
     }
 }

@@ -18,13 +18,13 @@ const COSTS: f32 = 8.0;
 
 /// A triangle or an instance.
 #[derive(Clone, Copy)]
-struct Part {
+struct OutlierPart {
     bounds: (Vec3, Vec3),
     area: f64,
     material: u32,
 }
 
-impl Part {
+impl OutlierPart {
     fn middle(&self) -> Vec3 {
         0.5 * (self.bounds.0 + self.bounds.1)
     }
@@ -47,7 +47,7 @@ pub fn far_away(scene: &Scene) -> Option<String> {
         return None;
     }
     let centre = 0.5 * (bounds.0 + bounds.1);
-    let away = |part: &Part| part.middle().distance(centre);
+    let away = |part: &OutlierPart| part.middle().distance(centre);
     let part = all.iter().max_by(|a, b| away(a).total_cmp(&away(b)))?;
     let [x, y, z] = (DVec3::from(scene.origin) + part.middle().as_dvec3()).to_array();
     let name = match scene.materials.get(part.material as usize).map(|material| material.name.as_str()) {
@@ -62,13 +62,13 @@ pub fn far_away(scene: &Scene) -> Option<String> {
 }
 
 /// Triangles and instances, subsampled in very large scenes.
-fn parts(scene: &Scene) -> Vec<Part> {
+fn parts(scene: &Scene) -> Vec<OutlierPart> {
     let first = scene.models.first().map_or(scene.triangles.len(), |model| model.triangles.start as usize);
     let triangles =
         scene.triangles[..first].iter().zip(&scene.triangle_material).map(|(corners, &material)| {
             let corners = corners.map(|i| scene.positions[i as usize]);
             let [a, b, c] = corners.map(|p| p.as_dvec3());
-            Part { bounds: bounds_of(&corners), area: 0.5 * (b - a).cross(c - a).length(), material }
+            OutlierPart { bounds: bounds_of(&corners), area: 0.5 * (b - a).cross(c - a).length(), material }
         });
     let copies = scene.models.iter().flat_map(|model| {
         let material = scene.triangle_material[model.triangles.start as usize];
@@ -76,24 +76,24 @@ fn parts(scene: &Scene) -> Vec<Part> {
             // An instance has the area of its box.
             let size = (bounds.1 - bounds.0).as_dvec3();
             let area = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
-            Part { bounds, area, material }
+            OutlierPart { bounds, area, material }
         })
     });
     let every = (first + scene.instances()).div_ceil(LOOKED_AT).max(1);
     triangles.step_by(every).chain(copies.step_by(every)).collect()
 }
 
-fn bounds_of_all(parts: &[Part]) -> Option<(Vec3, Vec3)> {
+fn bounds_of_all(parts: &[OutlierPart]) -> Option<(Vec3, Vec3)> {
     parts.iter().map(|part| part.bounds).reduce(union)
 }
 
 /// Removes the side of smaller area at every far gap.
-fn without_far(mut parts: Vec<Part>) -> Vec<Part> {
+fn without_far(mut parts: Vec<OutlierPart>) -> Vec<OutlierPart> {
     'gaps: loop {
         for axis in 0..3 {
             parts.sort_by(|a, b| a.bounds.0[axis].total_cmp(&b.bounds.0[axis]));
             let mut end = f32::NEG_INFINITY;
-            let gap = |(i, part): (usize, &Part)| {
+            let gap = |(i, part): (usize, &OutlierPart)| {
                 let gap = part.bounds.0[axis] - end;
                 end = end.max(part.bounds.1[axis]);
                 (i, gap)
@@ -103,7 +103,7 @@ fn without_far(mut parts: Vec<Part>) -> Vec<Part> {
             else {
                 return parts;
             };
-            let area = |parts: &[Part]| parts.iter().map(|part| part.area).sum::<f64>();
+            let area = |parts: &[OutlierPart]| parts.iter().map(|part| part.area).sum::<f64>();
             let mut beyond = parts.split_off(at);
             if area(&beyond) > area(&parts) {
                 std::mem::swap(&mut parts, &mut beyond);
