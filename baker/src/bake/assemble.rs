@@ -144,7 +144,7 @@ fn weld(vertices: &[Vertex], indices: &mut [u32]) -> Vec<Vertex> {
     welded
 }
 
-/// RenderGeometry sections of the file, for drawing.
+/// Geometry sections of the file, for drawing.
 struct RenderGeometry {
     draws: Vec<Draw>,
     indices: Vec<u32>,

@@ -53,7 +53,7 @@ const STRETCH: f64 = 0.2;
 /// a shared cache or core costs processor time, too.
 const HALF_LIFE: (f64, f64) = (2.0, 0.2);
 
-/// WorkKind of work: parts of a kind have one pace.
+/// Kind of work: parts of a kind have one pace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum WorkKind {
     /// Setting up, and assembling the file.

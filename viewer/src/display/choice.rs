@@ -1,4 +1,4 @@
-//! DisplayChoice of the [way](Way) from functions to pixels: the requested way, or the faster of the two. Both ways draw
+//! Choice of the [way](Way) from functions to pixels: the requested way, or the faster of the two. Both ways draw
 //! the same picture, so ordinary pictures serve as measurements.
 
 use crate::settings::{Display, Way};

@@ -15,7 +15,7 @@ thread_local! {
     static PRESENT: RefCell<Present> = const { RefCell::new(Present::None) };
 }
 
-/// ViewerState of the device.
+/// State of the device.
 enum Present {
     None,
     /// A request is in flight; these callers wait for the answer.

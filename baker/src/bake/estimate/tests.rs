@@ -18,7 +18,7 @@ struct Course {
     parts: Vec<Recorded>,
 }
 
-/// BakePart of a recorded bake: units of work and processor seconds.
+/// Part of a recorded bake: units of work and processor seconds.
 #[derive(Clone, Debug, Deserialize)]
 struct Recorded {
     stage: String,

@@ -1,4 +1,4 @@
-//! RoomView of an object or a landscape from outside.
+//! View of an object or a landscape from outside.
 
 use super::YFOV_DEG;
 use crate::scene::bounds_of;

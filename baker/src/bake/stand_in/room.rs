@@ -1,4 +1,4 @@
-//! RoomView of a room: level, from eye height above a large floor, with open space and large parts of the room in view.
+//! View of a room: level, from eye height above a large floor, with open space and large parts of the room in view.
 
 use super::{ASPECT, YFOV_DEG, spread_over_picture};
 use crate::geometry::{Ray, Surfaces};

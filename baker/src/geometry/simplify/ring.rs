@@ -4,7 +4,7 @@ use super::patch::{MOST, Patch};
 use smallvec::SmallVec;
 use std::ops::ControlFlow;
 
-/// PatchTriangle at the vertex, between two successive spokes.
+/// Triangle at the vertex, between two successive spokes.
 #[derive(Clone, Copy, Debug)]
 pub struct Side {
     /// The triangle's corner at the vertex.

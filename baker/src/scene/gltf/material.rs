@@ -16,7 +16,7 @@ use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, DetailTexture, Material};
 use std::collections::{HashMap, HashSet};
 
-/// MaterialSource parameters, from metallic-roughness or specular-glossiness.
+/// Surface parameters, from metallic-roughness or specular-glossiness.
 struct MaterialSource {
     base_color: [f32; 4],
     base_color_texture: Option<TextureInfo>,

@@ -1,4 +1,4 @@
-//! HemisphereRays rays of a receiver's hemisphere, in the order of the directions.
+//! Gather rays of a receiver's hemisphere, in the order of the directions.
 
 use super::directions::Directions;
 use super::ray_sort::cells;
@@ -9,7 +9,7 @@ use crate::random::mix;
 use crate::sampling::SurfacePoint;
 use glam::Vec3;
 
-/// HemisphereRays rays of several receivers, receiver after receiver.
+/// Gather rays of several receivers, receiver after receiver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GatherRays {
     /// Rays, each with the random seed for transparent surfaces.

@@ -79,7 +79,7 @@ fn lay(primitives: &dyn Primitives, number: u32, primitive: &Primitive, function
     TileLayout { first: 0, columns, rows }
 }
 
-/// TileGroup of small primitives that share a tile.
+/// Group of small primitives that share a tile.
 struct TileGroup {
     /// Number of the first primitive of the group, which owns the tile.
     primitive: u32,
