@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn amounts_keep_four_digits_and_their_signs() {
+    fn amounts_keep_their_signs_and_three_bits_of_mantissa() {
         for k in 0..2000 {
             let amount = 2f32.powf(-29.0 + 30.8 * k as f32 / 2000.0) * if k % 2 == 0 { 1.0 } else { -1.0 };
             let link = Link::pack(k * 524, amount);

@@ -24,7 +24,6 @@ use crate::renderer::Renderer;
 use crate::scene::GpuScene;
 use page::{coded, js_error, promise};
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::rbn;
 use shared::SharedDevice;
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;

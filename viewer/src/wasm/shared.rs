@@ -73,7 +73,7 @@ impl SharedDevice {
             .ok()
             .filter(JsValue::is_truthy)
             .ok_or(ViewerError::NoWebGpu)?;
-        let is_bgra = page.unchecked_into::<browser::Gpu>().format() == "bgra8unorm";
+        let is_bgra = page.unchecked_into::<browser::BrowserGpu>().format() == "bgra8unorm";
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::BROWSER_WEBGPU,
             ..wgpu::InstanceDescriptor::new_without_display_handle()
