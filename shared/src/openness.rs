@@ -3,7 +3,7 @@
 //!
 //! Bounced irradiance between points is interpolated and lacks folds and contacts smaller than a support. Openness is
 //! known at the points (section `OPEN`) and computable at every pixel: from short rays on the CPU, from horizons in
-//! the depth buffer on the GPU ([`horizon`], openness.wgsl). A pixel's irradiance is
+//! the depth buffer on the GPU ([`mod@horizon`], openness.wgsl). A pixel's irradiance is
 //! `received(V) · Σ w_j E_j / received(V_j)`, with the weights `w_j` of the basis. The result equals plain
 //! interpolation far from other surfaces, and wherever a pixel is as open as the points around it.
 //!

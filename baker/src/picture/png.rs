@@ -1,6 +1,6 @@
 //! PNG for the eye: exposed automatically, tone mapped, sRGB.
 //!
-//! Exposure and tone mapping: as in the page ([`exposure`](rebounce_shared::exposure), [`agx`]).
+//! Exposure and tone mapping: as in the page (`rebounce_shared::exposure`, [`agx`]).
 
 use super::Picture;
 use glam::Vec3;

@@ -4,11 +4,11 @@
 //! * [`viewpoint`] – search for viewpoints; [`locate`] – search for an [`emitter`]: viewpoints, and whether the scene
 //!   is open;
 //! * [`focus`] – local disk radii;
-//! * [`place`] – points of all levels; [`poisson_disk`] – dart throwing of candidates into one level's Poisson-disk
+//! * [`mod@place`] – points of all levels; [`poisson_disk`] – dart throwing of candidates into one level's Poisson-disk
 //!   distribution; [`fill`] – filling of the remaining gaps;
 //! * [`round`] – rounding to the file's precision;
 //! * `clip_planes` – planes that end supports at walls;
-//! * [`footprint`] – samples of direct light; [`openness`] – share of the hemisphere free of near surfaces.
+//! * [`mod@footprint`] – samples of direct light; [`mod@openness`] – share of the hemisphere free of near surfaces.
 
 pub mod candidates;
 mod clip_planes;
@@ -85,9 +85,9 @@ pub struct Points {
     pub points: Vec<SurfacePoint>,
     /// Clip planes of each point's support, at most four per point; empty before [`cut`].
     pub cuts: Vec<Vec<Cut>>,
-    /// Samples of each point's direct light, one bit per sample; empty before [`footprint`].
+    /// Samples of each point's direct light, one bit per sample; empty before [`footprint()`].
     pub samples: Vec<u8>,
-    /// [Openness](rebounce_shared::openness) of each point, in the file's encoding; empty before [`openness`].
+    /// [Openness](rebounce_shared::openness) of each point, in the file's encoding; empty before [`openness()`].
     pub openness: Vec<u8>,
 }
 

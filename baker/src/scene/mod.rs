@@ -7,7 +7,7 @@
 //! * [`model`] – instanced meshes;
 //! * `colours` – vertex colours; `merge` – merging of equal materials; `notes` – messages about a file;
 //! * `other_format` – files of other formats, with advice for conversion to glTF;
-//! * [`detail`] – the main part, with nearly all of the detail; [`far`] – outliers far from the rest.
+//! * [`detail`] – the main part, with nearly all of the detail; [`outliers`] – outliers far from the rest.
 
 mod basis;
 pub mod builtin;

@@ -63,7 +63,7 @@ fn ends(of: &All) -> (__m256, __m256) {
     (_mm256_min_ps(least, swapped(least)), _mm256_max_ps(most, swapped(most)))
 }
 
-/// Returns [`bvh8::inverse`](super::bvh8::inverse) of the eight values.
+/// Returns `bvh8::inverse` of the eight values.
 #[target_feature(enable = "avx2")]
 #[inline]
 fn inverses(of: __m256) -> __m256 {
