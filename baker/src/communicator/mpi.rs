@@ -8,7 +8,7 @@ use mpi::Threading;
 use mpi::collective::{CommunicatorCollectives, Root};
 use mpi::datatype::PartitionMut;
 use mpi::environment::Universe;
-use mpi::topology::{Communicator, SimpleCommunicator};
+use mpi::topology::{Communicator as _, SimpleCommunicator};
 use std::time::Duration;
 
 /// First and longest pause while waiting for the other members.
