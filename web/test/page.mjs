@@ -50,7 +50,10 @@ const LANES = 2;
 /** Runs the tests of the page, or one of its parts. `paths`: the programs rebounce, compare and damage, and a folder to
  * work in. */
 export async function runPageTests(harness, paths, only) {
-  const left = Object.entries({ ...PARTS, recovery }).filter(([name]) => name === (only ?? name)).map(([, part]) => part);
+  // By the names of their files.
+  const file = (part) => part.toLowerCase().replaceAll("-", "");
+  const named = Object.entries({ ...PARTS, recovery }).filter(([name]) => !only || file(name) === file(only));
+  const left = named.map(([, part]) => part);
   if (left.length === 0) throw new Error(`there is no part ${only}; there are ${Object.keys(PARTS).join(", ")}, recovery`);
   if (!only) {
     await modules(harness);

@@ -23,6 +23,7 @@ mod plot_estimate;
 mod process;
 mod site;
 mod soak;
+mod sources;
 mod test;
 mod toolchain;
 mod web;

@@ -2,9 +2,8 @@
 //!
 //! docs/glossary.md has the names to use. Code under `#[cfg(test)]` is free.
 
-use crate::layers;
-use crate::process;
-use anyhow::{Context, Result, bail};
+use crate::sources::{self, CRATES, is_test};
+use anyhow::{Result, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
@@ -59,8 +58,8 @@ const ALLOWED: [(&str, &str); 1] = [("Body", "baker/src/cli/http.rs")];
 /// If a replaced name is back, a type is defined twice in a crate, or a file cannot be read.
 pub fn run() -> Result<()> {
     let mut faults = Vec::new();
-    for name in layers::CRATES {
-        let names = names(&process::root().join(name).join("src"))?;
+    for name in CRATES {
+        let names = names(&sources::of(name))?;
         faults.extend(replaced(&names).into_iter().map(|fault| format!("{name}: {fault}")));
         faults.extend(doubled(&names).into_iter().map(|fault| format!("{name}: {fault}")));
     }
@@ -81,12 +80,8 @@ struct Names {
 
 /// Names of a crate's items outside of tests.
 fn names(source: &Path) -> Result<Names> {
-    let mut files = Vec::new();
-    layers::list(source, &mut files)?;
     let mut names = Names::default();
-    for file in files {
-        let text = std::fs::read_to_string(&file).with_context(|| file.display().to_string())?;
-        let parsed = syn::parse_file(&text).with_context(|| file.display().to_string())?;
+    for (file, parsed) in sources::parsed(source)? {
         Items { names: &mut names, file: &file }.visit_file(&parsed);
     }
     Ok(names)
@@ -111,7 +106,7 @@ impl Items<'_> {
 impl<'ast> Visit<'ast> for Items<'_> {
     fn visit_item(&mut self, item: &'ast syn::Item) {
         match item {
-            syn::Item::Mod(item) if layers::is_test(&item.attrs) => return,
+            syn::Item::Mod(item) if is_test(&item.attrs) => return,
             syn::Item::Mod(item) => self.add(&item.ident, false),
             syn::Item::Struct(item) => self.add(&item.ident, true),
             syn::Item::Enum(item) => self.add(&item.ident, true),

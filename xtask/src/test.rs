@@ -41,7 +41,7 @@ pub fn run(args: &[String]) -> Result<()> {
         return installed::test();
     }
     let native = match part {
-        None | Some("native") => native(name.as_slice()),
+        None | Some("native") => layers::run().and(names::run()).and(native(name.as_slice())),
         Some("wasm") => Ok(()),
         Some(_) => native(&["--no-run"]),
     };
@@ -60,17 +60,15 @@ pub fn run(args: &[String]) -> Result<()> {
     native.and(browser).and(mpi)
 }
 
-/// Checks module layers and names, and runs `cargo test` of the workspace, in the development profile (optimised). The build
-/// includes the programs for the browser tests, and the benches, to keep the benches compiling.
+/// `cargo test` of the workspace, in the development profile (optimised). The build includes the programs for the browser
+/// tests, and the benches, to keep the benches compiling.
 fn native(options: &[&str]) -> Result<()> {
-    let laws = layers::run().and(names::run());
     let mut command = process::cargo();
     command.args(["test", "--locked", "--workspace", "--no-fail-fast"]).args(options);
     if let Some(description) = install::lavapipe() {
         command.env("VK_DRIVER_FILES", description);
     }
     let tests = process::run(&mut command);
-    let tests = laws.and(tests);
     if !options.is_empty() {
         return tests;
     }
