@@ -1,5 +1,5 @@
 //! Time of a complete bake compared with the time of casting its rays: `cargo xtask bench-bake`, or
-//! `cargo bench -p rebounce --bench bake -- SCENE PRESET ROUNDS`.
+//! `cargo bench -p rebounce-benches --bench bake -- SCENE PRESET ROUNDS`.
 //!
 //! A round measures a bake with two threads; the same bake's rays on two threads, traversal only;
 //! and a bake with one thread. Results are medians over rounds. The rays are the gather rays,
@@ -14,7 +14,7 @@ use rebounce::basis::relate;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Hit, Ray, Surfaces};
 use rebounce::sampling::{Points, cut, footprint, place};
-use rebounce::scene::{self, Scene};
+use rebounce::scene::Scene;
 use rebounce::transport::direct_to_indirect::OperatorSettings;
 use rebounce::transport::direct_to_indirect::directions::Directions;
 use rebounce::transport::direct_to_indirect::gather::receivers_together;
@@ -41,7 +41,7 @@ fn main() -> Result<()> {
         Some(other) => anyhow::bail!("there is no preset {other}; there are draft, standard and fine"),
     };
     let rounds: usize = args.get(2).map_or(Ok(1), |rounds| rounds.parse()).context("how many rounds?")?;
-    let scene = scene::load(spec)?;
+    let scene = rebounce::io::load(spec)?;
     let settings = BakeSettings::new(preset).normalised();
     let (two, one) = (pool(THREADS)?, pool(1)?);
     let [mut bakes, mut gathers, mut together, mut others, mut alone] = [const { Vec::new() }; 5];

@@ -1,6 +1,6 @@
 //! Functions that cover a position: the hash grid against an R-tree (paper, section 2.1).
 //!
-//! `cargo bench -p rebounce --bench basis` prints nanoseconds per query and the ratio, for every
+//! `cargo bench -p rebounce-benches --bench basis` prints nanoseconds per query and the ratio, for every
 //! level of points in a room, in alternating rounds.
 
 #[path = "../tests/box_room/mod.rs"]

@@ -1,6 +1,6 @@
 //! The most expensive kernels of a bake, measured individually on one thread, in a furnished room.
 //!
-//! * `cargo bench -p rebounce --bench kernels [-- FILTER]`: time, by criterion;
+//! * `cargo bench -p rebounce-benches --bench kernels [-- FILTER]`: time, by criterion;
 //! * `cargo xtask bench-kernels`: instructions, independent of the load of the machine. The command
 //!   runs this benchmark with `--count` under valgrind, which counts instructions within
 //!   [`counted`] by the kernel's function, named like the kernel.
@@ -13,7 +13,6 @@ use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Hit, Primitives, Ray, Surfaces};
 use rebounce::sampling::emitter::ParticleEmitter;
 use rebounce::sampling::{PlaceSettings, Points, place};
-use rebounce::scene;
 use rebounce::transport::direct_to_indirect::bounces::{add_later_bounces, column_count};
 use rebounce::transport::direct_to_indirect::directions::Directions;
 use rebounce::transport::direct_to_indirect::gather::{Gather, Gathered, Scratch};
@@ -71,7 +70,7 @@ struct Room {
 
 impl Room {
     fn new() -> Result<Self> {
-        let scene = scene::load(SCENE)?;
+        let scene = rebounce::io::load(SCENE)?;
         let mut settings = BakeSettings::new(Preset::Draft);
         (settings.place.functions, settings.place.levels) = POINTS;
         settings.operator.rays = vec![RAYS];

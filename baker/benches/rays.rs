@@ -1,4 +1,4 @@
-//! Ray throughput: `cargo bench -p rebounce --bench rays [-- SCENE]`, one thread, millions of rays
+//! Ray throughput: `cargo bench -p rebounce-benches --bench rays [-- SCENE]`, one thread, millions of rays
 //! a second. Measures rays of a path tracer after its first bounce, and gather rays of a bake,
 //! individually and in packets.
 
@@ -28,7 +28,7 @@ const EVERY: usize = 8;
 fn main() -> Result<()> {
     // Cargo passes --bench as an argument.
     let spec = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or("builtin:cornell-box".into());
-    let scene = scene::load(&spec)?;
+    let scene = rebounce::io::load(&spec)?;
     let began = Instant::now();
     let surfaces = TriangleSurfaces::from_scene(&scene);
     println!("{spec}: {} triangles, built in {:.2} s", scene.triangles.len(), began.elapsed().as_secs_f64());

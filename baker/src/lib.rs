@@ -3,20 +3,17 @@
 
 pub mod bake;
 pub mod basis;
-pub mod communicator;
+pub mod demo;
 pub mod geometry;
+pub mod io;
+pub mod job;
 pub mod light;
 mod morton;
-pub mod path_trace;
-pub mod picture;
 mod processor;
-pub mod render;
 pub mod sampling;
 pub mod scene;
-pub mod shot;
 pub mod transport;
-pub mod watch;
+pub mod verify;
 mod weld;
-pub mod write;
 
 pub use rebounce_shared::random;

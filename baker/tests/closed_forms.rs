@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 use rebounce::geometry::{Hit, Ray, Surfaces};
-use rebounce::path_trace::{Settings, radiance};
-use rebounce::picture::Only;
+use rebounce::io::picture::Only;
 use rebounce::random::Stream;
+use rebounce::verify::path_trace::{Settings, radiance};
 use rebounce_shared::light::Light;
 use std::f32::consts::PI;
 

@@ -4,9 +4,9 @@
 use rebounce::bake::{
     BakeError, BakeReport, BakeSettings, Checkpoint, Identity, Observer, Preset, bake, bake_in_team,
 };
-use rebounce::communicator::{Communicator, Received};
-use rebounce::scene::{self, Scene};
-use rebounce::watch::{Stopped, Watch};
+use rebounce::job::communicator::{Communicator, Received};
+use rebounce::job::watch::{Stopped, Watch};
+use rebounce::scene::Scene;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Barrier, Mutex};
@@ -112,7 +112,7 @@ fn whole(scene: &Scene, settings: &BakeSettings) -> (Vec<u8>, BakeReport) {
 
 #[test]
 fn any_number_of_processes_and_threads_makes_the_same_file() {
-    let (scene, settings) = (scene::load("builtin:two-rooms-door").unwrap(), small());
+    let (scene, settings) = (rebounce::io::load("builtin:two-rooms-door").unwrap(), small());
     let (expected, alone) = whole(&scene, &settings);
     assert!(alone.traffic.is_empty());
     for (size, threads) in [(1, 1), (2, 1), (2, 2), (3, 1), (4, 2)] {
@@ -132,7 +132,7 @@ fn any_number_of_processes_and_threads_makes_the_same_file() {
 
 #[test]
 fn one_level_that_bounces_among_itself_is_shared_too() {
-    let (scene, mut settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let (scene, mut settings) = (rebounce::io::load("builtin:cornell-box").unwrap(), small());
     (settings.place.levels, settings.place.functions) = (1, 400);
     settings.operator.later_levels = 1;
     let expected = whole(&scene, &settings).0;
@@ -142,7 +142,7 @@ fn one_level_that_bounces_among_itself_is_shared_too() {
 
 #[test]
 fn what_many_have_kept_any_number_goes_on_with() {
-    let (scene, settings) = (scene::load("builtin:two-rooms-door").unwrap(), small());
+    let (scene, settings) = (rebounce::io::load("builtin:two-rooms-door").unwrap(), small());
     let expected = whole(&scene, &settings).0;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.partial");
@@ -162,7 +162,7 @@ fn what_many_have_kept_any_number_goes_on_with() {
 
 #[test]
 fn a_stop_ends_all_and_the_checkpoint_goes_on() {
-    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let (scene, settings) = (rebounce::io::load("builtin:cornell-box").unwrap(), small());
     let expected = whole(&scene, &settings).0;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.partial");
@@ -214,7 +214,7 @@ impl Observer for StopOnceItLinks {
 
 #[test]
 fn members_with_other_arguments_are_found_out() {
-    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let (scene, settings) = (rebounce::io::load("builtin:cornell-box").unwrap(), small());
     let mut other = settings.clone();
     other.operator.rays = vec![99];
     let errors = std::thread::scope(|scope| {

@@ -11,13 +11,13 @@ use rebounce::bake::{
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
-use rebounce::scene::{self, Scene};
+use rebounce::scene::Scene;
 use rebounce_shared::rbn;
 use rebounce_shared::relight::relight;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn crowd(said: Said) -> Scene {
-    scene::from_bytes("crowd", &glb(said)).unwrap()
+    rebounce::io::from_bytes("crowd", &glb(said)).unwrap()
 }
 
 /// Share of rays with different hits on two kinds of surfaces, and number of rays with hits of a colour other than

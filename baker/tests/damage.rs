@@ -3,7 +3,6 @@
 use cap::Cap;
 use cpu_time::ProcessTime;
 use rebounce::random::Stream;
-use rebounce::scene;
 use std::panic::catch_unwind;
 use std::time::Duration;
 
@@ -124,7 +123,7 @@ fn damaged_files_end_in_a_scene_or_in_a_sentence() {
             let copy = work.path().join(format!("{seed}-{name}"));
             std::fs::write(&copy, damaged(&glb, &mut Stream::new(seed, 0))).unwrap();
             let (start, before) = (ProcessTime::now(), MEMORY.allocated());
-            let loaded = catch_unwind(|| scene::load(copy.to_str().unwrap()));
+            let loaded = catch_unwind(|| rebounce::io::load(copy.to_str().unwrap()));
             let loaded = loaded.unwrap_or_else(|_| panic!("{name}, seed {seed}: a panic"));
             assert!(start.elapsed() < MOST_TIME, "{name}, seed {seed}: {:?}", start.elapsed());
             match loaded {

@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 use rebounce::bake::{BakeReport, BakeSettings, Preset, bake};
-use rebounce::scene;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::relight;
 
@@ -15,7 +14,7 @@ fn baked_with_report() -> (BakedScene, BakeReport) {
     settings.place.levels = 4;
     settings.place.functions = 4000;
     settings.operator.rays = vec![512, 512, 512, 256];
-    let scene = scene::load("builtin:furnace").unwrap();
+    let scene = rebounce::io::load("builtin:furnace").unwrap();
     bake(&scene, &settings, &()).unwrap()
 }
 

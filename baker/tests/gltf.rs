@@ -4,11 +4,11 @@ use glam::Vec3;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
-use rebounce::scene::{self, Scene};
+use rebounce::scene::Scene;
 
 fn load(name: &str) -> Scene {
     let path = format!("{}/tests/gltf/{name}.glb", env!("CARGO_MANIFEST_DIR"));
-    scene::load(&path).unwrap_or_else(|error| panic!("{error}"))
+    rebounce::io::load(&path).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// World-space distance and albedo at the hits of rays from above; `None` for a miss.
@@ -126,7 +126,7 @@ fn pictures_show_as_much_colour_as_the_light_meets() {
     let noted = scene.left_out.iter().filter(|n| n.contains("vertex colours of 1")).count();
     assert_eq!(noted, 1, "{:?}", scene.left_out);
     // A scene without vertex colours is unchanged.
-    let plain = scene::load("builtin:cornell-box").unwrap();
+    let plain = rebounce::io::load("builtin:cornell-box").unwrap();
     assert!(plain.corner_colors.is_empty() && plain.left_out.is_empty());
 }
 
@@ -168,8 +168,8 @@ fn pictures_are_bounded_together() {
     image::GrayImage::new(4096, 4096).write_with_encoder(tightly).unwrap();
     assert!(png.len() < 64 << 10, "{} bytes", png.len());
     // One uniform texture is read, as from ordinary exporters; a large number of large textures is a bomb.
-    let scene = scene::from_bytes("one.glb", &with_pictures(1, &png)).unwrap();
+    let scene = rebounce::io::from_bytes("one.glb", &with_pictures(1, &png)).unwrap();
     assert_eq!(scene.textures[0].texels.as_ref().unwrap().width, 4096);
-    let refused = scene::from_bytes("bomb.glb", &with_pictures(50, &png)).unwrap_err().to_string();
+    let refused = rebounce::io::from_bytes("bomb.glb", &with_pictures(50, &png)).unwrap_err().to_string();
     assert!(refused.contains("bomb.glb") && refused.contains("838860800 texels"), "{refused}");
 }

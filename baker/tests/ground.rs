@@ -66,7 +66,7 @@ fn loaded(blocks: &[Block], plain: Option<f64>) -> Scene {
             { "bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": indices.len() },
         ],
     });
-    scene::from_bytes("ground", &glb(&file, &bin)).unwrap()
+    rebounce::io::from_bytes("ground", &glb(&file, &bin)).unwrap()
 }
 
 fn glb(file: &Value, bin: &[u8]) -> Vec<u8> {
@@ -171,7 +171,7 @@ fn all_that_is_seen_of_a_plain_is_covered() {
 #[test]
 fn rooms_have_one_radius() {
     for name in ["cornell-box", "apartment", "library", "two-rooms-door"] {
-        let scene = scene::load(&format!("builtin:{name}")).unwrap();
+        let scene = rebounce::io::load(&format!("builtin:{name}")).unwrap();
         let surfaces = TriangleSurfaces::simplified(&scene);
         assert_eq!(surfaces.main_part(), surfaces.bounds(), "{name}");
         let settings = settings();

@@ -5,13 +5,12 @@ use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
-use rebounce::render::Relit;
-use rebounce::scene;
+use rebounce::verify::render::Relit;
 
 /// Mean bounced irradiance on visible surfaces, seen from the middle of the lit room and of the dark room, and the
 /// maximum in the dark room.
 fn rooms(name: &str, functions: usize) -> (f32, f32, f32) {
-    let scene = scene::load(name).unwrap();
+    let scene = rebounce::io::load(name).unwrap();
     let mut settings = BakeSettings::new(Preset::Draft);
     settings.place.functions = functions;
     settings.operator.rays = vec![512, 256, 256, 128, 128];
@@ -54,7 +53,7 @@ fn an_open_door_lets_light_through() {
 
 #[test]
 fn no_light_comes_through_a_curtain_where_it_meets_a_pillar() {
-    let scene = scene::load("builtin:arcade").unwrap();
+    let scene = rebounce::io::load("builtin:arcade").unwrap();
     let (file, _) = bake(&scene, &BakeSettings::new(Preset::Draft), &()).unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let relit = Relit::new(&file, &surfaces, &scene.lights, false);

@@ -4,7 +4,6 @@ mod box_room;
 mod common {
     pub mod boxes;
     pub mod crowd;
-    pub mod program;
     pub mod quads;
     pub mod soup;
     pub mod split;
@@ -13,13 +12,10 @@ mod common {
 mod closed_forms;
 mod communicator;
 mod copies;
-mod faults;
-mod first_steps;
 mod first_view;
 mod furnace;
 mod gltf;
 mod ground;
-mod kill;
 mod laws;
 mod leaks;
 mod materials;
@@ -29,5 +25,4 @@ mod resume;
 mod simplify;
 mod size;
 mod spots;
-mod target;
 mod tiles;

@@ -9,12 +9,12 @@ use quads::{Quad, glb};
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
+use rebounce::io::picture::Only;
 use rebounce::light::direct;
-use rebounce::path_trace::{Settings, radiance};
-use rebounce::picture::Only;
 use rebounce::random::Stream;
-use rebounce::render::Relit;
-use rebounce::scene::{self, Scene, SceneError};
+use rebounce::scene::{Scene, SceneError};
+use rebounce::verify::path_trace::{Settings, radiance};
+use rebounce::verify::render::Relit;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn;
 
@@ -40,7 +40,7 @@ fn room(panes: &[f32], pane: String, picture: Option<&[u8]>) -> Scene {
         quads.push(Quad { middle: vec3(*x, 0.0, 0.0), u, v: Vec3::Z, material: 1 });
     }
     let bytes = glb(&quads, &[matt([0.5; 3], ""), pane], picture, "");
-    let mut scene = scene::from_bytes("room", &bytes).unwrap();
+    let mut scene = rebounce::io::from_bytes("room", &bytes).unwrap();
     let direction = [1.0, -1.0, 0.0];
     scene.lights = vec![Light::Directional { direction, intensity: 10.0, color: [1.0; 3], radius_deg: 0.0 }];
     scene
@@ -205,7 +205,7 @@ fn a_colour_that_is_seen_through_glass_is_tinted() {
 fn windows_of_files_let_the_sun_in() {
     let floor = |name: &str| {
         let path = format!("{}/../../shared/cases/winglass/{name}.glb", env!("CARGO_MANIFEST_DIR"));
-        let scene = scene::load(&path).ok()?;
+        let scene = rebounce::io::load(&path).ok()?;
         let lights: Vec<_> = scene.lights.iter().map(|light| light.source(scene.origin)).collect();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let places =
@@ -293,14 +293,14 @@ fn equal_materials_become_one_and_too_many_different_ones_are_refused() {
         format!(r#"{{"name":"m{i}","pbrMetallicRoughness":{{"baseColorFactor":[{red},0,0,1]}}}}"#)
     };
     let alike = tiles(70_000, |i| named(i, if i == 9 { 0.25 } else { 0.5 }));
-    let scene = scene::from_bytes("alike.glb", &alike).unwrap();
+    let scene = rebounce::io::from_bytes("alike.glb", &alike).unwrap();
     let found: Vec<_> = scene.materials.iter().map(|m| (m.name.as_str(), m.base_color[0])).collect();
     assert_eq!(found, [("m0", 0.5), ("m9", 0.25)]);
     assert_eq!((scene.triangle_material[18], scene.triangle_material[20]), (1, 0));
     assert_eq!(scene.triangle_material.iter().filter(|m| **m == 1).count(), 2);
 
     let different = tiles(65_537, |i| named(i, i as f32 / 131_072.0));
-    let error = scene::from_bytes("many.glb", &different).unwrap_err();
+    let error = rebounce::io::from_bytes("many.glb", &different).unwrap_err();
     assert!(matches!(error, SceneError::TooManyMaterials { count: 65_537, limit: 65_535, .. }), "{error}");
     let said = error.to_string();
     for words in ["many.glb", "65537", "65535", "m65535", "one material"] {

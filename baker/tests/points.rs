@@ -4,11 +4,10 @@ use rebounce::geometry::Surfaces;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::sampling::emitter::ParticleEmitter;
 use rebounce::sampling::{PlaceSettings, place};
-use rebounce::scene;
 
 #[test]
 fn how_many_points_there_are_is_no_matter_of_luck() {
-    let scene = scene::load("builtin:library").unwrap();
+    let scene = rebounce::io::load("builtin:library").unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let (low, high) = surfaces.bounds();
     let radius = Some(0.08 * (high - low).length());

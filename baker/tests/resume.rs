@@ -6,7 +6,7 @@ use rebounce::bake::{
     bake_with_checkpoint,
 };
 use rebounce::random::Stream;
-use rebounce::scene::{self, Scene};
+use rebounce::scene::Scene;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -72,7 +72,7 @@ fn ends(bytes: &[u8]) -> Vec<usize> {
 #[test]
 fn stopped_at_any_time_and_resumed_it_is_the_same_file() {
     for name in ["builtin:cornell-box", "builtin:two-rooms-door"] {
-        let (scene, settings) = (scene::load(name).unwrap(), small());
+        let (scene, settings) = (rebounce::io::load(name).unwrap(), small());
         let expected = whole(&scene, &settings);
         let threads: &[usize] = if name.contains("box") { &[1, 2] } else { &[2] };
         for &threads in threads {
@@ -114,7 +114,7 @@ fn what_is_kept_is_not_done_again() {
             *self.0.lock().unwrap() += progress.rays_per_second.unwrap_or(0.0);
         }
     }
-    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let (scene, settings) = (rebounce::io::load("builtin:cornell-box").unwrap(), small());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.partial");
     let (first, second) = (Rays(Mutex::default()), Rays(Mutex::default()));
@@ -128,7 +128,7 @@ fn what_is_kept_is_not_done_again() {
 
 #[test]
 fn torn_and_damaged_tails_are_cut_off() {
-    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let (scene, settings) = (rebounce::io::load("builtin:cornell-box").unwrap(), small());
     let expected = whole(&scene, &settings);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.partial");
@@ -169,7 +169,7 @@ const ODD: [u32; 10] =
 
 #[test]
 fn records_that_lie_under_fitting_checksums_end_in_a_file_or_a_sentence() {
-    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let (scene, settings) = (rebounce::io::load("builtin:cornell-box").unwrap(), small());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.partial");
     resumed(&scene, &settings, &path, &()).unwrap();
@@ -212,7 +212,7 @@ fn stream_word(bytes: &[u8], start: usize, end: usize, k: usize) -> u32 {
 
 #[test]
 fn checkpoints_of_other_bakes_are_refused_and_left_as_they_are() {
-    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let (scene, settings) = (rebounce::io::load("builtin:cornell-box").unwrap(), small());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.partial");
     let _ = resumed(&scene, &settings, &path, &StopAfter::new(300));
@@ -221,7 +221,7 @@ fn checkpoints_of_other_bakes_are_refused_and_left_as_they_are() {
     other.operator.rays = vec![99];
     let refused = Checkpoint::resume(&path, &Identity::new(&scene, &other)).err().unwrap().to_string();
     assert!(refused.contains("rays [128, 64], not [99]") && refused.contains("a.partial"), "{refused}");
-    let library = scene::load("builtin:library").unwrap();
+    let library = rebounce::io::load("builtin:library").unwrap();
     let refused = Checkpoint::resume(&path, &Identity::new(&library, &settings)).err().unwrap().to_string();
     assert!(refused.contains("scene cornell-box") && refused.contains("not library"), "{refused}");
     assert!(std::fs::read(&path).unwrap() == before);
@@ -236,7 +236,7 @@ fn checkpoints_of_other_bakes_are_refused_and_left_as_they_are() {
 
 #[test]
 fn two_bakes_do_not_write_one_checkpoint() {
-    let scene = scene::load("builtin:cornell-box").unwrap();
+    let scene = rebounce::io::load("builtin:cornell-box").unwrap();
     let identity = Identity::new(&scene, &small());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.partial");
@@ -283,7 +283,7 @@ impl Storage for SmallDisk {
 
 #[test]
 fn a_full_disk_ends_the_bake_and_keeps_whole_records() {
-    let (scene, settings) = (scene::load("builtin:cornell-box").unwrap(), small());
+    let (scene, settings) = (rebounce::io::load("builtin:cornell-box").unwrap(), small());
     let expected = whole(&scene, &settings);
     let identity = Identity::new(&scene, &settings);
     let folder = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@ use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::simplify::{TOGETHER, TOLERANCE, simplify};
 use rebounce::geometry::{Hit, Ray, Surfaces};
 use rebounce::random::Stream;
-use rebounce::scene::{self, Scene};
+use rebounce::scene::Scene;
 use split::split;
 use std::path::Path;
 
@@ -63,7 +63,7 @@ fn different(scene: &Scene, rays: u64) -> f64 {
 #[test]
 fn rays_find_what_is_there() {
     for (name, n) in [("library", 1), ("apartment", 1), ("library", 5), ("two-rooms-door", 6)] {
-        let mut scene = scene::load(&format!("builtin:{name}")).unwrap();
+        let mut scene = rebounce::io::load(&format!("builtin:{name}")).unwrap();
         if n > 1 {
             split(&mut scene, n);
         }
@@ -98,7 +98,7 @@ fn facet(scene: &mut Scene) {
 
 #[test]
 fn normals_worked_out_triangle_by_triangle_are_no_seams() {
-    let mut scene = scene::load("builtin:library").unwrap();
+    let mut scene = rebounce::io::load("builtin:library").unwrap();
     let before = scene.triangles.len();
     split(&mut scene, 6);
     let smooth = simplify(&scene, |_| true, TOGETHER).len();
@@ -117,7 +117,7 @@ fn rays_find_what_is_there_in_given_scenes() {
     for name in ["sponza-dabrovic", "living-room", "kitchen"] {
         let path = folder.join(name).join(format!("{name}.glb"));
         let Some(path) = path.to_str().filter(|_| path.exists()) else { continue };
-        let share = different(&scene::load(path).unwrap(), 100_000);
+        let share = different(&rebounce::io::load(path).unwrap(), 100_000);
         println!("{name}: {share}");
         assert!(share < 2e-3, "{name}: {share}");
     }
@@ -125,7 +125,7 @@ fn rays_find_what_is_there_in_given_scenes() {
 
 #[test]
 fn a_bake_does_not_see_how_its_surfaces_are_cut_up() {
-    let mut scene = scene::load("builtin:two-rooms-door").unwrap();
+    let mut scene = rebounce::io::load("builtin:two-rooms-door").unwrap();
     let mut settings = BakeSettings::new(Preset::Draft);
     settings.place.functions = 2_000;
     settings.operator.rays = vec![256];

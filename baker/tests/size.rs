@@ -1,12 +1,11 @@
 //! Sizes of baked files: the download of a page.
 
 use rebounce::bake::{BakeSettings, Preset, bake};
-use rebounce::scene;
 use std::path::Path;
 
 /// Bytes of a file, and number of its functions.
 fn baked(spec: &str, preset: Preset) -> (usize, usize) {
-    let scene = scene::load(spec).unwrap();
+    let scene = rebounce::io::load(spec).unwrap();
     let (file, _) = bake(&scene, &BakeSettings::new(preset), &()).unwrap();
     (file.to_bytes().unwrap().len(), file.points.len())
 }

@@ -2,18 +2,17 @@
 
 use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::picture::Only;
-use rebounce::picture::expose::Exposure;
-use rebounce::picture::spots::{Rectangle, Spots, spots};
-use rebounce::render::render;
-use rebounce::scene;
+use rebounce::io::picture::Only;
+use rebounce::verify::compare::spots::{Rectangle, Spots, spots};
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::render::render;
 
 /// Two bare walls in the first camera's picture.
 const WALLS: [Rectangle; 2] = [[0.03, 0.30, 0.36, 0.62], [0.47, 0.30, 0.83, 0.65]];
 
 /// Spots on the walls of the attic at `draft` with fewer functions, by number of pooled levels.
 fn attic(pooled_levels: usize) -> [Spots; 2] {
-    let scene = scene::load("builtin:attic").unwrap();
+    let scene = rebounce::io::load("builtin:attic").unwrap();
     let mut settings = BakeSettings::new(Preset::Draft);
     settings.place.functions = 10_000;
     settings.operator.pooled_levels = pooled_levels;

@@ -6,7 +6,7 @@ use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Hit, Ray, Surfaces};
 use rebounce::sampling::emitter::ParticleEmitter;
 use rebounce::sampling::{PlaceSettings, Points, cut, place};
-use rebounce::scene::{self, Scene};
+use rebounce::scene::Scene;
 use rebounce::transport::direct_to_indirect::refine::{Senders, refine};
 use rebounce::transport::direct_to_indirect::{OperatorSettings, tint};
 use rebounce_shared::interpolation::mean;
@@ -94,7 +94,7 @@ fn cut_up(scene: &Scene, n: u32) -> TriangleSurfaces {
 
 /// Points on a scene's surfaces, and the surfaces.
 fn placed(name: &str) -> (Scene, TriangleSurfaces, Points) {
-    let scene = scene::load(name).unwrap();
+    let scene = rebounce::io::load(name).unwrap();
     let surfaces = TriangleSurfaces::from_scene(&scene);
     let settings = PlaceSettings { levels: 4, functions: 3_000, ..PlaceSettings::default() };
     let (low, high) = surfaces.bounds();

@@ -39,3 +39,6 @@ pub mod smooth;
 pub mod tone;
 
 pub use glam;
+
+/// Hash of the contents of this crate's sources, hexadecimal.
+pub const SOURCES: &str = env!("REBOUNCE_SHARED_SOURCES");

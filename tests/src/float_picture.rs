@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use glam::Vec3;
-use rebounce::picture::{Picture, exr};
+use rebounce::io::picture::{Picture, exr};
 use std::path::Path;
 
 /// Reads an .exr, or a .f32: RGBA little-endian floats of a picture, with `WxH.f32` at the end of the file name.

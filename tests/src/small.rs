@@ -2,7 +2,6 @@
 
 use anyhow::Result;
 use rebounce::bake::{BakeSettings, Preset, bake};
-use rebounce::scene;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::bulk::{Copies, Instance};
 use rebounce_shared::rbn::meta::{Animation, DetailTexture, Interpolation, Property, Texture, Track};
@@ -24,7 +23,7 @@ pub fn settings(functions: usize) -> BakeSettings {
 /// # Errors
 /// Errors of the bake.
 pub fn small(name: &str, functions: usize) -> Result<BakedScene> {
-    Ok(bake(&scene::load(name)?, &settings(functions), &())?.0)
+    Ok(bake(&rebounce::io::load(name)?, &settings(functions), &())?.0)
 }
 
 /// Bakes the Cornell box with every feature of a file: a picture as colour and normal map, animations, and a wall in

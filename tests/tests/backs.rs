@@ -11,10 +11,11 @@ use glam::{Vec3, vec3};
 use panel::panel;
 use rebounce::bake::bake;
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::path_trace::{Settings, path_trace};
-use rebounce::picture::{Only, expose::Exposure};
-use rebounce::render::render;
-use rebounce::scene::{self, Scene};
+use rebounce::io::picture::Only;
+use rebounce::scene::Scene;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::path_trace::{Settings, path_trace};
+use rebounce::verify::render::render;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::meta::Material;
 use rebounce_tests::small::settings;
@@ -34,7 +35,7 @@ fn camera(position: Vec3, target: Vec3) -> Camera {
 
 /// A grey room from -1 to 1 with walls that face in, a lamp inside and a camera outside.
 fn doll_house() -> Scene {
-    let mut scene = scene::load("builtin:furnace").unwrap();
+    let mut scene = rebounce::io::load("builtin:furnace").unwrap();
     scene.cameras = vec![camera(vec3(1.2, 2.0, 3.5), Vec3::ZERO)];
     scene
 }
@@ -58,7 +59,7 @@ fn opened(scene: &Scene) -> Scene {
 
 /// A room with two boards: pairs of faces back to back, or double-sided faces.
 fn boards(pairs: bool) -> Scene {
-    let mut scene = scene::load("builtin:furnace").unwrap();
+    let mut scene = rebounce::io::load("builtin:furnace").unwrap();
     scene.cameras = vec![camera(vec3(0.3, 0.35, 0.95), vec3(0.0, -0.35, -0.6))];
     let material = scene.materials.len() as u32;
     let base_color = [0.8, 0.6, 0.3, 1.0];
@@ -189,7 +190,7 @@ fn so_they_are_in_given_scenes() {
     if !folder.exists() {
         return;
     }
-    let load = |name: &str| scene::load(folder.join(name).to_str().unwrap()).unwrap();
+    let load = |name: &str| rebounce::io::load(folder.join(name).to_str().unwrap()).unwrap();
     let files = ["two_opposite.glb", "two_plain.glb"].map(|name| baked(&load(name)));
     for only in [Only::Direct, Only::Indirect] {
         let [opposite, plain] = [0, 1].map(|i| rendered(&files[i], only));

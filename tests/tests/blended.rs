@@ -8,9 +8,9 @@ use common::{difference, indirect, mean_and_stops, picture};
 use glam::{Vec2, Vec3};
 use rebounce::bake::bake;
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::picture::{Only, expose::Exposure};
-use rebounce::render::{Content, render};
-use rebounce::scene;
+use rebounce::io::picture::Only;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::render::{Content, render};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::extras::Extras;
@@ -24,7 +24,7 @@ const HEIGHT: u32 = 80;
 /// Bakes the Cornell box with panes: one in the left half, one behind it across the full width, and one that crosses
 /// both. `glass` makes two of them glass.
 fn panes(glass: bool) -> BakedScene {
-    let mut room = scene::load("builtin:cornell-box").unwrap();
+    let mut room = rebounce::io::load("builtin:cornell-box").unwrap();
     let (low, high) = room.bounds();
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     let mut pane = |at: Vec3, u: Vec3, v: Vec3, color: [f32; 3], alpha: f32| {

@@ -10,9 +10,9 @@ use crowd::{Said, glb};
 use glam::{Mat3, Vec3};
 use rebounce::bake::bake;
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::picture::{Only, expose::Exposure};
-use rebounce::render::render;
-use rebounce::scene;
+use rebounce::io::picture::Only;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::render::render;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
@@ -68,7 +68,7 @@ fn different(a: &[Vec3], b: &[Vec3]) -> (f32, f32) {
 #[test]
 fn a_picture_of_copies_is_one_of_things_of_their_own() {
     for alpha in [Alpha::Opaque, Alpha::Blend] {
-        let mut room = scene::from_bytes("crowd", &glb(Said::Instances)).unwrap();
+        let mut room = rebounce::io::from_bytes("crowd", &glb(Said::Instances)).unwrap();
         (room.materials[1].alpha, room.materials[1].base_color[3]) = (alpha, 0.6);
         room.lights = vec![
             Light::Point { position: [1.0, 3.6, 0.5], intensity: 30.0, color: [1.0, 0.9, 0.8], radius: 0.0 },

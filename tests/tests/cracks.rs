@@ -9,7 +9,7 @@ use common::{picture, renderer};
 use glam::{DVec3, Vec2, Vec3, vec3};
 use panel::panel;
 use rebounce::bake::bake;
-use rebounce::scene::{self, Scene};
+use rebounce::scene::Scene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::Material;
@@ -46,7 +46,7 @@ fn underside(scene: &mut Scene, [from, to]: [f32; 2], y: f32, material: u32) {
 
 /// Scene of a white wall with columns of different pieces, a black wall behind, and a lamp in front.
 fn wall(has_depth: bool) -> Scene {
-    let mut scene = scene::load("builtin:furnace").unwrap();
+    let mut scene = rebounce::io::load("builtin:furnace").unwrap();
     let white = scene.materials.len() as u32;
     scene.materials.push(Material { base_color: [0.9, 0.9, 0.9, 1.0], ..Material::default() });
     scene.materials.push(Material {

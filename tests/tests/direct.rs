@@ -6,8 +6,9 @@ use crate::common;
 
 use glam::Vec3;
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::picture::{Only, expose::Exposure};
-use rebounce::render::render;
+use rebounce::io::picture::Only;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::render::render;
 use rebounce_tests::small::small;
 use rebounce_viewer::settings::Mode;
 

@@ -4,10 +4,11 @@
 use crate::common;
 
 use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::io::picture::Only;
+use rebounce::io::picture::png::{developed, exposure_of_lit};
 use rebounce::light::{direct, level::level};
-use rebounce::picture::png::{developed, exposure_of_lit};
-use rebounce::picture::{Only, expose::Exposure};
-use rebounce::render::render;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::render::render;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::colour::luminance;
 use rebounce_shared::exposure;

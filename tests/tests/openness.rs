@@ -5,8 +5,9 @@ use crate::common;
 
 use glam::Vec3;
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::picture::{Only, expose::Exposure};
-use rebounce::render::{Content, render};
+use rebounce::io::picture::Only;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::render::{Content, render};
 use rebounce_shared::baked::BakedScene;
 use rebounce_tests::small::small;
 

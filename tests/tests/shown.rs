@@ -4,10 +4,10 @@
 use crate::common;
 
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::picture::Only;
-use rebounce::picture::expose::Exposure;
-use rebounce::picture::png::display_bytes;
-use rebounce::render::{Content, render, shown::Shown};
+use rebounce::io::picture::Only;
+use rebounce::io::picture::png::display_bytes;
+use rebounce::verify::expose::Exposure;
+use rebounce::verify::render::{Content, render, shown::Shown};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::meta::DetailTexture;

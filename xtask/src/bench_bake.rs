@@ -44,7 +44,7 @@ pub fn run(args: &[String]) -> Result<()> {
     };
     process::run(
         process::cargo()
-            .args(["bench", "--locked", "--package", "rebounce", "--bench", "bake", "--"])
+            .args(["bench", "--locked", "--package", "rebounce-benches", "--bench", "bake", "--"])
             .args([scene, options.preset, options.rounds.to_string()]),
     )
 }

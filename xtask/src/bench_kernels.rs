@@ -39,7 +39,7 @@ pub fn run(args: &[String]) -> Result<()> {
     ];
     let runner = format!("target.'cfg(all())'.runner={}", serde_json::to_string(&valgrind)?);
     let mut command = process::cargo();
-    command.args(["bench", "--package", "rebounce", "--bench", "kernels", "--config", &runner]);
+    command.args(["bench", "--package", "rebounce-benches", "--bench", "kernels", "--config", &runner]);
     command.args(["--", "--count"]);
     println!("> {}", process::line(&command));
     let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();

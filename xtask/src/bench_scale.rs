@@ -46,11 +46,11 @@ pub fn run(args: &[String]) -> Result<()> {
         "--locked",
         "--release",
         "--package",
-        "rebounce",
-        "--example",
+        "rebounce-tests",
+        "--bin",
         "tessellated",
     ]))?;
-    let program = process::target().join("release/examples/tessellated");
+    let program = process::target().join("release/tessellated");
     let mut results = Vec::new();
     for split in SPLITS {
         let output = Command::new(&program)

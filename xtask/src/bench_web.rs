@@ -59,7 +59,7 @@ pub fn run(args: &[String]) -> Result<()> {
         "--locked",
         "--release",
         "--package",
-        "rebounce",
+        "rebounce-cli",
         "--package",
         "rebounce-tests",
     ]))?;

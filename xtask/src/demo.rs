@@ -44,7 +44,7 @@ pub fn run(args: &[String]) -> Result<()> {
         "--locked",
         "--release",
         "--package",
-        "rebounce",
+        "rebounce-cli",
         "--bin",
         "rebounce",
     ]))?;

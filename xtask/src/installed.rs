@@ -1,4 +1,4 @@
-//! Test of a new user's installation: `cargo install --path baker`, into a separate folder, shows a scene in its
+//! Test of a new user's installation: `cargo install --path baker/cli`, into a separate folder, shows a scene in its
 //! page.
 
 use crate::process;
@@ -16,7 +16,7 @@ use std::process::{Command, Stdio};
 pub fn test() -> Result<()> {
     let root = process::target().join("installed");
     let mut install = process::cargo();
-    install.args(["install", "--locked", "--debug", "--force", "--path", "baker", "--root"]).arg(&root);
+    install.args(["install", "--locked", "--debug", "--force", "--path", "baker/cli", "--root"]).arg(&root);
     process::run(install.arg("--target-dir").arg(process::target()))?;
     let rebounce = root.join("bin/rebounce");
     process::run(Command::new(&rebounce).arg("--version"))?;

@@ -40,7 +40,7 @@ fn parse(args: &[String]) -> Result<Options> {
 /// If a bake fails, or its file differs from the file of an undisturbed bake.
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
-    process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce"]))?;
+    process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce-cli"]))?;
     let work = process::target().join("kill-bake");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
     let whole = work.join("whole.rbn");

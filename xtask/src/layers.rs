@@ -10,22 +10,21 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
-/// The baker's modules in layers: a module may use modules of earlier lines alone. Verification of a bake (`path_trace`,
-/// `render`) stands beside `transport`, so that an error there cannot hide itself.
-const BAKER: [&[&str]; 13] = [
+/// The baker's modules in layers: a module may use modules of earlier lines alone. Verification of a bake
+/// (`verify`) stands beside `transport`, so that an error there cannot hide itself.
+const BAKER: [&[&str]; 12] = [
     &["random"],
-    &["morton", "processor", "weld", "watch", "write"],
-    &["communicator"],
+    &["morton", "processor", "weld", "job"],
     &["scene"],
+    &["demo"],
+    &["io"],
     &["geometry"],
     &["light"],
-    &["picture"],
     &["sampling"],
     &["basis"],
-    &["path_trace", "render", "transport", "shot"],
+    &["transport", "verify"],
     &["bake"],
-    &["cli"],
-    &["main", "lib"],
+    &["lib"],
 ];
 /// A module's path within its crate: `geometry`, `mesh`, `blas`.
 type Module = Vec<String>;

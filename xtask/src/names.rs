@@ -49,9 +49,6 @@ const REPLACED: [&str; 38] = [
     "vantage",
     "wide",
 ];
-/// The command's and the HTTP server's own uses of a replaced name.
-const ALLOWED: [(&str, &str); 1] = [("Body", "baker/src/cli/http.rs")];
-
 /// Checks the names of all crates.
 ///
 /// # Errors
@@ -133,12 +130,10 @@ impl<'ast> Visit<'ast> for Items<'_> {
 /// Replaced names that are in use.
 fn replaced(names: &Names) -> Vec<String> {
     let files = |name: &&str| names.all.get(*name).map(|files| (name.to_string(), files));
-    let is_allowed = |name: &str, file: &Path| ALLOWED.iter().any(|(n, f)| *n == name && file.ends_with(f));
     REPLACED
         .iter()
         .filter_map(files)
         .flat_map(|(name, files)| files.iter().map(move |file| (name.clone(), file)))
-        .filter(|(name, file)| !is_allowed(name, file))
         .map(|(name, file)| format!("`{name}` was replaced ({})", file.display()))
         .collect()
 }

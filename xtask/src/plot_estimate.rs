@@ -124,7 +124,7 @@ pub fn run(args: &[String]) -> Result<()> {
 
 /// Bakes a scene with one thread; returns the log of its progress. The report is written beside the log.
 fn bake(wanted: &Wanted) -> Result<PathBuf> {
-    process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce"]))?;
+    process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce-cli"]))?;
     let work = process::target().join("estimate");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
     let name = wanted.scene.rsplit([':', '/', '\\']).next().unwrap_or("scene");

@@ -29,7 +29,7 @@ pub fn run(args: &[String]) -> Result<()> {
     web::build()?;
     let folder = process::target().join("soak");
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    let bake = ["run", "--package", "rebounce", "--", "bake", "builtin:cornell-box", "--preset", "draft"];
+    let bake = ["run", "--package", "rebounce-cli", "--", "bake", "builtin:cornell-box", "--preset", "draft"];
     let few = ["--functions", "4000", "-o"];
     process::run(process::cargo().args(bake).args(few).arg(folder.join("scene.rbn")))?;
     process::run(web::node().arg("test/soak.mjs").arg(minutes.to_string()).arg(&folder).arg("scene.rbn"))

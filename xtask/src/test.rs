@@ -81,7 +81,7 @@ fn over_mpi() -> Result<()> {
     // Sequentially: each test starts its own processes. Library tests need no MPI, and run in the part `native`.
     let mut command = process::cargo();
     // With the whole workspace, as in `native`: a different feature set would recompile dependencies.
-    command.args(["test", "--locked", "--workspace", "--features", "rebounce/mpi", "--test", "mpi"]);
+    command.args(["test", "--locked", "--workspace", "--features", "rebounce-cli/mpi", "--test", "mpi"]);
     process::run(command.args(["--", "--test-threads", "1"]))
 }
 

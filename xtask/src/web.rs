@@ -22,7 +22,8 @@ const LIMIT: usize = 200_000;
 /// Files of web/ copied unchanged into the site.
 const STATIC: [&str; 2] = ["index.html", "page.css"];
 
-/// Builds web/dist: the site, and the contents of the npm package.
+/// Builds web/dist: the site, and the contents of the npm package. The command serves a copy of what browsers ask for,
+/// baker/cli/viewer.
 ///
 /// # Errors
 /// If a tool is missing or fails, or the bundle is over its limit.
@@ -36,6 +37,9 @@ pub fn build() -> Result<()> {
     let files = assemble(&pkg)?;
     let dist = process::root().join("web/dist");
     mirror(&files, &dist)?;
+    let served = files.iter().filter(|(name, _)| !name.ends_with(".d.ts"));
+    let served: BTreeMap<_, _> = served.map(|(name, bytes)| (name.clone(), bytes.clone())).collect();
+    mirror(&served, &process::root().join("baker/cli/viewer"))?;
     weigh(&files)?;
     println!("built {}", dist.display());
     Ok(())

@@ -2,10 +2,10 @@
 //! the placement would save no time, and placing needs no communication.
 
 use super::{BakeError, BakeSettings, Identity};
-use crate::communicator::Communicator;
+use crate::job::communicator::Communicator;
+use crate::job::watch::Watch;
 use crate::sampling::Points;
 use crate::scene::Scene;
-use crate::watch::Watch;
 use sha2::{Digest, Sha256};
 
 /// Compares digests of scene, settings, points, cuts, samples and tints between members, before use.

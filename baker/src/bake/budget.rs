@@ -265,7 +265,6 @@ where
 mod tests {
     use super::*;
     use crate::bake::bake;
-    use crate::scene;
     use crate::scene::texture::Texels;
 
     fn small() -> BakeSettings {
@@ -277,7 +276,7 @@ mod tests {
 
     #[test]
     fn a_file_is_thinned_to_its_budget_and_rows_keep_their_sums() {
-        let scene = scene::load("builtin:two-rooms-door").unwrap();
+        let scene = crate::io::load("builtin:two-rooms-door").unwrap();
         let (whole, _) = bake(&scene, &small(), &()).unwrap();
         let bytes = whole.to_bytes().unwrap().len() as u64;
         let sums = |file: &BakedScene| -> Vec<f32> {
@@ -309,7 +308,7 @@ mod tests {
 
     #[test]
     fn a_plan_lowers_the_functions_or_names_what_is_too_large() {
-        let scene = scene::load("builtin:library").unwrap();
+        let scene = crate::io::load("builtin:library").unwrap();
         let plan = |bytes, memory| {
             let mut settings = BakeSettings::new(Preset::Standard);
             plan(&scene, &mut settings, &Budget { bytes, memory, ..Budget::default() })
@@ -335,7 +334,7 @@ mod tests {
             plan(scene, &mut settings.clone(), &Budget { bytes: None, memory: Some(memory), is_judged })
         };
         let plan = |scene: &Scene, memory| judged_or_not(scene, memory, false);
-        let mut scene = scene::load("builtin:two-rooms").unwrap();
+        let mut scene = crate::io::load("builtin:two-rooms").unwrap();
         // Measured memory of a hall of five million triangles: 1.7 GB.
         let some = scene.triangles.clone();
         scene.triangles = some.iter().copied().cycle().take(5_400_000).collect();
@@ -346,7 +345,7 @@ mod tests {
         assert_eq!(plan(&scene, 2_800_000_000).unwrap(), None);
         assert!(judged_or_not(&scene, 2_800_000_000, true).is_err());
         // A theatre of six million triangles in copies: 0.41 GB.
-        let theatre = scene::load("builtin:theatre").unwrap();
+        let theatre = crate::io::load("builtin:theatre").unwrap();
         assert_eq!(plan(&theatre, 700_000_000).unwrap(), None);
         assert!(plan(&theatre, 300_000_000).unwrap().is_some());
         scene.triangles = some;

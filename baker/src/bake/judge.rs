@@ -3,13 +3,13 @@
 
 use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::{Ray, Surfaces};
-use crate::path_trace::{Settings, path_trace};
-use crate::picture::compare::{CompareError, Comparison, compare};
-use crate::picture::expose::Exposure;
-use crate::picture::uncertainty::{Answer, ErrorEstimate};
-use crate::picture::{Only, Picture};
-use crate::render::render;
+use crate::io::picture::{Only, Picture};
 use crate::scene::{Scene, SceneError};
+use crate::verify::compare::uncertainty::{Answer, ErrorEstimate};
+use crate::verify::compare::{CompareError, Comparison, compare};
+use crate::verify::expose::Exposure;
+use crate::verify::path_trace::{Settings, path_trace};
+use crate::verify::render::render;
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::shot::Shot;
@@ -292,7 +292,6 @@ impl Blame {
 mod tests {
     use super::*;
     use crate::bake::{BakeSettings, Preset, bake};
-    use crate::scene;
     use rebounce_shared::colour::unpack_rgb9e5;
 
     fn small(functions: usize) -> BakeSettings {
@@ -304,7 +303,7 @@ mod tests {
 
     #[test]
     fn more_functions_are_nearer_to_the_truth_and_a_turned_off_wall_is_blamed() {
-        let scene = scene::load("builtin:cornell-box").unwrap();
+        let scene = crate::io::load("builtin:cornell-box").unwrap();
         let (camera, lights) = (scene.cameras[0].clone(), scene.lights.clone());
         let shot = Shot { scene: None, size: [64, 64], camera, lights };
         let judge = Judge::new(&scene, &shot, None, || ()).unwrap();
@@ -335,7 +334,7 @@ mod tests {
     #[test]
     fn what_noise_hides_is_sampled_on_for_and_never_taken_for_nothing() {
         // A white room with a door, lit by dozens of bounces.
-        let mut scene = scene::load("builtin:two-rooms-door").unwrap();
+        let mut scene = crate::io::load("builtin:two-rooms-door").unwrap();
         for material in &mut scene.materials {
             material.base_color = [0.95, 0.95, 0.95, 1.0];
         }
@@ -383,7 +382,7 @@ mod tests {
 
     #[test]
     fn a_view_without_bounced_light_is_no_measure() {
-        let scene = scene::load("builtin:cornell-box").unwrap();
+        let scene = crate::io::load("builtin:cornell-box").unwrap();
         let camera = scene.cameras[0].clone();
         let shot = Shot { scene: None, size: [16, 16], camera, lights: Vec::new() };
         let rows = std::sync::atomic::AtomicU32::new(0);

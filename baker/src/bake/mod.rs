@@ -29,12 +29,12 @@ pub use observer::{Observer, Preview, Progress, Stage};
 pub use preset::{BakeSettings, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 
-use crate::communicator::{Communicator, CommunicatorError};
 use crate::geometry::mesh::TriangleSurfaces;
+use crate::job::communicator::{Communicator, CommunicatorError};
+use crate::job::watch::{Stopped, Watch};
 use crate::sampling::emitter::{ParticleEmitter, View};
 use crate::sampling::{PlaceError, candidates::Candidates};
 use crate::scene::Scene;
-use crate::watch::{Stopped, Watch};
 use estimate::Estimate;
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;

@@ -17,7 +17,7 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// Returns the promised error against a path tracer ([`crate::picture::compare`]), an upper bound over rooms and
+    /// Returns the promised error against a path tracer ([`crate::verify::compare`]), an upper bound over rooms and
     /// halls that were not used for tuning.
     pub fn promised_error(self) -> f64 {
         match self {

@@ -1,11 +1,11 @@
 //! Results and cost of a bake: the columns of the paper's Table 1 and the file's sections.
 
 use super::{BakeSettings, Stage};
-use crate::communicator::share::Traffic;
-use crate::picture::uncertainty::ErrorEstimate;
+use crate::job::communicator::share::Traffic;
 use crate::sampling::Points;
 use crate::scene::Scene;
 use crate::transport::direct_to_indirect::Operator;
+use crate::verify::compare::uncertainty::ErrorEstimate;
 use rebounce_shared::rbn::container::Section;
 use serde::Serialize;
 use std::fmt;

@@ -6,8 +6,9 @@ use super::stand_in::Staged;
 use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Preview, Stage};
 use crate::basis::{Relations, relate};
-use crate::communicator::Communicator;
 use crate::geometry::mesh::TriangleSurfaces;
+use crate::job::communicator::Communicator;
+use crate::job::watch::{Uncounted, Watch};
 use crate::light::direct::at_footprint;
 use crate::sampling::emitter::ParticleEmitter;
 use crate::sampling::{Placer, Points, cut, footprint, openness, place};
@@ -16,7 +17,6 @@ use crate::transport::direct_to_indirect::bounces::{add_later_bounces, column_co
 use crate::transport::direct_to_indirect::journal::PartialResults;
 use crate::transport::direct_to_indirect::refine::{Refiner, Senders, refine};
 use crate::transport::direct_to_indirect::{Operator, mean_albedo::reflected_share, tint};
-use crate::watch::{Uncounted, Watch};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::link::MAX_SENDERS;

@@ -2,7 +2,7 @@
 
 use super::estimate::Estimate;
 use super::{Checkpoint, Observer, Progress, Stage};
-use crate::watch::{Stopped, Watch};
+use crate::job::watch::{Stopped, Watch};
 use cpu_time::ProcessTime;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};

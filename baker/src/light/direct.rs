@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn walls_of_the_furnace_get_the_inverse_square_law() {
-        let scene = crate::scene::load("builtin:furnace").unwrap();
+        let scene = crate::io::load("builtin:furnace").unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let lights = [scene.lights[0].source(scene.origin)];
         for (x, y) in [(0.0, 0.0), (0.5, -0.7), (0.99, 0.99)] {
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn the_sun_is_hidden_by_a_roof_and_only_by_it() {
-        let scene = crate::scene::load("builtin:furnace").unwrap();
+        let scene = crate::io::load("builtin:furnace").unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let sun = Light::Directional {
             direction: [0.0, -3.0, 0.0],

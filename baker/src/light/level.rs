@@ -34,7 +34,7 @@ mod tests {
 
     #[test]
     fn the_level_is_that_of_the_lit_room_beside_a_dark_one() {
-        let scene = crate::scene::load("builtin:two-rooms").unwrap();
+        let scene = crate::io::load("builtin:two-rooms").unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let of = |lights: &[Light]| {
             let sources: Vec<LightSource> = lights.iter().map(|light| light.source(scene.origin)).collect();

@@ -8,8 +8,8 @@
 
 use super::{Points, SurfacePoint};
 use crate::geometry::{Hit, Ray, Surfaces};
+use crate::job::watch::{Stopped, Watch};
 use crate::random::mix;
-use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::kernel::SQUASH;
@@ -201,12 +201,11 @@ fn runs_on<S: Surfaces + ?Sized>(
 mod tests {
     use super::*;
     use crate::geometry::mesh::TriangleSurfaces;
-    use crate::scene;
     use glam::{DVec3, dvec3, vec3};
 
     /// Cuts of a support on the floor at this place, world space.
     fn on_the_floor(name: &str, place: DVec3, radius: f32) -> Vec<Cut> {
-        let scene = scene::load(name).unwrap();
+        let scene = crate::io::load(name).unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let position = (place - DVec3::from(scene.origin)).as_vec3();
         let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y };
@@ -237,7 +236,7 @@ mod tests {
 
     #[test]
     fn a_fold_of_a_curtain_that_leans_ends_a_support() {
-        let scene = scene::load("builtin:arcade").unwrap();
+        let scene = crate::io::load("builtin:arcade").unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let position = |x: f64| (dvec3(x, 2.0, 9.05) - DVec3::from(scene.origin)).as_vec3();
         // On the side of a pillar, which a curtain meets at 45 degrees, 18 cm behind its front.
@@ -253,7 +252,7 @@ mod tests {
 
     #[test]
     fn a_curtain_ends_what_hangs_on_it_before_what_is_behind() {
-        let scene = scene::load("builtin:arcade").unwrap();
+        let scene = crate::io::load("builtin:arcade").unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let position = |x: f64, z: f64| (dvec3(x, 2.0, z) - DVec3::from(scene.origin)).as_vec3();
         // On the court's side of a fold that goes from (-0.18, 9.05) to (-0.32, 9.19), away from a pillar's side.

@@ -7,8 +7,8 @@
 use super::SurfacePoint;
 use super::poisson_disk::DartBoard;
 use crate::geometry::{Ray, Surfaces};
+use crate::job::watch::{Stopped, Watch};
 use crate::random::Stream;
-use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 use rayon::prelude::*;
 

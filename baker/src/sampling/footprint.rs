@@ -2,8 +2,8 @@
 
 use super::{Points, SurfacePoint};
 use crate::geometry::{Ray, Surfaces};
+use crate::job::watch::{Stopped, Watch};
 use crate::random::mix;
-use crate::watch::{Stopped, Watch};
 use rayon::prelude::*;
 use rebounce_shared::footprint::{LIFT, SAMPLES, offset};
 use rebounce_shared::kernel::likeness;
@@ -61,12 +61,11 @@ mod tests {
     use super::*;
     use crate::geometry::mesh::TriangleSurfaces;
     use crate::sampling::{PointLevel, cut};
-    use crate::scene;
     use glam::{DVec3, Vec3, dvec3};
 
     /// Number of samples of a floor point with a support of 40 cm, world space.
     fn on_the_floor(name: &str, place: DVec3) -> u32 {
-        let scene = scene::load(name).unwrap();
+        let scene = crate::io::load(name).unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let position = (place - DVec3::from(scene.origin)).as_vec3();
         let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y };

@@ -2,8 +2,8 @@
 
 use super::Points;
 use crate::geometry::{Ray, Surfaces};
+use crate::job::watch::{Stopped, Watch};
 use crate::random::Stream;
-use crate::watch::{Stopped, Watch};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::openness::{REACH, open, stored};

@@ -141,6 +141,14 @@ pub enum SceneError {
         /// Name of the first material beyond the limit.
         name: String,
     },
+    /// This build of the library has no loader for the scene.
+    #[error("{what} cannot be loaded: the crate is built without its feature `{feature}`; add the feature")]
+    WithoutFeature {
+        /// The scene asked for.
+        what: String,
+        /// Name of the missing feature.
+        feature: &'static str,
+    },
     /// The built-in scene does not exist.
     #[error("there is no built-in scene `{name}`; the built-in scenes are {known}")]
     UnknownBuiltin {

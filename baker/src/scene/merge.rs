@@ -1,6 +1,7 @@
 //! Merging of materials that look alike.
 
-use super::{Scene, SceneError, WorldMesh};
+use super::world_mesh::WorldMesh;
+use super::{Scene, SceneError};
 use rebounce_shared::rbn::MAX_MATERIALS;
 use rebounce_shared::rbn::meta::Material;
 use std::collections::HashMap;
@@ -9,7 +10,7 @@ use std::collections::HashMap;
 ///
 /// # Errors
 /// [`SceneError::TooManyMaterials`].
-pub(super) fn merge(scene: &mut Scene, mesh: &mut WorldMesh, file: &str) -> Result<(), SceneError> {
+pub(crate) fn merge(scene: &mut Scene, mesh: &mut WorldMesh, file: &str) -> Result<(), SceneError> {
     let mut known: HashMap<String, u32> = HashMap::new();
     let mut kept: Vec<Material> = Vec::new();
     let mut place = Vec::with_capacity(scene.materials.len());

@@ -1,42 +1,35 @@
-//! A scene in memory, from glTF 2.0 or generated.
+//! A scene in memory. Touches no files: [`io`](crate::io) reads glTF, [`demo`](crate::demo) generates scenes.
 //!
-//! * [`load`] – loads a .gltf or .glb file, or `builtin:NAME`;
-//! * [`builtin`] – generated scenes;
-//! * [`texture`] – pictures and their sampling; `basis` – Basis Universal pictures; `foreign` – pictures of formats
-//!   outside glTF; `orientation` – picture rotations in Exif metadata;
+//! * `world_mesh` – world-space triangles, before conversion into a [`Scene`];
+//! * [`texture`] – pictures and their sampling; `basis_universal` – Basis Universal pictures; `foreign` – pictures of
+//!   formats outside glTF; `orientation` – picture rotations in Exif metadata;
 //! * [`model`] – instanced meshes;
-//! * `colours` – vertex colours; `merge` – merging of equal materials; `notes` – messages about a file;
-//! * `other_format` – files of other formats, with advice for conversion to glTF;
+//! * `colours` – vertex colours; `merge` – merging of equal materials;
 //! * [`detail`] – the main part, with nearly all of the detail; [`outliers`] – outliers far from the rest.
 
-mod basis;
-pub mod builtin;
+mod basis_universal;
 mod colours;
 pub mod detail;
 mod error;
 mod foreign;
-mod gltf;
-mod merge;
+pub(crate) mod merge;
 pub mod model;
 pub(crate) mod needed;
-mod notes;
 mod orientation;
-mod other_format;
 pub mod outliers;
 pub(crate) mod steps;
 pub mod texture;
 mod texture_size;
+pub(crate) mod world_mesh;
 
 pub use error::SceneError;
 pub use model::InstancedMesh;
 pub use texture::Texture;
 
-use glam::{Affine3A, DAffine3, DVec3, Vec2, Vec3, Vec4};
-use model::WorldInstancedMesh;
+use glam::{Vec2, Vec3};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{Animation, Material};
-use std::path::Path;
 
 /// Maximum number of vertices, and of triangles, of a scene. A larger scene and its bake exceed the memory of usual
 /// machines, and ray traversal numbers triangles in 28 bits.
@@ -89,55 +82,6 @@ pub struct Scene {
     pub degenerate_triangles: usize,
 }
 
-/// Loads a scene: the path of a .gltf or .glb file, or `builtin:NAME`.
-///
-/// # Errors
-/// [`SceneError`], with the file's name and advice.
-pub fn load(spec: &str) -> Result<Scene, SceneError> {
-    load_with(spec, &LoadOptions::default())
-}
-
-/// Options for loading a file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LoadOptions {
-    /// Name or number of the glTF scene; the file's default scene when absent.
-    pub scene: Option<String>,
-    /// Linear RGB albedo of meshes without a material; glTF's default, 1, when absent.
-    pub albedo: Option<[f32; 3]>,
-}
-
-/// Loads a scene with options. `builtin:NAME` is a single scene, and all meshes of built-in scenes have materials.
-///
-/// # Errors
-/// [`SceneError`], with the file's name and advice.
-pub fn load_with(spec: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
-    let Some(name) = spec.strip_prefix("builtin:") else {
-        return gltf::load(Path::new(spec), options);
-    };
-    if let Some(wanted) = options.scene.clone() {
-        return Err(SceneError::NoScene {
-            file: spec.to_owned(),
-            wanted,
-            advice: "leave --scene out, as it is one scene".to_owned(),
-        });
-    }
-    let mut scene = builtin::load(name)?;
-    scene.notes.extend(options.albedo.map(|_| UNUSED_ALBEDO.to_owned()));
-    Ok(scene)
-}
-
-/// Note for an unused albedo for meshes without a material.
-const UNUSED_ALBEDO: &str = "--albedo changes nothing: all meshes have materials";
-
-/// Loads a scene from the bytes of a .gltf or .glb file. `name` is the file's name in errors and the scene's name;
-/// files referred to are searched in the working directory.
-///
-/// # Errors
-/// [`SceneError`].
-pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
-    gltf::from_bytes(name, bytes)
-}
-
 impl Scene {
     /// Returns the least and greatest corner, local space; an instance of a model contributes its box. Both zero
     /// without vertices.
@@ -182,121 +126,6 @@ pub(crate) fn bounds_of(positions: &[Vec3]) -> (Vec3, Vec3) {
         return (Vec3::ZERO, Vec3::ZERO);
     };
     positions.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
-}
-
-/// World-space vertices and triangles, before conversion into a [`Scene`].
-#[derive(Default)]
-struct WorldMesh {
-    positions: Vec<DVec3>,
-    normals: Vec<Vec3>,
-    uvs: Vec<Vec2>,
-    /// Linear RGB and alpha; vertices beyond the end are white.
-    colors: Vec<Vec4>,
-    triangles: Vec<[u32; 3]>,
-    triangle_material: Vec<u32>,
-    /// Instanced meshes, in addition to [`Self::triangles`].
-    models: Vec<WorldInstancedMesh>,
-    /// Number of vertices and of triangles of the models.
-    in_models: (usize, usize),
-}
-
-impl WorldMesh {
-    /// True if the triangle is not degenerate to a line or a point.
-    fn has_area([a, b, c]: [DVec3; 3]) -> bool {
-        let (ab, ac, bc) = (b - a, c - a, c - b);
-        let longest = ab.length_squared().max(ac.length_squared()).max(bc.length_squared());
-        ab.cross(ac).length() > 1e-9 * longest
-    }
-
-    /// True if a triangle of this mesh is not degenerate.
-    fn is_triangle(&self, t: &[u32; 3]) -> bool {
-        Self::has_area(t.map(|i| self.positions[i as usize]))
-    }
-
-    /// Least and greatest corner of the non-degenerate triangles, without models; `None` without triangles.
-    fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.corners().map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
-    }
-
-    /// Corners of the non-degenerate triangles, without models.
-    fn corners(&self) -> impl Iterator<Item = DVec3> + '_ {
-        let triangles = self.triangles.iter().filter(|t| self.is_triangle(t));
-        triangles.flat_map(|t| t.map(|i| self.positions[i as usize]))
-    }
-
-    /// Moves the origin to the centre of the main part, where f32 is most precise, and drops degenerate triangles and
-    /// unused vertices.
-    fn finish(mut self, scene: &mut Scene) {
-        let mut models = std::mem::take(&mut self.models);
-        models.retain(|model| {
-            let is_seen = model.mesh.bounds().is_some();
-            if !is_seen {
-                scene.degenerate_triangles += model.mesh.triangles.len() * model.world_from_model.len();
-            }
-            is_seen
-        });
-        let boxes: Vec<[DVec3; 2]> = models.iter().flat_map(WorldInstancedMesh::boxes).collect();
-        let bounds = self.bounds().into_iter().chain(boxes.iter().copied());
-        let bounds = bounds.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
-        let main = detail::main_part(&self.corners().chain(boxes.into_iter().flatten()).collect::<Vec<_>>());
-        let origin = main.or(bounds).map_or(DVec3::ZERO, |[low, high]| (low + high) * 0.5);
-        scene.origin = origin.to_array();
-        let mut colors = Vec::new();
-        self.append(scene, origin, &mut colors);
-        for WorldInstancedMesh { mesh, world_from_model } in models {
-            let copies = world_from_model.len().saturating_sub(1);
-            let (first_triangle, first_vertex) = (scene.triangles.len() as u32, scene.positions.len());
-            let degenerate = scene.degenerate_triangles;
-            mesh.append(scene, DVec3::ZERO, &mut colors);
-            scene.degenerate_triangles += copies * (scene.degenerate_triangles - degenerate);
-            let (low, high) = bounds_of(&scene.positions[first_vertex..]);
-            let local = |place: &DAffine3| -> Affine3A {
-                let place = DAffine3 { translation: place.translation - origin, ..*place };
-                let [x, y, z, at] = place.to_cols_array_2d().map(|column| column.map(|x| x as f32));
-                Affine3A::from_cols_array_2d(&[x, y, z, at])
-            };
-            scene.models.push(InstancedMesh {
-                triangles: first_triangle..scene.triangles.len() as u32,
-                vertices: first_vertex as u32..scene.positions.len() as u32,
-                local_from_model: world_from_model.iter().map(local).collect(),
-                bounds: [low, high],
-            });
-        }
-        scene.repair_normals();
-        if !colors.is_empty() {
-            colors.resize(scene.positions.len(), Vec4::ONE);
-        }
-        colours::apply(scene, &colors);
-    }
-
-    /// Appends the non-degenerate triangles, without models, to a scene.
-    fn append(self, scene: &mut Scene, origin: DVec3, colors: &mut Vec<Vec4>) {
-        let mut used = vec![u32::MAX; self.positions.len()];
-        if !self.colors.is_empty() {
-            colors.resize(scene.positions.len(), Vec4::ONE);
-        }
-        for (t, &material) in self.triangles.iter().zip(&self.triangle_material) {
-            if !self.is_triangle(t) {
-                scene.degenerate_triangles += 1;
-                continue;
-            }
-            let local = t.map(|i| {
-                let slot = &mut used[i as usize];
-                if *slot == u32::MAX {
-                    *slot = scene.positions.len() as u32;
-                    scene.positions.push((self.positions[i as usize] - origin).as_vec3());
-                    scene.normals.push(self.normals[i as usize]);
-                    scene.uvs.push(self.uvs[i as usize]);
-                    if !self.colors.is_empty() {
-                        colors.push(self.colors.get(i as usize).copied().unwrap_or(Vec4::ONE));
-                    }
-                }
-                *slot
-            });
-            scene.triangles.push(local);
-            scene.triangle_material.push(material);
-        }
-    }
 }
 
 impl Scene {

@@ -1,6 +1,5 @@
 //! Models: instanced meshes, stored once and placed many times.
 
-use super::WorldMesh;
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3, Mat3A, Vec3};
 use std::ops::Range;
 
@@ -46,30 +45,8 @@ pub(crate) fn bounds_of_copy(local_from_model: &Affine3A, [low, high]: [Vec3; 2]
     (middle - half, middle + half)
 }
 
-/// A model before conversion into a [`Scene`](super::Scene).
-#[derive(Default)]
-pub(super) struct WorldInstancedMesh {
-    /// Mesh in model space.
-    pub mesh: WorldMesh,
-    /// Transforms of the instances.
-    pub world_from_model: Vec<DAffine3>,
-}
-
-impl WorldInstancedMesh {
-    /// Least and greatest corner of each instance's box, world space.
-    pub fn boxes(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
-        let [low, high] = self.mesh.bounds().unwrap_or_default();
-        self.world_from_model.iter().map(move |place| {
-            let middle = place.transform_point3(0.5 * (low + high));
-            let (half, DMat3 { x_axis, y_axis, z_axis }) = (0.5 * (high - low), place.matrix3);
-            let half = x_axis.abs() * half.x + y_axis.abs() * half.y + z_axis.abs() * half.z;
-            [middle - half, middle + half]
-        })
-    }
-}
-
 /// Placements of a mesh that become instances of one model.
-pub(super) struct Copies {
+pub(crate) struct Copies {
     /// Transform of the mesh's vertices into model space.
     pub model_from_mesh: DMat4,
     /// Index of the placement among the mesh's placements, and its instance transform.
@@ -78,7 +55,7 @@ pub(super) struct Copies {
 
 /// Divides the placements of a mesh among models: one for plain and one for mirrored placements, if instancing saves
 /// enough triangles. Placements outside both models remain ordinary triangles. `low` and `high` are the mesh's bounds.
-pub(super) fn divide(world_from_mesh: &[DMat4], triangles: usize, [low, high]: [DVec3; 2]) -> Vec<Copies> {
+pub(crate) fn divide(world_from_mesh: &[DMat4], triangles: usize, [low, high]: [DVec3; 2]) -> Vec<Copies> {
     if !(low.is_finite() && high.is_finite()) {
         return Vec::new();
     }

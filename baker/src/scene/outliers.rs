@@ -123,7 +123,8 @@ mod tests {
     use super::*;
     use crate::geometry::Surfaces;
     use crate::geometry::mesh::TriangleSurfaces;
-    use crate::scene::{WorldMesh, load};
+    use crate::io::load;
+    use crate::scene::world_mesh::WorldMesh;
     use glam::dvec3;
     use rebounce_shared::rbn::meta::Material;
 

@@ -1,7 +1,7 @@
 //! Textures: the scene's original picture and decoded texels.
 
 use super::texture_size::{TEXELS_A_BYTE, check_size};
-use super::{SceneError, basis, foreign, orientation};
+use super::{SceneError, basis_universal, foreign, orientation};
 use glam::{Vec2, Vec3};
 use rebounce_shared::rbn::meta::{self, Wrap};
 use std::sync::{Arc, LazyLock, OnceLock};
@@ -95,9 +95,9 @@ fn undecodable(error: &image::ImageError) -> String {
 const MANY_TOGETHER: u64 = 1 << 26;
 
 /// Number of texels after decoding, from the picture's header; 0 without decoding, or if the header is unreadable.
-pub(super) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
-    let size = match (basis::is_ktx2(bytes), decoded) {
-        (true, _) => basis::size(bytes),
+pub(crate) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
+    let size = match (basis_universal::is_ktx2(bytes), decoded) {
+        (true, _) => basis_universal::size(bytes),
         // Pictures of these formats are always decoded.
         (false, _) if foreign::format(bytes).is_some() => foreign::size(bytes),
         (false, true) => dimensions(bytes).ok().map(|(width, height)| (width as u64, height as u64)),
@@ -107,7 +107,7 @@ pub(super) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
 }
 
 /// Refuses pictures with headers that declare more texels, in total, than the pictures' bytes can encode.
-pub(super) fn check_together(texels: u64, bytes: u64) -> Result<(), String> {
+pub(crate) fn check_together(texels: u64, bytes: u64) -> Result<(), String> {
     if texels <= MANY_TOGETHER.max(TEXELS_A_BYTE.saturating_mul(bytes)) {
         return Ok(());
     }
@@ -298,7 +298,7 @@ impl Texture {
             problem,
         };
         let mut bytes = match foreign::format(&bytes) {
-            _ if basis::is_ktx2(&bytes) => basis::to_png(&bytes).map_err(bad)?,
+            _ if basis_universal::is_ktx2(&bytes) => basis_universal::to_png(&bytes).map_err(bad)?,
             Some(format) => foreign::to_png(&bytes, format).map_err(bad)?,
             None => bytes,
         };

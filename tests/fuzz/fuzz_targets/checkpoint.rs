@@ -3,7 +3,6 @@
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
 use rebounce::bake::{BakeSettings, Checkpoint, Identity, Preset};
-use rebounce::scene;
 use rebounce_fuzz::bounded;
 use rebounce_fuzz::partial::mutate;
 use std::path::PathBuf;
@@ -11,7 +10,7 @@ use std::sync::LazyLock;
 
 /// Identity of the seeds' bake.
 static IDENTITY: LazyLock<Identity> = LazyLock::new(|| {
-    let scene = scene::load("builtin:cornell-box").expect("it is built in");
+    let scene = rebounce::io::load("builtin:cornell-box").expect("it is built in");
     Identity::new(&scene, &BakeSettings::new(Preset::Draft))
 });
 /// Path of the input file: in memory if the system has such a folder, since a disk is slow.

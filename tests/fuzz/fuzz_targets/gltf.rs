@@ -3,7 +3,6 @@
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use rebounce::scene;
 use rebounce_fuzz::bounded;
 use rebounce_fuzz::glb::mutate;
 
@@ -18,7 +17,7 @@ fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
 fuzz_target!(|bytes: &[u8]| {
     let has_pictures = bytes.windows(8).any(|w| w == b"\"images\"");
     let more = if has_pictures { PICTURES } else { 0 };
-    let Ok(scene) = bounded(bytes.len(), more, || scene::from_bytes("fuzz.glb", bytes)) else { return };
+    let Ok(scene) = bounded(bytes.len(), more, || rebounce::io::from_bytes("fuzz.glb", bytes)) else { return };
     assert!(scene.triangles.as_flattened().iter().all(|&i| (i as usize) < scene.positions.len()));
     assert!(scene.positions.iter().all(|p| p.is_finite()));
     assert!(scene.triangle_material.iter().all(|&m| (m as usize) < scene.materials.len()));

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use rebounce::shot;
+use rebounce::io::shot;
 use rebounce_fuzz::bounded;
 
 fuzz_target!(|text: &str| {

@@ -3,7 +3,7 @@
 //! NAME-WIDTHxHEIGHT.f32.
 
 use anyhow::{Result, bail};
-use rebounce::picture::compare::compare;
+use rebounce::verify::compare::compare;
 use rebounce_tests::float_picture::read;
 use std::path::PathBuf;
 

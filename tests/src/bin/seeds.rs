@@ -2,7 +2,6 @@
 
 use anyhow::{Context, Result};
 use rebounce::bake::{BakeSettings, Checkpoint, Identity, Preset, bake_with_checkpoint};
-use rebounce::scene;
 use rebounce_shared::rbn::container;
 use rebounce_tests::small::{everything, settings, small};
 use std::path::{Path, PathBuf};
@@ -57,7 +56,7 @@ fn main() -> Result<()> {
 
 /// Returns the checkpoint of a small bake with the identity of a draft of the Cornell box, as expected by the target.
 fn checkpoint(folder: &Path) -> Result<Vec<u8>> {
-    let scene = scene::load("builtin:cornell-box")?;
+    let scene = rebounce::io::load("builtin:cornell-box")?;
     let identity = Identity::new(&scene, &BakeSettings::new(Preset::Draft));
     let path = folder.join("cornell-box.partial");
     let kept = Checkpoint::create(&path, &identity)?;

@@ -44,7 +44,7 @@ fn parse(args: &[String]) -> Result<Options> {
 /// If a step fails.
 pub fn run(args: &[String]) -> Result<()> {
     let options = parse(args)?;
-    process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce"]))?;
+    process::run(process::cargo().args(["build", "--locked", "--release", "--package", "rebounce-cli"]))?;
     let tool = Tool::new(process::target().join("fidelity"))?;
     let mut cases = cases::generated(&tool)?;
     if let Some(folder) = &options.scenes {

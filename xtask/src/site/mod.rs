@@ -109,7 +109,7 @@ pub fn run(args: &[String]) -> Result<()> {
     // The browser measures frame times.
     install::ensure(&install::BROWSER)?;
     web::build()?;
-    let program = ["build", "--locked", "--release", "--package", "rebounce", "--bin", "rebounce"];
+    let program = ["build", "--locked", "--release", "--package", "rebounce-cli", "--bin", "rebounce"];
     process::run(process::cargo().args(program))?;
     let out = process::target().join("site");
     build(&process::target().join("release/rebounce"), &options.quality, &out)?;

@@ -38,9 +38,10 @@ impl Identity {
             seed: operator_seed,
         } = operator;
         let program = format!(
-            "{} ({}, format {})",
+            "{} ({}-{}, format {})",
             env!("CARGO_PKG_VERSION"),
             env!("REBOUNCE_SOURCES"),
+            rebounce_shared::SOURCES,
             container::VERSION
         );
         let parts: [(&str, &dyn Debug); 21] = [
@@ -150,11 +151,10 @@ fn digest(scene: &Scene) -> String {
 mod tests {
     use super::super::super::Preset;
     use super::*;
-    use crate::scene;
 
     #[test]
     fn another_scene_or_setting_is_named() {
-        let scene = scene::load("builtin:cornell-box").unwrap();
+        let scene = crate::io::load("builtin:cornell-box").unwrap();
         let settings = BakeSettings::new(Preset::Draft);
         let one = Identity::new(&scene, &settings);
         assert_eq!(one.difference(&Identity::new(&scene, &settings)), None);

@@ -240,7 +240,7 @@ fn a_baked_file_is_hit_where_its_scene_is() {
     use rebounce_shared::octahedral::pack_snorm16;
     use rebounce_shared::rbn::bulk::Vertex;
     use rebounce_shared::rbn::meta::Draw;
-    let scene = crate::scene::load("builtin:cornell-box").unwrap();
+    let scene = crate::io::load("builtin:cornell-box").unwrap();
     let mut baked = BakedScene::default();
     baked.meta.materials = scene.materials.clone();
     baked.vertices = (scene.positions.iter().zip(&scene.normals).zip(&scene.uvs))

@@ -1,6 +1,5 @@
 use super::*;
 use crate::random::{Stream, mix};
-use crate::scene;
 use rebounce_shared::rbn::meta::Alpha;
 use std::collections::HashMap;
 use std::iter::Sum;
@@ -196,7 +195,7 @@ fn a_flat_sheet_becomes_two_triangles() {
 
 #[test]
 fn what_cannot_be_simpler_comes_out_as_it_went_in() {
-    let cube = scene::load("builtin:cornell-box").unwrap();
+    let cube = crate::io::load("builtin:cornell-box").unwrap();
     assert_unchanged(&cube, &simple(&cube));
     assert_eq!(simple(&Scene::default()), Vec::<[u32; 3]>::new());
     let rough = sheet(

@@ -4,7 +4,7 @@
 
 use super::accumulator::{IrradianceRow, SparseAccumulator};
 use super::{OperatorSettings, tint};
-use crate::watch::{Stopped, Watch};
+use crate::job::watch::{Stopped, Watch};
 use rayon::prelude::*;
 use rebounce_shared::interpolation::Rows;
 use rebounce_shared::link::{Link, Sent};

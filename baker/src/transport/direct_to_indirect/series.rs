@@ -9,8 +9,8 @@
 //! by the same sweeps.
 
 use super::accumulator::IrradianceRow;
+use crate::job::watch::{Stopped, Watch};
 use crate::processor;
-use crate::watch::{Stopped, Watch};
 use glam::Vec3;
 
 /// Coarse points (columns) per batch.

@@ -4,9 +4,9 @@
 //! the colour is the sender's tint.
 
 use crate::geometry::{Ray, Surfaces};
+use crate::job::watch::{Stopped, Watch};
 use crate::random::Stream;
 use crate::sampling::Points;
-use crate::watch::{Stopped, Watch};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use rebounce_shared::colour::{pack_rounded, unpack_rgb9e5};
@@ -95,11 +95,10 @@ mod tests {
     use super::*;
     use crate::geometry::mesh::TriangleSurfaces;
     use crate::sampling::{PointLevel, SurfacePoint};
-    use crate::scene;
 
     #[test]
     fn a_red_wall_is_red_and_a_white_one_white() {
-        let scene = scene::load("builtin:cornell-box").unwrap();
+        let scene = crate::io::load("builtin:cornell-box").unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         // Above the blocks.
         let middle = surfaces.bounds().0.lerp(surfaces.bounds().1, 0.5).with_y(0.8 * surfaces.bounds().1.y);

@@ -14,9 +14,9 @@ pub use weights::PackedWeights;
 
 use crate::basis::Leveled;
 use crate::geometry::{Primitive, Primitives, SurfaceCoordinates, SurfaceSample};
+use crate::job::watch::{Stopped, Watch};
 use crate::processor;
 use crate::random::{mix, unit};
-use crate::watch::{Stopped, Watch};
 use glam::{IVec3, Vec2, Vec3, Vec3A};
 use layout::TileLayout;
 use rayon::prelude::*;

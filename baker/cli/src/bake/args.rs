@@ -1,0 +1,273 @@
+//! The arguments of `rebounce bake`.
+
+use crate::load::LoadArgs;
+use crate::number;
+use anyhow::{Result, bail, ensure};
+use clap::builder::RangedU64ValueParser;
+use clap::{Args, ValueEnum};
+use rebounce::bake::{BakeSettings, Preset, budget};
+use rebounce::io::shot;
+use rebounce::io::write::check_place;
+use rebounce::scene::SceneError;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::interpolation::MAX_POINTS;
+use rebounce_shared::rbn::MAX_LEVELS;
+use rebounce_shared::rbn::container::MAGIC;
+use rebounce_shared::shot::Shot;
+use std::fs::File;
+use std::io::Read;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+/// Maximum rays per receiver: over a second of work per receiver.
+const MOST_RAYS: i64 = 1 << 20;
+/// Headings of the help.
+const QUALITY: &str = "Quality";
+const ADVANCED: &str = "Advanced: how functions are laid out";
+
+/// Range of support radius over disk radius: under 1, functions leave gaps; beyond 4, hundreds of functions overlap.
+const OVERLAPS: RangeInclusive<f32> = 1.0..=4.0;
+
+const AFTER_HELP: &str = "\
+A bake keeps what it has done in FILE.rbn.partial beside its output. When it was stopped or killed, the same command with \
+--resume goes on from there; the result is the same file, to the byte. It is removed when the bake is done. FILE.rbn itself \
+is replaced only then, and at once.
+
+Where it is built with the feature mpi, `mpirun -n 4 rebounce bake ...` shares the work among four processes; the result \
+is the same file, to the byte, and --resume goes on with any number of them.
+
+Exit codes: 0 done; 1 failed; 2 wrong arguments; 3 done, and the file is written, but its error is over --target-error; 4 done, and the file is written, but noise hides whether its error is over --target-error; 130 stopped by Ctrl-C, 143 by SIGTERM, --resume goes on.
+
+--json-progress prints objects with stage, level (or null), done and total (units of this stage and level), rays_per_second \
+(or null), seconds (since the bake began), seconds_left, processor_seconds and processor_seconds_left (of all threads together: they do \
+not count what else the machine does), fraction (0 to 1); the last one has the stage \"done\" (with --target-error also measured_error, null where noise hides it, measured_error_at_least and measured_error_at_most), or \"failed\" and error, or \"stopped\" and checkpoint, the file to go on from. \
+A signal ends the command at once, and without a last line, while it reads the scene.
+
+--target-error bakes a draft, standard, fine, and then twice and four times as many functions, until one is within the error; progress goes from 0 to 1 \
+for each. FILE.rbn always has the best one so far. Before, the view is path-traced, about half as long as a standard bake takes; where the noise of that hides whether the error is small enough, \
+with ever more samples, up to 800 a pixel. An error that they hide too is \"too noisy to tell\", and finer bakes follow as for one that is over. \
+--resume goes on with the bake that was stopped, and knows nothing of the errors before it. Several processes cannot do it.";
+
+/// Arguments of `rebounce bake`. What is wanted every day comes first; the rest stands under headings in `--help`, and
+/// not at all in `-h`.
+#[derive(Args, Debug)]
+#[command(after_help = "More options, and what each of them means: rebounce bake --help", after_long_help = AFTER_HELP)]
+pub struct BakeArgs {
+    /// A .gltf or .glb file, or builtin:NAME
+    ///
+    /// The built-in scenes are builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
+    /// builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic and builtin:furnace.
+    pub(super) scene: String,
+    /// Where to write; SCENE.rbn in the working folder when absent
+    #[arg(short, long, value_name = "FILE.rbn")]
+    output: Option<PathBuf>,
+    /// How good and how costly
+    #[arg(long, value_enum, default_value = "standard")]
+    preset: PresetName,
+    /// Bakes ever finer until the picture is within this error of a path tracer, as in 0.1
+    ///
+    /// The error of the bounced light is measured in the view of --shot, or of the scene's own camera and lights. Where
+    /// there is neither, the coarsest preset that is made for the error is taken.
+    #[arg(long, value_name = "ERROR", value_parser = number::over_zero, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
+    pub(super) target_error: Option<f64>,
+    /// A camera to bake for, and the view of --target-error (docs/SHOT.md)
+    ///
+    /// Points are placed for this camera besides the scene's own. --target-error is measured with its camera and lights,
+    /// with the scene's own when absent.
+    #[arg(long, value_name = "SHOT.json")]
+    pub(super) shot: Option<PathBuf>,
+    /// A place within the room that matters, in the scene's units
+    ///
+    /// What is seen from there, and what lights that, gets functions, in large open scenes most near by. The option may be
+    /// given several times. When absent, the cameras of the shot and the scene count; without any the place is found. A
+    /// camera or lamp that is added to a scene without goes there, too.
+    #[arg(long, value_name = "X,Y,Z", value_parser = number::place, allow_hyphen_values = true)]
+    viewpoint: Vec<[f64; 3]>,
+    /// Most bytes of the file, as in 8M
+    ///
+    /// The bake takes fewer functions, then fewer links.
+    #[arg(long, value_name = "BYTES", value_parser = number::bytes)]
+    pub(super) max_bytes: Option<u64>,
+    /// Writes FILE.preview.rbn early and ever finer, for `rebounce view --watch`
+    #[arg(long)]
+    pub(super) preview: bool,
+    /// Goes on with a bake that was stopped or killed: the same scene, settings and output
+    #[arg(long)]
+    pub(super) resume: bool,
+
+    #[command(flatten)]
+    pub(super) load: LoadArgs,
+
+    /// About how many functions the finest level has, as in 25K; the preset's when absent
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
+    functions: Option<usize>,
+    /// Rays per receiver, coarsest level first; the last number holds for finer levels
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=MOST_RAYS))]
+    rays: Option<Vec<u32>>,
+    /// Bounces of light; all that matter when absent
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) bounces: Option<u32>,
+    /// The weakest link that is kept, as a share of the light that the scene's surfaces reflect
+    ///
+    /// A link says how much light one part of a surface gives another. The light of a weaker link is added to a stronger one
+    /// beside it, so that none is lost: a larger share makes a smaller file and coarser bounced light.
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = number::at_least_zero_single)]
+    epsilon: Option<f32>,
+    /// The least certain link that is kept, in standard deviations of its own noise
+    ///
+    /// Links are measured with random rays. The light of a link that stands out less from its noise is added to a stronger one
+    /// beside it: a larger number makes smoother bounced light with less detail.
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = number::at_least_zero_single)]
+    significance: Option<f32>,
+
+    /// Most bytes of memory, about, as in 2G: the bake takes fewer functions
+    #[arg(long, help_heading = "Limits", hide_short_help = true, value_name = "BYTES", value_parser = number::bytes)]
+    pub(super) max_memory: Option<u64>,
+    /// Threads; all cores when absent
+    #[arg(long, help_heading = "Limits", hide_short_help = true)]
+    pub(super) threads: Option<usize>,
+
+    /// Prints progress as JSON, one object a line, on standard output, and no summary
+    #[arg(long, help_heading = "Reports", hide_short_help = true)]
+    pub(super) json_progress: bool,
+    /// Writes the figures of the closing summary as JSON
+    #[arg(long, help_heading = "Reports", hide_short_help = true, value_name = "FILE.json")]
+    pub(super) report: Option<PathBuf>,
+
+    /// Levels of receivers
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_LEVELS as u64))]
+    levels: Option<usize>,
+    /// Levels of senders, the coarsest ones
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
+    sender_levels: Option<usize>,
+    /// Levels at whose points direct light is sampled
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
+    direct_levels: Option<usize>,
+    /// Levels that light is gathered on to bounce again, the coarsest ones
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
+    later_levels: Option<usize>,
+    /// Poisson-disk radius of the coarsest level, scene units; overrides --functions
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = number::over_zero_single)]
+    coarse_radius: Option<f32>,
+    /// Support over disk radius, coarsest level
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = |text: &str| number::within(text, OVERLAPS))]
+    coarse_overlap: Option<f32>,
+    /// Support over disk radius, finest level
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = |text: &str| number::within(text, OVERLAPS))]
+    fine_overlap: Option<f32>,
+    /// Seed of all random numbers
+    #[arg(long, help_heading = ADVANCED, hide_short_help = true, default_value_t = 1)]
+    seed: u64,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PresetName {
+    /// To look at while arranging a scene: error under 0.15 against a path tracer in most scenes, in seconds
+    Draft,
+    /// To ship: error under 0.08 in most scenes (more where a lamp is close to a surface), in half a minute for a room on two cores
+    Standard,
+    /// For stills and close looks: error under 0.06 in most scenes, in some minutes
+    Fine,
+}
+
+/// Whether two paths name a single file.
+fn is_same(a: &Path, b: &Path) -> bool {
+    a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
+}
+
+/// Checks that `path` has the ending and can be written; `what` names the file in errors.
+fn check_output(path: &Path, ending: &str, what: &str) -> Result<()> {
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
+        bail!("{}: {what} is a .{ending} file: give a name that ends in .{ending}", path.display());
+    }
+    Ok(check_place(path)?)
+}
+
+/// Whether a file begins with the magic of .rbn files.
+fn is_baked(path: &Path) -> bool {
+    let mut first = [0; MAGIC.len()];
+    let file = std::fs::metadata(path).is_ok_and(|entry| entry.is_file()).then(|| File::open(path));
+    file.is_some_and(|file| file.is_ok_and(|mut file| file.read_exact(&mut first).is_ok())) && first == MAGIC
+}
+
+impl BakeArgs {
+    /// Checks the paths before long work: the outputs can be written, and overwrite no input.
+    ///
+    /// # Errors
+    /// A message about the problem.
+    pub(super) fn check(&self) -> Result<()> {
+        if is_baked(Path::new(&self.scene)) {
+            return Err(SceneError::Baked { file: self.scene.clone() }.into());
+        }
+        let output = self.output();
+        check_output(&output, "rbn", "what is baked")?;
+        if let Some(report) = &self.report {
+            check_output(report, "json", "the report")?;
+        }
+        let read = [
+            Some((Path::new(&self.scene), "the scene")),
+            self.shot.as_deref().map(|shot| (shot, "the shot")),
+        ];
+        for written in [Some(&output), self.report.as_ref()].into_iter().flatten() {
+            for (path, what) in read.into_iter().flatten() {
+                ensure!(
+                    !is_same(path, written),
+                    "{} is {what} and would be overwritten: give another name",
+                    written.display()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the preset of `--preset`, or the preset for `--target-error`.
+    pub(super) fn preset(&self) -> Result<Preset> {
+        Ok(match (self.target_error, self.preset) {
+            (Some(error), _) => budget::preset_for(error)?,
+            (None, PresetName::Draft) => Preset::Draft,
+            (None, PresetName::Standard) => Preset::Standard,
+            (None, PresetName::Fine) => Preset::Fine,
+        })
+    }
+
+    /// Reads the shot of `--shot`.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub(super) fn shot(&self) -> Result<Option<Shot>> {
+        Ok(self.shot.as_deref().map(shot::read).transpose()?)
+    }
+
+    /// Returns the preset's settings with the overrides of the arguments; points are placed for `camera`, too.
+    pub(super) fn settings(&self, preset: Preset, camera: Option<&Camera>) -> BakeSettings {
+        let mut s = BakeSettings::new(preset);
+        fn set<T: Clone>(value: &mut T, given: &Option<T>) {
+            if let Some(given) = given {
+                *value = given.clone();
+            }
+        }
+        s.viewpoints = self.viewpoint.clone();
+        s.camera = camera.cloned();
+        s.place.coarse_radius = self.coarse_radius;
+        s.operator.bounces = self.bounces;
+        set(&mut s.place.levels, &self.levels);
+        set(&mut s.place.functions, &self.functions);
+        set(&mut s.place.coarse_overlap, &self.coarse_overlap);
+        set(&mut s.place.fine_overlap, &self.fine_overlap);
+        set(&mut s.operator.sender_levels, &self.sender_levels);
+        set(&mut s.operator.epsilon, &self.epsilon);
+        set(&mut s.operator.significance, &self.significance);
+        set(&mut s.operator.rays, &self.rays);
+        set(&mut s.operator.later_levels, &self.later_levels);
+        set(&mut s.direct_levels, &self.direct_levels);
+        s.place.seed = self.seed;
+        s.operator.seed = self.seed;
+        s
+    }
+
+    /// Path of the output file.
+    pub(super) fn output(&self) -> PathBuf {
+        let name = || PathBuf::from(self.scene.rsplit([':', '/', '\\']).next().unwrap_or("scene"));
+        self.output.clone().unwrap_or_else(|| name().with_extension("rbn"))
+    }
+}

@@ -1,0 +1,145 @@
+//! `rebounce bake`: a scene in, a .rbn file out.
+//!
+//! * `args` – arguments; `plan` – settings and checkpoint; `tries` – bakes, until `aim` finds the error within the
+//!   target; `observers` – progress, previews and signals.
+
+mod aim;
+mod args;
+mod observers;
+mod plan;
+mod tries;
+
+pub use args::BakeArgs;
+
+use super::TOO_NOISY;
+use super::communicator::with_team;
+use super::escape::escape_controls;
+use super::load::warn;
+use super::progress::{Display, Unfinished};
+use super::stop::Stop;
+use super::view::PREVIEW;
+use aim::{Aim, shot_for};
+use anyhow::{Context, Result, ensure};
+use cpu_time::ProcessTime;
+use observers::{Follower, Watcher};
+use plan::{Plan, open_checkpoint};
+use rebounce::bake::{BakeError, BakeReport, Checkpoint, bake_in_team};
+use rebounce::job::communicator::Communicator;
+use rebounce::scene::{self, Scene};
+use std::process::ExitCode;
+use std::sync::{Arc, Once};
+use std::time::Instant;
+use tries::{Ended, Tries};
+
+/// The exit code of a bake whose error is too large.
+const OVER_TARGET: u8 = 3;
+
+/// Runs the command.
+pub fn run(args: &BakeArgs) -> Result<ExitCode> {
+    if let Some(threads) = args.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")?;
+    }
+    with_team(|team| {
+        ensure!(
+            team.size() == 1 || args.target_error.is_none(),
+            "--target-error bakes several times and measures in between, which is for one process: give several a --preset"
+        );
+        if team.rank() != 0 {
+            return follow(args, &args.load.load(&args.scene)?, team);
+        }
+        // Until the scene is loaded, signals end the process at once.
+        let loaded = args.check().and_then(|()| args.load.load(&args.scene));
+        let done = loaded.and_then(|scene| lead(args, &scene, team));
+        if let Some(error) = done.as_ref().err().filter(|_| args.json_progress) {
+            Unfinished::Failed { error: escape_controls(&crate::sentence(error)).into_owned() }.print();
+        }
+        done
+    })
+}
+
+/// Work of a process other than the first: bakes, and leaves files and messages to the first process.
+fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
+    let stop = Stop::install(|| ()).context("setting up signals")?;
+    let shot = args.shot()?;
+    let settings = Plan::asked_for(args, scene, shot.as_ref().map(|shot| &shot.camera))?.settings;
+    match bake_in_team(scene, &settings, &Follower(stop.clone()), None, team) {
+        Ok(_) => Ok(0),
+        Err(BakeError::Stopped) => Ok(stop.exit_code()),
+        Err(error) => Err(error).context(args.scene.clone()),
+    }
+}
+
+/// Work of the first process, or of a single process.
+fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
+    let output = args.output();
+    warn(scene);
+    if let Some(far) = scene::outliers::far_away(scene) {
+        eprintln!("warning: {}", escape_controls(&far));
+    }
+    if scene.lights.is_empty() && scene.materials.iter().any(|material| material.emission != [0.0; 3]) {
+        eprintln!(
+            "note: the scene has no lights; surfaces that shine by themselves are shown, but light nothing: add point, spot or sun lights"
+        );
+    }
+    let given = args.shot()?;
+    let camera = given.as_ref().map(|shot| shot.camera.clone());
+    let shot = match args.target_error {
+        Some(_) => shot_for(given, &args.scene, scene)?,
+        None => None,
+    };
+    let aim = match (args.target_error, &shot) {
+        (Some(target), Some(shot)) => Some(Aim::new(target, scene, shot, args.bounces)?),
+        _ => None,
+    };
+    let plans = match &aim {
+        Some(_) => Plan::tries(args, scene, camera.as_ref())?,
+        None => vec![Plan::asked_for(args, scene, camera.as_ref())?],
+    };
+    let (checkpoint, first) = open_checkpoint(args, &output, scene, &plans)?;
+    let last_words = last_words(&checkpoint, team, args.json_progress);
+    let stop = Stop::install(last_words.clone()).context("setting up signals")?;
+    let previews = args.preview.then(|| output.with_extension(PREVIEW));
+    let watcher = Watcher { display: Display::new(args.json_progress), stop, previews };
+    let (began, processors) = (Instant::now(), ProcessTime::now());
+    let mut tries = Tries { args, scene, team, watcher, output, aim, written: None };
+    let code = match tries.run(&plans, first, checkpoint)? {
+        Ended::Met => 0,
+        Ended::Missed => OVER_TARGET,
+        Ended::TooNoisy => TOO_NOISY,
+        Ended::Elsewhere => return Ok(0),
+        Ended::Stopped => {
+            last_words();
+            return Ok(tries.watcher.stop.exit_code());
+        }
+    };
+    let Tries { output, watcher, written, .. } = tries;
+    let error = written.as_ref().and_then(BakeReport::measured);
+    watcher.display.finish(began.elapsed().as_secs_f64(), processors.elapsed().as_secs_f64(), error);
+    if let Some(report) = written.filter(|_| !watcher.display.is_json()) {
+        println!("{report}");
+        println!("wrote         {}", output.display());
+    }
+    Ok(code)
+}
+
+/// Returns a function that prints the message of a stopped bake; only the first call prints.
+fn last_words(
+    checkpoint: &Checkpoint,
+    team: &dyn Communicator,
+    is_json: bool,
+) -> impl Fn() + Clone + Send + 'static {
+    let kept = checkpoint.path().display().to_string();
+    let why = match team.size() {
+        1 => "stopped",
+        _ => "stopped, or ended because another process of this bake was lost",
+    };
+    let said = Arc::new(Once::new());
+    move || {
+        said.call_once(|| {
+            eprintln!("rebounce: {why}; {kept} has what was done, and --resume goes on from it");
+            if is_json {
+                Unfinished::Stopped { checkpoint: kept.clone() }.print();
+            }
+        });
+    }
+}

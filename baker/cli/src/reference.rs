@@ -1,0 +1,56 @@
+//! `rebounce reference`: a scene path-traced by brute force.
+
+use super::load::{LoadArgs, warn};
+use super::picture::{PictureArgs, Rows, shot_or_own};
+use anyhow::Result;
+use clap::Args;
+use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::verify::path_trace::{Settings, path_trace};
+
+/// Arguments of `rebounce reference`.
+#[derive(Args, Debug)]
+pub struct ReferenceArgs {
+    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
+    /// builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic, builtin:furnace
+    scene: String,
+    #[command(flatten)]
+    load: LoadArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Samples per pixel
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+    /// Bounces of light; all of them when absent
+    #[arg(long)]
+    bounces: Option<u32>,
+}
+
+/// Runs the command.
+pub fn run(args: &ReferenceArgs) -> Result<()> {
+    let shot = args.picture.prepare()?;
+    let scene = args.load.load(&args.scene)?;
+    warn(&scene);
+    let shot = match shot {
+        Some(shot) => shot,
+        None => {
+            if scene.cameras.is_empty() || scene.lights.is_empty() {
+                eprintln!(
+                    "note: the scene has no camera or no light; it is seen as a bake without --viewpoint shows it"
+                );
+            }
+            let (lights, cameras) = lights_and_cameras(&scene, &BakeSettings::new(Preset::Standard))?;
+            shot_or_own(None, &args.scene, &cameras, &lights)?
+        }
+    };
+    let surfaces = TriangleSurfaces::from_scene(&scene);
+    let exposure = args.picture.exposure(&shot, args.spp);
+    let settings = Settings { only: args.picture.only(), bounces: args.bounces };
+    let rows = Rows::new(exposure.size[1]);
+    let picture =
+        path_trace(&surfaces, scene.origin, &shot.camera, &shot.lights, exposure, settings, || rows.done());
+    rows.finish();
+    let frame = shot.camera.frame(scene.origin);
+    let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.origin)).collect();
+    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, None)
+}

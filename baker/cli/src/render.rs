@@ -1,0 +1,46 @@
+//! `rebounce render`: a baked file relit on the CPU.
+
+use super::picture::{PictureArgs, Rows, shot_or_own};
+use super::read_baked;
+use anyhow::Result;
+use clap::Args;
+use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::verify::render::{Content, render};
+use std::path::PathBuf;
+
+/// Arguments of `rebounce render`.
+#[derive(Args, Debug)]
+pub struct RenderArgs {
+    /// A baked scene
+    #[arg(value_name = "FILE.rbn")]
+    file: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Samples per pixel
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+    /// Leaves out the grey behind an object and its shadow on the ground, in a PNG
+    #[arg(long)]
+    no_backdrop: bool,
+    /// Leaves out detail finer than the functions: bounced light is interpolated between the points alone
+    #[arg(long)]
+    no_detail: bool,
+}
+
+/// Runs the command.
+pub fn run(args: &RenderArgs) -> Result<()> {
+    let shot = args.picture.prepare()?;
+    let (_, scene) = read_baked(&args.file)?;
+    let name = args.file.display().to_string();
+    let shot = shot_or_own(shot, &name, &scene.meta.cameras, &scene.meta.lights)?;
+    let surfaces = TriangleSurfaces::from_baked(&scene)?;
+    let exposure = args.picture.exposure(&shot, args.spp);
+    let rows = Rows::new(exposure.size[1]);
+    let content = Content { only: args.picture.only(), detail: !args.no_detail };
+    let picture = render(&scene, &surfaces, &shot.camera, &shot.lights, exposure, content, || rows.done());
+    rows.finish();
+    let frame = shot.camera.frame(scene.meta.origin);
+    let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
+    let ground = scene.meta.shown.ground().filter(|_| !args.no_backdrop);
+    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, ground.as_ref())
+}

@@ -1,0 +1,250 @@
+//! glTF 2.0 to [`Scene`].
+//!
+//! * `document`, `exact`, `repair` – JSON: parsing by the `gltf` crate, values that the crate loses, malformed input;
+//!   `container`, `source`, `beside` – bytes of buffers and images; `accessor` – accessor elements;
+//! * `meshopt`, `draco` – decompression; `extensions` – supported and refused extensions;
+//! * `material`, `texture_info`, `transmission` – materials, texture references, transmission; `picture` – image
+//!   selection;
+//! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins;
+//! * `instances`, `place` – world-space placement; `choice` – scene selection; `notes` – messages about a file; `node`, `pose` – transforms and cameras;
+//! * `light`, `punctual`, `enclosed` – lights, and lamps enclosed by a mesh; `animation` – animated lights.
+
+mod accessor;
+mod animation;
+mod beside;
+mod choice;
+mod container;
+mod document;
+mod draco;
+mod enclosed;
+mod exact;
+mod extensions;
+mod instances;
+mod light;
+mod material;
+mod mesh;
+mod meshopt;
+mod node;
+mod notes;
+mod picture;
+mod place;
+mod pose;
+mod primitive;
+mod punctual;
+mod repair;
+mod rest;
+mod source;
+mod texture_info;
+mod transmission;
+
+use super::Files;
+use super::files::Disk;
+use super::options::{LoadOptions, UNUSED_ALBEDO};
+use crate::scene::merge::merge;
+use crate::scene::world_mesh::WorldMesh;
+use crate::scene::{Scene, SceneError};
+use enclosed::Lamps;
+use glam::DMat4;
+use mesh::MeshPart;
+use notes::{Told, grouped};
+use place::PlacementNotes;
+use rebounce_shared::rbn::{MAX_COPIES, MAX_TRIANGLES};
+use rest::{Rest, Skins};
+use source::Source;
+use std::collections::BTreeMap;
+use std::iter::Zip;
+use std::path::{Path, PathBuf};
+
+/// Bounding-box diagonals, scene units, for which 32-bit floats suffice.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
+/// Threshold for the ratio of a mesh's longest triangle side to the scene's median side. A mesh over the threshold is
+/// reported: positions are rounded to a share of the scene's extent.
+const HUGE: f64 = 1e5;
+
+/// Maximum number of mesh placements.
+const MOST_PLACES: usize = MAX_COPIES as usize;
+
+/// Loads a .gltf or .glb file.
+pub(super) fn load(files: &dyn Files, path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
+    let source = Source::open(files, path)?;
+    let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    convert_with(&source, name, options)
+}
+
+/// Loads a file's bytes.
+pub(super) fn from_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
+    let source = Source::parse(name.to_owned(), &Disk, PathBuf::new(), bytes)?;
+    convert(&source, name.to_owned())
+}
+
+fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
+    convert_with(source, name, &LoadOptions::default())
+}
+
+fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<Scene, SceneError> {
+    let mut scene = Scene { name, ..Scene::default() };
+    let mut told = Told { left_out: extensions::unread(&source.root), notes: Vec::new() };
+    let roots = choice::roots(source, options.scene.as_deref(), &mut told)?;
+    let nodes = node::flatten(source, roots)?;
+    let lights = light::placed(source, &nodes, &mut told)?;
+    for &(place, index) in &lights {
+        scene.lights.push(light::of(source, &nodes[place], index, &mut told)?);
+        scene.light_names.push(light::own_name(source, &nodes[place], index));
+    }
+    let mut lamps = Lamps::new(lights.iter().map(|(_, index)| *index).zip(&scene.lights));
+    let mut materials = material::Materials::new(source, options.albedo);
+    let mut mesh = WorldMesh::default();
+    let seen = place_all(source, &nodes, &mut materials, &mut lamps, &mut mesh, &mut told)?;
+    if mesh.triangles.is_empty() && mesh.models.is_empty() {
+        return Err(SceneError::Empty { file: source.file.clone() });
+    }
+    if options.albedo.is_some() && !materials.has_default() {
+        told.notes.push(UNUSED_ALBEDO.to_owned());
+    }
+    materials.finish(&mut scene)?;
+    merge(&mut scene, &mut mesh, &source.file)?;
+    scene.left_out.append(&mut told.left_out);
+    mesh.finish(&mut scene);
+    if scene.triangles.is_empty() {
+        return Err(SceneError::Empty { file: source.file.clone() });
+    }
+    let placed = scene.triangles_placed();
+    if placed > MAX_TRIANGLES {
+        let (file, what) = (source.file.clone(), "triangles with all copies");
+        return Err(SceneError::TooLarge {
+            file,
+            what,
+            count: placed as usize,
+            limit: MAX_TRIANGLES as usize,
+        });
+    }
+    note_odd_triangles(source, &mut scene, &seen);
+    let (low, high) = scene.bounds();
+    let size = (high - low).as_dvec3().length();
+    if !SIZES.contains(&size) {
+        let problem = format!("its triangles are {size:e} units across, beyond the range of numbers");
+        return Err(source.malformed(problem));
+    }
+    let (low, high) = scene.main_part();
+    let main_size = (high - low).as_dvec3().length();
+    for node in &nodes {
+        if let Some(camera) = node::camera(source, node, scene.origin, main_size)? {
+            scene.cameras.push(camera);
+            scene.camera_names.push(node::camera_name(source, node));
+        }
+    }
+    scene.animations = animation::animations(source, &nodes, &lights, &mut scene.left_out)?;
+    told.notes.extend(lamps.enclosed.iter().filter_map(|lamp| lamp.note(source, size)));
+    told.notes.extend(source.notes());
+    scene.left_out = grouped(scene.left_out);
+    scene.notes = grouped(told.notes);
+    Ok(scene)
+}
+
+/// Mesh index, and index of the deforming node, if any.
+type Shape = (usize, Option<usize>);
+
+/// Places all meshes in node order. A mesh is read once per deformation and kept until the last node with the mesh is
+/// placed; a mesh with many placements becomes a model.
+fn place_all(
+    source: &Source,
+    nodes: &[node::PlacedNode],
+    materials: &mut material::Materials,
+    lamps: &mut Lamps,
+    out: &mut WorldMesh,
+    told: &mut Told,
+) -> Result<BTreeMap<usize, PlacementNotes>, SceneError> {
+    let mut places: BTreeMap<Shape, Vec<DMat4>> = BTreeMap::new();
+    let mut rests: BTreeMap<usize, Rest> = BTreeMap::new();
+    let mut skins = Skins::default();
+    // Shape of every node with a mesh, and the number of placements added by the node.
+    let mut placed: Vec<(Shape, usize)> = Vec::new();
+    let mut count = 0;
+    for node in nodes {
+        let Some(index) = source.root.nodes[node.index].mesh else { continue };
+        let index = index.value();
+        let mut more = instances::of(source, node)?;
+        let rest = Rest::of_node(source, node.index, index, node.world, &mut skins)?;
+        if rest.as_ref().is_some_and(Rest::is_skinned) {
+            if more.len() > 1 {
+                let problem = "it has a skin, whose joints place it once";
+                told.left_out.push(format!("{} instances of node {}: {problem}", more.len() - 1, node.index));
+            }
+            more = vec![DMat4::IDENTITY];
+        }
+        count += more.len();
+        if count > MOST_PLACES {
+            let (file, what) = (source.file.clone(), "places of meshes");
+            return Err(SceneError::TooLarge { file, what, count, limit: MOST_PLACES });
+        }
+        let shape = (index, rest.is_some().then_some(node.index));
+        rests.extend(rest.map(|rest| (node.index, rest)));
+        placed.push((shape, more.len()));
+        places.entry(shape).or_default().extend(more);
+    }
+    let mut known: BTreeMap<Shape, (Vec<MeshPart>, Alone)> = BTreeMap::new();
+    let mut seen: BTreeMap<usize, PlacementNotes> = BTreeMap::new();
+    for (shape, count) in placed {
+        let (index, deforming) = shape;
+        let seen = seen.entry(index).or_default();
+        let (parts, mut alone) = match known.remove(&shape) {
+            Some(found) => found,
+            None => {
+                let rest = deforming.and_then(|node| rests.remove(&node));
+                let rest = rest.unwrap_or_else(|| Rest::of_mesh(source, index));
+                let parts = mesh::read(source, index, &rest, materials, told)?;
+                let places = places.remove(&shape).unwrap_or_default();
+                let opaque: Vec<&MeshPart> =
+                    parts.iter().filter(|part| materials.is_opaque(part.material)).collect();
+                lamps.look(index, &opaque, &places);
+                let taken = place::models(source, &parts, &places, out, seen)?;
+                (parts, places.into_iter().zip(taken))
+            }
+        };
+        for (matrix, _) in alone.by_ref().take(count).filter(|(_, is_taken)| !is_taken) {
+            for part in &parts {
+                place::append(source, part, &matrix, out, seen)?;
+            }
+        }
+        if alone.len() > 0 {
+            known.insert(shape, (parts, alone));
+        }
+    }
+    Ok(seen)
+}
+
+/// Remaining placements of a mesh, and whether a model covers the placement.
+type Alone = Zip<std::vec::IntoIter<DMat4>, std::vec::IntoIter<bool>>;
+
+/// Adds to `left_out`: degenerate triangles, and triangles so long that small triangles lose precision.
+fn note_odd_triangles(source: &Source, scene: &mut Scene, seen: &BTreeMap<usize, PlacementNotes>) {
+    let listed = |odd: Vec<(usize, String)>| {
+        let named: Vec<String> =
+            odd.iter().take(3).map(|(i, count)| format!("{}{count}", mesh::name(source, *i))).collect();
+        let more = if odd.len() > 3 { format!(" and {} more meshes", odd.len() - 3) } else { String::new() };
+        format!("{}{more}", named.join(", "))
+    };
+    let flat = seen.iter().filter(|(_, s)| s.degenerate > 0);
+    let flat: Vec<_> = flat.map(|(i, s)| (*i, format!(": {}", s.degenerate))).collect();
+    if !flat.is_empty() {
+        let count = scene.degenerate_triangles;
+        scene.left_out.push(format!("{count} triangles without area, of {}", listed(flat)));
+    }
+    let mut sides: Vec<f32> = (scene.triangles.iter())
+        .map(|t| scene.positions[t[0] as usize].distance(scene.positions[t[1] as usize]))
+        .collect();
+    let middle = sides.len() / 2;
+    let median = *sides.select_nth_unstable_by(middle, f32::total_cmp).1 as f64;
+    let huge = seen.iter().filter(|(_, s)| s.longest > HUGE * median);
+    let huge: Vec<_> = huge.map(|(i, s)| (*i, format!(" ({:.0} units)", s.longest))).collect();
+    if !huge.is_empty() {
+        scene.left_out.push(format!(
+            "exactness of small triangles: some of {} are over {HUGE} times as long as the scene's middle one \
+             ({median:.2e} units), so that small ones are rounded",
+            listed(huge)
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,78 @@
+//! Loading of a scene by name.
+
+use super::options::LoadOptions;
+#[cfg(feature = "demo-scenes")]
+use super::options::UNUSED_ALBEDO;
+use crate::scene::{Scene, SceneError};
+
+/// Loads a scene: the path of a .gltf or .glb file, or `builtin:NAME`.
+///
+/// # Errors
+/// [`SceneError`], with the file's name and advice.
+pub fn load(spec: &str) -> Result<Scene, SceneError> {
+    load_with(spec, &LoadOptions::default())
+}
+
+/// Loads a scene with options. `builtin:NAME` is a single scene, and all meshes of built-in scenes have materials.
+///
+/// # Errors
+/// [`SceneError`], with the file's name and advice.
+pub fn load_with(spec: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+    match spec.strip_prefix("builtin:") {
+        Some(name) => builtin(spec, name, options),
+        None => file(spec, options),
+    }
+}
+
+#[cfg(feature = "gltf")]
+fn file(path: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+    load_from(&super::files::Disk, std::path::Path::new(path), options)
+}
+
+#[cfg(not(feature = "gltf"))]
+fn file(path: &str, _: &LoadOptions) -> Result<Scene, SceneError> {
+    Err(SceneError::WithoutFeature { what: path.to_owned(), feature: "gltf" })
+}
+
+#[cfg(feature = "demo-scenes")]
+fn builtin(spec: &str, name: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+    if let Some(wanted) = options.scene.clone() {
+        return Err(SceneError::NoScene {
+            file: spec.to_owned(),
+            wanted,
+            advice: "leave --scene out, as it is one scene".to_owned(),
+        });
+    }
+    let mut scene = crate::demo::load(name)?;
+    scene.notes.extend(options.albedo.map(|_| UNUSED_ALBEDO.to_owned()));
+    Ok(scene)
+}
+
+#[cfg(not(feature = "demo-scenes"))]
+fn builtin(spec: &str, _: &str, _: &LoadOptions) -> Result<Scene, SceneError> {
+    Err(SceneError::WithoutFeature { what: spec.to_owned(), feature: "demo-scenes" })
+}
+
+/// Loads a .gltf or .glb file from any source of files: a disk ([`Disk`](super::files::Disk)), memory
+/// ([`Memory`](super::files::Memory)). Files that the scene refers to are looked up beside the scene's file.
+///
+/// # Errors
+/// [`SceneError`], with the file's name and advice.
+#[cfg(feature = "gltf")]
+pub fn load_from(
+    files: &dyn super::Files,
+    path: &std::path::Path,
+    options: &LoadOptions,
+) -> Result<Scene, SceneError> {
+    super::gltf::load(files, path, options)
+}
+
+/// Loads a scene from the bytes of a .gltf or .glb file. `name` is the file's name in errors and the scene's name;
+/// files referred to are searched in the working directory.
+///
+/// # Errors
+/// [`SceneError`].
+#[cfg(feature = "gltf")]
+pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
+    super::gltf::from_bytes(name, bytes)
+}

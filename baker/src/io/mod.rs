@@ -1,0 +1,23 @@
+//! Files: scenes (glTF 2.0), pictures, SHOT.json, and atomic writes.
+//!
+//! * [`load`] – loads a scene: a .gltf or .glb file, or `builtin:NAME`; [`files`] – where its bytes come from;
+//! * `gltf` – the reader; `other_format` – files of other formats, with advice for conversion to glTF;
+//! * [`picture`] – EXR and PNG; [`shot`] – camera and lights for a picture;
+//! * [`write`](mod@write) – replaces a file at once, or leaves the old file.
+
+pub mod files;
+#[cfg(feature = "gltf")]
+mod gltf;
+mod load;
+mod options;
+#[cfg(feature = "gltf")]
+mod other_format;
+pub mod picture;
+pub mod shot;
+pub mod write;
+
+pub use files::Files;
+#[cfg(feature = "gltf")]
+pub use load::{from_bytes, load_from};
+pub use load::{load, load_with};
+pub use options::LoadOptions;

@@ -1,0 +1,56 @@
+//! Display pictures: exposed, tone-mapped, with unlit surfaces and the backdrop, as on the viewer's page.
+
+use super::backdrop::backdrop;
+use super::unlit::{developed, unlit};
+use crate::geometry::mesh::TriangleSurfaces;
+use crate::geometry::{Ray, Surfaces};
+use crate::io::picture::{Only, Picture, png};
+use crate::light::level::level;
+use crate::verify::expose::Exposure;
+use rebounce_shared::camera::CameraFrame;
+use rebounce_shared::exposure::most;
+use rebounce_shared::light::LightSource;
+use rebounce_shared::rbn::shown::Ground;
+
+/// Source and settings of a picture.
+pub struct Shown<'a> {
+    /// The surfaces.
+    pub surfaces: &'a TriangleSurfaces,
+    /// The camera.
+    pub camera: &'a CameraFrame,
+    /// Lights; they limit the exposure.
+    pub lights: &'a [LightSource],
+    /// Size, samples and seed.
+    pub exposure: Exposure,
+    /// Components of light shown.
+    pub only: Only,
+    /// The ground of an object that is shown before a backdrop.
+    pub ground: Option<&'a Ground>,
+}
+
+impl Shown<'_> {
+    /// Converts a picture's radiance to display values, linear RGB from 0 to 1.
+    pub fn picture(&self, radiance: &Picture) -> Picture {
+        // Measuring the light level casts shadow rays.
+        let most = most(level(self.surfaces, self.lights));
+        let exposed = |lit: &Picture| png::automatic_exposure(lit, most, |pixel| self.is_lit(pixel));
+        let is_all = self.only == Only::All;
+        let shown = if is_all && self.surfaces.has_unlit() {
+            developed(radiance, &unlit(self.surfaces, self.camera, self.exposure), exposed)
+        } else {
+            png::developed(radiance, exposed(radiance))
+        };
+        match self.ground.filter(|_| is_all) {
+            Some(ground) => shown.plus(&backdrop(self.surfaces, self.camera, self.exposure, ground)),
+            None => shown,
+        }
+    }
+
+    /// Whether the centre of a pixel shows a surface affected by light.
+    fn is_lit(&self, [x, y]: [u32; 2]) -> bool {
+        let [width, height] = self.exposure.size;
+        let direction = self.camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
+        let ray = Ray::visibility(self.camera.eye, direction);
+        self.surfaces.see(&ray, 0).is_some_and(|hit| !hit.is_unlit)
+    }
+}
