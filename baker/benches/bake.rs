@@ -9,7 +9,7 @@
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_vantage};
+use rebounce::bake::{BakeReport, BakeSettings, Preset, bake, choose_emitter};
 use rebounce::basis::relate;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Hit, Ray, Surfaces};
@@ -21,8 +21,8 @@ use rebounce::transport::direct_to_indirect::gather::receivers_together;
 use rebounce::transport::direct_to_indirect::gather_batch::BATCH;
 use rebounce::transport::direct_to_indirect::hemisphere::{GatherRays, gather_rays};
 use rebounce::transport::direct_to_indirect::ray_sort::sort;
-use rebounce::transport::direct_to_indirect::refine::{Refiner, Senders};
 use rebounce::transport::direct_to_indirect::{mean_albedo::reflected_share, tint::tints};
+use rebounce::transport::direct_to_indirect::{refine::Refiner, senders::Senders};
 use std::hint::black_box;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -122,23 +122,23 @@ impl Rays {
     /// receivers.
     fn of(scene: &Scene, settings: &BakeSettings, report: &BakeReport) -> Result<Self> {
         let surfaces = TriangleSurfaces::simplified(scene);
-        let vantage = choose_vantage(scene, &surfaces, settings)?;
+        let emitter = choose_emitter(scene, &surfaces, settings)?;
         let recorder = Recorder::new(&surfaces);
-        let mut points = place(&recorder, &vantage, &settings.place, &())?;
+        let mut points = place(&recorder, &emitter, &settings.place, &())?;
         let end = points.points.len();
         cut(&recorder, &mut points, end, &())?;
         footprint(&recorder, &mut points, end, &())?;
         let mut operator = settings.operator.clone();
         operator.reflected = reflected_share(&recorder, &points, 0, operator.seed);
-        let tints = tints(&recorder, &points, operator.seed, &())?;
+        let tints = tints(&recorder, &points, operator.seed);
         let others = recorder.asked();
         let relations = relate(&points, settings.direct_levels)?;
-        let senders = Senders::new(&surfaces, &points, &operator, &tints, &())?;
+        let senders = Senders::unwatched(&surfaces, &points, &operator, &tints);
         let mut refiner = Refiner::new(&surfaces, &points, &relations, &operator, &senders, tints);
         let mut receivers = Vec::new();
         for _ in &points.levels {
             receivers.push(refiner.receivers_ahead());
-            refiner.level(&(), &(), &())?;
+            refiner.level();
         }
         let count = refiner.finish().rays;
         ensure!(count == report.rays, "{count} rays are not the bake's {}", report.rays);

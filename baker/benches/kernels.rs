@@ -7,7 +7,7 @@
 
 use anyhow::Result;
 use criterion::{Criterion, Throughput};
-use rebounce::bake::{BakeSettings, Preset, choose_vantage};
+use rebounce::bake::{BakeSettings, Preset, choose_emitter};
 use rebounce::basis::{Relations, relate};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Hit, Primitives, Ray, Surfaces};
@@ -21,12 +21,11 @@ use rebounce::transport::direct_to_indirect::gather_context::GatherContext;
 use rebounce::transport::direct_to_indirect::hemisphere::{GatherRays, gather_rays};
 use rebounce::transport::direct_to_indirect::hit_cache::{HitCache, Layout};
 use rebounce::transport::direct_to_indirect::ray_sort::sort;
-use rebounce::transport::direct_to_indirect::refine::{Refiner, Senders};
 use rebounce::transport::direct_to_indirect::{Operator, OperatorSettings, tint};
+use rebounce::transport::direct_to_indirect::{refine::Refiner, senders::Senders};
 use rebounce_shared::link::Link;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::codec::links::{decode, encode};
-use std::convert::Infallible;
 use std::hint::black_box;
 
 const SCENE: &str = "builtin:library";
@@ -46,7 +45,7 @@ const PLACES: usize = 16;
 /// Input of the kernels.
 struct Room {
     surfaces: TriangleSurfaces,
-    vantage: ParticleEmitter,
+    emitter: ParticleEmitter,
     place: PlaceSettings,
     operator: OperatorSettings,
     points: Points,
@@ -78,17 +77,20 @@ impl Room {
         let settings = settings.normalised();
         let operator = settings.operator.clone();
         let surfaces = TriangleSurfaces::from_scene(&scene);
-        let vantage = choose_vantage(&scene, &surfaces, &settings)?;
-        let points = place(&surfaces, &vantage, &settings.place, &())?;
+        let emitter = choose_emitter(&scene, &surfaces, &settings)?;
+        let points = place(&surfaces, &emitter, &settings.place, &())?;
         let relations = relate(&points, settings.direct_levels)?;
-        let tints = tint::tints(&surfaces, &points, operator.seed, &())?;
-        let senders = Senders::new(&surfaces, &points, &operator, &tints, &())?;
+        let tints = tint::tints(&surfaces, &points, operator.seed);
+        let senders = Senders::unwatched(&surfaces, &points, &operator, &tints);
         let baked = {
             let mut refiner = Refiner::new(&surfaces, &points, &relations, &operator, &senders, tints);
             for _ in 0..operator.later_levels {
-                refiner.level(&(), &(), &())?;
+                refiner.level();
             }
-            refiner.relate_coarse(&())?;
+            let matrix = refiner.coarse_matrix();
+            let mut scratch = matrix.scratch();
+            let rows = (0..matrix.count()).map(|i| matrix.row(i, &mut scratch)).collect();
+            refiner.set_coarse(rows);
             refiner.finish()
         };
         let links = LinkMatrix::from_rows(&baked.links);
@@ -103,7 +105,7 @@ impl Room {
             order: Vec::new(),
             hits: Vec::new(),
             surfaces,
-            vantage,
+            emitter,
             operator,
             points,
             relations,
@@ -167,10 +169,9 @@ impl Room {
 
     fn gather(&self, receivers: &[usize], level: usize, scratch: &mut Scratch) -> Vec<Gathered> {
         let mut all = Vec::with_capacity(receivers.len());
-        let cast = |_| -> Result<(), Infallible> { Ok(()) };
         let (directions, values) = (&self.directions, &self.values[..]);
         let gather = Gather { receivers, level, directions, values };
-        let Ok(()) = self.context().links(&gather, scratch, cast, |_, gathered| all.push(gathered));
+        self.context().links(&gather, scratch, |_, gathered| all.push(gathered));
         all
     }
 
@@ -270,9 +271,8 @@ fn bounces(room: &Room) -> u64 {
         ..Operator::default()
     };
     let entries: usize = operator.coarse_count();
-    // The computation is never stopped, and a single process receives no garbled messages.
-    let done = add_later_bounces(&mut operator, &room.operator, &(), &(), &());
-    assert!(done.is_ok() && operator.later_count() > 0, "no later bounces");
+    add_later_bounces(&mut operator, &room.operator);
+    assert!(operator.later_count() > 0, "no later bounces");
     column_count(&room.baked, &room.operator) as u64 * entries as u64
 }
 
@@ -291,7 +291,7 @@ fn decode_links(room: &Room) -> u64 {
 
 #[inline(never)]
 fn place_points(room: &Room) -> u64 {
-    let points = place(&room.surfaces, &room.vantage, &room.place, &());
+    let points = place(&room.surfaces, &room.emitter, &room.place, &());
     points.map_or(0, |points| points.points.len() as u64)
 }
 

@@ -4,7 +4,7 @@
 
 use anyhow::{Context, Result, ensure};
 use glam::Vec3;
-use rebounce::bake::{BakeSettings, Preset, choose_vantage};
+use rebounce::bake::{BakeSettings, Preset, choose_emitter};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
@@ -77,8 +77,8 @@ fn incoherent_rays(surfaces: &TriangleSurfaces, count: u64) -> Vec<Ray> {
 /// Casts the rays of finest receivers at `standard`, in the casting order of a bake.
 fn gathers(scene: &scene::Scene, surfaces: &TriangleSurfaces) -> Result<()> {
     let settings = BakeSettings::new(Preset::Standard).normalised();
-    let vantage = choose_vantage(scene, surfaces, &settings)?;
-    let points = place(surfaces, &vantage, &settings.place, &())?;
+    let emitter = choose_emitter(scene, surfaces, &settings)?;
+    let points = place(surfaces, &emitter, &settings.place, &())?;
     let finest: Vec<usize> = points.levels.last().map_or(Vec::new(), |level| level.range().collect());
     let primitives = surfaces.primitives().context("too many triangles")?;
     let directions = Directions::new(settings.operator.rays_on(points.levels.len() - 1));

@@ -2,7 +2,7 @@
 //! processes here, with message exchange as in MPI; `mpi.rs` tests real processes.
 
 use rebounce::bake::{
-    BakeError, BakeReport, BakeSettings, Checkpoint, Identity, Observer, Preset, bake, bake_in_team,
+    BakeError, BakeReport, BakeSettings, Baker, Checkpoint, Identity, Observer, Preset, bake,
 };
 use rebounce::job::communicator::{Communicator, Received};
 use rebounce::job::watch::{Stopped, Watch};
@@ -14,7 +14,7 @@ use std::sync::{Arc, Barrier, Mutex};
 /// Messages to the first member and to all members.
 type Letters = [Vec<u8>; 2];
 
-/// Shared state of the team's threads.
+/// Shared state of the job's threads.
 struct Table {
     letters: Mutex<Vec<Letters>>,
     meet: Barrier,
@@ -27,7 +27,7 @@ struct Member {
     table: Arc<Table>,
 }
 
-fn team(size: usize) -> Vec<Member> {
+fn communicator(size: usize) -> Vec<Member> {
     let letters = Mutex::new(vec![Letters::default(); size]);
     let table = Arc::new(Table { letters, meet: Barrier::new(size), is_over: AtomicBool::new(false) });
     (0..size).map(|rank| Member { rank, table: table.clone() }).collect()
@@ -91,7 +91,7 @@ fn baked(
         let identity = Identity::new(scene, settings);
         let path = kept.filter(|_| member.rank == 0);
         let checkpoint = path.map(|path| Checkpoint::resume(path, &identity)).transpose()?;
-        let baked = bake_in_team(scene, settings, &(), checkpoint.as_ref(), &member)?;
+        let baked = Baker::new(settings).checkpoint(checkpoint.as_ref()).communicator(&member).bake(scene)?;
         Ok(baked.map(|(file, report)| (file.to_bytes().unwrap(), report)))
     };
     let run = |member: Member| {
@@ -100,7 +100,8 @@ fn baked(
     };
     std::thread::scope(|scope| {
         let run = &run;
-        let members: Vec<_> = team(size).into_iter().map(|member| scope.spawn(move || run(member))).collect();
+        let members: Vec<_> =
+            communicator(size).into_iter().map(|member| scope.spawn(move || run(member))).collect();
         members.into_iter().map(|member| member.join().unwrap()).collect()
     })
 }
@@ -170,20 +171,24 @@ fn a_stop_ends_all_and_the_checkpoint_goes_on() {
     // Points are placed first, by a single member, so that both members meet in the shared part.
     let checkpoint = Checkpoint::resume(&path, &identity).unwrap();
     assert!(
-        bake_in_team(&scene, &settings, &StopAfter(AtomicUsize::new(0), 400), Some(&checkpoint), &())
+        Baker::new(&settings)
+            .observer(&StopAfter(AtomicUsize::new(0), 400))
+            .checkpoint(Some(&checkpoint))
+            .bake(&scene)
             .is_err()
     );
     drop(checkpoint);
     let before = path.metadata().unwrap().len();
     let stopped = std::thread::scope(|scope| {
-        let ends: Vec<_> = team(2)
+        let ends: Vec<_> = communicator(2)
             .into_iter()
             .map(|member| {
                 let (scene, settings, identity, path) = (&scene, &settings, &identity, &path);
                 scope.spawn(move || {
                     let checkpoint = (member.rank == 0).then(|| Checkpoint::resume(path, identity).unwrap());
                     let watch = StopOnceItLinks::default();
-                    bake_in_team(scene, settings, &watch, checkpoint.as_ref(), &member).map(|_| ())
+                    let baker = Baker::new(settings).observer(&watch).checkpoint(checkpoint.as_ref());
+                    baker.communicator(&member).bake(scene).map(|_| ())
                 })
             })
             .collect();
@@ -218,11 +223,11 @@ fn members_with_other_arguments_are_found_out() {
     let mut other = settings.clone();
     other.operator.rays = vec![99];
     let errors = std::thread::scope(|scope| {
-        let ends: Vec<_> = team(2)
+        let ends: Vec<_> = communicator(2)
             .into_iter()
             .map(|member| {
                 let (scene, settings) = (&scene, if member.rank == 0 { &settings } else { &other });
-                scope.spawn(move || bake_in_team(scene, settings, &(), None, &member).map(|_| ()))
+                scope.spawn(move || Baker::new(settings).communicator(&member).bake(scene).map(|_| ()))
             })
             .collect();
         ends.into_iter().map(|end| end.join().unwrap()).collect::<Vec<_>>()

@@ -5,9 +5,7 @@ use rebounce_shared::baked::BakedScene;
 
 use common::crowd::{COPIES, FINE, Said, glb, places};
 use glam::Vec3;
-use rebounce::bake::{
-    BakeError, BakeSettings, Checkpoint, Identity, Observer, Preset, bake, bake_with_checkpoint,
-};
+use rebounce::bake::{BakeError, BakeSettings, Baker, Checkpoint, Identity, Observer, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
@@ -112,8 +110,8 @@ fn a_bake_of_copies_that_was_stopped_goes_on_to_the_same_file() {
     for limit in [60, 150, usize::MAX] {
         let kept = Checkpoint::resume(&path, &identity).unwrap();
         let observer = StopAfter(AtomicUsize::new(0), limit);
-        match bake_with_checkpoint(&scene, &settings, &observer, &kept) {
-            Ok((baked, _)) => assert!(baked == whole),
+        match Baker::new(&settings).observer(&observer).checkpoint(Some(&kept)).bake(&scene) {
+            Ok(baked) => assert!(baked.unwrap().0 == whole),
             Err(BakeError::Stopped) => stopped += 1,
             Err(error) => panic!("{error}"),
         }

@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 use rebounce::bake::judge::Judge;
-use rebounce::bake::{BakeSettings, Preset, bake, choose_vantage};
+use rebounce::bake::{BakeSettings, Preset, bake, choose_emitter};
 use rebounce::basis::{Evaluator, Leveled, Support};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
@@ -144,8 +144,8 @@ fn all_that_is_seen_of_a_plain_is_covered() {
     scene.cameras.push(camera());
     let surfaces = TriangleSurfaces::simplified(&scene);
     let settings = settings();
-    let vantage = choose_vantage(&scene, &surfaces, &settings).unwrap();
-    let points = place(&surfaces, &vantage, &settings.place, &()).unwrap();
+    let emitter = choose_emitter(&scene, &surfaces, &settings).unwrap();
+    let points = place(&surfaces, &emitter, &settings.place, &()).unwrap();
     let of_level = |level: &rebounce::sampling::PointLevel| {
         let support = |i: usize| {
             let point = &points.points[i];
@@ -175,9 +175,9 @@ fn rooms_have_one_radius() {
         let surfaces = TriangleSurfaces::simplified(&scene);
         assert_eq!(surfaces.main_part(), surfaces.bounds(), "{name}");
         let settings = settings();
-        let vantage = choose_vantage(&scene, &surfaces, &settings).unwrap();
-        assert!(!vantage.views.is_empty());
-        let placer = rebounce::sampling::Placer::new(&surfaces, &vantage, &settings.place).unwrap();
+        let emitter = choose_emitter(&scene, &surfaces, &settings).unwrap();
+        assert!(!emitter.views.is_empty());
+        let placer = rebounce::sampling::Placer::new(&surfaces, &emitter, &settings.place).unwrap();
         assert_eq!(placer.levels(), settings.place.levels, "{name}");
     }
 }

@@ -42,8 +42,8 @@ fn bake(albedo: f32) -> (Points, Relations, Operator) {
     let room = room(albedo);
     let points = place(&room, &ParticleEmitter::within(Vec3::ZERO), &small_place(), &()).unwrap();
     let relations = relate(&points, 4).unwrap();
-    let mut operator = refine(&room, &points, &relations, &small_operator(), &()).unwrap();
-    add_later_bounces(&mut operator, &small_operator(), &(), &(), &()).unwrap();
+    let mut operator = refine(&room, &points, &relations, &small_operator());
+    add_later_bounces(&mut operator, &small_operator());
     (points, relations, operator)
 }
 
@@ -163,13 +163,13 @@ fn later_bounces_stop_where_they_are_told_to() {
     let room = room(0.5);
     let points = place(&room, &ParticleEmitter::within(Vec3::ZERO), &small_place(), &()).unwrap();
     let relations = relate(&points, 4).unwrap();
-    let one = refine(&room, &points, &relations, &small_operator(), &()).unwrap();
+    let one = refine(&room, &points, &relations, &small_operator());
     let mut expected = 0.0;
     for bounces in 1..4 {
         expected += 0.5f32.powi(bounces);
         let mut operator = one.clone();
         let settings = OperatorSettings { bounces: Some(bounces as u32), ..small_operator() };
-        add_later_bounces(&mut operator, &settings, &(), &(), &()).unwrap();
+        add_later_bounces(&mut operator, &settings);
         assert_eq!(operator.bounces, bounces as u32);
         let found = from_ones(&points, &relations, &operator);
         let got = found.iter().sum::<f32>() / found.len() as f32;

@@ -12,6 +12,7 @@ mod common {
 mod closed_forms;
 mod communicator;
 mod copies;
+mod examples;
 mod first_view;
 mod furnace;
 mod gltf;

@@ -1,10 +1,9 @@
 //! A stopped and resumed bake gives the same file as an uninterrupted bake, to the byte.
 
-use rebounce::bake::checkpoint::Storage;
 use rebounce::bake::{
-    BakeError, BakeSettings, Checkpoint, CheckpointError, Identity, Observer, Preset, bake,
-    bake_with_checkpoint,
+    BakeError, BakeSettings, Baker, Checkpoint, CheckpointError, Identity, Observer, Preset, bake,
 };
+use rebounce::job::checkpoint::Storage;
 use rebounce::random::Stream;
 use rebounce::scene::Scene;
 use std::io::{self, Write};
@@ -50,7 +49,13 @@ fn resumed(
     observer: &dyn Observer,
 ) -> Result<Vec<u8>, BakeError> {
     let checkpoint = Checkpoint::resume(path, &Identity::new(scene, settings))?;
-    Ok(bake_with_checkpoint(scene, settings, observer, &checkpoint)?.0.to_bytes()?)
+    Ok(Baker::new(settings)
+        .observer(observer)
+        .checkpoint(Some(&checkpoint))
+        .bake(scene)?
+        .unwrap()
+        .0
+        .to_bytes()?)
 }
 
 fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -292,7 +297,7 @@ fn a_full_disk_ends_the_bake_and_keeps_whole_records() {
         let bytes = Arc::new(Mutex::new(Vec::new()));
         let disk = SmallDisk { bytes: bytes.clone(), room };
         let checkpoint = Checkpoint::on(Box::new(disk), &path, &identity);
-        let error = bake_with_checkpoint(&scene, &settings, &(), &checkpoint).unwrap_err();
+        let error = Baker::new(&settings).checkpoint(Some(&checkpoint)).bake(&scene).unwrap_err();
         assert!(matches!(error, BakeError::Checkpoint(CheckpointError::Io { .. })), "{error}");
         assert!(error.to_string().contains("a.partial") && error.to_string().contains("--resume"), "{error}");
         drop(checkpoint);

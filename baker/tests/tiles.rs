@@ -7,8 +7,8 @@ use rebounce::geometry::{Hit, Ray, Surfaces};
 use rebounce::sampling::emitter::ParticleEmitter;
 use rebounce::sampling::{PlaceSettings, Points, cut, place};
 use rebounce::scene::Scene;
-use rebounce::transport::direct_to_indirect::refine::{Senders, refine};
 use rebounce::transport::direct_to_indirect::{OperatorSettings, tint};
+use rebounce::transport::direct_to_indirect::{refine::refine, senders::Senders};
 use rebounce_shared::interpolation::mean;
 use rebounce_shared::link::Sent;
 use split::split;
@@ -60,7 +60,7 @@ fn settings(seed: u64) -> OperatorSettings {
 fn received<S: Surfaces>(surfaces: &S, points: &Points, seed: u64) -> Vec<f32> {
     let settings = settings(seed);
     let relations = relate(points, 4).unwrap();
-    let operator = refine(surfaces, points, &relations, &settings, &()).unwrap();
+    let operator = refine(surfaces, points, &relations, &settings);
     assert!(operator.lost_share < 0.01, "{}", operator.lost_share);
     // From 0 to 2, within the length of a room.
     let sent = |i: usize| 1.0 + (2.0 * points.points[i].position.element_sum()).sin();
@@ -128,9 +128,9 @@ fn tiles_change_less_than_other_rays_do_and_take_no_light() {
 fn small_triangles_share_tiles() {
     let (scene, whole, points) = placed("builtin:two-rooms-door");
     let tiles = |surfaces: &TriangleSurfaces| {
-        let tints = tint::tints(surfaces, &points, 5, &()).unwrap();
+        let tints = tint::tints(surfaces, &points, 5);
         let settings = settings(5);
-        let senders = Senders::new(surfaces, &points, &settings, &tints, &()).unwrap();
+        let senders = Senders::unwatched(surfaces, &points, &settings, &tints);
         let relations = relate(&points, 4).unwrap();
         senders.context(surfaces, &points, &relations, &settings).tiles.unwrap().count()
     };

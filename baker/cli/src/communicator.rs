@@ -7,7 +7,7 @@ use std::process::ExitCode;
 /// Runs `work` with the communicator of this process. If `work` fails or is stopped, ends all processes: the remaining
 /// processes would wait for this process.
 #[cfg(feature = "mpi")]
-pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<ExitCode> {
+pub fn with_communicator(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<ExitCode> {
     use crate::escape::escape_controls;
     use anyhow::Context;
     use rebounce::job::communicator::mpi::Mpi;
@@ -19,9 +19,9 @@ pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<E
     if !Mpi::is_launched() {
         return work(&()).map(ExitCode::from);
     }
-    let team = Mpi::join().context("joining the other processes")?;
-    let (rank, size) = (team.rank(), team.size());
-    let done = work(&team);
+    let communicator = Mpi::join().context("joining the other processes")?;
+    let (rank, size) = (communicator.rank(), communicator.size());
+    let done = work(&communicator);
     if size == 1 {
         return done.map(ExitCode::from);
     }
@@ -30,16 +30,16 @@ pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<E
     }
     match done {
         Ok(0) => Ok(ExitCode::SUCCESS),
-        Ok(code) => team.abort(code),
+        Ok(code) => communicator.abort(code),
         Err(error) => {
             eprintln!("rebounce: process {rank} of {size}: {}", escape_controls(&crate::sentence(&error)));
-            team.abort(1)
+            communicator.abort(1)
         }
     }
 }
 
 /// Runs `work` in a single process.
 #[cfg(not(feature = "mpi"))]
-pub fn with_team(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<ExitCode> {
+pub fn with_communicator(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<ExitCode> {
     work(&()).map(ExitCode::from)
 }

@@ -6,7 +6,7 @@ use crate::basis::Relations;
 use crate::sampling::Points;
 use crate::scene::steps::{least_step, power_of_two_under, to_steps};
 use crate::scene::{InstancedMesh, Scene};
-use crate::transport::direct_to_indirect::Operator;
+use crate::transport::Operator;
 use crate::weld::canonical_indices;
 use glam::Vec3;
 use rayon::prelude::*;

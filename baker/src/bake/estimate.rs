@@ -114,8 +114,8 @@ impl BakePart {
     /// Returns clock seconds per processor second on `threads` undisturbed threads.
     fn ideal(&self, threads: f64) -> f64 {
         let shared = match self.stage {
-            Stage::Prepare => 0.6,
-            Stage::Basis | Stage::Assemble => 0.0,
+            Stage::Bvh => 0.6,
+            Stage::Hierarchy | Stage::Assemble => 0.0,
             _ => 1.0,
         };
         1.0 - shared + shared / threads
@@ -187,8 +187,8 @@ impl Estimate {
             let kind = match (stage, level) {
                 (Stage::Links, Some(level)) if level < later_levels => WorkKind::CoarseLinks,
                 (Stage::Links, _) => WorkKind::FineLinks,
-                (Stage::Among | Stage::Bounces, _) => WorkKind::Bounces,
-                (Stage::Walls, _) => WorkKind::Walls,
+                (Stage::CoarseMatrix | Stage::Multibounce, _) => WorkKind::Bounces,
+                (Stage::ClipPlanes, _) => WorkKind::Walls,
                 _ => WorkKind::SettingUp,
             };
             let (units, done, skipped, nominal, spent) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -207,24 +207,24 @@ impl Estimate {
             });
         };
         let levels = settings.place.levels;
-        add(Stage::Prepare, None);
+        add(Stage::Bvh, None);
         if sketches {
             add(Stage::Sketch, None);
         }
         (0..levels).for_each(|level| add(Stage::Points, Some(level)));
-        [Stage::Walls, Stage::Basis, Stage::Colours, Stage::Tiles]
+        [Stage::ClipPlanes, Stage::Hierarchy, Stage::Tints, Stage::HitCache]
             .into_iter()
             .for_each(|stage| add(stage, None));
         for level in 0..levels {
             add(Stage::Links, Some(level));
             if level + 1 == later_levels && settings.operator.bounces != Some(1) {
-                add(Stage::Among, None);
-                add(Stage::Bounces, None);
+                add(Stage::CoarseMatrix, None);
+                add(Stage::Multibounce, None);
             }
         }
         add(Stage::Assemble, None);
         let prepared = cost::PREPARED[0] + cost::PREPARED[1] * triangles as f64;
-        estimate.set(Stage::Prepare, None, triangles as f64, prepared);
+        estimate.set(Stage::Bvh, None, triangles as f64, prepared);
         estimate.set(Stage::Sketch, None, 1.0, cost::SKETCH);
         estimate.set(
             Stage::Assemble,
@@ -246,8 +246,8 @@ impl Estimate {
     pub(super) fn found_levels(&mut self, settings: &BakeSettings) {
         let triangles = self.units(Stage::Assemble, None) as usize;
         let fresh = Self::new(settings, triangles, false, self.threads as usize);
-        self.parts.retain(|part| matches!(part.stage, Stage::Prepare | Stage::Sketch));
-        self.parts.extend(fresh.parts.into_iter().filter(|part| part.stage != Stage::Prepare));
+        self.parts.retain(|part| matches!(part.stage, Stage::Bvh | Stage::Sketch));
+        self.parts.extend(fresh.parts.into_iter().filter(|part| part.stage != Stage::Bvh));
         self.by_level = fresh.by_level;
         self.expect_points(settings, &expected_counts(&settings.place));
     }
@@ -265,24 +265,24 @@ impl Estimate {
     /// Updates units and costs from the number of points per level.
     fn expect_points(&mut self, settings: &BakeSettings, counts: &[f64]) {
         let all: f64 = counts.iter().sum();
-        self.set(Stage::Walls, None, 2.0 * all, 2.0 * cost::WALL * all);
-        self.set(Stage::Basis, None, all, cost::RELATION * all);
+        self.set(Stage::ClipPlanes, None, 2.0 * all, 2.0 * cost::WALL * all);
+        self.set(Stage::Hierarchy, None, all, cost::RELATION * all);
         for (level, count) in counts.iter().enumerate() {
             let above = (counts.len() - 1 - level) as i32;
             self.set(Stage::Points, Some(level), *count, cost::POINT[0] * cost::POINT[1].powi(above) * count);
             self.expect_rays(level, count * settings.operator.rays_on(level) as f64);
         }
         let triangles = self.units(Stage::Assemble, None);
-        self.set(Stage::Colours, None, all, cost::COLOUR * all);
+        self.set(Stage::Tints, None, all, cost::COLOUR * all);
         let tiles = TILES.0 * all + TILES.1 * self.ray_triangles;
-        self.set(Stage::Tiles, None, tiles, cost::TILE * tiles);
+        self.set(Stage::HitCache, None, tiles, cost::TILE * tiles);
         let [file, of_triangle, of_point] = cost::ASSEMBLED;
         let assembled = file + of_triangle * triangles + of_point * all;
         self.set(Stage::Assemble, None, triangles, assembled);
         let coarse: f64 = counts.iter().take(settings.operator.later_levels).sum();
         let rays = |(level, count): (usize, &f64)| count * settings.operator.rays_on(level) as f64;
         let coarse_rays: f64 = counts.iter().enumerate().take(settings.operator.later_levels).map(rays).sum();
-        self.set(Stage::Among, None, coarse, cost::AMONG * coarse_rays);
+        self.set(Stage::CoarseMatrix, None, coarse, cost::AMONG * coarse_rays);
         self.expect_bounces(coarse, coarse * ROW.0.min(ROW.1 * coarse));
     }
 
@@ -300,7 +300,7 @@ impl Estimate {
         let of_kind = match self.parts.iter().any(is_coarse) {
             true => 1.0,
             false => {
-                let functions = self.units(Stage::Basis, None).max(1.0);
+                let functions = self.units(Stage::Hierarchy, None).max(1.0);
                 (FINE.0 + FINE.2 * (functions / FINE.1).ln()).clamp(0.5, 2.0)
             }
         };
@@ -310,7 +310,7 @@ impl Estimate {
 
     /// Sets the number of columns of later bounces, and the number of entries of the coarse rows.
     pub(super) fn expect_bounces(&mut self, columns: f64, entries: f64) {
-        self.set(Stage::Bounces, None, columns, cost::BOUNCE * columns * entries);
+        self.set(Stage::Multibounce, None, columns, cost::BOUNCE * columns * entries);
     }
 
     fn set(&mut self, stage: Stage, level: Option<usize>, units: f64, nominal: f64) {

@@ -1,50 +1,50 @@
 //! The complete bake: from a scene to the contents of a file.
 //!
-//! * [`observer`] – progress reports and stopping;
+//! * [`Baker`] – a bake with all its options; [`bake`] – with the usual ones;
 //! * `stages` – the stages in order; `assemble` – the file's contents;
+//! * [`observer`] – progress reports and stopping; `tracker`, `estimate` – progress, and the time left;
 //! * `stand_in` – camera and lamp for scenes without, and the ground of an object;
 //! * [`budget`] – limits on size and memory; [`judge`] – the error against ground truth; [`aim`] – settings to try
 //!   next;
-//! * `agree` – check that all processes work on the same points;
-//! * [`checkpoint`] – finished work on disk, so that a bake can resume;
-//! * `tracker`, `estimate` – progress, and the time left;
+//! * `identity` – the inputs of the result; `placed` – points as partial results;
 //! * `preset`, `report` – settings, and figures.
 
-mod agree;
 pub mod aim;
 mod assemble;
+mod baker;
 pub mod budget;
-pub mod checkpoint;
 mod estimate;
+mod identity;
 pub mod judge;
 pub mod observer;
+mod placed;
 mod preset;
 mod report;
 mod stages;
 mod stand_in;
 mod tracker;
 
-pub use checkpoint::{Checkpoint, CheckpointError, Identity};
-pub use observer::{Observer, Preview, Progress, Stage};
+pub use crate::job::checkpoint::{Checkpoint, CheckpointError, Identity};
+pub use crate::job::stage::Stage;
+pub use baker::Baker;
+pub use observer::{Observer, Preview, Progress};
 pub use preset::{BakeSettings, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 
+use crate::geometry::Surfaces;
 use crate::geometry::mesh::TriangleSurfaces;
-use crate::job::communicator::{Communicator, CommunicatorError};
-use crate::job::watch::{Stopped, Watch};
+use crate::job::communicator::CommunicatorError;
+use crate::job::watch::Stopped;
 use crate::sampling::emitter::{ParticleEmitter, View};
 use crate::sampling::{PlaceError, candidates::Candidates};
 use crate::scene::Scene;
-use estimate::Estimate;
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::RbnError;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
-use stages::{Transport, sketch_settings};
 use stand_in::Staged;
-use tracker::Tracker;
 
 /// Reason for a failed bake.
 #[derive(Debug, thiserror::Error)]
@@ -66,12 +66,10 @@ pub enum BakeError {
     /// The checkpoint cannot be used.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// A process of the team has placed other points.
-    #[error(
-        "process {0} works on another scene, or has come to other points: start all processes from the same program with the same arguments, on processors of one kind"
-    )]
+    /// Another process works on other data.
+    #[error("{}", CommunicatorError::Apart(*.0))]
     Apart(usize),
-    /// A process of the team sent invalid data.
+    /// Another process sent invalid data.
     #[error(transparent)]
     Communicator(CommunicatorError),
     /// More clip planes than a file can hold.
@@ -92,6 +90,7 @@ impl From<CommunicatorError> for BakeError {
     fn from(error: CommunicatorError) -> Self {
         match error {
             CommunicatorError::Stopped(_) => Self::Stopped,
+            CommunicatorError::Apart(member) => Self::Apart(member),
             error => Self::Communicator(error),
         }
     }
@@ -115,84 +114,8 @@ pub fn bake(
     settings: &BakeSettings,
     observer: &dyn Observer,
 ) -> Result<(BakedScene, BakeReport), BakeError> {
-    // A single process is the first member of its team.
-    run(scene, settings, observer, None, &())?.ok_or(BakeError::Stopped)
-}
-
-/// Bakes a scene, stores finished work in a checkpoint, and resumes from the checkpoint's records. The result equals
-/// the result of [`bake`], to the byte.
-///
-/// # Errors
-/// [`BakeError`]; finished work is then in the checkpoint, on disk.
-pub fn bake_with_checkpoint(
-    scene: &Scene,
-    settings: &BakeSettings,
-    observer: &dyn Observer,
-    checkpoint: &Checkpoint,
-) -> Result<(BakedScene, BakeReport), BakeError> {
-    bake_in_team(scene, settings, observer, Some(checkpoint), &())?.ok_or(BakeError::Stopped)
-}
-
-/// Bakes a scene together with the other members of a team. All members call this function with the same scene and
-/// settings. The first member gets the result, equal to the result of [`bake`] to the byte; the other members get
-/// `None`. Only the first member may have a checkpoint; the checkpoint stores the work of all members.
-///
-/// # Errors
-/// [`BakeError`]; the other members then wait until stopped or ended, and finished work is in the checkpoint.
-pub fn bake_in_team(
-    scene: &Scene,
-    settings: &BakeSettings,
-    observer: &dyn Observer,
-    checkpoint: Option<&Checkpoint>,
-    team: &dyn Communicator,
-) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
-    let baked = run(scene, settings, observer, checkpoint, team);
-    if let Some(checkpoint) = checkpoint {
-        // A failed checkpoint ends the bake as stopped; `flush` returns the cause.
-        checkpoint.flush()?;
-    }
-    baked
-}
-
-fn run(
-    scene: &Scene,
-    settings: &BakeSettings,
-    observer: &dyn Observer,
-    checkpoint: Option<&Checkpoint>,
-    team: &dyn Communicator,
-) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
-    let settings = settings.clone().normalised();
-    if scene.triangles.is_empty() {
-        return Err(BakeError::Empty);
-    }
-    let mut report = BakeReport::new(scene, &settings);
-    let sketch = sketch_settings(&settings).filter(|_| {
-        observer.wants_previews() && checkpoint.is_none_or(|checkpoint| checkpoint.records_found() == 0)
-    });
-    let threads = rayon::current_num_threads();
-    let estimate = Estimate::new(&settings, scene.triangles.len(), sketch.is_some(), threads);
-    let tracker = Tracker::new(observer, checkpoint, estimate);
-    let task = tracker.task(Stage::Prepare, None);
-    let surfaces = TriangleSurfaces::simplified(scene);
-    report.ray_triangles = surfaces.triangle_count() as u64;
-    tracker.expect(|estimate| estimate.found_surfaces(&settings, surfaces.piece_count()));
-    task.step(0)?;
-    let vantage = choose_vantage(scene, &surfaces, &settings)?;
-    task.step(0)?;
-    let staged = Staged::new(scene, &vantage, &surfaces);
-    task.step(0)?;
-    drop(task);
-    let world = |local: &Vec3| (DVec3::from(scene.origin) + local.as_dvec3()).to_array();
-    report.viewpoints = vantage.viewpoints.iter().map(world).collect();
-    report.is_open = vantage.is_open;
-    report.lamp_added = scene.lights.is_empty();
-    report.camera_added = scene.cameras.is_empty();
-    report.camera = staged.cameras[0].position;
-    let bake = Transport { scene, surfaces: &surfaces, vantage: &vantage, staged: &staged, observer, team };
-    if let Some(settings) = sketch {
-        bake.sketch(settings, &tracker.task(Stage::Sketch, None))?;
-    }
-    bake.run(settings, &tracker, checkpoint, report)
+    // A single process is process 0.
+    Baker::new(settings).observer(observer).bake(scene)?.ok_or(BakeError::Stopped)
 }
 
 /// Returns the lights and cameras of the scene's file, world space: the scene's own, or the lights and cameras that a
@@ -211,8 +134,8 @@ pub fn lights_and_cameras(
         return Err(BakeError::Empty);
     }
     let surfaces = TriangleSurfaces::simplified(scene);
-    let vantage = choose_vantage(scene, &surfaces, settings)?;
-    let staged = Staged::new(scene, &vantage, &surfaces);
+    let emitter = choose_emitter(scene, &surfaces, settings)?;
+    let staged = Staged::new(scene, &emitter, &surfaces);
     Ok((staged.lights, staged.cameras))
 }
 
@@ -221,9 +144,9 @@ pub fn lights_and_cameras(
 ///
 /// # Errors
 /// [`BakeError::NoViewpoint`].
-pub fn choose_vantage(
+pub fn choose_emitter<S: Surfaces + ?Sized>(
     scene: &Scene,
-    surfaces: &TriangleSurfaces,
+    surfaces: &S,
     settings: &BakeSettings,
 ) -> Result<ParticleEmitter, BakeError> {
     let local = |world: [f64; 3]| (DVec3::from(world) - DVec3::from(scene.origin)).as_vec3();

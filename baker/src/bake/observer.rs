@@ -1,5 +1,6 @@
 //! Interface between a running bake and the caller: progress, previews, stopping.
 
+use crate::job::stage::Stage;
 use rebounce_shared::baked::BakedScene;
 
 /// Progress of a bake.
@@ -29,53 +30,6 @@ impl Progress {
     /// Returns the estimated share of the bake's time that has passed: 0 to 1.
     pub fn fraction(&self) -> f64 {
         self.seconds / (self.seconds + self.seconds_left).max(f64::MIN_POSITIVE)
-    }
-}
-
-/// Stage of a bake.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Building the acceleration structure, finding a viewpoint.
-    Prepare,
-    /// Baking coarsely for a first preview; only if previews are wanted.
-    Sketch,
-    /// Placing points. Counts points.
-    Points,
-    /// Finding clip planes of supports, and footprints for direct light. Counts each point twice.
-    Walls,
-    /// Finding parents and children. Counts points.
-    Basis,
-    /// Reading the surface colours of points. Counts points.
-    Colours,
-    /// Precomputing ray hits for small tiles of the surfaces. Counts tiles.
-    Tiles,
-    /// Computing the one-bounce links. Counts rays.
-    Links,
-    /// Computing transport between coarse points, the input of later bounces, after the links of the coarse levels.
-    /// Counts coarse points.
-    Among,
-    /// Adding later bounces, after the links of the coarse levels. Counts coarse points.
-    Bounces,
-    /// Assembling the file.
-    Assemble,
-}
-
-impl Stage {
-    /// Returns the stage's name for people.
-    pub fn label(self) -> &'static str {
-        match self {
-            Stage::Prepare => "preparing",
-            Stage::Sketch => "sketching",
-            Stage::Points => "placing points",
-            Stage::Walls => "looking for walls",
-            Stage::Basis => "relating points",
-            Stage::Colours => "reading colours",
-            Stage::Tiles => "laying tiles",
-            Stage::Links => "tracing links",
-            Stage::Among => "relating bounces",
-            Stage::Bounces => "adding bounces",
-            Stage::Assemble => "assembling",
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Presets: named sets of parameters.
 
 use crate::sampling::PlaceSettings;
-use crate::transport::direct_to_indirect::OperatorSettings;
+use crate::transport::OperatorSettings;
 use rebounce_shared::camera::Camera;
 
 /// Quality and cost of a bake.

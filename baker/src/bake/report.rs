@@ -1,10 +1,11 @@
 //! Results and cost of a bake: the columns of the paper's Table 1 and the file's sections.
 
-use super::{BakeSettings, Stage};
+use super::BakeSettings;
+use super::tracker::StageTraffic;
 use crate::job::communicator::share::Traffic;
 use crate::sampling::Points;
 use crate::scene::Scene;
-use crate::transport::direct_to_indirect::Operator;
+use crate::transport::Operator;
 use crate::verify::compare::uncertainty::ErrorEstimate;
 use rebounce_shared::rbn::container::Section;
 use serde::Serialize;
@@ -167,7 +168,7 @@ impl BakeReport {
         self.link_loss = operator.link_loss;
     }
 
-    pub(super) fn add_traffic(&mut self, stage: Stage, level: Option<usize>, traffic: Traffic) {
+    pub(super) fn add_traffic(&mut self, (stage, level, traffic): StageTraffic) {
         let Traffic { to_first, to_all } = traffic;
         if self.processes > 1 {
             self.traffic.push(TrafficReport { stage: stage.label().to_owned(), level, to_first, to_all });

@@ -1,29 +1,30 @@
-//! A bake's stages in order: points, basis, operator, file.
+//! A bake's stages in order: points, hierarchy, transport, file.
 
-use super::agree::agree;
 use super::assemble::assemble;
+use super::identity::digest_of_points;
+use super::observer::{Observer, Preview};
+use super::placed::{ClippedPoints, PlacedLevel};
 use super::stand_in::Staged;
 use super::tracker::Tracker;
-use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Preview, Stage};
+use super::{BakeError, BakeReport, BakeSettings};
 use crate::basis::{Relations, relate};
-use crate::geometry::mesh::TriangleSurfaces;
-use crate::job::communicator::Communicator;
-use crate::job::watch::{Uncounted, Watch};
+use crate::geometry::Surfaces;
+use crate::job::Job;
+use crate::job::reporter::Quiet;
+use crate::job::stage::Stage;
+use crate::job::watch::{Stopped, Uncounted, Watch};
 use crate::light::direct::at_footprint;
 use crate::sampling::emitter::ParticleEmitter;
 use crate::sampling::{Placer, Points, cut, footprint, openness, place};
 use crate::scene::Scene;
-use crate::transport::direct_to_indirect::bounces::{add_later_bounces, column_count};
-use crate::transport::direct_to_indirect::journal::PartialResults;
-use crate::transport::direct_to_indirect::refine::{Refiner, Senders, refine};
-use crate::transport::direct_to_indirect::{Operator, mean_albedo::reflected_share, tint};
+use crate::transport::{Operator, Problem, Solver};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 
 /// Number of points per checkpoint record of cuts and samples.
-const SHAPED: usize = 1 << 15;
+const CLIPPED: usize = 1 << 15;
 /// Number of coarse levels used to test whether any point is lit.
 const LIT_LEVELS: usize = 4;
 /// Maximum number of points for later bounces in a scene with graded point density; the number of levels for later
@@ -33,13 +34,14 @@ const MOST_LATER: usize = 6_000;
 const SKETCH: (usize, usize, u32) = (3_000, 3, 512);
 
 /// Inputs of all stages.
-pub(super) struct Transport<'a> {
+pub(super) struct Recipe<'a, S: Surfaces + ?Sized, V> {
     pub scene: &'a Scene,
-    pub surfaces: &'a TriangleSurfaces,
-    pub vantage: &'a ParticleEmitter,
+    pub surfaces: &'a S,
+    pub solver: &'a V,
+    pub emitter: &'a ParticleEmitter,
     pub staged: &'a Staged,
     pub observer: &'a dyn Observer,
-    pub team: &'a dyn Communicator,
+    pub job: Job<'a>,
 }
 
 /// Returns the settings of a coarse first bake; `None` if the bake itself is small.
@@ -56,104 +58,71 @@ pub(super) fn sketch_settings(settings: &BakeSettings) -> Option<BakeSettings> {
     (!is_small).then(|| sketch.normalised())
 }
 
-impl Transport<'_> {
+impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
     /// Bakes coarsely and hands the result to the observer as a preview.
     pub(super) fn sketch(&self, mut settings: BakeSettings, watch: &dyn Watch) -> Result<(), BakeError> {
-        let watch = &Uncounted(watch);
-        let mut points = place(self.surfaces, self.vantage, &settings.place, watch)?;
-        let far = points.levels.len() - settings.place.levels;
+        let quiet = &Uncounted(watch);
+        let mut points = place(self.surfaces, self.emitter, &settings.place, quiet)?;
         settings = settings.deepened(points.levels.len());
         let end = points.points.len();
-        cut(self.surfaces, &mut points, end, watch)?;
-        footprint(self.surfaces, &mut points, end, watch)?;
+        cut(self.surfaces, &mut points, end, quiet)?;
+        footprint(self.surfaces, &mut points, end, quiet)?;
         let relations = relate(&points, settings.direct_levels)?;
-        settings.operator.reflected = reflected_share(self.surfaces, &points, far, settings.operator.seed);
-        let mut operator = refine(self.surfaces, &points, &relations, &settings.operator, watch)?;
-        add_later_bounces(&mut operator, &settings.operator, watch, &(), &())?;
-        let file = self.file(&settings, &points, &relations, &operator)?;
+        let problem = Problem {
+            surfaces: self.surfaces,
+            points: &points,
+            relations: &relations,
+            settings: &settings.operator,
+        };
+        let job = Job { reporter: &Quiet(watch), ..Job::default() };
+        let operator = self.solver.solve(&problem, &job, &mut |_, _| Ok(()))?;
+        let file = self.file(&settings, &points, &relations, &operator);
         self.observer.preview(Preview { file, levels: 0 });
         Ok(())
     }
 
-    /// Bakes; returns the result on the first member of the team, `None` on the others.
+    /// Bakes; returns the result on process 0, `None` on the others.
     pub(super) fn run(
         &self,
-        mut settings: BakeSettings,
+        settings: BakeSettings,
         tracker: &Tracker,
-        checkpoint: Option<&Checkpoint>,
         mut report: BakeReport,
     ) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
-        report.processes = self.team.size() as u64;
-        let asked = settings.clone();
-        let journal: &dyn PartialResults = checkpoint.map_or(&(), |checkpoint| checkpoint);
-        let place = settings.place.clone();
-        let placer = Placer::new(self.surfaces, self.vantage, &place)?;
-        let far = placer.levels().saturating_sub(place.levels);
-        if far > 0 {
-            settings = settings.deepened(placer.levels());
-            tracker.expect(|estimate| estimate.found_levels(&settings));
-        }
-        let mut points = self.points(placer, &settings, tracker, checkpoint)?;
-        // Links can address `MAX_SENDERS` senders: beyond, the finest levels receive and do not send.
-        while points.count_on(settings.operator.sender_levels) > MAX_SENDERS
-            && settings.operator.sender_levels > 1
-        {
-            settings.operator.sender_levels -= 1;
-        }
-        // Graded levels have more points; later bounces cost the square of the number of points on their levels.
-        while far > 0
-            && settings.operator.later_levels > far + 1
-            && points.count_on(settings.operator.later_levels) > MOST_LATER
-        {
-            settings.operator.later_levels -= 1;
-        }
-        settings = settings.normalised();
+        let is_first = self.job.communicator.rank() == 0;
+        report.processes = self.job.communicator.size() as u64;
+        let (mut points, mut settings) = self.points(&settings, tracker)?;
         report.sender_levels = settings.operator.sender_levels as u64;
-        let task = tracker.task(Stage::Basis, None);
+        let task = tracker.task(Stage::Hierarchy, None);
         let relations = relate(&points, settings.direct_levels)?;
-        if self.team.rank() == 0 {
+        if is_first {
             openness(self.surfaces, &mut points, &Uncounted(&task))?;
         }
         task.step(points.points.len() as u64)?;
+        let points = points;
+        self.job.agree(&digest_of_points(self.scene, &settings, &points), &task)?;
         drop(task);
-        let task = tracker.task(Stage::Colours, None);
-        settings.operator.reflected = reflected_share(self.surfaces, &points, far, settings.operator.seed);
-        let tints = tint::tints(self.surfaces, &points, settings.operator.seed, &task)?;
-        agree(self.scene, &asked, &points, &tints, self.team, &task)?;
-        let told = &settings.operator;
-        drop(task);
-        let task = tracker.task(Stage::Tiles, None);
-        let senders = Senders::new(self.surfaces, &points, told, &tints, &task)?;
-        drop(task);
-        let mut refiner = Refiner::new(self.surfaces, &points, &relations, told, &senders, tints);
-        let levels = points.levels.len();
-        for level in 0..levels {
-            tracker.expect(|estimate| estimate.expect_rays(level, refiner.rays_ahead() as f64));
-            let traffic = refiner.level(&tracker.task(Stage::Links, Some(level)), journal, self.team)?;
-            report.add_traffic(Stage::Links, Some(level), traffic);
-            if level + 1 == told.later_levels.min(levels) && told.bounces != Some(1) {
-                refiner.relate_coarse(&tracker.task(Stage::Among, None))?;
-                let operator = refiner.operator_mut();
-                let entries = operator.coarse_count();
-                let columns = column_count(operator, told);
-                tracker.expect(|estimate| estimate.expect_bounces(columns as f64, entries as f64));
-                let task = tracker.task(Stage::Bounces, None);
-                let traffic = add_later_bounces(operator, told, &task, journal, self.team)?;
-                report.add_traffic(Stage::Bounces, None, traffic);
+        let problem = Problem {
+            surfaces: self.surfaces,
+            points: &points,
+            relations: &relations,
+            settings: &settings.operator,
+        };
+        let mut preview = |operator: &Operator, levels| {
+            if self.observer.wants_previews() {
+                let file = self.file(&settings, &points, &relations, operator);
+                self.observer.preview(Preview { file, levels });
             }
-            let has_bounces = level + 1 >= told.later_levels;
-            if has_bounces && level + 1 < levels && self.observer.wants_previews() {
-                let file = self.file(&settings, &points, &relations, refiner.operator())?;
-                self.observer.preview(Preview { file, levels: level + 1 });
-            }
-        }
-        let operator = refiner.finish();
-        if self.team.rank() != 0 {
+            Ok::<(), Stopped>(())
+        };
+        let operator = self.solver.solve(&problem, &self.job, &mut preview)?;
+        if !is_first {
             return Ok(None);
         }
         let task = tracker.task(Stage::Assemble, None);
+        settings.operator.reflected = operator.reflected;
+        tracker.traffic().into_iter().for_each(|sent| report.add_traffic(sent));
         report.describe(&points, &operator, &settings);
-        let file = self.file(&settings, &points, &relations, &operator)?;
+        let file = self.file(&settings, &points, &relations, &operator);
         report.is_unlit = !self.is_lit(&file);
         task.step(0)?;
         drop(task);
@@ -161,50 +130,82 @@ impl Transport<'_> {
         Ok(Some((file, report)))
     }
 
-    /// All points with their cuts and samples.
+    /// Places all points with their cuts and samples; returns the points, and the settings adapted to their levels.
     fn points(
         &self,
-        mut placer: Placer<TriangleSurfaces>,
         settings: &BakeSettings,
         tracker: &Tracker,
-        checkpoint: Option<&Checkpoint>,
-    ) -> Result<Points, BakeError> {
+    ) -> Result<(Points, BakeSettings), BakeError> {
+        let mut placer = Placer::new(self.surfaces, self.emitter, &settings.place)?;
+        let mut adapted = settings.clone();
+        let far = placer.levels().saturating_sub(settings.place.levels);
+        if far > 0 {
+            adapted = adapted.deepened(placer.levels());
+            tracker.expect(|estimate| estimate.found_levels(&adapted));
+        }
         for level in 0..placer.levels() {
-            let task = tracker.task(Stage::Points, Some(level));
-            if let Some((mark, points)) = checkpoint.and_then(|checkpoint| checkpoint.take_placed(level)) {
-                task.skip(points.len() as u64)?;
-                placer.take_over(points, mark);
-            } else {
-                placer.level(&task)?;
-                let points = placer.points();
-                if let (Some(checkpoint), Some(level)) = (checkpoint, points.levels.last()) {
-                    checkpoint.keep_placed(&placer.mark(), &points.points[level.range()]);
-                }
-            }
-            drop(task);
+            self.place_level(&mut placer, level, tracker)?;
             let counts: Vec<usize> = placer.points().levels.iter().map(|level| level.count).collect();
-            tracker.expect(|estimate| estimate.found_points(settings, &counts));
+            tracker.expect(|estimate| estimate.found_points(&adapted, &counts));
         }
         let mut points = placer.into_points();
-        let task = tracker.task(Stage::Walls, None);
-        if let Some(checkpoint) = checkpoint {
-            let (cuts, samples) = checkpoint.take_shaped();
-            if samples.len() <= points.points.len() {
-                (points.cuts, points.samples) = (cuts, samples);
-            }
-            task.skip(2 * points.samples.len() as u64)?;
+        self.clip(&mut points, &tracker.task(Stage::ClipPlanes, None))?;
+        if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
+            return Err(BakeError::TooManyCuts);
         }
+        let operator = &mut adapted.operator;
+        // Links can address `MAX_SENDERS` senders: beyond, the finest levels receive and do not send.
+        while points.count_on(operator.sender_levels) > MAX_SENDERS && operator.sender_levels > 1 {
+            operator.sender_levels -= 1;
+        }
+        // Graded levels have more points; later bounces cost the square of the number of points on their levels.
+        while far > 0
+            && operator.later_levels > far + 1
+            && points.count_on(operator.later_levels) > MOST_LATER
+        {
+            operator.later_levels -= 1;
+        }
+        Ok((points, adapted.normalised()))
+    }
+
+    /// Places the points of the next level, or takes them from the partial_results.
+    fn place_level(&self, placer: &mut Placer<S>, level: usize, tracker: &Tracker) -> Result<(), BakeError> {
+        let task = tracker.task(Stage::Points, Some(level));
+        if let Some(PlacedLevel { mark, points }) = PlacedLevel::take(self.job.partial_results, level) {
+            task.skip(points.len() as u64)?;
+            placer.take_over(points, mark);
+            return Ok(());
+        }
+        placer.level(&task)?;
+        let points = placer.points();
+        if let Some(placed) = points.levels.last() {
+            let points = points.points[placed.range()].to_vec();
+            PlacedLevel { mark: placer.mark(), points }.keep(self.job.partial_results, level);
+        }
+        Ok(())
+    }
+
+    /// Finds the cuts and samples of all points, or takes them from the partial_results.
+    fn clip(&self, points: &mut Points, watch: &dyn Watch) -> Result<(), BakeError> {
         while points.samples.len() < points.points.len() {
             let first = points.samples.len();
-            let end = points.points.len().min(first + SHAPED);
-            cut(self.surfaces, &mut points, end, &task)?;
-            footprint(self.surfaces, &mut points, end, &task)?;
-            if let Some(checkpoint) = checkpoint {
-                checkpoint.keep_shaped(first, &points.cuts[first..], &points.samples[first..]);
+            let end = points.points.len().min(first + CLIPPED);
+            let stored = ClippedPoints::take(self.job.partial_results, first);
+            if let Some(stored) = stored.filter(|stored| stored.samples.len() == end - first) {
+                points.cuts.extend(stored.cuts);
+                points.samples.extend(stored.samples);
+                watch.skip(2 * (end - first) as u64)?;
+                continue;
             }
+            cut(self.surfaces, points, end, watch)?;
+            footprint(self.surfaces, points, end, watch)?;
+            let clipped = ClippedPoints {
+                cuts: points.cuts[first..].to_vec(),
+                samples: points.samples[first..].to_vec(),
+            };
+            clipped.keep(self.job.partial_results, first);
         }
-        drop(task);
-        Ok(points)
+        Ok(())
     }
 
     /// Returns whether a light reaches any point of the coarsest levels.
@@ -222,10 +223,7 @@ impl Transport<'_> {
         points: &Points,
         relations: &Relations,
         operator: &Operator,
-    ) -> Result<BakedScene, BakeError> {
-        if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
-            return Err(BakeError::TooManyCuts);
-        }
-        Ok(assemble(self.scene, settings, self.staged.clone(), points, relations, operator))
+    ) -> BakedScene {
+        assemble(self.scene, settings, self.staged.clone(), points, relations, operator)
     }
 }

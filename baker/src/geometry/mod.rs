@@ -2,10 +2,14 @@
 //!
 //! Points, basis, operator and renderers access surfaces through [`Surfaces`] only: a ray cast, with position, normal
 //! and reflectance at the hit. A new kind of surface implements [`Surfaces`]. It may also implement [`Primitives`], so
-//! that data at hits is precomputed instead of evaluated per hit.
+//! that data at hits is precomputed instead of evaluated per hit, and [`Tessellate`], so that it can be drawn.
+//! `examples/implicit.rs` bakes metaballs and a quadric.
 
 pub mod mesh;
 pub mod simplify;
+mod tessellate;
+
+pub use tessellate::Tessellate;
 
 use glam::{Vec2, Vec3};
 

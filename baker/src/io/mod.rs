@@ -2,6 +2,7 @@
 //!
 //! * [`load`] – loads a scene: a .gltf or .glb file, or `builtin:NAME`; [`files`] – where its bytes come from;
 //! * `gltf` – the reader; `other_format` – files of other formats, with advice for conversion to glTF;
+//! * [`save`] – saves a baked file;
 //! * [`picture`] – EXR and PNG; [`shot`] – camera and lights for a picture;
 //! * [`write`](mod@write) – replaces a file at once, or leaves the old file.
 
@@ -13,6 +14,7 @@ mod options;
 #[cfg(feature = "gltf")]
 mod other_format;
 pub mod picture;
+mod save;
 pub mod shot;
 pub mod write;
 
@@ -21,3 +23,4 @@ pub use files::Files;
 pub use load::{from_bytes, load_from};
 pub use load::{load, load_with};
 pub use options::LoadOptions;
+pub use save::{SaveError, save};

@@ -11,12 +11,17 @@ use rebounce_shared::rbn::bulk::Point;
 
 /// RGB irradiance on a surface element at `position` (local space) with unit normal `normal`. Shadow rays start at
 /// `position` moved off the surface along the normal.
-pub fn at_point(surfaces: &impl Surfaces, lights: &[LightSource], position: Vec3, normal: Vec3) -> Vec3 {
+pub fn at_point(
+    surfaces: &(impl Surfaces + ?Sized),
+    lights: &[LightSource],
+    position: Vec3,
+    normal: Vec3,
+) -> Vec3 {
     sum(surfaces, lights, position, normal, |_| position + normal * surfaces.epsilon_at(position))
 }
 
 /// RGB irradiance of a basis function's point: the mean over the samples of the point's footprint.
-pub fn at_footprint(surfaces: &impl Surfaces, lights: &[LightSource], point: &Point) -> Vec3 {
+pub fn at_footprint(surfaces: &(impl Surfaces + ?Sized), lights: &[LightSource], point: &Point) -> Vec3 {
     let (position, normal) = (point.position(), point.normal());
     let (mut total, mut count) = (Vec3::ZERO, 0);
     for sample in 0..footprint::SAMPLES {
@@ -30,14 +35,19 @@ pub fn at_footprint(surfaces: &impl Surfaces, lights: &[LightSource], point: &Po
 }
 
 /// RGB irradiance at a ray hit, with lights as points.
-pub fn at_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit) -> Vec3 {
+pub fn at_hit(surfaces: &(impl Surfaces + ?Sized), lights: &[LightSource], hit: &Hit) -> Vec3 {
     sum(surfaces, lights, hit.position, hit.normal, |to_light| {
         hit.offset_origin(to_light, surfaces.epsilon_at(hit.position))
     })
 }
 
 /// Single-sample estimate of the RGB irradiance at a hit from area lights: one random place per light.
-pub fn toward_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit, stream: &mut Stream) -> Vec3 {
+pub fn toward_hit(
+    surfaces: &(impl Surfaces + ?Sized),
+    lights: &[LightSource],
+    hit: &Hit,
+    stream: &mut Stream,
+) -> Vec3 {
     let origin = |to_light| hit.offset_origin(to_light, surfaces.epsilon_at(hit.position));
     let mut total = Vec3::ZERO;
     for light in lights {
@@ -54,7 +64,7 @@ pub fn toward_hit(surfaces: &impl Surfaces, lights: &[LightSource], hit: &Hit, s
 
 #[inline]
 fn sum(
-    surfaces: &impl Surfaces,
+    surfaces: &(impl Surfaces + ?Sized),
     lights: &[LightSource],
     position: Vec3,
     normal: Vec3,
@@ -71,7 +81,7 @@ fn sum(
 /// Irradiance from `light` at `position` with normal `normal`, with visibility.
 #[inline]
 fn reaching(
-    surfaces: &impl Surfaces,
+    surfaces: &(impl Surfaces + ?Sized),
     light: &LightSource,
     at: &Incident,
     position: Vec3,

@@ -13,7 +13,7 @@ use rebounce_shared::light::LightSource;
 const RAYS: u64 = 1 << 14;
 
 /// [Level](exposure::level) of direct light at front-facing hits of rays through the whole scene.
-pub fn level(surfaces: &impl Surfaces, lights: &[LightSource]) -> f32 {
+pub fn level(surfaces: &(impl Surfaces + ?Sized), lights: &[LightSource]) -> f32 {
     let (low, high) = surfaces.bounds();
     let at = |ray: u64| {
         let mut stream = Stream::new(0x6c65_7665, ray);

@@ -32,7 +32,7 @@ const ENOUGH_IN_OPEN: usize = 1536;
 /// Endless, reproducible source of candidates.
 pub struct Candidates<'a, S: Surfaces + ?Sized> {
     surfaces: &'a S,
-    vantage: &'a ParticleEmitter,
+    emitter: &'a ParticleEmitter,
     /// Targets of particles from the sky; empty if the target is the whole scene.
     regions: Vec<Region>,
     seed: u64,
@@ -44,11 +44,11 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     /// Creates a source of candidates on the surfaces seen, directly or indirectly, from the viewpoints in turn, and in
     /// an open scene also from the sky. Drops the first three bounces, or fewer if the majority of particles leave
     /// sooner; in an open scene the first bounce, or none if no surface sees another.
-    pub fn new(surfaces: &'a S, vantage: &'a ParticleEmitter, seed: u64) -> Self {
+    pub fn new(surfaces: &'a S, emitter: &'a ParticleEmitter, seed: u64) -> Self {
         let (dropped_bounces, enough) =
-            if vantage.is_open { (1, ENOUGH_IN_OPEN) } else { (3, PARTICLES as usize) };
+            if emitter.is_open { (1, ENOUGH_IN_OPEN) } else { (3, PARTICLES as usize) };
         let regions = Vec::new();
-        let mut source = Self { surfaces, vantage, regions, seed, next_particle: 0, dropped_bounces };
+        let mut source = Self { surfaces, emitter, regions, seed, next_particle: 0, dropped_bounces };
         while source.dropped_bounces > 0 {
             let found = source.batch().len();
             source.next_particle = 0;
@@ -64,7 +64,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     /// sky is uniform in its logarithm, from the region's radius to the scene's diagonal: every doubling of the radius
     /// receives equally many particles.
     pub fn around(mut self, regions: &[Region]) -> Self {
-        if self.vantage.is_open {
+        if self.emitter.is_open {
             self.regions = regions.to_vec();
             self.dropped_bounces = 0;
         }
@@ -93,10 +93,10 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
     fn trace(&self, particle: u64) -> Vec<SurfacePoint> {
         let mut stream = Stream::new(self.seed, particle);
         let mut found = Vec::new();
-        if self.vantage.is_open {
+        if self.emitter.is_open {
             self.trace_in_open(particle, &mut stream, &mut found);
         } else if let Some(&viewpoint) =
-            self.vantage.viewpoints.get(particle as usize % self.vantage.viewpoints.len().max(1))
+            self.emitter.viewpoints.get(particle as usize % self.emitter.viewpoints.len().max(1))
         {
             let mut ray = from_viewpoint(viewpoint, &mut stream);
             for bounce in 0..BOUNCES {
@@ -117,7 +117,7 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
 
     /// Traces a particle from a viewpoint or from the sky; restarts from the sky after leaving the scene.
     fn trace_in_open(&self, particle: u64, stream: &mut Stream, found: &mut Vec<SurfacePoint>) {
-        let viewpoints = &self.vantage.viewpoints;
+        let viewpoints = &self.emitter.viewpoints;
         let viewpoint = viewpoints.get((particle / 2) as usize % viewpoints.len().max(1));
         let mut seeing = viewpoint.filter(|_| particle % 2 == 1).map(|&v| from_viewpoint(v, stream));
         let mut ray = match seeing {

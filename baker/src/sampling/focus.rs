@@ -55,12 +55,12 @@ impl Region {
 }
 
 /// Viewed regions of an emitter. Empty in rooms; without views, the main part; empty without a main part.
-pub fn regions<S: Surfaces + ?Sized>(surfaces: &S, vantage: &ParticleEmitter, seed: u64) -> Vec<Region> {
-    if !vantage.is_open {
+pub fn regions<S: Surfaces + ?Sized>(surfaces: &S, emitter: &ParticleEmitter, seed: u64) -> Vec<Region> {
+    if !emitter.is_open {
         return Vec::new();
     }
-    let rays = (RAYS[0] / vantage.views.len().max(1)).max(RAYS[1]);
-    let seen = vantage.views.iter().map(|view| ViewSurvey::new(surfaces, view, rays, seed));
+    let rays = (RAYS[0] / emitter.views.len().max(1)).max(RAYS[1]);
+    let seen = emitter.views.iter().map(|view| ViewSurvey::new(surfaces, view, rays, seed));
     let seen: Vec<ViewSurvey> = seen.filter(|seen| seen.meetings.len() >= LEAST_SEEN).collect();
     if seen.is_empty() {
         let (low, high) = surfaces.main_part();

@@ -48,9 +48,9 @@ impl ParticleEmitter {
             || outlook.seen < ALL_AROUND
             || is_landscape(surfaces, seed)
             || (outlook.is_rounded() && is_solid(surfaces, seed));
-        let vantage = Self { viewpoints, is_open, ..Self::default() };
-        let sees_any = !Candidates::new(surfaces, &vantage, seed).batch().is_empty();
-        sees_any.then_some(vantage)
+        let emitter = Self { viewpoints, is_open, ..Self::default() };
+        let sees_any = !Candidates::new(surfaces, &emitter, seed).batch().is_empty();
+        sees_any.then_some(emitter)
     }
 }
 

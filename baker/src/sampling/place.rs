@@ -91,11 +91,11 @@ const HARMONIC_RAYS: u32 = 32;
 /// [`PlaceError`].
 pub fn place<S: Surfaces + ?Sized>(
     surfaces: &S,
-    vantage: &ParticleEmitter,
+    emitter: &ParticleEmitter,
     settings: &PlaceSettings,
     watch: &dyn Watch,
 ) -> Result<Points, PlaceError> {
-    let mut placer = Placer::new(surfaces, vantage, settings)?;
+    let mut placer = Placer::new(surfaces, emitter, settings)?;
     for _ in 0..placer.levels() {
         placer.level(watch)?;
     }
@@ -134,13 +134,13 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
     /// settings.
     pub fn new(
         surfaces: &'a S,
-        vantage: &'a ParticleEmitter,
+        emitter: &'a ParticleEmitter,
         settings: &'a PlaceSettings,
     ) -> Result<Self, PlaceError> {
-        let mut source = Candidates::new(surfaces, vantage, settings.seed);
+        let mut source = Candidates::new(surfaces, emitter, settings.seed);
         let mut pool = pool(&mut source);
         if pool.is_empty() {
-            let first = vantage.viewpoints.first().copied().unwrap_or_default();
+            let first = emitter.viewpoints.first().copied().unwrap_or_default();
             return Err(PlaceError::NothingSeen(first.x, first.y, first.z));
         }
         let mut coarse_radius = match settings.coarse_radius {
@@ -148,9 +148,9 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
             None => coarse_radius_for(&pool, settings),
         };
         let (mut focus, mut levels) = (None, settings.levels);
-        let regions = regions(surfaces, vantage, settings.seed);
+        let regions = regions(surfaces, emitter, settings.seed);
         if settings.coarse_radius.is_none() && !regions.is_empty() {
-            let mut around = Candidates::new(surfaces, vantage, settings.seed).around(&regions);
+            let mut around = Candidates::new(surfaces, emitter, settings.seed).around(&regions);
             let places = self::pool(&mut around);
             let uniform = coarse_radius / (1u64 << (levels - 1)) as f32;
             let (low, high) = surfaces.main_part();

@@ -82,6 +82,21 @@ pub struct Scene {
     pub degenerate_triangles: usize,
 }
 
+/// Triangles without instances, local space.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TriangleMesh {
+    /// Vertices.
+    pub positions: Vec<Vec3>,
+    /// Unit shading normals, one per vertex.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, one per vertex; may be empty.
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index of the material, one per triangle.
+    pub triangle_material: Vec<u32>,
+}
+
 impl Scene {
     /// Returns the least and greatest corner, local space; an instance of a model contributes its box. Both zero
     /// without vertices.
@@ -99,6 +114,22 @@ impl Scene {
         let corners = self.triangles[..first].iter().flatten().map(|i| self.positions[*i as usize]);
         let copies = self.models.iter().flat_map(InstancedMesh::boxes).flat_map(|(low, high)| [low, high]);
         detail::part_of(corners.chain(copies)).unwrap_or_else(|| self.bounds())
+    }
+
+    /// Returns this scene with other triangles in the place of its own.
+    pub fn with_triangles(&self, mesh: TriangleMesh) -> Self {
+        let TriangleMesh { positions, normals, mut uvs, triangles, triangle_material } = mesh;
+        uvs.resize(positions.len(), Vec2::ZERO);
+        Self {
+            positions,
+            normals,
+            uvs,
+            triangles,
+            triangle_material,
+            corner_colors: Vec::new(),
+            models: Vec::new(),
+            ..self.clone()
+        }
     }
 
     /// Number of triangles in the scene, with the triangles of every instance counted.

@@ -1,5 +1,51 @@
 //! Light transport: converts direct light at points to bounced light at points.
 //!
-//! [`direct_to_indirect`] precomputes a sparse operator (Lehtinen et al. 2008).
+//! A [`Solver`] takes a [`Problem`] (surfaces, points, hierarchy) and computes a solution, for example the sparse
+//! [`operator`] that relights a scene.
+//!
+//! * [`direct_to_indirect`] – the operator S for moving lights and a still scene (Lehtinen et al. 2008).
+//!
+//! A solver outside of the crate is as good: `examples/one_bounce.rs`.
 
 pub mod direct_to_indirect;
+pub mod operator;
+
+pub use operator::{Operator, OperatorSettings};
+
+use crate::basis::Relations;
+use crate::job::Job;
+use crate::job::communicator::CommunicatorError;
+use crate::job::watch::Stopped;
+use crate::sampling::Points;
+
+/// The input of a solver.
+pub struct Problem<'a, S: ?Sized> {
+    /// Surfaces of the scene.
+    pub surfaces: &'a S,
+    /// All points, coarsest level first, with cuts and samples.
+    pub points: &'a Points,
+    /// Parents and children of the points.
+    pub relations: &'a Relations,
+    /// Levels of senders, number of rays, ε, seed.
+    pub settings: &'a OperatorSettings,
+}
+
+/// Receives an unfinished solution, and the number of its finished levels.
+pub type Partial<'p, T> = dyn FnMut(&T, usize) -> Result<(), Stopped> + 'p;
+
+/// Computes light transport between the points of a problem.
+pub trait Solver<S: ?Sized> {
+    /// What is computed: an [`Operator`] for moving lights, or the light of fixed lights.
+    type Solution;
+
+    /// Solves the problem. Calls `partial` with solutions that are coarse but fit to be shown.
+    ///
+    /// # Errors
+    /// [`CommunicatorError`] if the job is stopped, or another process fails.
+    fn solve(
+        &self,
+        problem: &Problem<S>,
+        job: &Job,
+        partial: &mut Partial<Self::Solution>,
+    ) -> Result<Self::Solution, CommunicatorError>;
+}

@@ -1,7 +1,7 @@
 //! `seeds FOLDER`: writes the seeds of the fuzz targets, a folder per target. Run by `cargo xtask fuzz`.
 
 use anyhow::{Context, Result};
-use rebounce::bake::{BakeSettings, Checkpoint, Identity, Preset, bake_with_checkpoint};
+use rebounce::bake::{BakeSettings, Baker, Checkpoint, Identity, Preset};
 use rebounce_shared::rbn::container;
 use rebounce_tests::small::{everything, settings, small};
 use std::path::{Path, PathBuf};
@@ -60,7 +60,7 @@ fn checkpoint(folder: &Path) -> Result<Vec<u8>> {
     let identity = Identity::new(&scene, &BakeSettings::new(Preset::Draft));
     let path = folder.join("cornell-box.partial");
     let kept = Checkpoint::create(&path, &identity)?;
-    bake_with_checkpoint(&scene, &settings(20), &(), &kept)?;
+    Baker::new(&settings(20)).checkpoint(Some(&kept)).bake(&scene)?;
     kept.flush()?;
     let bytes = std::fs::read(&path)?;
     kept.remove();

@@ -22,10 +22,10 @@ struct Placing {
 
 impl Observer for Placing {
     fn progress(&self, progress: &Progress) {
-        let is_over = !matches!(progress.stage, Stage::Prepare | Stage::Points);
+        let is_over = !matches!(progress.stage, Stage::Bvh | Stage::Points);
         self.is_over.store(is_over, Ordering::Relaxed);
         let Ok(mut began) = self.began.lock() else { return };
-        if progress.stage != Stage::Prepare && began.last().is_none_or(|last| last.0 != progress.level) {
+        if progress.stage != Stage::Bvh && began.last().is_none_or(|last| last.0 != progress.level) {
             began.push((progress.level, progress.processor_seconds));
         }
     }

@@ -12,7 +12,7 @@ mod tries;
 pub use args::BakeArgs;
 
 use super::TOO_NOISY;
-use super::communicator::with_team;
+use super::communicator::with_communicator;
 use super::escape::escape_controls;
 use super::load::warn;
 use super::progress::{Display, Unfinished};
@@ -23,7 +23,7 @@ use anyhow::{Context, Result, ensure};
 use cpu_time::ProcessTime;
 use observers::{Follower, Watcher};
 use plan::{Plan, open_checkpoint};
-use rebounce::bake::{BakeError, BakeReport, Checkpoint, bake_in_team};
+use rebounce::bake::{BakeError, BakeReport, Baker, Checkpoint};
 use rebounce::job::communicator::Communicator;
 use rebounce::scene::{self, Scene};
 use std::process::ExitCode;
@@ -39,17 +39,17 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
     if let Some(threads) = args.threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")?;
     }
-    with_team(|team| {
+    with_communicator(|communicator| {
         ensure!(
-            team.size() == 1 || args.target_error.is_none(),
+            communicator.size() == 1 || args.target_error.is_none(),
             "--target-error bakes several times and measures in between, which is for one process: give several a --preset"
         );
-        if team.rank() != 0 {
-            return follow(args, &args.load.load(&args.scene)?, team);
+        if communicator.rank() != 0 {
+            return follow(args, &args.load.load(&args.scene)?, communicator);
         }
         // Until the scene is loaded, signals end the process at once.
         let loaded = args.check().and_then(|()| args.load.load(&args.scene));
-        let done = loaded.and_then(|scene| lead(args, &scene, team));
+        let done = loaded.and_then(|scene| lead(args, &scene, communicator));
         if let Some(error) = done.as_ref().err().filter(|_| args.json_progress) {
             Unfinished::Failed { error: escape_controls(&crate::sentence(error)).into_owned() }.print();
         }
@@ -58,11 +58,11 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
 }
 
 /// Work of a process other than the first: bakes, and leaves files and messages to the first process.
-fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
+fn follow(args: &BakeArgs, scene: &Scene, communicator: &dyn Communicator) -> Result<u8> {
     let stop = Stop::install(|| ()).context("setting up signals")?;
     let shot = args.shot()?;
     let settings = Plan::asked_for(args, scene, shot.as_ref().map(|shot| &shot.camera))?.settings;
-    match bake_in_team(scene, &settings, &Follower(stop.clone()), None, team) {
+    match Baker::new(&settings).observer(&Follower(stop.clone())).communicator(communicator).bake(scene) {
         Ok(_) => Ok(0),
         Err(BakeError::Stopped) => Ok(stop.exit_code()),
         Err(error) => Err(error).context(args.scene.clone()),
@@ -70,7 +70,7 @@ fn follow(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8>
 }
 
 /// Work of the first process, or of a single process.
-fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
+fn lead(args: &BakeArgs, scene: &Scene, communicator: &dyn Communicator) -> Result<u8> {
     let output = args.output();
     warn(scene);
     if let Some(far) = scene::outliers::far_away(scene) {
@@ -96,12 +96,12 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
         None => vec![Plan::asked_for(args, scene, camera.as_ref())?],
     };
     let (checkpoint, first) = open_checkpoint(args, &output, scene, &plans)?;
-    let last_words = last_words(&checkpoint, team, args.json_progress);
+    let last_words = last_words(&checkpoint, communicator, args.json_progress);
     let stop = Stop::install(last_words.clone()).context("setting up signals")?;
     let previews = args.preview.then(|| output.with_extension(PREVIEW));
     let watcher = Watcher { display: Display::new(args.json_progress), stop, previews };
     let (began, processors) = (Instant::now(), ProcessTime::now());
-    let mut tries = Tries { args, scene, team, watcher, output, aim, written: None };
+    let mut tries = Tries { args, scene, communicator, watcher, output, aim, written: None };
     let code = match tries.run(&plans, first, checkpoint)? {
         Ended::Met => 0,
         Ended::Missed => OVER_TARGET,
@@ -125,11 +125,11 @@ fn lead(args: &BakeArgs, scene: &Scene, team: &dyn Communicator) -> Result<u8> {
 /// Returns a function that prints the message of a stopped bake; only the first call prints.
 fn last_words(
     checkpoint: &Checkpoint,
-    team: &dyn Communicator,
+    communicator: &dyn Communicator,
     is_json: bool,
 ) -> impl Fn() + Clone + Send + 'static {
     let kept = checkpoint.path().display().to_string();
-    let why = match team.size() {
+    let why = match communicator.size() {
         1 => "stopped",
         _ => "stopped, or ended because another process of this bake was lost",
     };

@@ -6,7 +6,7 @@ use super::observers::Watcher;
 use super::plan::Plan;
 use anyhow::{Context, Result};
 use rebounce::bake::budget::{self, Thinned};
-use rebounce::bake::{BakeError, BakeReport, Checkpoint, Identity, bake_in_team};
+use rebounce::bake::{BakeError, BakeReport, Baker, Checkpoint, Identity};
 use rebounce::io::write::write_whole;
 use rebounce::job::communicator::Communicator;
 use rebounce::scene::Scene;
@@ -18,7 +18,7 @@ use std::path::PathBuf;
 pub struct Tries<'a> {
     pub args: &'a BakeArgs,
     pub scene: &'a Scene,
-    pub team: &'a dyn Communicator,
+    pub communicator: &'a dyn Communicator,
     pub watcher: Watcher,
     /// Path of the output file.
     pub output: PathBuf,
@@ -117,7 +117,11 @@ impl Tries<'_> {
         if let Some(functions) = fewer {
             eprintln!("note: about {functions} functions on the finest level, to keep within the budget");
         }
-        bake_in_team(self.scene, settings, &self.watcher, Some(checkpoint), self.team)
+        Baker::new(settings)
+            .observer(&self.watcher)
+            .checkpoint(Some(checkpoint))
+            .communicator(self.communicator)
+            .bake(self.scene)
     }
 
     /// Removes links until the file is within `--max-bytes`.

@@ -34,15 +34,15 @@ fn courses() -> Vec<Course> {
 
 fn stage(label: &str) -> Stage {
     let all = [
-        Stage::Prepare,
+        Stage::Bvh,
         Stage::Points,
-        Stage::Walls,
-        Stage::Basis,
-        Stage::Colours,
-        Stage::Tiles,
+        Stage::ClipPlanes,
+        Stage::Hierarchy,
+        Stage::Tints,
+        Stage::HitCache,
         Stage::Links,
-        Stage::Among,
-        Stage::Bounces,
+        Stage::CoarseMatrix,
+        Stage::Multibounce,
         Stage::Assemble,
     ];
     all.into_iter().find(|stage| stage.label() == label).unwrap()
@@ -96,9 +96,9 @@ fn follow(course: &Course, slow: f64, stretch: f64) -> Run {
     for Recorded { stage: label, level, units, seconds } in &course.parts {
         let (stage, level) = (stage(label), *level);
         match stage {
-            Stage::Tiles => run.estimate.expect_units((stage, level), *units),
+            Stage::HitCache => run.estimate.expect_units((stage, level), *units),
             Stage::Links => run.estimate.expect_rays(level.unwrap(), *units),
-            Stage::Bounces => run.estimate.expect_bounces(*units, course.coarse_entries as f64),
+            Stage::Multibounce => run.estimate.expect_bounces(*units, course.coarse_entries as f64),
             Stage::Assemble => {
                 let left = run.estimate.left().processor_seconds;
                 let is_all = (left - slow * seconds).abs() < 0.05 * run.total;
@@ -108,7 +108,7 @@ fn follow(course: &Course, slow: f64, stretch: f64) -> Run {
         }
         run.part(stage, level, *units, slow * seconds);
         match (stage, level) {
-            (Stage::Prepare, _) => run.estimate.found_surfaces(&settings, course.ray_triangles),
+            (Stage::Bvh, _) => run.estimate.found_surfaces(&settings, course.ray_triangles),
             (Stage::Points, Some(level)) => {
                 run.estimate.found_points(&settings, &course.functions[..=level]);
             }

@@ -15,7 +15,7 @@ const REACH: f32 = 0.6;
 const RAYS: u64 = 256;
 
 /// Returns the ground of an open scene with a single object; `None` for rooms and landscapes.
-pub fn ground<S: Surfaces>(surfaces: &S, is_open: bool) -> Option<Ground> {
+pub fn ground<S: Surfaces + ?Sized>(surfaces: &S, is_open: bool) -> Option<Ground> {
     let (low, high) = surfaces.bounds();
     let size = high - low;
     if !is_open || surfaces.main_part() != (low, high) || size.min_element() < 0.0 {

@@ -44,7 +44,7 @@ const SKY: [f32; 2] = [2.5, 3.0];
 const ASIDE: f32 = 0.5;
 
 /// Surfaces in a picture.
-struct PictureView<'a, S: Surfaces> {
+struct PictureView<'a, S: Surfaces + ?Sized> {
     surfaces: &'a S,
     frame: &'a CameraFrame,
     is_open: bool,
@@ -68,7 +68,12 @@ struct Room {
 }
 
 /// Returns a lamp for the picture, world space: a point light in a room, a spot in the open.
-pub fn lamp<S: Surfaces>(surfaces: &S, frame: &CameraFrame, is_open: bool, origin: [f64; 3]) -> Light {
+pub fn lamp<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    frame: &CameraFrame,
+    is_open: bool,
+    origin: [f64; 3],
+) -> Light {
     let sight = PictureView::new(surfaces, frame, is_open);
     let place = sight.place();
     let position = std::array::from_fn(|i| origin[i] + f64::from(place[i]));
@@ -98,7 +103,7 @@ fn two_digits(x: f64) -> f64 {
     format!("{x:.1e}").parse().unwrap_or(x)
 }
 
-impl<'a, S: Surfaces> PictureView<'a, S> {
+impl<'a, S: Surfaces + ?Sized> PictureView<'a, S> {
     fn new(surfaces: &'a S, frame: &'a CameraFrame, is_open: bool) -> Self {
         let part = surfaces.main_part();
         let down = surfaces.cast(&Ray::visibility(frame.eye, -Vec3::Y), 0);

@@ -8,7 +8,7 @@ mod lamp;
 mod object;
 mod room;
 
-use crate::geometry::mesh::TriangleSurfaces;
+use crate::geometry::Surfaces;
 use crate::sampling::emitter::ParticleEmitter;
 use crate::scene::Scene;
 use glam::Vec3;
@@ -34,7 +34,7 @@ pub(super) struct Staged {
 
 impl Staged {
     /// Returns the scene's own lights and cameras, or added ones.
-    pub fn new(scene: &Scene, vantage: &ParticleEmitter, surfaces: &TriangleSurfaces) -> Self {
+    pub fn new<S: Surfaces + ?Sized>(scene: &Scene, emitter: &ParticleEmitter, surfaces: &S) -> Self {
         let (mut lights, mut cameras) = (scene.lights.clone(), scene.cameras.clone());
         let named = |names: &[String], count| {
             (0..count).map(|i| names.get(i).cloned().unwrap_or_default()).collect::<Vec<_>>()
@@ -43,7 +43,7 @@ impl Staged {
         let mut camera_names = named(&scene.camera_names, cameras.len());
         if cameras.is_empty() {
             let sources: Vec<_> = lights.iter().map(|light| light.source(scene.origin)).collect();
-            let inside = if vantage.is_open { None } else { room::view(surfaces, vantage, &sources) };
+            let inside = if emitter.is_open { None } else { room::view(surfaces, emitter, &sources) };
             cameras.push(inside.map_or_else(
                 || outside(scene),
                 |view| camera(scene.origin, view.eye, view.eye + view.towards * view.far),
@@ -52,11 +52,11 @@ impl Staged {
         }
         if lights.is_empty() {
             let frame = cameras[0].frame(scene.origin);
-            lights.push(lamp::lamp(surfaces, &frame, vantage.is_open, scene.origin));
+            lights.push(lamp::lamp(surfaces, &frame, emitter.is_open, scene.origin));
             light_names.push(LAMP.to_owned());
         }
         let names = light_names.iter().chain(&camera_names).map(String::as_str);
-        let shown = Shown::new(names, ground::ground(surfaces, vantage.is_open).as_ref());
+        let shown = Shown::new(names, ground::ground(surfaces, emitter.is_open).as_ref());
         Self { lights, cameras, shown }
     }
 }

@@ -48,12 +48,12 @@ struct Stand {
 }
 
 /// Returns the best view; `None` without a floor. With lights, lit surfaces raise the score.
-pub fn view<S: Surfaces>(
+pub fn view<S: Surfaces + ?Sized>(
     surfaces: &S,
-    vantage: &ParticleEmitter,
+    emitter: &ParticleEmitter,
     lights: &[LightSource],
 ) -> Option<RoomView> {
-    let stands = stands(surfaces, &vantage.viewpoints);
+    let stands = stands(surfaces, &emitter.viewpoints);
     let mut heights: Vec<f32> = stands.iter().filter_map(|stand| stand.height).collect();
     heights.sort_by(f32::total_cmp);
     let (low, high) = surfaces.main_part();
@@ -79,7 +79,7 @@ pub fn view<S: Surfaces>(
 }
 
 /// Returns positions on large floors, below positions visible from the viewpoints.
-fn stands<S: Surfaces>(surfaces: &S, viewpoints: &[Vec3]) -> Vec<Stand> {
+fn stands<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: &[Vec3]) -> Vec<Stand> {
     let (low, high) = surfaces.main_part();
     let find = |i: u64| {
         let mut stream = Stream::new(0x7374_616e, i);
@@ -104,7 +104,7 @@ fn stands<S: Surfaces>(surfaces: &S, viewpoints: &[Vec3]) -> Vec<Stand> {
     found.iter().filter(|stand| alike(stand) >= least).copied().collect()
 }
 
-fn is_free<S: Surfaces>(surfaces: &S, eye: Vec3, least: f32) -> bool {
+fn is_free<S: Surfaces + ?Sized>(surfaces: &S, eye: Vec3, least: f32) -> bool {
     let around = (0..8).map(|i| {
         let (z, x) = (std::f32::consts::TAU * i as f32 / 8.0).sin_cos();
         Vec3::new(x, 0.0, z)
@@ -116,7 +116,7 @@ fn is_free<S: Surfaces>(surfaces: &S, eye: Vec3, least: f32) -> bool {
 }
 
 /// Returns the three most open level views from a position: openness, eye, direction.
-fn rough<S: Surfaces>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec3)> {
+fn rough<S: Surfaces + ?Sized>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec3)> {
     let way = |i: usize| {
         let (z, x) = (std::f32::consts::TAU * i as f32 / AROUND as f32).sin_cos();
         Vec3::new(x, 0.0, z)
@@ -144,7 +144,13 @@ fn rough<S: Surfaces>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec
 
 /// Returns the score of a level view: distant and varied surfaces, floor in view, and, with lights, lit surfaces raise
 /// the score; near surfaces, back sides and sky lower the score.
-fn score<S: Surfaces>(surfaces: &S, eye: Vec3, towards: Vec3, tall: f32, lights: &[LightSource]) -> f32 {
+fn score<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    eye: Vec3,
+    towards: Vec3,
+    tall: f32,
+    lights: &[LightSource],
+) -> f32 {
     let right = towards.cross(Vec3::Y);
     let half = (0.5 * YFOV_DEG as f32).to_radians().tan();
     let (mut open, mut seen, mut near, mut floor, mut lit) = (0.0, 0.0f32, 0.0, 0.0, 0.0);

@@ -27,7 +27,7 @@ pub trait Communicator {
     /// `watch` while waiting.
     ///
     /// # Errors
-    /// [`Stopped`]; the team is unusable afterwards.
+    /// [`Stopped`]; the job is unusable afterwards.
     fn exchange(&self, to_first: &[u8], to_all: &[u8], watch: &dyn Watch) -> Result<Received, Stopped>;
 }
 
@@ -55,7 +55,7 @@ impl Communicator for () {
     }
 }
 
-/// Reason for unfinished work in a team.
+/// Reason for unfinished work in a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CommunicatorError {
     /// The observer stopped the work.
@@ -66,4 +66,9 @@ pub enum CommunicatorError {
         "process {0} sent what is no part of this bake: start all processes from the same program, with the same arguments"
     )]
     Garbled(usize),
+    /// A member works on other data.
+    #[error(
+        "process {0} works on another scene, or has come to other points: start all processes from the same program with the same arguments, on processors of one kind"
+    )]
+    Apart(usize),
 }

@@ -1,4 +1,4 @@
-//! Work split between the members of a team: the thread pool computes, the calling thread exchanges results.
+//! Work split between the members of a job: the thread pool computes, the calling thread exchanges results.
 //!
 //! Members exchange results a few times per second, so that the checkpoint of member 0 contains the finished work of
 //! all members, and a last time when the last member is done.
@@ -51,20 +51,20 @@ impl SendBuffer {
     }
 }
 
-/// Runs this member's part of the work on the pool, and sends the results posted by `work` to the team during the work.
+/// Runs this member's part of the work on the pool, and sends the results posted by `work` to the job during the work.
 /// Calls `arrive` for the messages of the other members: rank, message to member 0 (empty on other members), message to
 /// all members. Returns when all members are done.
 ///
 /// # Errors
 /// [`CommunicatorError`], of `work`, of `arrive`, or of the exchange.
 pub fn share<T: Send>(
-    team: &dyn Communicator,
+    communicator: &dyn Communicator,
     watch: &dyn Watch,
     work: impl FnOnce(Option<&SendBuffer>) -> Result<T, Stopped> + Send,
     mut arrive: impl FnMut(usize, &[u8], &[u8]) -> Result<(), CommunicatorError>,
 ) -> Result<(T, Traffic), CommunicatorError> {
     let mut traffic = Traffic::default();
-    if team.size() == 1 {
+    if communicator.size() == 1 {
         return Ok((work(None)?, traffic));
     }
     let outbox = SendBuffer::default();
@@ -84,14 +84,14 @@ pub fn share<T: Send>(
             let [to_first, posted] = outbox.take();
             let mut to_all = vec![u8::from(result.is_some())];
             to_all.extend(posted);
-            let received = team.exchange(&to_first, &to_all, watch)?;
+            let received = communicator.exchange(&to_first, &to_all, watch)?;
             let mut all_done = true;
             for (member, letter) in received.to_all.iter().enumerate() {
                 let (is_done, for_all) = letter.split_first().ok_or(CommunicatorError::Garbled(member))?;
                 let for_first = received.to_first.get(member).map_or(&[][..], |letter| letter);
                 all_done &= *is_done != 0;
                 traffic.to_all += letter.len() as u64;
-                if member != team.rank() {
+                if member != communicator.rank() {
                     traffic.to_first += for_first.len() as u64;
                     arrive(member, for_first, for_all)?;
                 }

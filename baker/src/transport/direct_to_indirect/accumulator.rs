@@ -3,9 +3,7 @@
 
 use crate::processor;
 use crate::random::{mix, unit};
-
-/// Irradiance of a receiver by sender, senders ascending.
-pub type IrradianceRow = Vec<(u32, f32)>;
+use crate::transport::operator::IrradianceRow;
 
 /// `N` sums per sender, mostly zero, such as gathered and predicted irradiance. The sums of a
 /// sender are adjacent in memory.

@@ -2,53 +2,74 @@
 //! leaves coarse points interpolated (P) to the finest senders and arrives over the links T (F is
 //! the part of T that ends at coarse points).
 
-use super::accumulator::{IrradianceRow, SparseAccumulator};
+use super::accumulator::SparseAccumulator;
 use super::{OperatorSettings, tint};
-use crate::job::watch::{Stopped, Watch};
-use rayon::prelude::*;
+use crate::transport::operator::IrradianceRow;
+use glam::{Vec3, Vec3A};
 use rebounce_shared::interpolation::Rows;
 use rebounce_shared::link::{Link, Sent};
 
-/// Computes the irradiance of each coarse point from every other. `values` are the coarse points'
-/// irradiance from all senders (F). Bounced light of a finer sender is interpolated from its
-/// parents by `push`, recursively up to the coarse points (P). A row's amounts are in the tint of
-/// the sending coarse point; `tints` are the senders'. A unit of `watch` is a row.
-///
-/// # Errors
-/// [`Stopped`].
-pub fn coarse_rows(
-    values: &[Vec<Link>],
-    push: Rows,
-    tints: &[u32],
-    settings: &OperatorSettings,
-    watch: &dyn Watch,
-) -> Result<Vec<IrradianceRow>, Stopped> {
-    let count = values.len();
-    let mut from: Vec<IrradianceRow> = (0..count.min(tints.len())).map(|i| vec![(i as u32, 1.0)]).collect();
-    let mut tally = SparseAccumulator::<1>::new(count);
-    for i in from.len()..tints.len() {
-        let parents = push.row(i);
-        let total: f32 = parents.iter().map(|parent| parent.weight()).sum();
-        for parent in parents {
-            let share = parent.weight() / total;
-            from[parent.point()].iter().for_each(|(j, weight)| tally.add(0, *j as usize, share * weight));
+/// The coarse transport matrix, computed row by row.
+pub struct CoarseMatrix<'a> {
+    /// Irradiance of each coarse point from all senders (F).
+    values: &'a [Vec<Link>],
+    /// Shares of the coarse points in the light of each sender (P).
+    from: Vec<IrradianceRow>,
+    /// Colours of the senders, and their [duals](tint::duals).
+    tints: Vec<Vec3>,
+    duals: Vec<Vec3A>,
+    least: f32,
+}
+
+impl<'a> CoarseMatrix<'a> {
+    /// Prepares the rows. `values` are the coarse points' irradiance from all senders (F). Bounced light of a finer
+    /// sender is interpolated from its parents by `push`, recursively up to the coarse points (P). `tints` are the
+    /// senders'.
+    pub fn new(values: &'a [Vec<Link>], push: Rows, tints: &[u32], settings: &OperatorSettings) -> Self {
+        let count = values.len();
+        let mut from: Vec<IrradianceRow> =
+            (0..count.min(tints.len())).map(|i| vec![(i as u32, 1.0)]).collect();
+        let mut tally = SparseAccumulator::<1>::new(count);
+        for i in from.len()..tints.len() {
+            let parents = push.row(i);
+            let total: f32 = parents.iter().map(|parent| parent.weight()).sum();
+            for parent in parents {
+                let share = parent.weight() / total;
+                from[parent.point()].iter().for_each(|(j, weight)| tally.add(0, *j as usize, share * weight));
+            }
+            from.push(tally.row(0.0, 0));
+            tally.clear();
         }
-        from.push(tally.row(0.0, 0));
-        tally.clear();
+        Self {
+            values,
+            from,
+            tints: tint::unpack(tints),
+            duals: tint::duals(tints),
+            least: settings.least_irradiance(),
+        }
     }
-    let (duals, tints) = (tint::duals(tints), tint::unpack(tints));
-    let row = |tally: &mut SparseAccumulator<1>, (i, value): (usize, &Vec<Link>)| {
-        for link in value {
-            let sent = link.amount() * tints[link.sender()];
-            for (j, weight) in &from[link.sender()] {
-                let dual = duals[*j as usize];
-                tally.add(0, *j as usize, weight * sent.dot(dual.into()));
+
+    /// Number of rows.
+    pub fn count(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Returns empty working memory for [`Self::row`].
+    pub fn scratch(&self) -> SparseAccumulator<1> {
+        SparseAccumulator::new(self.count())
+    }
+
+    /// Computes the irradiance of coarse point `i` from every other, in the tint of the sending coarse point.
+    pub fn row(&self, i: usize, scratch: &mut SparseAccumulator<1>) -> IrradianceRow {
+        for link in &self.values[i] {
+            let sent = link.amount() * self.tints[link.sender()];
+            for (j, weight) in &self.from[link.sender()] {
+                let dual = self.duals[*j as usize];
+                scratch.add(0, *j as usize, weight * sent.dot(dual.into()));
             }
         }
-        let row = tally.row(settings.least_irradiance(), i as u64);
-        tally.clear();
-        watch.step(1)?;
-        Ok(row)
-    };
-    values.par_iter().enumerate().map_init(|| SparseAccumulator::<1>::new(count), row).collect()
+        let row = scratch.row(self.least, i as u64);
+        scratch.clear();
+        row
+    }
 }

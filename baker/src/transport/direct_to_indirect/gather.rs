@@ -89,21 +89,12 @@ impl Scratch {
 }
 
 impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
-    /// Gathers for the receivers of a level. Calls `cast` with the number of rays of each receiver,
-    /// and `done` with the receiver and its result. Fastest for neighbouring receivers.
-    ///
-    /// # Errors
-    /// Errors of `cast`.
-    pub fn links<E>(
-        &self,
-        gather: &Gather,
-        scratch: &mut Scratch,
-        mut cast: impl FnMut(u64) -> Result<(), E>,
-        mut done: impl FnMut(usize, Gathered),
-    ) -> Result<(), E> {
+    /// Gathers for the receivers of a level. Calls `done` with each receiver and its result. Fastest for
+    /// neighbouring receivers.
+    pub fn links(&self, gather: &Gather, scratch: &mut Scratch, mut done: impl FnMut(usize, Gathered)) {
         let &Gather { receivers, level, directions, values } = gather;
         if self.settings.is_pooled(level) {
-            return self.pooled_links(gather, scratch, cast, done);
+            return self.pooled_links(gather, scratch, done);
         }
         // Variance of a mean of rays with a binary outcome (hit or miss of a sender), per unit of
         // gathered irradiance, times the squared significance.
@@ -121,21 +112,13 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
                     gathered.value = self.value_with(&gathered.links, level, senders);
                 }
                 senders.clear();
-                cast(cost.rays)?;
                 done(receiver, gathered);
             }
         }
-        Ok(())
     }
 
     /// [`Self::links`] for a level whose receivers share gathered differences.
-    fn pooled_links<E>(
-        &self,
-        gather: &Gather,
-        scratch: &mut Scratch,
-        mut cast: impl FnMut(u64) -> Result<(), E>,
-        mut done: impl FnMut(usize, Gathered),
-    ) -> Result<(), E> {
+    fn pooled_links(&self, gather: &Gather, scratch: &mut Scratch, mut done: impl FnMut(usize, Gathered)) {
         let &Gather { receivers, level, directions, values } = gather;
         let (mut rows, mut costs) = (Vec::new(), Vec::new());
         let Scratch { senders, found, pooled, neighbourhood } = scratch;
@@ -151,7 +134,6 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
                 });
                 senders.clear();
                 rows.push(Row { differences, distance: found.distance(k) });
-                cast(directions.len() as u64)?;
             }
         }
         let support = self.points.levels[level].support_radius;
@@ -182,7 +164,6 @@ impl<S: Surfaces + ?Sized> GatherContext<'_, S> {
             }
             done(receiver, gathered);
         }
-        Ok(())
     }
 
     /// Whether a receiver's value is read: by children or by later bounces.

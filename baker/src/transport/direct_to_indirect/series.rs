@@ -8,9 +8,8 @@
 //! because light transport is reciprocal. A limited number of bounces is summed bounce by bounce,
 //! by the same sweeps.
 
-use super::accumulator::IrradianceRow;
-use crate::job::watch::{Stopped, Watch};
 use crate::processor;
+use crate::transport::operator::IrradianceRow;
 use glam::Vec3;
 
 /// Coarse points (columns) per batch.
@@ -81,14 +80,11 @@ impl<'a> Series<'a> {
     /// Returns the irradiance of every coarse point from the bounces of unit light at `senders`
     /// (coarse points, at most [`BATCH`]), without the unit light itself, and the number of bounces
     /// including the bounce over the links T.
-    ///
-    /// # Errors
-    /// [`Stopped`].
-    pub fn columns(&self, senders: &[u32], watch: &dyn Watch) -> Result<(Vec<Light>, u32), Stopped> {
+    pub fn columns(&self, senders: &[u32]) -> (Vec<Light>, u32) {
         let none = || vec![Light::NONE; self.rows.len()];
         // The light has bounced over F already, and bounces over T to the receivers.
         if self.wanted.is_some_and(|wanted| wanted <= 2) {
-            return Ok((none(), 2));
+            return (none(), 2);
         }
         let first = self.first(senders);
         let mut state = State { sum: none(), step: first.clone(), left: first, sent: [none(), none()] };
@@ -101,7 +97,6 @@ impl<'a> Series<'a> {
         let to_come = self.kept / (1.0 - self.kept);
         let mut least = f32::INFINITY;
         while sweeps < most {
-            watch.step(0)?;
             // For a limited number of bounces the residual of a sum is the last bounce, which is
             // the next step.
             let mix = if self.wanted.is_some() { [0.0, 1.0] } else { mixes.next() };
@@ -119,7 +114,7 @@ impl<'a> Series<'a> {
                 *sum = (*sum + left).max(0.0);
             }
         }
-        Ok((state.sum, 3 + sweeps))
+        (state.sum, 3 + sweeps)
     }
 
     /// The first bounce of unit light at these points.
@@ -302,7 +297,7 @@ mod tests {
 
     /// Relative error of columns.
     fn off(series: &Series, senders: &[u32], bounces: usize) -> f64 {
-        let (found, _) = series.columns(senders, &()).unwrap();
+        let (found, _) = series.columns(senders);
         let (mut off, mut all) = (0.0, 0.0);
         for (b, sender) in senders.iter().enumerate() {
             let wanted = one_by_one(series.rows, series.tints, *sender as usize, bounces);
@@ -334,7 +329,7 @@ mod tests {
         let (rows, tints) = points(80, 0.8);
         for wanted in 2..8 {
             let series = Series::new(&rows, &tints, Some(wanted));
-            let (found, bounces) = series.columns(&[3, 4, 7], &()).unwrap();
+            let (found, bounces) = series.columns(&[3, 4, 7]);
             assert_eq!(bounces, wanted);
             match wanted {
                 2 => assert!(found.iter().all(|light| *light == Light::NONE)),
@@ -349,7 +344,7 @@ mod tests {
         for given in [1.0, 1.01, 1.05, 1.3] {
             let rows = vec![vec![(1, given)], vec![(0, given)]];
             let series = Series::new(&rows, &[Vec3::ONE; 2], None);
-            let (found, bounces) = series.columns(&[0], &()).unwrap();
+            let (found, bounces) = series.columns(&[0]);
             assert!(bounces <= 3 + MOST_SWEEPS);
             let is_some = |light: &Light| light.0[0][0] > 1.0 && light.0[0][0] < 500.0;
             assert!(found.iter().all(is_some), "{given}: {found:?}");

@@ -4,7 +4,6 @@
 //! the colour is the sender's tint.
 
 use crate::geometry::{Ray, Surfaces};
-use crate::job::watch::{Stopped, Watch};
 use crate::random::Stream;
 use crate::sampling::Points;
 use glam::{Vec3, Vec3A};
@@ -19,30 +18,23 @@ const ABOVE: f32 = 0.1;
 /// Mantissas are multiples of this unit: a channel is exact within a 256th of the largest channel.
 const TINT_UNIT: u32 = 2;
 
-/// Computes the tints of all points, rgb9e5 as in the file; the channels' mean is 1. The tint of a
-/// black surface is grey. A unit of `watch` is a point.
-///
-/// # Errors
-/// [`Stopped`].
-pub fn tints<S: Surfaces + ?Sized>(
-    surfaces: &S,
-    points: &Points,
-    seed: u64,
-    watch: &dyn Watch,
-) -> Result<Vec<u32>, Stopped> {
-    let mut tints = Vec::with_capacity(points.points.len());
-    for (l, level) in points.levels.iter().enumerate() {
-        // A function of the next coarser level covers four times the area.
-        let rays = (RAYS[0] << (2 * (points.levels.len() - 1 - l)).min(16)).min(RAYS[1]);
-        let found = level.range().into_par_iter().map(|i| {
-            watch.step(1)?;
-            let albedo = mean_albedo(surfaces, points, i, level.support_radius, rays, seed);
-            let mean = albedo.element_sum() / 3.0;
-            Ok(pack_rounded(if mean > 0.0 { albedo / mean } else { Vec3::ONE }, TINT_UNIT))
-        });
-        tints.extend(found.collect::<Result<Vec<u32>, Stopped>>()?);
-    }
-    Ok(tints)
+/// Computes the tint of point `i` of level `level`, rgb9e5 as in the file; the channels' mean is 1. The tint of a black
+/// surface is grey.
+pub fn tint<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, level: usize, i: usize, seed: u64) -> u32 {
+    // A function of the next coarser level covers four times the area.
+    let rays = (RAYS[0] << (2 * (points.levels.len() - 1 - level)).min(16)).min(RAYS[1]);
+    let albedo = mean_albedo(surfaces, points, i, points.levels[level].support_radius, rays, seed);
+    let mean = albedo.element_sum() / 3.0;
+    pack_rounded(if mean > 0.0 { albedo / mean } else { Vec3::ONE }, TINT_UNIT)
+}
+
+/// Computes the tints of all points.
+pub fn tints<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, seed: u64) -> Vec<u32> {
+    let of_level = |level: usize| {
+        let range = points.levels[level].range().into_par_iter();
+        range.map(move |i| tint(surfaces, points, level, i, seed))
+    };
+    (0..points.levels.len()).into_par_iter().flat_map(of_level).collect()
 }
 
 /// Decodes tints to linear colours.
@@ -108,7 +100,7 @@ mod tests {
             let level = PointLevel { first: 0, count: 1, disk_radius: 0.02, support_radius: 0.04 };
             let point = SurfacePoint::at(&hit, &surfaces);
             let points = Points { levels: vec![level], points: vec![point], ..Points::default() };
-            (unpack(&tints(&surfaces, &points, 1, &()).unwrap())[0], hit.albedo)
+            (unpack(&tints(&surfaces, &points, 1))[0], hit.albedo)
         };
         let mut coloured = 0;
         for direction in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y] {

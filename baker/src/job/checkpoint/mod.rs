@@ -13,10 +13,7 @@ mod writer;
 pub use identity::Identity;
 pub use writer::Storage;
 
-use crate::sampling::{PlacedMark, SurfacePoint};
-use crate::transport::direct_to_indirect::gather::Gathered;
-use crate::transport::direct_to_indirect::journal::{Columns, PartialResults};
-use rebounce_shared::rbn::bulk::Cut;
+use super::partial_results::PartialResults;
 use record::Record;
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -54,13 +51,10 @@ pub enum CheckpointError {
     },
 }
 
-/// Records of an earlier run.
+/// Records of an earlier run, by kind and key.
 #[derive(Default)]
 struct Saved {
-    placed: Vec<Option<(PlacedMark, Vec<SurfacePoint>)>>,
-    shaped: Vec<(usize, Vec<Vec<Cut>>, Vec<u8>)>,
-    receivers: HashMap<usize, Vec<Gathered>>,
-    columns: HashMap<usize, Columns>,
+    parts: HashMap<(u32, u64), Vec<u8>>,
     records: usize,
 }
 
@@ -114,7 +108,10 @@ impl Checkpoint {
         let mut saved = Saved::default();
         while let Some((record, bytes)) = record::read(&mut from, length - end, salt).map_err(io)? {
             end += bytes;
-            saved.add(record);
+            saved.records += 1;
+            if let Record::Part { kind, key, bytes } = record {
+                saved.parts.insert((kind, key), bytes);
+            }
         }
         drop(from);
         file.set_len(end).map_err(io)?;
@@ -168,68 +165,15 @@ impl Checkpoint {
         // A leftover file only takes disk space.
         let _ = std::fs::remove_file(&self.path);
     }
-
-    /// Takes the saved points of `level`; `None` if not saved. Levels are requested in order.
-    pub(super) fn take_placed(&self, level: usize) -> Option<(PlacedMark, Vec<SurfacePoint>)> {
-        self.saved.lock().ok()?.placed.get_mut(level)?.take()
-    }
-
-    pub(super) fn keep_placed(&self, mark: &PlacedMark, points: &[SurfacePoint]) {
-        self.writer.append(record::placed(self.salt, mark, points));
-    }
-
-    /// Takes the saved cuts and samples of the first points, up to the first gap.
-    pub(super) fn take_shaped(&self) -> (Vec<Vec<Cut>>, Vec<u8>) {
-        let (mut cuts, mut samples) = (Vec::new(), Vec::new());
-        for (first, more, bits) in
-            self.saved.lock().map(|mut s| std::mem::take(&mut s.shaped)).unwrap_or_default()
-        {
-            if first == cuts.len() {
-                cuts.extend(more);
-                samples.extend(bits);
-            }
-        }
-        (cuts, samples)
-    }
-
-    pub(super) fn keep_shaped(&self, first: usize, cuts: &[Vec<Cut>], samples: &[u8]) {
-        self.writer.append(record::shaped(self.salt, first, cuts, samples));
-    }
-}
-
-impl Saved {
-    fn add(&mut self, record: Record) {
-        self.records += 1;
-        match record {
-            Record::Identity(_) => {}
-            Record::Placed(mark, points) => self.placed.push(Some((mark, points))),
-            Record::Shaped(first, cuts, samples) => self.shaped.push((first, cuts, samples)),
-            Record::Receivers(first, found) => {
-                self.receivers.insert(first, found);
-            }
-            Record::Columns(part, columns) => {
-                self.columns.insert(part, columns);
-            }
-        }
-    }
 }
 
 impl PartialResults for Checkpoint {
-    fn receivers(&self, first: usize, count: usize) -> Option<Vec<Gathered>> {
-        let found = self.saved.lock().ok()?.receivers.remove(&first)?;
-        (found.len() == count).then_some(found)
+    fn take(&self, kind: u32, key: u64) -> Option<Vec<u8>> {
+        self.saved.lock().ok()?.parts.remove(&(kind, key))
     }
 
-    fn keep_receivers(&self, first: usize, found: &[Gathered]) {
-        self.writer.append(record::receivers(self.salt, first, found));
-    }
-
-    fn columns(&self, part: usize) -> Option<Columns> {
-        self.saved.lock().ok()?.columns.remove(&part)
-    }
-
-    fn keep_columns(&self, part: usize, columns: &Columns) {
-        self.writer.append(record::columns(self.salt, part, columns));
+    fn keep(&self, kind: u32, key: u64, bytes: &[u8]) {
+        self.writer.append(record::part(self.salt, kind, key, bytes));
     }
 }
 

@@ -1,20 +1,13 @@
-//! Identity of a bake: the inputs of the result.
+//! The inputs of a bake's result, by name.
 
-use super::super::BakeSettings;
-use crate::sampling::PlaceSettings;
+use super::BakeSettings;
+use crate::job::checkpoint::Identity;
+use crate::sampling::{PlaceSettings, Points};
 use crate::scene::{InstancedMesh, Scene};
-use crate::transport::direct_to_indirect::OperatorSettings;
+use crate::transport::OperatorSettings;
 use rebounce_shared::rbn::container;
-use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fmt::Debug;
-
-/// All inputs of a bake's result, by name: the program, the scene's contents, the settings. Bakes with equal identities
-/// have equal results, to the byte.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Identity {
-    parts: Vec<(String, String)>,
-}
 
 impl Identity {
     /// Returns the identity of a bake of `scene` with `settings` by this program.
@@ -73,29 +66,21 @@ impl Identity {
         ];
         named.extend(parts.map(|(name, value)| (name.to_owned(), format!("{value:?}"))));
         named.push(("operator seed".to_owned(), operator_seed.to_string()));
-        Self { parts: named }
+        Self::of(named)
     }
+}
 
-    /// Returns the identity as stored in a file.
-    pub(in crate::bake) fn to_json(&self) -> Vec<u8> {
-        serde_json::to_vec(self).unwrap_or_default()
+/// Returns a digest of scene, settings, points, cuts and samples, to compare between processes. Every process places all
+/// points: sharing the placement would save no time.
+pub(super) fn digest_of_points(scene: &Scene, settings: &BakeSettings, points: &Points) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    hash.update(Identity::new(scene, settings).to_json());
+    for point in &points.points {
+        hash.update(bytemuck::bytes_of(&[point.position, point.normal, point.geometric_normal]));
     }
-
-    /// Describes how `self`, found in a file, differs from the requested identity: "functions 3000, not 2000"; `None`
-    /// if equal.
-    pub fn difference(&self, asked: &Self) -> Option<String> {
-        let value = |of: &Self, name: &str| {
-            of.parts.iter().find(|part| part.0 == name).map_or("unknown".to_owned(), |part| part.1.clone())
-        };
-        let names = asked.parts.iter().map(|part| &part.0);
-        let differ = names.filter(|name| value(self, name) != value(asked, name));
-        let said: Vec<String> =
-            differ.map(|name| format!("{name} {}, not {}", value(self, name), value(asked, name))).collect();
-        match said.is_empty() {
-            true => (self != asked).then(|| "its form is another".to_owned()),
-            false => Some(said.join("; ")),
-        }
-    }
+    points.cuts.iter().for_each(|cuts| hash.update(bytemuck::cast_slice(cuts)));
+    hash.update(&points.samples);
+    hash.finalize().into()
 }
 
 /// Returns a digest of the scene's contents, 16 hexadecimal digits.
@@ -149,7 +134,7 @@ fn digest(scene: &Scene) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::Preset;
+    use super::super::Preset;
     use super::*;
 
     #[test]

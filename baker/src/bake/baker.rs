@@ -1,0 +1,180 @@
+//! A bake with all its options.
+
+use super::estimate::Estimate;
+use super::stages::{Recipe, sketch_settings};
+use super::stand_in::Staged;
+use super::tracker::Tracker;
+use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Stage, choose_emitter};
+use crate::geometry::mesh::TriangleSurfaces;
+use crate::geometry::{Surfaces, Tessellate};
+use crate::job::Job;
+use crate::job::communicator::Communicator;
+use crate::job::watch::Watch;
+use crate::scene::Scene;
+use crate::transport::direct_to_indirect::DirectToIndirect;
+use crate::transport::{Operator, Solver};
+use glam::{DVec3, Vec3};
+use rebounce_shared::baked::BakedScene;
+use std::ops::Deref;
+
+/// Greatest distance between curved surfaces and their triangles in pictures, as a share of the diagonal.
+const TOLERANCE: f32 = 5e-4;
+
+/// The result of a bake: the file's contents and the figures, on process 0; `None` on other processes.
+pub type Baked = Result<Option<(BakedScene, BakeReport)>, BakeError>;
+
+/// A bake with all its options: observer, checkpoint, processes, surfaces, solver.
+pub struct Baker<'a> {
+    settings: &'a BakeSettings,
+    observer: &'a dyn Observer,
+    checkpoint: Option<&'a Checkpoint>,
+    communicator: &'a dyn Communicator,
+}
+
+/// Surfaces for rays, with their number of triangles (a model counts once) and of primitives (every copy counts).
+struct Built<B> {
+    surfaces: B,
+    triangles: u64,
+    primitives: u64,
+}
+
+impl<'a> Baker<'a> {
+    /// A bake by this process alone, without observer and checkpoint.
+    pub fn new(settings: &'a BakeSettings) -> Self {
+        Self { settings, observer: &(), checkpoint: None, communicator: &() }
+    }
+
+    /// Reports progress to an observer, which may stop the bake.
+    pub fn observer(self, observer: &'a dyn Observer) -> Self {
+        Self { observer, ..self }
+    }
+
+    /// Stores finished work in a checkpoint, and resumes from the checkpoint's records; the result is the same, to the
+    /// byte. Of several processes only process 0 may have a checkpoint; it stores the work of all.
+    pub fn checkpoint(self, checkpoint: Option<&'a Checkpoint>) -> Self {
+        Self { checkpoint, ..self }
+    }
+
+    /// Bakes together with other processes. All of them bake the same scene with the same settings; the result is the
+    /// same, to the byte.
+    pub fn communicator(self, communicator: &'a dyn Communicator) -> Self {
+        Self { communicator, ..self }
+    }
+
+    /// Bakes a scene of triangles.
+    ///
+    /// # Errors
+    /// [`BakeError`]; finished work is in the checkpoint.
+    pub fn bake(&self, scene: &Scene) -> Baked {
+        self.bake_with(scene, &DirectToIndirect)
+    }
+
+    /// Bakes a scene of triangles with a solver.
+    ///
+    /// # Errors
+    /// [`BakeError`]; finished work is in the checkpoint.
+    pub fn bake_with<V>(&self, scene: &Scene, solver: &V) -> Baked
+    where
+        V: Solver<TriangleSurfaces, Solution = Operator>,
+    {
+        let build = || {
+            let surfaces = Box::new(TriangleSurfaces::simplified(scene));
+            Built {
+                triangles: surfaces.triangle_count() as u64,
+                primitives: surfaces.piece_count(),
+                surfaces,
+            }
+        };
+        self.run(scene, build, solver)
+    }
+
+    /// Bakes any surfaces with a solver. `scene` has their materials, lights and cameras, and no triangles: pictures
+    /// show the surfaces' [tessellation](Tessellate), rays meet the surfaces themselves.
+    ///
+    /// # Errors
+    /// [`BakeError`]; finished work is in the checkpoint.
+    pub fn bake_surfaces<S, V>(&self, scene: &Scene, surfaces: &S, solver: &V) -> Baked
+    where
+        S: Tessellate,
+        V: Solver<S, Solution = Operator>,
+    {
+        let (low, high) = surfaces.bounds();
+        let scene = scene.with_triangles(surfaces.tessellate(TOLERANCE * (high - low).length()));
+        let triangles = scene.triangles.len() as u64;
+        let primitives = surfaces.primitives().map_or(triangles, |primitives| primitives.count() as u64);
+        self.run(&scene, || Built { surfaces, triangles, primitives }, solver)
+    }
+
+    fn run<S, B, V>(&self, scene: &Scene, build: impl FnOnce() -> Built<B>, solver: &V) -> Baked
+    where
+        S: Surfaces,
+        B: Deref<Target = S>,
+        V: Solver<S, Solution = Operator>,
+    {
+        let baked = self.unflushed(scene, build, solver);
+        if let Some(checkpoint) = self.checkpoint {
+            // A failed checkpoint ends the bake as stopped; `flush` returns the cause.
+            checkpoint.flush()?;
+        }
+        baked
+    }
+
+    fn unflushed<S, B, V>(&self, scene: &Scene, build: impl FnOnce() -> Built<B>, solver: &V) -> Baked
+    where
+        S: Surfaces,
+        B: Deref<Target = S>,
+        V: Solver<S, Solution = Operator>,
+    {
+        let settings = self.settings.clone().normalised();
+        if scene.triangles.is_empty() {
+            return Err(BakeError::Empty);
+        }
+        let sketch = sketch_settings(&settings).filter(|_| self.wants_sketch());
+        let threads = rayon::current_num_threads();
+        let estimate = Estimate::new(&settings, scene.triangles.len(), sketch.is_some(), threads);
+        let tracker = Tracker::new(self.observer, self.checkpoint, estimate);
+        let task = tracker.task(Stage::Bvh, None);
+        let Built { surfaces, triangles, primitives } = build();
+        tracker.expect(|estimate| estimate.found_surfaces(&settings, primitives));
+        task.step(0)?;
+        let emitter = choose_emitter(scene, &*surfaces, &settings)?;
+        task.step(0)?;
+        let staged = Staged::new(scene, &emitter, &*surfaces);
+        task.step(0)?;
+        drop(task);
+        let world = |local: &Vec3| (DVec3::from(scene.origin) + local.as_dvec3()).to_array();
+        let report = BakeReport {
+            ray_triangles: triangles,
+            viewpoints: emitter.viewpoints.iter().map(world).collect(),
+            is_open: emitter.is_open,
+            lamp_added: scene.lights.is_empty(),
+            camera_added: scene.cameras.is_empty(),
+            camera: staged.cameras[0].position,
+            ..BakeReport::new(scene, &settings)
+        };
+        let job = Job {
+            reporter: &tracker,
+            partial_results: self.checkpoint.map_or(&(), |checkpoint| checkpoint),
+            communicator: self.communicator,
+        };
+        let recipe = Recipe {
+            scene,
+            surfaces: &*surfaces,
+            solver,
+            emitter: &emitter,
+            staged: &staged,
+            observer: self.observer,
+            job,
+        };
+        if let Some(settings) = sketch {
+            recipe.sketch(settings, &tracker.task(Stage::Sketch, None))?;
+        }
+        recipe.run(settings, &tracker, report)
+    }
+
+    /// Whether to bake a coarse preview first: not when earlier work is at hand.
+    fn wants_sketch(&self) -> bool {
+        let is_fresh = self.checkpoint.is_none_or(|checkpoint| checkpoint.records_found() == 0);
+        self.observer.wants_previews() && is_fresh
+    }
+}
