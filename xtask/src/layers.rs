@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 
 /// The baker's modules in layers: a module may use modules of earlier lines alone. Verification of a bake
 /// (`verify`) stands beside `transport`, so that an error there cannot hide itself.
-const BAKER: [&[&str]; 12] = [
+const BAKER: [&[&str]; 13] = [
     &["random"],
     &["morton", "processor", "weld", "job"],
     &["scene"],
@@ -24,6 +24,7 @@ const BAKER: [&[&str]; 12] = [
     &["basis"],
     &["transport", "verify"],
     &["bake"],
+    &["prelude"],
     &["lib"],
 ];
 /// A module's path within its crate: `geometry`, `mesh`, `blas`.

@@ -1,10 +1,10 @@
 //! A scene in memory. Touches no files: [`io`](crate::io) reads glTF, [`demo`](crate::demo) generates scenes.
 //!
-//! * `world_mesh` – world-space triangles, before conversion into a [`Scene`];
+//! * [`world_mesh`] – world-space triangles, before conversion into a [`Scene`];
 //! * [`texture`] – pictures and their sampling; `basis_universal` – Basis Universal pictures; `foreign` – pictures of
 //!   formats outside glTF; `orientation` – picture rotations in Exif metadata;
 //! * [`model`] – instanced meshes;
-//! * `colours` – vertex colours; `merge` – merging of equal materials;
+//! * `colours` – vertex colours;
 //! * [`detail`] – the main part, with nearly all of the detail; [`outliers`] – outliers far from the rest.
 
 mod basis_universal;
@@ -12,7 +12,6 @@ mod colours;
 pub mod detail;
 mod error;
 mod foreign;
-pub(crate) mod merge;
 pub mod model;
 pub(crate) mod needed;
 mod orientation;
@@ -20,7 +19,7 @@ pub mod outliers;
 pub(crate) mod steps;
 pub mod texture;
 mod texture_size;
-pub(crate) mod world_mesh;
+pub mod world_mesh;
 
 pub use error::SceneError;
 pub use model::InstancedMesh;
@@ -33,7 +32,7 @@ use rebounce_shared::rbn::meta::{Animation, Material};
 
 /// Maximum number of vertices, and of triangles, of a scene. A larger scene and its bake exceed the memory of usual
 /// machines, and ray traversal numbers triangles in 28 bits.
-pub(crate) const MOST: usize = 1 << 28;
+pub const MOST: usize = 1 << 28;
 
 /// A scene in memory.
 #[derive(Clone, Debug, Default)]

@@ -37,7 +37,7 @@ impl InstancedMesh {
 }
 
 /// Least and greatest corner, local space, of an instance of the model-space box `[low, high]`.
-pub(crate) fn bounds_of_copy(local_from_model: &Affine3A, [low, high]: [Vec3; 2]) -> (Vec3, Vec3) {
+pub fn bounds_of_copy(local_from_model: &Affine3A, [low, high]: [Vec3; 2]) -> (Vec3, Vec3) {
     let middle = local_from_model.transform_point3(0.5 * (low + high));
     let Mat3A { x_axis, y_axis, z_axis } = local_from_model.matrix3;
     let half = 0.5 * (high - low);
@@ -46,7 +46,7 @@ pub(crate) fn bounds_of_copy(local_from_model: &Affine3A, [low, high]: [Vec3; 2]
 }
 
 /// Placements of a mesh that become instances of one model.
-pub(crate) struct Copies {
+pub struct Copies {
     /// Transform of the mesh's vertices into model space.
     pub model_from_mesh: DMat4,
     /// Index of the placement among the mesh's placements, and its instance transform.
@@ -55,7 +55,7 @@ pub(crate) struct Copies {
 
 /// Divides the placements of a mesh among models: one for plain and one for mirrored placements, if instancing saves
 /// enough triangles. Placements outside both models remain ordinary triangles. `low` and `high` are the mesh's bounds.
-pub(crate) fn divide(world_from_mesh: &[DMat4], triangles: usize, [low, high]: [DVec3; 2]) -> Vec<Copies> {
+pub fn divide(world_from_mesh: &[DMat4], triangles: usize, [low, high]: [DVec3; 2]) -> Vec<Copies> {
     if !(low.is_finite() && high.is_finite()) {
         return Vec::new();
     }

@@ -95,7 +95,7 @@ fn undecodable(error: &image::ImageError) -> String {
 const MANY_TOGETHER: u64 = 1 << 26;
 
 /// Number of texels after decoding, from the picture's header; 0 without decoding, or if the header is unreadable.
-pub(crate) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
+pub fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
     let size = match (basis_universal::is_ktx2(bytes), decoded) {
         (true, _) => basis_universal::size(bytes),
         // Pictures of these formats are always decoded.
@@ -107,7 +107,7 @@ pub(crate) fn texels_said(bytes: &[u8], decoded: bool) -> u64 {
 }
 
 /// Refuses pictures with headers that declare more texels, in total, than the pictures' bytes can encode.
-pub(crate) fn check_together(texels: u64, bytes: u64) -> Result<(), String> {
+pub fn check_together(texels: u64, bytes: u64) -> Result<(), String> {
     if texels <= MANY_TOGETHER.max(TEXELS_A_BYTE.saturating_mul(bytes)) {
         return Ok(());
     }

@@ -5,13 +5,18 @@ use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 
 /// World-space vertices and triangles, before conversion into a [`Scene`].
 #[derive(Default)]
-pub(crate) struct WorldMesh {
+pub struct WorldMesh {
+    /// Vertices, world space.
     pub positions: Vec<DVec3>,
+    /// Unit shading normals, one per vertex; an unusable normal is replaced by the mean of its triangles'.
     pub normals: Vec<Vec3>,
+    /// Texture coordinates, one per vertex.
     pub uvs: Vec<Vec2>,
     /// Linear RGB and alpha; vertices beyond the end are white.
     pub colors: Vec<Vec4>,
+    /// Vertex indices, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
+    /// Index of the material, one per triangle.
     pub triangle_material: Vec<u32>,
     /// Instanced meshes, in addition to [`Self::triangles`].
     pub models: Vec<WorldInstancedMesh>,
@@ -120,7 +125,7 @@ impl WorldMesh {
 
 /// A model before conversion into a [`Scene`](super::Scene).
 #[derive(Default)]
-pub(crate) struct WorldInstancedMesh {
+pub struct WorldInstancedMesh {
     /// Mesh in model space.
     pub mesh: WorldMesh,
     /// Transforms of the instances.

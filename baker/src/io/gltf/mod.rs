@@ -4,7 +4,7 @@
 //!   `container`, `source`, `beside` – bytes of buffers and images; `accessor` – accessor elements;
 //! * `meshopt`, `draco` – decompression; `extensions` – supported and refused extensions;
 //! * `material`, `texture_info`, `transmission` – materials, texture references, transmission; `picture` – image
-//!   selection;
+//!   selection; `merge` – merging of equal materials;
 //! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins;
 //! * `instances`, `place` – world-space placement; `choice` – scene selection; `notes` – messages about a file; `node`, `pose` – transforms and cameras;
 //! * `light`, `punctual`, `enclosed` – lights, and lamps enclosed by a mesh; `animation` – animated lights.
@@ -22,6 +22,7 @@ mod extensions;
 mod instances;
 mod light;
 mod material;
+mod merge;
 mod mesh;
 mod meshopt;
 mod node;
@@ -40,11 +41,11 @@ mod transmission;
 use super::Files;
 use super::files::Disk;
 use super::options::{LoadOptions, UNUSED_ALBEDO};
-use crate::scene::merge::merge;
 use crate::scene::world_mesh::WorldMesh;
 use crate::scene::{Scene, SceneError};
 use enclosed::Lamps;
 use glam::DMat4;
+use merge::merge;
 use mesh::MeshPart;
 use notes::{Told, grouped};
 use place::PlacementNotes;

@@ -1,7 +1,7 @@
 //! Merging of materials that look alike.
 
-use super::world_mesh::WorldMesh;
-use super::{Scene, SceneError};
+use crate::scene::world_mesh::WorldMesh;
+use crate::scene::{Scene, SceneError};
 use rebounce_shared::rbn::MAX_MATERIALS;
 use rebounce_shared::rbn::meta::Material;
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 ///
 /// # Errors
 /// [`SceneError::TooManyMaterials`].
-pub(crate) fn merge(scene: &mut Scene, mesh: &mut WorldMesh, file: &str) -> Result<(), SceneError> {
+pub(super) fn merge(scene: &mut Scene, mesh: &mut WorldMesh, file: &str) -> Result<(), SceneError> {
     let mut known: HashMap<String, u32> = HashMap::new();
     let mut kept: Vec<Material> = Vec::new();
     let mut place = Vec::with_capacity(scene.materials.len());
