@@ -237,7 +237,7 @@ fn scene() -> Scene {
 pub fn run(folder: Option<&Path>) -> Result<f64, Box<dyn Error>> {
     let scene = scene();
     let mut settings = BakeSettings::new(Preset::Draft);
-    settings.place.functions = 8_000;
+    settings.place.functions = 16_000;
     let (baked, report) =
         Baker::new(&settings).bake_surfaces(&scene, &Implicit, &DirectToIndirect)?.ok_or("no file")?;
     let (camera, lights) = (&scene.cameras[0], &scene.lights[..]);
