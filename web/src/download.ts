@@ -7,7 +7,7 @@ export type OnProgress = (loaded: number, total: number) => void;
 
 /** A connection that gives nothing for so long has stalled, milliseconds. */
 const PATIENCE = 60_000;
-/** Where a .rbn file says how long it is, bytes from its start (docs/FORMAT.md). */
+/** Where a .rbn file says how long it is, bytes from its start (docs/format/rbn.md). */
 const LENGTH_AT = 16;
 const MAGIC = "REBOUNCE";
 

@@ -2,8 +2,9 @@
 //! thread.
 
 use crate::fidelity::given_or;
-use crate::process;
-use anyhow::{Context, Result, bail};
+use crate::{process, report};
+use anyhow::{Context, Result, bail, ensure};
+use std::process::Stdio;
 
 /// Default scene, in the folder of given scenes, and its replacement without the folder.
 const SCENES: [&str; 2] = ["sponza-dabrovic/sponza-dabrovic.glb", "builtin:library"];
@@ -42,11 +43,17 @@ pub fn run(args: &[String]) -> Result<()> {
         Some(scene) => scene,
         None => given_or(SCENES[0], SCENES[1]),
     };
-    process::run(
-        process::cargo()
-            .args(["bench", "--locked", "--package", "rebounce-benches", "--bench", "bake", "--"])
-            .args([scene, options.preset, options.rounds.to_string()]),
-    )
+    let mut command = process::cargo();
+    command.args(["bench", "--locked", "--package", "rebounce-benches", "--bench", "bake", "--"]);
+    command.args([&scene, &options.preset, &options.rounds.to_string()]);
+    let output = command.stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+    let output = output.context("the benchmark could not be started")?;
+    let said = String::from_utf8_lossy(&output.stdout);
+    println!("{said}");
+    ensure!(output.status.success(), "the benchmark failed ({})", output.status);
+    let name = scene.rsplit(['/', '\\']).next().unwrap_or(&scene);
+    let figures = format!("{name}, preset {}.\n\n```\n{}\n```", options.preset, said.trim());
+    report::write("bake", "A bake beside its rays", "cargo xtask bench-bake", &figures)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! depend on the machine's load.
 
 use crate::install::{self, Need};
-use crate::process;
+use crate::{process, report};
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::HashMap;
 use std::process::Stdio;
@@ -46,8 +46,9 @@ pub fn run(args: &[String]) -> Result<()> {
     let output = output.context("the benchmark could not be started")?;
     ensure!(output.status.success(), "the benchmark failed ({})", output.status);
     let profile = std::fs::read_to_string(&profile).with_context(|| profile.display().to_string())?;
-    println!("{}", table(&String::from_utf8_lossy(&output.stdout), &profile)?);
-    Ok(())
+    let table = table(&String::from_utf8_lossy(&output.stdout), &profile)?;
+    println!("{table}");
+    report::write("kernels", "Instructions of the kernels", "cargo xtask bench-kernels", &table)
 }
 
 /// Table of instructions per unit, from the unit counts printed by the benchmark and the profile of valgrind.

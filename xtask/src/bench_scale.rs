@@ -2,7 +2,7 @@
 //! time of a bake should grow with the complexity of the light, not with the triangles.
 
 use crate::fidelity::given_or;
-use crate::process;
+use crate::{process, report};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::process::{Command, Stdio};
@@ -63,8 +63,9 @@ pub fn run(args: &[String]) -> Result<()> {
         }
         results.push(serde_json::from_slice(&output.stdout).context("the figures")?);
     }
-    println!("{}", table(&scene, &options.preset, &results)?);
-    Ok(())
+    let table = table(&scene, &options.preset, &results)?;
+    println!("{table}");
+    report::write("scaling", "Scaling with triangles", "cargo xtask bench-scale", &table)
 }
 
 fn table(scene: &str, preset: &str, results: &[Value]) -> Result<String> {

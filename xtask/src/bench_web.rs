@@ -3,7 +3,7 @@
 //! reference, if present. Then: costs of lookup and splatting, and the difference of their pictures.
 
 use crate::fidelity::given;
-use crate::{install, process, web};
+use crate::{install, process, report, web};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -79,8 +79,10 @@ pub fn run(args: &[String]) -> Result<()> {
         &out,
     ]))?;
     process::run(web::node().arg("bench/ways.mjs").args([&baked, &shot, &ways]))?;
-    println!("{}\n\n{}", ways_table(&figures(&ways)?)?, table(&figures(&out)?)?);
-    Ok(())
+    let tables = format!("{}\n\n{}", ways_table(&figures(&ways)?)?, table(&figures(&out)?)?);
+    println!("{tables}");
+    let command = format!("cargo xtask bench-web --shot {name}");
+    report::write("web", "Frames in a browser", &command, &tables)
 }
 
 fn figures(file: &Path) -> Result<Value> {

@@ -1,6 +1,6 @@
 //! Development commands of the workspace: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`,
 //! `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`,
-//! `plot-estimate`, `layers`, `names`, `install`.
+//! `plot-estimate`, `check`, `docs`, `layers`, `names`, `install`.
 
 mod audit;
 mod bench_bake;
@@ -10,8 +10,10 @@ mod bench_web;
 mod bindgen;
 mod damage;
 mod demo;
+mod docs;
 mod fidelity;
 mod fuzz;
+mod gate;
 mod install;
 mod installed;
 mod integrity;
@@ -21,6 +23,7 @@ mod names;
 mod package;
 mod plot_estimate;
 mod process;
+mod report;
 mod site;
 mod soak;
 mod sources;
@@ -35,7 +38,8 @@ const USAGE: &str = "\
 cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
                      bakes a scene (builtin:cornell-box), builds the viewer, serves it on 127.0.0.1;
                      with --screenshot: takes a picture in headless Chromium instead, and ends
-cargo xtask test [native|wasm|page|package|site|install|mpi [NAME]]
+cargo xtask check    format, lints, rustdoc, layers, names, docs, and the library for wasm; part of all tests
+cargo xtask test [check|native|wasm|page|package|site|install|mpi [NAME]]
                      runs every test, those in the browser and of bakes over several processes included; or
                      one part. install, only by name: of the command that `cargo install` makes.
                      native NAME: tests whose path has NAME in it; page NAME: one of the files of web/test/page
@@ -45,7 +49,7 @@ cargo xtask site [--preset NAME] [--samples N] [--quick] [--serve] [--port N]
                      N samples a pixel for its path-traced pictures; --quick: coarse scenes, small pictures
 cargo xtask package  packs the npm package into target/package
 cargo xtask fidelity [--presets draft,standard,fine] [--scenes DIR]
-                     measures bakes against path-traced pictures and writes docs/fidelity.md; DIR holds
+                     measures bakes against path-traced pictures and writes docs/reports/fidelity.md; DIR holds
                      scenes of yours in the same way: shots/NAME.shot.json, references/NAME.indirect.{a,b}.exr
 cargo xtask bench-web [--scenes DIR] [--shot NAME]
                      times frames in headless Chromium beside three.js, same scene and light; DIR as above
@@ -59,6 +63,7 @@ cargo xtask fuzz [TARGET ...] [--runs N]
                      feeds damaged files to what reads them: file, section, scene, links, gltf, shot, checkpoint, simplify
 cargo xtask layers   which module uses which: fails where an arrow runs against the order, or in a circle
 cargo xtask names    names that were replaced by the field's, and types that are defined twice: fails if any
+cargo xtask docs     dead links and long lines of the documentation: fails if any
 cargo xtask audit [--offline]
                      vulnerabilities, licences, doubled versions and sources of all dependencies
 cargo xtask damage [--files N] [--seed S]
@@ -68,7 +73,7 @@ cargo xtask soak [--minutes N]
 cargo xtask kill-bake [--times N] [--each] [--scene SCENE] [-- OPTIONS OF THE BAKE]
                      kills bakes at many times, lets them go on, compares the files; a hundred times when absent
 cargo xtask plot-estimate [--record] [[--preset NAME] SCENE or LOG.jsonl ...]
-                     bakes, and draws into docs/estimate.svg how right the time left was; a log of
+                     bakes, and draws into docs/reports/estimate.svg how right the time left was; a log of
                      `rebounce bake --json-progress` is read instead. Ten bakes when nothing is named.
                      --record: writes the courses that the estimate's tests replay
 cargo xtask install  installs what the others need, and says what";
@@ -94,6 +99,8 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("bench-web") => bench_web::run(&args[1..]),
         Some("bench-bake") => bench_bake::run(&args[1..]),
         Some("audit") => audit::run(&args[1..]),
+        Some("check") => gate::run(),
+        Some("docs") => docs::run(),
         Some("layers") => layers::run(),
         Some("names") => names::run(),
         Some("fuzz") => fuzz::run(&args[1..]),

@@ -5,7 +5,7 @@
 mod record;
 
 use crate::fidelity::given;
-use crate::process;
+use crate::{process, report};
 use anyhow::{Context, Result, bail};
 use plotters::prelude::*;
 use serde::Deserialize;
@@ -96,7 +96,7 @@ fn parse(args: &[String]) -> Result<(Vec<Wanted>, bool)> {
     Ok((wanted, records))
 }
 
-/// Bakes scenes, or reads logs of bakes, draws docs/estimate.svg and prints a table.
+/// Bakes scenes, or reads logs of bakes, draws docs/reports/estimate.svg and prints a table.
 ///
 /// # Errors
 /// If a step fails.
@@ -115,10 +115,12 @@ pub fn run(args: &[String]) -> Result<()> {
         logs.push(if is_log { PathBuf::from(&wanted.scene) } else { bake(wanted)? });
     }
     let courses = logs.iter().map(|log| read(log)).collect::<Result<Vec<_>>>()?;
-    println!("{}", table(&courses));
-    let out = process::root().join("docs/estimate.svg");
+    let table = table(&courses);
+    println!("{table}");
+    let out = report::folder().join("estimate.svg");
     plot(&courses, &out)?;
-    println!("wrote {}", out.display());
+    let figures = format!("{table}\n\n![time left over time](estimate.svg)");
+    report::write("estimate", "Time left", "cargo xtask plot-estimate", &figures)?;
     if records { record::write(&logs) } else { Ok(()) }
 }
 

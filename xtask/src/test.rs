@@ -1,14 +1,17 @@
 //! `cargo xtask test`: runs the tests, without duplicate compilation.
 
 use crate::toolchain::{self, Toolchain};
-use crate::{bindgen, install, installed, layers, names, package, process, site, web};
+use crate::{bindgen, gate, install, installed, package, process, site, web};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::Stdio;
 
-/// Parts: tests of the crates, of the viewer as wasm, of the page of `rebounce view`, of the npm package, of the
+/// Parts: checks of the sources, tests of the crates, of the viewer as wasm, of the page of `rebounce view`, of the npm package, of the
 /// site, of the installed command (`cargo install`), and of bakes under mpirun.
-const PARTS: [&str; 7] = ["native", "wasm", "page", "package", "site", "install", "mpi"];
+const PARTS: [&str; 8] = ["check", "native", "wasm", "page", "package", "site", "install", "mpi"];
+
+/// Feature of the command with MPI.
+const MPI: &str = "rebounce-cli/mpi";
 
 /// Runs every test, or one part, or the tests of one name in the parts `native` and `page`. A failed part does not
 /// stop later parts; the test of the installed command recompiles everything and runs only by name.
@@ -23,6 +26,9 @@ pub fn run(args: &[String]) -> Result<()> {
     let name = args.get(1).map(String::as_str);
     if name.is_some() && !matches!(part, Some("native" | "page")) {
         bail!("the tests of one name can be run of the parts native and page alone");
+    }
+    if part == Some("check") {
+        return gate::run();
     }
     if part == Some("mpi") {
         return over_mpi();
@@ -40,8 +46,13 @@ pub fn run(args: &[String]) -> Result<()> {
     if part == Some("install") {
         return installed::test();
     }
+    let checked = if part.is_none() { gate::run() } else { Ok(()) };
+    if let Err(error) = &checked {
+        println!("{error:#}");
+    }
     let native = match part {
-        None | Some("native") => layers::run().and(names::run()).and(native(name.as_slice())),
+        None => install::ensure(&install::MPI).and_then(|()| native(&["--features", MPI])),
+        Some("native") => native(name.as_slice()),
         Some("wasm") => Ok(()),
         Some(_) => native(&["--no-run"]),
     };
@@ -56,33 +67,26 @@ pub fn run(args: &[String]) -> Result<()> {
     if let Err(error) = &browser {
         println!("{error:#}");
     }
-    let mpi = if wanted("mpi") { over_mpi() } else { Ok(()) };
-    native.and(browser).and(mpi)
+    checked.and(native).and(browser)
 }
 
 /// `cargo test` of the workspace, in the development profile (optimised). The build includes the programs for the browser
-/// tests, and the benches, to keep the benches compiling.
+/// tests.
 fn native(options: &[&str]) -> Result<()> {
     let mut command = process::cargo();
     command.args(["test", "--locked", "--workspace", "--no-fail-fast"]).args(options);
     if let Some(description) = install::lavapipe() {
         command.env("VK_DRIVER_FILES", description);
     }
-    let tests = process::run(&mut command);
-    if !options.is_empty() {
-        return tests;
-    }
-    tests.and(process::run(process::cargo().args(["build", "--locked", "--workspace", "--benches"])))
+    process::run(&mut command)
 }
 
-/// Tests bakes over several processes against bakes in a single process.
+/// Tests bakes over several processes against bakes in a single process. Part of the native tests when all are run: another
+/// set of features would compile the baker a second time.
 fn over_mpi() -> Result<()> {
     install::ensure(&install::MPI)?;
-    // Sequentially: each test starts its own processes. Library tests need no MPI, and run in the part `native`.
     let mut command = process::cargo();
-    // With the whole workspace, as in `native`: a different feature set would recompile dependencies.
-    command.args(["test", "--locked", "--workspace", "--features", "rebounce-cli/mpi", "--test", "mpi"]);
-    process::run(command.args(["--", "--test-threads", "1"]))
+    process::run(command.args(["test", "--locked", "--workspace", "--features", MPI, "--test", "mpi"]))
 }
 
 /// Runs wasm tests, and the browser tests of the wanted parts, in headless Chromium.

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// Arguments of every command that takes a picture.
 #[derive(Args, Debug)]
 pub struct PictureArgs {
-    /// Camera and lights (docs/SHOT.md); the scene's own when absent
+    /// Camera and lights (docs/guide/shot.md); the scene's own when absent
     #[arg(long, value_name = "SHOT.json")]
     shot: Option<PathBuf>,
     /// Where to write: .exr holds linear radiance, .png is tone mapped

@@ -66,7 +66,7 @@ pub fn run(args: &ViewArgs) -> Result<ExitCode> {
     if WEB.is_empty() {
         bail!(
             "this rebounce was built without the viewer; in its repository run `cargo xtask web`, then build rebounce again \
-             (`cargo install --path baker`)"
+             (`cargo install --path baker/cli`)"
         );
     }
     let file = match draft::of(&args.file, args.watch, args.yes)? {

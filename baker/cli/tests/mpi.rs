@@ -1,15 +1,22 @@
 //! The command under `mpirun`: the same file as from a single process, to the byte; after the loss of a process,
-//! finished work is kept. `cargo xtask test` runs these tests as the part `mpi`.
+//! finished work is kept. `cargo xtask test mpi` runs these tests alone.
 #![cfg(unix)]
 
 use program::{partial, said, signal, wait_for};
 use std::collections::HashSet;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 #[path = "common/program.rs"]
 mod program;
+
+/// Each test starts processes for all processors.
+fn one_at_a_time() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 const BINARY: &str = env!("CARGO_BIN_EXE_rebounce");
 
@@ -26,7 +33,7 @@ fn bake(command: &mut Command, output: &Path, threads: usize, more: &[&str]) -> 
 }
 
 /// The command on `processes` processes, for any number of processors.
-fn team(processes: usize, threads: usize, output: &Path, more: &[&str]) -> Command {
+fn together(processes: usize, threads: usize, output: &Path, more: &[&str]) -> Command {
     let mut command = Command::new("mpirun");
     command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
     command.args(["--oversubscribe", "--bind-to", "none", "-n", &processes.to_string(), BINARY]);
@@ -65,11 +72,12 @@ fn all_end(members: &[(usize, u32)]) -> bool {
 
 #[test]
 fn any_number_of_processes_and_threads_makes_the_same_file() {
+    let _alone = one_at_a_time();
     let folder = tempfile::tempdir().unwrap();
     let expected = alone(&folder.path().join("alone.rbn"), &[]);
     for (processes, threads) in [(1, 1), (2, 1), (2, 2), (4, 1), (4, 2)] {
         let path = folder.path().join("team.rbn");
-        let done = team(processes, threads, &path, &[]).output().unwrap();
+        let done = together(processes, threads, &path, &[]).output().unwrap();
         assert!(done.status.success(), "{}", said(&done));
         assert!(std::fs::read(&path).unwrap() == expected, "{processes} processes of {threads} threads");
         assert!(!partial(&path).exists());
@@ -81,6 +89,7 @@ fn any_number_of_processes_and_threads_makes_the_same_file() {
 
 #[test]
 fn a_lost_process_ends_the_others_and_any_number_goes_on() {
+    let _alone = one_at_a_time();
     let folder = tempfile::tempdir().unwrap();
     let expected = alone(&folder.path().join("alone.rbn"), &[]);
     // The second, the last, the first itself; while points are placed, and while links are traced.
@@ -89,7 +98,7 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
         // Seconds between the signals that end and that kill the remaining processes: on a busy machine, one second
         // is too short for an error message.
         let patient = ("OMPI_MCA_odls_base_sigkill_timeout", "5");
-        let mut running = team(4, 1, &path, &[]).env(patient.0, patient.1).spawn().unwrap();
+        let mut running = together(4, 1, &path, &[]).env(patient.0, patient.1).spawn().unwrap();
         wait_for(&mut running, &path, bytes);
         let members = members(&running);
         assert_eq!(members.iter().map(|member| member.0).collect::<HashSet<_>>(), (0..4).collect());
@@ -105,7 +114,7 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
         assert!(all_end(&members), "a process goes on for ever");
         let kept = partial(&path).metadata().unwrap().len();
         assert!(kept >= bytes);
-        let done = team(number, 1, &path, &["--resume"]).output().unwrap();
+        let done = together(number, 1, &path, &["--resume"]).output().unwrap();
         assert!(done.status.success() && said(&done).contains("going on from"), "{}", said(&done));
         assert!(std::fs::read(&path).unwrap() == expected, "{number} go on");
     }
@@ -113,6 +122,7 @@ fn a_lost_process_ends_the_others_and_any_number_goes_on() {
 
 #[test]
 fn ctrl_c_ends_all_and_says_how_to_go_on() {
+    let _alone = one_at_a_time();
     let folder = tempfile::tempdir().unwrap();
     // Enough rays for the launcher's signals, up to a second late, to arrive before the end.
     let rays = ["--rays", "3000", "--resume"];
@@ -120,7 +130,7 @@ fn ctrl_c_ends_all_and_says_how_to_go_on() {
     let path = folder.path().join("room.rbn");
     for more in [1_000, 400_000] {
         let kept = partial(&path).metadata().map_or(0, |m| m.len());
-        let mut running = team(2, 1, &path, &rays).spawn().unwrap();
+        let mut running = together(2, 1, &path, &rays).spawn().unwrap();
         wait_for(&mut running, &path, kept + more);
         let members = members(&running);
         signal(running.id(), "INT");
@@ -129,16 +139,17 @@ fn ctrl_c_ends_all_and_says_how_to_go_on() {
         assert!(said(&ended).contains("--resume goes on"), "{}", said(&ended));
         assert!(members.len() == 2 && all_end(&members), "a process goes on for ever");
     }
-    let done = team(2, 2, &path, &rays).output().unwrap();
+    let done = together(2, 2, &path, &rays).output().unwrap();
     assert!(done.status.success(), "{}", said(&done));
     assert!(std::fs::read(&path).unwrap() == expected);
 }
 
 #[test]
 fn an_error_is_said_once_and_ends_all() {
+    let _alone = one_at_a_time();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("none/room.rbn");
-    let ended = team(3, 1, &path, &[]).output().unwrap();
+    let ended = together(3, 1, &path, &[]).output().unwrap();
     assert!(!ended.status.success());
     assert_eq!(said(&ended).matches("there is no folder").count(), 1, "{}", said(&ended));
 }

@@ -63,7 +63,7 @@ const BYTES_A_FUNCTION: f64 = 80.0;
 /// Minimum number of functions on the finest level; with fewer, bounced light has no detail.
 const LEAST_FUNCTIONS: usize = 2_000;
 /// Bytes of memory: fixed, per triangle, per texel, per function of the finest level; above the measured values
-/// (docs/performance.md). Triangles need the peak memory while the scene file is read.
+/// (docs/decisions/0079-cost-of-a-bake-and-a-frame.md). Triangles need the peak memory while the scene file is read.
 const MEMORY: [f64; 4] = [60e6, 400.0, 8.0, 2_900.0];
 /// Additional bytes per instance of a model, and per triangle of an instance: ray hits on instances are precomputed,
 /// too.

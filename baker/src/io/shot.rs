@@ -21,7 +21,7 @@ pub enum ShotError {
         source: std::io::Error,
     },
     /// The file is not a shot.
-    #[error("{path} is not a shot: {problem}; see docs/SHOT.md for the format")]
+    #[error("{path} is not a shot: {problem}; see docs/guide/shot.md for the format")]
     Invalid {
         /// The file.
         path: PathBuf,

@@ -1,4 +1,4 @@
-//! The .rbn file: a scene baked to be relit. docs/FORMAT.md describes it for other readers.
+//! The .rbn file: a scene baked to be relit. docs/format/rbn.md describes it for other readers.
 //!
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);

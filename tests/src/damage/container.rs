@@ -5,7 +5,7 @@ use rebounce_shared::rbn::container;
 use std::ops::Range;
 use xxhash_rust::xxh32::xxh32;
 
-/// Header and table row, bytes: docs/FORMAT.md.
+/// Header and table row, bytes: docs/format/rbn.md.
 const HEADER: usize = 32;
 const ROW: usize = 32;
 

@@ -1,5 +1,5 @@
 //! `cargo xtask fidelity`: errors of baked scenes against path-traced references. Bakes, renders, path-traces,
-//! compares, and writes docs/fidelity.md with its tables and pictures. Duration: half an hour for the generated
+//! compares, and writes docs/reports/fidelity.md with its tables and pictures. Duration: half an hour for the generated
 //! scenes at `draft` and `standard`.
 
 mod cases;
@@ -9,7 +9,7 @@ mod path;
 
 pub use cases::{given, given_or};
 
-use crate::process;
+use crate::{process, report};
 use anyhow::{Context, Result, bail};
 use measure::Tool;
 use std::path::PathBuf;
@@ -50,7 +50,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if let Some(folder) = &options.scenes {
         cases.extend(cases::in_folder(&tool, folder)?);
     }
-    let pictures = process::root().join("docs/fidelity");
+    let pictures = report::folder().join("fidelity");
     std::fs::create_dir_all(&pictures).with_context(|| pictures.display().to_string())?;
     let mut page = page::Page::default();
     for case in &cases {
@@ -84,10 +84,7 @@ pub fn run(args: &[String]) -> Result<()> {
         }
         page::plot(&page.curve, &pictures.join("epsilon.svg"))?;
     }
-    let out = process::root().join("docs/fidelity.md");
-    std::fs::write(&out, page.to_string()).with_context(|| out.display().to_string())?;
-    println!("wrote {}", out.display());
-    Ok(())
+    report::write("fidelity", "Fidelity", "cargo xtask fidelity", &page.to_string())
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! docs/fidelity.md and its plot.
+//! docs/reports/fidelity.md and its plot.
 
 use super::measure::{Comparison, Measured};
 use super::path::Steps;
@@ -23,8 +23,6 @@ pub struct Page {
 }
 
 const HEAD: &str = "\
-# Fidelity
-
 Bounced light of baked scenes against path-traced references. *Error* is the root mean square
 difference over the reference's root mean square (0 is perfect), *bias* the difference of the means,
 *p95* the 95th percentile of the difference over blocks of 8 by 8 pixels; noise of the references is
@@ -33,8 +31,8 @@ tone-mapped (Andersson et al. 2020; 0 to 1, with what is left of the references'
 *Spots*, where the picture has bare walls: of what is of their size there, standard deviation and
 99.5th percentile on each wall, in thousandths of a stop (`compare --spots`; 15, which is 1%, begins
 to be seen). No parameter set by hand. Scenes that came with references of another renderer (Mitsuba
-3) are held to these, generated ones to the project's own path tracer. `cargo xtask fidelity` makes
-this page; `rebounce compare` takes one measurement.
+3) are held to these, generated ones to the project's own path tracer. `rebounce compare` takes one
+measurement.
 
 ";
 
@@ -67,7 +65,8 @@ impl fmt::Display for Page {
         if over.is_empty() {
             writeln!(f, "\nEvery scene keeps the error that its preset is made for ({PROMISES}).")?;
         } else {
-            writeln!(f, "\nOver the error that their preset is made for ({PROMISES}): {}.", over.join(", "))?;
+            writeln!(f, "\nOver the error that their preset is made for ({PROMISES}):\n")?;
+            over.iter().try_for_each(|scene| writeln!(f, "* {scene}"))?;
         }
         if !self.tracer.is_empty() {
             f.write_str(TRACER)?;
@@ -75,7 +74,7 @@ impl fmt::Display for Page {
                 writeln!(f, "| {name} | {:+.3} |", c.bias)?;
             }
         }
-        f.write_str("\n## Pictures\n\nPath traced, ours, and the difference four times enlarged: red is too bright, blue too dark.\n")?;
+        f.write_str(PICTURES)?;
         let generated = self.scenes.iter().filter(|m| m.is_generated);
         let mut shown: Vec<&str> = generated.map(|m| m.scene.as_str()).collect();
         shown.dedup();
@@ -104,6 +103,12 @@ impl fmt::Display for Page {
         f.write_str("\n![error over links and over seconds](fidelity/epsilon.svg)\n")
     }
 }
+
+const PICTURES: &str = "
+## Pictures
+
+Path traced, ours, and the difference four times enlarged: red is too bright, blue too dark.
+";
 
 const TRACER: &str = "
 ## The path tracer itself

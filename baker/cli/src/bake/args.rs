@@ -70,7 +70,7 @@ pub struct BakeArgs {
     /// there is neither, the coarsest preset that is made for the error is taken.
     #[arg(long, value_name = "ERROR", value_parser = number::over_zero, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
     pub(super) target_error: Option<f64>,
-    /// A camera to bake for, and the view of --target-error (docs/SHOT.md)
+    /// A camera to bake for, and the view of --target-error (docs/guide/shot.md)
     ///
     /// Points are placed for this camera besides the scene's own. --target-error is measured with its camera and lights,
     /// with the scene's own when absent.

@@ -1,0 +1,62 @@
+//! `cargo xtask check`: what must hold before any test is worth running: format, lints, documentation of the code, order
+//! of modules, names, the docs, and the library without its features and for wasm. `tsc` checks the page when it is
+//! built, strictly.
+
+use crate::{docs, layers, names, process, toolchain};
+use anyhow::{Result, bail};
+
+/// Runs all checks; a failed one does not stop later ones.
+///
+/// # Errors
+/// If a check fails.
+pub fn run() -> Result<()> {
+    let checks: [(&str, fn() -> Result<()>); 7] = [
+        ("format", format),
+        ("layers", layers::run),
+        ("names", names::run),
+        ("docs", docs::run),
+        ("lints", lints),
+        ("rustdoc", rustdoc),
+        ("wasm", wasm),
+    ];
+    let mut failed = Vec::new();
+    for (name, check) in checks {
+        if let Err(error) = check() {
+            println!("{error:#}");
+            failed.push(name);
+        }
+    }
+    if !failed.is_empty() {
+        bail!("these checks failed: {}", failed.join(", "));
+    }
+    Ok(())
+}
+
+fn format() -> Result<()> {
+    process::run(process::cargo().args(["fmt", "--all", "--", "--check"]))
+}
+
+/// Compiler and Clippy, with warnings denied.
+fn lints() -> Result<()> {
+    let clippy = ["clippy", "--locked", "--workspace", "--all-targets", "--", "--deny", "warnings"];
+    process::run(process::cargo().args(clippy))
+}
+
+/// Documentation of the code, with warnings denied: missing pages and dead links.
+fn rustdoc() -> Result<()> {
+    let mut command = process::cargo();
+    command.args(["doc", "--locked", "--workspace", "--no-deps", "--document-private-items"]);
+    process::run(command.env("RUSTDOCFLAGS", "--deny warnings"))
+}
+
+/// The library for wasm, without features and with those that need no operating system.
+fn wasm() -> Result<()> {
+    let toolchain = toolchain::find()?;
+    for features in ["", "gltf,demo-scenes"] {
+        let mut command = toolchain.cargo("check");
+        command.args(["--package", "rebounce", "--no-default-features", "--features", features]);
+        command.args(["--profile", "web"]);
+        process::run(command.env("RUSTFLAGS", "--deny warnings"))?;
+    }
+    Ok(())
+}
