@@ -1,22 +1,46 @@
-//! Test of a new user's installation: `cargo install --path baker/cli`, into a separate folder, shows a scene in its
+//! Test of a new user's installation: the command, built from the packages that would be published, shows a scene in its
 //! page.
 
 use crate::process;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Installs the command with the embedded page of web/dist, bakes a scene with the command, and requests the page
-/// from the command's server.
+/// Packages of the command, dependencies first.
+const PACKAGES: [&str; 3] = ["rebounce-shared", "rebounce", "rebounce-cli"];
+
+/// Unpacks the packages of the command; returns the folder of each.
+fn unpacked() -> Result<Vec<PathBuf>> {
+    let mut package = process::cargo();
+    package.args(["package", "--locked", "--no-verify", "--allow-dirty"]);
+    process::run(package.args(PACKAGES.iter().flat_map(|name| ["--package", name])))?;
+    let folder = process::target().join("package");
+    let unpack = |name: &&str| {
+        let name = format!("{name}-{}", env!("CARGO_PKG_VERSION"));
+        let archive = folder.join(format!("{name}.crate"));
+        process::run(Command::new("tar").arg("-xzf").arg(&archive).arg("-C").arg(&folder))?;
+        Ok(folder.join(name))
+    };
+    PACKAGES.iter().map(unpack).collect()
+}
+
+/// Installs the command from its packages, bakes a scene with the command, and requests the page from the command's
+/// server.
 ///
 /// # Errors
 /// If a step fails, or the page is not served.
 pub fn test() -> Result<()> {
     let root = process::target().join("installed");
     let mut install = process::cargo();
-    install.args(["install", "--locked", "--debug", "--force", "--path", "baker/cli", "--root"]).arg(&root);
+    let folders = unpacked()?;
+    let [.., command] = &folders[..] else { bail!("no package was made") };
+    install.args(["install", "--debug", "--force", "--path"]).arg(command).arg("--root").arg(&root);
+    // The packages depend on each other by version.
+    for (name, folder) in PACKAGES.iter().zip(&folders) {
+        install.arg("--config").arg(format!("patch.crates-io.{name}.path={:?}", folder.display().to_string()));
+    }
     process::run(install.arg("--target-dir").arg(process::target()))?;
     let rebounce = root.join("bin/rebounce");
     process::run(Command::new(&rebounce).arg("--version"))?;

@@ -41,7 +41,7 @@ cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
 cargo xtask check    format, lints, rustdoc, layers, names, docs, and the library for wasm; part of all tests
 cargo xtask test [check|native|wasm|page|package|site|install|mpi [NAME]]
                      runs every test, those in the browser and of bakes over several processes included; or
-                     one part. install, only by name: of the command that `cargo install` makes.
+                     one part. install, only by name: of the command, installed from its packages.
                      native NAME: tests whose path has NAME in it; page NAME: one of the files of web/test/page
 cargo xtask web      builds the viewer and its page into web/dist
 cargo xtask site [--preset NAME] [--samples N] [--quick] [--serve] [--port N]
