@@ -17,12 +17,12 @@ pub use source::{Incident, LightSource};
 impl Light {
     /// Returns the position, world space; `None` for lights that are infinitely far.
     pub fn position(&self) -> Option<[f64; 3]> {
-        self.vector(&POSITION)
+        self.vector(POSITION.at)
     }
 
     /// Returns the way the light travels, of any length; `None` for lights that shine all around.
     pub fn direction(&self) -> Option<[f64; 3]> {
-        self.vector(&DIRECTION)
+        self.vector(DIRECTION.at)
     }
 
     /// Returns the intensity: candela, or lux of a light that is infinitely far.
@@ -32,7 +32,7 @@ impl Light {
 
     /// Returns the colour, linear RGB.
     pub fn color(&self) -> [f64; 3] {
-        self.vector(&COLOR).unwrap_or([1.0; 3])
+        self.vector(COLOR.at).unwrap_or([1.0; 3])
     }
 
     /// Returns the radius in scene units; for a directional light, degrees.
@@ -40,10 +40,10 @@ impl Light {
         self.numbers()[SIZE.at]
     }
 
-    /// Returns the light with another value of a vector field; unchanged without this field.
-    pub fn with(&self, field: &Field, value: [f64; 3]) -> Self {
+    /// Returns the light with another value of the vector at [`Field::at`]; unchanged without this field.
+    pub fn with(&self, at: usize, value: [f64; 3]) -> Self {
         let mut numbers = self.numbers();
-        numbers[field.at..field.at + 3].copy_from_slice(&value);
+        numbers[at..at + 3].copy_from_slice(&value);
         Self::from_numbers(&numbers).unwrap_or_else(|| self.clone())
     }
 
@@ -53,9 +53,9 @@ impl Light {
         KINDS[self.kind() as usize].fields.iter().find_map(|(field, _)| field.problem(&numbers))
     }
 
-    fn vector(&self, field: &Field) -> Option<[f64; 3]> {
+    fn vector(&self, at: usize) -> Option<[f64; 3]> {
         let numbers = self.numbers();
-        self.has(field).then(|| [0, 1, 2].map(|i| numbers[field.at + i]))
+        self.has(at).then(|| [numbers[at], numbers[at + 1], numbers[at + 2]])
     }
 }
 

@@ -34,7 +34,7 @@ pub struct Field {
     /// Meaning of an absent field.
     pub absent: Absent,
     /// Value of a new light in the page; `None` where the page knows a better one, or the default is right.
-    pub new: Option<&'static [f64]>,
+    pub fresh: Option<&'static [f64]>,
     /// Values that SHOT.json may have.
     pub range: Range,
     /// Magnitude below which pictures are finite.

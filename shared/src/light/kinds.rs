@@ -21,7 +21,7 @@ const NUMBER: Field = Field {
     at: 0,
     width: 1,
     absent: Absent::Refused,
-    new: None,
+    fresh: None,
     range: Range::Any,
     largest: 1e15,
     stored: true,
@@ -34,7 +34,7 @@ pub const DIRECTION: Field = Field {
     row: "Direction",
     at: 4,
     width: 3,
-    new: Some(&[0.0, -1.0, 0.0]),
+    fresh: Some(&[0.0, -1.0, 0.0]),
     range: Range::Direction,
     ..NUMBER
 };
@@ -42,7 +42,7 @@ const OUTER_CONE: Field = Field {
     name: "outer_cone_deg",
     row: "Outer angle, degrees",
     at: 7,
-    new: Some(&[40.0]),
+    fresh: Some(&[40.0]),
     range: Range::HalfAngle,
     largest: f64::INFINITY,
     ..NUMBER
@@ -52,7 +52,7 @@ const INNER_CONE: Field = Field {
     row: "Inner angle, degrees",
     at: 8,
     absent: Absent::Nothing,
-    new: Some(&[30.0]),
+    fresh: Some(&[30.0]),
     range: Range::UpToField(OUTER_CONE.name, OUTER_CONE.at),
     ..OUTER_CONE
 };

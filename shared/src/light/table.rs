@@ -67,10 +67,10 @@ macro_rules! kinds {
                 }
             }
 
-            /// Returns whether lights of this kind have a field.
-            pub fn has(&self, field: &Field) -> bool {
+            /// Returns whether lights of this kind have the field at [`Field::at`].
+            pub fn has(&self, at: usize) -> bool {
                 match self {
-                    $(Self::$kind { .. } => [$($description.at),+].contains(&field.at),)+
+                    $(Self::$kind { .. } => (0 $(| 1 << $description.at)+) >> at & 1 == 1,)+
                 }
             }
 
