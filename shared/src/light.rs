@@ -40,10 +40,10 @@ impl Light {
         self.numbers()[SIZE.at]
     }
 
-    /// Returns the light with another value of the vector at [`Field::at`]; unchanged without this field.
-    pub fn with(&self, at: usize, value: [f64; 3]) -> Self {
+    /// Returns the light with another value of the field at [`Field::at`]; unchanged without this field.
+    pub fn with(&self, at: usize, value: &[f64]) -> Self {
         let mut numbers = self.numbers();
-        numbers[at..at + 3].copy_from_slice(&value);
+        numbers[at..at + value.len()].copy_from_slice(value);
         Self::from_numbers(&numbers).unwrap_or_else(|| self.clone())
     }
 

@@ -67,11 +67,11 @@ impl Grip {
         let place = stage.along(ray, distance);
         let Some(light) = stage.lights.get(self.handle.light) else { return };
         let moved = match (light.position(), light.direction()) {
-            (Some(_), _) if is_light => light.with(POSITION.at, place),
+            (Some(_), _) if is_light => light.with(POSITION.at, &place),
             (Some(position), Some(_)) => {
                 let to = DVec3::from(place) - DVec3::from(position);
                 let Some(direction) = to.try_normalize() else { return };
-                light.with(DIRECTION.at, direction.to_array())
+                light.with(DIRECTION.at, &direction.to_array())
             }
             (None, Some(_)) => {
                 let size = stage.size.map(|side| side as f32);
@@ -79,7 +79,7 @@ impl Grip {
                 let (sin, cos) = (PI * (across.length() / gizmo::map_radius(size)).min(1.0)).sin_cos();
                 let across = across.normalize_or(Vec2::Y) * sin;
                 let to_light = frame.right * across.x + frame.up * across.y + frame.forward * cos;
-                light.with(DIRECTION.at, (-to_light).as_dvec3().to_array())
+                light.with(DIRECTION.at, &(-to_light).as_dvec3().to_array())
             }
             (_, None) => return,
         };
