@@ -1,5 +1,5 @@
-//! The kinds of light: the table that the Rust types, the lists of numbers between the wasm module and the page, SHOT.json,
-//! the .rbn file and the page's own table (`cargo xtask light-kinds`) follow from.
+//! The kinds of light: the table that the Rust types, the lists of numbers between the wasm module and the page,
+//! SHOT.json, the .rbn file and the page's own table (`cargo xtask light-kinds`) follow from.
 //!
 //! A new kind is an entry at the end of [`KINDS`], with fields from above or fields of its own; what it sends to a
 //! place is in source.rs. The order of the kinds and the places of the fields never change: files and pages hold them.

@@ -1,8 +1,8 @@
 //! What follows from the table of the kinds: the type [`Light`](super::Light), its numbers, its form in a .rbn file.
 
-/// Makes the types and functions of the table in kinds.rs. An entry: the kind's name in Rust, in files, as new lights are
-/// called and as the page's list says; the units of its intensity, the first that of files; its fields in the order
-/// of files, with their serde attributes and descriptions.
+/// Makes the types and functions of the table in kinds.rs. An entry: the kind's name in Rust, in files, as new lights
+/// are called and as the page's list says; the units of its intensity, the first that of files; its fields in the
+/// order of files, with their serde attributes and descriptions.
 macro_rules! kinds {
     ($(
         $(#[doc = $doc:expr])*
@@ -14,8 +14,8 @@ macro_rules! kinds {
             )+
         }
     )+) => {
-        /// Light in world space. Colours are linear RGB; 1 cd counts as 1 W/sr per channel. A .rbn file does not store the
-        /// size.
+        /// Light in world space. Colours are linear RGB; 1 cd counts as 1 W/sr per channel. A .rbn file does not store
+        /// the size.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(tag = "type")]
         pub enum Light {
