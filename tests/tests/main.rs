@@ -15,6 +15,7 @@ mod cracks;
 mod direct;
 mod display;
 mod exposure;
+mod kinds;
 mod openness;
 mod penumbra;
 mod shadows;

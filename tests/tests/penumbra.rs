@@ -10,7 +10,7 @@ use rebounce::io::picture::Only;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::render;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::Light;
+use rebounce_shared::light::{Light, SIZE as SIZE_OF_LIGHT};
 use rebounce_tests::small::small;
 use rebounce_viewer::settings::Mode;
 
@@ -23,12 +23,7 @@ const MOST: f32 = 0.45;
 
 /// Returns the light without a size.
 fn point(light: &Light) -> Light {
-    let mut light = light.clone();
-    match &mut light {
-        Light::Point { radius, .. } | Light::Spot { radius, .. } => *radius = 0.0,
-        Light::Directional { radius_deg, .. } => *radius_deg = 0.0,
-    }
-    light
+    light.with(SIZE_OF_LIGHT.at, &[0.0])
 }
 
 #[test]

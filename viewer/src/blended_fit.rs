@@ -4,7 +4,7 @@
 use crate::draw_batch::{DrawBatch, instances};
 use glam::{Vec3, Vec4};
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::light::{Light, LightKind};
+use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
 
 /// Maximum number of layers. Blended surfaces behind the last layer are not drawn; opaque surfaces behind are.
@@ -77,7 +77,7 @@ pub fn unit(meta: &Meta, lights: &[Light], [low, high]: [Vec3; 2]) -> f32 {
     let mut typical = 0.0f32;
     for light in lights {
         let source = light.source(meta.origin);
-        let area = if source.kind == LightKind::Directional { 1.0 } else { distance_squared };
+        let area = if source.is_far() { 1.0 } else { distance_squared };
         typical += source.intensity.max_element() / (area * std::f32::consts::PI);
     }
     for material in meta.materials.iter().filter(|m| is_blended(meta, m)) {

@@ -1,12 +1,12 @@
 //! Shadow map layers and projections of lights, computed on the CPU.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::NoUninit;
 use glam::{Mat4, Vec3};
-use rebounce_shared::light::{LightKind, LightSource};
+use rebounce_shared::light::LightSource;
 
 /// Cascades of a directional light.
 pub const CASCADES: u32 = 3;
-/// Spot lights with a half angle wider than this (cosine) use a cube of six maps.
+/// Lights with a half angle wider than this (cosine) use a cube of six maps.
 const WIDEST_COS: f32 = 0.5;
 /// Texture array layers that WebGPU guarantees.
 pub const MAX_LAYERS: u32 = 256;
@@ -17,33 +17,26 @@ pub const LARGEST: u32 = 2048;
 /// Border around a map for the filter's taps, texels.
 pub(crate) const BORDER: f32 = 3.0;
 
-/// `Light` in lights.wgsl. 80 bytes.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+/// `Light` in lights.wgsl: how its shadow maps are read, and the light.
+#[derive(Clone, Copy, Debug, PartialEq, NoUninit)]
 #[repr(C)]
 pub struct LightRecord {
-    position: [f32; 3],
-    kind: u32,
-    direction: [f32; 3],
-    cone_scale: f32,
-    intensity: [f32; 3],
-    cone_offset: f32,
     layer: u32,
     layers: u32,
     texel: f32,
     depth_scale: f32,
-    size: f32,
-    padding: [f32; 3],
+    source: LightSource,
 }
 
 impl LightRecord {
-    /// Direction in which a directional light travels.
+    /// Direction in which a light travels that is infinitely far.
     pub fn sun(&self) -> Option<Vec3> {
-        (self.kind == LightKind::Directional as u32).then_some(self.direction.into())
+        self.source.is_far().then_some(self.source.direction)
     }
 
     /// Whether the light is on.
     pub fn shines(&self) -> bool {
-        self.intensity != [0.0; 3]
+        self.source.intensity != Vec3::ZERO
     }
 }
 
@@ -80,20 +73,18 @@ impl Extent {
 
     /// Number of layers that a light needs.
     pub fn layers(&self, light: &LightSource) -> u32 {
-        match light.kind {
-            LightKind::Directional => 1 + self.detail.is_some() as u32,
-            _ => most_layers(light),
-        }
+        if light.is_far() { 1 + self.detail.is_some() as u32 } else { most_layers(light) }
     }
 }
 
 /// Maximum number of layers of a light in any scene, cascades included.
 pub fn most_layers(light: &LightSource) -> u32 {
-    match light.kind {
-        LightKind::Point => 6,
-        LightKind::Spot if light.cos_outer < WIDEST_COS => 6,
-        LightKind::Directional => 2 + CASCADES,
-        LightKind::Spot => 1,
+    if light.is_far() {
+        2 + CASCADES
+    } else if light.cos_outer < WIDEST_COS {
+        6
+    } else {
+        1
     }
 }
 
@@ -119,15 +110,15 @@ pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit
         let layer = out.matrices.len() as u32;
         let border = 1.0 + 2.0 * BORDER / size as f32;
         let (texel, depth_scale);
-        let mut position = light.position.to_array();
-        if light.kind == LightKind::Directional {
+        let mut source = *light;
+        if light.is_far() {
             let sun = Parallel::new(light.direction, extent.all);
             if let Some(detail) = extent.detail {
                 out.matrices.push(sun.around(detail, border));
             }
             out.matrices.push(sun.around(extent.all, border));
             // A directional light has no position: the field holds layer indices.
-            position = [cascades, first, 0.0];
+            source.position = Vec3::new(cascades, first, 0.0);
             cascades += CASCADES as f32;
             (texel, depth_scale) = (0.0, 1.0 / sun.depth);
         } else if extent.layers(light) == 1 {
@@ -146,20 +137,8 @@ pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit
             }
             (texel, depth_scale) = (2.0 * border / size as f32, 0.0);
         }
-        out.lights.push(LightRecord {
-            position,
-            kind: light.kind as u32,
-            direction: light.direction.to_array(),
-            cone_scale: light.cone_scale,
-            intensity: light.intensity.to_array(),
-            cone_offset: light.cone_offset,
-            layer,
-            layers: out.matrices.len() as u32 - layer,
-            texel,
-            depth_scale,
-            size: light.size,
-            padding: [0.0; 3],
-        });
+        let layers = out.matrices.len() as u32 - layer;
+        out.lights.push(LightRecord { layer, layers, texel, depth_scale, source });
     }
     out
 }

@@ -3,20 +3,18 @@
 //!
 //! ```text
 //! camera  10 numbers  position, target, up: three each; yfov_deg
-//! light   14 numbers  kind (0 point, 1 spot, 2 directional); position, direction: three each; outer_cone_deg;
-//!                     inner_cone_deg, NaN where absent; intensity; color: three; radius
+//! light   14 numbers  kind (0 point, 1 spot, 2 directional); its fields by their places in the table of kinds
+//!                     (shared/src/light/kinds.rs): zero where the kind has no such field, NaN where it is absent
 //! ```
-//!
-//! Numbers without a meaning for a kind are zero, and not read.
 
 use crate::error::ViewerError;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::{Light, LightKind};
+use rebounce_shared::light::{self, Light};
 
 /// Numbers of a camera.
 pub const CAMERA: usize = 10;
 /// Numbers of a light.
-pub const LIGHT: usize = 14;
+pub const LIGHT: usize = light::NUMBERS;
 
 fn wrong(what: &'static str) -> ViewerError {
     ViewerError::BadJson { what, problem: "the list of numbers has another length or kind".into() }
@@ -51,30 +49,7 @@ pub fn camera_of(numbers: &[f64]) -> Result<Camera, ViewerError> {
 
 /// The lights' numbers, one light after the other.
 pub fn light_numbers(lights: &[Light]) -> Vec<f64> {
-    let mut out = Vec::with_capacity(LIGHT * lights.len());
-    for light in lights {
-        let none = [0.0; 3];
-        let (kind, position, direction, cone, intensity, color) = match light {
-            Light::Point { position, intensity, color, .. } => {
-                (LightKind::Point, *position, none, [0.0; 2], *intensity, *color)
-            }
-            Light::Spot { position, direction, outer_cone_deg, inner_cone_deg, intensity, color, .. } => {
-                let cone = [*outer_cone_deg, inner_cone_deg.unwrap_or(f64::NAN)];
-                (LightKind::Spot, *position, *direction, cone, *intensity, *color)
-            }
-            Light::Directional { direction, intensity, color, .. } => {
-                (LightKind::Directional, none, *direction, [0.0; 2], *intensity, *color)
-            }
-        };
-        out.push(kind as u32 as f64);
-        out.extend(position);
-        out.extend(direction);
-        out.extend(cone);
-        out.push(intensity);
-        out.extend(color);
-        out.push(light.size());
-    }
-    out
+    lights.iter().flat_map(Light::numbers).collect()
 }
 
 /// The lights from their numbers.
@@ -82,28 +57,7 @@ pub fn light_numbers(lights: &[Light]) -> Vec<f64> {
 /// # Errors
 /// [`ViewerError::BadJson`] for a list with an incomplete light, or with an unknown kind.
 pub fn lights_of(numbers: &[f64]) -> Result<Vec<Light>, ViewerError> {
-    if numbers.len() % LIGHT != 0 {
-        return Err(wrong("lights"));
-    }
-    let light = |n: &[f64]| {
-        let (position, direction, intensity, color) = (three(&n[1..]), three(&n[4..]), n[9], three(&n[10..]));
-        let radius = n[13];
-        Ok(match n[0] as u32 {
-            0 => Light::Point { position, intensity, color, radius },
-            1 => Light::Spot {
-                position,
-                direction,
-                outer_cone_deg: n[7],
-                inner_cone_deg: Some(n[8]).filter(|angle| !angle.is_nan()),
-                intensity,
-                color,
-                radius,
-            },
-            2 => Light::Directional { direction, intensity, color, radius_deg: radius },
-            _ => return Err(wrong("lights")),
-        })
-    };
-    numbers.chunks(LIGHT).map(light).collect()
+    numbers.chunks(LIGHT).map(|light| Light::from_numbers(light).ok_or_else(|| wrong("lights"))).collect()
 }
 
 #[cfg(test)]
@@ -141,7 +95,8 @@ mod tests {
     #[test]
     fn other_lists_are_refused() {
         assert!(camera_of(&[0.0; 9]).is_err() && camera_of(&[0.0; 11]).is_err());
-        assert!(lights_of(&[0.0; 13]).is_err() && lights_of(&[3.0; 14]).is_err());
+        let unknown = light::KINDS.len() as f64;
+        assert!(lights_of(&[0.0; LIGHT - 1]).is_err() && lights_of(&[unknown; LIGHT]).is_err());
         assert_eq!(lights_of(&[]).ok(), Some(Vec::new()));
     }
 }

@@ -7,7 +7,7 @@ use crate::common;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::glam::Vec3;
-use rebounce_shared::light::Light;
+use rebounce_shared::light::{COLOR, Light};
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::bulk::Vertex;
 use rebounce_shared::rbn::extras::Extras;
@@ -139,12 +139,7 @@ fn vec3(x: f32, y: f32, z: f32) -> Vec3 {
 fn lit(device: &Device, light: &Light, panes: &[Material], color: [f32; 3]) -> [u8; 3] {
     let mut scene = common::room(&[3]);
     scene.meta.materials[4].base_color = [0.5, 0.5, 0.5, 1.0];
-    let mut light = light.clone();
-    let (Light::Spot { color: of, .. }
-    | Light::Point { color: of, .. }
-    | Light::Directional { color: of, .. }) = &mut light;
-    *of = color.map(f64::from);
-    scene.meta.lights = vec![light];
+    scene.meta.lights = vec![light.with(COLOR.at, &color.map(f64::from))];
     for (i, material) in panes.iter().enumerate() {
         pane(&mut scene, 0.6 - 0.15 * i as f32, 0.9, material.clone());
     }

@@ -8,7 +8,7 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::kernel;
-use rebounce_shared::light::Light;
+use rebounce_shared::light::{INTENSITY, Light};
 use rebounce_shared::link::Link;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::Point;
@@ -323,14 +323,9 @@ fn the_exposure_follows_light_beyond_its_latitude_only() {
     let mut renderer = renderer(&gpu, &scene);
     let lights = renderer.lights().to_vec();
     let mut lit = |stops: Option<f64>| {
-        let mut lights = lights.clone();
-        for light in &mut lights {
-            let (Light::Point { intensity, .. }
-            | Light::Spot { intensity, .. }
-            | Light::Directional { intensity, .. }) = light;
-            *intensity *= stops.map_or(0.0, f64::exp2);
-        }
-        renderer.set_lights(lights).unwrap();
+        let factor = stops.map_or(0.0, f64::exp2);
+        let scaled = |light: &Light| light.with(INTENSITY.at, &[factor * light.intensity()]);
+        renderer.set_lights(lights.iter().map(scaled).collect()).unwrap();
         brightness(&mut renderer)
     };
     let first = lit(Some(0.0));

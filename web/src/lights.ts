@@ -1,6 +1,16 @@
 /** New lights, and small steps of lights as seen by the camera. Pure functions. */
 
+import { KINDS } from "./light-kinds.js";
 import type { Camera, Light, Triple } from "./shot.js";
+
+/** A light's members by name. */
+export type Members = Record<string, number | Triple | string | undefined>;
+
+/** Where a light is, or else the way it shines; nothing of one that has neither. */
+export const placeOf = (light: Light): Triple | undefined => {
+  const { position, direction } = light as { position?: Triple; direction?: Triple };
+  return position ?? direction;
+};
 
 const sum = (a: Triple, b: Triple, scale = 1) => a.map((x, i) => x + scale * (b[i] as number)) as Triple;
 const distance = (a: Triple, b: Triple) => Math.hypot(...sum(a, b, -1));
@@ -27,8 +37,8 @@ const TRIES = 40;
  * distance; a sun that shines as `sunlight` says, or nearly so.
  */
 export function newLight(type: Light["type"], camera: Camera, lights: Light[], sunlight: () => Triple): Light {
-  const color: Triple = [1, 1, 1];
-  const isSun = type === "directional";
+  const { fields } = KINDS[type];
+  const isSun = !fields.some(({ name }) => name === "position");
   const away = distance(camera.position, camera.target);
   const middle = isSun ? unit(sunlight(), [0, -1, 0]) : sum(camera.position, sum(camera.target, camera.position, -1), 0.7);
   const { right } = ground(camera);
@@ -36,21 +46,25 @@ export function newLight(type: Light["type"], camera: Camera, lights: Light[], s
   const gap = isSun ? 0.4 : 0.14;
   /** The direction in which a handle lies. */
   const seen = (place: Triple) => unit(isSun ? place : sum(place, camera.position, -1), right);
-  const others = lights.filter((light) => isSun === (light.type === "directional"));
+  const others = lights.filter((light) => isSun !== ("position" in light));
   const place = (i: number) => {
     const far = gap * Math.sqrt(i) * (isSun ? 1 : away);
     return sum(sum(middle, right, far * Math.cos(2.4 * i)), [0, 1, 0], far * Math.sin(2.4 * i));
   };
   const isFree = (at: Triple) =>
-    others.every((other) => distance(seen(at), seen("position" in other ? other.position : other.direction)) > 0.6 * gap);
+    others.every((other) => distance(seen(at), seen(placeOf(other) ?? [0, 0, 0])) > 0.6 * gap);
   let i = 0;
   while (i < TRIES && !isFree(place(i))) i += 1;
   const position = place(i % TRIES);
-  if (isSun) return { type, direction: position, intensity: 2, color };
   // The illuminance of 4 lux at a third of the way.
-  const intensity = Number((4 * (away / 3) ** 2).toPrecision(2));
-  if (type === "point") return { type, position, intensity, color };
-  return { type, position, direction: [0, -1, 0], outer_cone_deg: 40, inner_cone_deg: 30, intensity, color };
+  const intensity = isSun ? 2 : Number((4 * (away / 3) ** 2).toPrecision(2));
+  const known: Members = { intensity, color: [1, 1, 1], [isSun ? "direction" : "position"]: position };
+  const light: Members = { type };
+  for (const { name, fresh } of fields) {
+    const value = known[name] ?? fresh;
+    if (value !== undefined) light[name] = value;
+  }
+  return light as unknown as Light;
 }
 
 const STEPS: Record<string, Triple> = {
@@ -73,12 +87,13 @@ export function stepped(light: Light, camera: Camera, key: string, far: boolean)
   const { ahead, right } = ground(camera);
   const along = sum(sum(right.map((x) => x * step[0]) as Triple, ahead, step[2]), [0, step[1], 0]);
   const share = far ? 0.1 : 0.02;
-  if (light.type === "directional") {
-    const from = unit(light.direction, [0, -1, 0]);
-    return { ...light, direction: unit(sum(from, along, -2 * share), from) };
+  if ("position" in light) {
+    const size = Math.max(distance(light.position, camera.position), 1e-3);
+    return { ...light, position: sum(light.position, along, size * share) };
   }
-  const size = Math.max(distance(light.position, camera.position), 1e-3);
-  return { ...light, position: sum(light.position, along, size * share) };
+  if (!("direction" in light)) return undefined;
+  const from = unit(light.direction, [0, -1, 0]);
+  return { ...light, direction: unit(sum(from, along, -2 * share), from) };
 }
 
 /** Linear RGB as an sRGB colour of the page, `#rrggbb`; brighter than white is scaled down. */

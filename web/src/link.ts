@@ -5,6 +5,7 @@
  */
 
 import { Failure } from "./failure.js";
+import { type Field, KINDS, SIZE } from "./light-kinds.js";
 import type { Camera, Light, Triple } from "./shot.js";
 
 /** What a link says. */
@@ -18,15 +19,13 @@ export interface LinkState {
 /** Attributes that go into a link. */
 export const LINK_SETTINGS = ["exposure", "auto-exposure", "tone-mapping", "mode"] as const;
 
-/** Members of each kind of light in order, with how many numbers each has; a name may follow. */
-const FORMS: Record<Light["type"], readonly (readonly [string, number])[]> = {
-  point: [["position", 3], ["intensity", 1], ["color", 3]],
-  spot: [["position", 3], ["direction", 3], ["outer_cone_deg", 1], ["inner_cone_deg", 1], ["intensity", 1], ["color", 3]],
-  directional: [["direction", 3], ["intensity", 1], ["color", 3]],
-};
+/** The size of a kind of light, which stands beside it in a link, and the fields that follow; a name may come last. */
+function form(type: Light["type"]): { size: Field | undefined; fields: Field[] } {
+  const { fields } = KINDS[type];
+  return { size: fields.find(isSize), fields: fields.filter((field) => !isSize(field)) };
+}
 
-/** The member that says how large a light is. */
-const sizeName = (type: string) => (type === "directional" ? "radius_deg" : "radius");
+const isSize = ({ at }: Field) => at === SIZE;
 
 /** Five digits are enough for what is seen. */
 const short = (x: number) => String(Math.abs(x) < 1e-9 ? 0 : Number(x.toPrecision(5)));
@@ -40,11 +39,12 @@ export function stateHash({ camera, lights = [], settings }: LinkState, prefix =
   }
   for (const light of lights) {
     const member = (name: string) => (light as unknown as Record<string, number | number[]>)[name];
-    // A hard edge is a full cone as wide as the whole; a colour that is not there is white.
-    const instead = (name: string) => (name === "color" ? [1, 1, 1] : (member("outer_cone_deg") ?? 0));
-    const numbers = FORMS[light.type].flatMap(([name]) => member(name) ?? instead(name));
+    const { size: sized, fields } = form(light.type);
+    // A hard edge is a full cone as wide as the whole.
+    const instead = ({ absent = 0 }: Field) => (Number.isNaN(absent) ? (member("outer_cone_deg") ?? 0) : absent);
+    const numbers = fields.flatMap((field) => member(field.name) ?? instead(field));
     const name = light.name ? [encodeURIComponent(light.name)] : [];
-    const size = member(sizeName(light.type));
+    const size = sized && member(sized.name);
     const type = size ? `${light.type}*${short(size as number)}` : light.type;
     parts.push(`light=${[type, ...numbers.map(short), ...name]}`);
   }
@@ -76,20 +76,20 @@ export function readState(hash: string, prefix = ""): LinkState | undefined {
 }
 
 function light(value: string): Light {
-  const [sized = "", ...texts] = value.split(",");
-  const [type = "", size] = sized.split("*");
-  const form = Object.hasOwn(FORMS, type) ? FORMS[type as Light["type"]] : undefined;
-  if (!form) throw new Failure("bad-json", `The link holds a light of the unknown kind “${type}”; copy it once more.`);
-  const count = form.reduce((sum, [, size]) => sum + size, 0);
+  const [kind = "", ...texts] = value.split(",");
+  const [type = "", size] = kind.split("*");
+  if (!Object.hasOwn(KINDS, type)) throw new Failure("bad-json", `The link holds a light of the unknown kind “${type}”; copy it once more.`);
+  const { size: sized, fields } = form(type as Light["type"]);
+  const count = fields.reduce((sum, { width }) => sum + width, 0);
   const n = numbers(texts.slice(0, count), count, "light");
   const name = texts.slice(count).join();
   const result: Record<string, unknown> = { type, ...(name && { name }) };
   let at = 0;
-  for (const [name, size] of form) {
-    result[name] = size === 1 ? n[at] : triple(n, at);
-    at += size;
+  for (const { name, width } of fields) {
+    result[name] = width === 1 ? n[at] : triple(n, at);
+    at += width;
   }
-  if (size !== undefined) result[sizeName(type)] = numbers([size], 1, "light")[0];
+  if (size !== undefined && sized) result[sized.name] = numbers([size], 1, "light")[0];
   return result as unknown as Light;
 }
 

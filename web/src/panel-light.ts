@@ -1,13 +1,11 @@
 /** The fields of one light: name, intensity, colour, cone, size, place, the way it shines. */
 
 import { make } from "./element.js";
-import { hexColor, linearColor } from "./lights.js";
+import { type Field, KINDS } from "./light-kinds.js";
+import { hexColor, linearColor, type Members } from "./lights.js";
 import { button, signed, slider } from "./panel-parts.js";
-import { colorKelvin, compass, KELVIN, kelvinColor, perIntensity, sunAngles, sunDirection, UNITS } from "./photometry.js";
+import { colorKelvin, compass, KELVIN, kelvinColor, perIntensity, sunAngles, sunDirection } from "./photometry.js";
 import type { Light, Triple } from "./shot.js";
-
-/** A light's members by name. */
-export type Members = Record<string, number | Triple | string | undefined>;
 
 /** What the fields of a light work with. */
 export interface LightDesk {
@@ -45,19 +43,12 @@ export class LightFields {
     this.#name();
     this.#intensity(light);
     this.#color();
-    if (light.type === "spot") {
-      this.#angle("outer_cone_deg", "Outer angle, degrees");
-      this.#angle("inner_cone_deg", "Inner angle, degrees");
-    }
-    if (light.type === "directional") this.#angle("radius_deg", "Size: radius, degrees", "30", 0);
-    else this.#angle("radius", "Size: radius", "", 0);
-    if (light.type === "directional") this.#sun();
-    else this.#vector("position", "Position");
-    if (light.type === "spot") {
-      const pick = button("Aim", () => desk.pick(), { title: "The next click in the picture is where it shines" });
-      const ahead = button("Aim where the camera looks", () => desk.aim());
-      this.nodes.push(make("div", { class: "buttons" }, pick, ahead));
-      this.#vector("direction", "Direction");
+    const { fields } = KINDS[light.type];
+    for (const field of fields) if (field.width === 1 && field.name !== "intensity") this.#figure(field);
+    const isPlaced = "position" in light;
+    for (const field of fields) {
+      if (field.name === "direction" && !isPlaced) this.#sun();
+      else if (field.width === 3 && field.name !== "color") this.#vector(field);
     }
     this.follow(light);
   }
@@ -78,7 +69,7 @@ export class LightFields {
     const { base, set, now } = this.#desk;
     const stops = { min: -8, max: 8, step: 0.1 };
     const bar = slider("Intensity", stops, (value) => set({ intensity: base * 2 ** value }), () => set({ intensity: base }));
-    const unit = make("select", { "aria-label": "Unit" }, ...UNITS[light.type].map((name) => make("option", {}, name)));
+    const unit = make("select", { "aria-label": "Unit" }, ...KINDS[light.type].units.map((name) => make("option", {}, name)));
     unit.value = chosen[light.type] ?? unit.value;
     const factor = () => perIntensity(now(), unit.value);
     const number = this.#number("Intensity, in the unit", (value) => set({ intensity: value / factor() }), ({ intensity }) => intensity * factor());
@@ -131,14 +122,20 @@ export class LightFields {
     this.nodes.push(from.element, height.element);
   }
 
-  #angle(name: string, words: string, max = "90", absent?: number): void {
+  #figure({ name, row, absent, max }: Field): void {
     const get = (light: Light) => ((light as unknown as Members)[name] ?? absent) as number;
-    if (get(this.#desk.now()) === undefined) return;
-    const input = this.#number(words, (value) => this.#desk.set({ [name]: value }), get, { max });
-    this.nodes.push(make("div", { class: "row" }, make("span", { "aria-hidden": "true" }, words), input));
+    if (Number.isNaN(get(this.#desk.now()))) return;
+    const input = this.#number(row, (value) => this.#desk.set({ [name]: value }), get, { max: `${max ?? ""}` });
+    this.nodes.push(make("div", { class: "row" }, make("span", { "aria-hidden": "true" }, row), input));
   }
 
-  #vector(name: string, words: string): void {
+  /** A place or a direction, which has buttons besides. */
+  #vector({ name, row }: Field): void {
+    if (name === "direction") {
+      const pick = button("Aim", () => this.#desk.pick(), { title: "The next click in the picture is where it shines" });
+      const ahead = button("Aim where the camera looks", () => this.#desk.aim());
+      this.nodes.push(make("div", { class: "buttons" }, pick, ahead));
+    }
     const get = (light: Light) => (light as unknown as Members)[name] as Triple;
     const axes = ["x", "y", "z"].map((axis, i) => {
       const set = (value: number) => {
@@ -149,7 +146,7 @@ export class LightFields {
       const input = this.#number(axis, set, (light) => get(light)[i] as number, { step: "0.1", min: "" });
       return make("div", {}, make("span", { "aria-hidden": "true" }, axis), input);
     });
-    this.nodes.push(make("fieldset", {}, make("legend", {}, words), make("div", { class: "axes" }, ...axes)));
+    this.nodes.push(make("fieldset", {}, make("legend", {}, row), make("div", { class: "axes" }, ...axes)));
   }
 
   #number(label: string, set: (value: number) => void, get: (light: Light) => number, limits: Record<string, string> = {}): HTMLInputElement {

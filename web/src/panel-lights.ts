@@ -2,7 +2,8 @@
 
 import { make } from "./element.js";
 import { failureOf, sentence } from "./failure.js";
-import { hexColor, newLight, stepped } from "./lights.js";
+import { KINDS } from "./light-kinds.js";
+import { hexColor, newLight, placeOf, stepped } from "./lights.js";
 import type { Desk, Section } from "./panel.js";
 import { LightFields } from "./panel-light.js";
 import { button } from "./panel-parts.js";
@@ -10,8 +11,6 @@ import type { Light, Triple } from "./shot.js";
 
 const HINT =
   "Arrow keys move a chosen light over the ground, Page Up and Page Down lift and lower it; with Shift, farther.";
-/** What lights without names are called. */
-const CALLED = { point: "Lamp", spot: "Spot", directional: "Sun" };
 /** Differences in a picture of bytes that are none. */
 const NOTHING = 2;
 
@@ -29,8 +28,8 @@ export class LightList implements Section {
   #desk: Desk;
   #list = make("ul", { class: "lights" });
   #box = make("div", { class: "fields" });
-  #add = (["point", "spot", "directional"] as const).map((type) =>
-    button(`Add ${CALLED[type].toLowerCase()}`, () => this.#new(type)),
+  #add = Object.entries(KINDS).map(([type, { called }]) =>
+    button(`Add ${called.toLowerCase()}`, () => this.#new(type as Light["type"])),
   );
   #entries: Entry[] = [];
   #fields: LightFields | undefined;
@@ -72,7 +71,7 @@ export class LightList implements Section {
   }
 
   #called(light: Light | undefined, i: number): string {
-    return light?.name || `${CALLED[light?.type ?? "point"]} ${i + 1}`;
+    return light?.name || `${KINDS[light?.type ?? "point"].called} ${i + 1}`;
   }
 
   #rebuild(lights: Light[], kinds: string): void {
@@ -89,7 +88,7 @@ export class LightList implements Section {
   #entry({ type }: Light, i: number): Entry {
     const name = make("span");
     const choose = button(name, () => this.#select(this.#chosen === i ? -1 : i), { class: "entry", "aria-describedby": "hint" });
-    choose.append(" ", make("small", {}, type === "directional" ? "sun" : type));
+    choose.append(" ", make("small", {}, KINDS[type].listed));
     choose.addEventListener("keydown", (event) => this.#key(event, i));
     choose.addEventListener("dblclick", () => this.#rename(i));
     const lamp = make("input", { type: "checkbox", role: "switch" });
@@ -137,7 +136,7 @@ export class LightList implements Section {
     const light = host.lights[index];
     const entry = this.#entries[index];
     if (!light || !entry) return;
-    const called = `${CALLED[light.type]} ${index + 1}`;
+    const called = `${KINDS[light.type].called} ${index + 1}`;
     this.#fields = new LightFields({
       now: () => host.lights[index] as Light,
       set: (members) => this.#replace(index, (now) => ({ ...now, ...members }) as Light),
@@ -171,7 +170,9 @@ export class LightList implements Section {
   /** Points a spot at a place. */
   #aim(index: number, at: Triple): void {
     this.#replace(index, (light) =>
-      light.type === "spot" ? { ...light, direction: at.map((x, i) => x - (light.position[i] as number)) as Triple } : light,
+      "position" in light && "direction" in light
+        ? { ...light, direction: at.map((x, i) => x - (light.position[i] as number)) as Triple }
+        : light,
     );
   }
 
@@ -214,8 +215,7 @@ export class LightList implements Section {
     if (!moved) return;
     event.preventDefault();
     this.#replace(index, () => moved);
-    const at = "position" in moved ? moved.position : moved.direction;
-    say(`${this.#called(light, index)}: ${at.map((x) => x.toFixed(2)).join(", ")}`);
+    say(`${this.#called(light, index)}: ${placeOf(moved)?.map((x) => x.toFixed(2)).join(", ")}`);
   }
 
   #new(type: Light["type"]): void {
@@ -223,8 +223,8 @@ export class LightList implements Section {
     const { camera, lights } = host;
     if (!camera) return;
     this.#try(() => {
-      const before = type === "directional" && host.readPixels(64, 36);
       const light = newLight(type, camera, lights, () => [...sunlight()] as Triple);
+      const before = !("position" in light) && host.readPixels(64, 36);
       const index = host.addLight(light);
       this.#bases[index] = light.intensity;
       this.#chosen = index;

@@ -2,13 +2,6 @@
 
 import type { Light, Triple } from "./shot.js";
 
-/** Units in which a light's intensity is told; the first is that of its member `intensity`. */
-export const UNITS: Record<Light["type"], readonly string[]> = {
-  point: ["candela", "lumen"],
-  spot: ["candela", "lumen"],
-  directional: ["lux"],
-};
-
 const radians = (degrees: number) => (degrees * Math.PI) / 180;
 const cosine = (degrees: number) => Math.cos(radians(Math.min(Math.max(degrees, 0), 90)));
 
@@ -19,7 +12,7 @@ const cosine = (degrees: number) => Math.cos(radians(Math.min(Math.max(degrees, 
  */
 export function perIntensity(light: Light, unit: string): number {
   if (unit !== "lumen") return 1;
-  if (light.type !== "spot") return 4 * Math.PI;
+  if (!("outer_cone_deg" in light)) return 4 * Math.PI;
   const { outer_cone_deg: angle, inner_cone_deg = angle } = light;
   const outer = cosine(angle);
   const inner = Math.max(cosine(inner_cone_deg), outer);

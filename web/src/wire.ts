@@ -1,14 +1,15 @@
 /** Cameras, lights and figures as the wasm module takes and gives them: lists of numbers (viewer/src/wire.rs). */
 
 import { Failure } from "./failure.js";
+import { KINDS, LIGHT } from "./light-kinds.js";
 import type { Viewer } from "./module.js";
 import type { Camera, Light, NamedCamera, Shot, Triple } from "./shot.js";
 import type { Counts, Stats } from "./stats.js";
 
-const KINDS = ["point", "spot", "directional"] as const;
-/** Numbers of a camera and of a light. */
+/** Kinds of light by their numbers. */
+const TYPES = Object.keys(KINDS) as Light["type"][];
+/** Numbers of a camera. */
 const CAMERA = 10;
-const LIGHT = 14;
 
 function wrong(what: string, problem: string): Failure {
   return new Failure("bad-json", `${what}: ${problem}`);
@@ -51,48 +52,37 @@ function cameraOf(numbers: Float64Array, at = 0): Camera {
 /** The lights' numbers. Throws `bad-json` for what are none. */
 function lightNumbers(lights: readonly Light[]): Float64Array {
   if (!Array.isArray(lights)) throw wrong("lights", "must be a list");
-  const out: number[] = [];
+  const out = new Float64Array(LIGHT * lights.length);
   for (const [i, light] of lights.entries()) {
     const at = `lights[${i}]`;
-    const { type, name, position, direction, outer_cone_deg, inner_cone_deg, intensity, color, radius, radius_deg } = members(at, light);
-    const kind = KINDS.indexOf(type as Light["type"]);
-    if (kind < 0) throw wrong(`${at}.type`, `must be one of ${KINDS.join(", ")}`);
-    if (typeof (name ?? "") !== "string") throw wrong(`${at}.name`, "must be a text");
-    const none = [0, 0, 0];
-    const spot = type === "spot";
-    out.push(
-      kind,
-      ...(type === "directional" ? none : numbers(`${at}.position`, position, 3)),
-      ...(type === "point" ? none : numbers(`${at}.direction`, direction, 3)),
-      spot ? number(`${at}.outer_cone_deg`, outer_cone_deg) : 0,
-      spot ? number(`${at}.inner_cone_deg`, inner_cone_deg ?? undefined, NaN) : 0,
-      number(`${at}.intensity`, intensity),
-      ...numbers(`${at}.color`, color, 3, [1, 1, 1]),
-      type === "directional" ? number(`${at}.radius_deg`, radius_deg, 0) : number(`${at}.radius`, radius, 0),
-    );
+    const own = members(at, light);
+    const kind = TYPES.indexOf(own.type as Light["type"]);
+    if (kind < 0) throw wrong(`${at}.type`, `must be one of ${TYPES.join(", ")}`);
+    if (typeof (own.name ?? "") !== "string") throw wrong(`${at}.name`, "must be a text");
+    const list = out.subarray(LIGHT * i);
+    list[0] = kind;
+    for (const { name, at: first, width, absent } of KINDS[TYPES[kind] as Light["type"]].fields) {
+      const what = `${at}.${name}`;
+      // What a light may be without may be null.
+      const value = Number.isNaN(absent) ? (own[name] ?? undefined) : own[name];
+      list.set(width === 3 ? numbers(what, value, 3, absent as Triple) : [number(what, value, absent as number)], first);
+    }
   }
-  return new Float64Array(out);
+  return out;
 }
 
 /** The lights from their numbers. */
 function lightsOf(numbers: Float64Array): Light[] {
-  const lights: Light[] = [];
-  for (let i = 0; i < numbers.length; i += LIGHT) {
-    const n = [...numbers.subarray(i, i + LIGHT)] as [number, ...number[]];
-    const three = (at: number) => n.slice(at, at + 3) as Triple;
-    const [outer_cone_deg, inner_cone_deg, intensity] = n.slice(7) as Triple;
-    const size = n[13] as number;
-    const rest = { intensity, color: three(10), ...(size && { radius: size }) };
-    const type = KINDS[n[0]];
-    if (type === "point") lights.push({ type, position: three(1), ...rest });
-    else if (type === "directional") {
-      lights.push({ type, direction: three(4), intensity, color: rest.color, ...(size && { radius_deg: size }) });
-    } else if (type === "spot") {
-      const inner = Number.isNaN(inner_cone_deg) ? {} : { inner_cone_deg };
-      lights.push({ type, position: three(1), direction: three(4), outer_cone_deg, ...inner, ...rest });
+  return Array.from({ length: numbers.length / LIGHT }, (_, i) => {
+    const list = numbers.subarray(LIGHT * i);
+    const type = TYPES[list[0] as number] as Light["type"];
+    const light: Record<string, unknown> = { type };
+    for (const { name, at, width, absent } of KINDS[type].fields) {
+      const value = width === 3 ? [...list.subarray(at, at + 3)] : list[at];
+      if (value !== absent && !Number.isNaN(value)) light[name] = value;
     }
-  }
-  return lights;
+    return light as unknown as Light;
+  });
 }
 
 /** Names of the file's lights and then of its cameras; none where nothing has a name. Each ends with a zero. */

@@ -1,6 +1,6 @@
 //! Development commands of the workspace: `cargo xtask demo`, `web`, `package`, `site`, `test`, `fidelity`,
 //! `bench-web`, `bench-bake`, `bench-kernels`, `bench-scale`, `fuzz`, `audit`, `damage`, `soak`, `kill-bake`,
-//! `plot-estimate`, `check`, `docs`, `layers`, `names`, `install`.
+//! `plot-estimate`, `check`, `docs`, `layers`, `names`, `light-kinds`, `install`.
 
 mod audit;
 mod bench_bake;
@@ -19,6 +19,7 @@ mod installed;
 mod integrity;
 mod kill_bake;
 mod layers;
+mod light_kinds;
 mod names;
 mod package;
 mod plot_estimate;
@@ -64,6 +65,8 @@ cargo xtask fuzz [TARGET ...] [--runs N]
 cargo xtask layers   which module uses which: fails where an arrow runs against the order, or in a circle
 cargo xtask names    names that were replaced by the field's, and types that are defined twice: fails if any
 cargo xtask docs     dead links and long lines of the documentation: fails if any
+cargo xtask light-kinds
+                     writes the kinds of light and their fields for the page: web/src/light-kinds.ts
 cargo xtask audit [--offline]
                      vulnerabilities, licences, doubled versions and sources of all dependencies
 cargo xtask damage [--files N] [--seed S]
@@ -103,6 +106,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("docs") => docs::run(),
         Some("layers") => layers::run(),
         Some("names") => names::run(),
+        Some("light-kinds") => light_kinds::run(),
         Some("fuzz") => fuzz::run(&args[1..]),
         Some("damage") => damage::run(&args[1..]),
         Some("soak") => soak::run(&args[1..]),

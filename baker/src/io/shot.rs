@@ -1,7 +1,7 @@
 //! Reads SHOT.json.
 
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::{Light, WIDEST_DEG};
+use rebounce_shared::light;
 use rebounce_shared::shot::Shot;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -56,26 +56,9 @@ pub fn parse(text: &str) -> Result<Shot, String> {
 /// Known members of a shot, of its camera, and of lights by type.
 const SHOT: &[&str] = &["scene", "size", "camera", "lights"];
 const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
+const LIGHTS: [(&str, &[&str]); light::MEMBERS.len()] = light::MEMBERS;
 /// Name of a light; not shown in pictures.
 const NAME: &str = "name";
-const LIGHTS: [(&str, &[&str]); 3] = [
-    ("point", &["type", NAME, "position", "intensity", "color", "radius"]),
-    (
-        "spot",
-        &[
-            "type",
-            NAME,
-            "position",
-            "direction",
-            "outer_cone_deg",
-            "inner_cone_deg",
-            "intensity",
-            "color",
-            "radius",
-        ],
-    ),
-    ("directional", &["type", NAME, "direction", "intensity", "color", "radius_deg"]),
-];
 
 /// Rejects unknown members: a misspelt name would silently drop the value.
 fn check_members(shot: &Value) -> Result<(), String> {
@@ -116,42 +99,11 @@ fn check(shot: &Shot) -> Result<(), String> {
         return Err("yfov_deg must lie between 0 and 180".into());
     }
     for (i, light) in shot.lights.iter().enumerate() {
-        let direction = match light {
-            Light::Point { .. } => None,
-            Light::Spot { direction, outer_cone_deg, inner_cone_deg, .. } => {
-                if !(*outer_cone_deg > 0.0 && *outer_cone_deg <= 90.0) {
-                    return Err(format!("light {i}: outer_cone_deg is a half angle between 0 and 90"));
-                }
-                if inner_cone_deg.is_some_and(|inner| !(0.0..=*outer_cone_deg).contains(&inner)) {
-                    return Err(format!("light {i}: inner_cone_deg lies between 0 and outer_cone_deg"));
-                }
-                Some(direction)
-            }
-            Light::Directional { direction, .. } => Some(direction),
-        };
         if !light.is_usable() {
             return Err(format!("light {i} has a number that is not finite, or far too large"));
         }
-        let (Light::Point { intensity, color, .. }
-        | Light::Spot { intensity, color, .. }
-        | Light::Directional { intensity, color, .. }) = light;
-        if light.size() < 0.0
-            || matches!(light, Light::Directional { radius_deg, .. } if *radius_deg > WIDEST_DEG)
-        {
-            return Err(format!(
-                "light {i}: radius is 0 or more, and radius_deg lies between 0 and {WIDEST_DEG}"
-            ));
-        }
-        if *intensity < 0.0 {
-            return Err(format!("light {i} has a negative intensity"));
-        }
-        if !color.iter().all(|channel| (0.0..=1.0).contains(channel)) {
-            return Err(format!(
-                "light {i}: color is linear RGB, each from 0 to 1; how bright it is, intensity says"
-            ));
-        }
-        if direction.is_some_and(|d| d.iter().all(|&x| x == 0.0)) {
-            return Err(format!("light {i} has no direction"));
+        if let Some(problem) = light.problem() {
+            return Err(format!("light {i}: {problem}"));
         }
     }
     Ok(())

@@ -6,7 +6,7 @@
 //! (Software adapters work from caches, so the result means little there.)
 
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::light::Light;
+use rebounce_shared::light::{DIRECTION, POSITION};
 use rebounce_shared::shot::Shot;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
@@ -57,9 +57,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     for frame in 0..FRAMES {
         let mut lights = renderer.lights().to_vec();
         let first = lights.first_mut().ok_or("the scene has no light, and no shot gives one")?;
-        match first {
-            Light::Point { position, .. } | Light::Spot { position, .. } => position[0] += 1e-3,
-            Light::Directional { direction, .. } => direction[0] += 1e-3,
+        if let Some([x, y, z]) = first.position() {
+            *first = first.with(POSITION.at, &[x + 1e-3, y, z]);
+        } else if let Some([x, y, z]) = first.direction() {
+            *first = first.with(DIRECTION.at, &[x + 1e-3, y, z]);
         }
         let mut camera = renderer.camera().clone();
         camera.position[0] += 1e-4 * frame as f64;

@@ -7,7 +7,7 @@
 use super::Stage;
 use super::gizmo::{self, Handle};
 use glam::{DVec3, Vec2};
-use rebounce_shared::light::Light;
+use rebounce_shared::light::{DIRECTION, Light, POSITION};
 use std::f32::consts::PI;
 
 /// A grabbed handle.
@@ -65,25 +65,25 @@ impl Grip {
             self.depth = (distance * ahead).max(1e-3 * stage.extent as f32).min(4.0 * stage.extent as f32);
         }
         let place = stage.along(ray, distance);
-        match stage.lights.get_mut(self.handle.light) {
-            Some(Light::Point { position, .. } | Light::Spot { position, .. }) if is_light => {
-                *position = place;
+        let Some(light) = stage.lights.get(self.handle.light) else { return };
+        let moved = match (light.position(), light.direction()) {
+            (Some(_), _) if is_light => light.with(POSITION.at, &place),
+            (Some(position), Some(_)) => {
+                let to = DVec3::from(place) - DVec3::from(position);
+                let Some(direction) = to.try_normalize() else { return };
+                light.with(DIRECTION.at, &direction.to_array())
             }
-            Some(Light::Spot { position, direction, .. }) => {
-                if let Some(d) = (DVec3::from(place) - DVec3::from(*position)).try_normalize() {
-                    *direction = d.to_array();
-                }
-            }
-            Some(Light::Directional { direction, .. }) => {
+            (None, Some(_)) => {
                 let size = stage.size.map(|side| side as f32);
                 let across = Vec2::new(x - 0.5 * size[0], 0.5 * size[1] - y);
                 let (sin, cos) = (PI * (across.length() / gizmo::map_radius(size)).min(1.0)).sin_cos();
                 let across = across.normalize_or(Vec2::Y) * sin;
                 let to_light = frame.right * across.x + frame.up * across.y + frame.forward * cos;
-                *direction = (-to_light).as_dvec3().to_array();
+                light.with(DIRECTION.at, &(-to_light).as_dvec3().to_array())
             }
-            _ => {}
-        }
+            (_, None) => return,
+        };
+        stage.lights[self.handle.light] = moved;
     }
 }
 

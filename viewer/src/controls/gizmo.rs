@@ -1,8 +1,8 @@
 //! The lights' handles in the view: positions in the picture, and picking with a pointer.
 //!
-//! Point and spot lights have a handle at their position. A spot has a second handle on the lit surface, or on the
-//! way there, inside the picture. A directional light has a handle on a map of all directions around the picture's
-//! middle.
+//! A light with a position has a handle there. With a direction besides, as of a spot, the light has a second handle on
+//! the lit surface, or on the way there, inside the picture. A light with a direction alone has a handle on a map of
+//! all directions around the picture's middle.
 
 use super::Stage;
 use glam::{DVec3, Vec3};
@@ -98,17 +98,18 @@ pub(super) fn projected(stage: &Stage, handle: Handle) -> Option<([f32; 2], f32)
     let frame = stage.frame();
     let from_eye =
         |p: &[f64; 3]| seen(&frame, (DVec3::from(*p) - DVec3::from(stage.camera.position)).as_vec3());
-    let place = match (stage.lights.get(handle.light)?, handle.aim) {
-        (Light::Point { position, .. } | Light::Spot { position, .. }, false) => from_eye(position),
-        (Light::Spot { position, direction, .. }, true) => {
-            let (place, along) = (from_eye(position), seen(&frame, unit(direction)));
-            let hit = stage.triangles.cast(stage.local(*position), unit(direction), f32::INFINITY);
+    let light = stage.lights.get(handle.light)?;
+    let place = match (light.position(), light.direction(), handle.aim) {
+        (Some(position), _, false) => from_eye(&position),
+        (Some(position), Some(direction), true) => {
+            let (place, along) = (from_eye(&position), seen(&frame, unit(&direction)));
+            let hit = stage.triangles.cast(stage.local(position), unit(&direction), f32::INFINITY);
             let wanted = hit.map_or((AIM * stage.extent) as f32, |hit| hit.distance);
             place + along * visible(&frame, size, place, along, wanted)
         }
-        (Light::Directional { direction, .. }, false) => {
+        (None, Some(direction), false) => {
             // The middle is straight ahead, the map's edge straight behind.
-            let to_light = seen(&frame, -unit(direction));
+            let to_light = seen(&frame, -unit(&direction));
             let across = to_light.truncate();
             let far = map_radius(size) * across.length().atan2(to_light.z) / PI;
             let [x, y] = (across.normalize_or(glam::Vec2::Y) * far).to_array();
@@ -178,7 +179,7 @@ pub fn shapes(stage: &Stage, marks: Marks) -> Vec<Shape> {
 
 /// Colour of a light's handle: the light's colour at the highest displayable brightness.
 fn color(light: &Light) -> [f32; 3] {
-    let (Light::Point { color, .. } | Light::Spot { color, .. } | Light::Directional { color, .. }) = light;
+    let color = light.color();
     let brightest = color.iter().fold(1e-12f64, |m, c| m.max(*c));
     color.map(|c| (c / brightest).max(0.0).powf(1.0 / 2.2) as f32)
 }

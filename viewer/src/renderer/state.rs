@@ -237,13 +237,7 @@ impl Renderer {
 pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
     for (i, light) in lights.iter().enumerate() {
         let source = light.source([0.0; 3]);
-        let finite = source.position.is_finite()
-            && source.direction.is_finite()
-            && source.intensity.is_finite()
-            && source.cone_scale.is_finite()
-            && source.cone_offset.is_finite()
-            && source.size.is_finite();
-        if !finite || source.intensity.min_element() < 0.0 || light.size() < 0.0 {
+        if !light.is_usable() || source.intensity.min_element() < 0.0 || light.size() < 0.0 {
             return Err(ViewerError::BadArgument(format!(
                 "light {i}: all numbers must be finite, intensity, colour and radius not negative"
             )));

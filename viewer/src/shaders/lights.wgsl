@@ -1,18 +1,10 @@
-// Lights in scene-local space and what of them reaches a point; as shared/src/light.rs.
+// Lights in scene-local space and what of them reaches a point; as shared/src/light/source.rs.
 
 const POINT = 0u;
 const SPOT = 1u;
 const DIRECTIONAL = 2u;
 
 struct Light {
-    // Of a directional light, x is the first matrix of its own cascades, y that of all.
-    position: vec3f,
-    kind: u32,
-    // The way the light travels.
-    direction: vec3f,
-    cone_scale: f32,
-    intensity: vec3f,
-    cone_offset: f32,
     // First layer of the shadow map, and how many: 1, 6 for a cube, 2 for
     // a directional light in a scene far larger than its detail.
     layer: u32,
@@ -21,6 +13,15 @@ struct Light {
     texel: f32,
     // Change of the shadow map's depth per unit of distance; directional lights only.
     depth_scale: f32,
+    // From here as LightSource. Of a directional light, x is the first matrix of its own cascades, y that of all.
+    position: vec3f,
+    kind: u32,
+    // The way the light travels.
+    direction: vec3f,
+    cone_scale: f32,
+    intensity: vec3f,
+    cone_offset: f32,
+    cos_outer: f32,
     // Radius; of a directional light, tangent of the angle that its disc's radius spans. 0 for a point.
     size: f32,
 }

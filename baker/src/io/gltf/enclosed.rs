@@ -34,7 +34,7 @@ impl Enclosed {
     }
 }
 
-/// Point and spot lights of the scene, and the enclosures found.
+/// Lights of the scene with a position, and the enclosures found.
 pub(super) struct Lamps {
     /// Sorted by x.
     lamps: Vec<Lamp>,
@@ -49,18 +49,13 @@ struct Lamp {
 }
 
 impl Lamps {
-    /// Collects the point and spot lights; the index of a pair refers to the file's lights.
+    /// Collects the lights with a position; the index of a pair refers to the file's lights.
     pub fn new<'a>(lights: impl Iterator<Item = (usize, &'a Light)>) -> Self {
-        let lamp = |(light, shape): (usize, &Light)| match shape {
-            Light::Point { position, .. } => {
-                Some(Lamp { light, position: DVec3::from(*position), directions: directions(DVec3::Z, -1.0) })
-            }
-            Light::Spot { position, direction, outer_cone_deg, .. } => {
-                let axis = DVec3::from(*direction).try_normalize()?;
-                let edge = outer_cone_deg.to_radians().cos();
-                Some(Lamp { light, position: DVec3::from(*position), directions: directions(axis, edge) })
-            }
-            Light::Directional { .. } => None,
+        let lamp = |(light, shape): (usize, &Light)| {
+            let position = DVec3::from(shape.position()?);
+            let axis = shape.direction().map_or(Some(DVec3::Z), |axis| DVec3::from(axis).try_normalize())?;
+            let edge = f64::from(shape.source([0.0; 3]).cos_outer);
+            Some(Lamp { light, position, directions: directions(axis, edge) })
         };
         let mut lamps: Vec<Lamp> = lights.filter_map(lamp).collect();
         lamps.sort_by(|a, b| a.position.x.total_cmp(&b.position.x));

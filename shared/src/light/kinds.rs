@@ -1,0 +1,141 @@
+//! The kinds of light: the table that the Rust types, the lists of numbers between the wasm module and the page,
+//! SHOT.json, the .rbn file and the page's own table (`cargo xtask light-kinds`) follow from.
+//!
+//! A new kind is an entry at the end of [`KINDS`], with fields from above or fields of its own; what it sends to a
+//! place is in source.rs. The order of the kinds and the places of the fields never change: files and pages hold them.
+
+use super::field::{Absent, Field, LightDescription, Range, Value};
+use super::table::kinds;
+use serde::{Deserialize, Serialize};
+
+/// Largest angular radius of a directional light's disc, degrees.
+pub const WIDEST_DEG: f64 = 30.0;
+
+/// Numbers of a light as a list: its kind, then the fields by their places ([`Field::at`]).
+pub const NUMBERS: usize = 14;
+
+/// The basis of the fields: a number that must be there.
+const NUMBER: Field = Field {
+    name: "",
+    row: "",
+    at: 0,
+    width: 1,
+    absent: Absent::Refused,
+    fresh: None,
+    range: Range::Any,
+    largest: 1e15,
+    stored: true,
+};
+/// Of a light at a place; world space.
+pub const POSITION: Field = Field { name: "position", row: "Position", at: 1, width: 3, ..NUMBER };
+/// The way the light travels.
+pub const DIRECTION: Field = Field {
+    name: "direction",
+    row: "Direction",
+    at: 4,
+    width: 3,
+    fresh: Some(&[0.0, -1.0, 0.0]),
+    range: Range::Direction,
+    ..NUMBER
+};
+const OUTER_CONE: Field = Field {
+    name: "outer_cone_deg",
+    row: "Outer angle, degrees",
+    at: 7,
+    fresh: Some(&[40.0]),
+    range: Range::HalfAngle,
+    largest: f64::INFINITY,
+    ..NUMBER
+};
+const INNER_CONE: Field = Field {
+    name: "inner_cone_deg",
+    row: "Inner angle, degrees",
+    at: 8,
+    absent: Absent::Nothing,
+    fresh: Some(&[30.0]),
+    range: Range::UpToField(OUTER_CONE.name, OUTER_CONE.at),
+    ..OUTER_CONE
+};
+/// How bright the light is.
+pub const INTENSITY: Field =
+    Field { name: "intensity", row: "Intensity", at: 9, range: Range::NotNegative, largest: 1e18, ..NUMBER };
+/// Linear RGB; multiplies the intensity.
+pub const COLOR: Field = Field {
+    name: "color",
+    row: "Colour",
+    at: 10,
+    width: 3,
+    absent: Absent::Vector([1.0; 3]),
+    range: Range::Color,
+    largest: 1e18,
+    ..NUMBER
+};
+/// How large the light is: a radius, scene units or degrees.
+pub const SIZE: Field = Field {
+    name: "radius",
+    row: "Size: radius",
+    at: 13,
+    absent: Absent::Number(0.0),
+    range: Range::NotNegative,
+    stored: false,
+    ..NUMBER
+};
+const ANGULAR_SIZE: Field =
+    Field { name: "radius_deg", row: "Size: radius, degrees", range: Range::UpTo(WIDEST_DEG), ..SIZE };
+
+kinds! {
+    /// Shines all around.
+    Point "point" called "Lamp" listed "point" in ["candela", "lumen"] {
+        /// World space.
+        position: [f64; 3] = POSITION,
+        /// Candela.
+        intensity: f64 = INTENSITY,
+        /// Linear RGB; white when absent.
+        #[serde(default = "white")]
+        color: [f64; 3] = COLOR,
+        /// Radius of the sphere that shines, scene units; 0, a point, when absent.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        radius: f64 = SIZE,
+    }
+    /// Shines within a cone.
+    Spot "spot" called "Spot" listed "spot" in ["candela", "lumen"] {
+        /// World space.
+        position: [f64; 3] = POSITION,
+        /// The cone's axis, the way the light travels; any length.
+        direction: [f64; 3] = DIRECTION,
+        /// Half angle of the cone, degrees.
+        outer_cone_deg: f64 = OUTER_CONE,
+        /// Half angle within which the light is full, degrees; a hard edge when absent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        inner_cone_deg: Option<f64> = INNER_CONE,
+        /// Candela.
+        intensity: f64 = INTENSITY,
+        /// Linear RGB; white when absent.
+        #[serde(default = "white")]
+        color: [f64; 3] = COLOR,
+        /// Radius of the sphere that shines, scene units; 0, a point, when absent.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        radius: f64 = SIZE,
+    }
+    /// Shines from infinitely far.
+    Directional "directional" called "Sun" listed "sun" in ["lux"] {
+        /// The way the light travels; any length.
+        direction: [f64; 3] = DIRECTION,
+        /// Lux on a surface that faces the light.
+        intensity: f64 = INTENSITY,
+        /// Linear RGB; white when absent.
+        #[serde(default = "white")]
+        color: [f64; 3] = COLOR,
+        /// Angular radius of the disc, degrees (the sun 0.27); 0, a point, when absent.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        radius_deg: f64 = ANGULAR_SIZE,
+    }
+}
+
+fn white() -> [f64; 3] {
+    [1.0; 3]
+}
+
+fn is_zero(size: &f64) -> bool {
+    *size == 0.0
+}

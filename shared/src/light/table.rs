@@ -1,0 +1,157 @@
+//! What follows from the table of the kinds: the type [`Light`](super::Light), its numbers, its form in a .rbn file.
+
+/// Makes the types and functions of the table in kinds.rs. An entry: the kind's name in Rust, in files, as new lights
+/// are called and as the page's list says; the units of its intensity, the first that of files; its fields in the
+/// order of files, with their serde attributes and descriptions.
+macro_rules! kinds {
+    ($(
+        $(#[doc = $doc:expr])*
+        $kind:ident $name:tt called $called:literal listed $listed:literal in [$($unit:literal),+] {
+            $(
+                $(#[doc = $field_doc:expr])*
+                $(#[serde $serde:tt])*
+                $field:ident: $type:ty = $description:expr,
+            )+
+        }
+    )+) => {
+        /// Light in world space. Colours are linear RGB; 1 cd counts as 1 W/sr per channel. A .rbn file does not store
+        /// the size.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(tag = "type")]
+        pub enum Light {
+            $(
+                $(#[doc = $doc])*
+                #[serde(rename = $name)]
+                $kind {
+                    $(
+                        $(#[doc = $field_doc])*
+                        $(#[serde $serde])*
+                        $field: $type,
+                    )+
+                },
+            )+
+        }
+
+        /// Kind of a light. The numbers are those of .rbn files, of the page and of the shaders.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::NoUninit)]
+        #[repr(u32)]
+        pub enum LightKind {
+            $(
+                $(#[doc = $doc])*
+                $kind,
+            )+
+        }
+
+        /// The kinds, in the order of their numbers.
+        pub static KINDS: [LightDescription; MEMBERS.len()] = [$(
+            LightDescription {
+                variant: stringify!($kind),
+                name: $name,
+                doc: concat!($($doc),*),
+                called: $called,
+                listed: $listed,
+                units: &[$($unit),+],
+                fields: &[$((&$description, concat!($($field_doc),*))),+],
+            },
+        )+];
+
+        /// Names of the kinds and of the members that their lights may have in SHOT.json.
+        pub const MEMBERS: [(&str, &[&str]); [$($name),+].len()] =
+            [$(($name, &["type", "name", $(stringify!($field)),+])),+];
+
+        impl Light {
+            /// Returns the kind.
+            pub fn kind(&self) -> LightKind {
+                match self {
+                    $(Self::$kind { .. } => LightKind::$kind,)+
+                }
+            }
+
+            /// Returns whether lights of this kind have the field at [`Field::at`].
+            pub fn has(&self, at: usize) -> bool {
+                match self {
+                    $(Self::$kind { .. } => (0 $(| 1 << $description.at)+) >> at & 1 == 1,)+
+                }
+            }
+
+            /// Returns the light as numbers: see [`Field::at`].
+            pub fn numbers(&self) -> [f64; NUMBERS] {
+                let mut out = [0.0; NUMBERS];
+                out[0] = f64::from(self.kind() as u32);
+                match self {
+                    $(Self::$kind { $($field),+ } => {
+                        $($field.put(&mut out[$description.at..]);)+
+                    })+
+                }
+                out
+            }
+
+            /// Returns the light of a list of [`NUMBERS`] numbers; `None` for an unknown kind or another length.
+            pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
+                if numbers.len() != NUMBERS {
+                    return None;
+                }
+                let kind = numbers[0] as u32;
+                $(if kind == LightKind::$kind as u32 {
+                    return Some(Self::$kind { $($field: Value::take(&numbers[$description.at..])),+ });
+                })+
+                None
+            }
+
+            /// Returns true if the light's numbers are finite and small enough for finite pictures: positions under 1e15
+            /// units, intensities and colours under 1e18.
+            pub fn is_usable(&self) -> bool {
+                match self {
+                    $(Self::$kind { $($field),+ } => {
+                        true $(&& $field.is_below($description.largest))+
+                    })+
+                }
+            }
+        }
+
+        impl bincode::Encode for Light {
+            fn encode<E: bincode::enc::Encoder>(
+                &self,
+                encoder: &mut E,
+            ) -> Result<(), bincode::error::EncodeError> {
+                (self.kind() as u32).encode(encoder)?;
+                match self {
+                    $(Self::$kind { $($field),+ } => {
+                        $(if $description.stored {
+                            $field.encode(encoder)?;
+                        })+
+                    })+
+                }
+                Ok(())
+            }
+        }
+
+        impl<Context> bincode::Decode<Context> for Light {
+            fn decode<D: bincode::de::Decoder<Context = Context>>(
+                decoder: &mut D,
+            ) -> Result<Self, bincode::error::DecodeError> {
+                let found = u32::decode(decoder)?;
+                $(if found == LightKind::$kind as u32 {
+                    return Ok(Self::$kind {
+                        $($field: if $description.stored {
+                            bincode::Decode::decode(decoder)?
+                        } else {
+                            Default::default()
+                        }),+
+                    });
+                })+
+                const ALLOWED: bincode::error::AllowedEnumVariants =
+                    bincode::error::AllowedEnumVariants::Range { min: 0, max: MEMBERS.len() as u32 - 1 };
+                Err(bincode::error::DecodeError::UnexpectedVariant {
+                    type_name: "Light",
+                    allowed: &ALLOWED,
+                    found,
+                })
+            }
+        }
+
+        bincode::impl_borrow_decode!(Light);
+    };
+}
+
+pub(super) use kinds;
