@@ -12,9 +12,10 @@ use syn::visit::{self, Visit};
 
 /// The baker's modules in layers: a module may use modules of earlier lines alone. Verification of a bake
 /// (`verify`) stands beside `transport`, so that an error there cannot hide itself.
-const BAKER: [&[&str]; 12] = [
+const BAKER: [&[&str]; 13] = [
     &["random"],
     &["morton", "processor", "weld", "job"],
+    &["lanes"],
     &["scene"],
     &["demo"],
     &["io"],
