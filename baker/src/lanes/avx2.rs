@@ -1,6 +1,6 @@
 //! Eight lanes in an AVX2 register.
 
-use super::{F32x8, Kernel, Mask8};
+use super::{F32x8, LaneKernel, Mask8};
 use bytemuck::{Pod, Zeroable};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
@@ -18,14 +18,14 @@ pub struct Avx2Mask(__m256);
 /// Runs a kernel as a function with the instructions of all AVX2 processors.
 #[target_feature(enable = "avx2,bmi1,lzcnt")]
 #[inline(never)]
-fn enter<K: Kernel>(kernel: K) -> K::Output {
+fn enter<K: LaneKernel>(kernel: K) -> K::Output {
     kernel.run::<Avx2F32x8>()
 }
 
 /// As [`enter`], with AVX-512 for the loops of a kernel.
 #[target_feature(enable = "avx512f,avx2,bmi1,lzcnt")]
 #[inline(never)]
-pub fn enter_avx512<K: Kernel>(kernel: K) -> K::Output {
+pub fn enter_avx512<K: LaneKernel>(kernel: K) -> K::Output {
     kernel.run::<Avx2F32x8>()
 }
 
@@ -67,7 +67,7 @@ impl F32x8 for Avx2F32x8 {
     type Mask = Avx2Mask;
 
     #[inline(always)]
-    fn enter<K: Kernel>(kernel: K) -> K::Output {
+    fn enter<K: LaneKernel>(kernel: K) -> K::Output {
         avx2!(enter(kernel))
     }
 

@@ -1,6 +1,6 @@
 //! Eight lanes in two registers of four, for instruction sets with registers of 128 bits.
 
-use super::{F32x8, Kernel, Mask8};
+use super::{F32x8, LaneKernel, Mask8};
 use bytemuck::{Pod, Zeroable};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
@@ -82,7 +82,7 @@ impl<H: F32x4> F32x8 for Halves<H> {
     type Mask = MaskHalves<H>;
 
     #[inline(never)]
-    fn enter<K: Kernel>(kernel: K) -> K::Output {
+    fn enter<K: LaneKernel>(kernel: K) -> K::Output {
         kernel.run::<Self>()
     }
 

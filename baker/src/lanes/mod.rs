@@ -35,7 +35,7 @@ type Baseline = halves::Halves<std::arch::wasm32::v128>;
 type Baseline = scalar::ScalarF32x8;
 
 /// A computation with eight lanes.
-pub trait Kernel {
+pub trait LaneKernel {
     /// Result of the computation.
     type Output;
 
@@ -60,7 +60,7 @@ pub trait F32x8:
     type Mask: Mask8;
 
     /// Runs a kernel as a function of its own, compiled for this backend.
-    fn enter<K: Kernel>(kernel: K) -> K::Output;
+    fn enter<K: LaneKernel>(kernel: K) -> K::Output;
 
     /// Returns `x` in every lane.
     fn splat(x: f32) -> Self;
@@ -128,7 +128,7 @@ pub trait Mask8: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
 
 /// Runs a kernel with the widest backend of this processor.
 #[inline(always)]
-pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+pub fn dispatch<K: LaneKernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     if processor::has_avx2() {
         return avx2::Avx2F32x8::enter(kernel);
@@ -139,7 +139,7 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 /// Runs a kernel of loops, which the compiler makes as wide as it can, as [`dispatch`] does; with sixteen lanes where
 /// the processor has AVX-512.
 #[inline(always)]
-pub fn dispatch_loops<K: Kernel>(kernel: K) -> K::Output {
+pub fn dispatch_loops<K: LaneKernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     if processor::has_avx512() && processor::has_avx2() {
         // SAFETY: the processor has the target features of the function.

@@ -1,6 +1,6 @@
 //! Eight lanes in an array: the backend of every processor, and the reference of the others.
 
-use super::{F32x8, Kernel, LANES, Mask8};
+use super::{F32x8, LANES, LaneKernel, Mask8};
 use bytemuck::{Pod, Zeroable};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
@@ -107,7 +107,7 @@ impl F32x8 for ScalarF32x8 {
     type Mask = ScalarMask;
 
     #[inline(never)]
-    fn enter<K: Kernel>(kernel: K) -> K::Output {
+    fn enter<K: LaneKernel>(kernel: K) -> K::Output {
         kernel.run::<Self>()
     }
 

@@ -5,7 +5,7 @@ use super::*;
 use crate::random::Stream;
 
 /// Runs a kernel with the scalar backend, and with the widest of this processor.
-pub fn with_each<K: Kernel + Copy>(kernel: K) -> [K::Output; 2] {
+pub fn with_each<K: LaneKernel + Copy>(kernel: K) -> [K::Output; 2] {
     [ScalarF32x8::enter(kernel), dispatch(kernel)]
 }
 
@@ -23,7 +23,7 @@ struct Results {
     masks: Vec<u32>,
 }
 
-impl Kernel for Operands {
+impl LaneKernel for Operands {
     type Output = Results;
 
     #[inline(always)]

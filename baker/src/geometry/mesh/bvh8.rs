@@ -5,7 +5,7 @@
 //! [lanes](crate::lanes). Invariant: traversal finds the hits of brute force over the triangles. Boxes keep 32-bit
 //! floats; obvhs' compressed wide BVH (CWBVH) misses hits in large scenes.
 
-use crate::lanes::{F32x8, Kernel, LANES, Mask8, dispatch};
+use crate::lanes::{F32x8, LANES, LaneKernel, Mask8, dispatch};
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
@@ -64,16 +64,27 @@ pub(super) trait SlabTest {
 
 /// Visitor of the triangles possibly hit by a ray. A closure is a visitor too, but is called, not inlined.
 pub(super) trait Visit {
+    /// What the visitor has found in the end.
+    type Found;
+
     /// Receives a triangle's index in leaf order and the ray's current limit; returns a new limit or ends the
     /// traversal.
     fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32>;
+
+    /// Ends the traversal.
+    fn found(self) -> Self::Found;
 }
 
 impl<F: FnMut(usize, f32) -> ControlFlow<(), f32>> Visit for F {
+    type Found = ();
+
     #[inline(always)]
     fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
         self(place, limit)
     }
+
+    #[inline(always)]
+    fn found(self) {}
 }
 
 /// BVH8 over triangles in leaf order, the order returned by [`Self::new`].
@@ -116,19 +127,20 @@ impl Bvh8 {
         (Self { nodes }, order)
     }
 
-    /// Visits the triangles possibly hit by a ray before `limit`, near boxes first.
+    /// Visits the triangles possibly hit by a ray before `limit`, near boxes first; returns what the visitor
+    /// has found.
     #[inline(always)]
-    pub fn walk(&self, origin: Vec3, direction: Vec3, limit: f32, visit: &mut impl Visit) {
+    pub fn walk<T: Visit>(&self, origin: Vec3, direction: Vec3, limit: f32, visit: T) -> T::Found {
         if self.nodes.is_empty() {
-            return;
+            return visit.found();
         }
-        let walker = SlabRay::new(origin, direction);
-        dispatch(Walk { bvh: self, walker: &walker, limit, visit });
+        dispatch(Walk { bvh: self, walker: SlabRay::new(origin, direction), limit, visit })
     }
 
     /// Traverses the hierarchy from the node `from`; returns the final limit.
     #[inline(always)]
     pub fn walk_by(&self, walker: &impl SlabTest, from: u32, mut limit: f32, visit: &mut impl Visit) -> f32 {
+        let nodes = self.nodes.as_slice();
         let mut reach = limit * BEYOND;
         // Traversal stack: a node's nearest child is last. `farther` has the children without room on the stack.
         let (mut waiting, mut count) = ([0; WAITING], 0);
@@ -136,7 +148,7 @@ impl Bvh8 {
         let mut next = from;
         loop {
             if next & LEAF == 0 {
-                let node = &self.nodes[next as usize];
+                let node = &nodes[next as usize];
                 let (near, mut met) = walker.meet(node, reach);
                 if met != 0 {
                     let mut take = || {
@@ -297,21 +309,23 @@ impl Node {
     }
 }
 
-/// Arguments of [`Bvh8::walk`].
+/// Arguments of [`Bvh8::walk`]. The visitor is a part, not a reference: the compiler keeps in registers what the
+/// traversal cannot reach otherwise.
 struct Walk<'a, T> {
     bvh: &'a Bvh8,
-    walker: &'a SlabRay,
+    walker: SlabRay,
     limit: f32,
-    visit: &'a mut T,
+    visit: T,
 }
 
-impl<T: Visit> Kernel for Walk<'_, T> {
-    type Output = ();
+impl<T: Visit> LaneKernel for Walk<'_, T> {
+    type Output = T::Found;
 
     #[inline(always)]
-    fn run<V: F32x8>(self) {
-        let Self { bvh, walker, limit, visit } = self;
-        bvh.walk_by(&SlabRay8::<V>::new(walker), 0, limit, visit);
+    fn run<V: F32x8>(self) -> T::Found {
+        let Self { bvh, walker, limit, mut visit } = self;
+        bvh.walk_by(&SlabRay8::<V>::new(&walker), 0, limit, &mut visit);
+        visit.found()
     }
 }
 

@@ -172,7 +172,7 @@ impl<V: F32x8> Packet<V> {
     /// Removes up to [`LANES`] rays from `rays`; returns the indices of the rays, the number of rays, and the rays
     /// prepared for triangle tests.
     #[inline(always)]
-    pub fn take_eight(&self, rays: &mut Rays) -> ([usize; LANES], usize, ShearedRays) {
+    pub fn take_eight(&self, rays: &mut Rays) -> ([usize; LANES], usize, ShearedRays<V>) {
         let (mut names, mut count) = ([0; LANES], 0);
         let (mut origin, mut shear) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
         while *rays != 0 && count < LANES {

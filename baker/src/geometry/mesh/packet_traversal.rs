@@ -12,7 +12,7 @@ use super::geometry::Surface;
 use super::packet::{MOST, Packet, Rays};
 use super::triangle::TriangleHit;
 use crate::geometry::Ray;
-use crate::lanes::{F32x8, Kernel, LANES, dispatch};
+use crate::lanes::{F32x8, LANES, LaneKernel, dispatch};
 
 /// Capacity of the traversal stack without heap memory; in tests small enough to overflow often.
 const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 128 };
@@ -63,7 +63,7 @@ pub(super) struct NearestTogether<'a, R> {
     pub class: u8,
 }
 
-impl<'r, R: Iterator<Item = &'r (Ray, u32)> + Clone> Kernel for NearestTogether<'_, R> {
+impl<'r, R: Iterator<Item = &'r (Ray, u32)> + Clone> LaneKernel for NearestTogether<'_, R> {
     type Output = Firsts;
 
     #[inline(always)]
@@ -82,13 +82,13 @@ impl<'r, R: Iterator<Item = &'r (Ray, u32)> + Clone> Kernel for NearestTogether<
 }
 
 /// Arguments of [`Together::alone`].
-struct Alone<'t, 'a, V> {
+struct SingleRay<'t, 'a, V> {
     packet: &'t mut Together<'a, V>,
     from: u32,
     ray: usize,
 }
 
-impl<V: F32x8> Kernel for Alone<'_, '_, V> {
+impl<V: F32x8> LaneKernel for SingleRay<'_, '_, V> {
     type Output = ();
 
     #[inline(always)]
@@ -100,7 +100,7 @@ impl<V: F32x8> Kernel for Alone<'_, '_, V> {
 impl<V: F32x8> Together<'_, V> {
     #[inline(always)]
     fn all(&mut self) {
-        let nodes = &self.blas.bvh.nodes;
+        let nodes = self.blas.bvh.nodes.as_slice();
         let (mut waiting, mut count) = ([Waiting::default(); WAITING], 0);
         let mut farther: Vec<Waiting> = Vec::new();
         let (mut open, mut rays) = (0, Rays::MAX);
@@ -147,7 +147,7 @@ impl<V: F32x8> Together<'_, V> {
                 } else if rays & (rays - 1) != 0 {
                     break (next, rays);
                 } else {
-                    V::enter(Alone { packet: self, from: next, ray: rays.trailing_zeros() as usize });
+                    V::enter(SingleRay { packet: self, from: next, ray: rays.trailing_zeros() as usize });
                 }
                 self.packet.limits.find_farthest();
             };
@@ -157,12 +157,12 @@ impl<V: F32x8> Together<'_, V> {
     /// Tests rays against a leaf's triangles.
     #[inline(always)]
     fn leaf(&mut self, leaf: u32, mut rays: Rays) {
+        let corners = self.blas.corners.as_slice();
         while rays != 0 {
             let (names, count, sheared) = self.packet.take_eight(&mut rays);
             let mut limits: [f32; LANES] = names.map(|ray| self.packet.limits.of(ray));
             for place in places(leaf) {
-                let meetings =
-                    self.blas.corners[place].meet_together::<V>(&sheared, limits, (1 << count) - 1);
+                let meetings = corners[place].meet_together(&sheared, limits, (1 << count) - 1);
                 let mut met = meetings.met;
                 while met != 0 {
                     let lane = met.trailing_zeros() as usize % LANES;

@@ -28,18 +28,17 @@ impl ShearedRay {
 }
 
 /// Eight sheared rays with a common major axis.
-#[derive(Clone, Copy)]
-pub(super) struct ShearedRays {
+pub(super) struct ShearedRays<V> {
     axes: [usize; 3],
-    origin: [[f32; LANES]; 3],
-    shear: [[f32; LANES]; 3],
+    origin: [V; 3],
+    shear: [V; 3],
 }
 
-impl ShearedRays {
+impl<V: F32x8> ShearedRays<V> {
     /// Combines eight [`ShearedRay`]s with equal `axes`.
     #[inline(always)]
     pub fn new(axes: [usize; 3], origin: [[f32; LANES]; 3], shear: [[f32; LANES]; 3]) -> Self {
-        Self { axes, origin, shear }
+        Self { axes, origin: bytemuck::cast(origin), shear: bytemuck::cast(shear) }
     }
 }
 
@@ -151,11 +150,11 @@ impl Corners {
     #[inline(always)]
     pub fn meet_together<V: F32x8>(
         &self,
-        sheared: &ShearedRays,
+        sheared: &ShearedRays<V>,
         limits: [f32; LANES],
         rays: u32,
     ) -> TriangleHits {
-        let z = self.along::<V>(sheared, 2);
+        let z = self.along(sheared, 2);
         let (x, y) = (self.across(sheared, 0, z), self.across(sheared, 1, z));
         let a = x[2] * y[1] - y[2] * x[1];
         let b = x[0] * y[2] - y[0] * x[2];
@@ -169,7 +168,7 @@ impl Corners {
             return TriangleHits { met: 0, unclear: 0, distance: [0.0; 8], v: [0.0; 8], w: [0.0; 8] };
         }
         let scale = V::splat(1.0) / (a + b + c);
-        let distance = (a * z[0] + c * z[2] + b * z[1]) * scale * V::from_array(sheared.shear[2]);
+        let distance = (a * z[0] + c * z[2] + b * z[1]) * scale * sheared.shear[2];
         let is_near = distance.ge(zero) & distance.le(V::from_array(limits));
         TriangleHits {
             met: within & is_near.movemask() | unclear,
@@ -182,17 +181,17 @@ impl Corners {
 
     /// Returns the offsets of the corners from the rays' origins, along the axis `i` of the sheared rays.
     #[inline(always)]
-    fn along<V: F32x8>(&self, sheared: &ShearedRays, i: usize) -> [V; 3] {
+    fn along<V: F32x8>(&self, sheared: &ShearedRays<V>, i: usize) -> [V; 3] {
         let corners = self.0[sheared.axes[i]];
-        let origin = V::from_array(sheared.origin[i]);
+        let origin = sheared.origin[i];
         [V::splat(corners.x) - origin, V::splat(corners.y) - origin, V::splat(corners.z) - origin]
     }
 
     /// Returns the sheared corners along the axis `i`; `z` are their offsets along the rays.
     #[inline(always)]
-    fn across<V: F32x8>(&self, sheared: &ShearedRays, i: usize, z: [V; 3]) -> [V; 3] {
-        let along = self.along::<V>(sheared, i);
-        let shear = V::from_array(sheared.shear[i]);
+    fn across<V: F32x8>(&self, sheared: &ShearedRays<V>, i: usize, z: [V; 3]) -> [V; 3] {
+        let along = self.along(sheared, i);
+        let shear = sheared.shear[i];
         [along[0] - shear * z[0], along[1] - shear * z[1], along[2] - shear * z[2]]
     }
 }

@@ -3,7 +3,7 @@
 use super::directions::Directions;
 use super::ray_sort::cells;
 use crate::geometry::Ray;
-use crate::lanes::{F32x8, Kernel, dispatch};
+use crate::lanes::{F32x8, LaneKernel, dispatch};
 use crate::random::mix;
 use crate::sampling::SurfacePoint;
 use glam::Vec3;
@@ -53,7 +53,7 @@ struct HemisphereRays<'a> {
     directions: &'a Directions,
 }
 
-impl Kernel for (HemisphereRays<'_>, &mut GatherRays) {
+impl LaneKernel for (HemisphereRays<'_>, &mut GatherRays) {
     type Output = ();
 
     #[inline(always)]

@@ -10,7 +10,7 @@
 
 use super::accumulator::IrradianceRow;
 use crate::job::watch::{Stopped, Watch};
-use crate::lanes::{F32x8, Kernel, dispatch_loops};
+use crate::lanes::{F32x8, LaneKernel, dispatch_loops};
 use glam::Vec3;
 
 /// Coarse points (columns) per batch.
@@ -234,7 +234,7 @@ struct Sweep<'a> {
     mix: Mix,
 }
 
-impl Kernel for Sweep<'_> {
+impl LaneKernel for Sweep<'_> {
     type Output = [f32; 2];
 
     #[inline(always)]

@@ -88,7 +88,7 @@ impl SlabTest for SlabRay {
 #[derive(Clone, Copy)]
 struct MeetEight<'a>(&'a Node, &'a SlabRay, f32);
 
-impl Kernel for MeetEight<'_> {
+impl LaneKernel for MeetEight<'_> {
     type Output = ([f32; WIDTH], u32);
 
     #[inline(always)]

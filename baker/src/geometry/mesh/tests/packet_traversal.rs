@@ -7,7 +7,7 @@ use crate::geometry::mesh::packet::{MOST, Packet};
 use crate::geometry::mesh::packet_traversal::{Firsts, NearestTogether};
 use crate::geometry::mesh::triangle::{ShearedRays, TriangleHit, TriangleHits};
 use crate::lanes::tests::with_each;
-use crate::lanes::{F32x8, Kernel};
+use crate::lanes::{F32x8, LaneKernel};
 
 /// Returns bundles of rays, narrow and wide; some rays are along an axis or in an axis plane, pass through shared
 /// corners, or end early.
@@ -117,16 +117,20 @@ fn so_they_do_among_copies_and_in_next_to_nothing() {
     }
 }
 
+/// Axes, origins and shears of eight rays, as arguments of [`ShearedRays::new`].
+type OfEight = ([usize; 3], [[f32; 8]; 3], [[f32; 8]; 3]);
+
 /// Arguments of [`Corners::meet_together`].
 #[derive(Clone, Copy)]
-struct MeetTogether<'a>(&'a Corners, &'a ShearedRays, [f32; 8]);
+struct MeetTogether<'a>(&'a Corners, &'a OfEight, [f32; 8]);
 
-impl Kernel for MeetTogether<'_> {
+impl LaneKernel for MeetTogether<'_> {
     type Output = TriangleHits;
 
     #[inline(always)]
     fn run<V: F32x8>(self) -> TriangleHits {
-        self.0.meet_together::<V>(self.1, self.2, 0xff)
+        let &(axes, origin, shear) = self.1;
+        self.0.meet_together(&ShearedRays::<V>::new(axes, origin, shear), self.2, 0xff)
     }
 }
 
@@ -144,7 +148,7 @@ fn eight_rays_meet_a_triangle_as_one_by_one() {
             let lanes = |of: &dyn Fn(&ShearedRay) -> f32| std::array::from_fn(|ray| of(&sheared[ray]));
             // Origin and shear in the order of `axes`, as in a single ray.
             let axes = sheared[0].axes;
-            let together = ShearedRays::new(
+            let together: OfEight = (
                 axes,
                 std::array::from_fn(|i| lanes(&|ray| ray.origin[i])),
                 std::array::from_fn(|i| lanes(&|ray| ray.shear[i])),
@@ -176,7 +180,7 @@ fn eight_rays_meet_a_triangle_as_one_by_one() {
 #[derive(Clone, Copy)]
 struct AgainstNodes<'a>(&'a [Ray], u8, &'a [Node]);
 
-impl Kernel for AgainstNodes<'_> {
+impl LaneKernel for AgainstNodes<'_> {
     type Output = u32;
 
     /// Compares the packet's hits with those of each ray; returns the number of hits.
@@ -238,7 +242,7 @@ struct OfSlice<'a> {
     class: u8,
 }
 
-impl Kernel for OfSlice<'_> {
+impl LaneKernel for OfSlice<'_> {
     type Output = Firsts;
 
     #[inline(always)]
