@@ -45,6 +45,7 @@ pub mod demo;
 pub mod geometry;
 pub mod io;
 pub mod job;
+mod lanes;
 pub mod light;
 mod morton;
 pub mod prelude;

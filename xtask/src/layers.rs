@@ -15,6 +15,7 @@ use syn::visit::{self, Visit};
 const BAKER: [&[&str]; 13] = [
     &["random"],
     &["morton", "processor", "weld", "job"],
+    &["lanes"],
     &["scene"],
     &["demo"],
     &["io"],

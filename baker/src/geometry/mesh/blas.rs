@@ -187,9 +187,8 @@ impl Blas {
     ) -> Option<(usize, TriangleHit)> {
         let sheared = ShearedRay::new(line.origin, line.direction);
         let stop = NearestSoFar { blas: self, surfaces, strictly, seed, best: None };
-        let mut nearest = Nearest { stop, sheared };
-        self.bvh.walk(line.origin, line.direction, limit, &mut nearest);
-        nearest.stop.best
+        let nearest = Nearest { stop, sheared };
+        self.bvh.walk(line.origin, line.direction, limit, nearest)
     }
 
     /// As [`Self::nearest`], with backs of one-sided triangles culled.
@@ -204,17 +203,15 @@ impl Blas {
     ) -> Option<(usize, TriangleHit)> {
         let sheared = ShearedRay::new(line.origin, line.direction);
         let stop = NearestSoFar { blas: self, surfaces, strictly, seed, best: None };
-        let mut seen = NearestSeen { nearest: Nearest { stop, sheared }, direction: line.direction };
-        self.bvh.walk(line.origin, line.direction, limit, &mut seen);
-        seen.nearest.stop.best
+        let seen = NearestSeen { nearest: Nearest { stop, sheared }, direction: line.direction };
+        self.bvh.walk(line.origin, line.direction, limit, seen)
     }
 
     /// Returns the transmittance of the triangles before `limit`, linear RGB.
     pub fn transmittance(&self, surfaces: &[Surface], line: &LocalRay, limit: f32) -> Vec3 {
         let sheared = ShearedRay::new(line.origin, line.direction);
-        let mut through = Through { blas: self, surfaces, sheared, left: Vec3::ONE };
-        self.bvh.walk(line.origin, line.direction, limit, &mut through);
-        through.left.max(Vec3::ZERO)
+        let through = Through { blas: self, surfaces, sheared, left: Vec3::ONE };
+        self.bvh.walk(line.origin, line.direction, limit, through).max(Vec3::ZERO)
     }
 
     /// Returns the product, over the triangles before `limit`, of transmittance over mean transmittance, linear RGB.
@@ -277,12 +274,19 @@ pub(super) struct Nearest<'a> {
 }
 
 impl Visit for Nearest<'_> {
+    type Found = Option<(usize, TriangleHit)>;
+
     #[inline(always)]
     fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
         ControlFlow::Continue(match self.stop.blas.corners[place].meet(&self.sheared, limit) {
             Some(meeting) => self.stop.take(place, meeting, limit),
             None => limit,
         })
+    }
+
+    #[inline(always)]
+    fn found(self) -> Self::Found {
+        self.stop.best
     }
 }
 
@@ -293,12 +297,19 @@ struct NearestSeen<'a> {
 }
 
 impl Visit for NearestSeen<'_> {
+    type Found = Option<(usize, TriangleHit)>;
+
     #[inline(always)]
     fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
         if self.nearest.stop.blas.is_dark(place, self.direction) {
             return ControlFlow::Continue(limit);
         }
         self.nearest.visit(place, limit)
+    }
+
+    #[inline(always)]
+    fn found(self) -> Self::Found {
+        self.nearest.found()
     }
 }
 
@@ -311,6 +322,8 @@ struct Through<'a> {
 }
 
 impl Visit for Through<'_> {
+    type Found = Vec3;
+
     #[inline(always)]
     fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
         let blas = self.blas;
@@ -325,5 +338,10 @@ impl Visit for Through<'_> {
             }
         }
         ControlFlow::Continue(limit)
+    }
+
+    #[inline(always)]
+    fn found(self) -> Self::Found {
+        self.left
     }
 }

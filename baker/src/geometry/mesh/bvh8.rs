@@ -2,21 +2,18 @@
 //! Boulos 2008, *Getting Rid of Packets*).
 //!
 //! The boxes of a node's children are stored side by side (structure of arrays) and tested by one slab test of eight
-//! lanes: AVX2 if the processor has AVX2, otherwise the same arithmetic in scalar code. Invariant: traversal finds the
-//! hits of brute force over the triangles. Boxes keep 32-bit floats; obvhs' compressed wide BVH (CWBVH) misses hits in
-//! large scenes.
+//! [lanes](crate::lanes). Invariant: traversal finds the hits of brute force over the triangles. Boxes keep 32-bit
+//! floats; obvhs' compressed wide BVH (CWBVH) misses hits in large scenes.
 
-use crate::processor;
+use crate::lanes::{F32x8, LANES, LaneKernel, Mask8, dispatch};
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use smallvec::SmallVec;
-#[cfg(target_arch = "x86_64")]
-use std::arch::x86_64::*;
 use std::ops::{ControlFlow, Range};
 
 /// Number of children of a node.
-pub(super) const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = LANES;
 /// Flag of a leaf, a child with a range of triangles: bits 28 to 30 are the number of triangles − 1, bits 0 to 27 the
 /// first triangle.
 pub(super) const LEAF: u32 = 1 << 31;
@@ -52,25 +49,42 @@ pub(super) struct SlabRay {
 }
 
 /// Ray, prepared for the slab test of a node's eight children at once.
-#[cfg(target_arch = "x86_64")]
-pub(super) struct SlabRay8 {
-    origin: [__m256; 3],
-    inverse: [__m256; 3],
+pub(super) struct SlabRay8<V> {
+    origin: [V; 3],
+    inverse: [V; 3],
     down: [usize; 3],
+}
+
+/// Slab test of a node's children against a ray.
+pub(super) trait SlabTest {
+    /// Returns the distances to the children's boxes along the ray, and a bit mask of the children hit before the
+    /// limit.
+    fn meet(&self, node: &Node, limit: f32) -> ([f32; WIDTH], u32);
 }
 
 /// Visitor of the triangles possibly hit by a ray. A closure is a visitor too, but is called, not inlined.
 pub(super) trait Visit {
+    /// What the visitor has found in the end.
+    type Found;
+
     /// Receives a triangle's index in leaf order and the ray's current limit; returns a new limit or ends the
     /// traversal.
     fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32>;
+
+    /// Ends the traversal.
+    fn found(self) -> Self::Found;
 }
 
 impl<F: FnMut(usize, f32) -> ControlFlow<(), f32>> Visit for F {
+    type Found = ();
+
     #[inline(always)]
     fn visit(&mut self, place: usize, limit: f32) -> ControlFlow<(), f32> {
         self(place, limit)
     }
+
+    #[inline(always)]
+    fn found(self) {}
 }
 
 /// BVH8 over triangles in leaf order, the order returned by [`Self::new`].
@@ -113,46 +127,20 @@ impl Bvh8 {
         (Self { nodes }, order)
     }
 
-    /// Visits the triangles possibly hit by a ray before `limit`, near boxes first.
+    /// Visits the triangles possibly hit by a ray before `limit`, near boxes first; returns what the visitor
+    /// has found.
     #[inline(always)]
-    pub fn walk(&self, origin: Vec3, direction: Vec3, limit: f32, visit: &mut impl Visit) {
+    pub fn walk<T: Visit>(&self, origin: Vec3, direction: Vec3, limit: f32, visit: T) -> T::Found {
         if self.nodes.is_empty() {
-            return;
+            return visit.found();
         }
-        let walker = SlabRay::new(origin, direction);
-        #[cfg(target_arch = "x86_64")]
-        if processor::has_avx2() {
-            // SAFETY: the processor has the target features of the function.
-            #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-            return unsafe { self.walk_avx2(&walker, limit, visit) };
-        }
-        self.walk_by(&walker, 0, limit, Node::meet, visit);
+        dispatch(Walk { bvh: self, walker: SlabRay::new(origin, direction), limit, visit })
     }
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,bmi1,lzcnt")]
-    #[inline]
-    fn walk_avx2(&self, walker: &SlabRay, limit: f32, visit: &mut impl Visit) {
-        self.walk_by(
-            &SlabRay8::new(walker),
-            0,
-            limit,
-            |node, walker, limit| node.meet_avx2(walker, limit),
-            visit,
-        );
-    }
-
-    /// Traverses the hierarchy from the node `from`, with `meet` as the test of a node's children; returns the final
-    /// limit.
+    /// Traverses the hierarchy from the node `from`; returns the final limit.
     #[inline(always)]
-    pub fn walk_by<W>(
-        &self,
-        walker: &W,
-        from: u32,
-        mut limit: f32,
-        meet: impl Fn(&Node, &W, f32) -> ([f32; WIDTH], u32),
-        visit: &mut impl Visit,
-    ) -> f32 {
+    pub fn walk_by(&self, walker: &impl SlabTest, from: u32, mut limit: f32, visit: &mut impl Visit) -> f32 {
+        let nodes = self.nodes.as_slice();
         let mut reach = limit * BEYOND;
         // Traversal stack: a node's nearest child is last. `farther` has the children without room on the stack.
         let (mut waiting, mut count) = ([0; WAITING], 0);
@@ -160,8 +148,8 @@ impl Bvh8 {
         let mut next = from;
         loop {
             if next & LEAF == 0 {
-                let node = &self.nodes[next as usize];
-                let (near, mut met) = meet(node, walker, reach);
+                let node = &nodes[next as usize];
+                let (near, mut met) = walker.meet(node, reach);
                 if met != 0 {
                     let mut take = || {
                         let child = met.trailing_zeros() as usize;
@@ -271,14 +259,30 @@ impl SlabRay {
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-impl SlabRay8 {
-    #[target_feature(enable = "avx2")]
-    #[inline]
+impl<V: F32x8> SlabRay8<V> {
+    #[inline(always)]
     pub fn new(walker: &SlabRay) -> Self {
-        let all = |of: [f32; 3]| of.map(|x| _mm256_set1_ps(x));
-        Self { origin: all(walker.origin), inverse: all(walker.inverse), down: walker.down }
+        Self { origin: splat_axes(walker.origin), inverse: splat_axes(walker.inverse), down: walker.down }
     }
+}
+
+impl<V: F32x8> SlabTest for SlabRay8<V> {
+    #[inline(always)]
+    fn meet(&self, node: &Node, limit: f32) -> ([f32; WIDTH], u32) {
+        let (mut near, mut far) = (V::splat(0.0), V::splat(limit));
+        for axis in 0..3 {
+            let (sides, down) = (&node.sides[axis], self.down[axis]);
+            let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
+            near = ((V::from_array(sides[down]) - origin) * inverse).max(near);
+            far = ((V::from_array(sides[1 - down]) - origin) * inverse).min(far);
+        }
+        (near.to_array(), near.le(far).movemask())
+    }
+}
+
+#[inline(always)]
+fn splat_axes<V: F32x8>([x, y, z]: [f32; 3]) -> [V; 3] {
+    [V::splat(x), V::splat(y), V::splat(z)]
 }
 
 /// Returns 1/x, never infinite, so that the box test has no 0 · ∞.
@@ -303,42 +307,25 @@ impl Node {
         node.children[..names.len()].copy_from_slice(names);
         node
     }
+}
 
-    /// Returns the distances to the children's boxes along the ray, and a bit mask of the children hit before the
-    /// limit.
+/// Arguments of [`Bvh8::walk`]. The visitor is a part, not a reference: the compiler keeps in registers what the
+/// traversal cannot reach otherwise.
+struct Walk<'a, T> {
+    bvh: &'a Bvh8,
+    walker: SlabRay,
+    limit: f32,
+    visit: T,
+}
+
+impl<T: Visit> LaneKernel for Walk<'_, T> {
+    type Output = T::Found;
+
     #[inline(always)]
-    pub fn meet(&self, ray: &SlabRay, limit: f32) -> ([f32; WIDTH], u32) {
-        let (mut near, mut far) = ([0f32; WIDTH], [limit; WIDTH]);
-        for axis in 0..3 {
-            let sides = &self.sides[axis];
-            let (entry, exit) = (&sides[ray.down[axis]], &sides[1 - ray.down[axis]]);
-            for child in 0..WIDTH {
-                let along = |side: f32| (side - ray.origin[axis]) * ray.inverse[axis];
-                let (a, b) = (along(entry[child]), along(exit[child]));
-                near[child] = if a > near[child] { a } else { near[child] };
-                far[child] = if b < far[child] { b } else { far[child] };
-            }
-        }
-        (near, (0..WIDTH).fold(0, |met, child| met | ((near[child] <= far[child]) as u32) << child))
-    }
-
-    /// AVX2 version of [`Self::meet`], by the same arithmetic.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    pub fn meet_avx2(&self, ray: &SlabRay8, limit: f32) -> ([f32; WIDTH], u32) {
-        let (mut near, mut far) = (_mm256_setzero_ps(), _mm256_set1_ps(limit));
-        for axis in 0..3 {
-            let sides = &self.sides[axis];
-            let along = |sides: [f32; WIDTH]| {
-                let offset = _mm256_sub_ps(bytemuck::cast(sides), ray.origin[axis]);
-                _mm256_mul_ps(offset, ray.inverse[axis])
-            };
-            near = _mm256_max_ps(along(sides[ray.down[axis]]), near);
-            far = _mm256_min_ps(along(sides[1 - ray.down[axis]]), far);
-        }
-        let met = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32;
-        (bytemuck::cast(near), met)
+    fn run<V: F32x8>(self) -> T::Found {
+        let Self { bvh, walker, limit, mut visit } = self;
+        bvh.walk_by(&SlabRay8::<V>::new(&walker), 0, limit, &mut visit);
+        visit.found()
     }
 }
 

@@ -13,9 +13,7 @@ mod blas;
 mod bvh8;
 pub mod geometry;
 pub(crate) mod glass;
-#[cfg(target_arch = "x86_64")]
 mod packet;
-#[cfg(target_arch = "x86_64")]
 mod packet_traversal;
 mod primitives;
 mod split;

@@ -7,11 +7,12 @@
 //! than rounding, and of two triangles at equal distance the first counts.
 
 use super::blas::{Blas, Nearest, NearestSoFar};
-use super::bvh8::{LEAF, Node, SlabRay8, WIDTH, distance, entry, move_half, places};
+use super::bvh8::{LEAF, SlabRay8, WIDTH, distance, entry, move_half, places};
 use super::geometry::Surface;
-use super::packet::{LANES, MOST, Packet, Rays};
+use super::packet::{MOST, Packet, Rays};
 use super::triangle::TriangleHit;
 use crate::geometry::Ray;
+use crate::lanes::{F32x8, LANES, LaneKernel, dispatch};
 
 /// Capacity of the traversal stack without heap memory; in tests small enough to overflow often.
 const WAITING: usize = if cfg!(test) { 2 * WIDTH } else { 128 };
@@ -33,41 +34,73 @@ struct Waiting {
 const PLACE_BITS: u32 = WIDTH.trailing_zeros();
 
 /// State of a packet traversal.
-struct Together<'a> {
+struct Together<'a, V> {
     blas: &'a Blas,
     surfaces: &'a [Surface],
-    packet: Packet,
+    packet: Packet<V>,
     seeds: [u32; MOST],
     found: Firsts,
 }
 
 impl Blas {
     /// [`Blas::nearest`], not strictly, for at most [`MOST`] rays of one [class](Ray::octant_and_axis), with seeds.
-    #[target_feature(enable = "avx2,bmi1,lzcnt")]
-    #[inline(never)]
+    #[inline]
     pub fn nearest_together<'r>(
         &self,
         surfaces: &[Surface],
         rays: impl Iterator<Item = &'r (Ray, u32)> + Clone,
         class: u8,
     ) -> Firsts {
-        if self.bvh.nodes.is_empty() {
+        dispatch(NearestTogether { blas: self, surfaces, rays, class })
+    }
+}
+
+/// Arguments of [`Blas::nearest_together`].
+pub(super) struct NearestTogether<'a, R> {
+    pub blas: &'a Blas,
+    pub surfaces: &'a [Surface],
+    pub rays: R,
+    pub class: u8,
+}
+
+impl<'r, R: Iterator<Item = &'r (Ray, u32)> + Clone> LaneKernel for NearestTogether<'_, R> {
+    type Output = Firsts;
+
+    #[inline(always)]
+    fn run<V: F32x8>(self) -> Firsts {
+        let Self { blas, surfaces, rays, class } = self;
+        if blas.bvh.nodes.is_empty() {
             return [None; MOST];
         }
         let mut seeds = [0; MOST];
         seeds.iter_mut().zip(rays.clone()).for_each(|(of, (_, seed))| *of = *seed);
-        let packet = Packet::new(rays.map(|(ray, _)| ray), class);
-        let mut walk = Together { blas: self, surfaces, packet, seeds, found: [None; MOST] };
+        let packet = Packet::<V>::new(rays.map(|(ray, _)| ray), class);
+        let mut walk = Together { blas, surfaces, packet, seeds, found: [None; MOST] };
         walk.all();
         walk.found
     }
 }
 
-impl Together<'_> {
-    #[target_feature(enable = "avx2,bmi1,lzcnt")]
-    #[inline]
+/// Arguments of [`Together::alone`].
+struct SingleRay<'t, 'a, V> {
+    packet: &'t mut Together<'a, V>,
+    from: u32,
+    ray: usize,
+}
+
+impl<V: F32x8> LaneKernel for SingleRay<'_, '_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: F32x8>(self) {
+        self.packet.alone::<W>(self.from, self.ray);
+    }
+}
+
+impl<V: F32x8> Together<'_, V> {
+    #[inline(always)]
     fn all(&mut self) {
-        let nodes = &self.blas.bvh.nodes;
+        let nodes = self.blas.bvh.nodes.as_slice();
         let (mut waiting, mut count) = ([Waiting::default(); WAITING], 0);
         let mut farther: Vec<Waiting> = Vec::new();
         let (mut open, mut rays) = (0, Rays::MAX);
@@ -114,7 +147,7 @@ impl Together<'_> {
                 } else if rays & (rays - 1) != 0 {
                     break (next, rays);
                 } else {
-                    self.alone(next, rays.trailing_zeros() as usize);
+                    V::enter(SingleRay { packet: self, from: next, ray: rays.trailing_zeros() as usize });
                 }
                 self.packet.limits.find_farthest();
             };
@@ -122,14 +155,14 @@ impl Together<'_> {
     }
 
     /// Tests rays against a leaf's triangles.
-    #[target_feature(enable = "avx2,bmi1,lzcnt")]
-    #[inline]
+    #[inline(always)]
     fn leaf(&mut self, leaf: u32, mut rays: Rays) {
+        let corners = self.blas.corners.as_slice();
         while rays != 0 {
             let (names, count, sheared) = self.packet.take_eight(&mut rays);
             let mut limits: [f32; LANES] = names.map(|ray| self.packet.limits.of(ray));
             for place in places(leaf) {
-                let meetings = self.blas.corners[place].meet_together(&sheared, limits, (1 << count) - 1);
+                let meetings = corners[place].meet_together(&sheared, limits, (1 << count) - 1);
                 let mut met = meetings.met;
                 while met != 0 {
                     let lane = met.trailing_zeros() as usize % LANES;
@@ -165,14 +198,12 @@ impl Together<'_> {
     }
 
     /// Continues the traversal of a single ray from a node on.
-    #[target_feature(enable = "avx2,bmi1,lzcnt")]
-    #[inline(never)]
-    fn alone(&mut self, from: u32, ray: usize) {
+    #[inline(always)]
+    fn alone<W: F32x8>(&mut self, from: u32, ray: usize) {
         let (walker, sheared) = self.packet.alone(ray);
         let mut nearest = Nearest { stop: self.stop(ray), sheared };
-        let meet = |node: &Node, walker: &SlabRay8, limit| node.meet_avx2(walker, limit);
-        let limit = self.packet.limits.of(ray);
-        let limit = self.blas.bvh.walk_by(&SlabRay8::new(&walker), from, limit, meet, &mut nearest);
+        let (walker, limit) = (SlabRay8::<W>::new(&walker), self.packet.limits.of(ray));
+        let limit = self.blas.bvh.walk_by(&walker, from, limit, &mut nearest);
         self.found[ray] = nearest.stop.best;
         self.packet.limits.set(ray, limit);
     }

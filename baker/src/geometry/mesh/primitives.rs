@@ -1,7 +1,6 @@
 //! Triangles as numbered [`Primitives`], for a [hit cache](crate::transport::direct_to_indirect) over the triangles.
 
 use super::blas::{FIRST, TWO_SIDED};
-#[cfg(target_arch = "x86_64")]
 use super::packet::MOST;
 use super::triangle::TriangleHit;
 use super::{LocatedTriangle, TriangleSurfaces};
@@ -9,7 +8,6 @@ use crate::geometry::{Primitive, Primitives, Ray, SurfaceCoordinates, SurfaceSam
 use glam::{Vec2, Vec3};
 
 /// Minimum number of rays for a packet: fewer rays are faster one by one.
-#[cfg(target_arch = "x86_64")]
 const WORTH_IT: usize = 3;
 
 impl Primitives for TriangleSurfaces {
@@ -68,7 +66,6 @@ impl Primitives for TriangleSurfaces {
         self.place_of(ray, found, meeting)
     }
 
-    #[cfg(target_arch = "x86_64")]
     fn intersect_packet(
         &self,
         rays: &[(Ray, u32)],
@@ -84,14 +81,11 @@ impl Primitives for TriangleSurfaces {
             let alike = rest.iter().take(MOST).take_while(|number| class(number) == first);
             let (some, others) = rest.split_at(alike.count());
             rest = others;
-            if some.len() < WORTH_IT || !crate::processor::has_avx2() {
+            if some.len() < WORTH_IT {
                 found.extend(some.iter().map(|number| self.find(&of(number).0, of(number).1)));
                 continue;
             }
-            // SAFETY: the processor has the target features of the function.
-            #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-            let alone =
-                unsafe { self.static_blas.nearest_together(&self.surfaces, some.iter().map(of), first) };
+            let alone = self.static_blas.nearest_together(&self.surfaces, some.iter().map(of), first);
             found.extend(some.iter().zip(alone).map(|(number, alone)| {
                 let (ray, seed) = of(number);
                 let (found, meeting) = self.with_all(ray, *seed, alone)?;

@@ -116,7 +116,7 @@ impl Tlas {
         find: impl Fn(&Instance, &LocalRay, f32, bool) -> Option<(usize, TriangleHit)>,
     ) -> Option<(usize, usize, TriangleHit)> {
         let mut best: Option<(usize, usize, TriangleHit)> = None;
-        self.bvh.walk(line.origin, line.direction, limit, &mut |place: usize, limit: f32| {
+        self.bvh.walk(line.origin, line.direction, limit, |place: usize, limit: f32| {
             let copy = &self.all[place];
             let comes_later = best.map_or(strictly, |(other, ..)| self.all[other].number < copy.number);
             match find(copy, &copy.line(line), limit, comes_later) {
@@ -139,7 +139,7 @@ impl Tlas {
         through: impl Fn(&Blas, &LocalRay, f32) -> Vec3,
     ) -> Vec3 {
         let mut left = Vec3::ONE;
-        self.bvh.walk(line.origin, line.direction, limit, &mut |place: usize, limit: f32| {
+        self.bvh.walk(line.origin, line.direction, limit, |place: usize, limit: f32| {
             let copy = &self.all[place];
             left *= through(&blases[copy.model as usize], &copy.line(line), limit);
             if left.max_element() > 0.0 { ControlFlow::Continue(limit) } else { ControlFlow::Break(()) }

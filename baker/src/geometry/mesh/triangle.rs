@@ -5,9 +5,8 @@
 //! closed rooms are closed.
 
 use crate::geometry::Ray;
+use crate::lanes::{F32x8, LANES, Mask8};
 use glam::{DVec4, Vec3, Vec4, Vec4Swizzles};
-#[cfg(target_arch = "x86_64")]
-use std::arch::x86_64::*;
 
 /// A ray, sheared: see [`Corners::meet`].
 #[derive(Clone, Copy, Debug)]
@@ -29,36 +28,31 @@ impl ShearedRay {
 }
 
 /// Eight sheared rays with a common major axis.
-#[cfg(target_arch = "x86_64")]
-pub(super) struct ShearedRays {
+pub(super) struct ShearedRays<V> {
     axes: [usize; 3],
-    origin: [__m256; 3],
-    shear: [__m256; 3],
+    origin: [V; 3],
+    shear: [V; 3],
 }
 
-#[cfg(target_arch = "x86_64")]
-impl ShearedRays {
+impl<V: F32x8> ShearedRays<V> {
     /// Combines eight [`ShearedRay`]s with equal `axes`.
-    #[inline]
-    pub fn new(axes: [usize; 3], origin: [[f32; 8]; 3], shear: [[f32; 8]; 3]) -> Self {
-        let registers = |of: [[f32; 8]; 3]| of.map(bytemuck::cast);
-        Self { axes, origin: registers(origin), shear: registers(shear) }
+    #[inline(always)]
+    pub fn new(axes: [usize; 3], origin: [[f32; LANES]; 3], shear: [[f32; LANES]; 3]) -> Self {
+        Self { axes, origin: bytemuck::cast(origin), shear: bytemuck::cast(shear) }
     }
 }
 
 /// Hits of eight rays with a triangle.
-#[cfg(target_arch = "x86_64")]
 pub(super) struct TriangleHits {
     /// Bit mask of rays with a certain or possible hit.
     pub met: u32,
     /// Bit mask of rays with a possible hit: [`Corners::meet`] decides.
     pub unclear: u32,
-    distance: [f32; 8],
-    v: [f32; 8],
-    w: [f32; 8],
+    distance: [f32; LANES],
+    v: [f32; LANES],
+    w: [f32; LANES],
 }
 
-#[cfg(target_arch = "x86_64")]
 impl TriangleHits {
     /// Returns the hit of a ray with a certain hit.
     #[inline]
@@ -151,51 +145,54 @@ impl Corners {
     }
 }
 
-#[cfg(target_arch = "x86_64")]
 impl Corners {
     /// [`Self::meet`] for the rays of the bit mask `rays`, by the same arithmetic in the same order.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    pub fn meet_together(&self, sheared: &ShearedRays, limits: [f32; 8], rays: u32) -> TriangleHits {
-        let rays = rays as i32;
-        let along = |i: usize, corner: usize| {
-            let at = self.0[sheared.axes[i]].as_ref()[corner];
-            _mm256_sub_ps(_mm256_set1_ps(at), sheared.origin[i])
-        };
-        let z: [__m256; 3] = std::array::from_fn(|corner| along(2, corner));
-        let across = |i: usize| -> [__m256; 3] {
-            let of = |corner| _mm256_sub_ps(along(i, corner), _mm256_mul_ps(sheared.shear[i], z[corner]));
-            std::array::from_fn(of)
-        };
-        let (x, y) = (across(0), across(1));
-        let area = |i: usize, j: usize| _mm256_sub_ps(_mm256_mul_ps(x[i], y[j]), _mm256_mul_ps(y[i], x[j]));
-        let [a, b, c] = [area(2, 1), area(0, 2), area(1, 0)];
+    #[inline(always)]
+    pub fn meet_together<V: F32x8>(
+        &self,
+        sheared: &ShearedRays<V>,
+        limits: [f32; LANES],
+        rays: u32,
+    ) -> TriangleHits {
+        let z = self.along(sheared, 2);
+        let (x, y) = (self.across(sheared, 0, z), self.across(sheared, 1, z));
+        let a = x[2] * y[1] - y[2] * x[1];
+        let b = x[0] * y[2] - y[0] * x[2];
+        let c = x[1] * y[0] - y[1] * x[0];
         // Beside the triangle where some areas are negative, but not all.
-        let (any, all) = (_mm256_or_ps(_mm256_or_ps(a, b), c), _mm256_and_ps(_mm256_and_ps(a, b), c));
-        let beside = _mm256_movemask_ps(_mm256_andnot_ps(all, any));
-        let nought = _mm256_setzero_ps();
-        let is_zero = |area| _mm256_cmp_ps::<_CMP_EQ_OQ>(area, nought);
-        let unclear = _mm256_or_ps(_mm256_or_ps(is_zero(a), is_zero(b)), is_zero(c));
-        let unclear = _mm256_movemask_ps(unclear) & rays;
+        let beside = (a & b & c).and_not(a | b | c).movemask();
+        let zero = V::splat(0.0);
+        let unclear = (a.eq(zero) | b.eq(zero) | c.eq(zero)).movemask() & rays;
         let within = rays & !beside;
         if within | unclear == 0 {
             return TriangleHits { met: 0, unclear: 0, distance: [0.0; 8], v: [0.0; 8], w: [0.0; 8] };
         }
-        let scale = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_add_ps(_mm256_add_ps(a, b), c));
-        let outer = _mm256_add_ps(_mm256_mul_ps(a, z[0]), _mm256_mul_ps(c, z[2]));
-        let sum = _mm256_add_ps(outer, _mm256_mul_ps(b, z[1]));
-        let distance = _mm256_mul_ps(_mm256_mul_ps(sum, scale), sheared.shear[2]);
-        let is_near = _mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_GE_OQ>(distance, nought),
-            _mm256_cmp_ps::<_CMP_LE_OQ>(distance, bytemuck::cast(limits)),
-        );
+        let scale = V::splat(1.0) / (a + b + c);
+        let distance = (a * z[0] + c * z[2] + b * z[1]) * scale * sheared.shear[2];
+        let is_near = distance.ge(zero) & distance.le(V::from_array(limits));
         TriangleHits {
-            met: (within & _mm256_movemask_ps(is_near) | unclear) as u32,
-            unclear: unclear as u32,
-            distance: bytemuck::cast(distance),
-            v: bytemuck::cast(_mm256_mul_ps(b, scale)),
-            w: bytemuck::cast(_mm256_mul_ps(c, scale)),
+            met: within & is_near.movemask() | unclear,
+            unclear,
+            distance: distance.to_array(),
+            v: (b * scale).to_array(),
+            w: (c * scale).to_array(),
         }
+    }
+
+    /// Returns the offsets of the corners from the rays' origins, along the axis `i` of the sheared rays.
+    #[inline(always)]
+    fn along<V: F32x8>(&self, sheared: &ShearedRays<V>, i: usize) -> [V; 3] {
+        let corners = self.0[sheared.axes[i]];
+        let origin = sheared.origin[i];
+        [V::splat(corners.x) - origin, V::splat(corners.y) - origin, V::splat(corners.z) - origin]
+    }
+
+    /// Returns the sheared corners along the axis `i`; `z` are their offsets along the rays.
+    #[inline(always)]
+    fn across<V: F32x8>(&self, sheared: &ShearedRays<V>, i: usize, z: [V; 3]) -> [V; 3] {
+        let along = self.along(sheared, i);
+        let shear = sheared.shear[i];
+        [along[0] - shear * z[0], along[1] - shear * z[1], along[2] - shear * z[2]]
     }
 }
 

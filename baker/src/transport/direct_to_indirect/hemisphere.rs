@@ -3,8 +3,7 @@
 use super::directions::Directions;
 use super::ray_sort::cells;
 use crate::geometry::Ray;
-#[cfg(target_arch = "x86_64")]
-use crate::processor;
+use crate::lanes::{F32x8, LaneKernel, dispatch};
 use crate::random::mix;
 use crate::sampling::SurfacePoint;
 use glam::Vec3;
@@ -42,14 +41,7 @@ pub fn gather_rays(
     directions: &Directions,
     out: &mut GatherRays,
 ) {
-    let gather = HemisphereRays { point, receiver, seed, epsilon, directions };
-    #[cfg(target_arch = "x86_64")]
-    if processor::has_avx2() {
-        // SAFETY: the processor has AVX2.
-        #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-        return unsafe { gather.rays_avx2(out) };
-    }
-    gather.rays(out);
+    dispatch((HemisphereRays { point, receiver, seed, epsilon, directions }, out));
 }
 
 /// Arguments of [`gather_rays`].
@@ -61,14 +53,16 @@ struct HemisphereRays<'a> {
     directions: &'a Directions,
 }
 
-impl HemisphereRays<'_> {
-    /// [`HemisphereRays::rays`] with eight lanes.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn rays_avx2(&self, out: &mut GatherRays) {
-        self.rays(out);
-    }
+impl LaneKernel for (HemisphereRays<'_>, &mut GatherRays) {
+    type Output = ();
 
+    #[inline(always)]
+    fn run<V: F32x8>(self) {
+        self.0.rays(self.1);
+    }
+}
+
+impl HemisphereRays<'_> {
     #[inline(always)]
     fn rays(&self, out: &mut GatherRays) {
         let Self { point, directions, .. } = *self;

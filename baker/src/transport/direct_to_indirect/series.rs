@@ -8,7 +8,7 @@
 //! because light transport is reciprocal. A limited number of bounces is summed bounce by bounce,
 //! by the same sweeps.
 
-use crate::processor;
+use crate::lanes::{F32x8, LaneKernel, dispatch_loops};
 use crate::transport::operator::IrradianceRow;
 use glam::Vec3;
 
@@ -134,17 +134,7 @@ impl<'a> Series<'a> {
     /// Adds the step to the sum and computes the next step. Returns the totals of the residual's
     /// magnitude and of the sum.
     fn sweep(&self, state: &mut State, mix: Mix) -> [f32; 2] {
-        #[cfg(target_arch = "x86_64")]
-        if processor::has_avx512() {
-            // SAFETY: the processor has AVX-512.
-            #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-            return unsafe { sweep_avx512(self.rows, self.tints, state, mix) };
-        } else if processor::has_avx2() {
-            // SAFETY: the processor has AVX2.
-            #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-            return unsafe { sweep_avx2(self.rows, self.tints, state, mix) };
-        }
-        sweep(self.rows, self.tints, state, mix)
+        dispatch_loops(Sweep { rows: self.rows, tints: self.tints, state, mix })
     }
 }
 
@@ -231,23 +221,27 @@ fn sweep(rows: &[IrradianceRow], tints: &[Vec3], state: &mut State, [of_last, of
     [is_left, has_come].map(|each| each.as_flattened().iter().sum())
 }
 
-/// [`sweep`] with eight lanes: equal arithmetic in equal order, hence identical results.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn sweep_avx2(rows: &[IrradianceRow], tints: &[Vec3], state: &mut State, mix: Mix) -> [f32; 2] {
-    sweep(rows, tints, state, mix)
+/// Arguments of [`sweep`].
+struct Sweep<'a> {
+    rows: &'a [IrradianceRow],
+    tints: &'a [Vec3],
+    state: &'a mut State,
+    mix: Mix,
 }
 
-/// [`sweep`] with sixteen lanes.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn sweep_avx512(rows: &[IrradianceRow], tints: &[Vec3], state: &mut State, mix: Mix) -> [f32; 2] {
-    sweep(rows, tints, state, mix)
+impl LaneKernel for Sweep<'_> {
+    type Output = [f32; 2];
+
+    #[inline(always)]
+    fn run<V: F32x8>(self) -> [f32; 2] {
+        sweep(self.rows, self.tints, self.state, self.mix)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::dispatch;
     use crate::random::Stream;
 
     /// Points with symmetric transport, whose rows sum to at most a given share.
@@ -372,12 +366,7 @@ mod tests {
         let wanted = swept(&|state| sweep(&rows, &tints, state, mix));
         let series = Series::new(&rows, &tints, None);
         assert_eq!(swept(&|state| series.sweep(state, mix)), wanted);
-        #[cfg(target_arch = "x86_64")]
-        if processor::has_avx2() {
-            // SAFETY: the processor has AVX2.
-            #[expect(unsafe_code, reason = "what a processor has is known when the test runs")]
-            let found = swept(&|state| unsafe { sweep_avx2(&rows, &tints, state, mix) });
-            assert_eq!(found, wanted);
-        }
+        let found = swept(&|state| dispatch(Sweep { rows: &rows, tints: &tints, state, mix }));
+        assert_eq!(found, wanted);
     }
 }

@@ -1,6 +1,7 @@
 //! A BVH8 has the triangles of the binary BVH, and traversal finds the triangles.
 
 use super::*;
+use crate::lanes::tests::with_each;
 use crate::random::Stream;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -65,12 +66,39 @@ fn every_triangle_is_in_one_leaf_and_in_all_boxes_above_it() {
     }
 }
 
-#[test]
-#[cfg(target_arch = "x86_64")]
-fn eight_boxes_at_once_are_met_as_one_by_one() {
-    if !processor::has_avx2() {
-        return;
+impl SlabTest for SlabRay {
+    /// Box by box.
+    fn meet(&self, node: &Node, limit: f32) -> ([f32; WIDTH], u32) {
+        let (mut near, mut far) = ([0f32; WIDTH], [limit; WIDTH]);
+        for axis in 0..3 {
+            let sides = &node.sides[axis];
+            let (entry, exit) = (&sides[self.down[axis]], &sides[1 - self.down[axis]]);
+            for child in 0..WIDTH {
+                let along = |side: f32| (side - self.origin[axis]) * self.inverse[axis];
+                let (a, b) = (along(entry[child]), along(exit[child]));
+                near[child] = if a > near[child] { a } else { near[child] };
+                far[child] = if b < far[child] { b } else { far[child] };
+            }
+        }
+        (near, (0..WIDTH).fold(0, |met, child| met | ((near[child] <= far[child]) as u32) << child))
     }
+}
+
+/// Slab test with eight lanes.
+#[derive(Clone, Copy)]
+struct MeetEight<'a>(&'a Node, &'a SlabRay, f32);
+
+impl LaneKernel for MeetEight<'_> {
+    type Output = ([f32; WIDTH], u32);
+
+    #[inline(always)]
+    fn run<V: F32x8>(self) -> Self::Output {
+        SlabRay8::<V>::new(self.1).meet(self.0, self.2)
+    }
+}
+
+#[test]
+fn eight_boxes_at_once_are_met_as_one_by_one() {
     let (_, wide, _) = build(&scattered(5_000));
     let mut met = 0;
     for i in 0..2_000 {
@@ -82,11 +110,10 @@ fn eight_boxes_at_once_are_met_as_one_by_one() {
         let limit = if i % 3 == 0 { 4.0 * s.unit() } else { f32::INFINITY };
         let walker = SlabRay::new(9.0 * s.sphere() * s.unit(), direction);
         for node in wide.nodes.iter().step_by(7) {
-            let one_by_one = node.meet(&walker, limit);
-            // SAFETY: the processor has AVX2.
-            #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-            let at_once = unsafe { node.meet_avx2(&SlabRay8::new(&walker), limit) };
-            assert_eq!(one_by_one, at_once);
+            let one_by_one = walker.meet(node, limit);
+            for at_once in with_each(MeetEight(node, &walker, limit)) {
+                assert_eq!(one_by_one, at_once);
+            }
             met += one_by_one.1.count_ones();
         }
     }
@@ -106,17 +133,12 @@ fn a_walk_visits_every_box_that_a_ray_meets() {
             ControlFlow::Continue(limit)
         });
         let mut none = vec![false; order.len()];
-        wide.walk_by(
-            &SlabRay::new(origin, direction),
-            0,
-            f32::INFINITY,
-            Node::meet,
-            &mut |place: usize, limit: f32| {
-                none[order[place] as usize] = true;
-                ControlFlow::Continue(limit)
-            },
-        );
-        assert_eq!(visited, none, "with AVX2 and without");
+        let walker = SlabRay::new(origin, direction);
+        wide.walk_by(&walker, 0, f32::INFINITY, &mut |place: usize, limit: f32| {
+            none[order[place] as usize] = true;
+            ControlFlow::Continue(limit)
+        });
+        assert_eq!(visited, none, "eight boxes at once and box by box");
         // Triangles hit by the ray away from the edges are visited.
         for (t, visited) in triangles.iter().zip(visited) {
             let (a, b, c) = (Vec3::from(t.v0), Vec3::from(t.v1), Vec3::from(t.v2));

@@ -1,6 +1,13 @@
 //! Rays of a packet find the hits of single rays.
 
 use super::*;
+use crate::geometry::mesh::blas::LocalRay;
+use crate::geometry::mesh::bvh8::{BEYOND, Node, SlabRay, SlabTest, WIDTH};
+use crate::geometry::mesh::packet::{MOST, Packet};
+use crate::geometry::mesh::packet_traversal::{Firsts, NearestTogether};
+use crate::geometry::mesh::triangle::{ShearedRays, TriangleHit, TriangleHits};
+use crate::lanes::tests::with_each;
+use crate::lanes::{F32x8, LaneKernel};
 
 /// Returns bundles of rays, narrow and wide; some rays are along an axis or in an axis plane, pass through shared
 /// corners, or end early.
@@ -110,14 +117,25 @@ fn so_they_do_among_copies_and_in_next_to_nothing() {
     }
 }
 
-#[test]
-#[cfg(target_arch = "x86_64")]
-fn eight_rays_meet_a_triangle_as_one_by_one() {
-    use crate::geometry::Ray;
-    use crate::geometry::mesh::triangle::{ShearedRays, TriangleHit};
-    if !crate::processor::has_avx2() {
-        return;
+/// Axes, origins and shears of eight rays, as arguments of [`ShearedRays::new`].
+type OfEight = ([usize; 3], [[f32; 8]; 3], [[f32; 8]; 3]);
+
+/// Arguments of [`Corners::meet_together`].
+#[derive(Clone, Copy)]
+struct MeetTogether<'a>(&'a Corners, &'a OfEight, [f32; 8]);
+
+impl LaneKernel for MeetTogether<'_> {
+    type Output = TriangleHits;
+
+    #[inline(always)]
+    fn run<V: F32x8>(self) -> TriangleHits {
+        let &(axes, origin, shear) = self.1;
+        self.0.meet_together(&ShearedRays::<V>::new(axes, origin, shear), self.2, 0xff)
     }
+}
+
+#[test]
+fn eight_rays_meet_a_triangle_as_one_by_one() {
     let triangles = scrap(2);
     let (mut met, mut unclear) = (0, 0);
     for seed in 0..20 {
@@ -130,7 +148,7 @@ fn eight_rays_meet_a_triangle_as_one_by_one() {
             let lanes = |of: &dyn Fn(&ShearedRay) -> f32| std::array::from_fn(|ray| of(&sheared[ray]));
             // Origin and shear in the order of `axes`, as in a single ray.
             let axes = sheared[0].axes;
-            let together = ShearedRays::new(
+            let together: OfEight = (
                 axes,
                 std::array::from_fn(|i| lanes(&|ray| ray.origin[i])),
                 std::array::from_fn(|i| lanes(&|ray| ray.shear[i])),
@@ -138,20 +156,19 @@ fn eight_rays_meet_a_triangle_as_one_by_one() {
             let limits: [f32; 8] = std::array::from_fn(|ray| some[ray].max_distance);
             for triangle in triangles.iter().step_by(7) {
                 let corners = Corners::new(triangle.positions);
-                // SAFETY: the processor has AVX2.
-                #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-                let meetings = unsafe { corners.meet_together(&together, limits, 0xff) };
-                for (ray, sheared) in sheared.iter().enumerate() {
-                    let alone = corners.meet(sheared, limits[ray]);
-                    let may = meetings.met >> ray & 1 != 0;
-                    if meetings.unclear >> ray & 1 != 0 {
-                        unclear += 1;
-                        assert!(may);
-                        continue;
+                for meetings in with_each(MeetTogether(&corners, &together, limits)) {
+                    for (ray, sheared) in sheared.iter().enumerate() {
+                        let alone = corners.meet(sheared, limits[ray]);
+                        let may = meetings.met >> ray & 1 != 0;
+                        if meetings.unclear >> ray & 1 != 0 {
+                            unclear += 1;
+                            assert!(may);
+                            continue;
+                        }
+                        let bits = |m: TriangleHit| [m.distance, m.v, m.w].map(f32::to_bits);
+                        assert_eq!(may.then(|| bits(meetings.of(ray))), alone.map(bits), "{:?}", some[ray]);
+                        met += may as u32;
                     }
-                    let bits = |m: TriangleHit| [m.distance, m.v, m.w].map(f32::to_bits);
-                    assert_eq!(may.then(|| bits(meetings.of(ray))), alone.map(bits), "{:?}", some[ray]);
-                    met += may as u32;
                 }
             }
         }
@@ -159,14 +176,46 @@ fn eight_rays_meet_a_triangle_as_one_by_one() {
     assert!(met > 1_000 && unclear > 100, "{met} met, {unclear} unclear");
 }
 
-#[test]
-#[cfg(target_arch = "x86_64")]
-fn what_one_of_them_meets_all_of_them_may() {
-    use crate::geometry::mesh::bvh8::{BEYOND, SlabRay, WIDTH};
-    use crate::geometry::mesh::packet::{MOST, Packet};
-    if !crate::processor::has_avx2() {
-        return;
+/// Rays of a class, for a test of their [`Packet`] against nodes.
+#[derive(Clone, Copy)]
+struct AgainstNodes<'a>(&'a [Ray], u8, &'a [Node]);
+
+impl LaneKernel for AgainstNodes<'_> {
+    type Output = u32;
+
+    /// Compares the packet's hits with those of each ray; returns the number of hits.
+    #[inline(always)]
+    fn run<V: F32x8>(self) -> u32 {
+        let (some, class, nodes) = (self.0, self.1, self.2);
+        let mut met = 0;
+        let packet = Packet::<V>::new(some.iter(), class);
+        for node in nodes.iter().step_by(5) {
+            let (nearest, any) = node.meet_any(&packet);
+            let met_by = |asked: u64| -> [u64; WIDTH] {
+                std::array::from_fn(|child| node.meet_child(child, &packet, asked))
+            };
+            let mut expected = [0; WIDTH];
+            for (i, ray) in some.iter().enumerate() {
+                let walker = SlabRay::new(ray.origin, ray.direction);
+                let sheared = ShearedRay::new(ray.origin, ray.direction);
+                assert_eq!(format!("{:?}", packet.alone(i)), format!("{:?}", (&walker, sheared)));
+                let (near, alone) = walker.meet(node, ray.max_distance * BEYOND);
+                for child in (0..WIDTH).filter(|child| alone >> child & 1 != 0) {
+                    expected[child] |= 1 << i;
+                    assert!(any >> child & 1 != 0 && nearest[child] <= near[child], "{ray:?}");
+                    met += 1;
+                }
+            }
+            assert_eq!(met_by(u64::MAX), expected);
+            const FEW: u64 = 0x9249_2492_4924_9249;
+            assert_eq!(met_by(FEW), expected.map(|rays| rays & FEW));
+        }
+        met
     }
+}
+
+#[test]
+fn what_one_of_them_meets_all_of_them_may() {
     let (triangles, materials) = mixed();
     let surfaces = surfaces(triangles.clone(), &materials);
     let mut met = 0;
@@ -177,33 +226,48 @@ fn what_one_of_them_meets_all_of_them_may() {
         for (class, some) in
             (0..).zip(&by_class).flat_map(|(class, rays)| rays.chunks(MOST).map(move |some| (class, some)))
         {
-            // SAFETY: the processor has AVX2.
-            #[expect(unsafe_code, reason = "what a processor has is known when the program runs")]
-            unsafe {
-                let packet = Packet::new(some.iter(), class);
-                for node in surfaces.static_blas.bvh.nodes.iter().step_by(5) {
-                    let (nearest, any) = node.meet_any(&packet);
-                    let met_by = |asked: u64| -> [u64; WIDTH] {
-                        std::array::from_fn(|child| node.meet_child(child, &packet, asked))
-                    };
-                    let mut expected = [0; WIDTH];
-                    for (i, ray) in some.iter().enumerate() {
-                        let walker = SlabRay::new(ray.origin, ray.direction);
-                        let sheared = ShearedRay::new(ray.origin, ray.direction);
-                        assert_eq!(format!("{:?}", packet.alone(i)), format!("{:?}", (&walker, sheared)));
-                        let (near, alone) = node.meet(&walker, ray.max_distance * BEYOND);
-                        for child in (0..WIDTH).filter(|child| alone >> child & 1 != 0) {
-                            expected[child] |= 1 << i;
-                            assert!(any >> child & 1 != 0 && nearest[child] <= near[child], "{ray:?}");
-                            met += 1;
-                        }
-                    }
-                    assert_eq!(met_by(u64::MAX), expected);
-                    const FEW: u64 = 0x9249_2492_4924_9249;
-                    assert_eq!(met_by(FEW), expected.map(|rays| rays & FEW));
-                }
-            }
+            let all = with_each(AgainstNodes(some, class, &surfaces.static_blas.bvh.nodes));
+            met += all.iter().sum::<u32>();
         }
     }
     assert!(met > 10_000, "{met}");
+}
+
+/// [`NearestTogether`] of the rays of a slice.
+#[derive(Clone, Copy)]
+struct OfSlice<'a> {
+    blas: &'a Blas,
+    surfaces: &'a [Surface],
+    rays: &'a [(Ray, u32)],
+    class: u8,
+}
+
+impl LaneKernel for OfSlice<'_> {
+    type Output = Firsts;
+
+    #[inline(always)]
+    fn run<V: F32x8>(self) -> Firsts {
+        let Self { blas, surfaces, rays, class } = self;
+        NearestTogether { blas, surfaces, rays: rays.iter(), class }.run::<V>()
+    }
+}
+
+#[test]
+fn every_backend_finds_the_same() {
+    let (triangles, materials) = mixed();
+    let surfaces = surfaces(triangles.clone(), &materials);
+    for seed in 0..10 {
+        let rays = bundles(seed, &triangles);
+        let class = |ray: &(Ray, u32)| Ray::octant_and_axis(ray.0.direction);
+        for alike in rays.chunk_by(|a, b| class(a) == class(b)).flat_map(|rays| rays.chunks(MOST)) {
+            let (blas, surfaces) = (&surfaces.static_blas, &surfaces.surfaces[..]);
+            let of_class = OfSlice { blas, surfaces, rays: alike, class: class(&alike[0]) };
+            let [scalar, widest] = with_each(of_class);
+            assert_eq!(scalar, widest);
+            for ((ray, seed), found) in alike.iter().zip(&widest) {
+                let line = LocalRay { origin: ray.origin, direction: ray.direction };
+                assert_eq!(*found, blas.nearest(surfaces, &line, ray.max_distance, false, *seed));
+            }
+        }
+    }
 }
