@@ -39,7 +39,9 @@ pub fn test() -> Result<()> {
     install.args(["install", "--debug", "--force", "--path"]).arg(command).arg("--root").arg(&root);
     // The packages depend on each other by version.
     for (name, folder) in PACKAGES.iter().zip(&folders) {
-        install.arg("--config").arg(format!("patch.crates-io.{name}.path={:?}", folder.display().to_string()));
+        install
+            .arg("--config")
+            .arg(format!("patch.crates-io.{name}.path={:?}", folder.display().to_string()));
     }
     process::run(install.arg("--target-dir").arg(process::target()))?;
     let rebounce = root.join("bin/rebounce");

@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 
 /// The baker's modules in layers: a module may use modules of earlier lines alone. Verification of a bake
 /// (`verify`) stands beside `transport`, so that an error there cannot hide itself.
-const BAKER: [&[&str]; 13] = [
+const BAKER: [&[&str]; 14] = [
     &["random"],
     &["morton", "processor", "weld", "job"],
     &["lanes"],
