@@ -25,6 +25,9 @@ const ROUNDS: usize = 8;
 /// Stride of the measured groups of receivers.
 const EVERY: usize = 8;
 
+/// Asks something along a ray.
+type Query<'a> = &'a dyn Fn(&Ray) -> bool;
+
 fn main() -> Result<()> {
     // Cargo passes --bench as an argument.
     let spec = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or("builtin:cornell-box".into());
@@ -38,8 +41,7 @@ fn main() -> Result<()> {
     let walk = |ray: &Ray| surfaces.distance(ray, 1).is_some();
     let cast = |ray: &Ray| surfaces.cast(ray, 1).is_some();
     let open = |ray: &Ray| surfaces.transmittance(ray.origin, middle(ray)).max_element() > 0.0;
-    let kinds: [(&str, &dyn Fn(&Ray) -> bool); 3] =
-        [("the walk alone", &walk), ("cast", &cast), ("transmittance", &open)];
+    let kinds: [(&str, Query); 3] = [("the walk alone", &walk), ("cast", &cast), ("transmittance", &open)];
     // Kinds alternate, and the best time of each group counts: other jobs make rays slower, never
     // faster.
     let mut best = vec![[f64::INFINITY; 3]; rays.len().div_ceil(FEW)];

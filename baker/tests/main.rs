@@ -1,4 +1,5 @@
 //! Tests of the baker, in one program: a program per test file would link the library repeatedly.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod box_room;
 mod common {

@@ -106,7 +106,8 @@ fn files_of_older_weights_are_of_the_least_version_that_holds_them() {
     assert_eq!(with(container::SHEPARD_WEIGHTS, &<[u8]>::to_vec).unwrap(), scene);
     // Rejected: an older version (its readers would ignore section MATX), trailing or missing bytes, a wrong material
     // index.
-    let wrong: [(u32, &dyn Fn(&[u8]) -> Vec<u8>); 4] = [
+    type Change<'a> = &'a dyn Fn(&[u8]) -> Vec<u8>;
+    let wrong: [(u32, Change); 4] = [
         (container::WITHOUT_EXTRAS, &<[u8]>::to_vec),
         (container::VERSION, &|bytes| [bytes, &[0]].concat()),
         (container::VERSION, &|bytes| bytes[..bytes.len() - 1].to_vec()),

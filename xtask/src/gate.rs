@@ -5,12 +5,15 @@
 use crate::{docs, layers, names, process, toolchain};
 use anyhow::{Result, bail};
 
+/// Name of a check, and the check.
+type Check = (&'static str, fn() -> Result<()>);
+
 /// Runs all checks; a failed one does not stop later ones.
 ///
 /// # Errors
 /// If a check fails.
 pub fn run() -> Result<()> {
-    let checks: [(&str, fn() -> Result<()>); 7] = [
+    let checks: [Check; 7] = [
         ("format", format),
         ("layers", layers::run),
         ("names", names::run),

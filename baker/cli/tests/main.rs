@@ -1,4 +1,5 @@
 //! Tests of the command as a child process.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common {
     pub mod program;

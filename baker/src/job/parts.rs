@@ -61,6 +61,9 @@ pub trait Parts: Sync {
     }
 }
 
+/// Results by part, where known, and the bytes sent.
+pub type Computed<T> = (Vec<Option<T>>, Traffic);
+
 /// Computes all parts with all processes of the job. Process 0 returns the results of all parts; another process those of
 /// the parts that it computed and, for shared parts, the shared halves of the rest. Also returns the bytes sent. Parts in
 /// process 0's partial results are read from the journal; the remaining parts are dealt to the processes in turn, so that costly
@@ -72,7 +75,7 @@ pub fn compute_parts<P: Parts>(
     parts: &P,
     job: &Job,
     watch: &dyn Watch,
-) -> Result<(Vec<Option<P::Found>>, Traffic), CommunicatorError> {
+) -> Result<Computed<P::Found>, CommunicatorError> {
     let (partial_results, communicator) = (job.partial_results, job.communicator);
     let mut traffic = Traffic::default();
     let mut found: Vec<Option<P::Found>> = Vec::with_capacity(parts.count());

@@ -41,8 +41,8 @@ impl ScalarF32x8 {
     #[inline(always)]
     fn swap(self, bit: usize) -> Self {
         let mut out = self.0;
-        for lane in 0..LANES {
-            out[lane] = self.0[lane ^ bit];
+        for (lane, out) in out.iter_mut().enumerate() {
+            *out = self.0[lane ^ bit];
         }
         Self(out)
     }
@@ -52,8 +52,8 @@ impl ScalarF32x8 {
 #[inline(always)]
 fn high_bits(lanes: [u32; LANES]) -> u32 {
     let mut bits = 0;
-    for lane in 0..LANES {
-        bits |= (lanes[lane] >> 31) << lane;
+    for (lane, of) in lanes.iter().enumerate() {
+        bits |= (of >> 31) << lane;
     }
     bits
 }

@@ -95,7 +95,7 @@ mod tests {
             // A slightly larger window changes nothing; a much larger window restarts the measurement.
             assert_eq!(choice.of_size(1900), kept);
             assert_eq!(choice.of_size(2000), Way::Lookup);
-            assert_eq!(draw(&mut choice, 2000, [times[1], times[0]]).last() == Some(&kept), false);
+            assert_ne!(draw(&mut choice, 2000, [times[1], times[0]]).last(), Some(&kept));
         }
     }
 

@@ -86,6 +86,7 @@ pub struct SlotBuffers {
 }
 
 /// Resources of one way.
+#[expect(clippy::large_enum_variant, reason = "there is one a picture")]
 enum MadeTarget {
     Lookup(LookupTarget),
     Splat(SplatTarget),

@@ -290,7 +290,7 @@ fn a_wide_ray_sees_the_mean_of_a_chequered_square() {
         let ray = down(0.009 * i as f32 - 0.9, 0.3);
         let seen = |spread| surfaces.cast(&Ray { spread, ..ray }, 0).unwrap().albedo.x;
         let line = seen(0.0);
-        assert!(line < 1e-6 || line > 0.999, "{line}");
+        assert!(!(1e-6..=0.999).contains(&line), "{line}");
         narrow += (line > 0.5) as u32;
         // Footprints: twice as wide as a texel at the square, and wider than the square.
         for spread in [0.15, 10.0] {

@@ -12,7 +12,7 @@ fn vertices(rounded: bool) -> Vec<Vertex> {
     (0..3000u32)
         .map(|i| Vertex {
             position: [number(30.0), number(0.01) + i as f32, if i % 9 == 0 { 0.0 } else { number(3.0) }],
-            normal: (i % 1000) * 31 | (i.wrapping_mul(31) % 1057 * 31) << 16,
+            normal: ((i % 1000) * 31) | ((i.wrapping_mul(31) % 1057 * 31) << 16),
             uv: [number(1e4), -number(2.0)],
         })
         .collect()
