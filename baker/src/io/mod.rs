@@ -1,8 +1,8 @@
 //! Files: scenes (glTF 2.0), pictures, SHOT.json, and atomic writes.
 //!
-//! * [`load`] – loads a scene: a .gltf or .glb file, or `builtin:NAME`; [`files`] – where its bytes come from;
+//! * [`load()`] – loads a scene: a .gltf or .glb file, or `builtin:NAME`; [`files`] – where its bytes come from;
 //! * `gltf` – the reader; `other_format` – files of other formats, with advice for conversion to glTF;
-//! * [`save`] – saves a baked file;
+//! * [`save()`] – saves a baked file;
 //! * [`picture`] – EXR and PNG; [`shot`] – camera and lights for a picture;
 //! * [`write`](mod@write) – replaces a file at once, or leaves the old file.
 

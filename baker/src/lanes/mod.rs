@@ -1,8 +1,8 @@
 //! Eight lanes: the 32-bit floats of eight rays or eight boxes, computed at once.
 //!
 //! A kernel is written once, generic over [`F32x8`], and [`dispatch`] runs it with the widest backend of the
-//! processor: [`avx2`], found at run time; [`wasm`] (simd128) and [`neon`], two [`halves`] of four lanes each; or
-//! [`scalar`], arrays. Every operation is one IEEE 754 operation per lane, never fused with another, so every backend
+//! processor: `avx2`, found at run time; `wasm` (simd128) and `neon`, two `halves` of four lanes each; or
+//! `scalar`, arrays. Every operation is one IEEE 754 operation per lane, never fused with another, so every backend
 //! gives the bits of `scalar`. Only the sign and payload of a computed NaN are the processor's own. Minimum and maximum
 //! are x86's: the second operand where one is NaN or both are zero.
 

@@ -123,7 +123,7 @@ impl WorldMesh {
     }
 }
 
-/// A model before conversion into a [`Scene`](super::Scene).
+/// A model before conversion into a [`Scene`].
 #[derive(Default)]
 pub struct WorldInstancedMesh {
     /// Mesh in model space.
