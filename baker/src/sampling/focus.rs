@@ -180,11 +180,6 @@ impl Focus {
         self.finest
     }
 
-    /// The regions.
-    pub fn regions(&self) -> &[Region] {
-        &self.regions
-    }
-
     /// Needed radius at a place, scene units.
     pub fn needed(&self, place: Vec3) -> f32 {
         let of = |region: &Region| self.finest * region.scale + GRADE * region.beyond(place);

@@ -10,19 +10,19 @@
 //! * `clip_planes` – planes that end supports at walls;
 //! * [`mod@footprint`] – samples of direct light; [`mod@openness`] – share of the hemisphere free of near surfaces.
 
-pub mod candidates;
+pub(crate) mod candidates;
 mod clip_planes;
 pub mod emitter;
 mod fill;
-pub mod focus;
+mod focus;
 mod footprint;
-pub mod locate;
+mod locate;
 mod openness;
 mod particle;
 pub mod place;
-pub mod poisson_disk;
-pub mod round;
-pub mod viewpoint;
+mod poisson_disk;
+mod round;
+mod viewpoint;
 
 use crate::geometry::{Hit, Surfaces};
 use crate::scene::steps::least_step;

@@ -25,9 +25,9 @@ pub struct OperatorSettings {
     pub rays: Vec<u32>,
     /// Least ratio of a link to the standard deviation of its own Monte Carlo noise; weaker links
     /// are dropped. On [pooled levels](Self::pooled_levels) the ratio is multiplied by the
-    /// receiver's [strictness](super::direct_to_indirect::neighbourhood::Row::strictness), which is higher on bare surfaces.
+    /// receiver's strictness, which is higher on bare surfaces.
     pub significance: f32,
-    /// Number of finest levels whose receivers [share](super::direct_to_indirect::neighbourhood) gathered differences; never
+    /// Number of finest levels whose receivers share gathered differences with their neighbours; never
     /// includes the coarsest level.
     pub pooled_levels: usize,
     /// Number of bounces of light; `None` for all bounces.

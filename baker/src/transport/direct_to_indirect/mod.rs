@@ -18,24 +18,35 @@
 //! * [`bounces`] – later bounces: S, by the [`series`] of bounces between coarse points;
 //! * [`solver`] – the stages in order, with progress, checkpoint and processes; `messages` – their results as bytes.
 //!
-//! All modules but the last are pure: equal inputs give equal results.
+//! All modules but the last are pure: equal inputs give equal results. Those that tests and benches alone use from outside
+//! are hidden in the documentation.
 
-pub mod accumulator;
+mod accumulator;
+#[doc(hidden)]
 pub mod bounces;
 mod coarse_matrix;
+#[doc(hidden)]
 pub mod directions;
+#[doc(hidden)]
 pub mod gather;
+#[doc(hidden)]
 pub mod gather_batch;
+#[doc(hidden)]
 pub mod gather_context;
+#[doc(hidden)]
 pub mod hemisphere;
+#[doc(hidden)]
 pub mod hit_cache;
 pub mod mean_albedo;
 mod messages;
-pub mod neighbourhood;
+mod neighbourhood;
+#[doc(hidden)]
 pub mod ray_sort;
+#[doc(hidden)]
 pub mod refine;
+#[doc(hidden)]
 pub mod senders;
-pub mod series;
+mod series;
 pub mod solver;
 mod sparsify;
 pub mod tint;
