@@ -4,7 +4,7 @@ use crate::{install, process, web};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{ChildStdout, Command, Stdio};
 
 /// Command line options.
 #[derive(Debug, Default, PartialEq)]
@@ -38,23 +38,9 @@ pub fn run(args: &[String]) -> Result<()> {
     if options.screenshot.is_some() {
         install::ensure(&install::BROWSER)?;
     }
-    web::build()?;
-    process::run(process::cargo().args([
-        "build",
-        "--locked",
-        "--release",
-        "--package",
-        "rebounce-cli",
-        "--bin",
-        "rebounce",
-    ]))?;
-    let rebounce = process::target().join("release/rebounce");
+    let rebounce = build()?;
     let scene = options.scene.as_deref().unwrap_or("builtin:cornell-box");
-    let baked = baked(scene);
-    if let Some(dir) = baked.parent() {
-        std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
-    }
-    process::run(Command::new(&rebounce).args(["bake", scene, "--preset", "draft", "-o"]).arg(&baked))?;
+    let baked = bake(&rebounce, scene, "draft", "demo")?;
     let mut view = Command::new(&rebounce);
     view.arg("view").arg(&baked).arg("--no-open");
     match options.screenshot {
@@ -71,28 +57,75 @@ pub fn run(args: &[String]) -> Result<()> {
     }
 }
 
-/// Path of the scene's baked file.
-fn baked(scene: &str) -> PathBuf {
+/// Builds the viewer and the command; returns the command's path.
+///
+/// # Errors
+/// If a build fails.
+pub fn build() -> Result<PathBuf> {
+    web::build()?;
+    process::run(process::cargo().args([
+        "build",
+        "--locked",
+        "--release",
+        "--package",
+        "rebounce-cli",
+        "--bin",
+        "rebounce",
+    ]))?;
+    Ok(process::target().join("release/rebounce"))
+}
+
+/// Bakes a scene into a folder of Cargo's target directory; returns the file's path.
+///
+/// # Errors
+/// If the bake fails.
+pub fn bake(rebounce: &Path, scene: &str, preset: &str, folder: &str) -> Result<PathBuf> {
+    let dir = process::target().join(folder);
+    std::fs::create_dir_all(&dir).with_context(|| dir.display().to_string())?;
+    let baked = dir.join(baked_name(scene));
+    process::run(Command::new(rebounce).args(["bake", scene, "--preset", preset, "-o"]).arg(&baked))?;
+    Ok(baked)
+}
+
+/// Name of the scene's baked file.
+fn baked_name(scene: &str) -> String {
     let name = match scene.strip_prefix("builtin:") {
         Some(name) => name.to_owned(),
         None => Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
     };
-    process::target().join("demo").join(name + ".rbn")
+    name + ".rbn"
 }
 
-/// Starts the server, loads the page in headless Chromium, and writes a screenshot.
-fn screenshot(view: &mut Command, out: &Path) -> Result<()> {
-    let child = view.stdout(Stdio::piped()).spawn().context("rebounce view could not be started")?;
-    let mut server = process::Running(child);
-    let stdout = server.0.stdout.take().context("rebounce view has no output")?;
+/// Running `rebounce view`.
+pub struct Server {
+    /// Address of the page.
+    pub address: String,
+    _process: process::Running,
     // Kept open until the end: a server with closed output would fail on its next output.
+    _output: BufReader<ChildStdout>,
+}
+
+/// Starts `rebounce view`; waits for its address.
+///
+/// # Errors
+/// If the server cannot be started, or prints no address.
+pub fn serve(view: &mut Command) -> Result<Server> {
+    let child = view.stdout(Stdio::piped()).spawn().context("rebounce view could not be started")?;
+    let mut process = process::Running(child);
+    let stdout = process.0.stdout.take().context("rebounce view has no output")?;
     let mut output = BufReader::new(stdout);
     let mut line = String::new();
     output.read_line(&mut line).context("rebounce view")?;
     let address = line.split_whitespace().find(|word| word.starts_with("http://"));
-    let address = address.context("rebounce view printed no address")?;
-    println!("taking a picture of {address}");
-    process::run(web::node().arg("test/screenshot.mjs").arg(address).arg(out))
+    let address = address.context("rebounce view printed no address")?.to_owned();
+    Ok(Server { address, _process: process, _output: output })
+}
+
+/// Starts the server, loads the page in headless Chromium, and writes a screenshot.
+fn screenshot(view: &mut Command, out: &Path) -> Result<()> {
+    let server = serve(view)?;
+    println!("taking a picture of {}", server.address);
+    process::run(web::node().arg("test/screenshot.mjs").arg(&server.address).arg(out))
 }
 
 #[cfg(test)]
@@ -113,7 +146,7 @@ mod tests {
 
     #[test]
     fn baked_files_are_named_after_their_scene() {
-        assert!(baked("builtin:cornell-box").ends_with("demo/cornell-box.rbn"));
-        assert!(baked("some/where/room.v2.glb").ends_with("demo/room.v2.rbn"));
+        assert_eq!(baked_name("builtin:cornell-box"), "cornell-box.rbn");
+        assert_eq!(baked_name("some/where/room.v2.glb"), "room.v2.rbn");
     }
 }

@@ -51,6 +51,13 @@ pub const BROWSER: [Need; 3] = [
     Need { package: "libvulkan1", why: "the Vulkan loader", present: has_vulkan_loader },
 ];
 
+/// Encoder of animated WebP files.
+pub const FILM: [Need; 1] = [Need {
+    package: "webp",
+    why: "makes an animated picture out of frames (img2webp)",
+    present: || process::find(&["img2webp"]).is_some(),
+}];
+
 /// Open MPI, for bakes over several processes, with the packages for building against Open MPI.
 pub const MPI: [Need; 3] = [
     Need {

@@ -257,11 +257,11 @@ mod tests {
         let found = backward(&arrows_of(&[
             ("scene.rs", "fn f() { crate::geometry::cast() }"),
             ("geometry.rs", "use crate::scene::Scene;"),
-            ("render.rs", "use super::transport::T;"),
+            ("verify.rs", "use super::transport::T;"),
             ("transport.rs", ""),
         ]));
         assert_eq!(found.len(), 2, "{found:?}");
-        assert!(found[0].starts_with("render may not use transport"), "{found:?}");
+        assert!(found[0].starts_with("verify may not use transport"), "{found:?}");
         assert!(found[1].starts_with("scene may not use geometry"), "{found:?}");
     }
 }

@@ -12,6 +12,7 @@ mod damage;
 mod demo;
 mod docs;
 mod fidelity;
+mod film;
 mod fuzz;
 mod gate;
 mod install;
@@ -39,6 +40,9 @@ const USAGE: &str = "\
 cargo xtask demo [--scene FILE] [--port N] [--screenshot OUT.png]
                      bakes a scene (builtin:cornell-box), builds the viewer, serves it on 127.0.0.1;
                      with --screenshot: takes a picture in headless Chromium instead, and ends
+cargo xtask film [--scene FILE] [--out OUT.webp]
+                     bakes a scene (builtin:apartment), moves a lamp in headless Chromium, and makes an animated
+                     picture (docs/relight.webp) of at most 3 MB; installs webp
 cargo xtask check    format, lints, rustdoc, layers, names, docs, and the library for wasm; part of all tests
 cargo xtask test [check|native|wasm|page|package|site|install|mpi [NAME]]
                      runs every test, those in the browser and of bakes over several processes included; or
@@ -95,6 +99,7 @@ fn main() -> ExitCode {
 fn dispatch(args: &[String]) -> Result<()> {
     match args.first().map(String::as_str) {
         Some("demo") => demo::run(&args[1..]),
+        Some("film") => film::run(&args[1..]),
         Some("test") => test::run(&args[1..]),
         Some("fidelity") => fidelity::run(&args[1..]),
         Some("bench-kernels") => bench_kernels::run(&args[1..]),

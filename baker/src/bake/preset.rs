@@ -9,7 +9,7 @@ use rebounce_shared::camera::Camera;
 pub enum Preset {
     /// For arranging a scene; takes seconds.
     Draft,
-    /// For publishing; takes a minute or two for a room on two cores.
+    /// For publishing; takes half a minute for a room on two cores.
     #[default]
     Standard,
     /// For stills and close looks.
