@@ -85,7 +85,7 @@ fn stopped_at_any_time_and_resumed_it_is_the_same_file() {
             let path = folder.path().join("a.partial");
             let mut records = 0;
             // Stops at various shares of the remaining work.
-            for share in [0.1, 0.3, 0.5, 0.7, 0.9, 0.2, 0.4, 0.6, 0.8, 0.95, 0.9, 0.95] {
+            for share in [0.1, 0.3, 0.5, 0.7, 0.9, 0.2, 0.4, 0.6, 0.8, 0.95, 0.99, 0.995, 0.998] {
                 let copy = folder.path().join("copy.partial");
                 if records > 0 {
                     std::fs::copy(&path, &copy).unwrap();

@@ -1,5 +1,5 @@
 // node bench/run.mjs COMPARE SCENE.glb SCENE.rbn SHOT.json REFERENCE OUT: frames with a moving light at 1280 x 720,
-// in turns: rebounce-viewer, three.js without global illumination, three.js with VXGI. Writes what was measured to
+// in turns: rebounce-viewer, three.js without global illumination, with VXGI, with LightProbeGrid. Writes what was measured to
 // OUT as JSON. REFERENCE.indirect.a.exr and .b.exr are path-traced pictures of the shot's bounced light, or "-".
 
 import { execFile } from "node:child_process";
@@ -39,18 +39,20 @@ async function error(page, work, name) {
 }
 
 const work = await mkdtemp(path.join(tmpdir(), "rebounce-bench-"));
-const results = { ours: { ms: [] }, three: { ms: [] }, vxgi: { ms: [] } };
-const names = { ours: "ours.html", three: "three.html", vxgi: "three.html?gi" };
+const names = { ours: "ours.html", three: "three.html", vxgi: "three.html?gi", probes: "three.html?probes" };
+/** Slow ones: measured once, and a failure is written down. */
+const SLOW = ["vxgi", "probes"];
+const results = Object.fromEntries(Object.keys(names).map((which) => [which, { ms: [] }]));
 try {
   // Each in a browser of its own, in turns: what else the machine does hits all alike.
   for (let round = 0; round < ROUNDS; round += 1) {
     for (const [which, name] of Object.entries(names)) {
-      if (which === "vxgi" && round > 0) continue;
+      if (SLOW.includes(which) && round > 0) continue;
       const browser = await launch();
       try {
         const page = await open(browser, name);
         await frames(page, 1, 7);
-        results[which].ms.push(...(await frames(page, which === "vxgi" ? 1 : 3, round)));
+        results[which].ms.push(...(await frames(page, SLOW.includes(which) ? 1 : 3, round)));
         if (which === "ours") {
           results.ours.turn = await within("a turn", page.evaluate(() => globalThis.bench.turn(0.1)));
           results.ours.loaded = await page.evaluate(() => globalThis.bench.loadedAt);
@@ -60,8 +62,8 @@ try {
         }
         if (round === 0 && which !== "three") results[which].error = await error(page, work, which);
       } catch (failure) {
-        if (which !== "vxgi") throw failure;
-        results.vxgi.failure = String(failure);
+        if (!SLOW.includes(which)) throw failure;
+        results[which].failure = String(failure);
       } finally {
         await browser.close();
       }

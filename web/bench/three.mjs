@@ -1,5 +1,6 @@
 // The same scene in three.js' WebGPURenderer: Lambert materials, one spot light with a 2048² shadow map; with
-// ?gi, voxel-based global illumination of one bounce (VXGI, 128³). `bench` on the window is what run.mjs calls.
+// ?gi, voxel-based global illumination of one bounce (VXGI, 128³); with ?probes, a LightProbeGrid that is baked anew as
+// the light moves. `bench` on the window is what run.mjs calls.
 
 import * as THREE from "three/webgpu";
 import { diffuseColor, float, mrt, normalView, output, pass, renderOutput, vec4 } from "three/tsl";
@@ -8,6 +9,7 @@ import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 const parameters = new URLSearchParams(location.search);
 const { camera: view, lights } = await (await fetch("/shot.json")).json();
 const gi = parameters.has("gi");
+const probes = parameters.has("probes");
 
 const renderer = new THREE.WebGPURenderer({ antialias: false });
 renderer.setPixelRatio(1);
@@ -76,6 +78,33 @@ if (gi) {
     renderer.setRenderTarget(null);
     const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
     return Array.from(pixels);
+  };
+}
+
+/** Probes along each axis of a LightProbeGrid, and its bounces. */
+const PROBES = [12, 5, 8];
+const BOUNCES = 3;
+if (probes) {
+  const { LightProbeGrid } = await import("three/addons/lighting/LightProbeGrid.js");
+  const box = new THREE.Box3().setFromObject(model);
+  const { x, y, z } = box.getSize(new THREE.Vector3());
+  const grid = new LightProbeGrid(x, y, z, ...PROBES);
+  box.getCenter(grid.position);
+  scene.add(grid);
+  draw = () => {
+    grid.bake(renderer, scene, { bounces: BOUNCES });
+    renderer.render(scene, camera);
+  };
+  indirect = async (width, height) => {
+    const target = new THREE.RenderTarget(width, height, { type: THREE.FloatType });
+    spot.visible = false;
+    renderer.toneMapping = THREE.NoToneMapping;
+    renderer.setRenderTarget(target);
+    renderer.render(scene, camera);
+    renderer.setRenderTarget(null);
+    spot.visible = true;
+    renderer.toneMapping = THREE.AgXToneMapping;
+    return Array.from(await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height));
   };
 }
 

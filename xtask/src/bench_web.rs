@@ -121,6 +121,7 @@ fn table(results: &Value) -> Result<String> {
         ("ours", "rebounce-viewer"),
         ("three", "three.js, no global illumination"),
         ("vxgi", "three.js, VXGI 128³, one bounce"),
+        ("probes", "three.js, LightProbeGrid of 12 x 5 x 8, three more bounces, baked anew"),
     ];
     for (key, label) in names {
         let result = &results[key];
@@ -198,6 +199,7 @@ mod tests {
             },
             "three": { "median": 400.0 },
             "vxgi": {},
+            "probes": {},
         });
         let table = table(&results).unwrap();
         assert!(table.ends_with("frame ratio 1.50"), "{table}");

@@ -261,7 +261,7 @@ mod tests {
             ("transport.rs", ""),
         ]));
         assert_eq!(found.len(), 2, "{found:?}");
-        assert!(found[0].starts_with("verify may not use transport"), "{found:?}");
-        assert!(found[1].starts_with("scene may not use geometry"), "{found:?}");
+        assert!(found[0].starts_with("scene may not use geometry"), "{found:?}");
+        assert!(found[1].starts_with("verify may not use transport"), "{found:?}");
     }
 }

@@ -28,7 +28,7 @@ const TOO_NOISY: u8 = 4;
 
 /// Bakes how light bounces through a glTF scene, so that it can be relit live in a browser.
 #[derive(Parser, Debug)]
-#[command(version, disable_version_flag = true, propagate_version = true)]
+#[command(name = "rebounce", version, disable_version_flag = true, propagate_version = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

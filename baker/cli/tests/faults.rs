@@ -101,7 +101,7 @@ fn a_folder_that_cannot_be_written_is_told_before_the_bake_begins() {
 fn results_replace_nothing_that_is_read_and_nothing_but_files() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let glb = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gltf/plain.glb")).unwrap();
+    let glb = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/gltf/plain.glb")).unwrap();
     // For any file name, and through any path.
     std::fs::write(at("scene.rbn"), &glb).unwrap();
     std::fs::write(at("scene.glb"), &glb).unwrap();
@@ -186,7 +186,7 @@ fn numbers_that_nothing_can_be_baked_with_are_refused_at_once() {
 fn inputs_that_are_gone_or_cut_are_named_and_the_old_file_stays() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let glb = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gltf/plain.glb")).unwrap();
+    let glb = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/gltf/plain.glb")).unwrap();
     let old = at("old.rbn");
     std::fs::write(&old, "the old one").unwrap();
     std::fs::write(at("cut.glb"), &glb[..glb.len() / 2]).unwrap();

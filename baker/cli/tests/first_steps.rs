@@ -10,7 +10,7 @@ use crate::common::program;
 
 const VERBS: [&str; 6] = ["bake", "info", "render", "reference", "compare", "view"];
 /// A scene of few triangles.
-const PLAIN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gltf/plain.glb");
+const PLAIN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/gltf/plain.glb");
 
 fn rebounce(folder: &Path, args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rebounce"));

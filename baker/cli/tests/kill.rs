@@ -125,7 +125,7 @@ fn progress_is_json_on_demand() {
     let lines: Vec<serde_json::Value> =
         text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let stages: Vec<&str> = lines.iter().map(|line| line["stage"].as_str().unwrap()).collect();
-    for stage in ["preparing", "placing points", "tracing links", "adding bounces"] {
+    for stage in ["building BVH", "placing points", "gathering links", "multibounce"] {
         assert!(stages.contains(&stage), "{stage}");
     }
     assert_eq!(stages.last(), Some(&"done"));
