@@ -62,12 +62,15 @@ pub fn run(args: &[String]) -> Result<()> {
     if part == Some("native") {
         return native;
     }
-    let programs = if wanted("wasm") { wasm_tests(toolchain::find()?)? } else { Vec::new() };
-    let browser = browser(&programs, wanted, name);
+    let wasm = if wanted("wasm") { toolchain::find().and_then(wasm_tests) } else { Ok(Vec::new()) };
+    if let Err(error) = &wasm {
+        println!("{error:#}");
+    }
+    let browser = browser(wasm.as_deref().unwrap_or_default(), wanted, name);
     if let Err(error) = &browser {
         println!("{error:#}");
     }
-    checked.and(native).and(browser)
+    checked.and(native).and(wasm.map(drop)).and(browser)
 }
 
 /// `cargo test` of the workspace, in the development profile (optimised). The build includes the programs for the browser
