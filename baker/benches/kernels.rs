@@ -87,9 +87,7 @@ impl Room {
             for _ in 0..operator.later_levels {
                 refiner.level();
             }
-            let matrix = refiner.coarse_matrix();
-            let mut scratch = matrix.scratch();
-            let rows = (0..matrix.count()).map(|i| matrix.row(i, &mut scratch)).collect();
+            let rows = refiner.coarse_matrix().rows();
             refiner.set_coarse(rows);
             refiner.finish()
         };

@@ -52,7 +52,7 @@ pub(super) fn assemble(
         bake: BakeInfo {
             preset: settings.preset.name().to_owned(),
             seed: settings.operator.seed,
-            epsilon: settings.operator.epsilon * settings.operator.reflected,
+            epsilon: settings.operator.epsilon * operator.reflected,
             bounces: operator.bounces,
             rays: operator.rays,
             potential_links: senders as u64 * points.points.len() as u64,

@@ -1,4 +1,4 @@
-//! Placed points in a partial_results: the points of a level, and the cuts and samples of consecutive points.
+//! Placed points as partial results: the points of a level, and the cuts and samples of consecutive points.
 
 use crate::job::bytes::{Reader, lengths, put};
 use crate::job::partial_results::PartialResults;
@@ -19,7 +19,7 @@ pub(super) struct PlacedLevel {
 }
 
 impl PlacedLevel {
-    /// Takes a level from the partial_results.
+    /// Takes a level from the partial results.
     pub fn take(partial_results: &dyn PartialResults, level: usize) -> Option<Self> {
         Self::decode(&partial_results.take(PLACED, level as u64)?)
     }
@@ -66,7 +66,7 @@ pub(super) struct ClippedPoints {
 }
 
 impl ClippedPoints {
-    /// Takes the cuts and samples of points from `first` on from the partial_results.
+    /// Takes the cuts and samples of points from `first` on from the partial results.
     pub fn take(partial_results: &dyn PartialResults, first: usize) -> Option<Self> {
         Self::decode(&partial_results.take(CLIPPED, first as u64)?)
     }

@@ -139,7 +139,7 @@ impl BakeReport {
     }
 
     pub(super) fn describe(&mut self, points: &Points, operator: &Operator, settings: &BakeSettings) {
-        self.reflected = settings.operator.reflected;
+        self.reflected = operator.reflected;
         let counts: Vec<usize> = operator.link_counts().collect();
         self.levels = points
             .levels

@@ -90,7 +90,7 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
     ) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
         let is_first = self.job.communicator.rank() == 0;
         report.processes = self.job.communicator.size() as u64;
-        let (mut points, mut settings) = self.points(&settings, tracker)?;
+        let (mut points, settings) = self.points(&settings, tracker)?;
         report.sender_levels = settings.operator.sender_levels as u64;
         let task = tracker.task(Stage::Hierarchy, None);
         let relations = relate(&points, settings.direct_levels)?;
@@ -119,7 +119,6 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
             return Ok(None);
         }
         let task = tracker.task(Stage::Assemble, None);
-        settings.operator.reflected = operator.reflected;
         tracker.traffic().into_iter().for_each(|sent| report.add_traffic(sent));
         report.describe(&points, &operator, &settings);
         let file = self.file(&settings, &points, &relations, &operator);
@@ -168,7 +167,7 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
         Ok((points, adapted.normalised()))
     }
 
-    /// Places the points of the next level, or takes them from the partial_results.
+    /// Places the points of the next level, or takes them from the partial results.
     fn place_level(&self, placer: &mut Placer<S>, level: usize, tracker: &Tracker) -> Result<(), BakeError> {
         let task = tracker.task(Stage::Points, Some(level));
         if let Some(PlacedLevel { mark, points }) = PlacedLevel::take(self.job.partial_results, level) {
@@ -185,7 +184,7 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
         Ok(())
     }
 
-    /// Finds the cuts and samples of all points, or takes them from the partial_results.
+    /// Finds the cuts and samples of all points, or takes them from the partial results.
     fn clip(&self, points: &mut Points, watch: &dyn Watch) -> Result<(), BakeError> {
         while points.samples.len() < points.points.len() {
             let first = points.samples.len();

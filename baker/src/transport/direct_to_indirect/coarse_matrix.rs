@@ -6,6 +6,7 @@ use super::accumulator::SparseAccumulator;
 use super::{OperatorSettings, tint};
 use crate::transport::operator::IrradianceRow;
 use glam::{Vec3, Vec3A};
+use rayon::prelude::*;
 use rebounce_shared::interpolation::Rows;
 use rebounce_shared::link::{Link, Sent};
 
@@ -52,6 +53,12 @@ impl<'a> CoarseMatrix<'a> {
     /// Number of rows.
     pub fn count(&self) -> usize {
         self.values.len()
+    }
+
+    /// Computes all rows.
+    pub fn rows(&self) -> Vec<IrradianceRow> {
+        let rows = (0..self.count()).into_par_iter();
+        rows.map_init(|| self.scratch(), |scratch, i| self.row(i, scratch)).collect()
     }
 
     /// Returns empty working memory for [`Self::row`].

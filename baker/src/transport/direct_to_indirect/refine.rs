@@ -32,11 +32,7 @@ pub fn refine<S: Surfaces + ?Sized>(
     for _ in &points.levels {
         refiner.level();
     }
-    let matrix = refiner.coarse_matrix();
-    let rows = (0..matrix.count())
-        .into_par_iter()
-        .map_init(|| matrix.scratch(), |scratch, i| matrix.row(i, scratch));
-    let rows = rows.collect();
+    let rows = refiner.coarse_matrix().rows();
     refiner.set_coarse(rows);
     refiner.finish()
 }
