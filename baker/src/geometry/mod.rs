@@ -5,10 +5,12 @@
 //! that data at hits is precomputed instead of evaluated per hit, and [`Tessellate`], so that it can be drawn.
 //! `examples/implicit.rs` bakes metaballs and a quadric.
 
+pub mod emitters;
 pub mod mesh;
 pub mod simplify;
 mod tessellate;
 
+pub use emitters::{Emitter, Emitters};
 pub use tessellate::Tessellate;
 
 use glam::{Vec2, Vec3};
@@ -137,6 +139,11 @@ pub trait Surfaces: Sync {
 
     /// Returns the primitives of the surfaces; `None` if unavailable.
     fn primitives(&self) -> Option<&dyn Primitives> {
+        None
+    }
+
+    /// Returns the emissive triangles; `None` for surfaces without emission.
+    fn emitters(&self) -> Option<&dyn Emitters> {
         None
     }
 }

@@ -7,10 +7,12 @@
 //!
 //! * [`geometry`]: the input; `glass`: transmission and alpha; `triangle`: watertight ray/triangle test;
 //! * `bvh8`, `blas`, `tlas`: acceleration structures; `packet`, `packet_traversal`: bundles of rays;
-//! * `split`: subdivision of large triangles around the detail; `primitives`: triangles by number.
+//! * `split`: subdivision of large triangles around the detail; `primitives`: triangles by number;
+//! * `emitters`: emissive triangles.
 
 mod blas;
 mod bvh8;
+mod emitters;
 pub mod geometry;
 pub(crate) mod glass;
 mod packet;
@@ -24,7 +26,7 @@ mod triangle;
 
 pub use geometry::Geometry;
 
-use crate::geometry::{Hit, Primitives, Ray, Surfaces};
+use crate::geometry::{Emitters, Hit, Primitives, Ray, Surfaces};
 use crate::scene::detail::Exactness;
 use crate::scene::{Scene, SceneError, union};
 use blas::{Blas, LocalRay, TWO_SIDED};
@@ -60,6 +62,8 @@ pub struct TriangleSurfaces {
     exactness: Exactness,
     /// Number of triangles, with every copy counted.
     primitives: u64,
+    /// Numbers of the primitives that emit light.
+    emitters: Vec<u32>,
 }
 
 /// Triangle, without instances or in an instance.
@@ -124,7 +128,7 @@ impl TriangleSurfaces {
             Blas::new(&triangles[range.clone()], colors, range.start as u32, &surfaces, padding)
         };
         let primitives = |model: &Placed| model.triangles.len() as u64 * model.local_from_model.len() as u64;
-        Self {
+        let mut built = Self {
             static_blas: blas(0..end, padding),
             instances: Tlas::new(&models, &bounds, padding, end as u64),
             primitives: end as u64 + models.iter().map(primitives).sum::<u64>(),
@@ -137,7 +141,10 @@ impl TriangleSurfaces {
             high,
             main,
             exactness: Exactness::new(main, (low, high)),
-        }
+            emitters: Vec::new(),
+        };
+        built.emitters = built.find_emitters();
+        built
     }
 
     /// Builds the surfaces of a loaded scene.
@@ -374,5 +381,9 @@ impl Surfaces for TriangleSurfaces {
 
     fn primitives(&self) -> Option<&dyn Primitives> {
         (self.primitives <= MOST_PRIMITIVES).then_some(self as &dyn Primitives)
+    }
+
+    fn emitters(&self) -> Option<&dyn Emitters> {
+        (!self.emitters.is_empty()).then_some(self as &dyn Emitters)
     }
 }
