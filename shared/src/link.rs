@@ -11,6 +11,8 @@
 //!                      bits 23..27  exponent e: amount = (1 + m / 8) · 2^(e - 30), and 0 for e = m = 0
 //!                      bit  31      sign
 //! LaterLink: 8 bytes   the sender's index, and a colour (rgb9e5)
+//! SourceLink: 4 bytes  bits  0..12  the source's index
+//!                      bits 13..31  signed steps: amount = steps · the step of the source
 //! ```
 //!
 //! The senders of a row ascend.
@@ -42,6 +44,39 @@ pub struct LaterLink {
     pub sender: u32,
     /// Irradiance at the receiver per unit irradiance at the sender: rgb9e5.
     pub colour: u32,
+}
+
+/// Link from a [source](crate::rbn::sources): a number of equal steps. Rows of sources hold differences from a prediction
+/// that may be far larger than the value itself, so that a relative rounding error would be too coarse.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct SourceLink(pub u32);
+
+/// Maximum number of sources.
+pub const MAX_SOURCES: usize = 1 << SOURCE_BITS;
+/// Greatest magnitude of [`SourceLink::steps`].
+pub const MAX_STEPS: i32 = u16::MAX as i32;
+const SOURCE_BITS: u32 = 13;
+
+impl SourceLink {
+    /// Packs a number of steps, at most [`MAX_STEPS`] in magnitude.
+    pub fn pack(source: u32, steps: i32) -> Self {
+        debug_assert!((source as usize) < MAX_SOURCES && steps.abs() <= MAX_STEPS);
+        Self(source | (steps as u32) << SOURCE_BITS)
+    }
+
+    /// Number of steps.
+    #[inline]
+    pub fn steps(self) -> i32 {
+        self.0 as i32 >> SOURCE_BITS
+    }
+}
+
+impl Sent for SourceLink {
+    #[inline]
+    fn sender(self) -> usize {
+        self.0 as usize & (MAX_SOURCES - 1)
+    }
 }
 
 impl Link {
@@ -106,6 +141,14 @@ impl Sent for LaterLink {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn source_links_hold_source_and_steps() {
+        for (source, steps) in [(0, 0), (8191, MAX_STEPS), (17, -1), (4095, -MAX_STEPS), (1, 300)] {
+            let link = SourceLink::pack(source, steps);
+            assert_eq!((link.sender(), link.steps()), (source as usize, steps));
+        }
+    }
 
     #[test]
     fn amounts_keep_their_signs_and_three_bits_of_mantissa() {

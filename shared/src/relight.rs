@@ -11,7 +11,8 @@
 
 use crate::baked::BakedScene;
 use crate::interpolation::mean;
-use crate::link::{LaterLink, Sent};
+use crate::link::{LaterLink, Link, Sent, SourceLink};
+use crate::rbn::LinkMatrix;
 use glam::Vec3;
 
 /// Replaces the direct irradiance of every point with children by the mean over the children, from fine levels to
@@ -55,9 +56,29 @@ pub fn add_bounced(scene: &BakedScene, pulled: &mut [Vec3]) {
 /// gathered over the parent's hemisphere; along another normal it would miss light from outside the parent's
 /// hemisphere (6% of the light in a hall of columns).
 pub fn transport(scene: &BakedScene, sent: &[Vec3], count: usize) -> Vec<Vec3> {
+    pushed(scene, &scene.links, count, |link: &Link| link.amount() * sent[link.sender()])
+}
+
+/// Returns the irradiance of every point along its own normal from the [sources](crate::rbn::sources), RGB, without a
+/// bounce; `strengths` has one RGB value per source ([`Sources::strengths`](crate::rbn::sources::Sources::strengths)).
+/// Empty without sources. Points pass it on: it is added to the direct irradiance before [`relight`].
+pub fn from_sources(scene: &BakedScene, strengths: &[Vec3]) -> Vec<Vec3> {
+    if scene.source_links.is_empty() {
+        return Vec::new();
+    }
+    let amount = |link: &SourceLink| link.steps() as f32 * strengths[link.sender()];
+    pushed(scene, &scene.source_links, scene.points.len(), amount)
+}
+
+fn pushed<L: Copy>(
+    scene: &BakedScene,
+    links: &LinkMatrix<L>,
+    count: usize,
+    amount: impl Fn(&L) -> Vec3,
+) -> Vec<Vec3> {
     let mut values: Vec<Vec3> = Vec::with_capacity(count);
-    for (i, row) in scene.links.iter().take(count).enumerate() {
-        let own: Vec3 = row.iter().map(|link| link.amount() * sent[link.sender()]).sum();
+    for (i, row) in links.iter().take(count).enumerate() {
+        let own: Vec3 = row.iter().map(&amount).sum();
         let parents = mean(scene.push().row(i), Vec3::ZERO, |parent| values[parent]);
         values.push(own + parents.unwrap_or(Vec3::ZERO));
     }

@@ -7,6 +7,7 @@ use crate::sampling::Points;
 use crate::scene::steps::{least_step, power_of_two_under, to_steps};
 use crate::scene::{InstancedMesh, Scene};
 use crate::transport::Operator;
+use crate::transport::sources::SourceLinks;
 use crate::weld::canonical_indices;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -25,8 +26,7 @@ pub(super) fn assemble(
     settings: &BakeSettings,
     Staged { lights, cameras, shown }: Staged,
     points: &Points,
-    relations: &Relations,
-    operator: &Operator,
+    (relations, operator, sources): (&Relations, &Operator, SourceLinks),
 ) -> BakedScene {
     let RenderGeometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
@@ -76,6 +76,11 @@ pub(super) fn assemble(
         relations: relations.clone(),
         links: LinkMatrix::from_rows(&operator.links),
         later: LinkMatrix::from_rows(&operator.later),
+        source_links: match sources.links.is_empty() {
+            true => LinkMatrix::default(),
+            false => LinkMatrix::from_rows(&sources.links),
+        },
+        sources: sources.sources,
     }
 }
 

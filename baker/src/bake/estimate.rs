@@ -22,6 +22,8 @@ mod cost {
     pub const COARSE_RAY: f64 = 0.166e-6;
     /// Per ray of the coarse levels: sums the ray hits by coarse point.
     pub const AMONG: f64 = 0.018e-6;
+    /// Per visibility ray to a source.
+    pub const SOURCE_RAY: f64 = 0.2e-6;
     /// Per entry of the coarse rows and per column.
     pub const BOUNCE: f64 = 0.6e-9;
     /// Assembling the file, then packing and writing it: fixed cost, cost per triangle, cost per point.
@@ -186,7 +188,7 @@ impl Estimate {
         let mut add = |stage, level: Option<usize>| {
             let kind = match (stage, level) {
                 (Stage::Links, Some(level)) if level < later_levels => WorkKind::CoarseLinks,
-                (Stage::Links, _) => WorkKind::FineLinks,
+                (Stage::Links | Stage::Sources, _) => WorkKind::FineLinks,
                 (Stage::CoarseMatrix | Stage::Multibounce, _) => WorkKind::Bounces,
                 (Stage::ClipPlanes, _) => WorkKind::Walls,
                 _ => WorkKind::SettingUp,
@@ -222,6 +224,7 @@ impl Estimate {
                 add(Stage::Multibounce, None);
             }
         }
+        add(Stage::Sources, None);
         add(Stage::Assemble, None);
         let prepared = cost::PREPARED[0] + cost::PREPARED[1] * triangles as f64;
         estimate.set(Stage::Bvh, None, triangles as f64, prepared);
@@ -306,6 +309,11 @@ impl Estimate {
         };
         let share = of_kind * self.by_level.get(level).copied().unwrap_or(1.0);
         self.set(Stage::Links, Some(level), rays, share * cost::COARSE_RAY * rays);
+    }
+
+    /// Sets the number of points and rays of the sources.
+    pub(super) fn expect_sources(&mut self, points: usize, rays: u64) {
+        self.set(Stage::Sources, None, points as f64, cost::SOURCE_RAY * rays as f64);
     }
 
     /// Sets the number of columns of later bounces, and the number of entries of the coarse rows.

@@ -13,7 +13,7 @@ impl Identity {
     /// Returns the identity of a bake of `scene` with `settings` by this program.
     pub fn new(scene: &Scene, settings: &BakeSettings) -> Self {
         // Destructured in full, so that no new field is forgotten.
-        let BakeSettings { preset, viewpoints, camera, place, operator, direct_levels } =
+        let BakeSettings { preset, viewpoints, camera, place, operator, sources, direct_levels } =
             settings.clone().normalised();
         let PlaceSettings { levels, coarse_radius, functions, coarse_overlap, fine_overlap, patience, seed } =
             place;
@@ -37,7 +37,7 @@ impl Identity {
             rebounce_shared::SOURCES,
             container::VERSION
         );
-        let parts: [(&str, &dyn Debug); 21] = [
+        let parts: [(&str, &dyn Debug); 22] = [
             ("preset", &preset.name()),
             ("viewpoints", &viewpoints),
             ("camera", &camera),
@@ -59,6 +59,7 @@ impl Identity {
             ("later levels", &later_levels),
             ("far levels", &far_levels),
             ("direct levels", &direct_levels),
+            ("sources", &sources),
         ];
         let mut named = vec![
             ("program".to_owned(), program),

@@ -2,6 +2,7 @@
 
 use crate::sampling::PlaceSettings;
 use crate::transport::OperatorSettings;
+use crate::transport::sources::SourceSettings;
 use rebounce_shared::camera::Camera;
 
 /// Quality and cost of a bake.
@@ -51,6 +52,8 @@ pub struct BakeSettings {
     pub place: PlaceSettings,
     /// How the operator is computed.
     pub operator: OperatorSettings,
+    /// How links from the sky and from emissive surfaces are computed.
+    pub sources: SourceSettings,
     /// Number of levels, starting with the coarsest, whose points sample direct light; minimum: the sender levels. With
     /// more levels, the edge of a moving shadow sweeps more smoothly.
     pub direct_levels: usize,
@@ -82,6 +85,7 @@ impl BakeSettings {
                 levels,
                 seed: 1,
             },
+            sources: SourceSettings::default(),
             direct_levels: levels,
         }
     }

@@ -6,6 +6,7 @@ use crate::job::communicator::share::Traffic;
 use crate::sampling::Points;
 use crate::scene::Scene;
 use crate::transport::Operator;
+use crate::transport::sources::SourceLinks;
 use crate::verify::compare::uncertainty::ErrorEstimate;
 use rebounce_shared::rbn::container::Section;
 use serde::Serialize;
@@ -68,6 +69,14 @@ pub struct BakeReport {
     pub link_share: f64,
     /// Rays cast for the operator.
     pub rays: u64,
+    /// Whether points have links from the sky.
+    pub has_sky: bool,
+    /// Names of the groups of emissive surfaces.
+    pub emissive_groups: Vec<String>,
+    /// Links from the sky and from emissive surfaces.
+    pub source_links: u64,
+    /// Rays cast for them.
+    pub source_rays: u64,
     /// Bounces in the operator.
     pub bounces: u32,
     /// Share of the reflected light that no sender covers.
@@ -168,6 +177,13 @@ impl BakeReport {
         self.link_loss = operator.link_loss;
     }
 
+    pub(super) fn describe_sources(&mut self, found: &SourceLinks) {
+        self.has_sky = found.sources.has_sky;
+        self.emissive_groups = found.sources.groups.iter().map(|group| group.name.clone()).collect();
+        self.source_links = found.links.iter().map(|row| row.len() as u64).sum();
+        self.source_rays = found.rays;
+    }
+
     pub(super) fn add_traffic(&mut self, (stage, level, traffic): StageTraffic) {
         let Traffic { to_first, to_all } = traffic;
         if self.processes > 1 {
@@ -259,6 +275,19 @@ impl fmt::Display for BakeReport {
             self.reflected
         )?;
         writeln!(f, "rays          {:.1} M", self.rays as f64 / 1e6)?;
+        if self.source_rays > 0 {
+            let sky = self.has_sky.then_some("the sky".to_owned());
+            let groups = (!self.emissive_groups.is_empty())
+                .then(|| format!("{} groups of shining surfaces", self.emissive_groups.len()));
+            let sources: Vec<String> = sky.into_iter().chain(groups).collect();
+            writeln!(
+                f,
+                "sources       {}: {} links, {:.1} M rays",
+                sources.join(", "),
+                self.source_links,
+                self.source_rays as f64 / 1e6
+            )?;
+        }
         writeln!(
             f,
             "bounces       {}; a bounce loses {:.3}% of the light where no function is and {:.3}% in links",

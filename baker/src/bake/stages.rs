@@ -16,7 +16,8 @@ use crate::job::watch::{Stopped, Uncounted, Watch};
 use crate::light::direct::at_footprint;
 use crate::sampling::emitter::ParticleEmitter;
 use crate::sampling::{Placer, Points, cut, footprint, openness, place};
-use crate::scene::Scene;
+use crate::scene::{Scene, emissive_groups};
+use crate::transport::sources::{SourceGather, SourceLinks};
 use crate::transport::{Operator, Problem, Solver};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
@@ -76,7 +77,7 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
         };
         let job = Job { reporter: &Quiet(watch), ..Job::default() };
         let operator = self.solver.solve(&problem, &job, &mut |_, _| Ok(()))?;
-        let file = self.file(&settings, &points, &relations, &operator);
+        let file = self.file(&settings, &points, &relations, &operator, SourceLinks::default());
         self.observer.preview(Preview { file, levels: 0 });
         Ok(())
     }
@@ -107,9 +108,12 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
             relations: &relations,
             settings: &settings.operator,
         };
+        let groups = emissive_groups(self.scene);
+        let gather = SourceGather::new(self.surfaces, &points, &relations, &settings.sources, groups);
+        tracker.expect(|estimate| estimate.expect_sources(points.points.len(), gather.rays()));
         let mut preview = |operator: &Operator, levels| {
             if self.observer.wants_previews() {
-                let file = self.file(&settings, &points, &relations, operator);
+                let file = self.file(&settings, &points, &relations, operator, SourceLinks::default());
                 self.observer.preview(Preview { file, levels });
             }
             Ok::<(), Stopped>(())
@@ -118,10 +122,12 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
         if !is_first {
             return Ok(None);
         }
+        let sources = gather.links(&tracker.task(Stage::Sources, None))?;
+        report.describe_sources(&sources);
         let task = tracker.task(Stage::Assemble, None);
         tracker.traffic().into_iter().for_each(|sent| report.add_traffic(sent));
         report.describe(&points, &operator, &settings);
-        let file = self.file(&settings, &points, &relations, &operator);
+        let file = self.file(&settings, &points, &relations, &operator, sources);
         report.is_unlit = !self.is_lit(&file);
         task.step(0)?;
         drop(task);
@@ -222,7 +228,8 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
         points: &Points,
         relations: &Relations,
         operator: &Operator,
+        sources: SourceLinks,
     ) -> BakedScene {
-        assemble(self.scene, settings, self.staged.clone(), points, relations, operator)
+        assemble(self.scene, settings, self.staged.clone(), points, (relations, operator, sources))
     }
 }

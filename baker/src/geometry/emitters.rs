@@ -18,7 +18,7 @@ pub struct Emitter {
 /// Surfaces with emissive triangles.
 pub trait Emitters: Sync {
     /// Returns the number of emissive triangles.
-    fn count(&self) -> usize;
+    fn emitter_count(&self) -> usize;
 
     /// Returns an emissive triangle, by number.
     fn emitter(&self, number: usize) -> Emitter;

@@ -24,6 +24,8 @@ pub enum Stage {
     CoarseMatrix,
     /// Adding later bounces, after the links of the coarse levels. Counts coarse points.
     Multibounce,
+    /// Gathering the links from the sky and from emissive surfaces. Counts points.
+    Sources,
     /// Computing light transport by a solver without stages of its own.
     Transport,
     /// Assembling the file.
@@ -44,6 +46,7 @@ impl Stage {
             Stage::Links => "gathering links",
             Stage::CoarseMatrix => "coarse transport matrix",
             Stage::Multibounce => "multibounce",
+            Stage::Sources => "gathering sources",
             Stage::Transport => "solving transport",
             Stage::Assemble => "assembling file",
         }

@@ -4,12 +4,13 @@
 //! * [`texture`] – pictures and their sampling; `basis_universal` – Basis Universal pictures; `foreign` – pictures of
 //!   formats outside glTF; `orientation` – picture rotations in Exif metadata;
 //! * [`model`] – instanced meshes;
-//! * `colours` – vertex colours;
+//! * `colours` – vertex colours; `emissive` – groups of emissive surfaces;
 //! * [`detail`] – the main part, with nearly all of the detail; [`outliers`] – outliers far from the rest.
 
 mod basis_universal;
 mod colours;
 pub mod detail;
+mod emissive;
 mod error;
 mod foreign;
 pub mod model;
@@ -21,6 +22,7 @@ pub mod texture;
 mod texture_size;
 pub mod world_mesh;
 
+pub use emissive::emissive_groups;
 pub use error::SceneError;
 pub use model::InstancedMesh;
 pub use texture::Texture;

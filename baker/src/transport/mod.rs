@@ -3,12 +3,14 @@
 //! A [`Solver`] takes a [`Problem`] (surfaces, points, hierarchy) and computes a solution, for example the sparse
 //! [`operator`] that relights a scene.
 //!
-//! * [`direct_to_indirect`] – the operator S for moving lights and a still scene (Lehtinen et al. 2008).
+//! * [`direct_to_indirect`] – the operator S for moving lights and a still scene (Lehtinen et al. 2008);
+//! * [`sources`] – links from the sky and from emissive surfaces, which stay in place.
 //!
 //! A solver outside of the crate is as good: `examples/one_bounce.rs`.
 
 pub mod direct_to_indirect;
 pub mod operator;
+pub mod sources;
 
 pub use operator::{Operator, OperatorSettings};
 

@@ -4,12 +4,13 @@ mod check;
 
 use crate::basis::{ParentWeights, Relations};
 use crate::interpolation::Rows;
-use crate::link::{LaterLink, Link};
+use crate::link::{LaterLink, Link, SourceLink};
 use crate::openness::LEVELS;
 use crate::rbn::LinkMatrix;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
 use crate::rbn::meta::{self, Meta};
+use crate::rbn::sources::{self, Sources};
 use crate::rbn::{RbnError, container, extras, shown};
 use std::ops::Range;
 
@@ -41,11 +42,16 @@ pub struct BakedScene {
     pub relations: Relations,
     /// T: from light sent by the senders to irradiance along the points' normals; a row per point of every level.
     pub links: LinkMatrix<Link>,
+    /// Sources with links of their own: sky and emissive surfaces.
+    pub sources: Sources,
+    /// From strengths of the sources to irradiance along the points' normals; a row per point of every level, without
+    /// sources no rows.
+    pub source_links: LinkMatrix<SourceLink>,
     /// H: from irradiance at the points of the coarse levels to irradiance of further bounces at the same points.
     pub later: LinkMatrix<LaterLink>,
 }
 
-use crate::rbn::{COPY_SECTIONS, EXTRAS_SECTION, OPENNESS_SECTION, SECTIONS, SHOWN_SECTION};
+use crate::rbn::{COPY_SECTIONS, EXTRAS_SECTION, OPENNESS_SECTION, SECTIONS, SHOWN_SECTION, SOURCE_SECTIONS};
 
 impl BakedScene {
     /// The points of level `l`.
@@ -164,6 +170,14 @@ impl BakedScene {
         openness.bytes(&self.openness);
         let openness = (!self.openness.is_empty()).then(|| openness.finish(self.openness.len()));
         sections.extend(openness.iter().map(|bytes| (OPENNESS_SECTION, bytes.as_slice())));
+        let sources = sources::encode(&self.sources)?;
+        let source_links = sources
+            .is_some()
+            .then(|| links::encode(&self.source_links.offsets, &self.source_links.links))
+            .unwrap_or_default();
+        if let Some(sources) = &sources {
+            sections.extend(SOURCE_SECTIONS.into_iter().zip([sources.as_slice(), &source_links]));
+        }
         let shown = shown::encode(&self.meta.shown);
         sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
@@ -209,6 +223,8 @@ impl BakedScene {
             relations: Relations::default(),
             links: matrix("LINK", bytes(*b"LINK")?)?,
             later: matrix("LATL", bytes(*b"LATL")?)?,
+            sources: Sources::default(),
+            source_links: LinkMatrix::default(),
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         if has_extras {
@@ -221,6 +237,10 @@ impl BakedScene {
             let openness = reader.bytes_up_to(scene.points.len());
             scene.openness =
                 openness.map_err(|Damaged| RbnError::invalid("OPEN", "its bytes cannot be unpacked"))?;
+        }
+        if sections.iter().any(|s| SOURCE_SECTIONS.contains(&s.name)) {
+            scene.sources = sources::decode(bytes(*b"SRCS")?)?;
+            scene.source_links = matrix("SRCL", bytes(*b"SRCL")?)?;
         }
         if sections.iter().any(|s| s.name == SHOWN_SECTION) {
             let shown = shown::decode(bytes(SHOWN_SECTION)?);

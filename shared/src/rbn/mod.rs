@@ -3,6 +3,7 @@
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);
 //! * [`extras`] – optional material properties; [`shown`] – names, and the ground under an object;
+//! * [`sources`] – the sky and emissive surfaces;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – packing of the sections in the file;
 //! * [`LinkMatrix`] – transport links by receiver;
@@ -18,6 +19,7 @@ pub mod limits;
 mod matrix;
 pub mod meta;
 pub mod shown;
+pub mod sources;
 mod texture;
 
 pub use limits::{LARGEST, MAX_COPIES, MAX_LEVELS, MAX_MATERIALS, MAX_ROW, MAX_TRIANGLES};
@@ -32,6 +34,8 @@ pub const COPY_SECTIONS: [[u8; 4]; 2] = [*b"INST", *b"COPY"];
 pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
 /// Name of the optional section of the points' openness, after the sections above.
 pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
+/// Names of the optional sections of [sources] and of their links, after the sections above.
+pub const SOURCE_SECTIONS: [[u8; 4]; 2] = [*b"SRCS", *b"SRCL"];
 /// Name of the optional section of names and ground, last: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 

@@ -39,7 +39,7 @@ impl TriangleSurfaces {
 }
 
 impl Emitters for TriangleSurfaces {
-    fn count(&self) -> usize {
+    fn emitter_count(&self) -> usize {
         self.emitters.len()
     }
 

@@ -20,7 +20,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::{Light, LightSource};
+use rebounce_shared::light::Light;
+use rebounce_shared::lighting::Lighting;
 use rebounce_shared::openness::{REACH, gain, received};
 use rebounce_shared::relight;
 use std::f32::consts::FRAC_1_PI;
@@ -43,32 +44,62 @@ impl From<Only> for Content {
 
 /// A baked scene, relit by given lights.
 pub struct Relit {
-    lights: Vec<LightSource>,
-    /// Bounced irradiance of every point along the point's normal.
-    irradiance: Vec<Vec3>,
+    lighting: Lighting,
+    /// Light of every point along the point's normal: irradiance of the bounced light, and of the light straight from
+    /// the sky and emissive surfaces.
+    irradiance: Vec<PointLight>,
     basis: Leveled,
     /// Radius of a pixel's openness, scene units; `None` without detail.
     reach: Option<f32>,
+}
+
+/// Irradiance, linear RGB.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointLight {
+    /// Of light that bounced at least once.
+    pub bounced: Vec3,
+    /// Straight from the sky and emissive surfaces.
+    pub from_sources: Vec3,
+}
+
+impl PointLight {
+    fn scaled(self, factor: f32) -> Self {
+        Self { bounced: self.bounced * factor, from_sources: self.from_sources * factor }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self { bounced: self.bounced + other.bounced, from_sources: self.from_sources + other.from_sources }
+    }
 }
 
 /// Rows and columns of the openness rays of a sample.
 const OPENNESS_SIDE: u32 = 2;
 
 impl Relit {
-    /// Relights `scene`. `surfaces` must be the surfaces of the same file. With `detail`, light between the points
-    /// follows the [openness](rebounce_shared::openness) of visible surfaces, if the file has the openness of the
+    /// Relights `scene` by lamps alone. `surfaces` must be the surfaces of the same file. With `detail`, light between the
+    /// points follows the [openness](rebounce_shared::openness) of visible surfaces, if the file has the openness of the
     /// points.
     pub fn new(scene: &BakedScene, surfaces: &impl Surfaces, lights: &[Light], detail: bool) -> Self {
-        let lights: Vec<LightSource> = lights.iter().map(|l| l.source(scene.meta.origin)).collect();
-        let irradiance: Vec<Vec3> = scene.points[..scene.direct_count()]
+        Self::lit(scene, surfaces, Lighting::new(lights, None, scene), detail)
+    }
+
+    /// As [`Self::new`], with all lighting.
+    pub fn lit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: Lighting, detail: bool) -> Self {
+        let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
+        let from_sources = relight::from_sources(scene, &strengths);
+        let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
+        let direct: Vec<Vec3> = scene.points[..scene.direct_count()]
             .par_iter()
-            .map(|point| direct::at_footprint(surfaces, &lights, point))
+            .enumerate()
+            .map(|(i, point)| direct::at_footprint(surfaces, &lighting.lamps, point) + source(i))
             .collect();
-        let mut irradiance = relight::relight(scene, irradiance);
+        let bounced = relight::relight(scene, direct);
+        let light = |(i, bounced)| PointLight { bounced, from_sources: source(i) };
+        let mut irradiance: Vec<PointLight> = bounced.into_iter().enumerate().map(light).collect();
         let finest = scene.meta.levels.last().map_or(0.0, |level| level.support_radius);
         let reach = (detail && !scene.openness.is_empty()).then_some(REACH * finest);
         if reach.is_some() {
-            irradiance.iter_mut().zip(&scene.openness).for_each(|(e, open)| *e *= gain(*open));
+            irradiance.iter_mut().zip(&scene.openness).for_each(|(e, open)| *e = e.scaled(gain(*open)));
         }
         let level = |l: usize| {
             let range = scene.level(l);
@@ -84,32 +115,44 @@ impl Relit {
             Evaluator::new(range.clone().map(support), range.start as u32)
         };
         let basis = Leveled::new((0..scene.meta.levels.len()).map(level).collect());
-        Self { lights, irradiance, basis, reach }
+        Self { lighting, irradiance, basis, reach }
     }
 
     /// Interpolates the points' light at a surface element, RGB, local space: without detail, the irradiance of the
     /// bounced light. Zero where no function of any level covers the position.
     pub fn interpolated(&self, position: Vec3, normal: Vec3) -> Vec3 {
+        self.light_at(position, normal).bounced
+    }
+
+    /// As [`Self::interpolated`], with the light straight from the sky and emissive surfaces.
+    pub fn light_at(&self, position: Vec3, normal: Vec3) -> PointLight {
         let mut weights = Vec::with_capacity(64);
         self.basis.interpolate(position, normal, &mut weights);
-        let sum: Vec3 =
-            weights.iter().map(|(index, weight)| self.irradiance[*index as usize] * *weight).sum();
-        sum.max(Vec3::ZERO)
+        let weighted = |(index, weight): &(u32, f32)| self.irradiance[*index as usize].scaled(*weight);
+        let sum = weights.iter().map(weighted).fold(PointLight::default(), PointLight::plus);
+        PointLight { bounced: sum.bounced.max(Vec3::ZERO), from_sources: sum.from_sources.max(Vec3::ZERO) }
     }
 
     /// RGB irradiance of the bounced light at a ray hit.
     pub fn indirect(&self, surfaces: &impl Surfaces, hit: &Hit, stream: &mut Stream) -> Vec3 {
+        self.light_at_hit(surfaces, hit, stream).bounced
+    }
+
+    fn light_at_hit(&self, surfaces: &impl Surfaces, hit: &Hit, stream: &mut Stream) -> PointLight {
         let open = |reach| {
             let normals = [hit.normal, hit.geometric_normal];
             received(open_share(surfaces, hit.position, normals, reach, OPENNESS_SIDE, stream))
         };
-        self.interpolated(hit.position, hit.normal) * self.reach.map_or(1.0, open)
+        self.light_at(hit.position, hit.normal).scaled(self.reach.map_or(1.0, open))
     }
 
     /// Linear RGB radiance along `ray`, toward its origin.
     pub fn radiance(&self, surfaces: &impl Surfaces, ray: &Ray, only: Only, stream: &mut Stream) -> Vec3 {
         let Some(hit) = surfaces.see(ray, stream.bits() as u32) else {
-            return Vec3::ZERO;
+            let sky = self.lighting.background.as_ref().filter(|_| only != Only::Indirect);
+            return sky.map_or(Vec3::ZERO, |sky| {
+                sky.radiance(ray.direction) * surfaces.tint(ray, f32::INFINITY, true)
+            });
         };
         let tint = surfaces.tint(ray, hit.distance, true);
         if hit.is_unlit {
@@ -117,11 +160,13 @@ impl Relit {
         }
         let mut irradiance = Vec3::ZERO;
         if hit.albedo != Vec3::ZERO {
+            let light = self.light_at_hit(surfaces, &hit, stream);
             if only != Only::Indirect {
-                irradiance += direct::toward_hit(surfaces, &self.lights, &hit, stream);
+                irradiance += direct::toward_hit(surfaces, &self.lighting.lamps, &hit, stream);
+                irradiance += light.from_sources;
             }
             if only != Only::Direct {
-                irradiance += self.indirect(surfaces, &hit, stream);
+                irradiance += light.bounced;
             }
         }
         let emission = if only == Only::All { hit.emission } else { Vec3::ZERO };

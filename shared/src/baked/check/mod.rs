@@ -5,12 +5,13 @@ mod meta;
 use super::BakedScene;
 use crate::interpolation::MAX_POINTS;
 use crate::link::MAX_SENDERS;
-use crate::rbn::RbnError;
 use crate::rbn::bulk::{Copies, Instance, MAX_ALL_CUTS, MAX_CUTS, Point};
 use crate::rbn::codec::links;
 use crate::rbn::limits::{MAX_COPIES, MAX_ROW, MAX_TRIANGLES, all_sane, sane};
 use crate::rbn::meta::Meta;
 use crate::rbn::shown::{GROUND, SIDE, Shown};
+use crate::rbn::sources::{self, Sources};
+use crate::rbn::{LinkMatrix, RbnError};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -80,6 +81,10 @@ impl BakedScene {
         let later = self.later_count();
         check_rows("LINK", &self.links.offsets, &self.links.links, self.points.len(), senders)?;
         check_rows("LATL", &self.later.offsets, &self.later.links, later, later)?;
+        sources::check(&self.sources, m.materials.len())?;
+        let rows = if self.sources == Sources::default() { 0 } else { self.points.len() };
+        let LinkMatrix { offsets, links } = &self.source_links;
+        check_rows("SRCL", offsets, links, rows, self.sources.count())?;
         Ok(())
     }
 }

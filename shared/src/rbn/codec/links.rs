@@ -7,7 +7,7 @@
 
 use super::bits::{BitReader, BitWriter, class, push_rest, take_value};
 use super::{Damaged, Reader, Writer};
-use crate::link::{LaterLink, Link, MAX_SENDERS, Sent};
+use crate::link::{LaterLink, Link, MAX_SENDERS, MAX_SOURCES, Sent, SourceLink};
 
 /// Entry of a row: an index and a value.
 pub trait Beside: Copy {
@@ -47,6 +47,33 @@ impl Beside for Link {
             return Err(Damaged);
         }
         Ok(Self((is_negative as u32) << 31 | (bytes[0] as u32) << 20 | index))
+    }
+}
+
+impl Beside for SourceLink {
+    /// Low and high byte of the number of steps.
+    const BYTES: usize = 2;
+
+    fn index(self) -> u32 {
+        self.sender() as u32
+    }
+
+    fn is_negative(self) -> bool {
+        self.steps() < 0
+    }
+
+    fn split(self, bytes: &mut [Vec<u8>], _: &mut BitWriter) {
+        let [low, high, ..] = self.steps().unsigned_abs().to_le_bytes();
+        bytes[0].push(low);
+        bytes[1].push(high);
+    }
+
+    fn join(index: u32, is_negative: bool, bytes: &[u8], _: &mut BitReader<'_>) -> Result<Self, Damaged> {
+        if index as usize >= MAX_SOURCES {
+            return Err(Damaged);
+        }
+        let steps = i32::from(u16::from_le_bytes([bytes[0], bytes[1]]));
+        Ok(Self::pack(index, if is_negative { -steps } else { steps }))
     }
 }
 

@@ -1,0 +1,21 @@
+//! Groups of emissive surfaces: a light per material.
+
+use super::Scene;
+use rebounce_shared::rbn::sources::EmissiveGroup;
+
+/// Returns the groups of a scene's emissive surfaces, in the order of the materials; their radiance is not yet known.
+pub fn emissive_groups(scene: &Scene) -> Vec<EmissiveGroup> {
+    let mut is_used = vec![false; scene.materials.len()];
+    scene.triangle_material.iter().for_each(|material| is_used[*material as usize] = true);
+    let materials = (0u32..).zip(&scene.materials).zip(is_used);
+    materials
+        .filter(|((_, material), is_used)| {
+            *is_used && material.emission != [0.0; 3] && !material.extras.unlit
+        })
+        .map(|((number, material), _)| EmissiveGroup {
+            name: material.name.clone(),
+            materials: vec![number],
+            ..EmissiveGroup::default()
+        })
+        .collect()
+}

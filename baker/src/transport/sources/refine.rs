@@ -1,0 +1,293 @@
+//! Links from sources to points, level by level, coarsest first: what a receiver gets, less what its parents predict
+//! (paper, Eq. 17 and Fig. 5).
+
+use super::emission::{Emission, GroupSeen};
+use super::emitter_tree::Assigned;
+use super::quantize::Quantizer;
+use super::sky::{Beside, Openings, see_sky};
+use super::{SourceSettings, describe_groups};
+use crate::basis::Relations;
+use crate::geometry::Surfaces;
+use crate::job::watch::{Stopped, Watch};
+use crate::sampling::Points;
+use glam::Vec3;
+use rayon::prelude::*;
+use rebounce_shared::environment::bins::{BINS, SOLID_ANGLE};
+use rebounce_shared::link::{MAX_STEPS, Sent, SourceLink};
+use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
+use std::f32::consts::PI;
+
+/// Ratio of a level's ε to ε of the next finer level, as in the operator.
+const COARSER: f32 = 0.5;
+/// Levels whose receivers are all gathered for.
+const ALL: usize = 2;
+/// Step of a link, as a share of ε on the finest level.
+const STEP: f32 = 0.5;
+/// Rays of a bin that is partly hidden.
+const BIN_RAYS: f32 = 4.0;
+/// Least mean irradiance of the coarsest levels from a sky of unit radiance for which the sky is a source: less comes
+/// through cracks.
+const LEAST_SKY: f32 = 3e-4;
+
+/// Links from the sources of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SourceLinks {
+    /// The sources.
+    pub sources: Sources,
+    /// Links of every point, sources ascending; empty without sources.
+    pub links: Vec<Vec<SourceLink>>,
+    /// Number of rays cast.
+    pub rays: u64,
+}
+
+/// A receiver's result.
+#[derive(Clone, Default)]
+struct Receiver {
+    links: Vec<SourceLink>,
+    /// Represented irradiance by source: the parents' prediction plus the links.
+    value: Vec<f32>,
+    openings: Option<Box<Openings>>,
+    rays: u64,
+}
+
+/// Working memory of a thread.
+struct Scratch {
+    assigned: Vec<Assigned>,
+    seen: Vec<GroupSeen>,
+}
+
+/// Gathers the links from the sky and from emissive surfaces.
+pub struct SourceGather<'a, S: ?Sized> {
+    surfaces: &'a S,
+    points: &'a Points,
+    relations: &'a Relations,
+    settings: &'a SourceSettings,
+    emission: Option<Emission<'a>>,
+    groups: Vec<EmissiveGroup>,
+    beside: Beside,
+    has_sky: bool,
+    /// Irradiance of a step of a link from the sky, per unit radiance.
+    sky_step: f32,
+    /// Mean irradiance of the coarsest level by source, for the sky that of all bins together.
+    typical: Vec<f32>,
+}
+
+impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
+    /// Finds the sources that reach the receivers of the coarsest level. `groups` have names and materials.
+    pub fn new(
+        surfaces: &'a S,
+        points: &'a Points,
+        relations: &'a Relations,
+        settings: &'a SourceSettings,
+        mut groups: Vec<EmissiveGroup>,
+    ) -> Self {
+        let sources = Sources { groups: groups.clone(), ..Sources::default() };
+        let group_of = sources.group_of_materials();
+        let emitters = surfaces.emitters().filter(|_| !groups.is_empty());
+        let mut most = Vec::new();
+        match emitters {
+            Some(emitters) => most = describe_groups(emitters, &group_of, &mut groups),
+            None => groups.clear(),
+        }
+        let mut gather = Self {
+            surfaces,
+            points,
+            relations,
+            settings,
+            emission: emitters.map(|emitters| Emission::new(emitters, group_of)),
+            beside: Beside::new(),
+            has_sky: settings.sky,
+            sky_step: 0.0,
+            typical: Vec::new(),
+            groups,
+        };
+        if let Some(level) = points.levels.first() {
+            gather.measure(level.range(), &most);
+        }
+        gather
+    }
+
+    /// Whether there is a source.
+    pub fn is_any(&self) -> bool {
+        self.has_sky || self.emission.is_some()
+    }
+
+    /// Expected number of rays.
+    pub fn rays(&self) -> u64 {
+        let sky = if self.has_sky { BINS as u64 / 2 } else { 0 };
+        let emission = if self.emission.is_some() { u64::from(self.settings.emitter_rays[1]) } else { 0 };
+        self.points.points.len() as u64 * (sky + emission)
+    }
+
+    /// Computes the links. A unit of `watch` is a point.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub fn links(&self, watch: &dyn Watch) -> Result<SourceLinks, Stopped> {
+        if !self.is_any() {
+            return Ok(SourceLinks::default());
+        }
+        let mut out = SourceLinks {
+            sources: Sources {
+                has_sky: self.has_sky,
+                sky_step: self.sky_step,
+                groups: self.groups.clone(),
+                ..Sources::default()
+            },
+            links: vec![Vec::new(); self.points.points.len()],
+            rays: 0,
+        };
+        let mut before: (usize, Vec<Receiver>) = (0, Vec::new());
+        for (level, place) in self.points.levels.iter().enumerate() {
+            let range = place.range();
+            let receiver = |scratch: &mut Scratch, i: usize| {
+                watch.step(1)?;
+                Ok(self.receiver(level, i, &before, &out.links, scratch))
+            };
+            let found = range.clone().into_par_iter().map_init(|| self.scratch(), receiver);
+            let mut found: Vec<Receiver> = found.collect::<Result<_, Stopped>>()?;
+            for (i, receiver) in range.clone().zip(&mut found) {
+                out.links[i] = std::mem::take(&mut receiver.links);
+                out.rays += receiver.rays;
+            }
+            before = (range.start, found);
+        }
+        Ok(out)
+    }
+
+    fn scratch(&self) -> Scratch {
+        Scratch { assigned: Vec::new(), seen: vec![GroupSeen::default(); self.groups.len()] }
+    }
+
+    /// Measures the typical irradiance from each source at the receivers of the coarsest level, and whether the sky is
+    /// seen at all.
+    fn measure(&mut self, range: std::ops::Range<usize>, most: &[Vec3]) {
+        let count = range.len().max(1) as f32;
+        let totals = |i: usize| {
+            let point = &self.points.points[i];
+            let sky = || see_sky(self.surfaces, point, i, &self.beside, &[], self.settings.seed);
+            let sky: f32 = if self.has_sky { sky().irradiance.iter().sum() } else { 0.0 };
+            let mut scratch = self.scratch();
+            let groups = self.emitted(0, i, &mut scratch).0.to_vec();
+            (sky, groups)
+        };
+        let totals: Vec<(f32, Vec<GroupSeen>)> = range.into_par_iter().map(totals).collect();
+        let sky = totals.iter().map(|total| total.0).sum::<f32>() / count;
+        self.has_sky &= sky >= LEAST_SKY;
+        let mut typical = vec![sky; if self.has_sky { BINS } else { 0 }];
+        for (number, group) in self.groups.iter().enumerate() {
+            let sum: Vec3 = totals.iter().map(|total| total.1[number].irradiance).sum();
+            // A group of one colour is measured in its brightest channel.
+            let mean = sum / count;
+            typical.extend(match group.is_coloured {
+                true => mean.to_array().to_vec(),
+                false => vec![mean.max_element()],
+            });
+        }
+        let mut of_groups = typical[if self.has_sky { BINS } else { 0 }..].iter().copied();
+        let steps = self.groups.iter().zip(most).map(|(group, most)| {
+            let mut next = |most: f32| self.step(of_groups.next().unwrap_or_default(), PI * most);
+            match group.is_coloured {
+                true => most.to_array().map(next),
+                // In the proportions of the colour.
+                false => (*most * (next(most.max_element()) / most.max_element())).to_array(),
+            }
+        });
+        let steps: Vec<[f32; 3]> = steps.collect();
+        self.groups.iter_mut().zip(steps).for_each(|(group, step)| group.step = step);
+        self.sky_step = self.step(if self.has_sky { sky } else { 0.0 }, PI);
+        self.typical = typical;
+    }
+
+    /// Irradiance of a receiver from each group, and the number of rays.
+    fn emitted<'s>(&self, level: usize, i: usize, scratch: &'s mut Scratch) -> (&'s [GroupSeen], u64) {
+        let Some(emission) = &self.emission else { return (&scratch.seen, 0) };
+        let point = &self.points.points[i];
+        let rays = self.emitter_rays(level);
+        let Scratch { assigned, seen, .. } = scratch;
+        let rays = emission.see(self.surfaces, (point, i), rays, self.settings.seed, assigned, seen);
+        (&scratch.seen, rays)
+    }
+
+    fn emitter_rays(&self, level: usize) -> u32 {
+        let [most, least] = self.settings.emitter_rays;
+        (most >> (2 * level).min(31)).max(least)
+    }
+
+    /// Step of links from a source of typical irradiance; `most` is its greatest possible irradiance.
+    fn step(&self, typical: f32, most: f32) -> f32 {
+        (STEP * self.settings.epsilon * typical).max(most / MAX_STEPS as f32)
+    }
+
+    /// ε of a level for a source of typical irradiance.
+    fn epsilon(&self, level: usize, typical: f32) -> f32 {
+        let coarser = self.points.levels.len() - 1 - level;
+        self.settings.epsilon * typical * COARSER.powi(coarser as i32)
+    }
+
+    fn receiver(
+        &self,
+        level: usize,
+        i: usize,
+        before: &(usize, Vec<Receiver>),
+        links: &[Vec<SourceLink>],
+        scratch: &mut Scratch,
+    ) -> Receiver {
+        let row = self.relations.push().row(i);
+        let is_last = level + 1 == self.points.levels.len();
+        // Parents on the level before; a parent of another level counts as unknown.
+        let parent = |point: usize| point.checked_sub(before.0).and_then(|at| before.1.get(at));
+        let total: f32 = row.iter().map(|entry| entry.weight()).sum();
+        let mut value = vec![0.0; self.typical.len()];
+        for entry in row {
+            let Some(parent) = parent(entry.point()) else { continue };
+            let weight = entry.weight() / total;
+            value.iter_mut().zip(&parent.value).for_each(|(value, of)| *value += weight * of);
+        }
+        let parents: Vec<&Openings> =
+            row.iter().filter_map(|entry| parent(entry.point())?.openings.as_deref()).collect();
+        let is_wanted =
+            level < ALL || row.is_empty() || row.iter().any(|entry| !links[entry.point()].is_empty());
+        if !is_wanted {
+            let openings = (!is_last).then(|| parents.first().map(|first| Box::new(**first))).flatten();
+            return Receiver { value, openings, ..Receiver::default() };
+        }
+        let mut out = Receiver::default();
+        if self.has_sky {
+            let point = &self.points.points[i];
+            let seen = see_sky(self.surfaces, point, i, &self.beside, &parents, self.settings.seed);
+            out.rays += seen.rays;
+            let quantizer = Quantizer {
+                epsilon: self.epsilon(level, self.typical[0]),
+                step: self.sky_step,
+                noise: self.settings.significance.powi(2) * SOLID_ANGLE / BIN_RAYS,
+            };
+            quantizer.row(0, &seen.irradiance, &value[..BINS], &mut out.links);
+            out.links.iter().for_each(|link| value[link.sender()] += link.steps() as f32 * self.sky_step);
+            out.openings = (!is_last).then(|| Box::new(seen.openings));
+        }
+        let mut sender = if self.has_sky { BINS } else { 0 };
+        let (seen, rays) = self.emitted(level, i, scratch);
+        out.rays += rays;
+        for (group, seen) in self.groups.iter().zip(seen) {
+            // A group of one colour is measured in its brightest channel.
+            let brightest = Vec3::from(group.step).max_position();
+            for channel in if group.is_coloured { 0..3 } else { brightest..brightest + 1 } {
+                let (step, own) = (group.step[channel], seen.irradiance[channel]);
+                let quantizer =
+                    Quantizer { epsilon: self.epsilon(level, self.typical[sender]), step, noise: 0.0 };
+                let noise = self.settings.significance.powi(2) * seen.variance[channel];
+                if step > 0.0 && (own - value[sender]).powi(2) > noise {
+                    let begin = out.links.len();
+                    quantizer.row(sender as u32, &[own], &[value[sender]], &mut out.links);
+                    out.links[begin..].iter().for_each(|link| value[sender] += link.steps() as f32 * step);
+                }
+                sender += 1;
+            }
+        }
+        if !is_last {
+            out.value = value;
+        }
+        out
+    }
+}
