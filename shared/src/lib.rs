@@ -6,6 +6,7 @@
 //! * [`basis`] – functions that cover a place, parents and children;
 //! * [`footprint`] – sample places of direct light around a point;
 //! * [`openness`] – effect of near surfaces on the light between points;
+//! * [`environment`] – light from infinitely far: pictures, bins, suns, daylight;
 //! * [`exposure`] – limit of the automatic exposure;
 //! * [`octahedral`], [`colour`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
 //! * [`random`] – random numbers as pure functions of their arguments;

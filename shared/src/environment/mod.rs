@@ -1,0 +1,17 @@
+//! Light from infinitely far: environments, their bins, their sun, their packed form, and daylight.
+//!
+//! * [`picture`] – [`Environment`]: equirectangular radiance, orientation, rotation, reduction;
+//! * [`bins`] – equal-area bins of the sphere, and an environment's mean radiance in each;
+//! * [`sun`] – a disk too small and bright for the bins becomes a directional light;
+//! * [`packed`] – the form that travels in a file;
+//! * [`daylight`] – analytic sky and sun of a clear day.
+
+pub mod bins;
+pub mod daylight;
+pub mod packed;
+pub mod picture;
+pub mod sun;
+
+pub use packed::{PackedEnvironment, PackedEnvironmentError};
+pub use picture::{Environment, environment_from_world, world_from_environment};
+pub use sun::{Sun, extract_sun};
