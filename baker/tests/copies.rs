@@ -149,7 +149,7 @@ fn the_bounced_light_and_the_file_are_those_of_a_scene_without_models() {
     assert!((ours / theirs - 1.0).abs() < 0.02, "{ours}, {theirs}");
     // The file contains the model, and is smaller accordingly.
     let (bytes, more) = (baked.to_bytes().unwrap(), truth.to_bytes().unwrap());
-    assert_eq!([baked.version(), truth.version()], [rbn::container::VERSION; 2]);
+    assert_eq!([baked.version(), truth.version()], [rbn::container::PUNCTUAL_LIGHTS; 2]);
     let read = BakedScene::from_bytes(&bytes).unwrap();
     assert_eq!(read, baked);
     assert_eq!(read.triangles_placed(), scene.triangles_placed());

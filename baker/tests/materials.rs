@@ -119,7 +119,7 @@ fn a_texture_says_where_light_goes_through() {
     // The baked file must have the same transmittance.
     let (file, _) = bake(&scene, &quick(), &()).unwrap();
     let file = BakedScene::from_bytes(&file.to_bytes().unwrap()).unwrap();
-    assert_eq!(file.version(), rbn::container::VERSION);
+    assert_eq!(file.version(), rbn::container::PUNCTUAL_LIGHTS);
     assert_eq!(file.meta.materials, scene.materials);
     let kept = TriangleSurfaces::from_baked(&file).unwrap();
     let [from, to] = [-1.5, -0.5].map(|x| vec3(x, 0.5, 0.2) - DVec3::from(scene.origin).as_vec3());

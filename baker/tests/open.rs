@@ -80,7 +80,7 @@ fn error(scene: &Scene, baked: &BakedScene, from: Vec3) -> f64 {
         radius_deg: 0.0,
     };
     let lamp = Light::Point { position: [-3.0, 3.0, -3.0], intensity: 30.0, color: [1.0; 3], radius: 0.0 };
-    let shot = Shot { scene: None, size: [96, 72], camera, lights: vec![sun, lamp] };
+    let shot = Shot::new([96, 72], camera, vec![sun, lamp]);
     let judge = Judge::new(scene, &shot, None, || ()).unwrap();
     let verdict = judge.verdict(&judge.picture(baked).unwrap()).unwrap();
     // An end of the interval, or the check below would pass on noise.

@@ -3,6 +3,7 @@
 //! ```json
 //! { "size": [320, 180],
 //!   "camera": { "position": [0, 1, 4], "target": [0, 1, 0], "up": [0, 1, 0], "yfov_deg": 60 },
+//!   "emission": 1,
 //!   "lights": [ { "type": "spot", "position": [0, 2, 0], "direction": [0, -1, 0],
 //!                 "outer_cone_deg": 40, "intensity": 60, "color": [1, 1, 1] } ] }
 //! ```
@@ -21,11 +22,87 @@ pub struct Shot {
     pub size: [u32; 2],
     /// Camera of the picture.
     pub camera: Camera,
-    /// Lights of the scene; without lights the picture is black.
+    /// Factor of the emission of all surfaces.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub emission: f64,
+    /// Lights of the scene; without lights, and without surfaces that shine, the picture is black.
     #[serde(default)]
     pub lights: Vec<Light>,
+    /// Names of the lights, empty for lights without; may be shorter than `lights`. In SHOT.json, a member of the light.
+    #[serde(skip)]
+    pub light_names: Vec<String>,
+}
+
+impl Shot {
+    /// Returns a shot without names, whose surfaces shine as the scene says.
+    pub fn new(size: [u32; 2], camera: Camera, lights: Vec<Light>) -> Self {
+        Self { scene: None, size, camera, emission: 1.0, lights, light_names: Vec::new() }
+    }
+
+    /// Resolves the names of emissive lights to numbers of groups of shining surfaces, by the names of the scene's
+    /// groups. A light without a name keeps its number.
+    ///
+    /// # Errors
+    /// A description of the light that has no group, with the names that there are.
+    pub fn resolve_groups(&mut self, group_names: &[String]) -> Result<(), String> {
+        for (i, light) in self.lights.iter_mut().enumerate() {
+            let Light::Emissive { group, .. } = light else { continue };
+            let name = self.light_names.get(i).map_or("", String::as_str);
+            let found = match name {
+                "" => group_names.get(*group as usize).map(|_| *group),
+                name => (0..).zip(group_names).find(|(_, group)| *group == name).map(|(number, _)| number),
+            };
+            *group = found.ok_or_else(|| {
+                let wanted =
+                    if name.is_empty() { format!("number {group}") } else { format!("named {name:?}") };
+                let there = match group_names {
+                    [] => "no surface of the scene shines".to_owned(),
+                    names => format!("there can be {}", names.join(", ")),
+                };
+                format!("light {i}: the scene has no group of shining surfaces {wanted}; {there}")
+            })?;
+        }
+        Ok(())
+    }
 }
 
 fn default_size() -> [u32; 2] {
     [640, 360]
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(factor: &f64) -> bool {
+    *factor == 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_found_by_name_and_what_there_is_is_listed() {
+        let camera =
+            Camera { position: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
+        let group = |group| Light::Emissive { group, intensity: 1.0, color: [1.0; 3] };
+        let named = |names: &[&str], lights: &[Light]| Shot {
+            light_names: names.iter().map(|name| (*name).to_owned()).collect(),
+            ..Shot::new([1; 2], camera.clone(), lights.to_vec())
+        };
+        let there = ["lamp", "screen"].map(str::to_owned);
+        let mut shot = named(&["screen"], &[group(0), group(1)]);
+        shot.resolve_groups(&there).unwrap();
+        assert_eq!(shot.lights, [group(1), group(1)]);
+        let said = named(&["", "tube"], &[group(0), group(0)]).resolve_groups(&there).unwrap_err();
+        assert!(
+            said.contains("light 1") && said.contains("\"tube\"") && said.contains("lamp, screen"),
+            "{said}"
+        );
+        let said = named(&[], &[group(2)]).resolve_groups(&there).unwrap_err();
+        assert!(said.contains("number 2") && said.contains("lamp, screen"), "{said}");
+        let said = named(&[], &[group(0)]).resolve_groups(&[]).unwrap_err();
+        assert!(said.contains("no surface of the scene shines"), "{said}");
+    }
 }

@@ -64,6 +64,54 @@ fn light(x: f64, intensity: f64, cone: f64) -> Light {
     }
 }
 
+fn sphere(radius: f64, intensity: f64) -> Light {
+    Light::Sphere { position: [0.0; 3], radius, intensity, color: [1.0; 3] }
+}
+
+/// A light of every kind that is not punctual.
+fn others() -> Vec<Light> {
+    let (position, direction, color) = ([0.5, 1.0, 0.25], [0.0, -1.0, 0.5], [1.0, 0.5, 0.25]);
+    let file = Some("sky.hdr".to_owned());
+    vec![
+        Light::Rectangle {
+            position,
+            direction,
+            up: [1.0, 0.0, 0.0],
+            width: 2.0,
+            height: 0.5,
+            intensity: 8.0,
+            color,
+        },
+        Light::Disk { position, direction, radius: 0.25, intensity: 6.0, color },
+        sphere(0.125, 20.0),
+        Light::Environment { file, rotation_deg: 30.0, intensity: 1.5, color },
+        Light::Emissive { group: 3, intensity: 0.5, color },
+    ]
+}
+
+#[test]
+fn lights_that_are_not_punctual_have_a_version_of_their_own() {
+    let plain = scene().to_bytes().unwrap();
+    for light in others() {
+        let mut scene = scene();
+        scene.meta.lights.push(light);
+        assert_eq!(scene.version(), container::VERSION);
+        let mut bytes = scene.to_bytes().unwrap();
+        assert_eq!(container::version(&bytes), Some(container::VERSION));
+        assert_eq!(BakedScene::from_bytes(&bytes).unwrap(), scene);
+        // A file that calls itself older is refused; readers of that version do not know the light.
+        let sections = container::read(&bytes).unwrap();
+        let parts: Vec<_> = sections.iter().map(|s| (s.name, &bytes[s.offset..s.offset + s.len])).collect();
+        let error =
+            BakedScene::from_bytes(&container::write(container::PUNCTUAL_LIGHTS, &parts)).unwrap_err();
+        assert!(error.to_string().contains("META"), "{error}");
+        // An older reader says that the file is newer.
+        bytes[8] = container::VERSION as u8 + 1;
+        assert_eq!(BakedScene::from_bytes(&bytes).unwrap_err().code(), "newer-version");
+    }
+    assert_eq!(container::version(&plain), Some(container::PUNCTUAL_LIGHTS));
+}
+
 #[test]
 fn a_scene_that_keeps_the_rules_survives_the_file() {
     let scene = scene();
@@ -74,7 +122,7 @@ fn a_scene_that_keeps_the_rules_survives_the_file() {
 
 #[test]
 fn files_of_older_weights_are_of_the_least_version_that_holds_them() {
-    assert_eq!(scene().version(), container::VERSION);
+    assert_eq!(scene().version(), container::PUNCTUAL_LIGHTS);
     let mut scene = BakedScene { parent_weights: ParentWeights::Shepard, ..scene() };
     scene.relate().unwrap();
     assert_eq!(scene.version(), container::WITHOUT_COPIES);
@@ -123,7 +171,7 @@ fn files_of_older_weights_are_of_the_least_version_that_holds_them() {
 #[test]
 fn every_broken_rule_is_refused_by_its_section() {
     type Break = fn(&mut BakedScene);
-    let breaks: [(&str, Break); 57] = [
+    let breaks: [(&str, Break); 62] = [
         ("META", |s| s.meta.origin[1] = f64::NAN),
         ("META", |s| s.meta.cameras.clear()),
         ("META", |s| s.meta.levels[1].first = 7),
@@ -156,6 +204,14 @@ fn every_broken_rule_is_refused_by_its_section() {
         ("META", |s| s.meta.cameras[0].target[1] = f64::INFINITY),
         ("META", |s| s.meta.cameras[0].position[2] = 1e16),
         ("META", |s| s.meta.cameras[0].yfov_deg = f64::NAN),
+        ("META", |s| s.meta.lights.push(sphere(0.0, 1.0))),
+        ("META", |s| s.meta.lights.push(sphere(-1.0, 1.0))),
+        ("META", |s| s.meta.lights.push(sphere(1.0, -1.0))),
+        ("META", |s| s.meta.lights.push(sphere(1.0, f64::NAN))),
+        ("META", |s| {
+            s.meta.lights.push(sphere(1.0, 1.0));
+            s.parent_weights = ParentWeights::Shepard;
+        }),
         ("META", |s| s.meta.lights[0] = light(f64::NAN, 1.0, 30.0)),
         ("META", |s| s.meta.lights[0] = light(1e16, 1.0, 30.0)),
         ("META", |s| s.meta.lights[0] = light(0.0, 1e300, 30.0)),

@@ -2,6 +2,7 @@
 //! in 16-bit floats.
 
 use crate::draw_batch::{DrawBatch, instances};
+use crate::shadow_fit::sources;
 use glam::{Vec3, Vec4};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
@@ -75,8 +76,7 @@ pub fn layers(scene: &BakedScene, runs: &[DrawBatch]) -> u32 {
 pub fn unit(meta: &Meta, lights: &[Light], [low, high]: [Vec3; 2]) -> f32 {
     let distance_squared = (high - low).length_squared() / 16.0;
     let mut typical = 0.0f32;
-    for light in lights {
-        let source = light.source(meta.origin);
+    for source in sources(lights, meta.origin) {
         let area = if source.is_far() { 1.0 } else { distance_squared };
         typical += source.intensity.max_element() / (area * std::f32::consts::PI);
     }

@@ -2,7 +2,7 @@
 
 use bytemuck::NoUninit;
 use glam::{Mat4, Vec3};
-use rebounce_shared::light::LightSource;
+use rebounce_shared::light::{Light, LightSource};
 
 /// Cascades of a directional light.
 pub const CASCADES: u32 = 3;
@@ -38,6 +38,17 @@ impl LightRecord {
     pub fn shines(&self) -> bool {
         self.source.intensity != Vec3::ZERO
     }
+}
+
+/// Returns the lights that the GPU's passes know: point, spot and directional lights. All others stop here; a light's
+/// number on the GPU is its place among these.
+pub fn known(lights: &[Light]) -> impl Iterator<Item = &Light> {
+    lights.iter().filter(|light| light.kind().is_punctual())
+}
+
+/// Returns the [known] lights, prepared for scene-local space.
+pub fn sources(lights: &[Light], origin: [f64; 3]) -> Vec<LightSource> {
+    known(lights).map(|light| light.source(origin)).collect()
 }
 
 /// The lights' records and one `clip_from_local` per layer of the shadow maps.
@@ -267,6 +278,20 @@ mod tests {
             assert!((depths[0] - depths[1]).abs() < 1e-5 && (0.0..=1.0).contains(&depths[0]), "{depths:?}");
         }
         assert_eq!(Extent::new(all, all).detail, None);
+    }
+
+    #[test]
+    fn lights_with_a_surface_reach_no_pass() {
+        let (position, color) = ([1.0, 2.0, 3.0], [1.0; 3]);
+        let lights = [
+            Light::Sphere { position, radius: 1.0, intensity: 1.0, color },
+            Light::Point { position, intensity: 1.0, color, radius: 0.0 },
+            Light::Environment { file: None, rotation_deg: 0.0, intensity: 1.0, color },
+            Light::Emissive { group: 0, intensity: 1.0, color },
+        ];
+        assert!(known(&lights).eq([&lights[1]]));
+        let fit = fit(&sources(&lights, [0.0; 3]), &plain(Vec3::ZERO, Vec3::ONE), 1e-3, 512);
+        assert_eq!((fit.lights.len(), fit.matrices.len()), (1, 6));
     }
 
     #[test]

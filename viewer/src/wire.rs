@@ -3,8 +3,9 @@
 //!
 //! ```text
 //! camera  10 numbers  position, target, up: three each; yfov_deg
-//! light   14 numbers  kind (0 point, 1 spot, 2 directional); its fields by their places in the table of kinds
-//!                     (shared/src/light/kinds.rs): zero where the kind has no such field, NaN where it is absent
+//! light   17 numbers  kind (0 point, 1 spot, 2 directional, …); its fields by their places in the table of kinds
+//!                     (shared/src/light/kinds.rs): zero where the kind has no such field, NaN where it is absent;
+//!                     texts are left to the page
 //! ```
 
 use crate::error::ViewerError;

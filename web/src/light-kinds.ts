@@ -47,8 +47,79 @@ export interface DirectionalLight extends Named {
   radius_deg?: number;
 }
 
+/** Shines from the front of a rectangle, equally bright from everywhere. */
+export interface RectangleLight extends Named {
+  type: "rectangle";
+  /** The middle, world space. */
+  position: Triple;
+  /** The normal, the way the light travels; any length. */
+  direction: Triple;
+  /** Along the height, any length; y, or x where the direction is nearly vertical, when absent or zero. */
+  up?: Triple;
+  /** Scene units. */
+  width: number;
+  /** Scene units. */
+  height: number;
+  /** Radiance, nits. */
+  intensity: number;
+  /** Linear RGB; white when absent. */
+  color?: Triple;
+}
+
+/** Shines from the front of a disk, equally bright from everywhere. */
+export interface DiskLight extends Named {
+  type: "disk";
+  /** The middle, world space. */
+  position: Triple;
+  /** The normal, the way the light travels; any length. */
+  direction: Triple;
+  /** Scene units. */
+  radius: number;
+  /** Radiance, nits. */
+  intensity: number;
+  /** Linear RGB; white when absent. */
+  color?: Triple;
+}
+
+/** Shines from a sphere, equally bright from everywhere. */
+export interface SphereLight extends Named {
+  type: "sphere";
+  /** The middle, world space. */
+  position: Triple;
+  /** Scene units. */
+  radius: number;
+  /** Radiance, nits. */
+  intensity: number;
+  /** Linear RGB; white when absent. */
+  color?: Triple;
+}
+
+/** Shines from all directions, infinitely far: as a picture says, or equally. */
+export interface EnvironmentLight extends Named {
+  type: "environment";
+  /** Picture of the directions, relative to the file that names it; equal in all directions when absent. */
+  file?: string;
+  /** Turn about the y axis, counterclockwise seen from above, degrees; 0 when absent. */
+  rotation_deg?: number;
+  /** Factor of the picture's radiance, or the radiance, nits; 1 when absent. */
+  intensity: number;
+  /** Linear RGB; white when absent. */
+  color?: Triple;
+}
+
+/** Shines as a group of the scene's surfaces does. */
+export interface EmissiveLight extends Named {
+  type: "emissive";
+  /** Number of the group; 0 when absent. */
+  group?: number;
+  /** Factor of the surfaces' emission; 1 when absent. */
+  intensity: number;
+  /** Linear RGB; white when absent. */
+  color?: Triple;
+}
+
 /** Any light. */
-export type Light = PointLight | SpotLight | DirectionalLight;
+export type Light = PointLight | SpotLight | DirectionalLight | RectangleLight | DiskLight | SphereLight | EnvironmentLight | EmissiveLight;
 
 /** A field of lights. */
 export interface Field {
@@ -57,8 +128,8 @@ export interface Field {
   row: string;
   /** Where its first number is in a light's list of numbers. */
   at: number;
-  /** How many numbers it has. */
-  width: 1 | 3;
+  /** How many numbers it has; none of a text. */
+  width: 0 | 1 | 3;
   /** What it is when absent, NaN where a light may be without; it must be there when this is absent. */
   absent?: number | Triple;
   /** Of a new light; what is absent follows from where it stands, or is the default. */
@@ -75,12 +146,14 @@ export interface Kind {
   listed: string;
   /** Units of the intensity; the first is that of the member. */
   units: readonly string[];
+  /** Whether it is a kind of KHR_lights_punctual: the picture shows no direct light of others. */
+  punctual: boolean;
   /** In the order of links. */
   fields: readonly Field[];
 }
 
 /** Numbers of a light: its kind's place in the table, then its fields. */
-export const LIGHT = 14;
+export const LIGHT = 17;
 /** Where the size is among them, whatever the kind calls it. */
 export const SIZE = 13;
 
@@ -92,6 +165,14 @@ const direction: Field = { name: "direction", row: "Direction", at: 4, width: 3,
 const outer_cone_deg: Field = { name: "outer_cone_deg", row: "Outer angle, degrees", at: 7, width: 1, fresh: 40, max: 90 };
 const inner_cone_deg: Field = { name: "inner_cone_deg", row: "Inner angle, degrees", at: 8, width: 1, absent: NaN, fresh: 30, max: 90 };
 const radius_deg: Field = { name: "radius_deg", row: "Size: radius, degrees", at: 13, width: 1, absent: 0, max: 30 };
+const up: Field = { name: "up", row: "Up", at: 14, width: 3, absent: [0, 0, 0] };
+const width: Field = { name: "width", row: "Width", at: 7, width: 1, fresh: 1 };
+const height: Field = { name: "height", row: "Height", at: 8, width: 1, fresh: 1 };
+const disk_radius: Field = { name: "radius", row: "Radius", at: 13, width: 1, fresh: 0.2 };
+const file: Field = { name: "file", row: "File", at: 0, width: 0, absent: NaN };
+const rotation_deg: Field = { name: "rotation_deg", row: "Rotation, degrees", at: 7, width: 1, absent: 0 };
+const environment_intensity: Field = { name: "intensity", row: "Factor", at: 9, width: 1, absent: 1 };
+const group: Field = { name: "group", row: "Group", at: 7, width: 1, absent: 0 };
 
 /** The kinds in the order of their numbers. */
 export const KINDS: Record<Light["type"], Kind> = {
@@ -99,18 +180,56 @@ export const KINDS: Record<Light["type"], Kind> = {
     called: "Lamp",
     listed: "point",
     units: ["candela", "lumen"],
+    punctual: true,
     fields: [position, intensity, color, radius],
   },
   spot: {
     called: "Spot",
     listed: "spot",
     units: ["candela", "lumen"],
+    punctual: true,
     fields: [position, direction, outer_cone_deg, inner_cone_deg, intensity, color, radius],
   },
   directional: {
     called: "Sun",
     listed: "sun",
     units: ["lux"],
+    punctual: true,
     fields: [direction, intensity, color, radius_deg],
+  },
+  rectangle: {
+    called: "Rectangle",
+    listed: "rectangle",
+    units: ["nit"],
+    punctual: false,
+    fields: [position, direction, up, width, height, intensity, color],
+  },
+  disk: {
+    called: "Disk",
+    listed: "disk",
+    units: ["nit"],
+    punctual: false,
+    fields: [position, direction, disk_radius, intensity, color],
+  },
+  sphere: {
+    called: "Sphere",
+    listed: "sphere",
+    units: ["nit"],
+    punctual: false,
+    fields: [position, disk_radius, intensity, color],
+  },
+  environment: {
+    called: "Environment",
+    listed: "environment",
+    units: ["factor"],
+    punctual: false,
+    fields: [file, rotation_deg, environment_intensity, color],
+  },
+  emissive: {
+    called: "Surfaces",
+    listed: "surfaces",
+    units: ["factor"],
+    punctual: false,
+    fields: [group, environment_intensity, color],
   },
 };

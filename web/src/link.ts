@@ -19,10 +19,13 @@ export interface LinkState {
 /** Attributes that go into a link. */
 export const LINK_SETTINGS = ["exposure", "auto-exposure", "tone-mapping", "mode"] as const;
 
-/** The size of a kind of light, which stands beside it in a link, and the fields that follow; a name may come last. */
+/**
+ * The size of a kind of light, which stands beside it in a link, and the fields that follow; a name may come last. A link
+ * holds no other text.
+ */
 function form(type: Light["type"]): { size: Field | undefined; fields: Field[] } {
   const { fields } = KINDS[type];
-  return { size: fields.find(isSize), fields: fields.filter((field) => !isSize(field)) };
+  return { size: fields.find(isSize), fields: fields.filter((field) => !isSize(field) && field.width > 0) };
 }
 
 const isSize = ({ at }: Field) => at === SIZE;

@@ -136,7 +136,7 @@ export class LightFields {
       const ahead = button("Aim where the camera looks", () => this.#desk.aim());
       this.nodes.push(make("div", { class: "buttons" }, pick, ahead));
     }
-    const get = (light: Light) => (light as unknown as Members)[name] as Triple;
+    const get = (light: Light) => ((light as unknown as Members)[name] ?? [0, 0, 0]) as Triple;
     const axes = ["x", "y", "z"].map((axis, i) => {
       const set = (value: number) => {
         const now = [...get(this.#desk.now())] as Triple;

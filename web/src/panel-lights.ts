@@ -28,9 +28,10 @@ export class LightList implements Section {
   #desk: Desk;
   #list = make("ul", { class: "lights" });
   #box = make("div", { class: "fields" });
-  #add = Object.entries(KINDS).map(([type, { called }]) =>
-    button(`Add ${called.toLowerCase()}`, () => this.#new(type as Light["type"])),
-  );
+  /** Of kinds whose direct light the picture shows. */
+  #add = Object.entries(KINDS)
+    .filter(([, { punctual }]) => punctual)
+    .map(([type, { called }]) => button(`Add ${called.toLowerCase()}`, () => this.#new(type as Light["type"])));
   #entries: Entry[] = [];
   #fields: LightFields | undefined;
   #chosen = -1;

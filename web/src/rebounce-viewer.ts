@@ -19,7 +19,21 @@ export type { AnimatedProperty, LightAnimation, LightTrack } from "./animation.j
 export type { Backdrop, CameraControls, Display, Interaction, Mode, Overlay, ToneMapping } from "./attributes.js";
 export type { RebounceEventMap } from "./events.js";
 export type { PlayOptions } from "./player.js";
-export type { Camera, DirectionalLight, Light, NamedCamera, PointLight, Shot, SpotLight, Triple } from "./shot.js";
+export type {
+  Camera,
+  DirectionalLight,
+  DiskLight,
+  EmissiveLight,
+  EnvironmentLight,
+  Light,
+  NamedCamera,
+  PointLight,
+  RectangleLight,
+  Shot,
+  SphereLight,
+  SpotLight,
+  Triple,
+} from "./shot.js";
 export type { Counts, Stats } from "./stats.js";
 
 /** How a picture is saved. */

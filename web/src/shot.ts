@@ -3,7 +3,17 @@
 
 import type { Light } from "./light-kinds.js";
 
-export type { DirectionalLight, Light, PointLight, SpotLight } from "./light-kinds.js";
+export type {
+  DirectionalLight,
+  DiskLight,
+  EmissiveLight,
+  EnvironmentLight,
+  Light,
+  PointLight,
+  RectangleLight,
+  SphereLight,
+  SpotLight,
+} from "./light-kinds.js";
 
 /** Three numbers: a position, a direction or a colour. */
 export type Triple = [number, number, number];

@@ -63,6 +63,10 @@ function lightNumbers(lights: readonly Light[]): Float64Array {
     list[0] = kind;
     for (const { name, at: first, width, absent } of KINDS[TYPES[kind] as Light["type"]].fields) {
       const what = `${at}.${name}`;
+      if (width === 0) {
+        if (typeof (own[name] ?? "") !== "string") throw wrong(what, "must be a text");
+        continue;
+      }
       // What a light may be without may be null.
       const value = Number.isNaN(absent) ? (own[name] ?? undefined) : own[name];
       list.set(width === 3 ? numbers(what, value, 3, absent as Triple) : [number(what, value, absent as number)], first);
@@ -78,8 +82,9 @@ function lightsOf(numbers: Float64Array): Light[] {
     const type = TYPES[list[0] as number] as Light["type"];
     const light: Record<string, unknown> = { type };
     for (const { name, at, width, absent } of KINDS[type].fields) {
+      if (width === 0) continue;
       const value = width === 3 ? [...list.subarray(at, at + 3)] : list[at];
-      if (value !== absent && !Number.isNaN(value)) light[name] = value;
+      if (name === "intensity" || (value !== absent && !Number.isNaN(value))) light[name] = value;
     }
     return light as unknown as Light;
   });
@@ -88,8 +93,11 @@ function lightsOf(numbers: Float64Array): Light[] {
 /** Names of the file's lights and then of its cameras; none where nothing has a name. Each ends with a zero. */
 const fileNames = (viewer: Viewer): string[] => viewer.names().split("\0").slice(0, -1);
 
-/** Names of viewers' lights, which the wasm module leaves to the page. */
-const names = new WeakMap<Viewer, (string | undefined)[]>();
+/** Texts of a light: its name, and fields that are no numbers. */
+type Texts = Record<string, string>;
+
+/** Texts of viewers' lights, which the wasm module leaves to the page. */
+const texts = new WeakMap<Viewer, Texts[]>();
 
 /** The file's cameras. */
 export function camerasIn(viewer: Viewer): NamedCamera[] {
@@ -102,27 +110,36 @@ export function camerasIn(viewer: Viewer): NamedCamera[] {
 /** The present camera and lights. */
 export const cameraIn = (viewer: Viewer): Camera => cameraOf(viewer.camera());
 export function lightsIn(viewer: Viewer): Light[] {
-  const named = names.get(viewer) ?? [];
-  return lightsOf(viewer.lights()).map((light, i) => (named[i] ? { ...light, name: named[i] } : light));
+  const kept = texts.get(viewer) ?? [];
+  return lightsOf(viewer.lights()).map((light, i) => ({ ...light, ...kept[i] }));
 }
 
 /** The lights have the names of the file that was loaded. */
 export function nameLights(viewer: Viewer): void {
-  names.set(viewer, fileNames(viewer).slice(0, viewer.lights().length / LIGHT));
+  const names = fileNames(viewer).slice(0, viewer.lights().length / LIGHT);
+  texts.set(viewer, names.map((name) => (name ? { name } : {}) as Texts));
 }
 
-const keepNames = (viewer: Viewer, lights: readonly Light[]) => names.set(viewer, lights.map(({ name }) => name));
+/** The texts of a light that are there. */
+function textsOf(light: Light): Texts {
+  const fields = KINDS[light.type].fields.filter(({ width }) => width === 0);
+  const named = ["name", ...fields.map(({ name }) => name)];
+  const own = light as unknown as Texts;
+  return Object.fromEntries(named.flatMap((name) => (own[name] ? [[name, own[name]]] : [])));
+}
+
+const keepTexts = (viewer: Viewer, lights: readonly Light[]) => texts.set(viewer, lights.map(textsOf));
 
 /** Sets the lights. Throws `bad-json` for what are none. */
 export function setLights(viewer: Viewer, lights: readonly Light[]): void {
   viewer.setLights(lightNumbers(lights));
-  keepNames(viewer, lights);
+  keepTexts(viewer, lights);
 }
 
 /** Sets camera and lights, or neither. Throws `bad-json` for what are none. */
 export function setShot(viewer: Viewer, shot: Shot): void {
   viewer.setShot(cameraNumbers(shot?.camera), lightNumbers(shot?.lights));
-  keepNames(viewer, shot.lights);
+  keepTexts(viewer, shot.lights);
 }
 
 /** What the GPU counted for the present picture. */

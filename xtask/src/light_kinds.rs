@@ -2,7 +2,7 @@
 
 use crate::process;
 use anyhow::{Context, Result};
-use rebounce_shared::light::{Absent, Field, KINDS, LightDescription, NUMBERS, SIZE};
+use rebounce_shared::light::{Absent, Field, INTENSITY, KINDS, LightDescription, LightKind, NUMBERS, SIZE};
 use std::fmt::Write;
 
 /// The written file.
@@ -23,8 +23,8 @@ export interface Field {
   row: string;
   /** Where its first number is in a light's list of numbers. */
   at: number;
-  /** How many numbers it has. */
-  width: 1 | 3;
+  /** How many numbers it has; none of a text. */
+  width: 0 | 1 | 3;
   /** What it is when absent, NaN where a light may be without; it must be there when this is absent. */
   absent?: number | Triple;
   /** Of a new light; what is absent follows from where it stands, or is the default. */
@@ -41,6 +41,8 @@ export interface Kind {
   listed: string;
   /** Units of the intensity; the first is that of the member. */
   units: readonly string[];
+  /** Whether it is a kind of KHR_lights_punctual: the picture shows no direct light of others. */
+  punctual: boolean;
   /** In the order of links. */
   fields: readonly Field[];
 }
@@ -68,20 +70,28 @@ fn text() -> String {
     let _ = writeln!(out, "export const LIGHT = {NUMBERS};");
     let _ = writeln!(out, "/** Where the size is among them, whatever the kind calls it. */");
     let _ = writeln!(out, "export const SIZE = {};\n", SIZE.at);
-    let mut fields: Vec<&Field> = Vec::new();
-    for (field, _) in KINDS.iter().flat_map(|kind| kind.fields) {
-        if !fields.contains(field) {
-            let _ = writeln!(out, "const {}: Field = {};", field.name, object(field));
-            fields.push(field);
+    // Fields of a common name have the first kind's name besides, but for the first.
+    let mut fields: Vec<(&Field, String)> = Vec::new();
+    for (kind, (field, _)) in KINDS.iter().flat_map(|kind| kind.fields.iter().map(move |field| (kind, field)))
+    {
+        if fields.iter().all(|(other, _)| *other != *field) {
+            let is_taken = fields.iter().any(|(_, name)| name == field.name);
+            let name = if is_taken { format!("{}_{}", kind.name, field.name) } else { field.name.to_owned() };
+            let _ = writeln!(out, "const {name}: Field = {};", object(field));
+            fields.push((field, name));
         }
     }
     let _ = writeln!(out, "\n/** The kinds in the order of their numbers. */");
     let _ = writeln!(out, "export const KINDS: Record<Light[\"type\"], Kind> = {{");
-    for LightDescription { name, called, listed, units, fields, .. } in &KINDS {
-        let names: Vec<_> = fields.iter().map(|(field, _)| field.name).collect();
+    for (kind, LightDescription { name, called, listed, units, fields: own, .. }) in (0..).zip(&KINDS) {
+        let named =
+            |field: &Field| fields.iter().find(|(other, _)| *other == field).map(|(_, name)| name.as_str());
+        let names: Vec<_> = own.iter().filter_map(|(field, _)| named(field)).collect();
         let names = names.join(", ");
+        let punctual = kind <= LightKind::Directional as u32;
         let _ = writeln!(out, "  {name}: {{");
         let _ = writeln!(out, "    called: {called:?},\n    listed: {listed:?},\n    units: {units:?},");
+        let _ = writeln!(out, "    punctual: {punctual},");
         let _ = writeln!(out, "    fields: [{names}],\n  }},");
     }
     out + "};\n"
@@ -93,8 +103,10 @@ fn interface(out: &mut String, kind: &LightDescription) {
     let _ =
         writeln!(out, "\n/**{doc} */\nexport interface {variant}Light extends Named {{\n  type: {name:?};");
     for (field, doc) in *fields {
-        let optional = if field.absent == Absent::Refused { "" } else { "?" };
-        let numbers = if field.width == 3 { "Triple" } else { "number" };
+        // The page's lights always have an intensity, even those that SHOT.json may have without.
+        let is_there = field.absent == Absent::Refused || field.at == INTENSITY.at;
+        let optional = if is_there { "" } else { "?" };
+        let numbers = ["string", "number", "", "Triple"][field.width];
         let _ = writeln!(out, "  /**{doc} */\n  {}{optional}: {numbers};", field.name);
     }
     *out += "}\n";

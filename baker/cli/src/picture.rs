@@ -121,7 +121,7 @@ pub fn shot_or_own(shot: Option<Shot>, spec: &str, cameras: &[Camera], lights: &
     if lights.is_empty() {
         anyhow::bail!("{spec} has no light: give some with --shot SHOT.json");
     }
-    Ok(Shot { scene: None, size: [640, 360], camera: camera.clone(), lights: lights.to_vec() })
+    Ok(Shot::new([640, 360], camera.clone(), lights.to_vec()))
 }
 
 fn is_png(path: &Path) -> bool {

@@ -305,7 +305,7 @@ mod tests {
     fn more_functions_are_nearer_to_the_truth_and_a_turned_off_wall_is_blamed() {
         let scene = crate::io::load("builtin:cornell-box").unwrap();
         let (camera, lights) = (scene.cameras[0].clone(), scene.lights.clone());
-        let shot = Shot { scene: None, size: [64, 64], camera, lights };
+        let shot = Shot::new([64, 64], camera, lights);
         let judge = Judge::new(&scene, &shot, None, || ()).unwrap();
         let error = |file: &BakedScene| judge.verdict(&judge.picture(file).unwrap()).unwrap();
         let (coarse, _) = bake(&scene, &small(300), &()).unwrap();
@@ -339,7 +339,7 @@ mod tests {
             material.base_color = [0.95, 0.95, 0.95, 1.0];
         }
         let (camera, lights) = (scene.cameras[0].clone(), scene.lights.clone());
-        let shot = Shot { scene: None, size: [32, 18], camera, lights };
+        let shot = Shot::new([32, 18], camera, lights);
         let (file, _) = bake(&scene, &small(1_000), &()).unwrap();
         let judge = || Judge::sized(&scene, &shot, None, (shot.size, 1), || ()).unwrap();
         let picture = judge().picture(&file).unwrap();
@@ -384,7 +384,7 @@ mod tests {
     fn a_view_without_bounced_light_is_no_measure() {
         let scene = crate::io::load("builtin:cornell-box").unwrap();
         let camera = scene.cameras[0].clone();
-        let shot = Shot { scene: None, size: [16, 16], camera, lights: Vec::new() };
+        let shot = Shot::new([16, 16], camera, Vec::new());
         let rows = std::sync::atomic::AtomicU32::new(0);
         let judge = Judge::new(&scene, &shot, None, || {
             rows.fetch_add(1, std::sync::atomic::Ordering::Relaxed);

@@ -1,7 +1,7 @@
 //! Reads SHOT.json.
 
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light;
+use rebounce_shared::light::{self, LightKind};
 use rebounce_shared::shot::Shot;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -47,17 +47,20 @@ pub fn read(path: &Path) -> Result<Shot, ShotError> {
 pub fn parse(text: &str) -> Result<Shot, String> {
     // Some editors write a byte-order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let shot: Shot = serde_json::from_str(text).map_err(|e| e.to_string())?;
-    check_members(&serde_json::from_str(text).map_err(|e| e.to_string())?)?;
+    let mut shot: Shot = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    let members: Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    check_members(&members)?;
     check(&shot)?;
+    let name = |light: &Value| light[NAME].as_str().unwrap_or_default().to_owned();
+    shot.light_names = members["lights"].as_array().into_iter().flatten().map(name).collect();
     Ok(shot)
 }
 
 /// Known members of a shot, of its camera, and of lights by type.
-const SHOT: &[&str] = &["scene", "size", "camera", "lights"];
+const SHOT: &[&str] = &["scene", "size", "camera", "emission", "lights"];
 const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
 const LIGHTS: [(&str, &[&str]); light::MEMBERS.len()] = light::MEMBERS;
-/// Name of a light; not shown in pictures.
+/// Name of a light; of an emissive light, the name of its group.
 const NAME: &str = "name";
 
 /// Rejects unknown members: a misspelt name would silently drop the value.
@@ -98,6 +101,13 @@ fn check(shot: &Shot) -> Result<(), String> {
     if !(*yfov_deg > 0.0 && *yfov_deg < 180.0) {
         return Err("yfov_deg must lie between 0 and 180".into());
     }
+    if !(0.0..1e18).contains(&shot.emission) {
+        return Err("emission is a factor, 0 or more".into());
+    }
+    let environments = shot.lights.iter().filter(|light| light.kind() == LightKind::Environment);
+    if environments.count() > 1 {
+        return Err("there is more than one environment".into());
+    }
     for (i, light) in shot.lights.iter().enumerate() {
         if !light.is_usable() {
             return Err(format!("light {i} has a number that is not finite, or far too large"));
@@ -112,6 +122,7 @@ fn check(shot: &Shot) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rebounce_shared::light::Light;
 
     fn parse(json: &str) -> Result<(), String> {
         super::parse(json).map(drop)
@@ -119,11 +130,18 @@ mod tests {
 
     #[test]
     fn what_would_be_passed_over_is_refused_and_all_that_can_be_written_is_known() {
-        let shot = r#"{"scene":"a.glb","size":[9,9],"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,1,0],"yfov_deg":60},
+        let shot = r#"{"scene":"a.glb","size":[9,9],"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,1,0],"yfov_deg":60},"emission":0.5,
             "lights":[{"type":"point","name":"Lamp","position":[0,0,0],"intensity":1,"color":[1,1,1],"radius":0.1},
             {"type":"spot","position":[0,0,0],"direction":[0,0,1],"outer_cone_deg":40,"inner_cone_deg":30,"intensity":1,"color":[1,1,1],"radius":0.1},
-            {"type":"directional","direction":[0,0,1],"intensity":1,"color":[1,1,1],"radius_deg":0.27}]}"#;
+            {"type":"directional","direction":[0,0,1],"intensity":1,"color":[1,1,1],"radius_deg":0.27},
+            {"type":"rectangle","position":[0,0,0],"direction":[0,0,1],"up":[0,1,0],"width":1,"height":2,"intensity":1,"color":[1,1,1]},
+            {"type":"disk","position":[0,0,0],"direction":[0,0,1],"radius":1,"intensity":1,"color":[1,1,1]},
+            {"type":"sphere","position":[0,0,0],"radius":1,"intensity":1,"color":[1,1,1]},
+            {"type":"environment","file":"sky.hdr","rotation_deg":30,"intensity":1,"color":[1,1,1]},
+            {"type":"emissive","name":"screen","group":2,"intensity":1,"color":[1,1,1]}]}"#;
         assert_eq!(parse(shot), Ok(()));
+        let names = super::parse(shot).unwrap().light_names;
+        assert_eq!(names, ["Lamp", "", "", "", "", "", "", "screen"]);
         assert!(parse(&shot.replace("\"Lamp\"", "7")).unwrap_err().contains("name is a text"));
         assert_eq!(parse(&format!("\u{feff}{shot}")), Ok(()));
         // The lists of members must match the types.
@@ -148,6 +166,25 @@ mod tests {
     }
 
     #[test]
+    fn what_lights_with_a_surface_leave_out_is_as_usual() {
+        let shot = r#"{"camera":{"position":[0,0,1],"target":[0,0,0]},"lights":[
+            {"type":"rectangle","position":[0,0,0],"direction":[0,0,1],"width":1,"height":2,"intensity":3},
+            {"type":"environment"},{"type":"emissive","name":"screen"}]}"#;
+        let shot = super::parse(shot).unwrap();
+        assert_eq!(shot.emission, 1.0);
+        let (color, position, direction) = ([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0]);
+        let (width, height, intensity) = (1.0, 2.0, 3.0);
+        assert_eq!(
+            shot.lights,
+            [
+                Light::Rectangle { position, direction, up: [0.0; 3], width, height, intensity, color },
+                Light::Environment { file: None, rotation_deg: 0.0, intensity: 1.0, color },
+                Light::Emissive { group: 0, intensity: 1.0, color },
+            ]
+        );
+    }
+
+    #[test]
     fn impossible_shots_are_refused_in_words() {
         let camera = r#""camera":{"position":[0,0,1],"target":[0,0,0]}"#;
         assert_eq!(parse(&format!("{{{camera}}}")), Ok(()));
@@ -166,6 +203,24 @@ mod tests {
                     r#"{{{camera},"lights":[{{"type":"directional","direction":[0,0,0],"intensity":1}}]}}"#
                 ),
                 "direction",
+            ),
+            (format!(r#"{{{camera},"emission":-1}}"#), "emission is"),
+            (format!(r#"{{{camera},"gloss":true}}"#), "has no \"gloss\""),
+            (
+                format!(r#"{{{camera},"lights":[{{"type":"environment"}},{{"type":"environment"}}]}}"#),
+                "more than one environment",
+            ),
+            (
+                format!(
+                    r#"{{{camera},"lights":[{{"type":"sphere","position":[0,0,0],"radius":0,"intensity":1}}]}}"#
+                ),
+                "radius is above 0",
+            ),
+            (
+                format!(
+                    r#"{{{camera},"lights":[{{"type":"disk","position":[0,0,0],"direction":[0,0,1],"intensity":1}}]}}"#
+                ),
+                "missing field `radius`",
             ),
             (
                 r#"{"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,0,0]}}"#.into(),

@@ -135,8 +135,11 @@ impl BakedScene {
     /// Returns the format version of the file: the least version with the features used.
     pub fn version(&self) -> u32 {
         let has_extras = self.meta.materials.iter().any(|m| m.extras != extras::Extras::default());
+        if !self.meta.lights.iter().all(|light| light.kind().is_punctual()) {
+            return container::VERSION;
+        }
         match (self.parent_weights, has_extras, self.copies.is_empty()) {
-            (ParentWeights::LeastSquares, ..) => container::VERSION,
+            (ParentWeights::LeastSquares, ..) => container::PUNCTUAL_LIGHTS,
             (_, true, _) => container::SHEPARD_WEIGHTS,
             (_, false, false) => container::WITHOUT_EXTRAS,
             (_, false, true) => container::WITHOUT_COPIES,
@@ -227,6 +230,9 @@ impl BakedScene {
             source_links: LinkMatrix::default(),
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
+        if version <= container::PUNCTUAL_LIGHTS && scene.version() > container::PUNCTUAL_LIGHTS {
+            return Err(RbnError::invalid("META", "a file of this version has only punctual lights"));
+        }
         if has_extras {
             let mut all: Vec<_> =
                 scene.meta.materials.iter_mut().map(|material| &mut material.extras).collect();

@@ -29,7 +29,7 @@ pub struct Field {
     /// Index of the field's first number in a light's list of numbers. Fields that no kind has together may share a
     /// place; other numbers than a kind's own are zero.
     pub at: usize,
-    /// Number of numbers: 1, or 3 of a vector or colour.
+    /// Number of numbers: 1, 3 of a vector or colour, or 0 of a text.
     pub width: usize,
     /// Meaning of an absent field.
     pub absent: Absent,
@@ -67,6 +67,8 @@ pub enum Range {
     Color,
     /// 0 or more.
     NotNegative,
+    /// Above 0.
+    Positive,
     /// 0 to a number.
     UpTo(f64),
     /// Half angles in degrees, above 0 and at most a right angle.
@@ -82,7 +84,7 @@ impl Range {
             Range::UpTo(most) => Some(most),
             Range::HalfAngle | Range::UpToField(..) => Some(90.0),
             Range::Color => Some(1.0),
-            Range::Any | Range::Direction | Range::NotNegative => None,
+            Range::Any | Range::Direction | Range::NotNegative | Range::Positive => None,
         }
     }
 }
@@ -91,7 +93,7 @@ impl Field {
     /// Returns what is wrong with the field in a light's `numbers`, in words; `None` if the field is within its range.
     pub fn problem(&self, numbers: &[f64]) -> Option<String> {
         let own = &numbers[self.at..self.at + self.width];
-        if self.absent == Absent::Nothing && own[0].is_nan() {
+        if self.absent == Absent::Nothing && own.iter().all(|number| number.is_nan()) {
             return None;
         }
         let all = |holds: &dyn Fn(f64) -> bool| own.iter().all(|number| holds(*number));
@@ -103,6 +105,7 @@ impl Field {
                 "is linear RGB, each from 0 to 1; how bright it is, intensity says".into(),
             ),
             Range::NotNegative => (all(&|x| x >= 0.0), "is 0 or more, not negative".into()),
+            Range::Positive => (all(&|x| x > 0.0), "is above 0".into()),
             Range::UpTo(most) => (all(&|x| (0.0..=most).contains(&x)), format!("lies between 0 and {most}")),
             Range::HalfAngle => (all(&|x| x > 0.0 && x <= 90.0), "is a half angle between 0 and 90".into()),
             Range::UpToField(name, at) => {
@@ -148,6 +151,33 @@ impl Value for Option<f64> {
 
     fn is_below(&self, limit: f64) -> bool {
         self.is_none_or(|number| number.is_below(limit))
+    }
+}
+
+impl Value for u32 {
+    fn put(&self, out: &mut [f64]) {
+        out[0] = f64::from(*self);
+    }
+
+    fn take(numbers: &[f64]) -> Self {
+        numbers[0] as u32
+    }
+
+    fn is_below(&self, limit: f64) -> bool {
+        f64::from(*self) < limit
+    }
+}
+
+/// A text, which numbers do not carry.
+impl Value for Option<String> {
+    fn put(&self, _out: &mut [f64]) {}
+
+    fn take(_numbers: &[f64]) -> Self {
+        None
+    }
+
+    fn is_below(&self, _limit: f64) -> bool {
+        true
     }
 }
 

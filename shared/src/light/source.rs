@@ -16,17 +16,22 @@ pub struct LightSource {
     pub direction: Vec3,
     /// KHR_lights_punctual's angular scale: `clamp(cos · scale + offset, 0, 1)²`.
     pub cone_scale: f32,
-    /// Intensity times colour: W/sr, or W/m² of lights that are infinitely far, per channel.
+    /// Intensity times colour, per channel: W/sr; W/m² of directional lights; W/(sr m²) of lights with a surface; a
+    /// factor of environments and of shining surfaces.
     pub intensity: Vec3,
     /// KHR_lights_punctual's angular offset.
     pub cone_offset: f32,
     /// Cosine of the outer half angle; −1 without a cone.
     pub cos_outer: f32,
-    /// Radius of the emitting sphere; of a directional light, the tangent of its disc's angular radius. 0
+    /// Radius of the emitting sphere or disk; of a directional light, the tangent of its disc's angular radius. 0
     /// for a point.
     pub size: f32,
+    /// Width and height of a rectangle; zero otherwise.
+    pub extent: [f32; 2],
+    /// Unit vector along a rectangle's height, square to `direction`; zero otherwise.
+    pub up: Vec3,
     /// Zero.
-    pub padding: [f32; 2],
+    pub padding: f32,
 }
 
 const _: () = assert!(size_of::<LightSource>().is_multiple_of(16));
@@ -56,10 +61,21 @@ impl Light {
             cone_offset: 1.0,
             cos_outer: -1.0,
             size: self.size().max(0.0) as f32,
-            padding: [0.0; 2],
+            extent: [0.0; 2],
+            up: Vec3::ZERO,
+            padding: 0.0,
         };
         match self {
-            Light::Point { .. } => all_around,
+            Light::Point { .. }
+            | Light::Disk { .. }
+            | Light::Sphere { .. }
+            | Light::Environment { .. }
+            | Light::Emissive { .. } => all_around,
+            Light::Rectangle { direction, up, width, height, .. } => LightSource {
+                extent: [*width as f32, *height as f32],
+                up: upright(*direction, *up).as_vec3(),
+                ..all_around
+            },
             Light::Spot { outer_cone_deg, inner_cone_deg, .. } => {
                 let outer = outer_cone_deg.clamp(0.01, 90.0);
                 let cos_outer = outer.to_radians().cos();
@@ -82,6 +98,21 @@ impl Light {
     }
 }
 
+/// Share of y in a direction above which the direction counts as nearly vertical.
+const NEARLY_VERTICAL: f64 = 0.9;
+
+/// Returns the unit vector square to a rectangle's normal that is nearest `up`; without `up`, nearest the y axis, or the
+/// x axis for a normal that is nearly vertical.
+fn upright(direction: [f64; 3], up: [f64; 3]) -> DVec3 {
+    let normal = DVec3::from(direction).try_normalize().unwrap_or(DVec3::NEG_Y);
+    let square = |up: DVec3| (up - normal * normal.dot(up)).try_normalize();
+    let usual = if normal.y.abs() < NEARLY_VERTICAL { DVec3::Y } else { DVec3::X };
+    // Along the normal, an up is none.
+    let is_up = |up: &DVec3| up.cross(normal).length() > 1e-9;
+    let up = DVec3::from(up).try_normalize().filter(is_up).unwrap_or(usual);
+    square(up).unwrap_or_else(|| normal.any_orthonormal_vector())
+}
+
 impl LightSource {
     /// Returns true if the light is infinitely far: its rays are parallel, and do not weaken.
     #[inline]
@@ -89,9 +120,13 @@ impl LightSource {
         self.kind == LightKind::Directional
     }
 
-    /// Returns the unoccluded light at the local point `position`; `None` outside the cone.
+    /// Returns the unoccluded light at the local point `position`; `None` outside the cone, and for lights that are not
+    /// punctual.
     #[inline]
     pub fn incident(&self, position: Vec3) -> Option<Incident> {
+        if !self.kind.is_punctual() {
+            return None;
+        }
         if self.is_far() {
             return Some(Incident {
                 to_light: -self.direction,
@@ -136,6 +171,24 @@ mod tests {
         assert!(spot.incident(Vec3::new(5.01, 0.0, 0.0)).is_none());
         let inside = spot.incident(Vec3::new(4.99, 0.0, 0.0)).unwrap();
         assert!(inside.irradiance.x > 0.0);
+    }
+
+    #[test]
+    fn a_rectangle_stands_upright_unless_it_says_otherwise() {
+        let up = |direction, up| {
+            let (position, width, height, color) = ([0.0; 3], 2.0, 1.0, [1.0; 3]);
+            Light::Rectangle { position, direction, up, width, height, intensity: 1.0, color }
+                .source([0.0; 3])
+                .up
+        };
+        let none = [0.0; 3];
+        assert_eq!(up([0.0, 0.0, 3.0], none), Vec3::Y);
+        assert_eq!(up([0.0, -2.0, 0.0], none), Vec3::X);
+        assert_eq!(up([0.0, -2.0, 0.0], [0.0, 1.0, 5.0]), Vec3::Z);
+        // Up along the normal is none.
+        assert_eq!(up([0.0, -2.0, 0.0], [0.0, 1.0, 0.0]), Vec3::X);
+        let tilted = up([1.0, -1.0, 0.0], none);
+        assert!((tilted - Vec3::new(1.0, 1.0, 0.0).normalize()).length() < 1e-6, "{tilted}");
     }
 
     #[test]

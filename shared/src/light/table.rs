@@ -14,8 +14,8 @@ macro_rules! kinds {
             )+
         }
     )+) => {
-        /// Light in world space. Colours are linear RGB; 1 cd counts as 1 W/sr per channel. A .rbn file does not store
-        /// the size.
+        /// Light in world space. Colours are linear RGB; 1 cd counts as 1 W/sr per channel, 1 nit as 1 W/(sr m²). A .rbn
+        /// file does not store the size of a point, spot or directional light.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(tag = "type")]
         pub enum Light {
@@ -70,7 +70,7 @@ macro_rules! kinds {
             /// Returns whether lights of this kind have the field at [`Field::at`].
             pub fn has(&self, at: usize) -> bool {
                 match self {
-                    $(Self::$kind { .. } => (0 $(| 1 << $description.at)+) >> at & 1 == 1,)+
+                    $(Self::$kind { .. } => [$($description),+].iter().any(|f| f.width > 0 && f.at == at),)+
                 }
             }
 

@@ -35,10 +35,12 @@ fn checksum(bytes: &[u8]) -> u32 {
 
 /// First eight bytes of a file.
 pub const MAGIC: [u8; 8] = *b"REBOUNCE";
-/// Current format version; the reader supports versions from [`WITHOUT_COPIES`] up. Parents in files of this version
-/// have [linear weights](crate::basis::ParentWeights::LeastSquares); a file read in an older version is written in
-/// the least version that supports its features.
-pub const VERSION: u32 = 9;
+/// Current format version; the reader supports versions from [`WITHOUT_COPIES`] up. A file is written in the least
+/// version that supports its features.
+pub const VERSION: u32 = 10;
+/// Last version whose lights are all [punctual](crate::light::LightKind::is_punctual). Parents in files from this
+/// version on have [linear weights](crate::basis::ParentWeights::LeastSquares).
+pub const PUNCTUAL_LIGHTS: u32 = 9;
 /// Last version with [Shepard's weights](crate::basis::ParentWeights::Shepard) of parents.
 pub const SHEPARD_WEIGHTS: u32 = 8;
 /// Version of files with instanced triangles, without material [extras](super::extras).

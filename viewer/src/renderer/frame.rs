@@ -8,6 +8,7 @@ use crate::readback::Readback;
 use crate::scene::GpuScene;
 use crate::scope::Scope;
 use crate::settings::{Mode, Overlay, ToneMapping};
+use crate::shadow_fit;
 use crate::target::Target;
 use crate::timing::Pass;
 use crate::view::{Frame, Sample, frame};
@@ -25,7 +26,7 @@ impl Renderer {
         let moved = std::mem::take(&mut self.dirty.lights);
         let mut changed = Vec::new();
         if moved {
-            let sources: Vec<_> = self.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
+            let sources = shadow_fit::sources(&self.lights, scene.meta.origin);
             let (near, glass) = (0.1 * scene.near, !scene.upload.glass_runs.is_empty());
             changed = self.shadows.set_lights(&self.gpu, &sources, &scene.extent, near, glass);
         }
@@ -202,7 +203,7 @@ impl Renderer {
         Shading {
             direct: (self.mode != Mode::Indirect) as u32 as f32,
             indirect: (self.mode != Mode::Direct) as u32 as f32,
-            lights: self.lights.len() as u32,
+            lights: shadow_fit::known(&self.lights).count() as u32,
             exposure: self.exposure.exp2(),
             blend,
             scale: 1,

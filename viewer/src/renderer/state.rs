@@ -243,7 +243,7 @@ pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
             )));
         }
     }
-    let layers: u32 = lights.iter().map(|light| shadow_fit::most_layers(&light.source([0.0; 3]))).sum();
+    let layers: u32 = shadow_fit::sources(lights, [0.0; 3]).iter().map(shadow_fit::most_layers).sum();
     if layers > shadow_fit::MAX_LAYERS {
         return Err(ViewerError::BadArgument(format!(
             "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light up to five, others one",

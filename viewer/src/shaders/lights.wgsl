@@ -24,6 +24,9 @@ struct Light {
     cos_outer: f32,
     // Radius; of a directional light, tangent of the angle that its disc's radius spans. 0 for a point.
     size: f32,
+    // Of a rectangle, width and height, and the unit vector along the height; no pass reads them.
+    extent: vec2f,
+    up: vec3f,
 }
 
 struct Incident {

@@ -16,6 +16,13 @@ pub(super) fn check(m: &Meta, points: u64, texture_bytes: u64) -> Result<(), Rbn
     if let Some(light) = m.lights.iter().position(|light| !light.is_usable()) {
         return bad(format!("light {light} has a number that is not finite, or far too large"));
     }
+    // Punctual lights were never held to the ranges of their fields.
+    let others = m.lights.iter().enumerate().filter(|(_, light)| !light.kind().is_punctual());
+    for (i, light) in others {
+        if let Some(problem) = light.problem() {
+            return bad(format!("light {i}: {problem}"));
+        }
+    }
     check_levels(m, points)?;
     if m.materials.len() > MAX_MATERIALS {
         return bad(format!("{} materials, more than {MAX_MATERIALS}", m.materials.len()));

@@ -3,6 +3,7 @@
 mod meta;
 
 use super::BakedScene;
+use crate::basis::ParentWeights;
 use crate::interpolation::MAX_POINTS;
 use crate::link::MAX_SENDERS;
 use crate::rbn::bulk::{Copies, Instance, MAX_ALL_CUTS, MAX_CUTS, Point};
@@ -11,7 +12,7 @@ use crate::rbn::limits::{MAX_COPIES, MAX_ROW, MAX_TRIANGLES, all_sane, sane};
 use crate::rbn::meta::Meta;
 use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
-use crate::rbn::{LinkMatrix, RbnError};
+use crate::rbn::{LinkMatrix, RbnError, container};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -33,6 +34,9 @@ impl BakedScene {
                 "{} planes that end supports; a file holds at most {MAX_ALL_CUTS}: bake with fewer functions",
                 self.cuts.len()
             )));
+        }
+        if self.version() > container::PUNCTUAL_LIGHTS && self.parent_weights != ParentWeights::LeastSquares {
+            return Err(bad("META", "a file with older weights has only punctual lights"));
         }
         meta::check(m, self.points.len() as u64, self.texture_bytes.len() as u64)?;
         if !is_shown_sound(m) {
