@@ -1,11 +1,9 @@
 //! All light of a picture, prepared for evaluation on a baked scene: lamps, sky, and the strength of emissive surfaces.
 
-use crate::baked::BakedScene;
-use crate::environment::Environment;
-use crate::environment::bins::BINS;
-use crate::environment::picture::environment_from_world;
-use crate::light::{Light, LightSource};
-use glam::Vec3;
+use crate::environment::bins::{BINS, project};
+use crate::environment::{Environment, environment_from_world, extract_sun, world_from_environment};
+use crate::light::{Light, LightKind, LightSource};
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// Light of a picture.
@@ -16,13 +14,13 @@ pub struct Lighting {
     /// Mean radiance of the sky in each [bin](crate::environment::bins), world directions, without the sun; `None` for a
     /// black sky.
     pub sky: Option<Box<[Vec3; BINS]>>,
-    /// Factor of the emission of each [group](crate::rbn::sources::EmissiveGroup).
+    /// Factor of the emission of each [group](crate::rbn::sources::EmissiveGroup), linear RGB.
     pub emission: Vec<Vec3>,
-    /// The sky behind the scene; `None` for black.
-    pub background: Option<Background>,
+    /// The sky behind the scene, one for each environment light.
+    pub background: Vec<Background>,
 }
 
-/// The sky as seen behind a scene.
+/// An environment as seen behind a scene.
 #[derive(Clone, Debug)]
 pub struct Background {
     /// Radiance, with the sun.
@@ -41,11 +39,103 @@ impl Background {
 }
 
 impl Lighting {
-    /// Prepares lights for a baked scene. An environment light without `environment` is even white.
-    pub fn new(lights: &[Light], environment: Option<&Environment>, scene: &BakedScene) -> Self {
-        let _ = environment;
-        let lamps = lights.iter().map(|light| light.source(scene.meta.origin)).collect();
-        let groups = scene.sources.groups.len();
-        Self { lamps, sky: None, emission: vec![Vec3::ONE; groups], background: None }
+    /// Prepares lights for a scene whose local space has its `origin` there in world space, with `groups` groups of
+    /// emissive surfaces. `environment` is the picture of environment lights, white without. A group without a light is
+    /// dark. The sun of an environment is [taken out](extract_sun) and becomes a lamp.
+    pub fn new(
+        lights: &[Light],
+        environment: Option<&Arc<Environment>>,
+        origin: [f64; 3],
+        groups: usize,
+    ) -> Self {
+        let mut out = Self { emission: vec![Vec3::ZERO; groups], ..Self::default() };
+        let even = Arc::new(Environment::constant(Vec3::ONE));
+        let environment = environment.unwrap_or(&even);
+        for light in lights {
+            let factor = (DVec3::from(light.color()) * light.intensity()).as_vec3();
+            match light {
+                Light::Environment { rotation_deg, .. } => {
+                    out.add_environment(environment, *rotation_deg as f32, factor);
+                }
+                Light::Emissive { group, .. } => {
+                    if let Some(strength) = out.emission.get_mut(*group as usize) {
+                        *strength += factor;
+                    }
+                }
+                lamp => out.lamps.push(lamp.source(origin)),
+            }
+        }
+        out
+    }
+
+    fn add_environment(&mut self, environment: &Arc<Environment>, rotation_deg: f32, factor: Vec3) {
+        let (rest, sun) = extract_sun(environment);
+        let sky = self.sky.get_or_insert_with(|| Box::new([Vec3::ZERO; BINS]));
+        sky.iter_mut().zip(project(&rest, rotation_deg)).for_each(|(sum, bin)| *sum += factor * bin);
+        if let Some(sun) = sun {
+            let light = Light::Directional {
+                direction: (-world_from_environment(sun.direction, rotation_deg)).as_dvec3().to_array(),
+                intensity: 1.0,
+                color: (factor * sun.irradiance).as_dvec3().to_array(),
+                radius_deg: f64::from(sun.radius_deg),
+            };
+            self.lamps.push(light.source([0.0; 3]));
+        }
+        self.background.push(Background { environment: environment.clone(), rotation_deg, factor });
+    }
+
+    /// Returns the radiance of the sky behind a scene from a world direction, linear RGB.
+    pub fn behind(&self, direction: Vec3) -> Vec3 {
+        self.background.iter().map(|background| background.radiance(direction)).sum()
+    }
+}
+
+/// Adds a light for each of `groups` groups of emissive surfaces that has none, and multiplies all by `emission`.
+pub fn with_emission(lights: &[Light], groups: usize, emission: f64) -> Vec<Light> {
+    let mut is_lit = vec![false; groups];
+    let mut out = lights.to_vec();
+    for light in &mut out {
+        if let Light::Emissive { group, intensity, .. } = light {
+            *intensity *= emission;
+            if let Some(is_lit) = is_lit.get_mut(*group as usize) {
+                *is_lit = true;
+            }
+        }
+    }
+    let dark = (0u32..).zip(is_lit).filter(|(_, is_lit)| !is_lit);
+    out.extend(dark.map(|(group, _)| Light::Emissive { group, intensity: emission, color: [1.0; 3] }));
+    out
+}
+
+/// Whether lights of a kind are evaluated as lamps: not by links of a file.
+pub fn is_lamp(kind: LightKind) -> bool {
+    !matches!(kind, LightKind::Environment | LightKind::Emissive)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::bins::SOLID_ANGLE;
+
+    #[test]
+    fn an_even_environment_gives_every_bin_its_radiance() {
+        let light =
+            Light::Environment { file: None, rotation_deg: 30.0, intensity: 2.0, color: [1.0, 0.5, 0.0] };
+        let lighting = Lighting::new(&[light], None, [0.0; 3], 0);
+        let sky = lighting.sky.clone().unwrap();
+        assert!(sky.iter().all(|bin| (*bin - Vec3::new(2.0, 1.0, 0.0)).length() < 1e-4));
+        assert!((lighting.behind(Vec3::X) - Vec3::new(2.0, 1.0, 0.0)).length() < 1e-5);
+        assert!(lighting.lamps.is_empty() && SOLID_ANGLE > 0.0);
+    }
+
+    #[test]
+    fn groups_without_a_light_get_one_and_emission_multiplies_all() {
+        let own = Light::Emissive { group: 1, intensity: 3.0, color: [1.0, 0.0, 0.0] };
+        let lights = with_emission(&[own], 3, 0.5);
+        let lighting = Lighting::new(&lights, None, [0.0; 3], 3);
+        let expected = [Vec3::splat(0.5), Vec3::new(1.5, 0.0, 0.0), Vec3::splat(0.5)];
+        assert_eq!(lighting.emission, expected);
+        // A light of a group that is not there is passed over.
+        assert_eq!(Lighting::new(&lights, None, [0.0; 3], 1).emission, expected[..1]);
     }
 }

@@ -4,18 +4,21 @@ use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::io::environment;
 use rebounce::io::picture::{Only, Picture, check_name, png};
 use rebounce::io::shot;
 use rebounce::io::write::{check_place, write_whole};
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::shown::Shown;
 use rebounce_shared::camera::{Camera, CameraFrame};
+use rebounce_shared::environment::Environment;
 use rebounce_shared::light::{Light, LightSource};
+use rebounce_shared::lighting::with_emission;
 use rebounce_shared::rbn::shown::Ground;
 use rebounce_shared::shot::Shot;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Arguments of every command that takes a picture.
@@ -73,6 +76,29 @@ impl PictureArgs {
                 .context("setting up threads")?;
         }
         Ok(self.shot.as_deref().map(shot::read).transpose()?)
+    }
+
+    /// Completes the lights of a shot for a scene with these groups of emissive surfaces; returns the picture of the shot's
+    /// environment, `own` where the shot names no file.
+    pub fn lit(
+        &self,
+        mut shot: Shot,
+        groups: &[String],
+        own: Option<Arc<Environment>>,
+    ) -> Result<(Shot, Option<Arc<Environment>>)> {
+        shot.resolve_groups(groups).map_err(anyhow::Error::msg)?;
+        if self.shot.is_some() {
+            shot.lights = with_emission(&shot.lights, groups.len(), shot.emission);
+        }
+        let file = shot.lights.iter().find_map(|light| match light {
+            Light::Environment { file, .. } => file.as_deref(),
+            _ => None,
+        });
+        let Some(file) = file else { return Ok((shot, own)) };
+        let beside = self.shot.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        let (environment, notes) = environment::read(&beside.join(file))?;
+        notes.iter().for_each(|note| eprintln!("note: {note}"));
+        Ok((shot, Some(Arc::new(environment))))
     }
 
     pub fn only(&self) -> Only {

@@ -5,7 +5,8 @@ use super::read_baked;
 use anyhow::Result;
 use clap::Args;
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::verify::render::{Content, render};
+use rebounce::verify::render::{Relit, packed_environment};
+use rebounce_shared::lighting::Lighting;
 use std::path::PathBuf;
 
 /// Arguments of `rebounce render`.
@@ -33,14 +34,17 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let (_, scene) = read_baked(&args.file)?;
     let name = args.file.display().to_string();
     let shot = shot_or_own(shot, &name, &scene.meta.cameras, &scene.meta.lights)?;
+    let names: Vec<String> = scene.sources.groups.iter().map(|group| group.name.clone()).collect();
+    let (shot, environment) = args.picture.lit(shot, &names, packed_environment(&scene))?;
     let surfaces = TriangleSurfaces::from_baked(&scene)?;
     let exposure = args.picture.exposure(&shot, args.spp);
     let rows = Rows::new(exposure.size[1]);
-    let content = Content { only: args.picture.only(), detail: !args.no_detail };
-    let picture = render(&scene, &surfaces, &shot.camera, &shot.lights, exposure, content, || rows.done());
+    let lighting = Lighting::new(&shot.lights, environment.as_ref(), scene.meta.origin, names.len());
+    let relit = Relit::lit(&scene, &surfaces, lighting, !args.no_detail);
+    let only = args.picture.only();
+    let picture = relit.picture(&scene, &surfaces, &shot.camera, exposure, only, || rows.done());
     rows.finish();
     let frame = shot.camera.frame(scene.meta.origin);
-    let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.meta.origin)).collect();
     let ground = scene.meta.shown.ground().filter(|_| !args.no_backdrop);
-    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, ground.as_ref())
+    args.picture.write(&picture, &surfaces, &frame, relit.lamps(), exposure, ground.as_ref())
 }

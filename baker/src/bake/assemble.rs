@@ -13,10 +13,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::basis::ParentWeights;
+use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::octahedral::pack_rounded;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Meta};
+use rebounce_shared::rbn::sources::Sources;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -28,6 +30,10 @@ pub(super) fn assemble(
     points: &Points,
     (relations, operator, sources): (&Relations, &Operator, SourceLinks),
 ) -> BakedScene {
+    let environment = match &scene.environment {
+        Some(environment) if sources.sources.has_sky => PackedEnvironment::new(environment).to_bytes(),
+        _ => Vec::new(),
+    };
     let RenderGeometry { draws, indices, vertices, instances, copies } = geometry(scene);
     let (textures, texture_bytes) = pack_textures(scene);
     let (low, high) = scene.bounds();
@@ -80,7 +86,7 @@ pub(super) fn assemble(
             true => LinkMatrix::default(),
             false => LinkMatrix::from_rows(&sources.links),
         },
-        sources: sources.sources,
+        sources: Sources { environment, ..sources.sources },
     }
 }
 

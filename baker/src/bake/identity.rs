@@ -100,6 +100,7 @@ fn digest(scene: &Scene) -> String {
         textures,
         lights,
         cameras,
+        environment,
         light_names,
         camera_names,
         animations,
@@ -126,6 +127,10 @@ fn digest(scene: &Scene) -> String {
     // Debug output of numbers reads back exactly.
     add(format!("{name:?} {origin:?} {materials:?} {lights:?} {cameras:?} {animations:?}").as_bytes());
     add(format!("{light_names:?} {camera_names:?}").as_bytes());
+    if let Some(environment) = environment {
+        add(&environment.width.to_le_bytes());
+        add(bytemuck::cast_slice(&environment.pixels));
+    }
     for texture in textures {
         add(format!("{:?} {}", texture.meta, texture.texels.is_some()).as_bytes());
         add(&texture.bytes);

@@ -23,6 +23,7 @@ use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
+use rebounce_shared::rbn::sources::Sources;
 
 /// Number of points per checkpoint record of cuts and samples.
 const CLIPPED: usize = 1 << 15;
@@ -215,6 +216,9 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
 
     /// Returns whether a light reaches any point of the coarsest levels.
     fn is_lit(&self, file: &BakedScene) -> bool {
+        if file.sources != Sources::default() {
+            return true;
+        }
         let lights: Vec<_> = file.meta.lights.iter().map(|light| light.source(file.meta.origin)).collect();
         let coarse: u32 = file.meta.levels.iter().take(LIT_LEVELS).map(|level| level.count).sum();
         let mut points = file.points.iter().take(coarse as usize);

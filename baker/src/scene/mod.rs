@@ -29,8 +29,10 @@ pub use texture::Texture;
 
 use glam::{Vec2, Vec3};
 use rebounce_shared::camera::Camera;
+use rebounce_shared::environment::Environment;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::meta::{Animation, Material};
+use std::sync::Arc;
 
 /// Maximum number of vertices, and of triangles, of a scene. A larger scene and its bake exceed the memory of usual
 /// machines, and ray traversal numbers triangles in 28 bits.
@@ -68,6 +70,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The scene's own cameras, world space; may be empty.
     pub cameras: Vec<Camera>,
+    /// Picture of the environment lights; `None` for an even white.
+    pub environment: Option<Arc<Environment>>,
     /// Names of the lights; may be shorter than [`Self::lights`], and names may be empty.
     pub light_names: Vec<String>,
     /// Names of the cameras, likewise.

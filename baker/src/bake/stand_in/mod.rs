@@ -10,10 +10,11 @@ mod room;
 
 use crate::geometry::Surfaces;
 use crate::sampling::emitter::ParticleEmitter;
-use crate::scene::Scene;
+use crate::scene::{Scene, emissive_groups};
 use glam::Vec3;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
+use rebounce_shared::lighting::is_lamp;
 use rebounce_shared::rbn::shown::Shown;
 
 /// Vertical field of view of added cameras, degrees.
@@ -40,9 +41,15 @@ impl Staged {
             (0..count).map(|i| names.get(i).cloned().unwrap_or_default()).collect::<Vec<_>>()
         };
         let mut light_names = named(&scene.light_names, lights.len());
+        // Emissive surfaces follow the file's own lights.
+        for (group, emissive) in (0u32..).zip(emissive_groups(scene)) {
+            lights.push(Light::Emissive { group, intensity: 1.0, color: [1.0; 3] });
+            light_names.push(emissive.name);
+        }
         let mut camera_names = named(&scene.camera_names, cameras.len());
         if cameras.is_empty() {
-            let sources: Vec<_> = lights.iter().map(|light| light.source(scene.origin)).collect();
+            let lamps = lights.iter().filter(|light| is_lamp(light.kind()));
+            let sources: Vec<_> = lamps.map(|light| light.source(scene.origin)).collect();
             let inside = if emitter.is_open { None } else { room::view(surfaces, emitter, &sources) };
             cameras.push(inside.map_or_else(
                 || outside(scene),

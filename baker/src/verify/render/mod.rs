@@ -20,11 +20,13 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::Light;
+use rebounce_shared::environment::{Environment, PackedEnvironment};
+use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::lighting::Lighting;
 use rebounce_shared::openness::{REACH, gain, received};
 use rebounce_shared::relight;
 use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
 
 /// Contents of a rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,11 +78,14 @@ impl PointLight {
 const OPENNESS_SIDE: u32 = 2;
 
 impl Relit {
-    /// Relights `scene` by lamps alone. `surfaces` must be the surfaces of the same file. With `detail`, light between the
+    /// Relights `scene`; an environment among the lights is the file's own. `surfaces` must be the surfaces of the same file. With `detail`, light between the
     /// points follows the [openness](rebounce_shared::openness) of visible surfaces, if the file has the openness of the
     /// points.
     pub fn new(scene: &BakedScene, surfaces: &impl Surfaces, lights: &[Light], detail: bool) -> Self {
-        Self::lit(scene, surfaces, Lighting::new(lights, None, scene), detail)
+        let environment = packed_environment(scene);
+        let groups = scene.sources.groups.len();
+        let lighting = Lighting::new(lights, environment.as_ref(), scene.meta.origin, groups);
+        Self::lit(scene, surfaces, lighting, detail)
     }
 
     /// As [`Self::new`], with all lighting.
@@ -146,13 +151,33 @@ impl Relit {
         self.light_at(hit.position, hit.normal).scaled(self.reach.map_or(1.0, open))
     }
 
+    /// The lamps of the picture, local space, suns of environments included.
+    pub fn lamps(&self) -> &[LightSource] {
+        &self.lighting.lamps
+    }
+
+    /// Renders a picture of the scene. `row_done` is called after each row, from any thread.
+    pub fn picture(
+        &self,
+        scene: &BakedScene,
+        surfaces: &impl Surfaces,
+        camera: &Camera,
+        exposure: Exposure,
+        only: Only,
+        row_done: impl Fn() + Sync,
+    ) -> Picture {
+        let radiance = |ray: &Ray, stream: &mut Stream| self.radiance(surfaces, ray, only, stream);
+        expose(&camera.frame(scene.meta.origin), exposure, radiance, row_done)
+    }
+
     /// Linear RGB radiance along `ray`, toward its origin.
     pub fn radiance(&self, surfaces: &impl Surfaces, ray: &Ray, only: Only, stream: &mut Stream) -> Vec3 {
         let Some(hit) = surfaces.see(ray, stream.bits() as u32) else {
-            let sky = self.lighting.background.as_ref().filter(|_| only != Only::Indirect);
-            return sky.map_or(Vec3::ZERO, |sky| {
-                sky.radiance(ray.direction) * surfaces.tint(ray, f32::INFINITY, true)
-            });
+            let is_shown = only != Only::Indirect && !self.lighting.background.is_empty();
+            return match is_shown {
+                true => self.lighting.behind(ray.direction) * surfaces.tint(ray, f32::INFINITY, true),
+                false => Vec3::ZERO,
+            };
         };
         let tint = surfaces.tint(ray, hit.distance, true);
         if hit.is_unlit {
@@ -174,7 +199,14 @@ impl Relit {
     }
 }
 
-/// Renders a baked scene. `row_done` is called after each row, from any thread.
+/// Returns the environment of a file; `None` without one.
+pub fn packed_environment(scene: &BakedScene) -> Option<Arc<Environment>> {
+    let packed = PackedEnvironment::from_bytes(&scene.sources.environment).ok()?;
+    Some(Arc::new(packed.unpack()))
+}
+
+/// Renders a baked scene; an environment among the lights is the file's own. `row_done` is called after each row, from any
+/// thread.
 pub fn render(
     scene: &BakedScene,
     surfaces: &impl Surfaces,
@@ -184,8 +216,7 @@ pub fn render(
     content: impl Into<Content>,
     row_done: impl Fn() + Sync,
 ) -> Picture {
-    let Content { only, detail } = content.into();
-    let relit = Relit::new(scene, surfaces, lights, detail);
-    let radiance = |ray: &Ray, stream: &mut Stream| relit.radiance(surfaces, ray, only, stream);
-    expose(&camera.frame(scene.meta.origin), exposure, radiance, row_done)
+    let content = content.into();
+    let relit = Relit::new(scene, surfaces, lights, content.detail);
+    relit.picture(scene, surfaces, camera, exposure, content.only, row_done)
 }
