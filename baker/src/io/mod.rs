@@ -3,9 +3,11 @@
 //! * [`load()`] – loads a scene: a .gltf or .glb file, or `builtin:NAME`; [`files`] – where its bytes come from;
 //! * `gltf` – the reader; `other_format` – files of other formats, with advice for conversion to glTF;
 //! * [`save()`] – saves a baked file;
+//! * [`mod@environment`] – light from infinitely far: .hdr, .exr, Ultra HDR .jpg;
 //! * [`picture`] – EXR and PNG; [`shot`] – camera and lights for a picture;
 //! * [`write`](mod@write) – replaces a file at once, or leaves the old file.
 
+pub mod environment;
 pub mod files;
 #[cfg(feature = "gltf")]
 mod gltf;

@@ -1,4 +1,3 @@
-use super::super::environment_from_world;
 use super::*;
 use crate::random::Stream;
 
@@ -7,10 +6,6 @@ fn noise(width: u32, height: u32) -> Environment {
     let pixels =
         (0..width * height).map(|_| Vec3::new(stream.unit(), stream.unit(), stream.unit().powi(9) * 90.0));
     Environment { width, height, pixels: pixels.collect() }
-}
-
-fn energy(bins: &[Vec3; BINS]) -> DVec3 {
-    bins.iter().map(|bin| bin.as_dvec3()).sum::<DVec3>() * f64::from(SOLID_ANGLE)
 }
 
 #[test]
@@ -91,27 +86,27 @@ fn a_turned_constant_stays_constant() {
 }
 
 #[test]
-fn energy_is_kept_to_a_thousandth_under_rotation() {
-    let mut most = 0.0f64;
-    for (width, height) in [(512, 256), (128, 64), (64, 32), (16, 8), (4, 2)] {
+fn energy_is_kept_under_rotation() {
+    for (width, height) in [(512, 256), (128, 64), (16, 8), (4, 2)] {
         let picture = noise(width, height);
-        for rotation in [0.0, 17.0, 33.3, 45.0, -100.0] {
+        for rotation in [0.0, 33.3, -100.0] {
             let ratio = energy(&project(&picture, rotation)) / picture.energy();
-            most = most.max((ratio - 1.0).abs().max_element());
+            assert!((ratio - 1.0).abs().max_element() < 1e-5, "{width} {rotation}: {ratio}");
         }
     }
-    println!("energy is off by at most {most:.6}");
-    assert!(most < 1e-3, "{most}");
 }
 
 #[test]
-fn a_single_bright_pixel_keeps_its_energy_at_every_rotation() {
-    let mut pixels = vec![Vec3::splat(0.01); 512 * 256];
+fn a_single_bright_pixel_changes_what_is_elsewhere_by_a_fifth_of_a_percent_at_most() {
+    let dark = 0.01;
+    let mut pixels = vec![Vec3::splat(dark); 512 * 256];
     pixels[70 * 512 + 300] = Vec3::splat(20_000.0);
     let picture = Environment { width: 512, height: 256, pixels };
-    for step in 0..24 {
-        let ratio = energy(&project(&picture, step as f32 * 3.7)).x / picture.energy().x;
-        assert!((ratio - 1.0).abs() < 1e-3, "{step}: {ratio}");
+    for step in 0..12 {
+        let bins = project(&picture, step as f32 * 7.7);
+        assert!((energy(&bins).x / picture.energy().x - 1.0).abs() < 1e-5);
+        let lit = bins.iter().filter(|bin| (bin.x / dark - 1.0).abs() > 2e-3).count();
+        assert!((1..=4).contains(&lit), "{step}: {lit}");
     }
 }
 
