@@ -1,4 +1,4 @@
-/** Cameras, lights and figures as the wasm module takes and gives them: lists of numbers (viewer/src/wire.rs). */
+/** Cameras, lights and figures as the wasm module takes and gives them: lists of numbers (viewer/src/wasm/wire.rs). */
 
 import { Failure } from "./failure.js";
 import { KINDS, LIGHT } from "./light-kinds.js";

@@ -1,16 +1,16 @@
 //! The passes of a frame, in order; a pass runs only after a change of its inputs.
 
 use super::Renderer;
-use crate::blended_fit;
-use crate::composite::{self, Shading};
+use super::target::Target;
 use crate::controls::gizmo;
-use crate::readback::Readback;
+use crate::gpu::readback::Readback;
+use crate::gpu::scope::Scope;
+use crate::passes::composite::{self, Shading};
+use crate::passes::settings::{Mode, Overlay, ToneMapping};
+use crate::passes::timing::Pass;
 use crate::scene::GpuScene;
-use crate::scope::Scope;
-use crate::settings::{Mode, Overlay, ToneMapping};
-use crate::target::Target;
-use crate::timing::Pass;
-use crate::view::{Frame, Sample, frame};
+use crate::scene::blended_fit;
+use crate::scene::view::{Frame, Sample, frame};
 use wgpu::TextureFormat;
 
 impl Renderer {
