@@ -3,7 +3,7 @@
 //! Relights a baked scene ([`rebounce_shared::baked::BakedScene`]) on the GPU and draws the picture: in the browser
 //! through WebGPU (the class `Viewer` of the module `wasm`), natively without a window.
 //!
-//! Modules in order; a module uses only earlier ones:
+//! Modules in order; a module uses only earlier ones, and all use [`error`] and [`shaders`]:
 //!
 //! * [`gpu`] – the device, and buffers, bindings and readbacks of it;
 //! * [`scene`] – a loaded file on the GPU, with its relighting: the bounced light at every point;
@@ -27,6 +27,7 @@ pub mod wasm;
 mod wire;
 
 pub use error::ViewerError;
+// Short paths, for tests and programs; inside the crate modules are named where they are.
 pub use gpu::{readback, scope};
 pub use passes::{composite, display, settings, shadow};
 pub use renderer::{pipelines, stats};

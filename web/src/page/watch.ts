@@ -1,6 +1,6 @@
 /** `rebounce view --watch`: whenever the server has a newer file, the element loads it; the view stays as it is. */
 
-import type { RebounceViewer } from "./rebounce-viewer.js";
+import type { RebounceViewer } from "../rebounce-viewer.js";
 
 /** Milliseconds between two questions. */
 const PAUSE = 500;

@@ -1,10 +1,10 @@
 /** A viewer on a canvas, and what happens to it, until it is let go. */
 
-import { Failure, failureOf } from "./failure.js";
-import { listen, type Input } from "./input.js";
+import { Failure, failureOf } from "../wire/failure.js";
+import { listen, type Input } from "../input/input.js";
 import { createViewer, type Viewer } from "./module.js";
-import type { Triple } from "./shot.js";
-import { makeStick } from "./stick.js";
+import type { Triple } from "../wire/shot.js";
+import { makeStick } from "../input/stick.js";
 
 /** What is told of a viewer. */
 export interface SessionHost extends Input {

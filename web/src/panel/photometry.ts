@@ -1,6 +1,6 @@
 /** Units of light, colour temperatures, and where a sun stands. Pure functions. */
 
-import type { Light, Triple } from "./shot.js";
+import type { Light, Triple } from "../wire/shot.js";
 
 const radians = (degrees: number) => (degrees * Math.PI) / 180;
 const cosine = (degrees: number) => Math.cos(radians(Math.min(Math.max(degrees, 0), 90)));

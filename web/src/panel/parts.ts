@@ -1,6 +1,6 @@
 /** Parts that the panel's sections are made of. */
 
-import { make } from "./element.js";
+import { make } from "../element/element.js";
 
 /** Lines of 24 by 24 units. */
 export const ICONS = {

@@ -1,8 +1,8 @@
 /** Tells of a camera or lights that are no longer what they were, and of handles. */
 
-import { tell } from "./events.js";
+import { tell } from "../element/events.js";
 import type { Viewer } from "./module.js";
-import { cameraIn, lightsIn } from "./wire.js";
+import { cameraIn, lightsIn } from "../wire/wire.js";
 
 /** What was told last. */
 export class Changes {

@@ -1,6 +1,6 @@
 /** The element's events. */
 
-import type { Camera, Light } from "./shot.js";
+import type { Camera, Light } from "../wire/shot.js";
 
 /** Events of the element, by name. */
 export interface RebounceEventMap {

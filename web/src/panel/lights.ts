@@ -1,13 +1,13 @@
 /** The panel's list of lights: add, remove, switch, choose, move, by pointer or by keys alone. */
 
-import { make } from "./element.js";
-import { failureOf, sentence } from "./failure.js";
-import { KINDS } from "./light-kinds.js";
-import { hexColor, newLight, placeOf, stepped } from "./lights.js";
+import { make } from "../element/element.js";
+import { failureOf, sentence } from "../wire/failure.js";
+import { KINDS } from "../wire/light-kinds.js";
+import { hexColor, newLight, placeOf, stepped } from "../wire/lights.js";
 import type { Desk, Section } from "./panel.js";
-import { LightFields } from "./panel-light.js";
-import { button } from "./panel-parts.js";
-import type { Light, Triple } from "./shot.js";
+import { LightFields } from "./light.js";
+import { button } from "./parts.js";
+import type { Light, Triple } from "../wire/shot.js";
 
 const HINT =
   "Arrow keys move a chosen light over the ground, Page Up and Page Down lift and lower it; with Shift, farther.";

@@ -1,7 +1,7 @@
 /** The wasm module, loaded once for all elements of a page. */
 
-import init, { Viewer } from "./rebounce_viewer.js";
-import { Failure } from "./failure.js";
+import init, { Viewer } from "../rebounce_viewer.js";
+import { Failure } from "../wire/failure.js";
 
 /** The build writes the hash of the wasm file here, so that no other one is run. */
 const WASM = "sha256-of-the-wasm";

@@ -1,8 +1,8 @@
 /** The panel's section for the picture: exposure, tone mapping, which light, what lies over it. */
 
-import { make } from "./element.js";
+import { make } from "../element/element.js";
 import type { Desk, Section } from "./panel.js";
-import { signed, slider } from "./panel-parts.js";
+import { signed, slider } from "./parts.js";
 
 /** Choices by the name of their property. */
 const CHOICES = {

@@ -1,10 +1,10 @@
 /** What is set before there is a scene or kept of a lost one, and the attributes: handed to the viewer once it has one. */
 
-import type { LightAnimation } from "./animation.js";
-import type { AttributeElement } from "./attributes.js";
+import type { LightAnimation } from "../animation/animation.js";
+import type { AttributeElement } from "../element/attributes.js";
 import type { Viewer } from "./module.js";
-import type { Camera, Light, Shot } from "./shot.js";
-import { cameraNumbers, setLights, setShot } from "./wire.js";
+import type { Camera, Light, Shot } from "../wire/shot.js";
+import { cameraNumbers, setLights, setShot } from "../wire/wire.js";
 
 /** What a script has set so far, or what was there before the device was lost. */
 export interface Pending {

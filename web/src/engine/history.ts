@@ -1,8 +1,8 @@
 /** Undo and redo of what a hand has changed: lights, camera, settings. */
 
-import type { LightAnimation } from "./animation.js";
-import type { Player } from "./player.js";
-import type { RebounceViewer } from "./rebounce-viewer.js";
+import type { LightAnimation } from "../animation/animation.js";
+import type { Player } from "../animation/player.js";
+import type { RebounceViewer } from "../rebounce-viewer.js";
 
 /** Attributes that are settings. */
 const SETTINGS = ["exposure", "auto-exposure", "tone-mapping", "mode", "overlay", "display"];

@@ -1,8 +1,8 @@
 /** The panel's row for animations: play and pause, which one, where it stands. */
 
-import { make } from "./element.js";
+import { make } from "../element/element.js";
 import type { Section } from "./panel.js";
-import type { RebounceViewer } from "./rebounce-viewer.js";
+import type { RebounceViewer } from "../rebounce-viewer.js";
 
 /** Hidden where there is nothing to play. */
 export function playRow(host: RebounceViewer): Section {

@@ -1,11 +1,11 @@
 /** The fields of one light: name, intensity, colour, cone, size, place, the way it shines. */
 
-import { make } from "./element.js";
-import { type Field, KINDS } from "./light-kinds.js";
-import { hexColor, linearColor, type Members } from "./lights.js";
-import { button, signed, slider } from "./panel-parts.js";
+import { make } from "../element/element.js";
+import { type Field, KINDS } from "../wire/light-kinds.js";
+import { hexColor, linearColor, type Members } from "../wire/lights.js";
+import { button, signed, slider } from "./parts.js";
 import { colorKelvin, compass, KELVIN, kelvinColor, perIntensity, sunAngles, sunDirection } from "./photometry.js";
-import type { Light, Triple } from "./shot.js";
+import type { Light, Triple } from "../wire/shot.js";
 
 /** What the fields of a light work with. */
 export interface LightDesk {

@@ -1,8 +1,8 @@
 /** Pointer, wheel and keyboard events of a canvas, handed to the viewer in canvas pixels. */
 
 import { activation } from "./activation.js";
-import type { Interaction } from "./attributes.js";
-import type { Viewer } from "./module.js";
+import type { Interaction } from "../element/attributes.js";
+import type { Viewer } from "../engine/module.js";
 
 /** Calls its argument with the viewer, if there is one to take input. */
 export type WithViewer = (use: (viewer: Viewer) => void) => void;

@@ -1,7 +1,7 @@
 /** The element's state as a link, and back. */
 
-import { LINK_SETTINGS, readState, stateHash } from "./link.js";
-import type { RebounceViewer } from "./rebounce-viewer.js";
+import { LINK_SETTINGS, readState, stateHash } from "../wire/link.js";
+import type { RebounceViewer } from "../rebounce-viewer.js";
 
 /** Names in a link begin with the element's id, where it has one: a page may hold several. */
 const prefix = ({ id }: Element) => (id && `${id}.`);

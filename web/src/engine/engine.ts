@@ -1,25 +1,25 @@
 /** The life of the viewer behind the element: it is made, given a file, drawn with, and let go. */
 
-import { checkedAnimations, type LightAnimation } from "./animation.js";
+import { checkedAnimations, type LightAnimation } from "../animation/animation.js";
 import { Changes } from "./changes.js";
 import { download } from "./download.js";
-import { calm } from "./element.js";
-import { tell } from "./events.js";
-import { Failure, failureOf, isFatal, sentence, unsupported } from "./failure.js";
+import { calm } from "../element/element.js";
+import { tell } from "../element/events.js";
+import { Failure, failureOf, isFatal, sentence, unsupported } from "../wire/failure.js";
 import { History } from "./history.js";
 import { Losses } from "./losses.js";
 import type { Viewer } from "./module.js";
-import { gestures } from "./gesture.js";
-import { OnScreen } from "./onscreen.js";
-import { PanelSlot } from "./panel-slot.js";
+import { gestures } from "../input/gesture.js";
+import { OnScreen } from "../element/onscreen.js";
+import { PanelSlot } from "../panel/slot.js";
 import { applyAttributes, handOver, type Pending } from "./pending.js";
-import { Player } from "./player.js";
-import type { RebounceViewer } from "./rebounce-viewer.js";
+import { Player } from "../animation/player.js";
+import type { RebounceViewer } from "../rebounce-viewer.js";
 import { closeViewer, openViewer, surfaceIn, type SessionHost } from "./session.js";
-import { Size } from "./size.js";
-import { restoreState } from "./state.js";
-import { Tree } from "./tree.js";
-import { cameraIn, lightsIn, nameLights, setLights } from "./wire.js";
+import { Size } from "../element/size.js";
+import { restoreState } from "../element/state.js";
+import { Tree } from "../element/tree.js";
+import { cameraIn, lightsIn, nameLights, setLights } from "../wire/wire.js";
 
 /** One element's engine. */
 export class Engine {

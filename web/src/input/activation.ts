@@ -1,6 +1,6 @@
 /** `interaction="auto"`: the wheel and single fingers are the page's until the element has the focus, by a click, a tap or Tab. */
 
-import type { Interaction } from "./attributes.js";
+import type { Interaction } from "../element/attributes.js";
 
 /** A finger that moves farther than this before it is lifted has not tapped, CSS pixels. */
 const TAP = 10;

@@ -1,6 +1,6 @@
 /** The look of the panel. */
 
-import { sheet } from "./style.js";
+import { sheet } from "../element/style.js";
 
 const CSS = `
 .dock { position: absolute; inset: 0; pointer-events: none; container-type: size; isolation: isolate; }

@@ -2,7 +2,7 @@
 
 import { Failure } from "./failure.js";
 import { KINDS, LIGHT } from "./light-kinds.js";
-import type { Viewer } from "./module.js";
+import type { Viewer } from "../engine/module.js";
 import type { Camera, Light, NamedCamera, Shot, Triple } from "./shot.js";
 import type { Counts, Stats } from "./stats.js";
 

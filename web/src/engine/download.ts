@@ -1,6 +1,6 @@
 /** Fetches a file in pieces, and tells how far it has come. */
 
-import { Failure } from "./failure.js";
+import { Failure } from "../wire/failure.js";
 
 /** Bytes so far and in all; `total` is 0 while the file has not said. */
 export type OnProgress = (loaded: number, total: number) => void;

@@ -1,10 +1,10 @@
 /** The panel's section for what is kept: the picture as a file, camera and lights as SHOT.json, a link. */
 
-import { make } from "./element.js";
-import { failureOf, sentence } from "./failure.js";
+import { make } from "../element/element.js";
+import { failureOf, sentence } from "../wire/failure.js";
 import type { Desk, Section } from "./panel.js";
-import { button } from "./panel-parts.js";
-import type { Shot } from "./shot.js";
+import { button } from "./parts.js";
+import type { Shot } from "../wire/shot.js";
 
 /** Sizes of pictures: times that of the element's, or pixels. */
 const SIZES = ["1", "2", "1920x1080", "3840x2160"];

@@ -1,6 +1,6 @@
 /** The on-screen stick: walks where there are fingers and the camera is inside. */
 
-import { make } from "./element.js";
+import { make } from "../element/element.js";
 import type { Input } from "./input.js";
 
 /** Makes the stick's element. Dragged, it walks on as long as it is held; pressed, by keys too, a step ahead. */

@@ -1,8 +1,8 @@
 /** The panel's section for the camera: the first view, and those of the file. */
 
-import { make } from "./element.js";
+import { make } from "../element/element.js";
 import type { Desk, Section } from "./panel.js";
-import { button } from "./panel-parts.js";
+import { button } from "./parts.js";
 
 /** Views to go to. */
 export function views({ host }: Desk): Section {

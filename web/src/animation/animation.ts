@@ -1,7 +1,7 @@
 /** Keyframes of lights: their form, and the lights at a moment. Pure functions, no state. */
 
-import { Failure } from "./failure.js";
-import type { Light, Triple } from "./shot.js";
+import { Failure } from "../wire/failure.js";
+import type { Light, Triple } from "../wire/shot.js";
 
 /** What of a light can be animated. */
 export type AnimatedProperty = "position" | "direction" | "intensity" | "color";

@@ -1,8 +1,8 @@
 /** What a frame costs, as tables. */
 
-import { make } from "./element.js";
+import { make } from "../element/element.js";
 import type { Section } from "./panel.js";
-import type { RebounceViewer } from "./rebounce-viewer.js";
+import type { RebounceViewer } from "../rebounce-viewer.js";
 
 type Line = readonly [name: string, value: string];
 

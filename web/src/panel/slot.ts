@@ -1,8 +1,8 @@
 /** Where the panel goes; its code is loaded when it is first wanted. */
 
-import { Failure } from "./failure.js";
+import { Failure } from "../wire/failure.js";
 import type { Loan, Panel } from "./panel.js";
-import type { Tree } from "./tree.js";
+import type { Tree } from "../element/tree.js";
 
 /** The panel, once there is one. */
 export class PanelSlot {

@@ -1,7 +1,7 @@
 /** Plays one animation of lights at a time. */
 
 import { agrees, lightsAt, type LightAnimation } from "./animation.js";
-import type { Light } from "./shot.js";
+import type { Light } from "../wire/shot.js";
 
 /** The longest step between two frames that is believed, seconds: after a pause of the page nothing jumps. */
 const LONGEST = 0.5;

@@ -1,17 +1,17 @@
 /** The panel: lights, camera, picture, animation, figures, files of one element. Loaded when `controls` asks for it. */
 
-import { make } from "./element.js";
-import type { History } from "./history.js";
-import { views } from "./panel-camera.js";
-import { Figures } from "./panel-figures.js";
-import { LightList } from "./panel-lights.js";
-import { button, icon } from "./panel-parts.js";
-import { picture } from "./panel-picture.js";
-import { playRow } from "./panel-play.js";
-import { saving } from "./panel-save.js";
-import { panelStyle } from "./panel-style.js";
-import type { RebounceViewer } from "./rebounce-viewer.js";
-import type { Triple } from "./shot.js";
+import { make } from "../element/element.js";
+import type { History } from "../engine/history.js";
+import { views } from "./camera.js";
+import { Figures } from "./figures.js";
+import { LightList } from "./lights.js";
+import { button, icon } from "./parts.js";
+import { picture } from "./picture.js";
+import { playRow } from "./play.js";
+import { saving } from "./save.js";
+import { panelStyle } from "./style.js";
+import type { RebounceViewer } from "../rebounce-viewer.js";
+import type { Triple } from "../wire/shot.js";
 
 /** A part of the panel, and how it follows the viewer. */
 export interface Section {
