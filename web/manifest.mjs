@@ -37,7 +37,9 @@ function listed(readme, heading) {
 }
 
 const folder = new URL("src/", import.meta.url);
-const files = (await readdir(folder)).filter((name) => name.endsWith(".ts") && !name.endsWith(".d.ts")).sort();
+const files = (await readdir(folder, { recursive: true }))
+  .filter((name) => name.endsWith(".ts") && !name.endsWith(".d.ts"))
+  .sort();
 const sources = await Promise.all(
   files.map(async (name) => {
     const text = await readFile(new URL(name, folder), "utf8");

@@ -15,6 +15,17 @@ pub use kinds::{
 };
 pub use source::{Incident, LightSource};
 
+/// Returns the point, spot and directional lights, which direct light on the GPU knows; a light's number there is its place
+/// among these.
+pub fn punctual(lights: &[Light]) -> impl Iterator<Item = &Light> {
+    lights.iter().filter(|light| light.kind().is_punctual())
+}
+
+/// Returns the [punctual] lights, prepared for scene-local space.
+pub fn punctual_sources(lights: &[Light], origin: [f64; 3]) -> Vec<LightSource> {
+    punctual(lights).map(|light| light.source(origin)).collect()
+}
+
 impl Light {
     /// Returns the position, world space; `None` for lights that are infinitely far.
     pub fn position(&self) -> Option<[f64; 3]> {

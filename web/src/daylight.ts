@@ -4,8 +4,8 @@
  * A module of its own: the element does not need it. y is up; directions are in the scene's world space.
  */
 
-import type { LightAnimation } from "./animation.js";
-import type { DirectionalLight, Triple } from "./shot.js";
+import type { LightAnimation } from "./animation/animation.js";
+import type { DirectionalLight, Triple } from "./wire/shot.js";
 
 /** Where the scene stands. */
 export interface Place {

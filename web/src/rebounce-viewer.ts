@@ -4,21 +4,21 @@
  * The README of the npm package lists attributes, properties, methods and events.
  */
 
-import { checkedAnimations, shifted, type LightAnimation } from "./animation.js";
-import { AttributeElement, warnOf } from "./attributes.js";
-import { Engine } from "./engine.js";
-import type { RebounceEventMap } from "./events.js";
-import { Failure } from "./failure.js";
-import type { PlayOptions } from "./player.js";
-import type { Camera, Light, NamedCamera, Shot } from "./shot.js";
-import { restoreState, stateLink } from "./state.js";
-import type { Counts, Stats } from "./stats.js";
-import { cameraIn, cameraNumbers, camerasIn, countsIn, lightsIn, setLights, setShot, statsIn } from "./wire.js";
+import { checkedAnimations, shifted, type LightAnimation } from "./animation/animation.js";
+import { AttributeElement, warnOf } from "./element/attributes.js";
+import { Engine } from "./engine/engine.js";
+import type { RebounceEventMap } from "./element/events.js";
+import { Failure } from "./wire/failure.js";
+import type { PlayOptions } from "./animation/player.js";
+import type { Camera, Light, NamedCamera, Shot } from "./wire/shot.js";
+import { restoreState, stateLink } from "./element/state.js";
+import type { Counts, Stats } from "./wire/stats.js";
+import { cameraIn, cameraNumbers, camerasIn, countsIn, lightsIn, setLights, setShot, statsIn } from "./wire/wire.js";
 
-export type { AnimatedProperty, LightAnimation, LightTrack } from "./animation.js";
-export type { Backdrop, CameraControls, Display, Interaction, Mode, Overlay, ToneMapping } from "./attributes.js";
-export type { RebounceEventMap } from "./events.js";
-export type { PlayOptions } from "./player.js";
+export type { AnimatedProperty, LightAnimation, LightTrack } from "./animation/animation.js";
+export type { Backdrop, CameraControls, Display, Interaction, Mode, Overlay, ToneMapping } from "./element/attributes.js";
+export type { RebounceEventMap } from "./element/events.js";
+export type { PlayOptions } from "./animation/player.js";
 export type {
   Camera,
   DirectionalLight,
@@ -33,8 +33,8 @@ export type {
   SphereLight,
   SpotLight,
   Triple,
-} from "./shot.js";
-export type { Counts, Stats } from "./stats.js";
+} from "./wire/shot.js";
+export type { Counts, Stats } from "./wire/stats.js";
 
 /** How a picture is saved. */
 export interface PictureOptions {

@@ -53,8 +53,8 @@ async function contents(harness, context) {
     for (const name of ["README.md", "LICENSE-MIT", "LICENSE-APACHE", "custom-elements.json", "react.d.ts"]) {
       check(files.includes(name), `${name} is not in the package`);
     }
-    const known = /^(package\.json|README\.md|LICENSE-\w+|custom-elements\.json|react\.d\.ts|dist\/([\w-]+\.(js|d\.ts|wasm)|integrity\.json))$/;
-    const others = files.filter((file) => !known.test(file) || /^dist\/page\./.test(file));
+    const known = /^(package\.json|README\.md|LICENSE-\w+|custom-elements\.json|react\.d\.ts|dist\/([\w-]+\.(js|wasm)|(\w+\/)?[\w-]+\.d\.ts|integrity\.json))$/;
+    const others = files.filter((file) => !known.test(file) || /^dist\/page[./]/.test(file));
     equal(others.join(" "), "", "files that do not belong there");
   });
 

@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256, Sha384};
 use std::collections::BTreeMap;
 
-/// Placeholder in module.ts for the hash of the wasm file.
+/// Placeholder in engine/module.ts for the hash of the wasm file.
 const WASM: &str = "sha256-of-the-wasm";
 /// The hashes of the modules, in the form of an import map.
 pub const LIST: &str = "integrity.json";

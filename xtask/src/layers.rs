@@ -1,8 +1,8 @@
 //! `cargo xtask layers`: checks the dependencies between modules.
 //!
-//! Two rules. The top-level modules of the baker are ordered ([`BAKER`]): a module may use only earlier modules.
-//! Within every folder of every crate, the dependencies between modules are acyclic. Code under `#[cfg(test)]` is
-//! exempt.
+//! Two rules. The top-level modules of the baker ([`BAKER`]) and of the viewer ([`VIEWER`]) are ordered: a module may
+//! use only earlier modules. Within every folder of every crate, the dependencies between modules are acyclic. Code
+//! under `#[cfg(test)]` is exempt. A path through a re-export of `lib.rs` counts as what it stands for.
 
 use crate::sources::{self, CRATES, is_test};
 use anyhow::{Result, bail};
@@ -28,6 +28,17 @@ const BAKER: [&[&str]; 14] = [
     &["prelude"],
     &["lib"],
 ];
+/// The viewer's modules in layers. The device knows no scene, a scene no pass, and controls draw nothing.
+const VIEWER: [&[&str]; 8] = [
+    &["error", "shaders"],
+    &["gpu"],
+    &["scene"],
+    &["controls"],
+    &["passes"],
+    &["renderer"],
+    &["wasm"],
+    &["lib"],
+];
 /// A module's path within its crate: `geometry`, `mesh`, `blas`.
 type Module = Vec<String>;
 /// Dependencies (user, used), each with a file as example.
@@ -43,8 +54,13 @@ pub fn run() -> Result<()> {
         let source = sources::of(name);
         let arrows = arrows(&source)?;
         faults.extend(circles(&arrows).into_iter().map(|circle| format!("{name}: {circle}")));
-        if name == "baker" {
-            faults.extend(backward(&arrows));
+        let order: &[&[&str]] = match name {
+            "baker" => &BAKER,
+            "viewer" => &VIEWER,
+            _ => &[],
+        };
+        if !order.is_empty() {
+            faults.extend(backward(&arrows, order));
         }
         println!("{name}: {} arrows between modules", arrows.len());
     }
@@ -58,12 +74,16 @@ pub fn run() -> Result<()> {
 fn arrows(source: &Path) -> Result<Arrows> {
     let files = sources::parsed(source)?;
     let modules: BTreeSet<Module> = files.iter().map(|(file, _)| module(source, file)).collect();
+    let short = re_exports(source, &files);
     let mut arrows = Arrows::new();
     for (file, parsed) in &files {
         let own = module(source, file);
         let mut uses = Uses { own: own.clone(), found: BTreeSet::new() };
         uses.visit_file(parsed);
-        for path in uses.found {
+        for mut path in uses.found {
+            if let Some(whole) = path.first().and_then(|first| short.get(first)) {
+                path.splice(..1, whole.iter().cloned());
+            }
             // The longest prefix of the path that names a module; the rest of the path is inside the module.
             let used = (1..=path.len()).rev().map(|n| path[..n].to_vec()).find(|part| modules.contains(part));
             if let Some(used) = used.filter(|used| *used != own) {
@@ -72,6 +92,30 @@ fn arrows(source: &Path) -> Result<Arrows> {
         }
     }
     Ok(arrows)
+}
+
+/// Re-exports of `lib.rs`: their names at the crate's root, and what they stand for.
+fn re_exports(source: &Path, files: &[(PathBuf, syn::File)]) -> BTreeMap<String, Module> {
+    let mut found = BTreeMap::new();
+    let root = files.iter().find(|(file, _)| *file == source.join("lib.rs"));
+    for item in root.iter().flat_map(|(_, parsed)| &parsed.items) {
+        if let syn::Item::Use(item) = item {
+            list_names(&[], &item.tree, &mut found);
+        }
+    }
+    found
+}
+
+/// Adds the names that a `use` brings, with their whole paths.
+fn list_names(before: &[String], tree: &syn::UseTree, found: &mut BTreeMap<String, Module>) {
+    let whole = |ident: &syn::Ident| [before, &[ident.to_string()]].concat();
+    match tree {
+        syn::UseTree::Path(path) => list_names(&whole(&path.ident), &path.tree, found),
+        syn::UseTree::Name(name) => drop(found.insert(name.ident.to_string(), whole(&name.ident))),
+        syn::UseTree::Rename(name) => drop(found.insert(name.rename.to_string(), whole(&name.ident))),
+        syn::UseTree::Group(group) => group.items.iter().for_each(|tree| list_names(before, tree, found)),
+        syn::UseTree::Glob(_) => {}
+    }
 }
 
 /// Module path of a source file.
@@ -205,9 +249,9 @@ fn circle_from(graph: &BTreeMap<String, BTreeMap<String, &PathBuf>>, start: &Str
     Vec::new()
 }
 
-/// Dependencies of the baker's modules against their order.
-fn backward(arrows: &Arrows) -> Vec<String> {
-    let line = |name: &String| BAKER.iter().position(|line| line.contains(&name.as_str()));
+/// Dependencies of a crate's top-level modules against their order.
+fn backward(arrows: &Arrows, order: &[&[&str]]) -> Vec<String> {
+    let line = |name: &String| order.iter().position(|line| line.contains(&name.as_str()));
     let mut found = BTreeSet::new();
     for ((from, to), file) in arrows {
         let (Some(from), Some(to)) = (from.first(), to.first()) else { continue };
@@ -254,14 +298,33 @@ mod tests {
 
     #[test]
     fn arrows_against_the_order_are_found() {
-        let found = backward(&arrows_of(&[
+        let arrows = arrows_of(&[
             ("scene.rs", "fn f() { crate::geometry::cast() }"),
             ("geometry.rs", "use crate::scene::Scene;"),
             ("verify.rs", "use super::transport::T;"),
             ("transport.rs", ""),
-        ]));
+        ]);
+        let found = backward(&arrows, &BAKER);
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found[0].starts_with("scene may not use geometry"), "{found:?}");
         assert!(found[1].starts_with("verify may not use transport"), "{found:?}");
+    }
+
+    #[test]
+    fn a_scene_of_the_viewer_knows_no_pass_by_any_path() {
+        let arrows = arrows_of(&[
+            ("lib.rs", "pub mod scene; pub mod passes; pub use passes::{settings, shadow as maps};"),
+            ("scene/mod.rs", "mod upload;"),
+            ("scene/upload.rs", "use crate::maps::Shadows; use super::extent::Extent;"),
+            ("scene/extent.rs", ""),
+            ("passes/shadow.rs", "use crate::scene::upload::Upload; pub struct Shadows;"),
+            ("passes/settings.rs", ""),
+            ("renderer.rs", "use crate::settings::Mode;"),
+            ("strange.rs", "use crate::scene::upload::Upload;"),
+        ]);
+        let found = backward(&arrows, &VIEWER);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found[0].starts_with("scene may not use passes"), "{found:?}");
+        assert!(found[1].starts_with("strange or scene has no place in the order"), "{found:?}");
     }
 }

@@ -6,7 +6,7 @@ use rebounce_shared::light::{Absent, Field, INTENSITY, KINDS, LightDescription, 
 use std::fmt::Write;
 
 /// The written file.
-const FILE: &str = "web/src/light-kinds.ts";
+const FILE: &str = "web/src/wire/light-kinds.ts";
 
 /// The file's beginning: the form of the table.
 const HEAD: &str = r#"/** The kinds of light and their fields. `cargo xtask light-kinds` writes this file from shared/src/light/kinds.rs. */

@@ -70,7 +70,7 @@ cargo xtask layers   which module uses which: fails where an arrow runs against 
 cargo xtask names    names that were replaced by the field's, and types that are defined twice: fails if any
 cargo xtask docs     dead links and long lines of the documentation: fails if any
 cargo xtask light-kinds
-                     writes the kinds of light and their fields for the page: web/src/light-kinds.ts
+                     writes the kinds of light and their fields for the page: web/src/wire/light-kinds.ts
 cargo xtask audit [--offline]
                      vulnerabilities, licences, doubled versions and sources of all dependencies
 cargo xtask damage [--files N] [--seed S]

@@ -34,11 +34,9 @@ pub fn pack() -> Result<PathBuf> {
     for file in COPIED {
         copy(&process::root().join(file), &stage)?;
     }
-    for entry in fs::read_dir(process::root().join("web/dist")).context("web/dist")? {
-        let file = entry?.path();
-        if belongs(&file) {
-            copy(&file, &dist)?;
-        }
+    let built = process::root().join("web/dist");
+    for name in web::names(&built)?.iter().filter(|name| belongs(name)) {
+        process::copy(&built.join(name), &dist.join(name))?;
     }
     process::run(web::node().arg("manifest.mjs").arg(stage.join("custom-elements.json")))?;
     let npm = ["pack", "--ignore-scripts", "--loglevel=error", "--pack-destination"];
@@ -51,10 +49,9 @@ pub fn pack() -> Result<PathBuf> {
 }
 
 /// Whether a file of web/dist is part of the package; the page of `rebounce view` is not.
-fn belongs(file: &Path) -> bool {
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
+fn belongs(name: &str) -> bool {
     let is_part = [".js", ".d.ts", ".wasm", ".json"].iter().any(|end| name.ends_with(end));
-    is_part && !name.starts_with("page.")
+    is_part && !name.starts_with("page.") && !name.starts_with("page/")
 }
 
 /// Copies a file into a folder.
@@ -68,11 +65,11 @@ mod tests {
 
     #[test]
     fn the_page_of_rebounce_view_stays_out() {
-        for name in ["rebounce-viewer.js", "shot.d.ts", "rebounce_viewer_bg.wasm", "integrity.json"] {
-            assert!(belongs(Path::new(name)), "{name}");
+        for name in ["rebounce-viewer.js", "wire/shot.d.ts", "rebounce_viewer_bg.wasm", "integrity.json"] {
+            assert!(belongs(name), "{name}");
         }
-        for name in ["page.js", "page.d.ts", "page.css", "index.html"] {
-            assert!(!belongs(Path::new(name)), "{name}");
+        for name in ["page.js", "page/watch.d.ts", "page.css", "index.html"] {
+            assert!(!belongs(name), "{name}");
         }
     }
 }

@@ -16,7 +16,7 @@ use std::process::Command;
 /// The name of the generated JavaScript and wasm files.
 const NAME: &str = "rebounce_viewer";
 /// The module with the fetch of the wasm file, before the modules are bundled.
-const FETCHES: &str = "module.js";
+const FETCHES: &str = "engine/module.js";
 /// Limit of wasm and JavaScript after gzip, sum, bytes.
 const LIMIT: usize = 200_000;
 /// Files of web/ copied unchanged into the site.
@@ -152,12 +152,9 @@ fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     fs::write(module, files.remove(FETCHES).unwrap_or_default()).context(FETCHES)?;
     let bundle = bundle(&modules)?;
     for (folder, ending) in [(&modules, ".d.ts"), (&bundle, ".js")] {
-        for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
-            let entry = entry?;
-            let name = entry.file_name().to_string_lossy().into_owned();
-            if name.ends_with(ending) {
-                files.insert(name, read(entry.path())?);
-            }
+        for name in names(folder)?.into_iter().filter(|name| name.ends_with(ending)) {
+            let content = read(folder.join(&name))?;
+            files.insert(name, content);
         }
     }
     for (name, bytes) in files.iter_mut().filter(|(name, _)| name.ends_with(".js")) {
@@ -226,19 +223,36 @@ pub fn is_code(name: &str) -> bool {
 /// repeated.
 fn mirror(files: &BTreeMap<String, Vec<u8>>, dir: &Path) -> Result<()> {
     fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
-    for entry in fs::read_dir(dir)? {
-        let entry = entry?;
-        if entry.file_type()?.is_file() && !files.contains_key(entry.file_name().to_string_lossy().as_ref()) {
-            fs::remove_file(entry.path())?;
-        }
+    for name in names(dir)?.iter().filter(|name| !files.contains_key(*name)) {
+        fs::remove_file(dir.join(name))?;
     }
     for (name, bytes) in files {
         let path = dir.join(name);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        }
         if fs::read(&path).ok().as_ref() != Some(bytes) {
             fs::write(&path, bytes).with_context(|| path.display().to_string())?;
         }
     }
     Ok(())
+}
+
+/// The files in a folder and in folders in it, as paths from there: `wire/shot.d.ts`.
+///
+/// # Errors
+/// If a folder cannot be read.
+pub fn names(folder: &Path) -> Result<Vec<String>> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        match entry.file_type()?.is_dir() {
+            true => found.extend(names(&entry.path())?.iter().map(|inner| format!("{name}/{inner}"))),
+            false => found.push(name),
+        }
+    }
+    Ok(found)
 }
 
 /// Prints sizes, raw and after gzip, and checks the sum of the package's wasm and JavaScript against the limit.

@@ -1,7 +1,7 @@
 //! Collision of the camera: the camera keeps a clearance from surfaces and slides along surfaces. Pure functions.
 
 use super::Stage;
-use crate::triangles::Triangles;
+use crate::scene::triangles::Triangles;
 use glam::{DVec3, Vec3};
 use rebounce_shared::camera::Camera;
 
@@ -78,7 +78,7 @@ fn reach(triangles: &Triangles, from: Vec3, to: Vec3, clearance: f32, motion: Mo
 mod tests {
     use super::super::tests::stage;
     use super::*;
-    use crate::triangles::tests::two_sided;
+    use crate::scene::triangles::tests::two_sided;
 
     /// A wall at this z, 3 high, between two x.
     fn wall(x: [f32; 2], z: f32) -> [[Vec3; 3]; 2] {

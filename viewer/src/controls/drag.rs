@@ -91,7 +91,7 @@ impl Grip {
 mod tests {
     use super::super::gizmo::tests::lit;
     use super::*;
-    use crate::triangles::tests::two_sided;
+    use crate::scene::triangles::tests::two_sided;
     use glam::Vec3;
 
     const SPOT: Handle = Handle { light: 0, aim: false };

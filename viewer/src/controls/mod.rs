@@ -13,8 +13,8 @@ pub mod orbit;
 pub mod sun;
 pub mod surroundings;
 
-use crate::triangles::{Hit, Triangles};
-use crate::view::frame;
+use crate::scene::triangles::{Hit, Triangles};
+use crate::scene::view::frame;
 use collide::Motion;
 use drag::Grip;
 use fly::Fly;

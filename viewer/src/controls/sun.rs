@@ -73,7 +73,7 @@ impl Stage {
 mod tests {
     use super::super::tests::stage;
     use super::*;
-    use crate::triangles::tests::two_sided;
+    use crate::scene::triangles::tests::two_sided;
 
     /// A room, 12 by 3 by 12, with an optional opening in the wall at z = -6 and in the wall at x = 6.
     fn room(open: [bool; 2]) -> Stage {

@@ -24,7 +24,7 @@ pub fn is_inside(stage: &Stage, was_inside: bool) -> bool {
 mod tests {
     use super::super::tests::stage;
     use super::*;
-    use crate::triangles::tests::two_sided;
+    use crate::scene::triangles::tests::two_sided;
 
     /// Walls of a court from x, z = -2 to 2, without the one at z = 2 unless `closed`; a floor.
     fn court(closed: bool) -> Vec<[Vec3; 3]> {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::triangles::tests::two_sided;
+use crate::scene::triangles::tests::two_sided;
 
 const MIDDLE: [f64; 2] = [320.0, 240.0];
 const ASIDE: [f64; 2] = [100.0, 100.0];

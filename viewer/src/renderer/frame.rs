@@ -1,17 +1,17 @@
 //! The passes of a frame, in order; a pass runs only after a change of its inputs.
 
 use super::Renderer;
-use crate::blended_fit;
-use crate::composite::{self, Shading};
+use super::target::Target;
 use crate::controls::gizmo;
-use crate::readback::Readback;
+use crate::gpu::readback::Readback;
+use crate::gpu::scope::Scope;
+use crate::passes::composite::{self, Shading};
+use crate::passes::settings::{Mode, Overlay, ToneMapping};
+use crate::passes::timing::Pass;
 use crate::scene::GpuScene;
-use crate::scope::Scope;
-use crate::settings::{Mode, Overlay, ToneMapping};
-use crate::shadow_fit;
-use crate::target::Target;
-use crate::timing::Pass;
-use crate::view::{Frame, Sample, frame};
+use crate::scene::blended_fit;
+use crate::scene::view::{Frame, Sample, frame};
+use rebounce_shared::light::{punctual, punctual_sources};
 use wgpu::TextureFormat;
 
 impl Renderer {
@@ -26,7 +26,7 @@ impl Renderer {
         let moved = std::mem::take(&mut self.dirty.lights);
         let mut changed = Vec::new();
         if moved {
-            let sources = shadow_fit::sources(&self.lights, scene.meta.origin);
+            let sources = punctual_sources(&self.lights, scene.meta.origin);
             let (near, glass) = (0.1 * scene.near, !scene.upload.glass_runs.is_empty());
             changed = self.shadows.set_lights(&self.gpu, &sources, &scene.extent, near, glass);
         }
@@ -203,7 +203,7 @@ impl Renderer {
         Shading {
             direct: (self.mode != Mode::Indirect) as u32 as f32,
             indirect: (self.mode != Mode::Direct) as u32 as f32,
-            lights: shadow_fit::known(&self.lights).count() as u32,
+            lights: punctual(&self.lights).count() as u32,
             exposure: self.exposure.exp2(),
             blend,
             scale: 1,

@@ -3,33 +3,39 @@
 //! * here: the renderer itself, its scene, a whole frame;
 //! * `state` – settings: camera, lights, exposure, mode, overlay;
 //! * `frame` – the passes;
-//! * `read` – pictures read back.
+//! * `read` – pictures read back;
+//! * `pipelines` – the pipelines of all passes, once a device;
+//! * `target` – everything of one picture size;
+//! * `stats` – counts, bytes and times;
+//! * `pace` – one frame at a time.
 
 mod frame;
+pub mod pace;
+pub mod pipelines;
 mod read;
 mod state;
+pub mod stats;
+pub mod target;
 
-use crate::cached_direct::CachedDirectLight;
-use crate::composite;
 use crate::controls::gizmo::Marks;
-use crate::display::choice::DisplayChoice;
 use crate::error::ViewerError;
-use crate::gpu::MAX_BINDING;
-use crate::gpu::{Gpu, LIMITS};
-use crate::pipelines::Pipelines;
-use crate::readback::Readback;
+use crate::gpu::readback::Readback;
+use crate::gpu::scope::Scope;
+use crate::gpu::{Gpu, LIMITS, MAX_BINDING, MAX_LAYERS};
+use crate::passes::cached_direct::CachedDirectLight;
+use crate::passes::composite;
+use crate::passes::display::choice::DisplayChoice;
+use crate::passes::settings::{Mode, Overlay, ToneMapping, Way};
+use crate::passes::shadow::Shadows;
+use crate::passes::shadow::fit::LARGEST;
+use crate::passes::timing::{Milliseconds, Timing};
 use crate::scene::GpuScene;
-use crate::scope::Scope;
-use crate::settings::Way;
-use crate::settings::{Mode, Overlay, ToneMapping};
-use crate::shadow::Shadows;
-use crate::shadow_fit;
-use crate::stats::{Bytes, Stats};
-use crate::target::{Target, Wanted};
-use crate::timing::{Milliseconds, Timing};
+use pipelines::Pipelines;
 use rebounce_shared::{camera::Camera, light::Light};
 use state::check_lights;
+use stats::{Bytes, Stats};
 use std::rc::Rc;
+use target::{Target, Wanted};
 use wgpu::TextureFormat;
 
 /// Number of pictures averaged for antialiasing while nothing changes.
@@ -187,7 +193,7 @@ impl Renderer {
         }
         // A file may hold more lights than shadow maps are possible; the first lights are on.
         let mut lights = scene.meta.lights.clone();
-        lights.truncate(shadow_fit::MAX_LAYERS as usize);
+        lights.truncate(MAX_LAYERS as usize);
         while check_lights(&lights).is_err() {
             lights.pop();
         }
@@ -259,7 +265,7 @@ impl Renderer {
 
     /// Limits the width of shadow maps, texels; for measurements.
     pub fn set_largest_shadow_map(&mut self, texels: u32) {
-        self.shadows.largest = texels.clamp(16, shadow_fit::LARGEST);
+        self.shadows.largest = texels.clamp(16, LARGEST);
         self.dirty.lights = true;
     }
 
@@ -311,7 +317,7 @@ impl Renderer {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let Some(scene) = self.scene.clone() else {
             drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                color_attachments: &[crate::bindings::attachment(view, true)],
+                color_attachments: &[crate::gpu::bindings::attachment(view, true)],
                 ..Default::default()
             }));
             self.gpu.queue.submit([encoder.finish()]);

@@ -1,14 +1,14 @@
 //! Pictures read back, for tests and for saving.
 
 use super::Renderer;
-use crate::bindings::target as texture_target;
-use crate::composite::{self, Shading};
 use crate::error::ViewerError;
 use crate::gpu::LIMITS;
-use crate::readback::Readback;
-use crate::scope::Scope;
-use crate::upload::MAX_BUFFER;
-use crate::view::Sample;
+use crate::gpu::bindings::target as texture_target;
+use crate::gpu::readback::Readback;
+use crate::gpu::scope::Scope;
+use crate::passes::composite::{self, Shading};
+use crate::scene::upload::MAX_BUFFER;
+use crate::scene::view::Sample;
 use wgpu::TextureFormat;
 
 /// Number of pictures averaged by [`Renderer::read_indirect`].
@@ -68,7 +68,7 @@ impl Renderer {
     }
 
     /// Begins to read the work counts of the last picture of [`Renderer::draw`]: returns the picture's size, and
-    /// the bytes for [`Counts::new`](crate::stats::Counts::new).
+    /// the bytes for [`Counts::new`](crate::renderer::stats::Counts::new).
     ///
     /// # Errors
     /// [`ViewerError::NoScene`] before a picture is drawn.

@@ -1,14 +1,16 @@
 //! Settings of the renderer: camera, lights, exposure, mode, overlay.
 
 use super::Renderer;
-use crate::composite::FIRST_KEY;
 use crate::controls::Stage;
 use crate::controls::gizmo::Marks;
 use crate::error::ViewerError;
-use crate::readback::Readback;
-use crate::settings::{Display, Mode, Overlay, ToneMapping};
-use crate::shadow_fit;
-use rebounce_shared::{camera::Camera, light::Light};
+use crate::gpu::MAX_LAYERS;
+use crate::gpu::readback::Readback;
+use crate::passes::composite::FIRST_KEY;
+use crate::passes::settings::{Display, Mode, Overlay, ToneMapping};
+use crate::passes::shadow::fit::most_layers;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::light::{Light, punctual_sources};
 
 impl Renderer {
     /// The camera, world space.
@@ -117,7 +119,7 @@ impl Renderer {
         self.key_wanted = wanted;
     }
 
-    /// Readback of the buffer [`crate::composite::key`].
+    /// Readback of the buffer [`crate::passes::composite::key`].
     pub fn take_measured(&mut self) -> Option<Readback> {
         self.measured.take()
     }
@@ -243,12 +245,12 @@ pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
             )));
         }
     }
-    let layers: u32 = shadow_fit::sources(lights, [0.0; 3]).iter().map(shadow_fit::most_layers).sum();
-    if layers > shadow_fit::MAX_LAYERS {
+    let layers: u32 = punctual_sources(lights, [0.0; 3]).iter().map(most_layers).sum();
+    if layers > MAX_LAYERS {
         return Err(ViewerError::BadArgument(format!(
             "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light up to five, others one",
             lights.len(),
-            shadow_fit::MAX_LAYERS
+            MAX_LAYERS
         )));
     }
     Ok(())

@@ -3,7 +3,9 @@
 //! * here: construction, loading, frames;
 //! * `settings` – settings;
 //! * `input` – pointers, wheel, keys;
-//! * `read` – pictures, counts and statistics.
+//! * `read` – pictures, counts and statistics;
+//! * `wire` – cameras and lights as lists of numbers;
+//! * `shared` – the page's device; `page` – errors and promises; `math` – the page's sine.
 //!
 //! Every failure is a JavaScript `Error` with a `code` from [`ViewerError::code`].
 
@@ -13,14 +15,15 @@ mod page;
 mod read;
 mod settings;
 mod shared;
+pub mod wire;
 
-use crate::browser::{self, Context};
-use crate::composite::FIRST_KEY;
 use crate::controls::Controls;
 use crate::error::ViewerError;
 use crate::gpu::LIMITS;
-use crate::pace::{Pace, Work};
+use crate::gpu::browser::{self, Context};
+use crate::passes::composite::FIRST_KEY;
 use crate::renderer::Renderer;
+use crate::renderer::pace::{Pace, Work};
 use crate::scene::GpuScene;
 use page::{coded, js_error, promise};
 use rebounce_shared::baked::BakedScene;

@@ -2,9 +2,9 @@
 
 use super::Viewer;
 use super::page::{animation, promise};
+use super::wire;
 use crate::renderer::Renderer;
-use crate::stats::Counts;
-use crate::wire;
+use crate::renderer::stats::Counts;
 use wasm_bindgen::prelude::*;
 
 impl Viewer {
@@ -35,7 +35,7 @@ impl Viewer {
         self.state.borrow().renderer.scene().map_or(String::new(), |scene| scene.meta.shown.names.clone())
     }
 
-    /// The file's cameras as concatenated lists of numbers: see [`crate::wire`].
+    /// The file's cameras as concatenated lists of numbers: see [`crate::wasm::wire`].
     pub fn cameras(&self) -> Vec<f64> {
         let mut out = Vec::new();
         for camera in self.state.borrow().renderer.scene().map_or(&[][..], |scene| &scene.meta.cameras) {

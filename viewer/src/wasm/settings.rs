@@ -1,13 +1,13 @@
 //! Settings of the class [`Viewer`]: camera, lights, exposure, mode, overlay.
 
 use super::Viewer;
-use crate::settings::{Display, Mode, Overlay, ToneMapping};
-use crate::wire;
+use super::wire;
+use crate::passes::settings::{Display, Mode, Overlay, ToneMapping};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
 impl Viewer {
-    /// The present camera as a list of numbers: see [`crate::wire`].
+    /// The present camera as a list of numbers: see [`crate::wasm::wire`].
     pub fn camera(&self) -> Vec<f64> {
         wire::camera_numbers(self.state.borrow().renderer.camera())
     }

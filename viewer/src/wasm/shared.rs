@@ -1,11 +1,11 @@
 //! The page's device, shared by all viewers of a page while a viewer lives.
 
 use super::Callbacks;
-use crate::browser;
 use crate::error::ViewerError;
+use crate::gpu::browser;
+use crate::gpu::oneshot::{self, Receiver, Sender};
 use crate::gpu::{Gpu, Requested};
-use crate::oneshot::{self, Receiver, Sender};
-use crate::pipelines::Pipelines;
+use crate::renderer::pipelines::Pipelines;
 use std::cell::{Cell, RefCell};
 use std::rc::{Rc, Weak};
 use wasm_bindgen::prelude::*;

@@ -22,11 +22,11 @@ export async function modules(harness) {
       await promisify(execFile)(process.execPath, ["--input-type=module", "--eval", script]);
     }
   });
-  await keyframes(harness, await import(new URL("animation.js", MODULES)));
-  await days(harness, await import(new URL("daylight.js", MODULES)), await import(new URL("animation.js", MODULES)));
-  await links(harness, await import(new URL("link.js", MODULES)));
-  await steps(harness, await import(new URL("lights.js", MODULES)));
-  await units(harness, await import(new URL("photometry.js", MODULES)));
+  await keyframes(harness, await import(new URL("animation/animation.js", MODULES)));
+  await days(harness, await import(new URL("daylight.js", MODULES)), await import(new URL("animation/animation.js", MODULES)));
+  await links(harness, await import(new URL("wire/link.js", MODULES)));
+  await steps(harness, await import(new URL("wire/lights.js", MODULES)));
+  await units(harness, await import(new URL("panel/photometry.js", MODULES)));
 }
 
 /** The code that something throws. */

@@ -42,13 +42,13 @@ async function found() {
   }
   const read = (file) => readFile(new URL(`../../src/${file}.ts`, import.meta.url), "utf8");
   const each = (text, pattern, kind) => [...text.matchAll(pattern)].map(([, name]) => `${kind} ${name}`);
-  const tree = await read("tree");
-  const styles = (await read("style")) + (await read("panel-style")) + tree;
+  const tree = await read("element/tree");
+  const styles = (await read("element/style")) + (await read("panel/style")) + tree;
   return [
     ...names,
-    ...each(await read("events"), /^ {2}"?([\w-]+)"?: CustomEvent/gm, "event"),
+    ...each(await read("element/events"), /^ {2}"?([\w-]+)"?: CustomEvent/gm, "event"),
     ...each(tree, /slot\("(\w+)"/g, "slot"),
-    ...each(tree + (await read("panel")) + (await read("stick")), /part: "(\w+)"/g, "part"),
+    ...each(tree + (await read("panel/panel")) + (await read("input/stick")), /part: "(\w+)"/g, "part"),
     ...each(styles, /(--rebounce-[\w-]+)/g, "variable"),
   ];
 }

@@ -1,0 +1,22 @@
+//! The passes of a frame that need lights or a camera. Each draws a scene on the GPU; `renderer/frame.rs` has the order,
+//! with the [relighting](crate::scene::relight) of the points between shadows and G-buffer.
+//!
+//! * `shadow` – shadow maps of the lights;
+//! * `cached_direct` – the lights whose direct light at the points is evaluated anew;
+//! * `gbuffer` – albedo, normals, material and depth of the visible surfaces;
+//! * `display` – from points to pixels;
+//! * `blended` – glass, curtains, decals;
+//! * `composite` – shading, exposure, tone mapping;
+//! * `overlay` – points and handles over the picture.
+//!
+//! Beside them `settings`: what a user chooses of the picture, and `timing`: milliseconds per pass.
+
+pub mod blended;
+pub mod cached_direct;
+pub mod composite;
+pub mod display;
+pub mod gbuffer;
+pub mod overlay;
+pub mod settings;
+pub mod shadow;
+pub mod timing;

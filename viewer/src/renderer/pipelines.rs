@@ -1,0 +1,78 @@
+//! Resources of a device, independent of viewers: created once, shared by all viewers of the device.
+
+use crate::error::ViewerError;
+use crate::gpu::Gpu;
+use crate::passes::blended::BlendedPass;
+use crate::passes::composite::CompositePass;
+use crate::passes::display::DisplayPass;
+use crate::passes::gbuffer::GBufferPass;
+use crate::passes::overlay::OverlayPass;
+use crate::passes::shadow::ShadowPipelines;
+use crate::scene::Loaders;
+use crate::scene::materials::material_layout;
+use crate::scene::relight::RelightPipelines;
+use crate::scene::textures::Mips;
+use std::cell::RefCell;
+use std::rc::Rc;
+use wgpu::TextureFormat;
+
+/// The pipelines of all passes.
+pub struct Pipelines {
+    /// The layout of a material's bind group.
+    pub material: wgpu::BindGroupLayout,
+    /// Shadow maps.
+    pub shadow: ShadowPipelines,
+    /// Relighting.
+    pub relight: RelightPipelines,
+    /// G-buffer.
+    pub gbuffer: GBufferPass,
+    /// From points to pixels.
+    pub display: DisplayPass,
+    /// Blended surfaces.
+    pub blended: BlendedPass,
+    /// Shading, exposure, tone mapping.
+    pub composite: CompositePass,
+    /// Mip levels.
+    pub mips: Mips,
+    overlay: RefCell<Vec<Rc<OverlayPass>>>,
+}
+
+impl Pipelines {
+    /// Creates the pipelines.
+    ///
+    /// # Errors
+    /// [`ViewerError::Internal`] if the device refuses a pipeline immediately.
+    pub fn new(gpu: &Gpu) -> Result<Self, ViewerError> {
+        let material = material_layout(gpu);
+        let shadow = ShadowPipelines::new(gpu, &material);
+        let pipelines = Self {
+            relight: RelightPipelines::new(gpu, &shadow.layout),
+            gbuffer: GBufferPass::new(gpu, &material),
+            display: DisplayPass::new(gpu),
+            blended: BlendedPass::new(&material, &shadow.layout),
+            composite: CompositePass::new(gpu, &shadow.layout),
+            mips: Mips::new(gpu),
+            overlay: RefCell::default(),
+            material,
+            shadow,
+        };
+        gpu.check()?;
+        Ok(pipelines)
+    }
+
+    /// Layouts and pipelines for loading scenes.
+    pub fn loaders(&self) -> Loaders<'_> {
+        Loaders { material: &self.material, mips: &self.mips, relight: &self.relight }
+    }
+
+    /// Overlay pipelines for this target format; created on first use.
+    pub fn overlay(&self, gpu: &Gpu, format: TextureFormat) -> Rc<OverlayPass> {
+        let mut made = self.overlay.borrow_mut();
+        if let Some(pass) = made.iter().find(|pass| pass.format() == format) {
+            return pass.clone();
+        }
+        let pass = Rc::new(OverlayPass::new(gpu, format));
+        made.push(pass.clone());
+        pass
+    }
+}

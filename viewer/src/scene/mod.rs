@@ -1,0 +1,152 @@
+//! A baked scene on the GPU, and what it takes on the CPU; knows no pass of a picture.
+//!
+//! * here: the scene;
+//! * `upload` – the file's sections in buffers;
+//! * `relight` – one frame of bounced light at its points;
+//! * `materials`, `textures` – a bind group per material, mip levels;
+//! * `draw_batch`, `fronts` – draw calls, and the winding of their triangles;
+//! * `triangles` – the surfaces on the CPU, for ray casts;
+//! * `extent`, `blended_fit` – bounds, and properties of the blended surfaces;
+//! * `ground` – the ground under an object;
+//! * `view` – the camera that looks at it.
+
+pub mod blended_fit;
+pub mod draw_batch;
+pub mod extent;
+mod fronts;
+pub(crate) mod ground;
+pub mod materials;
+pub mod relight;
+pub mod textures;
+pub mod triangles;
+pub mod upload;
+pub mod view;
+
+use crate::error::ViewerError;
+use crate::gpu::Gpu;
+use extent::Extent;
+use glam::Vec3;
+use materials::Materials;
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::openness::REACH;
+use rebounce_shared::rbn::meta::Meta;
+use relight::{Relight, RelightPipelines};
+use std::ops::Range;
+use textures::Mips;
+use upload::Upload;
+
+/// Layouts and pipelines for loading scenes.
+pub struct Loaders<'a> {
+    /// The layout of a material's bind group.
+    pub material: &'a wgpu::BindGroupLayout,
+    /// Mip levels.
+    pub mips: &'a Mips,
+    /// Relighting.
+    pub relight: &'a RelightPipelines,
+}
+
+/// A scene on the GPU, with its metadata on the CPU.
+pub struct GpuScene {
+    /// Metadata.
+    pub meta: Meta,
+    /// Bulk sections.
+    pub upload: Upload,
+    /// Materials and textures.
+    pub materials: Materials,
+    /// Relighting.
+    pub relight: Relight,
+    /// Points of each level.
+    pub levels: Vec<Range<u32>>,
+    /// Number of links, page marks included.
+    pub link_count: usize,
+    /// Number of triangles, with every instance counted.
+    pub triangles: usize,
+    /// Support radius of the finest functions, scene units: the tenth percentile.
+    pub finest_radius: f32,
+    /// Reach of openness, scene units; 0 for a file without openness.
+    pub open_reach: f32,
+    /// Distance of the near plane, scene units.
+    pub near: f32,
+    /// Bounds for shadow maps.
+    pub extent: Extent,
+}
+
+impl GpuScene {
+    /// Uploads a scene; asynchronous, as textures are decoded meanwhile.
+    ///
+    /// # Errors
+    /// [`ViewerError::TooLarge`] before the first upload, [`ViewerError::Texture`], [`ViewerError::OutOfMemory`],
+    /// or [`ViewerError::Internal`] for any other refusal by the device.
+    pub async fn upload(gpu: &Gpu, loaders: Loaders<'_>, scene: BakedScene) -> Result<Self, ViewerError> {
+        let (upload, relight) = gpu.watch(|| {
+            let upload = Upload::new(gpu, &scene)?;
+            let relight = Relight::new(gpu, loaders.relight, &upload, &scene);
+            Ok::<_, ViewerError>((upload, relight))
+        })?;
+        let materials = Materials::new(gpu, loaders.material, loaders.mips, &scene).await?;
+        gpu.settle().await;
+        gpu.check()?;
+        let bounds = [Vec3::from(scene.meta.bounds_min), Vec3::from(scene.meta.bounds_max)];
+        let extent = Extent::new(bounds, finest(&scene));
+        let diagonal = (bounds[1] - bounds[0]).length().max(f32::MIN_POSITIVE);
+        // Small enough to move the eye close to the finest functions.
+        let finest_support = scene.meta.levels.last().map_or(f32::MAX, |l| l.support_radius);
+        let finest_radius = tenth(scene.points[scene.display()].iter().map(|p| p.radius));
+        let near = (1e-3 * diagonal).min(0.1 * finest_support).max(1e-6 * diagonal);
+        Ok(Self {
+            levels: (0..scene.meta.levels.len())
+                .map(|l| scene.level(l).start as u32..scene.level(l).end as u32)
+                .collect(),
+            link_count: scene.link_count() + scene.later.links.len(),
+            triangles: scene.triangles_placed() as usize,
+            meta: scene.meta,
+            upload,
+            materials,
+            relight,
+            finest_radius,
+            open_reach: if scene.openness.is_empty() { 0.0 } else { REACH * finest_support },
+            near,
+            extent,
+        })
+    }
+}
+
+/// Returns the tenth percentile of positive values; 0 without values. A bisection over bit patterns, ordered like
+/// the values: less code than a selection.
+fn tenth(values: impl ExactSizeIterator<Item = f32> + Clone) -> f32 {
+    let rank = values.len() / 10;
+    let mut bits = 0u32;
+    for bit in (0..31).rev() {
+        let trial = bits | 1 << bit;
+        let below = values.clone().filter(|value| value.to_bits() < trial).count();
+        if below <= rank && rank < values.len() {
+            bits = trial;
+        }
+    }
+    f32::from_bits(bits)
+}
+
+/// Minimum and maximum corner of the supports of the two finest levels, local space.
+fn finest(scene: &BakedScene) -> [Vec3; 2] {
+    let levels = scene.meta.levels.len();
+    let points = (levels.saturating_sub(2)..levels).flat_map(|l| &scene.points[scene.level(l)]);
+    let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    points.fold(start, |[low, high], p| [low.min(p.position() - p.radius), high.max(p.position() + p.radius)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tenth_of_the_values_falls_short() {
+        let values: Vec<f32> = (0..57u32).map(|i| 0.01 + (i * 7919 % 57) as f32 * 1.5).collect();
+        for count in [1, 9, 10, 11, 57] {
+            let mut first = values[..count].to_vec();
+            first.sort_by(f32::total_cmp);
+            assert_eq!(tenth(values[..count].iter().copied()), first[count / 10]);
+        }
+        assert_eq!(tenth(std::iter::empty()), 0.0);
+        assert_eq!(tenth([2.5f32; 20].into_iter()), 2.5);
+    }
+}

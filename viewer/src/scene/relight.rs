@@ -1,0 +1,378 @@
+//! One frame of relighting on the GPU: the steps of [`rebounce_shared::relight`] as compute passes.
+
+use super::upload::{LinkBuffers, Upload};
+use crate::gpu::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout, part};
+use crate::gpu::scope::Scope;
+use crate::gpu::{Gpu, MAX_LAYERS};
+use crate::shaders;
+use bytemuck::{Pod, Zeroable};
+use rebounce_shared::baked::BakedScene;
+use wgpu::{BufferUsages, ShaderStages};
+
+/// Stride of steps in the uniform buffer, bytes.
+const STRIDE: u64 = 256;
+/// Threads that share a row on a GPU: reads of neighbouring links coalesce, and short rows waste little.
+pub const LANES: u32 = 8;
+/// Threads that share a row on a software adapter, where synchronization within a workgroup is expensive.
+pub const SOFTWARE_LANES: u32 = 1;
+
+/// Threads that measure the [level](rebounce_shared::exposure::level) of the light: `LEVELS` of key.wgsl.
+const LEVEL_THREADS: u32 = 512;
+
+/// Average number of links of a row below which a single thread processes the row.
+const SHORT: usize = 16;
+
+/// `Step` of the shaders: parameters of a dispatch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+struct Step {
+    first: u32,
+    count: u32,
+    extra: u32,
+    /// Threads of the grid in x; for shared rows, workgroups in x.
+    threads: u32,
+    /// 1 if the scene has normal maps.
+    tilts: u32,
+    pad: [u32; 3],
+}
+
+/// Shader of a dispatch; kernels over links have a chunk index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kernel {
+    Direct,
+    Pull,
+    Send,
+    /// Several threads share a row.
+    Transport(usize),
+    /// One thread per row.
+    Short(usize),
+    Bounce,
+    Lift,
+    Level,
+}
+
+/// One dispatch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Dispatch {
+    kernel: Kernel,
+    step: Step,
+    groups: [u32; 2],
+}
+
+impl Dispatch {
+    /// One thread for each of `count` elements.
+    fn threads(kernel: Kernel, first: usize, count: usize) -> Self {
+        let groups = grid((count as u32).div_ceil(WORKGROUP));
+        let step = Step {
+            first: first as u32,
+            count: count as u32,
+            threads: groups[0] * WORKGROUP,
+            ..Step::default()
+        };
+        Self { kernel, step, groups }
+    }
+
+    /// `lanes` threads per row.
+    fn lanes(kernel: Kernel, step: Step, lanes: u32) -> Self {
+        let groups = grid(step.count.div_ceil(WORKGROUP / lanes));
+        Self { kernel, step: Step { threads: groups[0], ..step }, groups }
+    }
+}
+
+/// All dispatches of a frame, in order.
+fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
+    let level = |kernel, l: usize| Dispatch::threads(kernel, scene.level(l).start, scene.level(l).len());
+    // Computes the irradiance of the points of the first `levels` levels, from links and parents.
+    let transport = |plan: &mut Vec<Dispatch>, levels: u32| {
+        for l in 0..levels as usize {
+            let level = scene.level(l);
+            let links = scene.links.offsets[level.end] - scene.links.offsets[level.start];
+            let is_short = (links as usize) < SHORT * level.len();
+            for (i, chunk) in upload.links.chunks.iter().enumerate() {
+                let first = chunk.rows.start.max(level.start as u32);
+                let end = chunk.rows.end.min(level.end as u32);
+                let count = end.saturating_sub(first);
+                let step = Step { first, count, extra: chunk.first_link, ..Step::default() };
+                plan.push(if is_short {
+                    Dispatch::lanes(Kernel::Short(i), step, 1)
+                } else {
+                    Dispatch::lanes(Kernel::Transport(i), step, lanes)
+                });
+            }
+        }
+    };
+    let mut plan = vec![Dispatch::threads(Kernel::Direct, 0, scene.direct_count())];
+    let send = Dispatch::threads(Kernel::Send, 0, scene.sender_count());
+    plan.extend(
+        (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev().map(|l| level(Kernel::Pull, l)),
+    );
+    plan.push(send);
+    let coarse = scene.later_count();
+    if coarse > 0 {
+        transport(&mut plan, scene.meta.later_levels);
+        let step = Step { count: coarse as u32, ..Step::default() };
+        plan.push(Dispatch::lanes(Kernel::Bounce, step, lanes));
+        let finer = scene.meta.later_levels as usize..scene.meta.sender_levels as usize;
+        plan.extend(finer.map(|l| level(Kernel::Lift, l)));
+        plan.push(send);
+    }
+    transport(&mut plan, scene.meta.levels.len() as u32);
+    plan.push(measure(scene));
+    plan.retain(|dispatch| dispatch.step.count > 0);
+    let bumpy = scene.meta.is_bumpy();
+    for dispatch in &mut plan {
+        dispatch.step.tilts = bumpy as u32;
+    }
+    plan
+}
+
+/// Measures the light level at the finest senders, which are spread evenly over all surfaces of the light
+/// transport.
+fn measure(scene: &BakedScene) -> Dispatch {
+    let senders = (scene.meta.sender_levels as usize).checked_sub(1).map_or(0..0, |l| scene.level(l));
+    let step = Step {
+        first: senders.start as u32,
+        count: senders.len() as u32,
+        threads: LEVEL_THREADS,
+        ..Step::default()
+    };
+    Dispatch { kernel: Kernel::Level, step, groups: [LEVEL_THREADS / WORKGROUP, 1] }
+}
+
+/// Work of an evaluation.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CachedEvaluation {
+    /// Whether the sum continues from its present value; otherwise from zero.
+    pub keep: bool,
+    /// Lights added to the sum.
+    pub still: Vec<u32>,
+    /// Lights evaluated in addition to the sum.
+    pub moving: Vec<u32>,
+}
+
+impl CachedEvaluation {
+    /// Number of evaluated lights.
+    pub fn count(&self) -> usize {
+        self.still.len() + self.moving.len()
+    }
+}
+
+/// A kernel's bind group layout and pipeline.
+type KernelPass = (wgpu::BindGroupLayout, wgpu::ComputePipeline);
+
+/// Pipelines, independent of a scene.
+pub struct RelightPipelines {
+    direct: KernelPass,
+    pull: KernelPass,
+    send: KernelPass,
+    transport: wgpu::BindGroupLayout,
+    short: wgpu::ComputePipeline,
+    bounce: wgpu::BindGroupLayout,
+    lift: KernelPass,
+    level: KernelPass,
+    lanes: u32,
+    shared: [wgpu::ComputePipeline; 2],
+}
+
+impl RelightPipelines {
+    /// Creates the pipelines; `lights` is the layout of the lights' bind group.
+    pub fn new(gpu: &Gpu, lights: &wgpu::BindGroupLayout) -> Self {
+        let slots = |label: &str, reads: usize, writes: usize| {
+            let mut slots = vec![Slot::UniformPart(size_of::<Step>() as u64)];
+            slots.extend(std::iter::repeat_n(Slot::Read, reads));
+            slots.extend(std::iter::repeat_n(Slot::Write, writes));
+            layout(gpu, label, ShaderStages::COMPUTE, &slots)
+        };
+        let pass = |entry: &str, source, reads, writes| {
+            let layout = slots(entry, reads, writes);
+            let pipeline = compute(gpu, entry, source, &[&layout], &[]);
+            (layout, pipeline)
+        };
+        let direct = slots("direct", 2, 2);
+        let transport = slots("transport", 6, 1);
+        let bounce = slots("bounce", 3, 2);
+        let alone = [("LANES", 1.0)];
+        let lanes = if gpu.software { SOFTWARE_LANES } else { LANES };
+        let shared = shared(gpu, &transport, &bounce, lanes);
+        let short = match lanes {
+            1 => shared[0].clone(),
+            _ => compute(gpu, "transport", shaders::TRANSPORT, &[&transport], &alone),
+        };
+        Self {
+            shared,
+            lanes,
+            short,
+            transport,
+            direct: (direct.clone(), compute(gpu, "direct", shaders::DIRECT, &[&direct, lights], &[])),
+            pull: pass("pull", shaders::PULL, 2, 1),
+            send: pass("send", shaders::SEND, 2, 1),
+            bounce,
+            lift: pass("lift", shaders::LIFT, 2, 2),
+            level: pass("level", shaders::LEVEL, 1, 1),
+        }
+    }
+}
+
+/// Creates the kernels with `lanes` threads per row: transport and bounces.
+fn shared(
+    gpu: &Gpu,
+    transport: &wgpu::BindGroupLayout,
+    bounce: &wgpu::BindGroupLayout,
+    lanes: u32,
+) -> [wgpu::ComputePipeline; 2] {
+    let constants = [("LANES", lanes as f64)];
+    [
+        compute(gpu, "transport", shaders::TRANSPORT, &[transport], &constants),
+        compute(gpu, "bounce", shaders::BOUNCE, &[bounce], &constants),
+    ]
+}
+
+/// Buffers, bind groups and dispatches of a scene.
+pub struct Relight {
+    /// Direct irradiance at the direct points, at senders also irradiance of later bounces: RGB and an unused
+    /// float.
+    pub irradiance: wgpu::Buffer,
+    /// Irradiance along the normal of every point: RGB, and the tilt (tilt.wgsl).
+    pub display: wgpu::Buffer,
+    /// Light levels for the automatic exposure (light_level.wgsl); zero without light.
+    pub levels: wgpu::Buffer,
+    steps: wgpu::Buffer,
+    /// `CachedEvaluation` of direct.wgsl.
+    choice: wgpu::Buffer,
+    direct: wgpu::BindGroup,
+    pull: wgpu::BindGroup,
+    send: wgpu::BindGroup,
+    transport: Vec<wgpu::BindGroup>,
+    bounce: Vec<wgpu::BindGroup>,
+    lift: wgpu::BindGroup,
+    level: wgpu::BindGroup,
+    shared: [wgpu::ComputePipeline; 2],
+    plan: Vec<Dispatch>,
+    own: Scope,
+}
+
+impl Relight {
+    /// Creates buffers and bind groups for a scene.
+    pub fn new(gpu: &Gpu, pipelines: &RelightPipelines, upload: &Upload, scene: &BakedScene) -> Self {
+        let own = Scope::new(gpu);
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
+        let irradiance = colours("irradiance", scene.direct_count());
+        let display = colours("display", scene.points.len());
+        let still = colours("still", scene.direct_count());
+        // Every light has at least one layer.
+        let choice = empty_buffer(&own, "choice", storage, 4 * (3 + MAX_LAYERS as u64));
+        let bounced = colours("bounced", scene.sender_count());
+        let sent = colours("sent", scene.sender_count());
+        let levels = empty_buffer(&own, "levels", storage, 8 * LEVEL_THREADS as u64);
+        let plan = plan(scene, upload, pipelines.lanes);
+        let steps = empty_buffer(
+            &own,
+            "steps",
+            BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            STRIDE * plan.len().max(1) as u64,
+        );
+        for (i, dispatch) in plan.iter().enumerate() {
+            gpu.queue.write_buffer(&steps, i as u64 * STRIDE, bytemuck::bytes_of(&dispatch.step));
+        }
+        let make = |label: &str, layout: &wgpu::BindGroupLayout, buffers: &[&wgpu::Buffer]| {
+            let mut resources = vec![part(&steps, size_of::<Step>() as u64)];
+            resources.extend(buffers.iter().map(|b| b.as_entire_binding()));
+            group(gpu, label, layout, &resources)
+        };
+        let (points, offsets, entries) = (&upload.points, &upload.push_offsets, &upload.push_entries);
+        Self {
+            direct: make("direct", &pipelines.direct.0, &[points, &choice, &still, &irradiance]),
+            pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
+            send: make("send", &pipelines.send.0, &[points, &irradiance, &sent]),
+            transport: chunks(&upload.links)
+                .map(|(rows, links)| {
+                    let buffers = [rows, links, &sent, offsets, entries, points, &display];
+                    make("transport", &pipelines.transport, &buffers)
+                })
+                .collect(),
+            bounce: chunks(&upload.later)
+                .map(|(rows, links)| {
+                    make("bounce", &pipelines.bounce, &[rows, links, &display, &bounced, &irradiance])
+                })
+                .collect(),
+            lift: make("lift", &pipelines.lift.0, &[offsets, entries, &bounced, &irradiance]),
+            level: make("level", &pipelines.level.0, &[&irradiance, &levels]),
+            shared: pipelines.shared.clone(),
+            irradiance,
+            display,
+            levels,
+            steps,
+            choice,
+            plan,
+            own,
+        }
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes()
+    }
+
+    /// Sets the number of threads per row, a power of two up to 64; for measurements.
+    pub fn set_lanes(&mut self, gpu: &Gpu, pipelines: &RelightPipelines, lanes: u32) {
+        self.shared = shared(gpu, &pipelines.transport, &pipelines.bounce, lanes);
+        for (i, dispatch) in self.plan.iter_mut().enumerate() {
+            if let Kernel::Transport(_) | Kernel::Bounce = dispatch.kernel {
+                *dispatch = Dispatch::lanes(dispatch.kernel, dispatch.step, lanes);
+                gpu.queue.write_buffer(&self.steps, i as u64 * STRIDE, bytemuck::bytes_of(&dispatch.step));
+            }
+        }
+    }
+
+    /// Sets the lights for the first step to evaluate.
+    pub fn set_lights(&self, gpu: &Gpu, choice: &CachedEvaluation) {
+        let mut words = vec![choice.keep as u32, choice.still.len() as u32, choice.count() as u32];
+        words.extend(choice.still.iter().chain(&choice.moving));
+        gpu.queue.write_buffer(&self.choice, 0, bytemuck::cast_slice(&words));
+    }
+
+    /// Sets all bounced light to zero: no light is on.
+    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.clear_buffer(&self.display, 0, None);
+        encoder.clear_buffer(&self.levels, 0, None);
+    }
+
+    /// Encodes all steps; without `lights` the irradiance in the buffer is used.
+    pub fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &RelightPipelines,
+        lights: Option<&wgpu::BindGroup>,
+        timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("relight"),
+            timestamp_writes: timestamps,
+        });
+        for (i, dispatch) in self.plan.iter().enumerate() {
+            let (pipeline, bind) = match dispatch.kernel {
+                Kernel::Direct if lights.is_none() => continue,
+                Kernel::Direct => (&pipelines.direct.1, &self.direct),
+                Kernel::Pull => (&pipelines.pull.1, &self.pull),
+                Kernel::Send => (&pipelines.send.1, &self.send),
+                Kernel::Short(chunk) => (&pipelines.short, &self.transport[chunk]),
+                Kernel::Transport(chunk) => (&self.shared[0], &self.transport[chunk]),
+                Kernel::Bounce => (&self.shared[1], &self.bounce[0]),
+                Kernel::Lift => (&pipelines.lift.1, &self.lift),
+                Kernel::Level => (&pipelines.level.1, &self.level),
+            };
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);
+            if dispatch.kernel == Kernel::Direct {
+                pass.set_bind_group(1, lights, &[]);
+            }
+            pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
+        }
+    }
+}
+
+/// The buffers of a matrix, chunk by chunk: offsets and links.
+fn chunks(matrix: &LinkBuffers) -> impl Iterator<Item = (&wgpu::Buffer, &wgpu::Buffer)> {
+    matrix.chunks.iter().map(|chunk| (&matrix.offsets, &chunk.links))
+}

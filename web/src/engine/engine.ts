@@ -1,0 +1,400 @@
+/** The life of the viewer behind the element: it is made, given a file, drawn with, and let go. */
+
+import { checkedAnimations, type LightAnimation } from "../animation/animation.js";
+import { Changes } from "./changes.js";
+import { download } from "./download.js";
+import { calm } from "../element/element.js";
+import { tell } from "../element/events.js";
+import { Failure, failureOf, isFatal, sentence, unsupported } from "../wire/failure.js";
+import { History } from "./history.js";
+import { Losses } from "./losses.js";
+import type { Viewer } from "./module.js";
+import { gestures } from "../input/gesture.js";
+import { OnScreen } from "../element/onscreen.js";
+import { PanelSlot } from "../panel/slot.js";
+import { applyAttributes, handOver, type Pending } from "./pending.js";
+import { Player } from "../animation/player.js";
+import type { RebounceViewer } from "../rebounce-viewer.js";
+import { closeViewer, openViewer, surfaceIn, type SessionHost } from "./session.js";
+import { Size } from "../element/size.js";
+import { restoreState } from "../element/state.js";
+import { Tree } from "../element/tree.js";
+import { cameraIn, lightsIn, nameLights, setLights } from "../wire/wire.js";
+
+/** One element's engine. */
+export class Engine {
+  readonly tree: Tree;
+  readonly player: Player;
+  readonly history: History;
+  /** The view that a scene or shot began with. */
+  first: Pending["camera"];
+  pending: Pending = {};
+  #element: RebounceViewer;
+  #viewer: Viewer | undefined;
+  #panel: PanelSlot;
+  #changes = new Changes();
+  /** Ends what belongs to the present canvas and viewer. */
+  #session: AbortController | undefined;
+  /** Ends the present download; each load has its own. */
+  #loading: AbortController | undefined;
+  #loaded = false;
+  /** The file is not loaded before the element comes into view. */
+  #waits = false;
+  /** The device was lost, and what was shown is to come back as it was, without a word. */
+  #returning = false;
+  #kept: Pending | undefined; // What of it waits in `pending`.
+  #losses = new Losses();
+  #frame = 0;
+  #onScreen: OnScreen;
+  #size: Size;
+
+  constructor(element: RebounceViewer) {
+    this.#element = element;
+    this.tree = new Tree(element);
+    this.tree.renewCanvas();
+    this.relabel();
+    // A click on what is only a picture is nobody's: it does not give the panel the focus.
+    element.addEventListener("mousedown", (event) => {
+      if (element.interaction === "none" && event.composedPath()[0] === element) event.preventDefault();
+    });
+    this.#onScreen = new OnScreen(element, () => this.#appear());
+    this.#size = new Size(element, (width, height) => this.#resize(width, height));
+    this.player = new Player({
+      readLights: () => (this.ready ? this.use(lightsIn) : undefined),
+      writeLights: (lights) => this.use((viewer) => setLights(viewer, lights)),
+      animationName: () => element.animationName,
+      tell: (type, detail) => tell(element, type, detail),
+      wantFrame: () => this.wantFrame(),
+    });
+    const history = (this.history = new History(element, this.tree.root, this.player, () => this.#panel.update()));
+    const surfaceAt = (x: number, y: number) => this.use((viewer) => surfaceIn(viewer, this.tree.canvas, x, y));
+    const sunlight = () => this.use((viewer) => viewer.sunlight());
+    this.#panel = new PanelSlot({ host: element, root: this.tree.root, history, surfaceAt, sunlight }, this.tree);
+  }
+
+  /** Whether there is a scene. */
+  get ready(): boolean {
+    return this.#loaded && this.#viewer !== undefined;
+  }
+
+  // ---- life
+
+  /** The element is in a page. */
+  begin(): void {
+    this.#size.watch();
+    this.#onScreen.watch();
+    if (!this.#loaded && !this.#loading) this.loadInTime();
+    else this.wantFrame();
+  }
+
+  /** The element is in none. */
+  rest(): void {
+    this.#size.stop();
+    this.#onScreen.stop();
+    this.dispose();
+  }
+
+  /** Frees the GPU's memory. */
+  dispose(): void {
+    this.#waits = false;
+    this.#stopLoading();
+    this.#forgetReturn();
+    this.#end();
+  }
+
+  /** `src` has changed. */
+  changeSource(): void {
+    this.#stopLoading();
+    this.#forgetReturn();
+    if (this.#element.isConnected) this.loadInTime();
+  }
+
+  /** Loads the file once more. */
+  reload(): void {
+    this.#forgetReturn();
+    void this.load();
+  }
+
+  /** What was kept of a lost scene does not come back. */
+  #forgetReturn(): void {
+    if (this.pending === this.#kept) this.pending = {};
+    this.#kept = undefined;
+    this.#returning = false;
+  }
+
+  #stopLoading(): void {
+    this.#loading?.abort();
+    this.#loading = undefined;
+    this.tree.setProgress();
+  }
+
+  /** Loads now, or, with `loading="lazy"`, when the element comes into view. */
+  loadInTime(): void {
+    const element = this.#element;
+    this.#waits = element.hasAttribute("src") && element.loading === "lazy" && !this.#onScreen.visible;
+    if (element.hasAttribute("src") && !this.#waits) void this.load();
+  }
+
+  /** `loading` has changed. */
+  reconsider(): void {
+    if (this.#waits) this.loadInTime();
+  }
+
+  /** The element comes into view: loads what it waited with, or draws what has changed meanwhile. */
+  #appear(): void {
+    this.reconsider();
+    this.wantFrame();
+  }
+
+  /** Gets a viewer and the file, one beside the other, and shows the scene. Never rejects. */
+  async load(): Promise<void> {
+    this.#stopLoading();
+    this.#waits = false;
+    this.tree.setMessage();
+    if (!this.#element.getAttribute("src")) return;
+    const loading = new AbortController();
+    this.#loading = loading;
+    try {
+      const url = this.#element.src;
+      this.#setProgress(0, 0);
+      const bytes = download(url, loading.signal, (loaded, total) => this.#setProgress(loaded, total));
+      // If the viewer fails first, nobody waits for the file any more.
+      bytes.catch(() => undefined);
+      const viewer = await this.#getViewer();
+      const file = await bytes;
+      loading.signal.throwIfAborted();
+      await viewer.load(file);
+      nameLights(viewer);
+      loading.signal.throwIfAborted();
+      this.#show(url, file.length);
+    } catch (error) {
+      if (this.#loading === loading) this.#failOrReturn(failureOf(error));
+    } finally {
+      loading.abort();
+      if (this.#loading === loading) this.#loading = undefined;
+    }
+  }
+
+  #show(url: string, size: number): void {
+    this.#loaded = true;
+    const { pending } = this;
+    const returns = this.#returning;
+    this.pending = {};
+    this.#kept = undefined;
+    this.#returning = false;
+    if (!returns) this.history.clear();
+    if (!returns) this.followLink();
+    this.use((viewer) => {
+      handOver(viewer, pending);
+      const animations = pending.animations ?? this.#ownAnimations(viewer);
+      // Those that come back with the scene go on.
+      if (animations !== this.player.animations) this.player.set(animations);
+    });
+    if (!returns) this.first = this.#element.camera;
+    this.applySettings();
+    this.tree.setProgress();
+    this.tree.showPoster(false);
+    this.tree.showPicture(true);
+    this.showPanel();
+    this.#size.measure();
+    this.#draw(performance.now());
+    if (!this.#loaded) return; // The first frame failed, and said so.
+    if (!returns) {
+      tell(this.#element, "progress", { loaded: size, total: size, ratio: 1 });
+      tell(this.#element, "load", { url });
+    }
+    if (pending.repetitions !== undefined) this.player.play(pending.repetitions);
+    else if (!returns) this.autoplay();
+  }
+
+  /** The file's; what cannot be used is told of. */
+  #ownAnimations(viewer: Viewer): LightAnimation[] {
+    try {
+      return checkedAnimations(viewer.animations());
+    } catch (error) {
+      this.#warn(failureOf(error));
+      return [];
+    }
+  }
+
+  /** Begins to play where the element asks for it and the user does not mind. */
+  autoplay(): void {
+    if (this.#element.autoplay && this.player.paused && !calm()) this.player.play();
+  }
+
+  /** The present viewer, or a new one on a new canvas. */
+  async #getViewer(): Promise<Viewer> {
+    if (this.#viewer) return this.#viewer;
+    this.#end();
+    const { signal } = (this.#session = new AbortController());
+    const host: SessionHost = {
+      changed: () => this.wantFrame(),
+      failed: (failure) => this.#failOrReturn(failure),
+      linked: () => this.followLink(),
+      withViewer: (use) => this.#loaded && this.#try(() => this.use(use)),
+      interaction: () => this.#element.interaction,
+      gesture: gestures((began) => this.ready && this.history.gesture(began)),
+      reset: () => this.#element.resetView(),
+    };
+    const viewer = await openViewer(this.tree.canvas, host, signal);
+    if (signal.aborted) {
+      closeViewer(viewer);
+      throw new DOMException("the element was removed", "AbortError");
+    }
+    return (this.#viewer = viewer);
+  }
+
+  /** Lets go of the viewer, and puts a fresh canvas in place of the one it drew on. */
+  #end(): void {
+    cancelAnimationFrame(this.#frame);
+    this.#frame = 0;
+    if (!this.#returning) this.player.pause();
+    this.#loaded = false;
+    this.#session?.abort();
+    const viewer = this.#viewer;
+    this.#viewer = this.#session = undefined;
+    this.#changes.forget();
+    this.showPanel();
+    this.tree.showPoster(true);
+    if (!viewer) return;
+    closeViewer(viewer);
+    this.tree.renewCanvas();
+    this.relabel();
+  }
+
+  /** A lost device is no failure as long as another one takes its place. */
+  #failOrReturn(failure: Failure): void {
+    if (failure.code === "device-lost" && this.#losses.next()) this.#return();
+    else this.#fail(failure);
+  }
+
+  /** Loads the file onto a new device and shows what was shown. */
+  #return(): void {
+    // While another file is on its way, that one is wanted.
+    if (this.ready && !this.#loading) {
+      const viewer = this.#viewer as Viewer;
+      const [camera, lights, { animations }] = [cameraIn(viewer), lightsIn(viewer), this.player];
+      this.pending = this.#kept = { camera, lights, animations, measured: viewer.measured };
+      this.#returning = true;
+    }
+    this.#stopLoading();
+    this.#end();
+    this.#waits = this.#onScreen.hidden;
+    if (!this.#waits) void this.load();
+  }
+
+  /** A failure that leaves no picture: it is shown and told. */
+  #fail(failure: Failure): void {
+    this.#stopLoading();
+    this.#returning = false;
+    if (isFatal(failure.code)) this.#end();
+    this.player.pause();
+    this.#loaded = false;
+    const words = unsupported(failure.code);
+    this.tree.showPoster(!!words);
+    this.tree.showPicture(false);
+    this.showPanel();
+    if (words) console.warn(`<rebounce-viewer>: ${sentence(failure.message)}`);
+    this.tree.setMessage(words ?? sentence(failure.message), words ? undefined : () => void this.load());
+    this.#warn(failure);
+  }
+
+  /** A failure that leaves the picture as it is: it is told. */
+  #warn({ code, message }: Failure): void {
+    tell(this.#element, "error", { code, message: sentence(message) });
+  }
+
+  // ---- drawing
+
+  /** Asks for a frame, unless nobody would see it. */
+  wantFrame(): void {
+    if (this.#frame || !this.ready || !this.#element.isConnected || this.#onScreen.hidden) return;
+    this.#frame = requestAnimationFrame((now) => {
+      this.#frame = 0;
+      // The scene may be gone by now: another file was asked for, and failed.
+      if (this.ready && !this.#onScreen.hidden) this.#draw(now);
+    });
+  }
+
+  #draw(now: number): void {
+    try {
+      this.player.advance(now);
+    } catch (error) {
+      this.player.pause();
+      this.#warn(failureOf(error));
+    }
+    this.#try(() => {
+      const more = this.use((viewer) => viewer.frame(now));
+      this.use((viewer) => this.#changes.look(viewer, this.#element));
+      this.tree.canvas.classList.toggle("inside", this.use((viewer) => viewer.inside));
+      this.#panel.update();
+      if (more || !this.player.paused) this.wantFrame();
+    });
+  }
+
+  /** An attribute has changed. */
+  applySettings(): void {
+    if (!this.ready) return;
+    this.#try(() => this.use((viewer) => applyAttributes(viewer, this.#element)));
+    this.#panel.update();
+  }
+
+  #resize(width: number, height: number): void {
+    const { canvas } = this.tree;
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+    if (!this.ready) return;
+    this.#try(() => this.use((viewer) => viewer.resize(width, height)));
+    this.wantFrame();
+  }
+
+  /** Takes over the state in the page's address where the element asks for it. */
+  followLink(): void {
+    if (!this.ready || !this.#element.stateInLink) return;
+    try {
+      restoreState(this.#element, location.href);
+    } catch (error) {
+      this.#warn(failureOf(error));
+    }
+  }
+
+  /** Shows the panel where it is wanted, and hides it elsewhere. */
+  showPanel(): void {
+    this.#panel.show().catch((error: unknown) => this.#warn(failureOf(error)));
+  }
+
+  /** `alt` or `interaction` has changed. */
+  relabel(): void {
+    this.tree.setLabel(this.#element.alt, this.#element.interaction !== "none");
+  }
+
+  #setProgress(loaded: number, total: number): void {
+    const ratio = total ? Math.min(loaded / total, 1) : 0;
+    this.tree.setProgress(ratio);
+    if (!this.#returning) tell(this.#element, "progress", { loaded, total, ratio });
+  }
+
+  /** Throws `no-scene` where there is none. */
+  use<T>(work: (viewer: Viewer) => T): T {
+    if (!this.#loaded || !this.#viewer) throw new Failure("no-scene", "No scene is loaded; wait for the load event.");
+    return work(this.#viewer);
+  }
+
+  /** For work that no caller waits for: what it throws is shown and told. */
+  #try(work: () => void): void {
+    try {
+      work();
+    } catch (error) {
+      this.#fail(failureOf(error));
+    }
+  }
+
+  /** For work whose caller waits; rejects with a `Failure`. */
+  async read<T>(work: (viewer: Viewer) => T | Promise<T>): Promise<T> {
+    try {
+      return await this.use(work);
+    } catch (error) {
+      throw failureOf(error);
+    }
+  }
+}

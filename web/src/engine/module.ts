@@ -1,0 +1,34 @@
+/** The wasm module, loaded once for all elements of a page. */
+
+import init, { Viewer } from "../rebounce_viewer.js";
+import { Failure } from "../wire/failure.js";
+
+/** The build writes the hash of the wasm file here, so that no other one is run. */
+const WASM = "sha256-of-the-wasm";
+
+let loading: Promise<unknown> | undefined;
+
+/** Makes a viewer on a canvas. Rejects with an error whose `code` says what is missing. */
+export async function createViewer(canvas: HTMLCanvasElement): Promise<Viewer> {
+  if (!("gpu" in navigator) || !navigator.gpu) {
+    throw new Failure(
+      "no-webgpu",
+      window.isSecureContext
+        ? "This browser has no WebGPU: there is no navigator.gpu."
+        : "WebGPU needs a secure page: open this one over https, or from localhost.",
+    );
+  }
+  loading ??= init({ module_or_path: fetch(new URL("rebounce_viewer_bg.wasm", import.meta.url), { integrity: WASM }) });
+  try {
+    await loading;
+  } catch (error) {
+    loading = undefined;
+    throw new Failure("network", "The viewer's program could not be loaded; check the connection and reload.", {
+      cause: error,
+    });
+  }
+  return Viewer.create(canvas);
+}
+
+export type { Viewer };
+

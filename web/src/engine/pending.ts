@@ -1,0 +1,35 @@
+/** What is set before there is a scene or kept of a lost one, and the attributes: handed to the viewer once it has one. */
+
+import type { LightAnimation } from "../animation/animation.js";
+import type { AttributeElement } from "../element/attributes.js";
+import type { Viewer } from "./module.js";
+import type { Camera, Light, Shot } from "../wire/shot.js";
+import { cameraNumbers, setLights, setShot } from "../wire/wire.js";
+
+/** What a script has set so far, or what was there before the device was lost. */
+export interface Pending {
+  shot?: Shot;
+  camera?: Camera;
+  lights?: Light[];
+  animations?: LightAnimation[];
+  /** `play()` was called: how many times. */
+  repetitions?: number;
+  /** The exposure that the scene began with. */
+  measured?: number;
+}
+
+/** Hands over camera, lights and exposure. Throws what the viewer refuses. */
+export function handOver(viewer: Viewer, { shot, camera, lights, measured }: Pending): void {
+  if (shot) setShot(viewer, shot);
+  if (camera) viewer.setCamera(cameraNumbers(camera));
+  if (lights) setLights(viewer, lights);
+  if (measured) viewer.measured = measured;
+}
+
+/** Hands the attributes on. */
+export function applyAttributes(viewer: Viewer, element: AttributeElement): void {
+  const { detail, exposure, autoExposure, toneMapping, mode, overlay, display, handles, interaction, cameraControls } = element;
+  const backdrop = element.backdrop === "auto";
+  const gizmos = handles && interaction !== "none";
+  Object.assign(viewer, { detail, exposure, autoExposure, toneMapping, mode, overlay, display, backdrop, gizmos, cameraControls });
+}

@@ -1,0 +1,168 @@
+/** Cameras, lights and figures as the wasm module takes and gives them: lists of numbers (viewer/src/wasm/wire.rs). */
+
+import { Failure } from "./failure.js";
+import { KINDS, LIGHT } from "./light-kinds.js";
+import type { Viewer } from "../engine/module.js";
+import type { Camera, Light, NamedCamera, Shot, Triple } from "./shot.js";
+import type { Counts, Stats } from "./stats.js";
+
+/** Kinds of light by their numbers. */
+const TYPES = Object.keys(KINDS) as Light["type"][];
+/** Numbers of a camera. */
+const CAMERA = 10;
+
+function wrong(what: string, problem: string): Failure {
+  return new Failure("bad-json", `${what}: ${problem}`);
+}
+
+function numbers(what: string, value: unknown, count: number, absent?: readonly number[]): readonly number[] {
+  if (value === undefined && absent) return absent;
+  if (Array.isArray(value) && value.length === count && value.every((x) => typeof x === "number")) return value;
+  throw wrong(what, `must be a list of ${count} numbers`);
+}
+
+function number(what: string, value: unknown, absent?: number): number {
+  if (value === undefined && absent !== undefined) return absent;
+  if (typeof value === "number") return value;
+  throw wrong(what, "must be a number");
+}
+
+function members(what: string, value: unknown): Record<string, unknown> {
+  if (typeof value === "object" && value !== null) return value as Record<string, unknown>;
+  throw wrong(what, "must be an object");
+}
+
+/** A camera's numbers. Throws `bad-json` for what is none. */
+export function cameraNumbers(camera: Camera): Float64Array {
+  const { position, target, up, yfov_deg } = members("camera", camera);
+  return new Float64Array([
+    ...numbers("camera.position", position, 3),
+    ...numbers("camera.target", target, 3),
+    ...numbers("camera.up", up, 3, [0, 1, 0]),
+    number("camera.yfov_deg", yfov_deg, 60),
+  ]);
+}
+
+/** A camera from its numbers, which begin at a place. */
+function cameraOf(numbers: Float64Array, at = 0): Camera {
+  const three = (from: number) => [...numbers.subarray(at + from, at + from + 3)] as Triple;
+  return { position: three(0), target: three(3), up: three(6), yfov_deg: numbers[at + 9] ?? 60 };
+}
+
+/** The lights' numbers. Throws `bad-json` for what are none. */
+function lightNumbers(lights: readonly Light[]): Float64Array {
+  if (!Array.isArray(lights)) throw wrong("lights", "must be a list");
+  const out = new Float64Array(LIGHT * lights.length);
+  for (const [i, light] of lights.entries()) {
+    const at = `lights[${i}]`;
+    const own = members(at, light);
+    const kind = TYPES.indexOf(own.type as Light["type"]);
+    if (kind < 0) throw wrong(`${at}.type`, `must be one of ${TYPES.join(", ")}`);
+    if (typeof (own.name ?? "") !== "string") throw wrong(`${at}.name`, "must be a text");
+    const list = out.subarray(LIGHT * i);
+    list[0] = kind;
+    for (const { name, at: first, width, absent } of KINDS[TYPES[kind] as Light["type"]].fields) {
+      const what = `${at}.${name}`;
+      if (width === 0) {
+        if (typeof (own[name] ?? "") !== "string") throw wrong(what, "must be a text");
+        continue;
+      }
+      // What a light may be without may be null.
+      const value = Number.isNaN(absent) ? (own[name] ?? undefined) : own[name];
+      list.set(width === 3 ? numbers(what, value, 3, absent as Triple) : [number(what, value, absent as number)], first);
+    }
+  }
+  return out;
+}
+
+/** The lights from their numbers. */
+function lightsOf(numbers: Float64Array): Light[] {
+  return Array.from({ length: numbers.length / LIGHT }, (_, i) => {
+    const list = numbers.subarray(LIGHT * i);
+    const type = TYPES[list[0] as number] as Light["type"];
+    const light: Record<string, unknown> = { type };
+    for (const { name, at, width, absent } of KINDS[type].fields) {
+      if (width === 0) continue;
+      const value = width === 3 ? [...list.subarray(at, at + 3)] : list[at];
+      if (name === "intensity" || (value !== absent && !Number.isNaN(value))) light[name] = value;
+    }
+    return light as unknown as Light;
+  });
+}
+
+/** Names of the file's lights and then of its cameras; none where nothing has a name. Each ends with a zero. */
+const fileNames = (viewer: Viewer): string[] => viewer.names().split("\0").slice(0, -1);
+
+/** Texts of a light: its name, and fields that are no numbers. */
+type Texts = Record<string, string>;
+
+/** Texts of viewers' lights, which the wasm module leaves to the page. */
+const texts = new WeakMap<Viewer, Texts[]>();
+
+/** The file's cameras. */
+export function camerasIn(viewer: Viewer): NamedCamera[] {
+  const numbers = viewer.cameras();
+  const length = numbers.length / CAMERA;
+  const named = fileNames(viewer).slice(-length);
+  return Array.from({ length }, (_, i) => ({ name: named[i] || `Camera ${i + 1}`, camera: cameraOf(numbers, CAMERA * i) }));
+}
+
+/** The present camera and lights. */
+export const cameraIn = (viewer: Viewer): Camera => cameraOf(viewer.camera());
+export function lightsIn(viewer: Viewer): Light[] {
+  const kept = texts.get(viewer) ?? [];
+  return lightsOf(viewer.lights()).map((light, i) => ({ ...light, ...kept[i] }));
+}
+
+/** The lights have the names of the file that was loaded. */
+export function nameLights(viewer: Viewer): void {
+  const names = fileNames(viewer).slice(0, viewer.lights().length / LIGHT);
+  texts.set(viewer, names.map((name) => (name ? { name } : {}) as Texts));
+}
+
+/** The texts of a light that are there. */
+function textsOf(light: Light): Texts {
+  const fields = KINDS[light.type].fields.filter(({ width }) => width === 0);
+  const named = ["name", ...fields.map(({ name }) => name)];
+  const own = light as unknown as Texts;
+  return Object.fromEntries(named.flatMap((name) => (own[name] ? [[name, own[name]]] : [])));
+}
+
+const keepTexts = (viewer: Viewer, lights: readonly Light[]) => texts.set(viewer, lights.map(textsOf));
+
+/** Sets the lights. Throws `bad-json` for what are none. */
+export function setLights(viewer: Viewer, lights: readonly Light[]): void {
+  viewer.setLights(lightNumbers(lights));
+  keepTexts(viewer, lights);
+}
+
+/** Sets camera and lights, or neither. Throws `bad-json` for what are none. */
+export function setShot(viewer: Viewer, shot: Shot): void {
+  viewer.setShot(cameraNumbers(shot?.camera), lightNumbers(shot?.lights));
+  keepTexts(viewer, shot.lights);
+}
+
+/** What the GPU counted for the present picture. */
+export async function countsIn(viewer: Viewer): Promise<Counts> {
+  const [pixels = 0, rows = 0, lookedAt = 0, evaluated = 0] = await viewer.counts();
+  const perPixel = (count: number) => count / Math.max(pixels, 1);
+  return {
+    pixels,
+    pixelsLookedUp: rows,
+    functionsLookedAtPerPixel: perPixel(lookedAt),
+    kernelEvaluationsPerPixel: perPixel(evaluated),
+  };
+}
+
+/** The viewer's figures. */
+export function statsIn(viewer: Viewer): Stats {
+  const { functions, microseconds, bytes, counts } = JSON.parse(viewer.stats()) as {
+    functions: number[];
+    microseconds: Record<string, number>;
+    bytes: Record<string, number>;
+    counts: Omit<Stats, "adapter" | "scene" | "display" | "milliseconds" | "functions" | "bytes">;
+  };
+  const milliseconds = Object.fromEntries(Object.entries(microseconds).map(([pass, time]) => [pass, time / 1e3]));
+  const display = viewer.displayed() as Stats["display"];
+  return { adapter: viewer.adapter(), scene: viewer.sceneName(), display, milliseconds, functions, bytes, ...counts };
+}
