@@ -1,6 +1,6 @@
 //! CPU reference renderer of a baked file: the expected output of the viewer.
 //!
-//! Direct light is sampled, of lights as points, at the file's points with ray-cast visibility, the operator is
+//! Direct light is sampled, of lamps as points, at the file's points with ray-cast visibility, the operator is
 //! applied ([`rebounce_shared::relight`]), and at every visible point the display basis is
 //! evaluated exactly: `E(x, n) = max(0, n · Σ w_j V_j / Σ w_j)` (paper, Eq. 6 and 8), reflected
 //! with albedo / π.
@@ -10,6 +10,7 @@ pub mod shown;
 pub mod unlit;
 
 use crate::basis::{Evaluator, Leveled, Support};
+use crate::geometry::with_lights::WithLights;
 use crate::geometry::{Hit, Ray, Surfaces};
 use crate::io::picture::{Only, Picture};
 use crate::light::direct;
@@ -55,7 +56,8 @@ pub struct Relit {
 const OPENNESS_SIDE: u32 = 2;
 
 impl Relit {
-    /// Relights `scene`. `surfaces` must be the surfaces of the same file. With `detail`, light between the points
+    /// Relights `scene`. `surfaces` must be the surfaces of the same file, with the area lights among them: here and in
+    /// every query ([`WithLights`]). With `detail`, light between the points
     /// follows the [openness](rebounce_shared::openness) of visible surfaces, if the file has the openness of the
     /// points.
     pub fn new(scene: &BakedScene, surfaces: &impl Surfaces, lights: &[Light], detail: bool) -> Self {
@@ -124,12 +126,12 @@ impl Relit {
                 irradiance += self.indirect(surfaces, &hit, stream);
             }
         }
-        let emission = if only == Only::All { hit.emission } else { Vec3::ZERO };
+        let emission = if only == Only::Indirect { Vec3::ZERO } else { hit.emission };
         tint * (hit.albedo * FRAC_1_PI * irradiance + emission)
     }
 }
 
-/// Renders a baked scene. `row_done` is called after each row, from any thread.
+/// Renders a baked scene, and the area lights among its surfaces. `row_done` is called after each row, from any thread.
 pub fn render(
     scene: &BakedScene,
     surfaces: &impl Surfaces,
@@ -140,6 +142,8 @@ pub fn render(
     row_done: impl Fn() + Sync,
 ) -> Picture {
     let Content { only, detail } = content.into();
+    let sources: Vec<LightSource> = lights.iter().map(|light| light.source(scene.meta.origin)).collect();
+    let surfaces = &WithLights::new(surfaces, &sources);
     let relit = Relit::new(scene, surfaces, lights, detail);
     let radiance = |ray: &Ray, stream: &mut Stream| relit.radiance(surfaces, ray, only, stream);
     expose(&camera.frame(scene.meta.origin), exposure, radiance, row_done)
