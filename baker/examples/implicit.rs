@@ -6,6 +6,7 @@
 use glam::{Vec2, Vec3};
 use rebounce::geometry::{Hit, Ray, Surfaces, Tessellate};
 use rebounce::io::picture::Only;
+use rebounce::light::illumination::Illumination;
 use rebounce::prelude::*;
 use rebounce::scene::TriangleMesh;
 use rebounce::shared::rbn::meta::Material;
@@ -130,6 +131,7 @@ impl Surfaces for Implicit {
             normal: front,
             albedo: if is_front { ALBEDOS[surface] } else { Vec3::ZERO },
             emission: Vec3::ZERO,
+            emitter: None,
             is_unlit: false,
         })
     }
@@ -242,9 +244,10 @@ pub fn run(folder: Option<&Path>) -> Result<f64, Box<dyn Error>> {
         Baker::new(&settings).bake_surfaces(&scene, &Implicit, &DirectToIndirect)?.ok_or("no file")?;
     let (camera, lights) = (&scene.cameras[0], &scene.lights[..]);
     let exposure = |samples, seed| Exposure { size: [120, 80], samples, seed };
+    let illumination = Illumination::of(&Implicit, lights, scene.origin, 1.0);
     let truth = |seed| {
         let settings = Settings { only: Only::Indirect, bounces: None };
-        path_trace(&Implicit, scene.origin, camera, lights, exposure(256, seed), settings, || ())
+        path_trace(&Implicit, scene.origin, camera, &illumination, exposure(256, seed), settings, || ())
     };
     let picture = render(&baked, &Implicit, camera, lights, exposure(16, 3), Only::Indirect, || ());
     let found = compare(&picture, &truth(1), Some(&truth(2)))?;

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use rebounce::geometry::{Hit, Ray, Surfaces};
 use rebounce::io::picture::Only;
+use rebounce::light::illumination::Illumination;
 use rebounce::random::Stream;
 use rebounce::verify::path_trace::{Settings, radiance};
 use rebounce_shared::light::Light;
@@ -38,6 +39,7 @@ impl Surfaces for Squares {
                     normal: front,
                     albedo: if faces { Vec3::splat(square.albedo) } else { Vec3::ZERO },
                     emission: Vec3::ZERO,
+                    emitter: None,
                     is_unlit: false,
                 }
             })
@@ -80,7 +82,8 @@ fn upwards(
 ) -> f32 {
     let ray =
         Ray { origin: Vec3::new(x, 0.5, z), direction: -Vec3::Y, max_distance: f32::INFINITY, spread: 0.0 };
-    radiance(squares, &[light.source([0.0; 3])], ray, settings, stream).x
+    let illumination = Illumination::new(squares, &[light.source([0.0; 3])]);
+    radiance(squares, &illumination, ray, settings, stream).x
 }
 
 #[test]

@@ -11,6 +11,7 @@ use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::io::picture::Only;
 use rebounce::light::direct;
+use rebounce::light::illumination::Illumination;
 use rebounce::random::Stream;
 use rebounce::scene::{Scene, SceneError};
 use rebounce::verify::path_trace::{Settings, radiance};
@@ -139,7 +140,7 @@ fn seen(scene: &Scene, only: Only) -> [Vec3; 2] {
     let (file, _) = bake(scene, &quick(), &()).unwrap();
     let surfaces = TriangleSurfaces::from_baked(&file).unwrap();
     let relit = Relit::new(&file, &surfaces, &scene.lights, true);
-    let lights: Vec<_> = scene.lights.iter().map(|light| light.source(scene.origin)).collect();
+    let illumination = Illumination::of(&surfaces, &scene.lights, scene.origin, 1.0);
     let origin = -DVec3::from(scene.origin).as_vec3();
     let mut sums = [Vec3::ZERO; 2];
     const RAYS: u64 = 60_000;
@@ -149,7 +150,7 @@ fn seen(scene: &Scene, only: Only) -> [Vec3; 2] {
         let direction = (stream.sphere() + 1.1 * Vec3::X).normalize();
         let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
         sums[0] += relit.radiance(&surfaces, &ray, only, &mut stream);
-        sums[1] += radiance(&surfaces, &lights, ray, Settings { only, bounces: None }, &mut stream);
+        sums[1] += radiance(&surfaces, &illumination, ray, Settings { only, bounces: None }, &mut stream);
     }
     sums.map(|sum| sum / RAYS as f32)
 }
@@ -179,12 +180,12 @@ fn a_colour_that_is_seen_through_glass_is_tinted() {
     // The floor through the window, from outside.
     let look = |scene: &Scene| {
         let surfaces = TriangleSurfaces::from_scene(scene);
-        let lights: Vec<_> = scene.lights.iter().map(|light| light.source(scene.origin)).collect();
+        let illumination = Illumination::of(&surfaces, &scene.lights, scene.origin, 1.0);
         let origin = vec3(-3.0, 0.8, 0.1) - DVec3::from(scene.origin).as_vec3();
         let direction = (vec3(-0.5, -1.0, 0.1) - vec3(-3.0, 0.8, 0.1)).normalize();
         let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
         let settings = Settings { only: Only::Direct, bounces: None };
-        let of = |i| radiance(&surfaces, &lights, ray, settings, &mut Stream::new(9, i));
+        let of = |i| radiance(&surfaces, &illumination, ray, settings, &mut Stream::new(9, i));
         (0..20_000).map(of).sum::<Vec3>() / 20_000.0
     };
     let open = look(&room(&[], matt([1.0; 3], ""), None));
@@ -255,7 +256,7 @@ fn an_unlit_surface_shows_its_colour_and_bounces_light_like_others() {
     let (file, _) = bake(&Scene { lights: vec![lamp.clone()], ..scene.clone() }, &quick(), &()).unwrap();
     for lights in [vec![], vec![lamp.clone()]] {
         let relit = Relit::new(&file, &surfaces, &lights, true);
-        let sources: Vec<_> = lights.iter().map(|light| light.source(scene.origin)).collect();
+        let illumination = Illumination::of(&surfaces, &lights, scene.origin, 1.0);
         let ray = Ray { origin, direction: -Vec3::X, max_distance: f32::INFINITY, spread: 0.0 };
         for (only, expected) in
             [(Only::All, Vec3::from(color)), (Only::Direct, Vec3::ZERO), (Only::Indirect, Vec3::ZERO)]
@@ -263,7 +264,7 @@ fn an_unlit_surface_shows_its_colour_and_bounces_light_like_others() {
             let mut stream = Stream::new(1, 1);
             assert_eq!(relit.radiance(&surfaces, &ray, only, &mut stream), expected);
             let settings = Settings { only, bounces: None };
-            assert_eq!(radiance(&surfaces, &sources, ray, settings, &mut stream), expected);
+            assert_eq!(radiance(&surfaces, &illumination, ray, settings, &mut stream), expected);
         }
     }
     // The floor before the wall receives light from the wall as from an ordinary wall of equal colour.

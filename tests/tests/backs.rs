@@ -12,6 +12,7 @@ use panel::panel;
 use rebounce::bake::bake;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::Only;
+use rebounce::light::illumination::Illumination;
 use rebounce::scene::Scene;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::path_trace::{Settings, path_trace};
@@ -94,7 +95,8 @@ fn traced(scene: &Scene, only: Only) -> Vec<Vec3> {
     let surfaces = TriangleSurfaces::from_scene(scene);
     let settings = Settings { only, bounces: None };
     let (camera, lights) = (&scene.cameras[0], &scene.lights);
-    path_trace(&surfaces, scene.origin, camera, lights, exposure(16), settings, || ()).pixels
+    let illumination = Illumination::of(&surfaces, lights, scene.origin, 1.0);
+    path_trace(&surfaces, scene.origin, camera, &illumination, exposure(16), settings, || ()).pixels
 }
 
 /// Counts pixels of `picture` that differ from the median of their 3 × 3 neighbourhood by more than `share` of the

@@ -48,7 +48,7 @@ pub struct PictureArgs {
 enum OnlyArg {
     /// Direct and bounced light, and surfaces that shine by themselves
     All,
-    /// Light straight from the lamps
+    /// Light that did not bounce, and surfaces that shine by themselves
     Direct,
     /// Light that bounced at least once
     Indirect,

@@ -6,7 +6,9 @@ use anyhow::Result;
 use clap::Args;
 use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
 use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::light::illumination::Illumination;
 use rebounce::verify::path_trace::{Settings, path_trace};
+use rebounce_shared::light::Light;
 
 /// Arguments of `rebounce reference`.
 #[derive(Args, Debug)]
@@ -43,12 +45,21 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
             shot_or_own(None, &args.scene, &cameras, &lights)?
         }
     };
+    if shot.lights.iter().any(|light| matches!(light, Light::Environment { file: Some(_), .. })) {
+        anyhow::bail!("pictures of environments are not read here: leave out \"file\"");
+    }
+    if let Some(name) = shot.lights.iter().zip(&shot.light_names).find_map(|(light, name)| {
+        (matches!(light, Light::Emissive { .. }) && !name.is_empty()).then_some(name)
+    }) {
+        anyhow::bail!("groups of shining surfaces are not told apart here: leave out the name {name:?}");
+    }
     let surfaces = TriangleSurfaces::from_scene(&scene);
+    let illumination = Illumination::of(&surfaces, &shot.lights, scene.origin, shot.emission);
     let exposure = args.picture.exposure(&shot, args.spp);
     let settings = Settings { only: args.picture.only(), bounces: args.bounces };
     let rows = Rows::new(exposure.size[1]);
     let picture =
-        path_trace(&surfaces, scene.origin, &shot.camera, &shot.lights, exposure, settings, || rows.done());
+        path_trace(&surfaces, scene.origin, &shot.camera, &illumination, exposure, settings, || rows.done());
     rows.finish();
     let frame = shot.camera.frame(scene.origin);
     let lights: Vec<_> = shot.lights.iter().map(|light| light.source(scene.origin)).collect();

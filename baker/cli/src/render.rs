@@ -5,6 +5,7 @@ use super::read_baked;
 use anyhow::Result;
 use clap::Args;
 use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::geometry::with_lights::WithLights;
 use rebounce::verify::render::{Relit, packed_environment};
 use rebounce_shared::lighting::Lighting;
 use std::path::PathBuf;
@@ -40,6 +41,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let exposure = args.picture.exposure(&shot, args.spp);
     let rows = Rows::new(exposure.size[1]);
     let lighting = Lighting::new(&shot.lights, environment.as_ref(), scene.meta.origin, names.len());
+    let lamps = lighting.lamps.clone();
+    let surfaces = WithLights::new(&surfaces, &lamps);
     let relit = Relit::lit(&scene, &surfaces, lighting, !args.no_detail);
     let only = args.picture.only();
     let picture = relit.picture(&scene, &surfaces, &shot.camera, exposure, only, || rows.done());

@@ -4,6 +4,7 @@
 use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::{Ray, Surfaces};
 use crate::io::picture::{Only, Picture};
+use crate::light::illumination::Illumination;
 use crate::scene::{Scene, SceneError};
 use crate::verify::compare::uncertainty::{Answer, ErrorEstimate};
 use crate::verify::compare::{CompareError, Comparison, compare};
@@ -138,7 +139,9 @@ impl<'a> Judge<'a> {
         // The first bounce is always included.
         let settings = Settings { only: Only::Indirect, bounces: self.bounces.map(|bounces| bounces.max(1)) };
         let Shot { camera, lights, .. } = self.shot;
-        path_trace(surfaces, self.scene.origin, camera, lights, exposure, settings, row_done)
+        // A bake holds no light of shining surfaces.
+        let illumination = Illumination::of(surfaces, lights, self.scene.origin, 0.0);
+        path_trace(surfaces, self.scene.origin, camera, &illumination, exposure, settings, row_done)
     }
 
     /// Returns the shot of the ground truth.

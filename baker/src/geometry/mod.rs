@@ -3,14 +3,15 @@
 //! Points, basis, operator and renderers access surfaces through [`Surfaces`] only: a ray cast, with position, normal
 //! and reflectance at the hit. A new kind of surface implements [`Surfaces`]. It may also implement [`Primitives`], so
 //! that data at hits is precomputed instead of evaluated per hit, and [`Tessellate`], so that it can be drawn.
-//! `examples/implicit.rs` bakes metaballs and a quadric.
+//! [`Emitters`] lets a path tracer sample what shines. `examples/implicit.rs` bakes metaballs and a quadric.
 
-pub mod emitters;
+mod emitters;
 pub mod mesh;
 pub mod simplify;
 mod tessellate;
+pub mod with_lights;
 
-pub use emitters::{Emitter, Emitters};
+pub use emitters::{EmissiveTriangle, Emitters, HitEmitter};
 pub use tessellate::Tessellate;
 
 use glam::{Vec2, Vec3};
@@ -78,6 +79,8 @@ pub struct Hit {
     pub albedo: Vec3,
     /// Linear RGB radiance emitted by the surface towards the ray's origin.
     pub emission: Vec3,
+    /// What emits it, if it can be sampled: its density is known.
+    pub emitter: Option<HitEmitter>,
     /// Whether pictures show the emission in place of reflected light (unlit material).
     pub is_unlit: bool,
 }
@@ -142,7 +145,7 @@ pub trait Surfaces: Sync {
         None
     }
 
-    /// Returns the emissive triangles; `None` for surfaces without emission.
+    /// Returns the triangles that shine; `None` if unavailable: what shines is then found by chance alone.
     fn emitters(&self) -> Option<&dyn Emitters> {
         None
     }

@@ -1,10 +1,11 @@
 //! Direct irradiance with ray-cast visibility. Lambert's cosine law, inverse squares; the units
 //! are those of [`rebounce_shared::light`].
 
+use super::area::{self, AreaSample, FIXED, fixed};
 use super::sized;
 use crate::geometry::{Hit, Surfaces};
 use crate::random::Stream;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rebounce_shared::footprint;
 use rebounce_shared::light::{Incident, LightSource};
 use rebounce_shared::rbn::bulk::Point;
@@ -17,31 +18,45 @@ pub fn at_point(
     position: Vec3,
     normal: Vec3,
 ) -> Vec3 {
-    sum(surfaces, lights, position, normal, |_| position + normal * surfaces.epsilon_at(position))
+    let origin = |_| position + normal * surfaces.epsilon_at(position);
+    sum(surfaces, lights, position, normal, origin) + fixed_sum(surfaces, lights, position, normal, origin)
 }
 
-/// RGB irradiance of a basis function's point: the mean over the samples of the point's footprint.
+/// RGB irradiance of a basis function's point: the mean over the samples of the point's footprint. Area lights are
+/// sampled [`FIXED`] times in all: the places share the samples.
 pub fn at_footprint(surfaces: &(impl Surfaces + ?Sized), lights: &[LightSource], point: &Point) -> Vec3 {
     let (position, normal) = (point.position(), point.normal());
+    let mut places = [Vec3::ZERO; footprint::SAMPLES as usize];
     let (mut total, mut count) = (Vec3::ZERO, 0);
     for sample in 0..footprint::SAMPLES {
         if point.has_sample(sample) {
             let place = position + footprint::offset(sample, normal, point.radius);
             total += sum(surfaces, lights, place, normal, |_| place);
+            places[count] = place;
             count += 1;
         }
     }
-    if count > 0 { total / count as f32 } else { at_point(surfaces, lights, position, normal) }
+    if count == 0 {
+        return at_point(surfaces, lights, position, normal);
+    }
+    // The places are off the surface by themselves.
+    let mut areas = Vec3::ZERO;
+    if lights.iter().any(|light| light.kind.is_area()) {
+        for (i, place) in (0..FIXED).zip(places[..count].iter().cycle()) {
+            areas += area_sum(surfaces, lights, *place, normal, |_| *place, fixed(i));
+        }
+    }
+    total / count as f32 + areas / FIXED as f32
 }
 
-/// RGB irradiance at a ray hit, with lights as points.
+/// RGB irradiance at a ray hit, with lamps as points and [`FIXED`] samples of area lights.
 pub fn at_hit(surfaces: &(impl Surfaces + ?Sized), lights: &[LightSource], hit: &Hit) -> Vec3 {
-    sum(surfaces, lights, hit.position, hit.normal, |to_light| {
-        hit.offset_origin(to_light, surfaces.epsilon_at(hit.position))
-    })
+    let (position, normal) = (hit.position, hit.normal);
+    let origin = |to_light| hit.offset_origin(to_light, surfaces.epsilon_at(position));
+    sum(surfaces, lights, position, normal, origin) + fixed_sum(surfaces, lights, position, normal, origin)
 }
 
-/// Single-sample estimate of the RGB irradiance at a hit from area lights: one random place per light.
+/// Single-sample estimate of the RGB irradiance at a hit: one random place per light with a size or surface.
 pub fn toward_hit(
     surfaces: &(impl Surfaces + ?Sized),
     lights: &[LightSource],
@@ -59,7 +74,75 @@ pub fn toward_hit(
         }
         total += reaching(surfaces, light, &at, hit.position, hit.normal, origin);
     }
+    for light in lights.iter().filter(|light| light.kind.is_area()) {
+        let square = stream.square();
+        let arriving = arriving(surfaces, light, hit.position, hit.normal, origin, square);
+        total += arriving.map_or(Vec3::ZERO, |at| at.irradiance());
+    }
     total
+}
+
+/// A sample of an area light at a surface.
+pub(super) struct Arriving {
+    /// Linear RGB radiance, with visibility.
+    pub radiance: Vec3,
+    /// Cosine of the angle to the surface's normal, above 0.
+    pub cosine: f32,
+    /// Density of the sample, per steradian.
+    pub density: f32,
+}
+
+impl Arriving {
+    fn irradiance(&self) -> Vec3 {
+        self.radiance * (self.cosine / self.density)
+    }
+}
+
+/// Samples an area light at a surface with unit `normal`; `None` for no light.
+pub(super) fn arriving(
+    surfaces: &(impl Surfaces + ?Sized),
+    light: &LightSource,
+    position: Vec3,
+    normal: Vec3,
+    origin: impl Fn(Vec3) -> Vec3,
+    square: Vec2,
+) -> Option<Arriving> {
+    let AreaSample { position: place, to_light, density } = area::sample(light, position, square)?;
+    let cosine = normal.dot(to_light);
+    if cosine <= 0.0 {
+        return None;
+    }
+    let left = surfaces.transmittance(origin(to_light), place);
+    (left != Vec3::ZERO).then(|| Arriving { radiance: light.intensity * left, cosine, density })
+}
+
+/// Irradiance from the area lights by the sample of each at `square`.
+fn area_sum(
+    surfaces: &(impl Surfaces + ?Sized),
+    lights: &[LightSource],
+    position: Vec3,
+    normal: Vec3,
+    origin: impl Fn(Vec3) -> Vec3,
+    square: Vec2,
+) -> Vec3 {
+    let areas = lights.iter().filter(|light| light.kind.is_area());
+    let found = areas.filter_map(|light| arriving(surfaces, light, position, normal, &origin, square));
+    found.map(|at| at.irradiance()).sum()
+}
+
+/// Irradiance from the area lights: the mean of the [`FIXED`] samples.
+fn fixed_sum(
+    surfaces: &(impl Surfaces + ?Sized),
+    lights: &[LightSource],
+    position: Vec3,
+    normal: Vec3,
+    origin: impl Fn(Vec3) -> Vec3,
+) -> Vec3 {
+    if !lights.iter().any(|light| light.kind.is_area()) {
+        return Vec3::ZERO;
+    }
+    let of = |i| area_sum(surfaces, lights, position, normal, &origin, fixed(i));
+    (0..FIXED).map(of).sum::<Vec3>() / FIXED as f32
 }
 
 #[inline]
@@ -94,15 +177,19 @@ fn reaching(
         return Vec3::ZERO;
     }
     let to = if !distance.is_finite() {
-        let (low, high) = surfaces.bounds();
-        let beyond = 2.0 * (high - low).length() + 2.0 * (position - low).length();
-        position + to_light * beyond
+        beyond(surfaces, position, to_light)
     } else if light.size > 0.0 {
         position + to_light * distance
     } else {
         light.position
     };
     irradiance * (surfaces.transmittance(origin(to_light), to) * cosine)
+}
+
+/// Returns a place in this direction from `position`, behind all surfaces.
+pub(super) fn beyond(surfaces: &(impl Surfaces + ?Sized), position: Vec3, direction: Vec3) -> Vec3 {
+    let (low, high) = surfaces.bounds();
+    position + direction * (2.0 * (high - low).length() + 2.0 * (position - low).length())
 }
 
 #[cfg(test)]

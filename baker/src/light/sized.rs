@@ -1,10 +1,10 @@
-//! Area lights: spheres with the intensity of a point at their centre, and discs of suns.
+//! Lamps with a size: spheres with the intensity of a point at their centre, and discs of suns.
 
 use glam::{Vec2, Vec3};
 use rebounce_shared::light::{Incident, LightSource};
 use std::f32::consts::TAU;
 
-/// Sampled direction to an area light.
+/// Sampled direction to a lamp.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Unit vector to the sample.

@@ -32,6 +32,7 @@ mod tests {
                 normal,
                 albedo: Vec3::ONE,
                 emission: Vec3::ZERO,
+                emitter: None,
                 is_unlit: false,
             };
             let (p, n) = rounded(&hit(position, normal), epsilon, 0.0);

@@ -33,6 +33,7 @@ impl Surfaces for BoxRoom {
             normal,
             albedo: self.albedo,
             emission: Vec3::ZERO,
+            emitter: None,
             is_unlit: false,
         })
     }

@@ -1,56 +1,73 @@
-//! Emissive triangles by number: the primitives whose material emits light.
+//! Triangles that shine.
 
+use super::blas::Blas;
+use super::geometry::Surface;
+use super::tlas::Tlas;
 use super::{LocatedTriangle, TriangleSurfaces};
-use crate::geometry::emitters::{Emitter, Emitters};
-use glam::{Vec2, Vec3};
+use crate::geometry::{EmissiveTriangle, Emitters};
+use glam::Vec3;
+
+/// Returns whether a material shines; unlit surfaces are shown bright, but shine on nothing.
+fn shines(surface: &Surface) -> bool {
+    surface.emission != Vec3::ZERO && !surface.is_unlit
+}
+
+/// Returns the numbers of the primitives that shine, ascending.
+pub(super) fn shining(alone: &Blas, models: &[Blas], instances: &Tlas, surfaces: &[Surface]) -> Vec<u32> {
+    if !surfaces.iter().any(shines) {
+        return Vec::new();
+    }
+    let of = |blas: &Blas| -> Vec<u32> {
+        let is_shining = |i: &u32| shines(&surfaces[blas.attributes[*i as usize].material as usize]);
+        (0..blas.attributes.len() as u32).filter(is_shining).collect()
+    };
+    let models: Vec<Vec<u32>> = models.iter().map(of).collect();
+    let mut out = of(alone);
+    for copy in &instances.all {
+        out.extend(models[copy.model as usize].iter().map(|triangle| copy.first_primitive + triangle));
+    }
+    out
+}
 
 impl TriangleSurfaces {
-    /// Returns the numbers of the primitives with emission: first those without instances, then copy after copy.
-    pub(super) fn find_emitters(&self) -> Vec<u32> {
-        if !self.surfaces.iter().any(|surface| surface.emission != Vec3::ZERO && !surface.is_unlit) {
-            return Vec::new();
-        }
-        let shines = |primitive: &u32| {
-            let LocatedTriangle { blas, triangle, .. } = self.found(*primitive);
-            let surface = &self.surfaces[blas.attributes[triangle].material as usize];
-            surface.emission != Vec3::ZERO && !surface.is_unlit
-        };
-        let mut found: Vec<u32> =
-            (0..self.primitives.min(u64::from(u32::MAX)) as u32).filter(shines).collect();
-        // Triangles where an emission texture is black.
-        found.retain(|primitive| self.emitter_of(*primitive).radiance != Vec3::ZERO);
-        found
-    }
-
-    fn emitter_of(&self, primitive: u32) -> Emitter {
-        let found = self.found(primitive);
-        let LocatedTriangle { blas, triangle, .. } = found;
-        let (look, corners) = (&blas.attributes[triangle], blas.corners[triangle].positions());
-        let surface = &self.surfaces[look.material as usize];
-        let spanned = found.front();
-        let area = 0.5 * spanned.length();
-        Emitter {
-            corners: corners.map(|corner| found.place(corner)),
-            is_two_sided: surface.double_sided,
-            material: look.material,
-            radiance: surface.shine(look.uv([1.0 / 3.0; 3]), look.share(spanned) * area),
-        }
+    /// Returns the number of a triangle among the emitters; `None` if it does not shine.
+    #[inline]
+    pub(super) fn emitter_at(&self, found: &LocatedTriangle) -> Option<u32> {
+        let first = found.copy.map_or(0, |copy| copy.first_primitive);
+        self.shining.binary_search(&(first + found.triangle as u32)).ok().map(|number| number as u32)
     }
 }
 
 impl Emitters for TriangleSurfaces {
     fn emitter_count(&self) -> usize {
-        self.emitters.len()
+        self.shining.len()
     }
 
-    fn emitter(&self, number: usize) -> Emitter {
-        self.emitter_of(self.emitters[number])
-    }
-
-    fn radiance(&self, number: usize, at: Vec2, area: f32) -> Vec3 {
-        let found = self.found(self.emitters[number]);
+    fn emitter(&self, number: u32) -> EmissiveTriangle {
+        let found = self.found(self.shining[number as usize]);
         let look = &found.blas.attributes[found.triangle];
         let surface = &self.surfaces[look.material as usize];
-        surface.shine(look.uv([1.0 - at.x - at.y, at.x, at.y]), look.share(found.front()) * area)
+        let spanned = found.front();
+        let share = look.share(spanned) * 0.5 * spanned.length();
+        EmissiveTriangle {
+            corners: found.blas.corners[found.triangle].positions().map(|corner| found.place(corner)),
+            is_two_sided: surface.double_sided,
+            material: look.material,
+            mean: surface.shine(look.uv([1.0 / 3.0; 3]), share),
+        }
+    }
+
+    fn radiance(&self, number: u32, weights: [f32; 3], direction: Vec3) -> Vec3 {
+        let found = self.found(self.shining[number as usize]);
+        let look = &found.blas.attributes[found.triangle];
+        let surface = &self.surfaces[look.material as usize];
+        // As shading has it.
+        let normal = found.normal(weights);
+        if normal != Vec3::ZERO && normal.dot(direction) >= 0.0 && !surface.double_sided {
+            return Vec3::ZERO;
+        }
+        let uv = look.uv(weights);
+        let color = found.blas.color(&self.surfaces, found.triangle, weights);
+        surface.shine(uv, 0.0) * surface.opacity(color, uv)
     }
 }

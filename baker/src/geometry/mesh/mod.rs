@@ -7,8 +7,8 @@
 //!
 //! * [`geometry`]: the input; `glass`: transmission and alpha; `triangle`: watertight ray/triangle test;
 //! * `bvh8`, `blas`, `tlas`: acceleration structures; `packet`, `packet_traversal`: bundles of rays;
-//! * `split`: subdivision of large triangles around the detail; `primitives`: triangles by number;
-//! * `emitters`: emissive triangles.
+//! * `split`: subdivision of large triangles around the detail; `primitives`: triangles by number; `emitters`: those
+//!   that shine.
 
 mod blas;
 mod bvh8;
@@ -26,7 +26,7 @@ mod triangle;
 
 pub use geometry::Geometry;
 
-use crate::geometry::{Emitters, Hit, Primitives, Ray, Surfaces};
+use crate::geometry::{Emitters, Hit, HitEmitter, Primitives, Ray, Surfaces};
 use crate::scene::detail::Exactness;
 use crate::scene::{Scene, SceneError, union};
 use blas::{Blas, LocalRay, TWO_SIDED};
@@ -62,8 +62,8 @@ pub struct TriangleSurfaces {
     exactness: Exactness,
     /// Number of triangles, with every copy counted.
     primitives: u64,
-    /// Numbers of the primitives that emit light.
-    emitters: Vec<u32>,
+    /// Numbers of the primitives that shine, ascending.
+    shining: Vec<u32>,
 }
 
 /// Triangle, without instances or in an instance.
@@ -128,23 +128,25 @@ impl TriangleSurfaces {
             Blas::new(&triangles[range.clone()], colors, range.start as u32, &surfaces, padding)
         };
         let primitives = |model: &Placed| model.triangles.len() as u64 * model.local_from_model.len() as u64;
-        let mut built = Self {
-            static_blas: blas(0..end, padding),
-            instances: Tlas::new(&models, &bounds, padding, end as u64),
-            primitives: end as u64 + models.iter().map(primitives).sum::<u64>(),
-            models: (models.iter())
-                .map(|model| blas(model.triangles.clone(), Tlas::padding(model, padding)))
-                .collect(),
+        let static_blas = blas(0..end, padding);
+        let instances = Tlas::new(&models, &bounds, padding, end as u64);
+        let primitives = end as u64 + models.iter().map(primitives).sum::<u64>();
+        let models: Vec<Blas> = (models.iter())
+            .map(|model| blas(model.triangles.clone(), Tlas::padding(model, padding)))
+            .collect();
+        Self {
+            shining: emitters::shining(&static_blas, &models, &instances, &surfaces),
+            static_blas,
+            instances,
+            primitives,
+            models,
             has_glass: surfaces.iter().any(|surface| surface.glass.is_some()),
             surfaces,
             low,
             high,
             main,
             exactness: Exactness::new(main, (low, high)),
-            emitters: Vec::new(),
-        };
-        built.emitters = built.find_emitters();
-        built
+        }
     }
 
     /// Builds the surfaces of a loaded scene.
@@ -212,7 +214,11 @@ impl TriangleSurfaces {
         };
         let position = found.place(a + (b - a) * m.v + (c - a) * m.w);
         let is_unlit = surface.is_unlit;
-        Hit { distance: m.distance, position, geometric_normal, normal, albedo, emission, is_unlit }
+        let emitter = match emission == Vec3::ZERO || is_unlit {
+            true => None,
+            false => self.emitter_at(&found).map(HitEmitter::Surface),
+        };
+        Hit { distance: m.distance, position, geometric_normal, normal, albedo, emission, emitter, is_unlit }
     }
 
     /// Returns the distance of the nearest hit: the traversal of [`Surfaces::cast`] without shading.
@@ -384,6 +390,7 @@ impl Surfaces for TriangleSurfaces {
     }
 
     fn emitters(&self) -> Option<&dyn Emitters> {
-        (!self.emitters.is_empty()).then_some(self as &dyn Emitters)
+        // Beyond, numbers of primitives repeat.
+        (self.primitives <= u64::from(u32::MAX)).then_some(self as &dyn Emitters)
     }
 }

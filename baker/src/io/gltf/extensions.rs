@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 
 /// Extensions that a file may require: supported extensions, and extensions that change only glossy reflection, which a
 /// Lambertian surface ignores.
-const FINE: [&str; 24] = [
+const FINE: [&str; 25] = [
+    "EXT_lights_area",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -57,7 +58,7 @@ pub(super) fn unread(root: &Root) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for name in lights {
         out.push(format!(
-            "{name} is not read, and the light that it gives is missing: lamps are read from KHR_lights_punctual"
+            "{name} is not read, and the light that it gives is missing: lamps are read from KHR_lights_punctual and EXT_lights_area"
         ));
     }
     if !others.is_empty() {

@@ -7,10 +7,11 @@
 //!   selection; `merge` – merging of equal materials;
 //! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins;
 //! * `instances`, `place` – world-space placement; `choice` – scene selection; `notes` – messages about a file; `node`, `pose` – transforms and cameras;
-//! * `light`, `punctual`, `enclosed` – lights, and lamps enclosed by a mesh; `animation` – animated lights.
+//! * `light`, `punctual`, `area_light`, `enclosed` – lights, and lamps enclosed by a mesh; `animation` – animated lights.
 
 mod accessor;
 mod animation;
+mod area_light;
 mod beside;
 mod choice;
 mod container;
@@ -92,7 +93,14 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
         scene.lights.push(light::of(source, &nodes[place], index, &mut told)?);
         scene.light_names.push(light::own_name(source, &nodes[place], index));
     }
+    let mut moved = lights.clone();
     let mut lamps = Lamps::new(lights.iter().map(|(_, index)| *index).zip(&scene.lights));
+    for area_light::Placed { place, light, name } in area_light::placed(source, &nodes, &mut told)? {
+        // Pointers of animations name no area light.
+        moved.push((place, usize::MAX));
+        scene.lights.push(light);
+        scene.light_names.push(name);
+    }
     let mut materials = material::Materials::new(source, options.albedo);
     let mut mesh = WorldMesh::default();
     let seen = place_all(source, &nodes, &mut materials, &mut lamps, &mut mesh, &mut told)?;
@@ -134,7 +142,7 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
             scene.camera_names.push(node::camera_name(source, node));
         }
     }
-    scene.animations = animation::animations(source, &nodes, &lights, &mut scene.left_out)?;
+    scene.animations = animation::animations(source, &nodes, &moved, &mut scene.left_out)?;
     told.notes.extend(lamps.enclosed.iter().filter_map(|lamp| lamp.note(source, size)));
     told.notes.extend(source.notes());
     scene.left_out = grouped(scene.left_out);

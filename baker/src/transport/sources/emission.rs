@@ -52,12 +52,14 @@ impl<'a> Emission<'a> {
         self.tree.assign(point.position, point.normal, samples, &mut stream, assigned);
         let mut rays = 0;
         for &Assigned { emitter, samples, expected } in assigned.iter() {
-            let triangle = self.emitters.emitter(emitter as usize);
+            let triangle = self.emitters.emitter(emitter);
             let Some(group) = self.group_of.get(triangle.material as usize).copied().flatten() else {
                 continue;
             };
             let Some(spherical) = SphericalTriangle::new(triangle.corners, point.position) else { continue };
-            if !triangle.faces(point.position) {
+            let [a, b, c] = triangle.corners;
+            let front = (b - a).cross(c - a);
+            if !triangle.is_two_sided && front.dot(point.position - a) <= 0.0 {
                 continue;
             }
             let (turn, mut sum, mut squares) = (stream.unit(), Vec3::ZERO, Vec3::ZERO);
@@ -78,9 +80,8 @@ impl<'a> Emission<'a> {
                 if through == Vec3::ZERO {
                     continue;
                 }
-                // Footprint of the sample on the emitter.
-                let area = 0.5 * triangle.front().length() / samples as f32;
-                let radiance = self.emitters.radiance(emitter as usize, sample.at, area);
+                let weights = [1.0 - sample.at.element_sum(), sample.at.x, sample.at.y];
+                let radiance = self.emitters.radiance(emitter, weights, sample.direction);
                 let amount = radiance * through * (cosine * sample.solid_angle.min(TAU));
                 sum += amount;
                 squares += amount * amount;

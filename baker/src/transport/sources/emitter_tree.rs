@@ -4,7 +4,7 @@
 //! Lights with Adaptive Tree Splitting"). A receiver's samples are divided between the children of a node in proportion to
 //! their importance, with stochastic rounding: every triangle gets its share of the samples to less than one sample.
 
-use crate::geometry::{Emitter, Emitters};
+use crate::geometry::{EmissiveTriangle, Emitters};
 use crate::random::Stream;
 use glam::Vec3;
 
@@ -49,7 +49,7 @@ impl EmitterTree {
     /// Builds the tree; empty without emitters.
     pub fn new(emitters: &dyn Emitters) -> Self {
         let leaf = |number: usize| {
-            let emitter = emitters.emitter(number);
+            let emitter = emitters.emitter(number as u32);
             Leaf {
                 node: leaf_of(&emitter, number as u32),
                 centre: emitter.corners.iter().sum::<Vec3>() / 3.0,
@@ -101,14 +101,14 @@ impl EmitterTree {
     }
 }
 
-fn leaf_of(emitter: &Emitter, number: u32) -> Node {
+fn leaf_of(emitter: &EmissiveTriangle, number: u32) -> Node {
     let [a, b, c] = emitter.corners;
-    let front = emitter.front();
+    let front = (b - a).cross(c - a);
     let sides = if emitter.is_two_sided { 2.0 } else { 1.0 };
     Node {
         low: a.min(b).min(c),
         high: a.max(b).max(c),
-        power: sides * 0.5 * front.length() * emitter.radiance.element_sum(),
+        power: sides * 0.5 * front.length() * emitter.mean.element_sum(),
         axis: front.normalize_or(Vec3::Y),
         cos_spread: if emitter.is_two_sided { -1.0 } else { 1.0 },
         first: number,
@@ -192,21 +192,20 @@ impl Node {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec2;
 
-    struct Grid(Vec<Emitter>);
+    struct Grid(Vec<EmissiveTriangle>);
 
     impl Emitters for Grid {
         fn emitter_count(&self) -> usize {
             self.0.len()
         }
 
-        fn emitter(&self, number: usize) -> Emitter {
-            self.0[number]
+        fn emitter(&self, number: u32) -> EmissiveTriangle {
+            self.0[number as usize]
         }
 
-        fn radiance(&self, number: usize, _at: Vec2, _area: f32) -> Vec3 {
-            self.0[number].radiance
+        fn radiance(&self, number: u32, _weights: [f32; 3], _direction: Vec3) -> Vec3 {
+            self.0[number as usize].mean
         }
     }
 
@@ -214,11 +213,11 @@ mod tests {
     fn ceiling() -> Grid {
         let triangle = |k: usize| {
             let at = Vec3::new((k % 10) as f32, 3.0, (k / 10) as f32);
-            Emitter {
+            EmissiveTriangle {
                 corners: [at, at + 0.5 * Vec3::X, at + 0.5 * Vec3::Z],
                 is_two_sided: k % 3 == 0,
                 material: 0,
-                radiance: Vec3::splat(1.0 + k as f32),
+                mean: Vec3::splat(1.0 + k as f32),
             }
         };
         Grid((0..50).map(triangle).collect())

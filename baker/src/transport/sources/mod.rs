@@ -19,7 +19,7 @@ pub mod triangle_sampling;
 pub use refine::{SourceGather, SourceLinks};
 
 use crate::geometry::Emitters;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rebounce_shared::rbn::sources::EmissiveGroup;
 
 /// Settings of the sources' links.
@@ -47,6 +47,9 @@ impl Default for SourceSettings {
 /// channels.
 const EVEN: f32 = 0.02;
 
+/// Places of a triangle at which its colour is read: barycentric weights.
+const SAMPLES: [[f32; 3]; 4] = [[0.34, 0.33, 0.33], [0.8, 0.1, 0.1], [0.1, 0.8, 0.1], [0.1, 0.1, 0.8]];
+
 /// Returns the greatest radiance of each group by channel, and whether the group is of one colour, from samples of the
 /// emissive triangles.
 pub fn describe_groups(
@@ -54,14 +57,17 @@ pub fn describe_groups(
     group_of: &[Option<u32>],
     groups: &mut [EmissiveGroup],
 ) -> Vec<Vec3> {
-    let at = [[0.33, 0.33], [0.1, 0.1], [0.8, 0.1], [0.1, 0.8]].map(Vec2::from);
     let mut most = vec![Vec3::ZERO; groups.len()];
     let samples = |visit: &mut dyn FnMut(usize, Vec3)| {
         for number in 0..emitters.emitter_count() {
-            let emitter = emitters.emitter(number);
+            let emitter = emitters.emitter(number as u32);
             let Some(Some(group)) = group_of.get(emitter.material as usize) else { continue };
-            visit(*group as usize, emitter.radiance);
-            at.iter().for_each(|at| visit(*group as usize, emitters.radiance(number, *at, 0.0)));
+            visit(*group as usize, emitter.mean);
+            let [a, b, c] = emitter.corners;
+            let inwards = -(b - a).cross(c - a).normalize_or_zero();
+            for weights in SAMPLES {
+                visit(*group as usize, emitters.radiance(number as u32, weights, inwards));
+            }
         }
     };
     samples(&mut |group, radiance| most[group] = most[group].max(radiance));

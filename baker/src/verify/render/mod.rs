@@ -1,6 +1,6 @@
 //! CPU reference renderer of a baked file: the expected output of the viewer.
 //!
-//! Direct light is sampled, of lights as points, at the file's points with ray-cast visibility, the operator is
+//! Direct light is sampled, of lamps as points, at the file's points with ray-cast visibility, the operator is
 //! applied ([`rebounce_shared::relight`]), and at every visible point the display basis is
 //! evaluated exactly: `E(x, n) = max(0, n · Σ w_j V_j / Σ w_j)` (paper, Eq. 6 and 8), reflected
 //! with albedo / π.
@@ -10,7 +10,8 @@ pub mod shown;
 pub mod unlit;
 
 use crate::basis::{Evaluator, Leveled, Support};
-use crate::geometry::{Hit, Ray, Surfaces};
+use crate::geometry::with_lights::WithLights;
+use crate::geometry::{Hit, HitEmitter, Ray, Surfaces};
 use crate::io::picture::{Only, Picture};
 use crate::light::direct;
 use crate::random::Stream;
@@ -50,6 +51,8 @@ pub struct Relit {
     /// Light of every point along the point's normal: irradiance of the bounced light, and of the light straight from
     /// the sky and emissive surfaces.
     irradiance: Vec<PointLight>,
+    /// Group of emissive surfaces of each material.
+    group_of: Vec<Option<u32>>,
     basis: Leveled,
     /// Radius of a pixel's openness, scene units; `None` without detail.
     reach: Option<f32>,
@@ -78,8 +81,9 @@ impl PointLight {
 const OPENNESS_SIDE: u32 = 2;
 
 impl Relit {
-    /// Relights `scene`; an environment among the lights is the file's own. `surfaces` must be the surfaces of the same file. With `detail`, light between the
-    /// points follows the [openness](rebounce_shared::openness) of visible surfaces, if the file has the openness of the
+    /// Relights `scene`; an environment among the lights is the file's own. `surfaces` must be the surfaces of the same file,
+    /// with the area lights among them: here and in every query ([`WithLights`]). With `detail`, light between the points
+    /// follows the [openness](rebounce_shared::openness) of visible surfaces, if the file has the openness of the
     /// points.
     pub fn new(scene: &BakedScene, surfaces: &impl Surfaces, lights: &[Light], detail: bool) -> Self {
         let environment = packed_environment(scene);
@@ -120,7 +124,7 @@ impl Relit {
             Evaluator::new(range.clone().map(support), range.start as u32)
         };
         let basis = Leveled::new((0..scene.meta.levels.len()).map(level).collect());
-        Self { lighting, irradiance, basis, reach }
+        Self { lighting, irradiance, group_of: scene.sources.group_of_materials(), basis, reach }
     }
 
     /// Interpolates the points' light at a surface element, RGB, local space: without detail, the irradiance of the
@@ -170,6 +174,15 @@ impl Relit {
         expose(&camera.frame(scene.meta.origin), exposure, radiance, row_done)
     }
 
+    /// Radiance emitted at a hit, by the strength of its group.
+    fn emission(&self, surfaces: &impl Surfaces, hit: &Hit) -> Vec3 {
+        let Some(HitEmitter::Surface(number)) = hit.emitter else { return hit.emission };
+        let material = surfaces.emitters().map(|emitters| emitters.emitter(number).material);
+        let group = material.and_then(|material| *self.group_of.get(material as usize)?);
+        let strength = group.and_then(|group| self.lighting.emission.get(group as usize));
+        hit.emission * strength.copied().unwrap_or(Vec3::ONE)
+    }
+
     /// Linear RGB radiance along `ray`, toward its origin.
     pub fn radiance(&self, surfaces: &impl Surfaces, ray: &Ray, only: Only, stream: &mut Stream) -> Vec3 {
         let Some(hit) = surfaces.see(ray, stream.bits() as u32) else {
@@ -194,7 +207,7 @@ impl Relit {
                 irradiance += light.bounced;
             }
         }
-        let emission = if only == Only::All { hit.emission } else { Vec3::ZERO };
+        let emission = if only == Only::Indirect { Vec3::ZERO } else { self.emission(surfaces, &hit) };
         tint * (hit.albedo * FRAC_1_PI * irradiance + emission)
     }
 }
@@ -205,8 +218,8 @@ pub fn packed_environment(scene: &BakedScene) -> Option<Arc<Environment>> {
     Some(Arc::new(packed.unpack()))
 }
 
-/// Renders a baked scene; an environment among the lights is the file's own. `row_done` is called after each row, from any
-/// thread.
+/// Renders a baked scene, and the area lights among its surfaces; an environment among the lights is the file's own.
+/// `row_done` is called after each row, from any thread.
 pub fn render(
     scene: &BakedScene,
     surfaces: &impl Surfaces,
@@ -217,6 +230,11 @@ pub fn render(
     row_done: impl Fn() + Sync,
 ) -> Picture {
     let content = content.into();
-    let relit = Relit::new(scene, surfaces, lights, content.detail);
+    let environment = packed_environment(scene);
+    let groups = scene.sources.groups.len();
+    let lighting = Lighting::new(lights, environment.as_ref(), scene.meta.origin, groups);
+    let lamps = lighting.lamps.clone();
+    let surfaces = &WithLights::new(surfaces, &lamps);
+    let relit = Relit::lit(scene, surfaces, lighting, content.detail);
     relit.picture(scene, surfaces, camera, exposure, content.only, row_done)
 }

@@ -57,6 +57,53 @@ fn load_with(json: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
     convert_with(&source, "test".into(), options)
 }
 
+#[test]
+fn area_lights_stand_at_their_nodes_and_broken_ones_are_named() {
+    let nodes = [
+        // Turned from -z down; twice as large at most.
+        r#"{"translation":[1,2,3],"rotation":[-0.7071067811865476,0,0,0.7071067811865476],"scale":[1,2,0.5],"name":"panel","extensions":{"EXT_lights_area":{"light":0}}}"#,
+        r#"{"extensions":{"EXT_lights_area":{"light":1}}}"#,
+        r#"{"extensions":{"EXT_lights_area":{"light":2}}}"#,
+        r#"{"extensions":{"EXT_lights_area":{"light":3}}}"#,
+        r#"{"extensions":{"EXT_lights_area":{"light":4}}}"#,
+    ];
+    let lights = r#"{"type":"rect","size":0.5,"rect":{"aspect":3},"intensity":8,"color":[1,0.5,0.25]},
+        {"type":"disk","name":"round","size":0.4},{"type":"tube","name":"neon"},
+        {"type":"disk","size":0,"name":"flat"},{"type":"rect","intensity":-1,"name":"drain"}"#;
+    let members = format!(
+        r#"{WHITE},"nodes":[{{"mesh":0}},{}],"extensionsUsed":["EXT_lights_area"],
+        "extensionsRequired":["EXT_lights_area"],"extensions":{{"EXT_lights_area":{{"lights":[{lights}]}}}}"#,
+        nodes.join(",")
+    );
+    let scene = parse(&file(&[("floor", triangle())], r#","material":0"#, &members)).unwrap();
+    let [Light::Rectangle { position, direction, up, width, height, intensity, color }, round, drain] =
+        &scene.lights[..]
+    else {
+        panic!("{:?}", scene.lights)
+    };
+    let near = |a: &[f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
+    assert!(
+        near(position, [1.0, 2.0, 3.0]) && near(direction, [0.0, -1.0, 0.0]) && near(up, [0.0, 0.0, -1.0])
+    );
+    assert!((width - 3.0).abs() < 1e-9 && (height - 1.0).abs() < 1e-9);
+    assert_eq!((*intensity, *color), (8.0, [1.0, 0.5, 0.25]));
+    let expected = Light::Disk {
+        position: [0.0; 3],
+        direction: [0.0, 0.0, -1.0],
+        radius: 0.2,
+        intensity: 1000.0,
+        color: [1.0; 3],
+    };
+    assert_eq!((round, drain.intensity()), (&expected, 0.0));
+    assert_eq!(scene.light_names, ["panel", "round", "drain"]);
+    let said = scene.left_out.join("; ");
+    assert!(
+        said.contains("\"neon\"") && said.contains("rect or disk") && said.contains("\"flat\""),
+        "{said}"
+    );
+    assert!(scene.notes.iter().any(|note| note.contains("\"drain\"")), "{:?}", scene.notes);
+}
+
 const WHITE: &str = r#","materials":[{"name":"white"}]"#;
 
 #[test]

@@ -1,0 +1,258 @@
+//! All that shines on a scene: lamps, area lights, shining surfaces, an environment.
+//!
+//! What a ray can hit by chance is sampled besides, and the two estimates are combined by multiple importance sampling
+//! (Veach, Guibas: *Optimally Combining Sampling Techniques for Monte Carlo Rendering*, SIGGRAPH 1995) with the balance
+//! heuristic: weights are the shares of the densities, per steradian.
+
+use super::area;
+use super::direct::{arriving, beyond, toward_hit};
+use crate::geometry::{Emitters, Hit, HitEmitter, Surfaces};
+use crate::random::Stream;
+use glam::{DVec3, Vec2, Vec3};
+use rebounce_shared::colour::luminance;
+use rebounce_shared::light::{Light, LightSource};
+use std::f32::consts::FRAC_1_PI;
+
+/// Light from infinitely far, by direction.
+pub trait Environment: Send + Sync {
+    /// Returns the linear RGB radiance that arrives against a unit `direction`: of a ray that leaves the scene in it.
+    fn radiance(&self, direction: Vec3) -> Vec3;
+
+    /// Samples a direction with a random `square`, 0 to 1 each; also returns its [`Self::density`], above 0.
+    fn sample(&self, square: Vec2) -> (Vec3, f32);
+
+    /// Returns the density of samples at a unit direction, per steradian.
+    fn density(&self, direction: Vec3) -> f32;
+}
+
+/// Environment of one radiance, linear RGB.
+#[derive(Clone, Copy, Debug)]
+pub struct UniformEnvironment(pub Vec3);
+
+impl Environment for UniformEnvironment {
+    fn radiance(&self, _direction: Vec3) -> Vec3 {
+        self.0
+    }
+
+    fn sample(&self, square: Vec2) -> (Vec3, f32) {
+        let z = 1.0 - 2.0 * square.x;
+        let (sin, cos) = (std::f32::consts::TAU * square.y).sin_cos();
+        let across = (1.0 - z * z).max(0.0).sqrt();
+        (Vec3::new(across * cos, across * sin, z), self.density(Vec3::Z))
+    }
+
+    fn density(&self, _direction: Vec3) -> f32 {
+        0.25 * FRAC_1_PI
+    }
+}
+
+/// Shining triangles, to choose from by power.
+struct EmitterTable {
+    /// Sums of the powers up to and including a triangle.
+    sums: Vec<f64>,
+    /// Density of samples on a triangle, per area.
+    densities: Vec<f32>,
+}
+
+impl EmitterTable {
+    fn new(emitters: &dyn Emitters) -> Self {
+        let power = |number: u32| {
+            let triangle = emitters.emitter(number);
+            let [a, b, c] = triangle.corners;
+            let area = 0.5 * f64::from((b - a).cross(c - a).length());
+            let luminous = f64::from(luminance(triangle.mean.max(Vec3::ZERO)));
+            (area * if triangle.is_two_sided { 2.0 } else { 1.0 } * luminous, area)
+        };
+        let powers: Vec<(f64, f64)> = (0..emitters.emitter_count() as u32).map(power).collect();
+        let mut total = 0.0;
+        let sum = |(power, _): &(f64, f64)| {
+            total += power;
+            total
+        };
+        let sums: Vec<f64> = powers.iter().map(sum).collect();
+        let density =
+            |(power, area): &(f64, f64)| if *power > 0.0 { (power / (area * total)) as f32 } else { 0.0 };
+        Self { densities: powers.iter().map(density).collect(), sums }
+    }
+
+    /// Returns the triangle at a place from 0 to 1 of the sums; `None` without light.
+    fn choose(&self, share: f64) -> Option<u32> {
+        let total = *self.sums.last().filter(|total| **total > 0.0)?;
+        let number = self.sums.partition_point(|sum| *sum <= share * total);
+        Some(number.min(self.sums.len() - 1) as u32)
+    }
+}
+
+/// All that shines on a scene. Positions are in local space.
+pub struct Illumination {
+    lamps: Vec<LightSource>,
+    areas: Vec<LightSource>,
+    environment: Option<Box<dyn Environment>>,
+    /// Factor of the surfaces' emission, linear RGB.
+    emission: Vec3,
+    /// `None` if the surfaces' emitters are unknown.
+    emitters: Option<EmitterTable>,
+}
+
+impl Illumination {
+    /// The lamps and area lights of a list, and the emission of `surfaces`; no environment.
+    pub fn new(surfaces: &(impl Surfaces + ?Sized), lights: &[LightSource]) -> Self {
+        let (areas, lamps) = lights.iter().partition(|light| light.kind.is_area());
+        Self {
+            lamps,
+            areas,
+            environment: None,
+            emission: Vec3::ONE,
+            emitters: surfaces.emitters().map(EmitterTable::new),
+        }
+    }
+
+    /// The lights of a list, world space; `origin` becomes zero. An environment without a picture is uniform; the
+    /// caller adds one with a picture. Emission has the factor `emission`, and that of the emissive lights together, if
+    /// there are any.
+    pub fn of(
+        surfaces: &(impl Surfaces + ?Sized),
+        lights: &[Light],
+        origin: [f64; 3],
+        emission: f64,
+    ) -> Self {
+        let sources: Vec<LightSource> = lights.iter().map(|light| light.source(origin)).collect();
+        let mut out = Self::new(surfaces, &sources);
+        let radiance = |light: &Light| (DVec3::from(light.color()) * light.intensity()).as_vec3();
+        let emissive = lights.iter().filter(|light| matches!(light, Light::Emissive { .. })).map(radiance);
+        out.emission = emission as f32 * emissive.reduce(|a, b| a + b).unwrap_or(Vec3::ONE);
+        let uniform = lights.iter().find(|light| matches!(light, Light::Environment { file: None, .. }));
+        match uniform {
+            Some(light) => out.with_environment(UniformEnvironment(radiance(light))),
+            None => out,
+        }
+    }
+
+    /// With an environment in place of the present one.
+    pub fn with_environment(mut self, environment: impl Environment + 'static) -> Self {
+        self.environment = Some(Box::new(environment));
+        self
+    }
+
+    /// With another factor of the surfaces' emission, linear RGB.
+    pub fn with_emission(self, emission: Vec3) -> Self {
+        Self { emission, ..self }
+    }
+
+    /// The area lights, in the order of [`HitEmitter::Light`].
+    pub fn areas(&self) -> &[LightSource] {
+        &self.areas
+    }
+
+    /// Returns whether a ray may find light by chance.
+    pub fn is_met_by_chance(&self) -> bool {
+        let shines = self.emitters.as_ref().is_none_or(|table| !table.sums.is_empty());
+        !self.areas.is_empty() || self.environment.is_some() || (shines && self.emission != Vec3::ZERO)
+    }
+
+    /// Returns the linear RGB radiance that a hit emits, and the density of samples of [`Self::estimate`] at `from` in
+    /// its direction, per steradian: 0 for what is found by chance alone.
+    pub fn emitted(&self, hit: &Hit, from: Vec3) -> (Vec3, f32) {
+        match hit.emitter {
+            Some(HitEmitter::Light(number)) => {
+                let light = self.areas.get(number as usize);
+                (hit.emission, light.map_or(0.0, |light| area::density(light, from, hit.position)))
+            }
+            Some(HitEmitter::Surface(number)) => {
+                let table = self.emitters.as_ref().and_then(|table| table.densities.get(number as usize));
+                let way = hit.position - from;
+                let cosine = hit.geometric_normal.dot(way.normalize_or_zero()).abs();
+                let solid = table.map_or(0.0, |density| density * way.length_squared() / cosine);
+                (self.emission * hit.emission, if solid.is_finite() { solid } else { 0.0 })
+            }
+            None => (self.emission * hit.emission, 0.0),
+        }
+    }
+
+    /// Returns the radiance of the environment along a ray that leaves the scene, and the density of samples of
+    /// [`Self::estimate`] in its direction, per steradian.
+    pub fn environment(&self, direction: Vec3) -> (Vec3, f32) {
+        self.environment
+            .as_ref()
+            .map_or((Vec3::ZERO, 0.0), |sky| (sky.radiance(direction), sky.density(direction)))
+    }
+
+    /// Single-sample estimate of the RGB irradiance at a hit on a matt surface: a sample of every lamp, every area
+    /// light, the shining triangles and the environment. All but the lamps' have the weight against
+    /// [cosine-distributed](Stream::cosine_hemisphere) rays that find the same light by chance.
+    pub fn estimate(&self, surfaces: &(impl Surfaces + ?Sized), hit: &Hit, stream: &mut Stream) -> Vec3 {
+        let mut total = toward_hit(surfaces, &self.lamps, hit, stream);
+        let epsilon = surfaces.epsilon_at(hit.position);
+        let origin = |to_light| hit.offset_origin(to_light, epsilon);
+        let mut add = |radiance: Vec3, cosine: f32, density: f32| {
+            total += radiance * (cosine / (density + cosine * FRAC_1_PI));
+        };
+        for light in &self.areas {
+            let square = stream.square();
+            if let Some(at) = arriving(surfaces, light, hit.position, hit.normal, origin, square) {
+                add(at.radiance, at.cosine, at.density);
+            }
+        }
+        if let Some(table) = self.emitters.as_ref().filter(|_| self.emission != Vec3::ZERO)
+            && let Some(emitters) = surfaces.emitters()
+            && let Some(at) = table.sample(emitters, hit, stream)
+        {
+            let left = surfaces.transmittance(origin(at.to_light), at.position);
+            add(self.emission * at.radiance * left, at.cosine, at.density);
+        }
+        if let Some(environment) = &self.environment {
+            let (to_light, density) = environment.sample(stream.square());
+            let cosine = hit.normal.dot(to_light);
+            if cosine > 0.0 && density > 0.0 {
+                let to = beyond(surfaces, hit.position, to_light);
+                add(
+                    environment.radiance(to_light) * surfaces.transmittance(origin(to_light), to),
+                    cosine,
+                    density,
+                );
+            }
+        }
+        total
+    }
+}
+
+/// A sampled place of a shining triangle, as seen from a surface.
+struct EmitterSample {
+    position: Vec3,
+    to_light: Vec3,
+    radiance: Vec3,
+    cosine: f32,
+    /// Per steradian.
+    density: f32,
+}
+
+impl EmitterTable {
+    /// Samples a triangle toward a surface; `None` for no light.
+    fn sample(&self, emitters: &dyn Emitters, hit: &Hit, stream: &mut Stream) -> Option<EmitterSample> {
+        // 53 bits: there may be more triangles than 24 bits tell apart.
+        let share = (stream.bits() >> 11) as f64 / (1u64 << 53) as f64;
+        let square = stream.square();
+        let number = self.choose(share)?;
+        let [a, b, c] = emitters.emitter(number).corners;
+        // Uniform over the triangle (Turk 1990).
+        let root = square.x.sqrt();
+        let weights = [1.0 - root, root * (1.0 - square.y), root * square.y];
+        let position = a * weights[0] + b * weights[1] + c * weights[2];
+        let way = position - hit.position;
+        let to_light = way.try_normalize()?;
+        let cosine = hit.normal.dot(to_light);
+        let flat = (b - a).cross(c - a).try_normalize()?.dot(to_light).abs();
+        if cosine <= 0.0 || flat <= 0.0 {
+            return None;
+        }
+        let radiance = emitters.radiance(number, weights, to_light);
+        let density = self.densities[number as usize] * way.length_squared() / flat;
+        (radiance != Vec3::ZERO && density > 0.0 && density.is_finite()).then_some(EmitterSample {
+            position,
+            to_light,
+            radiance,
+            cosine,
+            density,
+        })
+    }
+}
