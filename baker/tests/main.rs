@@ -26,5 +26,6 @@ mod points;
 mod resume;
 mod simplify;
 mod size;
+mod sources;
 mod spots;
 mod tiles;

@@ -2,6 +2,7 @@
 
 use super::escape::escape_controls;
 use super::number;
+use super::sky::SkyArgs;
 use anyhow::Result;
 use clap::Args;
 use rebounce::io::{LoadOptions, load_with};
@@ -17,6 +18,8 @@ pub struct LoadArgs {
     /// when absent, as glTF has it
     #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "ALBEDO", value_parser = number::albedo)]
     albedo: Option<[f32; 3]>,
+    #[command(flatten)]
+    sky: SkyArgs,
 }
 
 impl LoadArgs {
@@ -25,7 +28,9 @@ impl LoadArgs {
     /// # Errors
     /// The problem in the scene's file.
     pub fn load(&self, spec: &str) -> Result<Scene> {
-        Ok(load_with(spec, &LoadOptions { scene: self.choice.clone(), albedo: self.albedo })?)
+        let mut scene = load_with(spec, &LoadOptions { scene: self.choice.clone(), albedo: self.albedo })?;
+        self.sky.add_to(&mut scene)?;
+        Ok(scene)
     }
 }
 

@@ -13,6 +13,7 @@ mod picture;
 mod progress;
 mod reference;
 mod render;
+mod sky;
 mod stop;
 mod view;
 

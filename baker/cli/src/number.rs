@@ -26,6 +26,35 @@ pub fn at_least_zero(text: &str) -> Result<f64, String> {
     number(text, "a number, 0 or more,", |number| number >= 0.0)
 }
 
+/// Parses a finite number.
+///
+/// # Errors
+/// The expected format.
+pub fn finite(text: &str) -> Result<f64, String> {
+    number(text, "a number", |_| true)
+}
+
+/// Parses latitude in degrees, day of the year and solar hour, as in `48,172,15.5`.
+///
+/// # Errors
+/// The expected format.
+pub fn daylight(text: &str) -> Result<[f64; 3], String> {
+    let wanted =
+        "latitude (-90 to 90), day of the year (1 to 366) and hour (0 to 24) are needed, as in 48,172,15.5";
+    let parts: Vec<f64> = text.split(',').map_while(|part| part.trim().parse().ok()).collect();
+    match parts[..] {
+        [latitude, day, hour]
+            if text.split(',').count() == 3
+                && (-90.0..=90.0).contains(&latitude)
+                && (1.0..=366.0).contains(&day)
+                && (0.0..=24.0).contains(&hour) =>
+        {
+            Ok([latitude, day, hour])
+        }
+        _ => Err(wanted.to_owned()),
+    }
+}
+
 /// Parses a number over 0 that is normal in single precision, so stays over 0.
 ///
 /// # Errors

@@ -7,8 +7,8 @@ use clap::Args;
 use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::light::illumination::Illumination;
+use rebounce::scene::emissive_groups;
 use rebounce::verify::path_trace::{Settings, path_trace};
-use rebounce_shared::light::Light;
 
 /// Arguments of `rebounce reference`.
 #[derive(Args, Debug)]
@@ -36,7 +36,7 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
     let shot = match shot {
         Some(shot) => shot,
         None => {
-            if scene.cameras.is_empty() || scene.lights.is_empty() {
+            if scene.cameras.is_empty() || scene.all_lights().0.is_empty() {
                 eprintln!(
                     "note: the scene has no camera or no light; it is seen as a bake without --viewpoint shows it"
                 );
@@ -45,16 +45,12 @@ pub fn run(args: &ReferenceArgs) -> Result<()> {
             shot_or_own(None, &args.scene, &cameras, &lights)?
         }
     };
-    if shot.lights.iter().any(|light| matches!(light, Light::Environment { file: Some(_), .. })) {
-        anyhow::bail!("pictures of environments are not read here: leave out \"file\"");
-    }
-    if let Some(name) = shot.lights.iter().zip(&shot.light_names).find_map(|(light, name)| {
-        (matches!(light, Light::Emissive { .. }) && !name.is_empty()).then_some(name)
-    }) {
-        anyhow::bail!("groups of shining surfaces are not told apart here: leave out the name {name:?}");
-    }
+    let groups = emissive_groups(&scene);
+    let names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
+    let (shot, environment) = args.picture.lit(shot, &names, scene.environment.clone())?;
     let surfaces = TriangleSurfaces::from_scene(&scene);
-    let illumination = Illumination::of(&surfaces, &shot.lights, scene.origin, shot.emission);
+    let illumination =
+        Illumination::of_scene(&surfaces, &shot.lights, scene.origin, &groups, environment.as_ref());
     let exposure = args.picture.exposure(&shot, args.spp);
     let settings = Settings { only: args.picture.only(), bounces: args.bounces };
     let rows = Rows::new(exposure.size[1]);

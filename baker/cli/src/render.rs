@@ -42,10 +42,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let rows = Rows::new(exposure.size[1]);
     let lighting = Lighting::new(&shot.lights, environment.as_ref(), scene.meta.origin, names.len());
     let lamps = lighting.lamps.clone();
-    let surfaces = WithLights::new(&surfaces, &lamps);
-    let relit = Relit::lit(&scene, &surfaces, lighting, !args.no_detail);
+    let with_lights = WithLights::new(&surfaces, &lamps);
+    let relit = Relit::lit(&scene, &with_lights, lighting, !args.no_detail);
     let only = args.picture.only();
-    let picture = relit.picture(&scene, &surfaces, &shot.camera, exposure, only, || rows.done());
+    let picture = relit.picture(&scene, &with_lights, &shot.camera, exposure, only, || rows.done());
     rows.finish();
     let frame = shot.camera.frame(scene.meta.origin);
     let ground = scene.meta.shown.ground().filter(|_| !args.no_backdrop);

@@ -147,7 +147,7 @@ impl<'a> Baker<'a> {
             ray_triangles: triangles,
             viewpoints: emitter.viewpoints.iter().map(world).collect(),
             is_open: emitter.is_open,
-            lamp_added: scene.lights.is_empty(),
+            lamp_added: scene.all_lights().0.is_empty(),
             camera_added: scene.cameras.is_empty(),
             camera: staged.cameras[0].position,
             ..BakeReport::new(scene, &settings)

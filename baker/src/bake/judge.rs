@@ -5,7 +5,7 @@ use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::{Ray, Surfaces};
 use crate::io::picture::{Only, Picture};
 use crate::light::illumination::Illumination;
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Scene, SceneError, emissive_groups};
 use crate::verify::compare::uncertainty::{Answer, ErrorEstimate};
 use crate::verify::compare::{CompareError, Comparison, compare};
 use crate::verify::expose::Exposure;
@@ -140,7 +140,9 @@ impl<'a> Judge<'a> {
         let settings = Settings { only: Only::Indirect, bounces: self.bounces.map(|bounces| bounces.max(1)) };
         let Shot { camera, lights, .. } = self.shot;
         // A bake holds no light of shining surfaces.
-        let illumination = Illumination::of(surfaces, lights, self.scene.origin, 0.0);
+        let groups = emissive_groups(self.scene);
+        let environment = self.scene.environment.as_ref();
+        let illumination = Illumination::of_scene(surfaces, lights, self.scene.origin, &groups, environment);
         path_trace(surfaces, self.scene.origin, camera, &illumination, exposure, settings, row_done)
     }
 

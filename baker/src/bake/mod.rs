@@ -127,8 +127,9 @@ pub fn lights_and_cameras(
     scene: &Scene,
     settings: &BakeSettings,
 ) -> Result<(Vec<Light>, Vec<Camera>), BakeError> {
-    if !scene.lights.is_empty() && !scene.cameras.is_empty() {
-        return Ok((scene.lights.clone(), scene.cameras.clone()));
+    let (lights, _) = scene.all_lights();
+    if !lights.is_empty() && !scene.cameras.is_empty() {
+        return Ok((lights, scene.cameras.clone()));
     }
     if scene.triangles.is_empty() {
         return Err(BakeError::Empty);

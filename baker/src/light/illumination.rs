@@ -6,12 +6,17 @@
 
 use super::area;
 use super::direct::{arriving, beyond, toward_hit};
+use super::environment_map::EnvironmentMap;
 use crate::geometry::{Emitters, Hit, HitEmitter, Surfaces};
 use crate::random::Stream;
 use glam::{DVec3, Vec2, Vec3};
 use rebounce_shared::colour::luminance;
+use rebounce_shared::environment;
 use rebounce_shared::light::{Light, LightSource};
+use rebounce_shared::lighting::{Lighting, is_lamp};
+use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
 use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
 
 /// Light from infinitely far, by direction.
 pub trait Environment: Send + Sync {
@@ -52,15 +57,21 @@ struct EmitterTable {
     sums: Vec<f64>,
     /// Density of samples on a triangle, per area.
     densities: Vec<f32>,
+    /// Factor of each triangle's emission, linear RGB.
+    factors: Vec<Vec3>,
 }
 
 impl EmitterTable {
-    fn new(emitters: &dyn Emitters) -> Self {
+    /// Prepares a table; `factor` returns the factor of a material's emission.
+    fn new(emitters: &dyn Emitters, factor: impl Fn(u32) -> Vec3) -> Self {
+        let all = 0..emitters.emitter_count() as u32;
+        let factors: Vec<Vec3> = all.map(|number| factor(emitters.emitter(number).material)).collect();
         let power = |number: u32| {
             let triangle = emitters.emitter(number);
             let [a, b, c] = triangle.corners;
             let area = 0.5 * f64::from((b - a).cross(c - a).length());
-            let luminous = f64::from(luminance(triangle.mean.max(Vec3::ZERO)));
+            let mean = factors[number as usize] * triangle.mean;
+            let luminous = f64::from(luminance(mean.max(Vec3::ZERO)));
             (area * if triangle.is_two_sided { 2.0 } else { 1.0 } * luminous, area)
         };
         let powers: Vec<(f64, f64)> = (0..emitters.emitter_count() as u32).map(power).collect();
@@ -72,7 +83,7 @@ impl EmitterTable {
         let sums: Vec<f64> = powers.iter().map(sum).collect();
         let density =
             |(power, area): &(f64, f64)| if *power > 0.0 { (power / (area * total)) as f32 } else { 0.0 };
-        Self { densities: powers.iter().map(density).collect(), sums }
+        Self { densities: powers.iter().map(density).collect(), sums, factors }
     }
 
     /// Returns the triangle at a place from 0 to 1 of the sums; `None` without light.
@@ -103,7 +114,7 @@ impl Illumination {
             areas,
             environment: None,
             emission: Vec3::ONE,
-            emitters: surfaces.emitters().map(EmitterTable::new),
+            emitters: surfaces.emitters().map(|emitters| EmitterTable::new(emitters, |_| Vec3::ONE)),
         }
     }
 
@@ -128,6 +139,34 @@ impl Illumination {
         }
     }
 
+    /// All light of a picture of a scene with groups of emissive surfaces: a group without a light is dark, and
+    /// environments have the radiance of `picture`.
+    pub fn of_scene(
+        surfaces: &(impl Surfaces + ?Sized),
+        lights: &[Light],
+        origin: [f64; 3],
+        groups: &[EmissiveGroup],
+        picture: Option<&Arc<environment::Environment>>,
+    ) -> Self {
+        let lamps = lights.iter().filter(|light| is_lamp(light.kind()));
+        let lamps: Vec<LightSource> = lamps.map(|light| light.source(origin)).collect();
+        let strengths = Lighting::new(lights, None, origin, groups.len()).emission;
+        let group_of = Sources { groups: groups.to_vec(), ..Sources::default() }.group_of_materials();
+        let out = Self::new(surfaces, &lamps).with_groups(surfaces, &group_of, &strengths);
+        let even = Arc::new(environment::Environment::constant(Vec3::ONE));
+        let sky = lights.iter().find_map(|light| match light {
+            Light::Environment { rotation_deg, .. } => {
+                let factor = (DVec3::from(light.color()) * light.intensity()).as_vec3();
+                Some(EnvironmentMap::new(picture.unwrap_or(&even).clone(), *rotation_deg as f32, factor))
+            }
+            _ => None,
+        });
+        match sky {
+            Some(sky) => out.with_environment(sky),
+            None => out,
+        }
+    }
+
     /// With an environment in place of the present one.
     pub fn with_environment(mut self, environment: impl Environment + 'static) -> Self {
         self.environment = Some(Box::new(environment));
@@ -137,6 +176,22 @@ impl Illumination {
     /// With another factor of the surfaces' emission, linear RGB.
     pub fn with_emission(self, emission: Vec3) -> Self {
         Self { emission, ..self }
+    }
+
+    /// With a factor for each group of emissive surfaces; `group_of` has the group of each material.
+    pub fn with_groups(
+        mut self,
+        surfaces: &(impl Surfaces + ?Sized),
+        group_of: &[Option<u32>],
+        strengths: &[Vec3],
+    ) -> Self {
+        let factor = |material: u32| {
+            let group = group_of.get(material as usize).copied().flatten();
+            group.and_then(|group| strengths.get(group as usize).copied()).unwrap_or(Vec3::ZERO)
+        };
+        self.emission = Vec3::ONE;
+        self.emitters = surfaces.emitters().map(|emitters| EmitterTable::new(emitters, factor));
+        self
     }
 
     /// The area lights, in the order of [`HitEmitter::Light`].
@@ -163,7 +218,9 @@ impl Illumination {
                 let way = hit.position - from;
                 let cosine = hit.geometric_normal.dot(way.normalize_or_zero()).abs();
                 let solid = table.map_or(0.0, |density| density * way.length_squared() / cosine);
-                (self.emission * hit.emission, if solid.is_finite() { solid } else { 0.0 })
+                let factor = self.emitters.as_ref().and_then(|table| table.factors.get(number as usize));
+                let factor = self.emission * factor.copied().unwrap_or(Vec3::ONE);
+                (factor * hit.emission, if solid.is_finite() { solid } else { 0.0 })
             }
             None => (self.emission * hit.emission, 0.0),
         }
@@ -245,7 +302,7 @@ impl EmitterTable {
         if cosine <= 0.0 || flat <= 0.0 {
             return None;
         }
-        let radiance = emitters.radiance(number, weights, to_light);
+        let radiance = self.factors[number as usize] * emitters.radiance(number, weights, to_light);
         let density = self.densities[number as usize] * way.length_squared() / flat;
         (radiance != Vec3::ZERO && density > 0.0 && density.is_finite()).then_some(EmitterSample {
             position,

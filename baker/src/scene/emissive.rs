@@ -1,9 +1,10 @@
 //! Groups of emissive surfaces: a light per material.
 
 use super::Scene;
+use rebounce_shared::light::Light;
 use rebounce_shared::rbn::sources::EmissiveGroup;
 
-/// Returns the groups of a scene's emissive surfaces, in the order of the materials; their radiance is not yet known.
+/// Returns the groups of a scene's emissive surfaces, in the order of the materials; their steps are not yet known.
 pub fn emissive_groups(scene: &Scene) -> Vec<EmissiveGroup> {
     let mut is_used = vec![false; scene.materials.len()];
     scene.triangle_material.iter().for_each(|material| is_used[*material as usize] = true);
@@ -18,4 +19,18 @@ pub fn emissive_groups(scene: &Scene) -> Vec<EmissiveGroup> {
             ..EmissiveGroup::default()
         })
         .collect()
+}
+
+impl Scene {
+    /// Returns the scene's own lights, world space, and a light for each group of emissive surfaces, with their names.
+    pub fn all_lights(&self) -> (Vec<Light>, Vec<String>) {
+        let mut lights = self.lights.clone();
+        let mut names = self.light_names.clone();
+        names.resize(lights.len(), String::new());
+        for (group, emissive) in (0u32..).zip(emissive_groups(self)) {
+            lights.push(Light::Emissive { group, intensity: 1.0, color: [1.0; 3] });
+            names.push(emissive.name);
+        }
+        (lights, names)
+    }
 }

@@ -76,11 +76,6 @@ fn lead(args: &BakeArgs, scene: &Scene, communicator: &dyn Communicator) -> Resu
     if let Some(far) = scene::outliers::far_away(scene) {
         eprintln!("warning: {}", escape_controls(&far));
     }
-    if scene.lights.is_empty() && scene.materials.iter().any(|material| material.emission != [0.0; 3]) {
-        eprintln!(
-            "note: the scene has no lights; surfaces that shine by themselves are shown, but light nothing: add point, spot or sun lights"
-        );
-    }
     let given = args.shot()?;
     let camera = given.as_ref().map(|shot| shot.camera.clone());
     let shot = match args.target_error {

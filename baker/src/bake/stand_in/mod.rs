@@ -10,7 +10,7 @@ mod room;
 
 use crate::geometry::Surfaces;
 use crate::sampling::emitter::ParticleEmitter;
-use crate::scene::{Scene, emissive_groups};
+use crate::scene::Scene;
 use glam::Vec3;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
@@ -36,16 +36,10 @@ pub(super) struct Staged {
 impl Staged {
     /// Returns the scene's own lights and cameras, or added ones.
     pub fn new<S: Surfaces + ?Sized>(scene: &Scene, emitter: &ParticleEmitter, surfaces: &S) -> Self {
-        let (mut lights, mut cameras) = (scene.lights.clone(), scene.cameras.clone());
+        let ((mut lights, mut light_names), mut cameras) = (scene.all_lights(), scene.cameras.clone());
         let named = |names: &[String], count| {
             (0..count).map(|i| names.get(i).cloned().unwrap_or_default()).collect::<Vec<_>>()
         };
-        let mut light_names = named(&scene.light_names, lights.len());
-        // Emissive surfaces follow the file's own lights.
-        for (group, emissive) in (0u32..).zip(emissive_groups(scene)) {
-            lights.push(Light::Emissive { group, intensity: 1.0, color: [1.0; 3] });
-            light_names.push(emissive.name);
-        }
         let mut camera_names = named(&scene.camera_names, cameras.len());
         if cameras.is_empty() {
             let lamps = lights.iter().filter(|light| is_lamp(light.kind()));

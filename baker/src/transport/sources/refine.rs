@@ -137,7 +137,8 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             links: vec![Vec::new(); self.points.points.len()],
             rays: 0,
         };
-        let mut before: (usize, Vec<Receiver>) = (0, Vec::new());
+        // Receivers of the finished levels.
+        let mut before: Vec<Receiver> = Vec::new();
         for (level, place) in self.points.levels.iter().enumerate() {
             let range = place.range();
             let receiver = |scratch: &mut Scratch, i: usize| {
@@ -150,7 +151,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
                 out.links[i] = std::mem::take(&mut receiver.links);
                 out.rays += receiver.rays;
             }
-            before = (range.start, found);
+            before.append(&mut found);
         }
         Ok(out)
     }
@@ -229,23 +230,20 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         &self,
         level: usize,
         i: usize,
-        before: &(usize, Vec<Receiver>),
+        before: &[Receiver],
         links: &[Vec<SourceLink>],
         scratch: &mut Scratch,
     ) -> Receiver {
         let row = self.relations.push().row(i);
         let is_last = level + 1 == self.points.levels.len();
-        // Parents on the level before; a parent of another level counts as unknown.
-        let parent = |point: usize| point.checked_sub(before.0).and_then(|at| before.1.get(at));
         let total: f32 = row.iter().map(|entry| entry.weight()).sum();
         let mut value = vec![0.0; self.typical.len()];
         for entry in row {
-            let Some(parent) = parent(entry.point()) else { continue };
-            let weight = entry.weight() / total;
+            let (parent, weight) = (&before[entry.point()], entry.weight() / total);
             value.iter_mut().zip(&parent.value).for_each(|(value, of)| *value += weight * of);
         }
         let parents: Vec<&Openings> =
-            row.iter().filter_map(|entry| parent(entry.point())?.openings.as_deref()).collect();
+            row.iter().filter_map(|entry| before[entry.point()].openings.as_deref()).collect();
         let is_wanted =
             level < ALL || row.is_empty() || row.iter().any(|entry| !links[entry.point()].is_empty());
         if !is_wanted {
