@@ -39,7 +39,7 @@ pub struct SourceSettings {
 
 impl Default for SourceSettings {
     fn default() -> Self {
-        Self { sky: true, epsilon: 0.01, emitter_rays: [256, 48], significance: 0.5, seed: 1 }
+        Self { sky: true, epsilon: 0.02, emitter_rays: [256, 32], significance: 1.0, seed: 1 }
     }
 }
 
