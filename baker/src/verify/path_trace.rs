@@ -93,8 +93,11 @@ pub fn radiance(
         if throughput == Vec3::ZERO {
             break;
         }
+        // A stream of its own: paths are the same whichever light counts, so that direct and bounced light add up.
+        let own = stream.bits();
         if counts(depth) {
-            total += throughput * FRAC_1_PI * illumination.estimate(surfaces, &hit, stream);
+            let mut own = Stream::new(own, depth.into());
+            total += throughput * FRAC_1_PI * illumination.estimate(surfaces, &hit, &mut own);
         }
         if depth == last && !(counts(depth) && illumination.is_met_by_chance()) {
             break;

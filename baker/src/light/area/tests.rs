@@ -102,7 +102,7 @@ fn nothing_comes_from_behind_or_within() {
 #[test]
 fn samples_lie_on_the_light_and_have_bounded_weight() {
     let lights = [
-        rectangle([0.3, 0.02, 0.1], [0.1, -1.0, 0.2], 1.0, 0.5),
+        rectangle([0.3, 0.02, 0.1], [-0.1, -1.0, -0.2], 1.0, 0.5),
         disk([0.3, 0.02, 0.1], 0.5),
         disk([0.6, 0.02, 0.1], 0.5),
         disk([3.0, 2.0, 0.1], 0.5),
