@@ -13,6 +13,7 @@ use crate::sampling::Points;
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::environment::bins::{BINS, SOLID_ANGLE};
+use rebounce_shared::interpolation::Entry;
 use rebounce_shared::link::{MAX_STEPS, Sent, SourceLink};
 use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
 use std::f32::consts::PI;
@@ -46,6 +47,8 @@ struct Receiver {
     links: Vec<SourceLink>,
     /// Represented irradiance by source: the parents' prediction plus the links.
     value: Vec<f32>,
+    /// Sum of `value` over the bins of the sky.
+    sky: f32,
     openings: Option<Box<Openings>>,
     rays: u64,
 }
@@ -105,6 +108,11 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             gather.measure(level.range(), &most);
         }
         gather
+    }
+
+    /// Number of senders that are bins of the sky.
+    fn bins(&self) -> usize {
+        if self.has_sky { BINS } else { 0 }
     }
 
     /// Whether there is a source.
@@ -175,7 +183,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         let totals: Vec<(f32, Vec<GroupSeen>)> = range.into_par_iter().map(totals).collect();
         let sky = totals.iter().map(|total| total.0).sum::<f32>() / count;
         self.has_sky &= sky >= LEAST_SKY;
-        let mut typical = vec![sky; if self.has_sky { BINS } else { 0 }];
+        let mut typical = vec![sky; self.bins()];
         for (number, group) in self.groups.iter().enumerate() {
             let sum: Vec3 = totals.iter().map(|total| total.1[number].irradiance).sum();
             // A group of one colour is measured in its brightest channel.
@@ -185,7 +193,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
                 false => vec![mean.max_element()],
             });
         }
-        let mut of_groups = typical[if self.has_sky { BINS } else { 0 }..].iter().copied();
+        let mut of_groups = typical[self.bins()..].iter().copied();
         let steps = self.groups.iter().zip(most).map(|(group, most)| {
             let mut next = |most: f32| self.step(of_groups.next().unwrap_or_default(), PI * most);
             match group.is_coloured {
@@ -226,6 +234,20 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         self.settings.epsilon * typical * COARSER.powi(coarser as i32)
     }
 
+    /// Whether the values of a receiver's parents differ by more than ε: parents on the two sides of a wall may both be as
+    /// predicted, and their mean is neither's.
+    fn do_parents_differ(&self, level: usize, row: &[Entry], before: &[Receiver]) -> bool {
+        let differ = |of: &dyn Fn(&Receiver) -> f32, typical: f32| {
+            let values = row.iter().map(|entry| of(&before[entry.point()]));
+            let (least, most) =
+                values.fold((f32::MAX, f32::MIN), |(l, m), value| (l.min(value), m.max(value)));
+            most - least > self.epsilon(level, typical).max(0.5 * STEP * self.settings.epsilon * typical)
+        };
+        (self.has_sky && differ(&|parent| parent.sky, self.typical[0]))
+            || (self.bins()..self.typical.len())
+                .any(|sender| differ(&|parent| parent.value[sender], self.typical[sender]))
+    }
+
     fn receiver(
         &self,
         level: usize,
@@ -244,11 +266,14 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         }
         let parents: Vec<&Openings> =
             row.iter().filter_map(|entry| before[entry.point()].openings.as_deref()).collect();
-        let is_wanted =
-            level < ALL || row.is_empty() || row.iter().any(|entry| !links[entry.point()].is_empty());
+        let is_wanted = level < ALL
+            || row.is_empty()
+            || row.iter().any(|entry| !links[entry.point()].is_empty())
+            || self.do_parents_differ(level, row, before);
         if !is_wanted {
             let openings = (!is_last).then(|| parents.first().map(|first| Box::new(**first))).flatten();
-            return Receiver { value, openings, ..Receiver::default() };
+            let sky = value.iter().take(self.bins()).sum();
+            return Receiver { value, sky, openings, ..Receiver::default() };
         }
         let mut out = Receiver::default();
         if self.has_sky {
@@ -264,7 +289,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             out.links.iter().for_each(|link| value[link.sender()] += link.steps() as f32 * self.sky_step);
             out.openings = (!is_last).then(|| Box::new(seen.openings));
         }
-        let mut sender = if self.has_sky { BINS } else { 0 };
+        let mut sender = self.bins();
         let (seen, rays) = self.emitted(level, i, scratch);
         out.rays += rays;
         for (group, seen) in self.groups.iter().zip(seen) {
@@ -284,6 +309,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             }
         }
         if !is_last {
+            out.sky = value.iter().take(self.bins()).sum();
             out.value = value;
         }
         out
