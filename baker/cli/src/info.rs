@@ -77,6 +77,11 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
         "camera_names": names.get(m.lights.len()..),
         "lights": m.lights,
         "light_names": names.get(..m.lights.len()),
+        "sky": scene.sources.has_sky,
+        "emissive_groups": scene.sources.groups.iter().map(|group| json!({
+            "name": group.name, "materials": group.materials, "coloured": group.is_coloured,
+        })).collect::<Vec<_>>(),
+        "source_links": scene.source_links.links.len(),
         "ground": !m.shown.ground.is_empty(),
         "bake": {
             "preset": m.bake.preset, "seed": m.bake.seed, "epsilon": m.bake.epsilon,
@@ -171,6 +176,15 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
     };
     line("cameras", counted(m.cameras.len(), names.get(m.lights.len()..)));
     line("lights", counted(m.lights.len(), names.get(..m.lights.len())));
+    if scene.sources != Default::default() {
+        let sky = if scene.sources.has_sky { "the sky and " } else { "" };
+        let groups: Vec<&str> = scene.sources.groups.iter().map(|group| group.name.as_str()).collect();
+        let links = scene.source_links.links.len();
+        line(
+            "sources",
+            format!("{sky}{} groups of shining surfaces {groups:?}, {links} links", groups.len()),
+        );
+    }
     line("sections", String::new());
     for s in sections {
         let share = 100.0 * s.len as f64 / bytes as f64;

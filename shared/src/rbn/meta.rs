@@ -98,7 +98,7 @@ pub struct Material {
     pub alpha: Alpha,
     /// True if the back reflects. Otherwise the back blocks light and reflects nothing.
     pub double_sided: bool,
-    /// Emitted linear RGB radiance, factor of the texture; shown, not part of the transport.
+    /// Emitted linear RGB radiance, factor of the texture; a [source](super::sources) of the scene.
     pub emission: [f32; 3],
     /// sRGB texture of the emission.
     pub emission_texture: Option<DetailTexture>,
