@@ -45,7 +45,7 @@ impl Background {
 impl Lighting {
     /// Prepares lights for a scene whose local space has its `origin` there in world space, with `groups` groups of
     /// emissive surfaces. `environment` is the picture of environment lights, white without. A group without a light is
-    /// dark. The sun of an environment is [taken out](extract_sun) and becomes a lamp.
+    /// dark. The sun of an environment is [taken out](crate::environment::extract_sun) and becomes a lamp.
     pub fn new(
         lights: &[Light],
         environment: Option<&Arc<Environment>>,

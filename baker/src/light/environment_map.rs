@@ -1,7 +1,7 @@
 //! Importance sampling of an environment's picture by luminance (Pharr, Jakob, Humphreys: *Physically Based Rendering*, 4th
 //! ed., 12.5).
 
-use super::illumination::Environment;
+use super::far::Environment;
 use glam::{Vec2, Vec3};
 use rebounce_shared::colour::luminance;
 use rebounce_shared::environment::{self, environment_from_world, world_from_environment};

@@ -174,10 +174,8 @@ impl BakedScene {
         let openness = (!self.openness.is_empty()).then(|| openness.finish(self.openness.len()));
         sections.extend(openness.iter().map(|bytes| (OPENNESS_SECTION, bytes.as_slice())));
         let sources = sources::encode(&self.sources)?;
-        let source_links = sources
-            .is_some()
-            .then(|| links::encode(&self.source_links.offsets, &self.source_links.links))
-            .unwrap_or_default();
+        let LinkMatrix { offsets, links: all } = &self.source_links;
+        let source_links = if sources.is_some() { links::encode(offsets, all) } else { Vec::new() };
         if let Some(sources) = &sources {
             sections.extend(SOURCE_SECTIONS.into_iter().zip([sources.as_slice(), &source_links]));
         }

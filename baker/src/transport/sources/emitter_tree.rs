@@ -10,7 +10,7 @@ use glam::Vec3;
 
 /// A node. Children of an inner node are neighbours: `first` and `first + 1`.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct EmitterNode {
     low: Vec3,
     high: Vec3,
     /// Area times mean radiance, summed over channels.
@@ -36,12 +36,12 @@ pub struct Assigned {
 
 /// Tree over the emissive triangles of surfaces.
 pub struct EmitterTree {
-    nodes: Vec<Node>,
+    nodes: Vec<EmitterNode>,
 }
 
 /// Input of the build: a triangle's leaf, and its centre.
 struct Leaf {
-    node: Node,
+    node: EmitterNode,
     centre: Vec3,
 }
 
@@ -101,11 +101,11 @@ impl EmitterTree {
     }
 }
 
-fn leaf_of(emitter: &EmissiveTriangle, number: u32) -> Node {
+fn leaf_of(emitter: &EmissiveTriangle, number: u32) -> EmitterNode {
     let [a, b, c] = emitter.corners;
     let front = (b - a).cross(c - a);
     let sides = if emitter.is_two_sided { 2.0 } else { 1.0 };
-    Node {
+    EmitterNode {
         low: a.min(b).min(c),
         high: a.max(b).max(c),
         power: sides * 0.5 * front.length() * emitter.mean.element_sum(),
@@ -117,7 +117,7 @@ fn leaf_of(emitter: &EmissiveTriangle, number: u32) -> Node {
 }
 
 /// Builds the subtree of `leaves` at `nodes[at]`: a median split along the longest axis of the centres.
-fn build(nodes: &mut Vec<Node>, at: usize, leaves: &mut [Leaf]) {
+fn build(nodes: &mut Vec<EmitterNode>, at: usize, leaves: &mut [Leaf]) {
     if let [leaf] = leaves {
         nodes[at] = leaf.node;
         return;
@@ -140,7 +140,7 @@ fn build(nodes: &mut Vec<Node>, at: usize, leaves: &mut [Leaf]) {
     nodes[at] = nodes[first].union(&nodes[first + 1], first as u32);
 }
 
-impl Node {
+impl EmitterNode {
     fn union(&self, other: &Self, first: u32) -> Self {
         let axis = (self.power * self.axis + other.power * other.axis).normalize_or(self.axis);
         let reach = |node: &Self| -> f32 {
@@ -215,7 +215,7 @@ mod tests {
             let at = Vec3::new((k % 10) as f32, 3.0, (k / 10) as f32);
             EmissiveTriangle {
                 corners: [at, at + 0.5 * Vec3::X, at + 0.5 * Vec3::Z],
-                is_two_sided: k % 3 == 0,
+                is_two_sided: k.is_multiple_of(3),
                 material: 0,
                 mean: Vec3::splat(1.0 + k as f32),
             }

@@ -54,7 +54,7 @@ struct Receiver {
 }
 
 /// Working memory of a thread.
-struct Scratch {
+struct SourceScratch {
     assigned: Vec<Assigned>,
     seen: Vec<GroupSeen>,
 }
@@ -98,7 +98,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             relations,
             settings,
             emission: emitters.map(|emitters| Emission::new(emitters, group_of)),
-            beside: Beside::new(),
+            beside: Beside::of_bins(),
             has_sky: settings.sky,
             sky_step: 0.0,
             typical: Vec::new(),
@@ -149,7 +149,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         let mut before: Vec<Receiver> = Vec::new();
         for (level, place) in self.points.levels.iter().enumerate() {
             let range = place.range();
-            let receiver = |scratch: &mut Scratch, i: usize| {
+            let receiver = |scratch: &mut SourceScratch, i: usize| {
                 watch.step(1)?;
                 Ok(self.receiver(level, i, &before, &out.links, scratch))
             };
@@ -164,8 +164,8 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         Ok(out)
     }
 
-    fn scratch(&self) -> Scratch {
-        Scratch { assigned: Vec::new(), seen: vec![GroupSeen::default(); self.groups.len()] }
+    fn scratch(&self) -> SourceScratch {
+        SourceScratch { assigned: Vec::new(), seen: vec![GroupSeen::default(); self.groups.len()] }
     }
 
     /// Measures the typical irradiance from each source at the receivers of the coarsest level, and whether the sky is
@@ -209,11 +209,11 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
     }
 
     /// Irradiance of a receiver from each group, and the number of rays.
-    fn emitted<'s>(&self, level: usize, i: usize, scratch: &'s mut Scratch) -> (&'s [GroupSeen], u64) {
+    fn emitted<'s>(&self, level: usize, i: usize, scratch: &'s mut SourceScratch) -> (&'s [GroupSeen], u64) {
         let Some(emission) = &self.emission else { return (&scratch.seen, 0) };
         let point = &self.points.points[i];
         let rays = self.emitter_rays(level);
-        let Scratch { assigned, seen, .. } = scratch;
+        let SourceScratch { assigned, seen, .. } = scratch;
         let rays = emission.see(self.surfaces, (point, i), rays, self.settings.seed, assigned, seen);
         (&scratch.seen, rays)
     }
@@ -254,7 +254,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         i: usize,
         before: &[Receiver],
         links: &[Vec<SourceLink>],
-        scratch: &mut Scratch,
+        scratch: &mut SourceScratch,
     ) -> Receiver {
         let row = self.relations.push().row(i);
         let is_last = level + 1 == self.points.levels.len();

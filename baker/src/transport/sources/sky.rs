@@ -35,7 +35,7 @@ pub struct Beside(Vec<Vec<u8>>);
 
 impl Beside {
     /// Finds the bins beside each bin.
-    pub fn new() -> Self {
+    pub fn of_bins() -> Self {
         let beside = |bin: usize| {
             let middle = direction(bin, Vec2::splat(0.5));
             let (right, up) = middle.any_orthonormal_pair();
@@ -84,7 +84,7 @@ pub fn see_sky<S: Surfaces + ?Sized>(
     let origin = point.position + point.geometric_normal * surfaces.epsilon_at(point.position);
     let (low, high) = surfaces.bounds();
     let far = 2.0 * (high - low).length();
-    let mut stream = Stream::new(mix(seed) ^ 0x736b_79, receiver as u64);
+    let mut stream = Stream::new(mix(seed) ^ 0x0073_6b79, receiver as u64);
     let mut seen = SkySeen { irradiance: [0.0; BINS], openings: [0; BINS], rays: 0 };
     for (bin, side) in beside.sides(parents).into_iter().enumerate() {
         let share = 1.0 / (side * side) as f32;

@@ -2,7 +2,7 @@ use super::*;
 use crate::geometry::Hit;
 use crate::geometry::mesh::TriangleSurfaces;
 use crate::light::direct;
-use crate::light::illumination::UniformEnvironment;
+use crate::light::far::UniformEnvironment;
 use crate::scene::Scene;
 use rebounce_shared::light::{Light, LightSource};
 use std::f64::consts::PI;
