@@ -67,7 +67,7 @@ struct NodeAreaLight {
 }
 
 /// A light placed by a node.
-pub(super) struct Placed {
+pub(super) struct PlacedAreaLight {
     /// Index into the nodes.
     pub place: usize,
     pub light: Light,
@@ -81,7 +81,7 @@ pub(super) fn placed(
     source: &Source,
     nodes: &[PlacedNode],
     told: &mut Told,
-) -> Result<Vec<Placed>, SceneError> {
+) -> Result<Vec<PlacedAreaLight>, SceneError> {
     let lights: Option<AreaLights> = source.read_extension(&source.root, &[NAME], "the file")?;
     let lights = lights.unwrap_or_default().lights;
     let mut out = Vec::new();
@@ -101,7 +101,7 @@ pub(super) fn placed(
                     ));
                 }
                 let name = node::or_of_node(source, node, lights[index].name.clone());
-                out.push(Placed { place, light, name });
+                out.push(PlacedAreaLight { place, light, name });
             }
             Err(problem) => told.left_out.push(format!("{what}: {problem}")),
         }

@@ -95,7 +95,7 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     }
     let mut moved = lights.clone();
     let mut lamps = Lamps::new(lights.iter().map(|(_, index)| *index).zip(&scene.lights));
-    for area_light::Placed { place, light, name } in area_light::placed(source, &nodes, &mut told)? {
+    for area_light::PlacedAreaLight { place, light, name } in area_light::placed(source, &nodes, &mut told)? {
         // Pointers of animations name no area light.
         moved.push((place, usize::MAX));
         scene.lights.push(light);
