@@ -39,9 +39,9 @@ pub fn sample(light: &LightSource, from: Vec3, square: Vec2) -> Option<AreaSampl
         LightKind::Rectangle | LightKind::Disk => {
             let seen = Flat::new(light, from)?;
             let [x, y] = match seen.shape()? {
-                AreaShape::Far(_) => seen.by_area(square),
-                AreaShape::Rectangle(rectangle) => rectangle.sample(square),
-                AreaShape::Disk(disk) => disk.sample(square),
+                FlatShape::Far(_) => seen.by_area(square),
+                FlatShape::Rectangle(rectangle) => rectangle.sample(square),
+                FlatShape::Disk(disk) => disk.sample(square),
             }
             .to_array();
             seen.from + seen.right * x + seen.up * y - seen.normal * seen.height
@@ -63,11 +63,11 @@ pub fn density(light: &LightSource, from: Vec3, place: Vec3) -> f32 {
             let way = place.as_dvec3() - seen.from;
             let at = DVec2::new(way.dot(seen.right), way.dot(seen.up));
             Some(match seen.shape()? {
-                AreaShape::Far(area) => {
+                FlatShape::Far(area) => {
                     (at.length_squared() + seen.height.powi(2)).powf(1.5) / (area * seen.height)
                 }
-                AreaShape::Rectangle(rectangle) => 1.0 / rectangle.solid_angle,
-                AreaShape::Disk(disk) => disk.density(at),
+                FlatShape::Rectangle(rectangle) => 1.0 / rectangle.solid_angle,
+                FlatShape::Disk(disk) => disk.density(at),
             })
         }),
         _ => None,
@@ -121,7 +121,7 @@ struct Flat<'a> {
     middle: DVec2,
 }
 
-enum AreaShape {
+enum FlatShape {
     /// The area.
     Far(f64),
     Rectangle(SphericalRectangle),
@@ -153,18 +153,18 @@ impl<'a> Flat<'a> {
         0.5 * DVec2::new(width, height)
     }
 
-    fn shape(&self) -> Option<AreaShape> {
+    fn shape(&self) -> Option<FlatShape> {
         let radius = f64::from(self.light.size);
         let is_disk = self.light.kind == LightKind::Disk;
         let area = if is_disk { PI * radius * radius } else { 4.0 * self.half().element_product() };
         if area < FAR * (self.middle.length_squared() + self.height * self.height) {
-            return Some(AreaShape::Far(area));
+            return Some(FlatShape::Far(area));
         }
         if is_disk {
-            return Some(AreaShape::Disk(SphericalDisk { middle: self.middle, radius, height: self.height }));
+            return Some(FlatShape::Disk(SphericalDisk { middle: self.middle, radius, height: self.height }));
         }
         let corners = [self.middle - self.half(), self.middle + self.half()];
-        SphericalRectangle::new(corners, self.height).map(AreaShape::Rectangle)
+        SphericalRectangle::new(corners, self.height).map(FlatShape::Rectangle)
     }
 
     fn by_area(&self, square: DVec2) -> DVec2 {
