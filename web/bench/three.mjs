@@ -82,8 +82,8 @@ if (gi) {
 }
 
 /** Probes along each axis of a LightProbeGrid, and its bounces. */
-const PROBES = [12, 5, 8];
-const BOUNCES = 3;
+const PROBES = [6, 3, 4];
+const BOUNCES = 1;
 if (probes) {
   const { LightProbeGrid } = await import("three/addons/lighting/LightProbeGrid.js");
   const box = new THREE.Box3().setFromObject(model);

@@ -121,7 +121,7 @@ fn table(results: &Value) -> Result<String> {
         ("ours", "rebounce-viewer"),
         ("three", "three.js, no global illumination"),
         ("vxgi", "three.js, VXGI 128³, one bounce"),
-        ("probes", "three.js, LightProbeGrid of 12 x 5 x 8, three more bounces, baked anew"),
+        ("probes", "three.js, LightProbeGrid of 6 x 3 x 4, one more bounce, baked anew"),
     ];
     for (key, label) in names {
         let result = &results[key];
