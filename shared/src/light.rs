@@ -59,6 +59,12 @@ impl Light {
         Self::from_numbers(&numbers).unwrap_or_else(|| self.clone())
     }
 
+    /// Returns whether all fields are within their ranges.
+    pub fn is_within_ranges(&self) -> bool {
+        let numbers = self.numbers();
+        KINDS[self.kind() as usize].fields.iter().all(|(field, _)| field.holds(&numbers))
+    }
+
     /// Returns the first field outside its range, in words; `None` for a light that SHOT.json may have.
     pub fn problem(&self) -> Option<String> {
         let numbers = self.numbers();

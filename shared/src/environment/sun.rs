@@ -96,13 +96,26 @@ fn surroundings(environment: &Environment, luminances: &[f32], middle: Vec3) -> 
     let [inner, outer] = RING_DEG.map(|degrees| degrees.to_radians().cos());
     let is_near = |pixel: &usize| (outer..inner).contains(&direction_of(environment, *pixel).dot(middle));
     let rows = rows_around(environment, middle);
-    let mut ring: Vec<usize> = rows.filter(is_near).collect();
+    let ring: Vec<usize> = rows.filter(is_near).collect();
     if ring.len() < 4 {
         return None;
     }
-    ring.sort_by(|&a, &b| luminances[a].total_cmp(&luminances[b]));
-    let pixel = ring[ring.len() / 2];
-    Some((environment.pixels[pixel], luminances[pixel]))
+    let median = median(ring.iter().map(|pixel| luminances[*pixel]));
+    let pixel = ring.into_iter().find(|pixel| luminances[*pixel].max(0.0) == median)?;
+    Some((environment.pixels[pixel], median))
+}
+
+/// Median of numbers that are not negative: bisection over their bits, which ascend with them. A sort would be the
+/// largest part of the viewer's code for environments.
+fn median(numbers: impl Iterator<Item = f32> + Clone) -> f32 {
+    let half = numbers.clone().count() / 2;
+    let (mut low, mut high) = (0, f32::INFINITY.to_bits());
+    while low < high {
+        let middle = low + (high - low) / 2;
+        let below = numbers.clone().filter(|number| number.max(0.0).to_bits() <= middle).count();
+        if below > half { high = middle } else { low = middle + 1 }
+    }
+    f32::from_bits(low)
 }
 
 /// Pixels of the rows that the ring around a direction meets.
@@ -139,7 +152,6 @@ fn region(environment: &Environment, luminances: &[f32], first: usize, above: f3
             }
         }
     }
-    found.sort_unstable();
     Some(found)
 }
 
@@ -147,10 +159,14 @@ fn region(environment: &Environment, luminances: &[f32], first: usize, above: f3
 fn half_power(taken: &[(usize, f64, DVec3)]) -> f64 {
     let light = |light: &DVec3| f64::from(luminance(light.as_vec3()));
     let mut parts: Vec<(f64, f64)> = taken.iter().map(|(_, area, l)| (*area, light(l))).collect();
-    parts.sort_by(|a, b| (b.1 / b.0).total_cmp(&(a.1 / a.0)));
     let mut left = 0.5 * parts.iter().map(|(_, light)| light).sum::<f64>();
     let mut solid_angle = 0.0;
-    for (area, light) in parts {
+    // The brightest part first.
+    while let Some(at) = (0..parts.len()).reduce(|a, b| {
+        let radiance = |at: usize| parts[at].1 / parts[at].0;
+        if radiance(b) > radiance(a) { b } else { a }
+    }) {
+        let (area, light) = parts.swap_remove(at);
         if light >= left {
             return solid_angle + area * left / light.max(f64::MIN_POSITIVE);
         }

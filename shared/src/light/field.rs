@@ -90,29 +90,39 @@ impl Range {
 }
 
 impl Field {
-    /// Returns what is wrong with the field in a light's `numbers`, in words; `None` if the field is within its range.
-    pub fn problem(&self, numbers: &[f64]) -> Option<String> {
+    /// Returns whether the field in a light's `numbers` is within its range.
+    pub fn holds(&self, numbers: &[f64]) -> bool {
         let own = &numbers[self.at..self.at + self.width];
         if self.absent == Absent::Nothing && own.iter().all(|number| number.is_nan()) {
-            return None;
+            return true;
         }
         let all = |holds: &dyn Fn(f64) -> bool| own.iter().all(|number| holds(*number));
-        let (is_right, rule) = match self.range {
+        match self.range {
+            Range::Any => true,
+            Range::Direction => !all(&|x| x == 0.0),
+            Range::Color => all(&|x| (0.0..=1.0).contains(&x)),
+            Range::NotNegative => all(&|x| x >= 0.0),
+            Range::Positive => all(&|x| x > 0.0),
+            Range::UpTo(most) => all(&|x| (0.0..=most).contains(&x)),
+            Range::HalfAngle => all(&|x| x > 0.0 && x <= 90.0),
+            Range::UpToField(_, at) => all(&|x| (0.0..=numbers[at]).contains(&x)),
+        }
+    }
+
+    /// Returns what is wrong with the field in a light's `numbers`, in words; `None` if the field is within its range.
+    /// Formats numbers, which the viewer has no code for: it asks [`Self::holds`].
+    pub fn problem(&self, numbers: &[f64]) -> Option<String> {
+        let rule = match self.range {
             Range::Any => return None,
-            Range::Direction => (!all(&|x| x == 0.0), "must point somewhere, and not be zero".into()),
-            Range::Color => (
-                all(&|x| (0.0..=1.0).contains(&x)),
-                "is linear RGB, each from 0 to 1; how bright it is, intensity says".into(),
-            ),
-            Range::NotNegative => (all(&|x| x >= 0.0), "is 0 or more, not negative".into()),
-            Range::Positive => (all(&|x| x > 0.0), "is above 0".into()),
-            Range::UpTo(most) => (all(&|x| (0.0..=most).contains(&x)), format!("lies between 0 and {most}")),
-            Range::HalfAngle => (all(&|x| x > 0.0 && x <= 90.0), "is a half angle between 0 and 90".into()),
-            Range::UpToField(name, at) => {
-                (all(&|x| (0.0..=numbers[at]).contains(&x)), format!("lies between 0 and {name}"))
-            }
+            Range::Direction => "must point somewhere, and not be zero".to_owned(),
+            Range::Color => "is linear RGB, each from 0 to 1; how bright it is, intensity says".to_owned(),
+            Range::NotNegative => "is 0 or more, not negative".to_owned(),
+            Range::Positive => "is above 0".to_owned(),
+            Range::UpTo(most) => format!("lies between 0 and {most}"),
+            Range::HalfAngle => "is a half angle between 0 and 90".to_owned(),
+            Range::UpToField(name, _) => format!("lies between 0 and {name}"),
         };
-        (!is_right).then(|| format!("{} {rule}", self.name))
+        (!self.holds(numbers)).then(|| format!("{} {rule}", self.name))
     }
 }
 

@@ -19,8 +19,8 @@ pub(super) fn check(m: &Meta, points: u64, texture_bytes: u64) -> Result<(), Rbn
     // Punctual lights were never held to the ranges of their fields.
     let others = m.lights.iter().enumerate().filter(|(_, light)| !light.kind().is_punctual());
     for (i, light) in others {
-        if let Some(problem) = light.problem() {
-            return bad(format!("light {i}: {problem}"));
+        if !light.is_within_ranges() {
+            return bad(format!("light {i} has a number outside its range"));
         }
     }
     check_levels(m, points)?;
