@@ -14,7 +14,6 @@ mod copies;
 mod cracks;
 mod direct;
 mod display;
-mod environment;
 mod exposure;
 mod kinds;
 mod openness;
