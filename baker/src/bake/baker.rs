@@ -15,6 +15,7 @@ use crate::transport::direct_to_indirect::DirectToIndirect;
 use crate::transport::{Operator, Solver};
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::light::punctual;
 use std::ops::Deref;
 
 /// Greatest distance between curved surfaces and their triangles in pictures, as a share of the diagonal.
@@ -147,7 +148,7 @@ impl<'a> Baker<'a> {
             ray_triangles: triangles,
             viewpoints: emitter.viewpoints.iter().map(world).collect(),
             is_open: emitter.is_open,
-            lamp_added: scene.all_lights().0.is_empty(),
+            lamp_added: punctual(&scene.lights).next().is_none(),
             camera_added: scene.cameras.is_empty(),
             camera: staged.cameras[0].position,
             ..BakeReport::new(scene, &settings)
