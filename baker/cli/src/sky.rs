@@ -11,6 +11,8 @@ use rebounce_shared::light::{Light, LightKind};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Heading of the options in the help.
+const SKY: &str = "Light from the sky";
 /// Haze of the daylight sky: a clear day.
 const TURBIDITY: f32 = 3.0;
 /// Reflectance of the ground below the horizon.
@@ -23,16 +25,16 @@ pub struct SkyArgs {
     ///
     /// The picture's middle is towards +x and a quarter to its right +z, as three.js has it. The bake holds which directions
     /// each place sees: the picture can be turned and replaced in the page.
-    #[arg(long, value_name = "FILE", conflicts_with = "sky")]
+    #[arg(long, help_heading = SKY, hide_short_help = true, value_name = "FILE", conflicts_with = "sky")]
     environment: Option<PathBuf>,
     /// Turns the environment about the vertical, degrees, counterclockwise seen from above
-    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, requires = "environment", value_parser = number::finite, allow_hyphen_values = true)]
+    #[arg(long, help_heading = SKY, hide_short_help = true, value_name = "DEGREES", default_value_t = 0.0, requires = "environment", value_parser = number::finite, allow_hyphen_values = true)]
     environment_rotation: f64,
     /// Factor of the environment's light
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, requires = "environment", value_parser = number::at_least_zero)]
+    #[arg(long, help_heading = SKY, hide_short_help = true, value_name = "FACTOR", default_value_t = 1.0, requires = "environment", value_parser = number::at_least_zero)]
     environment_intensity: f64,
     /// A clear sky with its sun: latitude in degrees, day of the year, solar hour, as in 48,172,15.5; -z is north
-    #[arg(long, value_name = "LATITUDE,DAY,HOUR", value_parser = number::daylight, allow_hyphen_values = true)]
+    #[arg(long, help_heading = SKY, hide_short_help = true, value_name = "LATITUDE,DAY,HOUR", value_parser = number::daylight, allow_hyphen_values = true)]
     sky: Option<[f64; 3]>,
 }
 

@@ -69,6 +69,7 @@ fn help_begins_with_eight_everyday_options_and_has_the_rest_in_groups() {
     }
     for (heading, name) in [
         ("The scene's file", "albedo"),
+        ("Light from the sky", "environment"),
         ("Quality", "functions"),
         ("Limits", "max-memory"),
         ("Reports", "json-progress"),
