@@ -101,6 +101,7 @@ fn digest(scene: &Scene) -> String {
         lights,
         cameras,
         environment,
+        emission_is_shown_only,
         light_names,
         camera_names,
         animations,
@@ -126,7 +127,7 @@ fn digest(scene: &Scene) -> String {
     }
     // Debug output of numbers reads back exactly.
     add(format!("{name:?} {origin:?} {materials:?} {lights:?} {cameras:?} {animations:?}").as_bytes());
-    add(format!("{light_names:?} {camera_names:?}").as_bytes());
+    add(format!("{light_names:?} {camera_names:?} {emission_is_shown_only}").as_bytes());
     if let Some(environment) = environment {
         add(&environment.width.to_le_bytes());
         add(bytemuck::cast_slice(&environment.pixels));

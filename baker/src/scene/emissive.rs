@@ -6,6 +6,9 @@ use rebounce_shared::rbn::sources::EmissiveGroup;
 
 /// Returns the groups of a scene's emissive surfaces, in the order of the materials; their steps are not yet known.
 pub fn emissive_groups(scene: &Scene) -> Vec<EmissiveGroup> {
+    if scene.emission_is_shown_only {
+        return Vec::new();
+    }
     let mut is_used = vec![false; scene.materials.len()];
     scene.triangle_material.iter().for_each(|material| is_used[*material as usize] = true);
     let materials = (0u32..).zip(&scene.materials).zip(is_used);

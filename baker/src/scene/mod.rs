@@ -72,6 +72,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Picture of the environment lights; `None` for an even white.
     pub environment: Option<Arc<Environment>>,
+    /// Whether surfaces with emission are shown bright, but light nothing.
+    pub emission_is_shown_only: bool,
     /// Names of the lights; may be shorter than [`Self::lights`], and names may be empty.
     pub light_names: Vec<String>,
     /// Names of the cameras, likewise.

@@ -30,7 +30,7 @@ function scene() {
 export async function shown(harness, context) {
   const file = (ending) => path.join(context.work, `shown.${ending}`);
   await writeFile(file("gltf"), scene());
-  await exec(context.rebounce, ["bake", file("gltf"), ...QUICK, "-o", file("rbn")]);
+  await exec(context.rebounce, ["bake", file("gltf"), ...QUICK, "--no-sources", "-o", file("rbn")]);
   const body = await readFile(file("rbn"));
   const html = '<rebounce-viewer src="shown.rbn" controls></rebounce-viewer>';
   const { page, faults } = await loaded(context, html, { routes: { "**/shown.rbn": (route) => route.fulfill({ body }) } });

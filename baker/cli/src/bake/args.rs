@@ -97,6 +97,9 @@ pub struct BakeArgs {
 
     #[command(flatten)]
     pub(super) load: LoadArgs,
+    /// Leaves out the light of the sky and of shining surfaces, which are then only shown
+    #[arg(long, help_heading = QUALITY, hide_short_help = true)]
+    pub(super) no_sources: bool,
 
     /// About how many functions the finest level has, as in 25K; the preset's when absent
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
@@ -191,6 +194,13 @@ fn is_baked(path: &Path) -> bool {
 }
 
 impl BakeArgs {
+    /// Loads the scene.
+    pub(super) fn scene(&self) -> Result<rebounce::scene::Scene> {
+        let mut scene = self.load.load(&self.scene)?;
+        scene.emission_is_shown_only = self.no_sources;
+        Ok(scene)
+    }
+
     /// Checks the paths before long work: the outputs can be written, and overwrite no input.
     ///
     /// # Errors
@@ -262,6 +272,8 @@ impl BakeArgs {
         set(&mut s.direct_levels, &self.direct_levels);
         s.place.seed = self.seed;
         s.operator.seed = self.seed;
+        s.sources.seed = self.seed;
+        s.sources.sky = !self.no_sources;
         s
     }
 

@@ -45,10 +45,10 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
             "--target-error bakes several times and measures in between, which is for one process: give several a --preset"
         );
         if communicator.rank() != 0 {
-            return follow(args, &args.load.load(&args.scene)?, communicator);
+            return follow(args, &args.scene()?, communicator);
         }
         // Until the scene is loaded, signals end the process at once.
-        let loaded = args.check().and_then(|()| args.load.load(&args.scene));
+        let loaded = args.check().and_then(|()| args.scene());
         let done = loaded.and_then(|scene| lead(args, &scene, communicator));
         if let Some(error) = done.as_ref().err().filter(|_| args.json_progress) {
             Unfinished::Failed { error: escape_controls(&crate::sentence(error)).into_owned() }.print();
