@@ -15,6 +15,8 @@ pub use kinds::{
 };
 pub use source::{Incident, LightSource};
 
+use glam::{DVec3, Vec3};
+
 /// Returns the point, spot and directional lights, which direct light on the GPU knows; a light's number there is its place
 /// among these.
 pub fn punctual(lights: &[Light]) -> impl Iterator<Item = &Light> {
@@ -45,6 +47,11 @@ impl Light {
     /// Returns the colour, linear RGB.
     pub fn color(&self) -> [f64; 3] {
         self.vector(COLOR.at).unwrap_or([1.0; 3])
+    }
+
+    /// Returns intensity times colour, linear RGB.
+    pub fn strength(&self) -> Vec3 {
+        (DVec3::from(self.color()) * self.intensity()).as_vec3()
     }
 
     /// Returns the radius in scene units; for a directional light, degrees; 0 for lights without.

@@ -3,7 +3,7 @@
 use crate::environment::bins::{BINS, project};
 use crate::environment::{Environment, environment_from_world, extract_sun, world_from_environment};
 use crate::light::{Light, LightKind, LightSource};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::sync::Arc;
 
 /// Light of a picture.
@@ -48,20 +48,15 @@ impl Lighting {
         origin: [f64; 3],
         groups: usize,
     ) -> Self {
-        let mut out = Self { emission: vec![Vec3::ZERO; groups], ..Self::default() };
+        let mut out = Self { emission: emission_factors(lights, groups), ..Self::default() };
         let even = Arc::new(Environment::constant(Vec3::ONE));
         let environment = environment.unwrap_or(&even);
         for light in lights {
-            let factor = (DVec3::from(light.color()) * light.intensity()).as_vec3();
             match light {
                 Light::Environment { rotation_deg, .. } => {
-                    out.add_environment(environment, *rotation_deg as f32, factor);
+                    out.add_environment(environment, *rotation_deg as f32, light.strength());
                 }
-                Light::Emissive { group, .. } => {
-                    if let Some(strength) = out.emission.get_mut(*group as usize) {
-                        *strength += factor;
-                    }
-                }
+                Light::Emissive { .. } => {}
                 lamp => out.lamps.push(lamp.source(origin)),
             }
         }
@@ -88,6 +83,19 @@ impl Lighting {
     pub fn behind(&self, direction: Vec3) -> Vec3 {
         self.background.iter().map(|background| background.radiance(direction)).sum()
     }
+}
+
+/// Returns the factor of the emission of each of `groups` groups, linear RGB: zero without a light.
+pub fn emission_factors(lights: &[Light], groups: usize) -> Vec<Vec3> {
+    let mut out = vec![Vec3::ZERO; groups];
+    for light in lights {
+        if let Light::Emissive { group, .. } = light
+            && let Some(factor) = out.get_mut(*group as usize)
+        {
+            *factor += light.strength();
+        }
+    }
+    out
 }
 
 /// Adds a light for each of `groups` groups of emissive surfaces that has none, and multiplies all by `emission`.

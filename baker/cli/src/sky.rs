@@ -24,7 +24,7 @@ pub struct SkyArgs {
     /// Light from all around: an equirectangular picture, .hdr, .exr or an Ultra HDR .jpg
     ///
     /// The picture's middle is towards +x and a quarter to its right +z, as three.js has it. The bake holds which directions
-    /// each place sees: the picture can be turned and replaced in the page.
+    /// each place sees: the picture can be turned and replaced by a shot.
     #[arg(long, help_heading = SKY, hide_short_help = true, value_name = "FILE", conflicts_with = "sky")]
     environment: Option<PathBuf>,
     /// Turns the environment about the vertical, degrees, counterclockwise seen from above
@@ -66,12 +66,10 @@ impl SkyArgs {
         };
         ensure!(environment.pixels.iter().any(|pixel| *pixel != Vec3::ZERO), "the environment is black");
         scene.light_names.resize(scene.lights.len(), String::new());
-        let is_kept: Vec<bool> =
-            scene.lights.iter().map(|light| light.kind() != LightKind::Environment).collect();
-        let mut kept = is_kept.iter();
-        scene.lights.retain(|_| kept.next().copied().unwrap_or(true));
-        let mut kept = is_kept.iter();
-        scene.light_names.retain(|_| kept.next().copied().unwrap_or(true));
+        let lights =
+            std::mem::take(&mut scene.lights).into_iter().zip(std::mem::take(&mut scene.light_names));
+        (scene.lights, scene.light_names) =
+            lights.filter(|(light, _)| light.kind() != LightKind::Environment).unzip();
         let sky = Light::Environment { file: None, rotation_deg, intensity, color };
         scene.lights.push(sky);
         scene.light_names.push("Sky".to_owned());

@@ -139,7 +139,6 @@ impl<'a> Judge<'a> {
         // The first bounce is always included.
         let settings = Settings { only: Only::Indirect, bounces: self.bounces.map(|bounces| bounces.max(1)) };
         let Shot { camera, lights, .. } = self.shot;
-        // A bake holds no light of shining surfaces.
         let groups = emissive_groups(self.scene);
         let environment = self.scene.environment.as_ref();
         let illumination = Illumination::of_scene(surfaces, lights, self.scene.origin, &groups, environment);

@@ -21,9 +21,9 @@ use crate::transport::sources::{SourceGather, SourceLinks};
 use crate::transport::{Operator, Problem, Solver};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::light::Light;
 use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
-use rebounce_shared::rbn::sources::Sources;
 
 /// Number of points per checkpoint record of cuts and samples.
 const CLIPPED: usize = 1 << 15;
@@ -216,7 +216,12 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
 
     /// Returns whether a light reaches any point of the coarsest levels.
     fn is_lit(&self, file: &BakedScene) -> bool {
-        if file.sources != Sources::default() {
+        let is_of_sources = |light: &Light| match light {
+            Light::Environment { .. } => file.sources.has_sky,
+            Light::Emissive { group, .. } => (*group as usize) < file.sources.groups.len(),
+            _ => false,
+        };
+        if file.meta.lights.iter().any(is_of_sources) {
             return true;
         }
         let lights: Vec<_> = file.meta.lights.iter().map(|light| light.source(file.meta.origin)).collect();

@@ -36,3 +36,12 @@ pub trait Emitters: Sync {
     /// the corners, times the share of such rays that the surface stops: the mean [`Hit::emission`](super::Hit).
     fn radiance(&self, number: u32, weights: [f32; 3], direction: Vec3) -> Vec3;
 }
+
+impl EmissiveTriangle {
+    /// Returns a normal vector on the front; the length is twice the triangle's area.
+    #[inline]
+    pub fn front(&self) -> Vec3 {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a)
+    }
+}

@@ -4,7 +4,7 @@
 use super::far::Environment;
 use glam::{Vec2, Vec3};
 use rebounce_shared::colour::luminance;
-use rebounce_shared::environment::{self, environment_from_world, world_from_environment};
+use rebounce_shared::environment::{self, direction_at, environment_from_world, world_from_environment};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -74,11 +74,8 @@ impl Environment for EnvironmentMap {
         let (width, height) = (self.picture.width as usize, self.picture.height as usize);
         let u = ((pixel % width) as f32 + within) / width as f32;
         let v = ((pixel / width) as f32 + square.y) / height as f32;
-        let (sine, cosine) = (PI * v).sin_cos();
-        // As `Environment::radiance` reads a direction: the middle towards +x, a quarter to its right +z.
-        let (sin, cos) = (2.0 * PI * (u - 0.5)).sin_cos();
-        let direction = Vec3::new(sine * cos, cosine, sine * sin);
-        (world_from_environment(direction, self.rotation_deg), self.density_of(pixel, sine))
+        let direction = direction_at(f64::from(u), f64::from(v));
+        (world_from_environment(direction, self.rotation_deg), self.density_of(pixel, (PI * v).sin()))
     }
 
     fn density(&self, direction: Vec3) -> f32 {

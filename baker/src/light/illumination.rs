@@ -10,11 +10,11 @@ use super::environment_map::EnvironmentMap;
 use super::far::{Environment, UniformEnvironment};
 use crate::geometry::{Emitters, Hit, HitEmitter, Surfaces};
 use crate::random::Stream;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rebounce_shared::colour::luminance;
 use rebounce_shared::environment;
 use rebounce_shared::light::{Light, LightSource};
-use rebounce_shared::lighting::{Lighting, is_lamp};
+use rebounce_shared::lighting::{emission_factors, is_lamp};
 use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -36,8 +36,7 @@ impl EmitterTable {
         let factors: Vec<Vec3> = all.map(|number| factor(emitters.emitter(number).material)).collect();
         let power = |number: u32| {
             let triangle = emitters.emitter(number);
-            let [a, b, c] = triangle.corners;
-            let area = 0.5 * f64::from((b - a).cross(c - a).length());
+            let area = 0.5 * f64::from(triangle.front().length());
             let mean = factors[number as usize] * triangle.mean;
             let luminous = f64::from(luminance(mean.max(Vec3::ZERO)));
             (area * if triangle.is_two_sided { 2.0 } else { 1.0 } * luminous, area)
@@ -97,12 +96,12 @@ impl Illumination {
     ) -> Self {
         let sources: Vec<LightSource> = lights.iter().map(|light| light.source(origin)).collect();
         let mut out = Self::new(surfaces, &sources);
-        let radiance = |light: &Light| (DVec3::from(light.color()) * light.intensity()).as_vec3();
-        let emissive = lights.iter().filter(|light| matches!(light, Light::Emissive { .. })).map(radiance);
+        let emissive = lights.iter().filter(|light| matches!(light, Light::Emissive { .. }));
+        let emissive = emissive.map(Light::strength);
         out.emission = emission as f32 * emissive.reduce(|a, b| a + b).unwrap_or(Vec3::ONE);
         let uniform = lights.iter().find(|light| matches!(light, Light::Environment { file: None, .. }));
         match uniform {
-            Some(light) => out.with_environment(UniformEnvironment(radiance(light))),
+            Some(light) => out.with_environment(UniformEnvironment(light.strength())),
             None => out,
         }
     }
@@ -118,14 +117,14 @@ impl Illumination {
     ) -> Self {
         let lamps = lights.iter().filter(|light| is_lamp(light.kind()));
         let lamps: Vec<LightSource> = lamps.map(|light| light.source(origin)).collect();
-        let strengths = Lighting::new(lights, None, origin, groups.len()).emission;
+        let strengths = emission_factors(lights, groups.len());
         let group_of = Sources { groups: groups.to_vec(), ..Sources::default() }.group_of_materials();
         let out = Self::new(surfaces, &lamps).with_groups(surfaces, &group_of, &strengths);
         let even = Arc::new(environment::Environment::constant(Vec3::ONE));
         let sky = lights.iter().find_map(|light| match light {
             Light::Environment { rotation_deg, .. } => {
-                let factor = (DVec3::from(light.color()) * light.intensity()).as_vec3();
-                Some(EnvironmentMap::new(picture.unwrap_or(&even).clone(), *rotation_deg as f32, factor))
+                let picture = picture.unwrap_or(&even).clone();
+                Some(EnvironmentMap::new(picture, *rotation_deg as f32, light.strength()))
             }
             _ => None,
         });
@@ -258,7 +257,8 @@ impl EmitterTable {
         let share = (stream.bits() >> 11) as f64 / (1u64 << 53) as f64;
         let square = stream.square();
         let number = self.choose(share)?;
-        let [a, b, c] = emitters.emitter(number).corners;
+        let triangle = emitters.emitter(number);
+        let [a, b, c] = triangle.corners;
         // Uniform over the triangle (Turk 1990).
         let root = square.x.sqrt();
         let weights = [1.0 - root, root * (1.0 - square.y), root * square.y];
@@ -266,7 +266,7 @@ impl EmitterTable {
         let way = position - hit.position;
         let to_light = way.try_normalize()?;
         let cosine = hit.normal.dot(to_light);
-        let flat = (b - a).cross(c - a).try_normalize()?.dot(to_light).abs();
+        let flat = triangle.front().try_normalize()?.dot(to_light).abs();
         if cosine <= 0.0 || flat <= 0.0 {
             return None;
         }

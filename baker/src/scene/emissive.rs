@@ -2,7 +2,7 @@
 
 use super::Scene;
 use rebounce_shared::light::Light;
-use rebounce_shared::rbn::sources::EmissiveGroup;
+use rebounce_shared::rbn::sources::{EmissiveGroup, MAX_GROUPS};
 
 /// Returns the groups of a scene's emissive surfaces, in the order of the materials; their steps are not yet known.
 pub fn emissive_groups(scene: &Scene) -> Vec<EmissiveGroup> {
@@ -12,7 +12,7 @@ pub fn emissive_groups(scene: &Scene) -> Vec<EmissiveGroup> {
     let mut is_used = vec![false; scene.materials.len()];
     scene.triangle_material.iter().for_each(|material| is_used[*material as usize] = true);
     let materials = (0u32..).zip(&scene.materials).zip(is_used);
-    materials
+    let mut groups: Vec<EmissiveGroup> = materials
         .filter(|((_, material), is_used)| {
             *is_used && material.emission != [0.0; 3] && !material.extras.unlit
         })
@@ -21,7 +21,13 @@ pub fn emissive_groups(scene: &Scene) -> Vec<EmissiveGroup> {
             materials: vec![number],
             ..EmissiveGroup::default()
         })
-        .collect()
+        .collect();
+    // A file has room for so many: the last one takes in the others.
+    let others = groups.split_off(groups.len().min(MAX_GROUPS));
+    if let Some(last) = groups.last_mut() {
+        last.materials.extend(others.into_iter().flat_map(|group| group.materials));
+    }
+    groups
 }
 
 impl Scene {

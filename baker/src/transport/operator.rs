@@ -47,7 +47,7 @@ pub struct OperatorSettings {
 /// Ratio of a level's ε to ε of the next finer level: equal squared error for an equal number of
 /// links. Measured on two scenes (links, error): 0.5: 2.8 M, 0.059 and 3.8 M, 0.073; 0.65: 2.0 M,
 /// 0.063 and 2.6 M, 0.082; 0.65 with ε smaller by a fifth: 2.6 M, 0.065 and 3.2 M, 0.079.
-const COARSER: f32 = 0.5;
+pub(super) const COARSER: f32 = 0.5;
 
 /// Ratio of ε for later-bounce links to ε of the finest level. With 1 the errors of five scenes are
 /// equal within 0.001, and files are larger by 4 to 40%.

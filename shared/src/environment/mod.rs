@@ -13,5 +13,5 @@ pub mod picture;
 pub mod sun;
 
 pub use packed::{PackedEnvironment, PackedEnvironmentError};
-pub use picture::{Environment, environment_from_world, world_from_environment};
+pub use picture::{Environment, direction_at, environment_from_world, world_from_environment};
 pub use sun::{Sun, extract_sun};

@@ -33,7 +33,7 @@ pub fn world_from_environment(direction: Vec3, rotation_deg: f32) -> Vec3 {
 }
 
 /// The direction at a place of the picture: 0 to 1 from the left, 0 to 1 from the top.
-pub(super) fn direction_at(u: f64, v: f64) -> Vec3 {
+pub fn direction_at(u: f64, v: f64) -> Vec3 {
     let (sin_polar, cos_polar) = (v * std::f64::consts::PI).sin_cos();
     let (sin, cos) = ((u - 0.5) * std::f64::consts::TAU).sin_cos();
     DVec3::new(sin_polar * cos, cos_polar, sin_polar * sin).as_vec3()

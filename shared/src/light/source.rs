@@ -57,7 +57,7 @@ impl Light {
             kind: self.kind(),
             direction: self.direction().map_or(Vec3::NEG_Y, unit),
             cone_scale: 0.0,
-            intensity: (DVec3::from(self.color()) * self.intensity()).as_vec3(),
+            intensity: self.strength(),
             cone_offset: 1.0,
             cos_outer: -1.0,
             size: self.size().max(0.0) as f32,

@@ -57,18 +57,15 @@ impl<'a> Emission<'a> {
                 continue;
             };
             let Some(spherical) = SphericalTriangle::new(triangle.corners, point.position) else { continue };
-            let [a, b, c] = triangle.corners;
-            let front = (b - a).cross(c - a);
-            if !triangle.is_two_sided && front.dot(point.position - a) <= 0.0 {
+            let from_front = triangle.front().dot(point.position - triangle.corners[0]) > 0.0;
+            if !triangle.is_two_sided && !from_front {
                 continue;
             }
             let (turn, mut sum, mut squares) = (stream.unit(), Vec3::ZERO, Vec3::ZERO);
-            let mut drawn = 0.0f32;
             for k in 0..samples {
                 // The first coordinate is stratified over the triangle's samples.
                 let square =
                     Vec2::new((k as f32 + stream.unit()) / samples as f32, (turn + stream.unit()).fract());
-                drawn += 1.0;
                 let Some(sample) = spherical.sample(square) else { continue };
                 let cosine = point.normal.dot(sample.direction);
                 if cosine <= 0.0 || point.geometric_normal.dot(sample.direction) <= 0.0 {
@@ -89,7 +86,7 @@ impl<'a> Emission<'a> {
             let found = &mut out[group as usize];
             found.irradiance += sum / expected;
             // Variance of a sum of independent samples.
-            let spread = (squares - sum * sum / drawn.max(1.0)).max(Vec3::ZERO);
+            let spread = (squares - sum * sum / samples as f32).max(Vec3::ZERO);
             found.variance += spread / (expected * expected);
         }
         rays

@@ -103,7 +103,7 @@ impl EmitterTree {
 
 fn leaf_of(emitter: &EmissiveTriangle, number: u32) -> EmitterNode {
     let [a, b, c] = emitter.corners;
-    let front = (b - a).cross(c - a);
+    let front = emitter.front();
     let sides = if emitter.is_two_sided { 2.0 } else { 1.0 };
     EmitterNode {
         low: a.min(b).min(c),

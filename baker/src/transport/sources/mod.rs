@@ -63,8 +63,7 @@ pub fn describe_groups(
             let emitter = emitters.emitter(number as u32);
             let Some(Some(group)) = group_of.get(emitter.material as usize) else { continue };
             visit(*group as usize, emitter.mean);
-            let [a, b, c] = emitter.corners;
-            let inwards = -(b - a).cross(c - a).normalize_or_zero();
+            let inwards = -emitter.front().normalize_or_zero();
             for weights in SAMPLES {
                 visit(*group as usize, emitters.radiance(number as u32, weights, inwards));
             }

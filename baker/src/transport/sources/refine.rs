@@ -10,6 +10,7 @@ use crate::basis::Relations;
 use crate::geometry::Surfaces;
 use crate::job::watch::{Stopped, Watch};
 use crate::sampling::Points;
+use crate::transport::operator::COARSER;
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::environment::bins::{BINS, SOLID_ANGLE};
@@ -18,8 +19,6 @@ use rebounce_shared::link::{MAX_STEPS, Sent, SourceLink};
 use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
 use std::f32::consts::PI;
 
-/// Ratio of a level's ε to ε of the next finer level, as in the operator.
-const COARSER: f32 = 0.5;
 /// Levels whose receivers are all gathered for.
 const ALL: usize = 2;
 /// Step of a link, as a share of ε on the finest level.
@@ -66,11 +65,8 @@ pub struct SourceGather<'a, S: ?Sized> {
     relations: &'a Relations,
     settings: &'a SourceSettings,
     emission: Option<Emission<'a>>,
-    groups: Vec<EmissiveGroup>,
     beside: Beside,
-    has_sky: bool,
-    /// Irradiance of a step of a link from the sky, per unit radiance.
-    sky_step: f32,
+    sources: Sources,
     /// Mean irradiance of the coarsest level by source, for the sky that of all bins together.
     typical: Vec<f32>,
 }
@@ -82,15 +78,15 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         points: &'a Points,
         relations: &'a Relations,
         settings: &'a SourceSettings,
-        mut groups: Vec<EmissiveGroup>,
+        groups: Vec<EmissiveGroup>,
     ) -> Self {
-        let sources = Sources { groups: groups.clone(), ..Sources::default() };
+        let mut sources = Sources { has_sky: settings.sky, groups, ..Sources::default() };
         let group_of = sources.group_of_materials();
-        let emitters = surfaces.emitters().filter(|_| !groups.is_empty());
+        let emitters = surfaces.emitters().filter(|_| !sources.groups.is_empty());
         let mut most = Vec::new();
         match emitters {
-            Some(emitters) => most = describe_groups(emitters, &group_of, &mut groups),
-            None => groups.clear(),
+            Some(emitters) => most = describe_groups(emitters, &group_of, &mut sources.groups),
+            None => sources.groups.clear(),
         }
         let mut gather = Self {
             surfaces,
@@ -99,10 +95,8 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             settings,
             emission: emitters.map(|emitters| Emission::new(emitters, group_of)),
             beside: Beside::of_bins(),
-            has_sky: settings.sky,
-            sky_step: 0.0,
+            sources,
             typical: Vec::new(),
-            groups,
         };
         if let Some(level) = points.levels.first() {
             gather.measure(level.range(), &most);
@@ -110,19 +104,14 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         gather
     }
 
-    /// Number of senders that are bins of the sky.
-    fn bins(&self) -> usize {
-        if self.has_sky { BINS } else { 0 }
-    }
-
     /// Whether there is a source.
     pub fn is_any(&self) -> bool {
-        self.has_sky || self.emission.is_some()
+        self.sources.has_sky || self.emission.is_some()
     }
 
     /// Expected number of rays.
     pub fn rays(&self) -> u64 {
-        let sky = if self.has_sky { BINS as u64 / 2 } else { 0 };
+        let sky = if self.sources.has_sky { BINS as u64 / 2 } else { 0 };
         let emission = if self.emission.is_some() { u64::from(self.settings.emitter_rays[1]) } else { 0 };
         self.points.points.len() as u64 * (sky + emission)
     }
@@ -136,12 +125,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             return Ok(SourceLinks::default());
         }
         let mut out = SourceLinks {
-            sources: Sources {
-                has_sky: self.has_sky,
-                sky_step: self.sky_step,
-                groups: self.groups.clone(),
-                ..Sources::default()
-            },
+            sources: self.sources.clone(),
             links: vec![Vec::new(); self.points.points.len()],
             rays: 0,
         };
@@ -165,7 +149,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
     }
 
     fn scratch(&self) -> SourceScratch {
-        SourceScratch { assigned: Vec::new(), seen: vec![GroupSeen::default(); self.groups.len()] }
+        SourceScratch { assigned: Vec::new(), seen: vec![GroupSeen::default(); self.sources.groups.len()] }
     }
 
     /// Measures the typical irradiance from each source at the receivers of the coarsest level, and whether the sky is
@@ -175,16 +159,16 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         let totals = |i: usize| {
             let point = &self.points.points[i];
             let sky = || see_sky(self.surfaces, point, i, &self.beside, &[], self.settings.seed);
-            let sky: f32 = if self.has_sky { sky().irradiance.iter().sum() } else { 0.0 };
+            let sky: f32 = if self.sources.has_sky { sky().irradiance.iter().sum() } else { 0.0 };
             let mut scratch = self.scratch();
             let groups = self.emitted(0, i, &mut scratch).0.to_vec();
             (sky, groups)
         };
         let totals: Vec<(f32, Vec<GroupSeen>)> = range.into_par_iter().map(totals).collect();
         let sky = totals.iter().map(|total| total.0).sum::<f32>() / count;
-        self.has_sky &= sky >= LEAST_SKY;
-        let mut typical = vec![sky; self.bins()];
-        for (number, group) in self.groups.iter().enumerate() {
+        self.sources.has_sky &= sky >= LEAST_SKY;
+        let mut typical = vec![sky; self.sources.sky_bins()];
+        for (number, group) in self.sources.groups.iter().enumerate() {
             let sum: Vec3 = totals.iter().map(|total| total.1[number].irradiance).sum();
             // A group of one colour is measured in its brightest channel.
             let mean = sum / count;
@@ -193,18 +177,17 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
                 false => vec![mean.max_element()],
             });
         }
-        let mut of_groups = typical[self.bins()..].iter().copied();
-        let steps = self.groups.iter().zip(most).map(|(group, most)| {
+        let mut of_groups = typical[self.sources.sky_bins()..].iter().copied();
+        let steps = self.sources.groups.iter().zip(most).map(|(group, most)| {
             let mut next = |most: f32| self.step(of_groups.next().unwrap_or_default(), PI * most);
             match group.is_coloured {
                 true => most.to_array().map(next),
-                // In the proportions of the colour.
-                false => (*most * (next(most.max_element()) / most.max_element())).to_array(),
+                false => in_proportion(*most, next(most.max_element())),
             }
         });
         let steps: Vec<[f32; 3]> = steps.collect();
-        self.groups.iter_mut().zip(steps).for_each(|(group, step)| group.step = step);
-        self.sky_step = self.step(if self.has_sky { sky } else { 0.0 }, PI);
+        self.sources.groups.iter_mut().zip(steps).for_each(|(group, step)| group.step = step);
+        self.sources.sky_step = self.step(if self.sources.has_sky { sky } else { 0.0 }, PI);
         self.typical = typical;
     }
 
@@ -243,8 +226,8 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
                 values.fold((f32::MAX, f32::MIN), |(l, m), value| (l.min(value), m.max(value)));
             most - least > self.epsilon(level, typical).max(0.5 * STEP * self.settings.epsilon * typical)
         };
-        (self.has_sky && differ(&|parent| parent.sky, self.typical[0]))
-            || (self.bins()..self.typical.len())
+        (self.sources.has_sky && differ(&|parent| parent.sky, self.typical[0]))
+            || (self.sources.sky_bins()..self.typical.len())
                 .any(|sender| differ(&|parent| parent.value[sender], self.typical[sender]))
     }
 
@@ -272,27 +255,29 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             || self.do_parents_differ(level, row, before);
         if !is_wanted {
             let openings = (!is_last).then(|| parents.first().map(|first| Box::new(**first))).flatten();
-            let sky = value.iter().take(self.bins()).sum();
+            let sky = value.iter().take(self.sources.sky_bins()).sum();
             return Receiver { value, sky, openings, ..Receiver::default() };
         }
         let mut out = Receiver::default();
-        if self.has_sky {
+        if self.sources.has_sky {
             let point = &self.points.points[i];
             let seen = see_sky(self.surfaces, point, i, &self.beside, &parents, self.settings.seed);
             out.rays += seen.rays;
             let quantizer = Quantizer {
                 epsilon: self.epsilon(level, self.typical[0]),
-                step: self.sky_step,
+                step: self.sources.sky_step,
                 noise: self.settings.significance.powi(2) * SOLID_ANGLE / BIN_RAYS,
             };
             quantizer.row(0, &seen.irradiance, &value[..BINS], &mut out.links);
-            out.links.iter().for_each(|link| value[link.sender()] += link.steps() as f32 * self.sky_step);
+            out.links
+                .iter()
+                .for_each(|link| value[link.sender()] += link.steps() as f32 * self.sources.sky_step);
             out.openings = (!is_last).then(|| Box::new(seen.openings));
         }
-        let mut sender = self.bins();
+        let mut sender = self.sources.sky_bins();
         let (seen, rays) = self.emitted(level, i, scratch);
         out.rays += rays;
-        for (group, seen) in self.groups.iter().zip(seen) {
+        for (group, seen) in self.sources.groups.iter().zip(seen) {
             // A group of one colour is measured in its brightest channel.
             let brightest = Vec3::from(group.step).max_position();
             for channel in if group.is_coloured { 0..3 } else { brightest..brightest + 1 } {
@@ -309,9 +294,25 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             }
         }
         if !is_last {
-            out.sky = value.iter().take(self.bins()).sum();
+            out.sky = value.iter().take(self.sources.sky_bins()).sum();
             out.value = value;
         }
         out
+    }
+}
+
+/// Steps by channel in the proportions of a colour, `step` for the brightest; zero for black, as of a texture without light.
+fn in_proportion(colour: Vec3, step: f32) -> [f32; 3] {
+    (colour * (step / colour.max_element().max(f32::MIN_POSITIVE))).to_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_group_without_light_has_no_step() {
+        assert_eq!(in_proportion(Vec3::ZERO, 0.0), [0.0; 3]);
+        assert_eq!(in_proportion(Vec3::new(8.0, 4.0, 0.0), 0.25), [0.25, 0.125, 0.0]);
     }
 }

@@ -86,10 +86,7 @@ impl Relit {
     /// follows the [openness](rebounce_shared::openness) of visible surfaces, if the file has the openness of the
     /// points.
     pub fn new(scene: &BakedScene, surfaces: &impl Surfaces, lights: &[Light], detail: bool) -> Self {
-        let environment = packed_environment(scene);
-        let groups = scene.sources.groups.len();
-        let lighting = Lighting::new(lights, environment.as_ref(), scene.meta.origin, groups);
-        Self::lit(scene, surfaces, lighting, detail)
+        Self::lit(scene, surfaces, own_lighting(scene, lights), detail)
     }
 
     /// As [`Self::new`], with all lighting.
@@ -218,6 +215,12 @@ pub fn packed_environment(scene: &BakedScene) -> Option<Arc<Environment>> {
     Some(Arc::new(packed.unpack()))
 }
 
+/// Prepares lights of a file, with the file's own environment.
+fn own_lighting(scene: &BakedScene, lights: &[Light]) -> Lighting {
+    let environment = packed_environment(scene);
+    Lighting::new(lights, environment.as_ref(), scene.meta.origin, scene.sources.groups.len())
+}
+
 /// Renders a baked scene, and the area lights among its surfaces; an environment among the lights is the file's own.
 /// `row_done` is called after each row, from any thread.
 pub fn render(
@@ -230,9 +233,7 @@ pub fn render(
     row_done: impl Fn() + Sync,
 ) -> Picture {
     let content = content.into();
-    let environment = packed_environment(scene);
-    let groups = scene.sources.groups.len();
-    let lighting = Lighting::new(lights, environment.as_ref(), scene.meta.origin, groups);
+    let lighting = own_lighting(scene, lights);
     let lamps = lighting.lamps.clone();
     let surfaces = &WithLights::new(surfaces, &lamps);
     let relit = Relit::lit(scene, surfaces, lighting, content.detail);
