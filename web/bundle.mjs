@@ -5,7 +5,7 @@ import { build } from "esbuild";
 import path from "node:path";
 
 /** Modules that pages import, or that are fetched when they are first wanted: by the name of the file, the module. */
-const ENTRIES = { "rebounce-viewer": "rebounce-viewer", panel: "panel/panel", daylight: "daylight", page: "page/page" };
+const ENTRIES = { "rebounce-viewer": "rebounce-viewer", panel: "panel/panel", hdr: "environment/hdr", daylight: "daylight", page: "page/page" };
 
 /** The wasm's own module lies beside the bundles, in whatever folder the module that imports it was. */
 const WASM = {

@@ -1,7 +1,11 @@
 //! All light of a picture, prepared for evaluation on a baked scene: lamps, sky, and the strength of emissive surfaces.
 
-use crate::environment::bins::{BINS, project};
-use crate::environment::{Environment, environment_from_world, extract_sun, world_from_environment};
+mod prepared;
+
+pub use prepared::PreparedEnvironment;
+
+use crate::environment::bins::BINS;
+use crate::environment::{Environment, environment_from_world};
 use crate::light::{Light, LightKind, LightSource};
 use glam::Vec3;
 use std::sync::Arc;
@@ -48,9 +52,18 @@ impl Lighting {
         origin: [f64; 3],
         groups: usize,
     ) -> Self {
+        let mut environment = environment.cloned().map(PreparedEnvironment::new).unwrap_or_default();
+        Self::prepared(lights, &mut environment, origin, groups)
+    }
+
+    /// As [`Self::new`], with an environment that was prepared before.
+    pub fn prepared(
+        lights: &[Light],
+        environment: &mut PreparedEnvironment,
+        origin: [f64; 3],
+        groups: usize,
+    ) -> Self {
         let mut out = Self { emission: emission_factors(lights, groups), ..Self::default() };
-        let even = Arc::new(Environment::constant(Vec3::ONE));
-        let environment = environment.unwrap_or(&even);
         for light in lights {
             match light {
                 Light::Environment { rotation_deg, .. } => {
@@ -63,20 +76,12 @@ impl Lighting {
         out
     }
 
-    fn add_environment(&mut self, environment: &Arc<Environment>, rotation_deg: f32, factor: Vec3) {
-        let (rest, sun) = extract_sun(environment);
+    fn add_environment(&mut self, environment: &mut PreparedEnvironment, rotation_deg: f32, factor: Vec3) {
         let sky = self.sky.get_or_insert_with(|| Box::new([Vec3::ZERO; BINS]));
-        sky.iter_mut().zip(project(&rest, rotation_deg)).for_each(|(sum, bin)| *sum += factor * bin);
-        if let Some(sun) = sun {
-            let light = Light::Directional {
-                direction: (-world_from_environment(sun.direction, rotation_deg)).as_dvec3().to_array(),
-                intensity: 1.0,
-                color: (factor * sun.irradiance).as_dvec3().to_array(),
-                radius_deg: f64::from(sun.radius_deg),
-            };
-            self.lamps.push(light.source([0.0; 3]));
-        }
-        self.background.push(Background { environment: environment.clone(), rotation_deg, factor });
+        sky.iter_mut().zip(environment.bins(rotation_deg)).for_each(|(sum, bin)| *sum += factor * *bin);
+        self.lamps.extend(environment.sun(rotation_deg, factor));
+        let environment = environment.picture().clone();
+        self.background.push(Background { environment, rotation_deg, factor });
     }
 
     /// Returns the radiance of the sky behind a scene from a world direction, linear RGB.

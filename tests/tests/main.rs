@@ -14,6 +14,7 @@ mod copies;
 mod cracks;
 mod direct;
 mod display;
+mod environment;
 mod exposure;
 mod kinds;
 mod openness;

@@ -27,6 +27,7 @@ fn run(gpu: &Gpu, scene: &BakedScene, direct: &[Vec3], lanes: u32) -> [Vec<f32>;
     let upload = Upload::new(gpu, scene).unwrap();
     let mut relight = Relight::new(gpu, &pipelines, &upload, scene);
     relight.set_lanes(gpu, &pipelines, lanes);
+    relight.set_strengths(gpu, &strengths(scene));
     let rows: Vec<[f32; 4]> = direct.iter().map(|e| [e.x, e.y, e.z, 0.0]).collect();
     gpu.queue.write_buffer(&relight.irradiance, 0, bytemuck::cast_slice(&rows));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -43,6 +44,13 @@ fn relative(gpu: &[f32], cpu: &[f32]) -> f32 {
     gpu.iter().zip(cpu).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) / largest
 }
 
+/// Strengths of a sky of many colours and of two groups.
+fn strengths(scene: &BakedScene) -> Vec<Vec3> {
+    let value = |i: usize| common::random(i as u32 ^ 0x77) * 3.0;
+    let sky = Box::new(std::array::from_fn(|i| Vec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2))));
+    scene.sources.strengths(Some(&sky), &[Vec3::new(2.0, 1.0, 0.5), Vec3::new(0.3, 0.7, 1.0)])
+}
+
 fn irradiance(count: usize) -> Vec<Vec3> {
     let value = |i: usize, k: u32| common::random(i as u32 * 3 + k) * 5.0;
     (0..count).map(|i| Vec3::new(value(i, 0), value(i, 1), value(i, 2))).collect()
@@ -51,13 +59,19 @@ fn irradiance(count: usize) -> Vec<Vec3> {
 fn check(gpu: &Gpu, scene: &BakedScene, lanes: u32, tolerance: f32) {
     let direct = irradiance(scene.direct_count());
     let [pulled, values] = run(gpu, scene, &direct, lanes);
+    let from_sources = relight::from_sources(scene, &strengths(scene));
+    let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
+    let direct: Vec<Vec3> = direct.iter().enumerate().map(|(i, e)| *e + source(i)).collect();
     let mut cpu_pulled = direct.clone();
     relight::pull(scene, &mut cpu_pulled);
     relight::add_bounced(scene, &mut cpu_pulled);
     let padded = |rows: &[Vec3]| -> Vec<f32> { rows.iter().flat_map(|v| [v.x, v.y, v.z, 0.0]).collect() };
     let difference = relative(&pulled, &padded(&cpu_pulled));
     assert!(difference < 0.1 * tolerance, "{lanes} lanes: {difference}");
-    let difference = relative(&values, &padded(&relight::relight(scene, direct)));
+    let shown: Vec<Vec3> =
+        relight::relight(scene, direct).into_iter().enumerate().map(|(i, e)| e + source(i)).collect();
+    let difference = relative(&values, &padded(&shown));
+    println!("{lanes} lanes: {difference:e}");
     assert!(difference < tolerance, "{lanes} lanes: {difference}");
 }
 
@@ -66,6 +80,16 @@ fn every_step_agrees_with_the_cpu_for_every_split_of_the_rows() {
     let Some(gpu) = common::gpu() else { return };
     let scene = common::room(&[3, 6, 12]);
     for lanes in [1, 8, 16, 64] {
+        check(&gpu, &scene, lanes, 1e-4);
+    }
+}
+
+#[test]
+fn light_of_sky_and_emissive_surfaces_agrees_with_the_cpu() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut scene = common::room(&[3, 6, 12]);
+    common::add_sources(&mut scene);
+    for lanes in [1, 8, 64] {
         check(&gpu, &scene, lanes, 1e-4);
     }
 }

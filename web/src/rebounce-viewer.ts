@@ -299,6 +299,15 @@ export class RebounceViewer extends AttributeElement {
         engine.relabel();
         engine.applySettings();
         break;
+      case "environment":
+        void engine.environment.change();
+        break;
+      case "environment-rotation":
+        engine.withScene((viewer) => engine.environment.turn(viewer));
+        break;
+      case "environment-intensity":
+        engine.withScene((viewer) => engine.environment.dim(viewer));
+        break;
       case "poster":
         engine.tree.setPoster(this.poster);
         break;

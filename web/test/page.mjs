@@ -8,6 +8,7 @@ import { animation } from "./page/animation.mjs";
 import { attributes } from "./page/attributes.mjs";
 import { damaged } from "./page/damaged.mjs";
 import { downloads } from "./page/downloads.mjs";
+import { environment } from "./page/environment.mjs";
 import { failures } from "./page/failures.mjs";
 import { handles } from "./page/handles.mjs";
 import { hidden } from "./page/hidden.mjs";
@@ -38,7 +39,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light,
+  loading, attributes, slots, onScreen, hidden, animation, lights, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light, environment,
   failures, unsupported, downloads, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

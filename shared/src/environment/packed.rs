@@ -4,7 +4,7 @@
 //! the top left, four bytes each. Radiance is the pixel times the scale: rgb9e5 ends at 65,408, and pictures may be in
 //! any unit.
 
-use super::picture::Environment;
+use super::picture::{Environment, resized};
 use crate::colour::{pack_rgb9e5, unpack_rgb9e5};
 use glam::Vec3;
 
@@ -74,6 +74,14 @@ impl PackedEnvironment {
     pub fn unpack(&self) -> Environment {
         let pixels = self.pixels.iter().map(|&bits| unpack_rgb9e5(bits) * self.scale).collect();
         Environment { width: self.width, height: self.height, pixels }
+    }
+
+    /// The environment in half the width and height, at least one pixel: the next mip level.
+    pub fn halved(&self) -> Self {
+        let [width, height] = [self.width, self.height].map(|side| (side / 2).max(1));
+        let at = |x: u32, y: u32| unpack_rgb9e5(self.pixels[(y * self.width + x) as usize]);
+        let pixels = resized([self.width, self.height], [width, height], at).map(pack_rgb9e5).collect();
+        Self { width, height, scale: self.scale, pixels }
     }
 
     /// The bytes of the file.
@@ -163,6 +171,19 @@ mod tests {
             let ratio = packed.unpack().energy() / picture.energy();
             assert!((ratio - 1.0).abs().max_element() < 2e-3, "{width}x{height}: {ratio}");
         }
+    }
+
+    #[test]
+    fn mip_levels_keep_the_energy_down_to_a_pixel() {
+        let picture = noise(100, 50, 3.0);
+        let (mut packed, mut widths) = (PackedEnvironment::new(&picture), Vec::new());
+        while packed.width > 1 {
+            packed = packed.halved();
+            widths.push([packed.width, packed.height]);
+            let ratio = packed.unpack().energy() / picture.energy();
+            assert!((ratio - 1.0).abs().max_element() < 5e-3, "{}: {ratio}", packed.width);
+        }
+        assert_eq!(widths, [[50, 25], [25, 12], [12, 6], [6, 3], [3, 1], [1, 1]]);
     }
 
     #[test]

@@ -118,23 +118,29 @@ impl Environment {
 
     /// The environment in another size, by the same filter.
     pub(super) fn resized(&self, width: u32, height: u32) -> Self {
-        let columns = overlaps(self.width, width, |from, to| to - from);
-        let rows = overlaps(self.height, height, band);
-        let mut pixels = Vec::with_capacity(width as usize * height as usize);
-        for row in &rows {
-            for column in &columns {
-                let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
-                for &(y, tall) in row {
-                    for &(x, wide) in column {
-                        sum += self.at(x, y).as_dvec3() * (tall * wide);
-                        weight += tall * wide;
-                    }
-                }
-                pixels.push((sum / weight).as_vec3());
-            }
-        }
+        let pixels = resized([self.width, self.height], [width, height], |x, y| self.at(x, y)).collect();
         Self { width, height, pixels }
     }
+}
+
+/// Pixels of a picture in another size: means by solid angle.
+pub(super) fn resized(
+    [from_width, from_height]: [u32; 2],
+    [width, height]: [u32; 2],
+    at: impl Fn(u32, u32) -> Vec3,
+) -> impl Iterator<Item = Vec3> {
+    let columns = overlaps(from_width, width, |from, to| to - from);
+    let rows = overlaps(from_height, height, band);
+    (0..width as usize * height as usize).map(move |pixel| {
+        let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+        for &(y, tall) in &rows[pixel / width as usize] {
+            for &(x, wide) in &columns[pixel % width as usize] {
+                sum += at(x, y).as_dvec3() * (tall * wide);
+                weight += tall * wide;
+            }
+        }
+        (sum / weight).as_vec3()
+    })
 }
 
 /// Solid angle of the band between two heights of the picture, 0 to 1 from the top; sr.

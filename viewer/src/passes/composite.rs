@@ -39,9 +39,18 @@ pub struct Shading {
     pub enlarge: u32,
     /// Factor on the radiance of blended surfaces: see [`crate::scene::blended_fit::unit`].
     pub unit: f32,
+    /// Number of skies behind the scene, at most [`MOST_SKIES`].
+    pub skies: u32,
+    /// Mip level of the background.
+    pub sky_level: f32,
     /// Unused.
-    pub pad: [u32; 3],
+    pub pad: u32,
+    /// By sky: factor of the texture, RGB, and rotation in radians.
+    pub sky: [[f32; 4]; MOST_SKIES],
 }
+
+/// Maximum number of environment lights seen behind a scene.
+pub const MOST_SKIES: usize = 4;
 
 /// The scene has detail textures, beyond base colour and transmission.
 pub const DETAILED: u32 = 1;
@@ -72,6 +81,8 @@ pub struct CompositePass {
     before_layout: wgpu::BindGroupLayout,
     present_layout: wgpu::BindGroupLayout,
     bilinear: wgpu::Sampler,
+    /// Wraps around in x, interpolates between mip levels.
+    around: wgpu::Sampler,
     present: RefCell<Vec<(TextureFormat, wgpu::RenderPipeline)>>,
 }
 
@@ -114,6 +125,8 @@ pub struct PictureSources<'a> {
     pub levels: &'a wgpu::Buffer,
     /// `Ground` of backdrop.wgsl, from [`uniform`](crate::scene::ground::uniform).
     pub ground: &'a wgpu::Buffer,
+    /// Equirectangular radiance behind the scene, if present.
+    pub sky: Option<&'a wgpu::TextureView>,
 }
 
 /// The averaged picture of one size, and its bind groups.
@@ -145,6 +158,8 @@ impl CompositePass {
                 Slot::TextureLoad,
                 Slot::TextureLoad,
                 Slot::Uniform,
+                Slot::Texture,
+                Slot::Sampler,
             ]
         };
         let shade = layout(gpu, "shade", ShaderStages::FRAGMENT, &slots(Slot::Read));
@@ -179,6 +194,13 @@ impl CompositePass {
             before_layout,
             present_layout,
             bilinear,
+            around: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                address_mode_u: wgpu::AddressMode::Repeat,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                ..Default::default()
+            }),
             present: RefCell::default(),
         }
     }
@@ -204,6 +226,8 @@ impl CompositePass {
             view(tints.map_or(unread, |tints| &tints.through.1)),
             view(tints.map_or(unread, |tints| &tints.shine.1)),
             from.ground.as_entire_binding(),
+            view(from.sky.unwrap_or(unread)),
+            wgpu::BindingResource::Sampler(&self.around),
         ];
         let shade = group(scope, "shade", &self.layout, &resources);
         resources[7] = looked.as_entire_binding();

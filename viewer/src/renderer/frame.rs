@@ -10,8 +10,9 @@ use crate::passes::settings::{Mode, Overlay, ToneMapping};
 use crate::passes::timing::Pass;
 use crate::scene::GpuScene;
 use crate::scene::blended_fit;
+use crate::scene::relight::Parts;
 use crate::scene::view::{Frame, Sample, frame};
-use rebounce_shared::light::{punctual, punctual_sources};
+use rebounce_shared::lighting::Background;
 use wgpu::TextureFormat;
 
 impl Renderer {
@@ -22,13 +23,19 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         scene: &GpuScene,
         picture: Option<[u32; 2]>,
+        mode: Mode,
     ) {
-        let moved = std::mem::take(&mut self.dirty.lights);
+        let parts = Parts { bounced: mode != Mode::Direct, from_sources: mode != Mode::Indirect };
+        let is_other = scene.relight.has_sources() && self.parts != parts;
+        if is_other {
+            scene.relight.set_parts(&self.gpu, parts);
+            self.parts = parts;
+        }
+        let moved = std::mem::take(&mut self.dirty.lights) || is_other;
         let mut changed = Vec::new();
         if moved {
-            let sources = punctual_sources(&self.lights, scene.meta.origin);
             let (near, glass) = (0.1 * scene.near, !scene.upload.glass_runs.is_empty());
-            changed = self.shadows.set_lights(&self.gpu, &sources, &scene.extent, near, glass);
+            changed = self.shadows.set_lights(&self.gpu, self.lit.lamps(), &scene.extent, near, glass);
         }
         if let Some(size) = picture {
             let camera = self.camera.frame(scene.meta.origin);
@@ -51,7 +58,8 @@ impl Renderer {
     }
 
     fn update_relight(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
-        if !self.shadows.lights().iter().any(|light| light.shines()) {
+        let shines = self.light_sources(scene);
+        if !shines && !self.shadows.lights().iter().any(|light| light.shines()) {
             scene.relight.clear(encoder);
             return;
         }
@@ -198,12 +206,16 @@ impl Renderer {
         let unlit = self.mode == Mode::All && scene.is_some_and(|scene| scene.materials.unlit);
         let backdrop = self.backdrop
             && self.mode == Mode::All
+            && self.lit.lighting.background.is_empty()
             && scene.is_some_and(|scene| !scene.meta.shown.ground.is_empty());
+        // Direct light is then a part of what the points hold.
+        let from_sources = scene.is_some_and(|scene| scene.relight.has_sources());
+        let skies = if self.mode == Mode::Indirect { Vec::new() } else { self.skies() };
         let veiled = scene.filter(|scene| scene.upload.blended_layers > 0);
         Shading {
             direct: (self.mode != Mode::Indirect) as u32 as f32,
-            indirect: (self.mode != Mode::Direct) as u32 as f32,
-            lights: punctual(&self.lights).count() as u32,
+            indirect: (self.mode != Mode::Direct || from_sources) as u32 as f32,
+            lights: self.lit.lamps().len() as u32,
             exposure: self.exposure.exp2(),
             blend,
             scale: 1,
@@ -217,9 +229,20 @@ impl Renderer {
                 // A single picture, or the mean of two.
                 | flag(self.antialias && blend > 0.4, composite::SMOOTH),
             enlarge: 1,
-            unit: veiled.map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lights, scene.extent.all)),
-            pad: [0; 3],
+            unit: veiled
+                .map_or(1.0, |scene| blended_fit::unit(&scene.meta, &self.lit.lighting, scene.extent.all)),
+            skies: skies.len() as u32,
+            sky_level: self.lit.sky.as_ref().map_or(0.0, |sky| sky.level(self.lit.blur)),
+            pad: 0,
+            sky: std::array::from_fn(|i| skies.get(i).copied().unwrap_or_default()),
         }
+    }
+
+    /// Factor of each sky behind the scene, and its rotation in radians.
+    fn skies(&self) -> Vec<[f32; 4]> {
+        let scale = self.lit.sky.as_ref().map_or(0.0, |sky| sky.scale);
+        let sky = |of: &Background| (of.factor * scale).extend(of.rotation_deg.to_radians()).to_array();
+        self.lit.lighting.background.iter().take(composite::MOST_SKIES).map(sky).collect()
     }
 
     pub(super) fn draw_overlay(

@@ -1,7 +1,8 @@
 //! The renderer: keeps the results of passes, and runs only the passes whose inputs changed.
 //!
 //! * here: the renderer itself, its scene, a whole frame;
-//! * `state` – settings: camera, lights, exposure, mode, overlay;
+//! * `state` – settings: camera, exposure, mode, overlay;
+//! * `lighting` – lights, environment;
 //! * `frame` – the passes;
 //! * `read` – pictures read back;
 //! * `pipelines` – the pipelines of all passes, once a device;
@@ -10,6 +11,7 @@
 //! * `pace` – one frame at a time.
 
 mod frame;
+mod lighting;
 pub mod pace;
 pub mod pipelines;
 mod read;
@@ -21,7 +23,7 @@ use crate::controls::gizmo::Marks;
 use crate::error::ViewerError;
 use crate::gpu::readback::Readback;
 use crate::gpu::scope::Scope;
-use crate::gpu::{Gpu, LIMITS, MAX_BINDING, MAX_LAYERS};
+use crate::gpu::{Gpu, LIMITS, MAX_BINDING};
 use crate::passes::cached_direct::CachedDirectLight;
 use crate::passes::composite;
 use crate::passes::display::choice::DisplayChoice;
@@ -30,9 +32,10 @@ use crate::passes::shadow::Shadows;
 use crate::passes::shadow::fit::LARGEST;
 use crate::passes::timing::{Milliseconds, Timing};
 use crate::scene::GpuScene;
+use crate::scene::relight::Parts;
+use lighting::Lit;
 use pipelines::Pipelines;
-use rebounce_shared::{camera::Camera, light::Light};
-use state::check_lights;
+use rebounce_shared::camera::Camera;
 use stats::{Bytes, Stats};
 use std::rc::Rc;
 use target::{Target, Wanted};
@@ -81,7 +84,9 @@ pub struct Renderer {
     scene: Option<Rc<GpuScene>>,
     target: Option<Target>,
     camera: Camera,
-    lights: Vec<Light>,
+    lit: Lit,
+    /// Parts of the light that the scene's points hold for display.
+    parts: Parts,
     exposure: f32,
     auto_exposure: bool,
     tone_mapping: ToneMapping,
@@ -147,7 +152,8 @@ impl Renderer {
                 up: [0.0, 1.0, 0.0],
                 yfov_deg: 60.0,
             },
-            lights: Vec::new(),
+            lit: Lit::default(),
+            parts: Parts::ALL,
             exposure: 0.0,
             auto_exposure: true,
             tone_mapping: ToneMapping::default(),
@@ -191,20 +197,16 @@ impl Renderer {
         if let Some(camera) = scene.meta.cameras.first() {
             self.set_camera(camera.clone())?;
         }
-        // A file may hold more lights than shadow maps are possible; the first lights are on.
-        let mut lights = scene.meta.lights.clone();
-        lights.truncate(MAX_LAYERS as usize);
-        while check_lights(&lights).is_err() {
-            lights.pop();
-        }
         self.scene = Some(Rc::new(scene));
         self.target = None;
         self.first = true;
         self.shadows.forget();
         self.still = CachedDirectLight::default();
         self.dirty = Dirty::ALL;
+        self.parts = Parts::ALL;
         self.rekey();
-        self.set_lights(lights)
+        self.light_scene();
+        Ok(())
     }
 
     /// The scene's metadata.
@@ -292,10 +294,11 @@ impl Renderer {
             triangles: scene.map_or(0, |s| s.triangles),
             functions: scene.map_or(Vec::new(), |s| s.levels.iter().map(|l| l.len() as u32).collect()),
             links: scene.map_or(0, |s| s.link_count),
-            lights: self.lights.len(),
+            lights: self.lights().len(),
             bytes: Bytes {
                 scene: scene.map_or(0, |s| s.upload.bytes()),
-                textures: scene.map_or(0, |s| s.materials.bytes()),
+                textures: scene.map_or(0, |s| s.materials.bytes())
+                    + self.lit.sky.as_ref().map_or(0, |sky| sky.bytes()),
                 relight: scene.map_or(0, |s| s.relight.bytes()),
                 shadows: self.shadows.bytes(),
                 picture: self.target.as_ref().map_or(0, |t| t.bytes()),
@@ -343,7 +346,7 @@ impl Renderer {
         };
         self.collect_times();
         self.viewed = false;
-        self.update_lights(&mut encoder, &scene, Some(full));
+        self.update_lights(&mut encoder, &scene, Some(full), self.mode);
         self.update_picture(&mut encoder, &scene, &mut target);
         self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture.present, view, format);
         self.draw_overlay(&mut encoder, &scene, &target, view, format, full);
@@ -400,7 +403,8 @@ impl Renderer {
 
     fn new_target(&self, scene: &GpuScene, size: [u32; 2], enlarge: u32) -> Target {
         let (every_pixel, way) = (self.every_pixel, self.choice.way());
-        let wanted = Wanted { scene, key: &self.key.0, size, enlarge, every_pixel, way };
+        let sky = self.lit.sky.as_ref();
+        let wanted = Wanted { scene, key: &self.key.0, sky, size, enlarge, every_pixel, way };
         Target::new(&self.gpu, &self.pipelines, &wanted)
     }
 }

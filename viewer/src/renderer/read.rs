@@ -7,6 +7,7 @@ use crate::gpu::bindings::target as texture_target;
 use crate::gpu::readback::Readback;
 use crate::gpu::scope::Scope;
 use crate::passes::composite::{self, Shading};
+use crate::passes::settings::Mode;
 use crate::scene::upload::MAX_BUFFER;
 use crate::scene::view::Sample;
 use wgpu::TextureFormat;
@@ -42,7 +43,7 @@ impl Renderer {
         let average = |label| texture_target(&own, label, TextureFormat::Rgba32Float, width, height);
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.update_lights(&mut encoder, &scene, None);
+        self.update_lights(&mut encoder, &scene, None, Mode::Indirect);
         // One submission per picture: uniforms differ.
         for picture in 0..PICTURES {
             std::mem::swap(&mut before, &mut out);
@@ -50,7 +51,7 @@ impl Renderer {
             // Lambertian surfaces, as in the CPU's picture.
             let shading = self.shading(1.0 / (picture + 1) as f32);
             let flags = shading.flags & !composite::DETAILED;
-            let shading = Shading { direct: 0.0, indirect: 1.0, scale, flags, ..shading };
+            let shading = Shading { direct: 0.0, indirect: 1.0, scale, flags, skies: 0, ..shading };
             self.pipelines.composite.set_shading(&self.gpu, &target.picture, &shading);
             self.draw_blended(&mut encoder, &scene, &target, false);
             let group = self.shadows.group();
@@ -90,7 +91,7 @@ impl Renderer {
         let out = texture_target(&own, "pixels", format, width, height);
         let view = out.create_view(&Default::default());
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.update_lights(&mut encoder, &scene, Some([width, height]));
+        self.update_lights(&mut encoder, &scene, Some([width, height]), self.mode);
         // One submission per picture: uniforms differ.
         for picture in 0..self.still_pictures {
             self.draw_view(&mut encoder, &scene, &mut target, Sample::of(picture), false);

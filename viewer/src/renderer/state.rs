@@ -1,16 +1,13 @@
-//! Settings of the renderer: camera, lights, exposure, mode, overlay.
+//! Settings of the renderer: camera, exposure, mode, overlay.
 
 use super::Renderer;
 use crate::controls::Stage;
 use crate::controls::gizmo::Marks;
 use crate::error::ViewerError;
-use crate::gpu::MAX_LAYERS;
 use crate::gpu::readback::Readback;
 use crate::passes::composite::FIRST_KEY;
 use crate::passes::settings::{Display, Mode, Overlay, ToneMapping};
-use crate::passes::shadow::fit::most_layers;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::{Light, punctual_sources};
 
 impl Renderer {
     /// The camera, world space.
@@ -42,25 +39,6 @@ impl Renderer {
         self.dirty.view |= moves;
         self.dirty.key |= moves;
         self.camera = camera;
-        Ok(())
-    }
-
-    /// The lights, world space.
-    pub fn lights(&self) -> &[Light] {
-        &self.lights
-    }
-
-    /// Replaces the lights.
-    ///
-    /// # Errors
-    /// [`ViewerError::BadArgument`] for numbers that are not finite, negative intensities, or too many lights for
-    /// the shadow maps.
-    pub fn set_lights(&mut self, lights: Vec<Light>) -> Result<(), ViewerError> {
-        check_lights(&lights)?;
-        let changes = self.lights != lights;
-        self.dirty.lights |= changes;
-        self.dirty.key |= changes;
-        self.lights = lights;
         Ok(())
     }
 
@@ -210,7 +188,7 @@ impl Renderer {
 
     /// Scene state for the controls, for a picture of this size; [`Renderer::apply`] writes changes back.
     pub fn stage(&self, size: [u32; 2]) -> Stage {
-        let (camera, lights, handles) = (self.camera.clone(), self.lights.clone(), self.gizmos);
+        let (camera, lights, handles) = (self.camera.clone(), self.lights().to_vec(), self.gizmos);
         let scene = self.scene.as_deref();
         let extent = scene.map_or(1.0, |scene| (scene.extent.all[1] - scene.extent.all[0]).length());
         // A person's clearance in metres, or a share of the extent in scenes of another unit; greater than the near
@@ -234,24 +212,4 @@ impl Renderer {
         let _ = self.set_camera(stage.camera);
         let _ = self.set_lights(stage.lights);
     }
-}
-
-pub(super) fn check_lights(lights: &[Light]) -> Result<(), ViewerError> {
-    for (i, light) in lights.iter().enumerate() {
-        let source = light.source([0.0; 3]);
-        if !light.is_usable() || source.intensity.min_element() < 0.0 || light.size() < 0.0 {
-            return Err(ViewerError::BadArgument(format!(
-                "light {i}: all numbers must be finite, intensity, colour and radius not negative"
-            )));
-        }
-    }
-    let layers: u32 = punctual_sources(lights, [0.0; 3]).iter().map(most_layers).sum();
-    if layers > MAX_LAYERS {
-        return Err(ViewerError::BadArgument(format!(
-            "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light up to five, others one",
-            lights.len(),
-            MAX_LAYERS
-        )));
-    }
-    Ok(())
 }

@@ -10,6 +10,7 @@ use crate::passes::display::{self, DisplayTarget};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::settings::Way;
 use crate::scene::GpuScene;
+use crate::scene::sky::Sky;
 use crate::scene::view::Frame;
 use wgpu::BufferUsages;
 
@@ -40,6 +41,8 @@ pub struct Wanted<'a> {
     pub scene: &'a GpuScene,
     /// The automatic exposure.
     pub key: &'a wgpu::Buffer,
+    /// The environment, if there is one.
+    pub sky: Option<&'a Sky>,
     /// Width and height, pixels.
     pub size: [u32; 2],
     /// Screen pixels across one pixel of the picture.
@@ -53,7 +56,7 @@ pub struct Wanted<'a> {
 impl Target {
     /// Creates all resources.
     pub fn new(gpu: &Gpu, pipelines: &Pipelines, wanted: &Wanted<'_>) -> Self {
-        let &Wanted { scene, key, size, enlarge, every_pixel, way } = wanted;
+        let &Wanted { scene, key, sky, size, enlarge, every_pixel, way } = wanted;
         let own = Scope::new(gpu);
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = empty_buffer(&own, "frame", usage, size_of::<Frame>() as u64);
@@ -72,6 +75,7 @@ impl Target {
             key,
             levels: &scene.relight.levels,
             ground: &scene.upload.ground,
+            sky: sky.map(|sky| &sky.view),
         };
         let picture = pipelines.composite.target(&own, &sources, size);
         let blended =

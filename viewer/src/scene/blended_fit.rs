@@ -4,7 +4,7 @@
 use super::draw_batch::{DrawBatch, instances};
 use glam::{Vec3, Vec4};
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::light::{Light, punctual_sources};
+use rebounce_shared::lighting::Lighting;
 use rebounce_shared::rbn::meta::{Alpha, Material, Meta};
 
 /// Maximum number of layers. Blended surfaces behind the last layer are not drawn; opaque surfaces behind are.
@@ -71,13 +71,16 @@ pub fn layers(scene: &BakedScene, runs: &[DrawBatch]) -> u32 {
 
 /// Returns the factor for the radiance of blended surfaces in 16-bit floats. The factor is a power of two (no
 /// rounding) and brings the typical radiance to one to two times [`MIDDLE`]. Typical radiance: the sum of the
-/// lights (world space) at a quarter of the scene's diagonal, or the emission of these surfaces if greater.
-pub fn unit(meta: &Meta, lights: &[Light], [low, high]: [Vec3; 2]) -> f32 {
+/// lamps at a quarter of the scene's diagonal and of the sky, or the emission of these surfaces if greater.
+pub fn unit(meta: &Meta, lighting: &Lighting, [low, high]: [Vec3; 2]) -> f32 {
     let distance_squared = (high - low).length_squared() / 16.0;
     let mut typical = 0.0f32;
-    for source in punctual_sources(lights, meta.origin) {
+    for source in lighting.lamps.iter().filter(|lamp| lamp.kind.is_punctual()) {
         let area = if source.is_far() { 1.0 } else { distance_squared };
         typical += source.intensity.max_element() / (area * std::f32::consts::PI);
+    }
+    if let Some(sky) = &lighting.sky {
+        typical += sky.iter().sum::<Vec3>().max_element() / sky.len() as f32;
     }
     for material in meta.materials.iter().filter(|m| is_blended(meta, m)) {
         typical = typical.max(Vec3::from(material.emission).max_element());
@@ -93,6 +96,7 @@ fn power_of_two(number: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rebounce_shared::light::Light;
     use rebounce_shared::rbn::bulk::Vertex;
     use rebounce_shared::rbn::meta::Texture;
 
@@ -160,11 +164,12 @@ mod tests {
                 color: [1.0; 3],
                 radius_deg: 0.0,
             };
-            let unit = unit(&Meta::default(), &[sun], bounds);
+            let lighting = Lighting::new(&[sun], None, [0.0; 3], 0);
+            let unit = unit(&Meta::default(), &lighting, bounds);
             let radiance = strength as f32 / std::f32::consts::PI;
             assert!((1.0..2.0).contains(&(unit * radiance / MIDDLE)), "{strength}: {unit}");
             assert_eq!(unit.to_bits() << 9, 0, "a power of two");
         }
-        assert_eq!(unit(&Meta::default(), &[], bounds), 1.0);
+        assert_eq!(unit(&Meta::default(), &Lighting::default(), bounds), 1.0);
     }
 }

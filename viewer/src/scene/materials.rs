@@ -100,6 +100,9 @@ pub struct Materials {
     pub groups: Vec<wgpu::BindGroup>,
     /// `MaterialRecord` of surface.wgsl for every material.
     pub looks: wgpu::Buffer,
+    records: Vec<MaterialRecord>,
+    /// Group of emissive surfaces of each material.
+    groups_of: Vec<Option<u32>>,
     /// Whether a material has textures other than base colour and transmission.
     pub detailed: bool,
     /// Whether a material is unlit.
@@ -147,8 +150,8 @@ impl Materials {
             unlit: m.extras.unlit as u32 as f32,
             pad: 0.0,
         };
-        let looks: Vec<MaterialRecord> = materials.iter().map(look).collect();
-        let looks = buffer(&own, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&looks));
+        let own_looks: Vec<MaterialRecord> = materials.iter().map(look).collect();
+        let looks = buffer(&own, "looks", BufferUsages::STORAGE, bytemuck::cast_slice(&own_looks));
         let plain = Texture { linear_filter: true, ..Default::default() };
         let texture = |index: Option<u32>| match index {
             Some(t) => (&scene.meta.textures[t as usize], &textures[t as usize]),
@@ -179,7 +182,19 @@ impl Materials {
         };
         let groups = materials.iter().enumerate().map(bind).collect();
         let unlit = materials.iter().any(|m| m.extras.unlit);
-        Self { groups, looks, detailed, unlit, own }
+        let groups_of = scene.sources.group_of_materials();
+        Self { groups, looks, records: own_looks, groups_of, detailed, unlit, own }
+    }
+
+    /// Sets the factor of the emission of each group of emissive surfaces.
+    pub fn set_emission(&self, gpu: &Gpu, factors: &[Vec3]) {
+        let mut looks = self.records.clone();
+        for (look, group) in looks.iter_mut().zip(&self.groups_of) {
+            if let Some(factor) = group.and_then(|group| factors.get(group as usize)) {
+                look.emission = (Vec3::from(look.emission) * *factor).to_array();
+            }
+        }
+        gpu.queue.write_buffer(&self.looks, 0, bytemuck::cast_slice(&looks));
     }
 
     /// Bytes on the GPU.

@@ -7,6 +7,7 @@
 //! * `draw_batch`, `fronts` – draw calls, and the winding of their triangles;
 //! * `triangles` – the surfaces on the CPU, for ray casts;
 //! * `extent`, `blended_fit` – bounds, and properties of the blended surfaces;
+//! * `sky` – the environment behind it;
 //! * `ground` – the ground under an object;
 //! * `view` – the camera that looks at it.
 
@@ -17,6 +18,7 @@ mod fronts;
 pub(crate) mod ground;
 pub mod materials;
 pub mod relight;
+pub mod sky;
 pub mod textures;
 pub mod triangles;
 pub mod upload;
@@ -30,6 +32,7 @@ use materials::Materials;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::openness::REACH;
 use rebounce_shared::rbn::meta::Meta;
+use rebounce_shared::rbn::sources::Sources;
 use relight::{Relight, RelightPipelines};
 use std::ops::Range;
 use textures::Mips;
@@ -49,6 +52,8 @@ pub struct Loaders<'a> {
 pub struct GpuScene {
     /// Metadata.
     pub meta: Meta,
+    /// The sky and groups of emissive surfaces.
+    pub sources: Sources,
     /// Bulk sections.
     pub upload: Upload,
     /// Materials and textures.
@@ -100,6 +105,7 @@ impl GpuScene {
             link_count: scene.link_count() + scene.later.links.len(),
             triangles: scene.triangles_placed() as usize,
             meta: scene.meta,
+            sources: scene.sources,
             upload,
             materials,
             relight,

@@ -70,6 +70,8 @@ pub struct Upload {
     pub links: LinkBuffers,
     /// Section `LATL`.
     pub later: LinkBuffers,
+    /// Section `SRCL`, if present.
+    pub source_links: Option<LinkBuffers>,
     /// Draw calls by material, opaque draw calls first; blended materials excluded.
     pub runs: Vec<DrawBatch>,
     /// Draw calls of blended materials.
@@ -112,6 +114,8 @@ impl Upload {
         Ok(Self {
             ground: ground::uniform(&own, &scene.meta.shown.ground),
             links: matrix(stored, "LINK", &scene.links, most.binding),
+            source_links: (!scene.source_links.is_empty())
+                .then(|| matrix(stored, "SRCL", &scene.source_links, most.binding)),
             // One buffer: coarse points have few links.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),
             vertices: section("VERT", BufferUsages::VERTEX, bytemuck::cast_slice(&scene.vertices)),
@@ -183,6 +187,7 @@ impl Most {
             // A row is never split.
             ("LINK", self.binding, longest as usize * size_of::<Link>()),
             ("LINK", self.binding, size_of_val(&scene.links.offsets[..])),
+            ("SRCL", self.binding, size_of_val(&scene.source_links.offsets[..])),
             ("LATL", self.binding, size_of_val(&scene.later.links[..])),
             ("LATL", self.binding, size_of_val(&scene.later.offsets[..])),
         ];

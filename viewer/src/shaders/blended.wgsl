@@ -108,7 +108,7 @@ fn layer(in: Out) -> Layer {
         return out;
     }
     if surface.look.unlit > 0.0 {
-        if shading.direct > 0.0 && shading.indirect > 0.0 {
+        if (shading.flags & UNLIT) != 0u {
             out.shine = alpha * albedo;
         }
         return out;

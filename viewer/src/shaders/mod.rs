@@ -21,7 +21,11 @@ modules! {
     /// Radiance sent by the senders.
     SEND: "colour" "point" "step" "send";
     /// Matrix product of links and the senders' light.
-    TRANSPORT: "octahedral" "link" "point" "tilt" "step" "lanes" "transport";
+    TRANSPORT: "octahedral" "link" "point" "tilt" "across" "step" "lanes" "transport";
+    /// Matrix product of links and the strengths of sources.
+    SOURCES: "octahedral" "link" "point" "tilt" "across" "step" "lanes" "sources";
+    /// Sum of light at points.
+    JOIN: "tilt" "step" "join";
     /// Later bounces between coarse points.
     BOUNCE: "colour" "step" "lanes" "bounce";
     /// Later bounces to finer senders.
@@ -50,13 +54,13 @@ modules! {
     /// From sums to pixels.
     RESOLVE: "octahedral" "kernel" "frame" "place" "slots" "tilt" "level" "atlas" "resolve";
     /// The tone-mapped picture.
-    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "shade" "backdrop" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "backdrop" "fullscreen" "composite";
     /// Luminance of some pixels.
-    LOOK: "octahedral" "frame" "lights" "lights_second" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "shade" "look";
+    LOOK: "octahedral" "frame" "lights" "lights_second" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "look";
     /// Automatic exposure.
     KEY: "key";
     /// Bounced light alone.
-    INDIRECT: "octahedral" "frame" "lights" "lights_second" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
     PRESENT: "fullscreen" "smooth" "present";
     /// Mip levels.

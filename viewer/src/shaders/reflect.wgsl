@@ -29,6 +29,11 @@ struct Shading {
     enlarge: u32,
     // What the radiance of blended surfaces is multiplied with to fit 16-bit floats.
     unit: f32,
+    // Skies behind the scene; mip level of their texture.
+    skies: u32,
+    sky_level: f32,
+    // By sky: factor of the texture, RGB, and rotation in radians.
+    sky: array<vec4f, 4>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -35,11 +35,11 @@ fn bounced_irradiance(pixel: vec2u) -> mat2x3f {
     return mat2x3f(0.25 * (a.rgb + b.rgb + (c.rgb + d.rgb)), tilt);
 }
 
-// rgb: radiance; alpha: 1 where there is a surface. Without those that are blended.
+// rgb: radiance; alpha: 1 where there is a surface or a sky. Without surfaces that are blended.
 fn opaque_radiance(pixel: vec2u) -> vec4f {
     let depth = textureLoad(depth_texture, pixel, 0);
     if depth <= 0.0 {
-        return vec4f(0.0);
+        return sky(pixel);
     }
     let albedo = textureLoad(albedo_texture, pixel, 0);
     if albedo.a < 0.5 {
@@ -83,7 +83,7 @@ fn mended(pixel: vec2u) -> vec2u {
     return pixel - vec2u(select(0u, 1u, other || depth_at(at, 0, 0) < 0.4995 * across), 0u);
 }
 
-// rgb: radiance; alpha: the share that surfaces cover.
+// rgb: radiance; alpha: the share that surfaces and a sky cover.
 fn radiance(place: vec2u) -> vec4f {
     let pixel = mended(place);
     let behind = opaque_radiance(pixel);

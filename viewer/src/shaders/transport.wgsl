@@ -10,18 +10,7 @@
 // RGB, and its tilt.
 @group(0) @binding(7) var<storage, read_write> display: array<vec4f>;
 
-// Least cosine by which light along a normal tells of light across it.
-const LEAST_COSINE = 0.2;
-
 var<workgroup> sums: array<array<vec3f, 2>, 64>;
-
-// Light that arrives from `place` across the normal, for each unit along it.
-fn across(place: vec3f, position: vec3f, normal: vec3f) -> vec3f {
-    let way = place - position;
-    let direction = way / max(length(way), 1e-20);
-    let cosine = dot(direction, normal);
-    return (direction - normal * cosine) / max(cosine, LEAST_COSINE);
-}
 
 @compute @workgroup_size(64)
 fn transport(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
@@ -42,7 +31,8 @@ fn transport(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_inde
             for (var at = offsets[i] - step_.extra + lane; at < end; at += LANES) {
                 let sender = link_sender(links[at]);
                 let light = link_amount(links[at]) * dot(sent[sender].xyz, vec3f(1.0));
-                flow += light * across(point_position(points[sender]), position, normal);
+                let way = point_position(points[sender]) - position;
+                flow += light * tilt_across(way / max(length(way), 1e-20), normal);
             }
         }
     }

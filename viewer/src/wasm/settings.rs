@@ -2,7 +2,10 @@
 
 use super::Viewer;
 use super::wire;
+use crate::error::ViewerError;
+use crate::gpu::LIMITS;
 use crate::passes::settings::{Display, Mode, Overlay, ToneMapping};
+use rebounce_shared::environment::PackedEnvironment;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
@@ -31,6 +34,34 @@ impl Viewer {
     #[wasm_bindgen(js_name = setLights)]
     pub fn set_lights(&self, lights: &[f64]) -> Result<(), JsValue> {
         self.change(|state| state.renderer.set_lights(wire::lights_of(lights)?))
+    }
+
+    /// Sets the picture of environment lights: rows of rgb9e5 texels from the top, `scale` the radiance of a texel of 1.
+    /// Without texels, the file's own picture.
+    #[wasm_bindgen(js_name = setEnvironment)]
+    pub fn set_environment(&self, width: u32, scale: f32, texels: Vec<u32>) -> Result<(), JsValue> {
+        let height = texels.len() as u32 / width.max(1);
+        let most = LIMITS.max_texture_dimension_2d;
+        let is_whole = u64::from(width) * u64::from(height) == texels.len() as u64;
+        self.change(|state| {
+            if !is_whole || width > most || height > most {
+                return Err(ViewerError::BadArgument(format!(
+                    "environment: {} texels are no picture of {width} a row, at most {most} each way",
+                    texels.len()
+                )));
+            }
+            let picture = PackedEnvironment { width, height, scale, pixels: texels };
+            state.renderer.set_environment(Some(picture).filter(|picture| picture.height > 0))
+        })
+    }
+
+    /// Blur of the background, 0 to 1.
+    #[wasm_bindgen(setter, js_name = backgroundBlur)]
+    pub fn set_background_blur(&self, blur: f64) -> Result<(), JsValue> {
+        self.change(|state| {
+            state.renderer.set_background_blur(blur as f32);
+            Ok(())
+        })
     }
 
     /// Sets camera and lights, or neither on an error, and measures the exposure again.

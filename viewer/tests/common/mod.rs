@@ -6,11 +6,12 @@ use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::footprint;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::Light;
-use rebounce_shared::link::{LaterLink, Link};
+use rebounce_shared::link::{LaterLink, Link, SourceLink};
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
+use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
 
 #[path = "../device/mod.rs"]
 mod device;
@@ -120,6 +121,27 @@ fn link(scene: &mut BakedScene) {
     scene.later = LinkMatrix::from_rows(&rows(0..coarse, coarse, 0x1234, |sender, shift| {
         let colour = Vec3::new(shift(4) + 0.6, shift(5) + 0.5, shift(6) + 0.5);
         LaterLink::pack(sender, colour * random_size(shift))
+    }));
+}
+
+#[allow(dead_code, reason = "not all tests have sources")]
+/// Adds a sky and two groups of emissive surfaces, one of them coloured, with arbitrary links.
+pub fn add_sources(scene: &mut BakedScene) {
+    let group = |material: u32, is_coloured| EmissiveGroup {
+        name: format!("panel {material}"),
+        materials: vec![material],
+        step: [0.02, 0.015, 0.01],
+        is_coloured,
+    };
+    scene.sources = Sources {
+        has_sky: true,
+        sky_step: 1e-3,
+        groups: vec![group(0, false), group(1, true)],
+        environment: vec![],
+    };
+    let (all, sources) = (scene.points.len() as u32, scene.sources.count() as u32);
+    scene.source_links = LinkMatrix::from_rows(&rows(0..all, sources, 0x4321, |source, shift| {
+        SourceLink::pack(source, (shift(4) * 200.0 + 40.0) as i32)
     }));
 }
 

@@ -50,6 +50,10 @@ export class AttributeElement extends ElementBase {
     "mode",
     "overlay",
     "display",
+    "environment",
+    "environment-rotation",
+    "environment-intensity",
+    "background-blur",
     "backdrop",
     "detail",
     "handles",
@@ -105,8 +109,7 @@ export class AttributeElement extends ElementBase {
 
   /** Stops on top of the automatic exposure, or relative to radiance 1 where that is off. */
   get exposure(): number {
-    const stops = Number(this.getAttribute("exposure") ?? 0);
-    return Number.isFinite(stops) ? Math.min(Math.max(stops, -20), 20) : 0;
+    return figure(this, "exposure", 0, -20, 20);
   }
   set exposure(stops: number) {
     this.setAttribute("exposure", String(stops));
@@ -150,6 +153,39 @@ export class AttributeElement extends ElementBase {
   }
   set display(way: Display) {
     this.setAttribute("display", way);
+  }
+
+  /** Address of a picture of all directions (.hdr), which lights the scene and is seen behind it; empty for the file's own. */
+  get environment(): string {
+    const environment = this.getAttribute("environment");
+    return environment ? new URL(environment, this.baseURI).href : "";
+  }
+  set environment(value: string) {
+    this.setAttribute("environment", value);
+  }
+
+  /** How far the environment is turned, degrees, counterclockwise seen from above. */
+  get environmentRotation(): number {
+    return figure(this, "environment-rotation", 0, -36_000, 36_000);
+  }
+  set environmentRotation(degrees: number) {
+    this.setAttribute("environment-rotation", String(degrees));
+  }
+
+  /** Factor of the environment's light. */
+  get environmentIntensity(): number {
+    return figure(this, "environment-intensity", 1, 0, 1e6);
+  }
+  set environmentIntensity(factor: number) {
+    this.setAttribute("environment-intensity", String(factor));
+  }
+
+  /** How blurred the environment is behind the scene, 0 to 1. */
+  get backgroundBlur(): number {
+    return figure(this, "background-blur", 0, 0, 1);
+  }
+  set backgroundBlur(blur: number) {
+    this.setAttribute("background-blur", String(blur));
   }
 
   /** What is behind an object; rooms and landscapes have none. */
@@ -246,6 +282,12 @@ export function warnOf(name: string, value: string | null): void {
   if (!value || !values || values.includes(value) || told.has(text)) return;
   told.add(text);
   console.warn(text);
+}
+
+/** The number of an attribute within limits. */
+function figure(element: Element, name: string, absent: number, least: number, most: number): number {
+  const value = Number(element.getAttribute(name) ?? absent);
+  return Number.isFinite(value) ? Math.min(Math.max(value, least), most) : absent;
 }
 
 /** As HTML reads a width: the number that the text begins with. */

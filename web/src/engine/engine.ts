@@ -3,6 +3,7 @@
 import { checkedAnimations, type LightAnimation } from "../animation/animation.js";
 import { Changes } from "./changes.js";
 import { download } from "./download.js";
+import { Environment } from "./environment.js";
 import { calm } from "../element/element.js";
 import { tell } from "../element/events.js";
 import { Failure, failureOf, isFatal, sentence, unsupported } from "../wire/failure.js";
@@ -26,6 +27,7 @@ export class Engine {
   readonly tree: Tree;
   readonly player: Player;
   readonly history: History;
+  readonly environment: Environment;
   /** The view that a scene or shot began with. */
   first: Pending["camera"];
   pending: Pending = {};
@@ -65,6 +67,12 @@ export class Engine {
       animationName: () => element.animationName,
       tell: (type, detail) => tell(element, type, detail),
       wantFrame: () => this.wantFrame(),
+    });
+    this.environment = new Environment({
+      element,
+      withViewer: (work) => this.withScene(work),
+      warn: (failure) => this.#warn(failure),
+      changed: () => this.#panel.update(),
     });
     const history = (this.history = new History(element, this.tree.root, this.player, () => this.#panel.update()));
     const surfaceAt = (x: number, y: number) => this.use((viewer) => surfaceIn(viewer, this.tree.canvas, x, y));
@@ -186,6 +194,7 @@ export class Engine {
     if (!returns) this.followLink();
     this.use((viewer) => {
       handOver(viewer, pending);
+      this.environment.show(viewer);
       const animations = pending.animations ?? this.#ownAnimations(viewer);
       // Those that come back with the scene go on.
       if (animations !== this.player.animations) this.player.set(animations);
@@ -378,6 +387,16 @@ export class Engine {
   use<T>(work: (viewer: Viewer) => T): T {
     if (!this.#loaded || !this.#viewer) throw new Failure("no-scene", "No scene is loaded; wait for the load event.");
     return work(this.#viewer);
+  }
+
+  /** For work where there is a scene, that no caller waits for: what it throws is told, and the picture stays. */
+  withScene(work: (viewer: Viewer) => void): void {
+    if (!this.ready) return;
+    try {
+      this.use(work);
+    } catch (error) {
+      this.#warn(failureOf(error));
+    }
   }
 
   /** For work that no caller waits for: what it throws is shown and told. */

@@ -28,8 +28,8 @@ export function handOver(viewer: Viewer, { shot, camera, lights, measured }: Pen
 
 /** Hands the attributes on. */
 export function applyAttributes(viewer: Viewer, element: AttributeElement): void {
-  const { detail, exposure, autoExposure, toneMapping, mode, overlay, display, handles, interaction, cameraControls } = element;
+  const { detail, exposure, autoExposure, toneMapping, mode, overlay, display, handles, interaction, cameraControls, backgroundBlur } = element;
   const backdrop = element.backdrop === "auto";
   const gizmos = handles && interaction !== "none";
-  Object.assign(viewer, { detail, exposure, autoExposure, toneMapping, mode, overlay, display, backdrop, gizmos, cameraControls });
+  Object.assign(viewer, { detail, exposure, autoExposure, toneMapping, mode, overlay, display, backdrop, gizmos, cameraControls, backgroundBlur });
 }

@@ -44,7 +44,9 @@ export class LightFields {
     this.#intensity(light);
     this.#color();
     const { fields } = KINDS[light.type];
-    for (const field of fields) if (field.width === 1 && field.name !== "intensity") this.#figure(field);
+    // Which surfaces shine is no choice.
+    const others = fields.filter(({ name, width }) => width === 1 && name !== "intensity" && name !== "group");
+    for (const field of others) this.#figure(field);
     const isPlaced = "position" in light;
     for (const field of fields) {
       if (field.name === "direction" && !isPlaced) this.#sun();
@@ -125,7 +127,7 @@ export class LightFields {
   #figure({ name, row, absent, max }: Field): void {
     const get = (light: Light) => ((light as unknown as Members)[name] ?? absent) as number;
     if (Number.isNaN(get(this.#desk.now()))) return;
-    const input = this.#number(row, (value) => this.#desk.set({ [name]: value }), get, { max: `${max ?? ""}` });
+    const input = this.#number(row, (value) => this.#desk.set({ [name]: value }), get, { max: `${max ?? ""}`, min: name === "rotation_deg" ? "" : "0" });
     this.nodes.push(make("div", { class: "row" }, make("span", { "aria-hidden": "true" }, row), input));
   }
 

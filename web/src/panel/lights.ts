@@ -14,6 +14,9 @@ const HINT =
 /** Differences in a picture of bytes that are none. */
 const NOTHING = 2;
 
+/** Intensity of a light that has had none. */
+const usual = ({ type }: Light) => (KINDS[type].units[0] === "factor" ? 1 : 10);
+
 /** An entry of the list. */
 interface Entry {
   item: HTMLLIElement;
@@ -141,7 +144,7 @@ export class LightList implements Section {
     this.#fields = new LightFields({
       now: () => host.lights[index] as Light,
       set: (members) => this.#replace(index, (now) => ({ ...now, ...members }) as Light),
-      base: this.#bases[index] || this.#kept[index] || 10,
+      base: this.#bases[index] || this.#kept[index] || usual(light),
       called,
       aim: () => host.camera && this.#aim(index, host.camera.target),
       pick: () => this.#pick(index),
@@ -165,7 +168,7 @@ export class LightList implements Section {
   #switch(index: number, on: boolean): void {
     const before = this.#desk.host.lights[index]?.intensity ?? 0;
     if (!on) this.#kept[index] = before;
-    this.#replace(index, (light) => ({ ...light, intensity: on ? (this.#kept[index] ?? (this.#bases[index] || 10)) : 0 }));
+    this.#replace(index, (light) => ({ ...light, intensity: on ? (this.#kept[index] ?? (this.#bases[index] || usual(light))) : 0 }));
   }
 
   /** Points a spot at a place. */

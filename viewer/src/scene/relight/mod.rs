@@ -1,142 +1,41 @@
 //! One frame of relighting on the GPU: the steps of [`rebounce_shared::relight`] as compute passes.
+//!
+//! * here: pipelines, buffers, and the passes;
+//! * `plan` – the dispatches in order;
+//! * `from_sources` – the light of the sky and of emissive surfaces, straight to the points.
+
+mod from_sources;
+mod plan;
 
 use super::upload::{LinkBuffers, Upload};
-use crate::gpu::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout, part};
+use crate::gpu::bindings::{Slot, compute, empty_buffer, group, layout, part};
 use crate::gpu::scope::Scope;
 use crate::gpu::{Gpu, MAX_LAYERS};
 use crate::shaders;
-use bytemuck::{Pod, Zeroable};
+use from_sources::{FromSources, FromSourcesPipelines, Groups};
+use plan::{Dispatch, Kernel, LEVEL_THREADS, STRIDE, Step, plan};
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::glam::Vec3;
+use std::cell::OnceCell;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Stride of steps in the uniform buffer, bytes.
-const STRIDE: u64 = 256;
 /// Threads that share a row on a GPU: reads of neighbouring links coalesce, and short rows waste little.
 pub const LANES: u32 = 8;
 /// Threads that share a row on a software adapter, where synchronization within a workgroup is expensive.
 pub const SOFTWARE_LANES: u32 = 1;
 
-/// Threads that measure the [level](rebounce_shared::exposure::level) of the light: `LEVELS` of key.wgsl.
-const LEVEL_THREADS: u32 = 512;
-
-/// Average number of links of a row below which a single thread processes the row.
-const SHORT: usize = 16;
-
-/// `Step` of the shaders: parameters of a dispatch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-struct Step {
-    first: u32,
-    count: u32,
-    extra: u32,
-    /// Threads of the grid in x; for shared rows, workgroups in x.
-    threads: u32,
-    /// 1 if the scene has normal maps.
-    tilts: u32,
-    pad: [u32; 3],
-}
-
-/// Shader of a dispatch; kernels over links have a chunk index.
+/// Parts of the light that [`Relight::display`] holds, of a scene with sources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kernel {
-    Direct,
-    Pull,
-    Send,
-    /// Several threads share a row.
-    Transport(usize),
-    /// One thread per row.
-    Short(usize),
-    Bounce,
-    Lift,
-    Level,
+pub struct Parts {
+    /// Light that bounced at least once.
+    pub bounced: bool,
+    /// Light straight from the sky and emissive surfaces.
+    pub from_sources: bool,
 }
 
-/// One dispatch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Dispatch {
-    kernel: Kernel,
-    step: Step,
-    groups: [u32; 2],
-}
-
-impl Dispatch {
-    /// One thread for each of `count` elements.
-    fn threads(kernel: Kernel, first: usize, count: usize) -> Self {
-        let groups = grid((count as u32).div_ceil(WORKGROUP));
-        let step = Step {
-            first: first as u32,
-            count: count as u32,
-            threads: groups[0] * WORKGROUP,
-            ..Step::default()
-        };
-        Self { kernel, step, groups }
-    }
-
-    /// `lanes` threads per row.
-    fn lanes(kernel: Kernel, step: Step, lanes: u32) -> Self {
-        let groups = grid(step.count.div_ceil(WORKGROUP / lanes));
-        Self { kernel, step: Step { threads: groups[0], ..step }, groups }
-    }
-}
-
-/// All dispatches of a frame, in order.
-fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispatch> {
-    let level = |kernel, l: usize| Dispatch::threads(kernel, scene.level(l).start, scene.level(l).len());
-    // Computes the irradiance of the points of the first `levels` levels, from links and parents.
-    let transport = |plan: &mut Vec<Dispatch>, levels: u32| {
-        for l in 0..levels as usize {
-            let level = scene.level(l);
-            let links = scene.links.offsets[level.end] - scene.links.offsets[level.start];
-            let is_short = (links as usize) < SHORT * level.len();
-            for (i, chunk) in upload.links.chunks.iter().enumerate() {
-                let first = chunk.rows.start.max(level.start as u32);
-                let end = chunk.rows.end.min(level.end as u32);
-                let count = end.saturating_sub(first);
-                let step = Step { first, count, extra: chunk.first_link, ..Step::default() };
-                plan.push(if is_short {
-                    Dispatch::lanes(Kernel::Short(i), step, 1)
-                } else {
-                    Dispatch::lanes(Kernel::Transport(i), step, lanes)
-                });
-            }
-        }
-    };
-    let mut plan = vec![Dispatch::threads(Kernel::Direct, 0, scene.direct_count())];
-    let send = Dispatch::threads(Kernel::Send, 0, scene.sender_count());
-    plan.extend(
-        (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev().map(|l| level(Kernel::Pull, l)),
-    );
-    plan.push(send);
-    let coarse = scene.later_count();
-    if coarse > 0 {
-        transport(&mut plan, scene.meta.later_levels);
-        let step = Step { count: coarse as u32, ..Step::default() };
-        plan.push(Dispatch::lanes(Kernel::Bounce, step, lanes));
-        let finer = scene.meta.later_levels as usize..scene.meta.sender_levels as usize;
-        plan.extend(finer.map(|l| level(Kernel::Lift, l)));
-        plan.push(send);
-    }
-    transport(&mut plan, scene.meta.levels.len() as u32);
-    plan.push(measure(scene));
-    plan.retain(|dispatch| dispatch.step.count > 0);
-    let bumpy = scene.meta.is_bumpy();
-    for dispatch in &mut plan {
-        dispatch.step.tilts = bumpy as u32;
-    }
-    plan
-}
-
-/// Measures the light level at the finest senders, which are spread evenly over all surfaces of the light
-/// transport.
-fn measure(scene: &BakedScene) -> Dispatch {
-    let senders = (scene.meta.sender_levels as usize).checked_sub(1).map_or(0..0, |l| scene.level(l));
-    let step = Step {
-        first: senders.start as u32,
-        count: senders.len() as u32,
-        threads: LEVEL_THREADS,
-        ..Step::default()
-    };
-    Dispatch { kernel: Kernel::Level, step, groups: [LEVEL_THREADS / WORKGROUP, 1] }
+impl Parts {
+    /// All light.
+    pub const ALL: Self = Self { bounced: true, from_sources: true };
 }
 
 /// Work of an evaluation.
@@ -172,6 +71,8 @@ pub struct RelightPipelines {
     level: KernelPass,
     lanes: u32,
     shared: [wgpu::ComputePipeline; 2],
+    /// Created for the first scene with sources.
+    sources: OnceCell<FromSourcesPipelines>,
 }
 
 impl RelightPipelines {
@@ -209,6 +110,7 @@ impl RelightPipelines {
             bounce,
             lift: pass("lift", shaders::LIFT, 2, 2),
             level: pass("level", shaders::LEVEL, 1, 1),
+            sources: OnceCell::new(),
         }
     }
 }
@@ -232,7 +134,7 @@ pub struct Relight {
     /// Direct irradiance at the direct points, at senders also irradiance of later bounces: RGB and an unused
     /// float.
     pub irradiance: wgpu::Buffer,
-    /// Irradiance along the normal of every point: RGB, and the tilt (tilt.wgsl).
+    /// Irradiance along the normal of every point, without direct light of lamps: RGB, and the tilt (tilt.wgsl).
     pub display: wgpu::Buffer,
     /// Light levels for the automatic exposure (light_level.wgsl); zero without light.
     pub levels: wgpu::Buffer,
@@ -247,6 +149,7 @@ pub struct Relight {
     lift: wgpu::BindGroup,
     level: wgpu::BindGroup,
     shared: [wgpu::ComputePipeline; 2],
+    sources: Option<FromSources>,
     plan: Vec<Dispatch>,
     own: Scope,
 }
@@ -281,7 +184,23 @@ impl Relight {
             group(gpu, label, layout, &resources)
         };
         let (points, offsets, entries) = (&upload.points, &upload.push_offsets, &upload.push_entries);
+        let sources = upload.source_links.as_ref().map(|links| {
+            let made = pipelines.sources.get_or_init(|| FromSourcesPipelines::new(gpu, pipelines.lanes));
+            FromSources::new(&own, made, &scene.sources, scene.points.len(), |light, strengths| Groups {
+                gather: chunks(links)
+                    .map(|(rows, links)| {
+                        make(
+                            "sources",
+                            &made.gather.0,
+                            &[rows, links, strengths, offsets, entries, points, light],
+                        )
+                    })
+                    .collect(),
+                join: [&irradiance, &display].map(|to| make("join", &made.join.0, &[light, to])),
+            })
+        });
         Self {
+            sources,
             direct: make("direct", &pipelines.direct.0, &[points, &choice, &still, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
             send: make("send", &pipelines.send.0, &[points, &irradiance, &sent]),
@@ -317,8 +236,11 @@ impl Relight {
     /// Sets the number of threads per row, a power of two up to 64; for measurements.
     pub fn set_lanes(&mut self, gpu: &Gpu, pipelines: &RelightPipelines, lanes: u32) {
         self.shared = shared(gpu, &pipelines.transport, &pipelines.bounce, lanes);
+        if let Some((own, made)) = self.sources.as_mut().zip(pipelines.sources.get()) {
+            own.set_lanes(gpu, made, lanes);
+        }
         for (i, dispatch) in self.plan.iter_mut().enumerate() {
-            if let Kernel::Transport(_) | Kernel::Bounce = dispatch.kernel {
+            if let Kernel::Transport(_) | Kernel::Sources(_) | Kernel::Bounce = dispatch.kernel {
                 *dispatch = Dispatch::lanes(dispatch.kernel, dispatch.step, lanes);
                 gpu.queue.write_buffer(&self.steps, i as u64 * STRIDE, bytemuck::bytes_of(&dispatch.step));
             }
@@ -332,13 +254,35 @@ impl Relight {
         gpu.queue.write_buffer(&self.choice, 0, bytemuck::cast_slice(&words));
     }
 
-    /// Sets all bounced light to zero: no light is on.
+    /// Whether the scene has sources.
+    pub fn has_sources(&self) -> bool {
+        self.sources.is_some()
+    }
+
+    /// Sets the strengths of the sources
+    /// ([`Sources::strengths`](rebounce_shared::rbn::sources::Sources::strengths)); no effect without sources.
+    pub fn set_strengths(&self, gpu: &Gpu, strengths: &[Vec3]) {
+        if let Some(sources) = &self.sources {
+            sources.set_strengths(gpu, strengths);
+        }
+    }
+
+    /// Sets what of the light is displayed; no effect without sources.
+    pub fn set_parts(&self, gpu: &Gpu, parts: Parts) {
+        for (i, dispatch) in self.plan.iter().enumerate().filter(|(_, d)| d.kernel == Kernel::Show) {
+            let step = dispatch.step.with_parts(parts);
+            gpu.queue.write_buffer(&self.steps, i as u64 * STRIDE, bytemuck::bytes_of(&step));
+        }
+    }
+
+    /// Sets all light at the points to zero: no light is on.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.clear_buffer(&self.display, 0, None);
         encoder.clear_buffer(&self.levels, 0, None);
     }
 
-    /// Encodes all steps; without `lights` the irradiance in the buffer is used.
+    /// Encodes all steps; without `lights` the irradiance in the buffer is used. The light from the sources is computed
+    /// after a change of their strengths alone.
     pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -350,6 +294,7 @@ impl Relight {
             label: Some("relight"),
             timestamp_writes: timestamps,
         });
+        let is_stale = self.sources.as_ref().is_some_and(FromSources::take_stale);
         for (i, dispatch) in self.plan.iter().enumerate() {
             let (pipeline, bind) = match dispatch.kernel {
                 Kernel::Direct if lights.is_none() => continue,
@@ -361,6 +306,10 @@ impl Relight {
                 Kernel::Bounce => (&self.shared[1], &self.bounce[0]),
                 Kernel::Lift => (&pipelines.lift.1, &self.lift),
                 Kernel::Level => (&pipelines.level.1, &self.level),
+                kernel => match self.sources.as_ref().and_then(|own| own.pass(kernel, is_stale)) {
+                    Some(pass) => pass,
+                    None => continue,
+                },
             };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);

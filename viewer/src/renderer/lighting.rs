@@ -1,0 +1,149 @@
+//! The lights of the renderer: lamps, the sky with its sun, and the strength of emissive surfaces.
+
+use super::Renderer;
+use crate::error::ViewerError;
+use crate::gpu::MAX_LAYERS;
+use crate::passes::shadow::fit::most_layers;
+use crate::scene::GpuScene;
+use crate::scene::sky::Sky;
+use rebounce_shared::environment::PackedEnvironment;
+use rebounce_shared::glam::Vec3;
+use rebounce_shared::light::{Light, LightKind, LightSource};
+use rebounce_shared::lighting::{Lighting, PreparedEnvironment};
+
+/// Lights, as evaluated.
+#[derive(Default)]
+pub(super) struct Lit {
+    /// World space.
+    lights: Vec<Light>,
+    /// The same, prepared; lamps are punctual.
+    pub(super) lighting: Lighting,
+    /// The environment of environment lights; made for the first of them.
+    pub(super) sky: Option<Sky>,
+    /// Whether the environment was [set](Renderer::set_environment): otherwise it is the file's.
+    is_own: bool,
+    /// Blur of the background, 0 to 1.
+    pub(super) blur: f32,
+    /// Factors of emission on the GPU.
+    emission: Vec<Vec3>,
+}
+
+impl Lit {
+    /// The punctual lights, those of the environment's sun included.
+    pub(super) fn lamps(&self) -> &[LightSource] {
+        &self.lighting.lamps
+    }
+}
+
+impl Renderer {
+    /// The lights, world space.
+    pub fn lights(&self) -> &[Light] {
+        &self.lit.lights
+    }
+
+    /// Replaces the lights.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadArgument`] for numbers that are not finite, negative intensities, or too many lights for
+    /// the shadow maps.
+    pub fn set_lights(&mut self, lights: Vec<Light>) -> Result<(), ViewerError> {
+        if self.lit.lights != lights {
+            self.light(lights)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the picture of environment lights; `None` for the file's own.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadArgument`] if its sun is one light too many for the shadow maps; nothing changes then.
+    pub fn set_environment(&mut self, picture: Option<PackedEnvironment>) -> Result<(), ViewerError> {
+        let is_own = picture.is_some();
+        let sky = picture.map(|picture| Sky::new(&self.gpu, picture));
+        let before = (std::mem::replace(&mut self.lit.sky, sky), self.lit.is_own);
+        self.lit.is_own = is_own;
+        let lit = self.light(self.lit.lights.clone());
+        if lit.is_err() {
+            (self.lit.sky, self.lit.is_own) = before;
+        }
+        self.target = None;
+        lit
+    }
+
+    /// Sets the blur of the background, 0 to 1.
+    pub fn set_background_blur(&mut self, blur: f32) {
+        let blur = if blur > 0.0 { blur.min(1.0) } else { 0.0 };
+        self.dirty.shade |= self.lit.blur != blur;
+        self.lit.blur = blur;
+    }
+
+    /// Starts with the lights of a scene.
+    pub(super) fn light_scene(&mut self) {
+        if !self.lit.is_own {
+            self.lit.sky = None;
+        }
+        self.lit.emission.clear();
+        // A file may hold more lights than shadow maps are possible; the first lamps are on.
+        let mut lights = self.scene.as_ref().map_or(Vec::new(), |scene| scene.meta.lights.clone());
+        let mut lamps = 0;
+        lights.retain(|light| {
+            lamps += light.kind().is_punctual() as u32;
+            !light.kind().is_punctual() || lamps <= MAX_LAYERS
+        });
+        while self.light(lights.clone()).is_err() {
+            let last = lights.iter().rposition(|light| light.kind().is_punctual());
+            lights.remove(last.unwrap_or(lights.len() - 1));
+        }
+    }
+
+    /// Prepares lights and takes them over, if they can be drawn.
+    fn light(&mut self, lights: Vec<Light>) -> Result<(), ViewerError> {
+        for (i, light) in lights.iter().enumerate() {
+            let intensity = light.source([0.0; 3]).intensity;
+            if !light.is_usable() || intensity.min_element() < 0.0 || light.size() < 0.0 {
+                return Err(ViewerError::BadArgument(format!(
+                    "light {i}: all numbers must be finite, intensity, colour and radius not negative"
+                )));
+            }
+        }
+        let (origin, groups) =
+            self.scene.as_ref().map_or(([0.0; 3], 0), |s| (s.meta.origin, s.sources.groups.len()));
+        let has_sky = lights.iter().any(|light| light.kind() == LightKind::Environment);
+        if has_sky && self.lit.sky.is_none() {
+            let file = self.scene.as_ref().map_or(&[][..], |scene| &scene.sources.environment);
+            self.lit.sky = Some(Sky::of_file(&self.gpu, file));
+            self.target = None;
+        }
+        let mut none = PreparedEnvironment::default();
+        let environment = self.lit.sky.as_mut().map_or(&mut none, |sky| &mut sky.prepared);
+        let mut lighting = Lighting::prepared(&lights, environment, origin, groups);
+        lighting.lamps.retain(|lamp| lamp.kind.is_punctual());
+        let layers: u32 = lighting.lamps.iter().map(most_layers).sum();
+        if layers > MAX_LAYERS {
+            return Err(ViewerError::BadArgument(format!(
+                "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light and the sun of an environment up to five, others one",
+                lights.len(),
+                MAX_LAYERS
+            )));
+        }
+        self.dirty.lights = true;
+        self.dirty.key = true;
+        (self.lit.lights, self.lit.lighting) = (lights, lighting);
+        Ok(())
+    }
+
+    /// Sets strengths of sources and emission on the GPU; returns whether anything shines.
+    pub(super) fn light_sources(&mut self, scene: &GpuScene) -> bool {
+        let lighting = &self.lit.lighting;
+        if self.lit.emission != lighting.emission {
+            scene.materials.set_emission(&self.gpu, &lighting.emission);
+            self.lit.emission = lighting.emission.clone();
+        }
+        if !scene.relight.has_sources() {
+            return false;
+        }
+        let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
+        scene.relight.set_strengths(&self.gpu, &strengths);
+        strengths.iter().any(|strength| *strength != Vec3::ZERO)
+    }
+}

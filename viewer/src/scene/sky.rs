@@ -1,0 +1,78 @@
+//! An environment on the GPU: the picture behind a scene, with mip levels; and on the CPU, prepared for lighting.
+
+use crate::gpu::Gpu;
+use crate::gpu::scope::Scope;
+use rebounce_shared::environment::{Environment, PackedEnvironment};
+use rebounce_shared::glam::Vec3;
+use rebounce_shared::lighting::PreparedEnvironment;
+use std::sync::Arc;
+use wgpu::{Extent3d, TextureUsages};
+
+/// Maximum width of the picture that bins and sun are computed from, pixels: a third of a degree.
+const LIGHTING_WIDTH: u32 = 1024;
+/// The most blurred background has the mip level of about this width, texels.
+const BLURRED_WIDTH: u32 = 8;
+
+/// An environment.
+pub struct Sky {
+    /// Equirectangular radiance divided by [`Sky::scale`], all mip levels.
+    pub view: wgpu::TextureView,
+    /// Radiance of a texel of 1.
+    pub scale: f32,
+    /// Bins and sun.
+    pub prepared: PreparedEnvironment,
+    width: u32,
+    own: Scope,
+}
+
+impl Sky {
+    /// Uploads a picture, of any size that the device's textures may have.
+    pub fn new(gpu: &Gpu, picture: PackedEnvironment) -> Self {
+        let own = Scope::new(gpu);
+        let (width, height, scale) = (picture.width, picture.height, picture.scale);
+        let texture = own.texture(&wgpu::TextureDescriptor {
+            label: Some("sky"),
+            size: Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: width.max(height).ilog2() + 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgb9e5Ufloat,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let (mut level, mut lighting) = (picture, None);
+        for mip_level in 0..texture.mip_level_count() {
+            if mip_level > 0 {
+                level = level.halved();
+            }
+            if level.width <= LIGHTING_WIDTH {
+                lighting.get_or_insert_with(|| level.unpack());
+            }
+            gpu.queue.write_texture(
+                wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() },
+                bytemuck::cast_slice(&level.pixels),
+                wgpu::TexelCopyBufferLayout { bytes_per_row: Some(4 * level.width), ..Default::default() },
+                Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 },
+            );
+        }
+        let lighting = lighting.unwrap_or_else(|| level.unpack());
+        let view = texture.create_view(&Default::default());
+        Self { view, scale, prepared: PreparedEnvironment::new(Arc::new(lighting)), width, own }
+    }
+
+    /// Uploads the environment of a file, packed, or an even white for a file without.
+    pub fn of_file(gpu: &Gpu, packed: &[u8]) -> Self {
+        let white = |_| PackedEnvironment::new(&Environment::constant(Vec3::ONE));
+        Self::new(gpu, PackedEnvironment::from_bytes(packed).unwrap_or_else(white))
+    }
+
+    /// Mip level of a background with this blur, 0 to 1.
+    pub fn level(&self, blur: f32) -> f32 {
+        blur * (self.width as f32 / BLURRED_WIDTH as f32).max(1.0).log2()
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.own.bytes()
+    }
+}
