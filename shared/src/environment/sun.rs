@@ -96,13 +96,16 @@ fn surroundings(environment: &Environment, luminances: &[f32], middle: Vec3) -> 
     let [inner, outer] = RING_DEG.map(|degrees| degrees.to_radians().cos());
     let is_near = |pixel: &usize| (outer..inner).contains(&direction_of(environment, *pixel).dot(middle));
     let rows = rows_around(environment, middle);
-    let mut ring: Vec<usize> = rows.filter(is_near).collect();
+    let ring: Vec<usize> = rows.filter(is_near).collect();
     if ring.len() < 4 {
         return None;
     }
-    ring.sort_by(|&a, &b| luminances[a].total_cmp(&luminances[b]));
-    let pixel = ring[ring.len() / 2];
-    Some((environment.pixels[pixel], luminances[pixel]))
+    let is_at_least = |least: f64| {
+        ring.iter().filter(|&&pixel| f64::from(luminances[pixel]) >= least).count() * 2 >= ring.len()
+    };
+    let median = greatest(is_at_least) as f32;
+    let pixel = *ring.iter().find(|&&pixel| luminances[pixel] >= median && luminances[pixel] <= median)?;
+    Some((environment.pixels[pixel], median))
 }
 
 /// Pixels of the rows that the ring around a direction meets.
@@ -122,9 +125,8 @@ fn region(environment: &Environment, luminances: &[f32], first: usize, above: f3
     let middle = direction_of(environment, first);
     let mut is_met = vec![false; luminances.len()];
     is_met[first] = true;
-    let (mut found, mut next) = (vec![first], 0);
-    while let Some(&pixel) = found.get(next) {
-        next += 1;
+    let mut found = vec![first];
+    while let Some(pixel) = found.pop() {
         if direction_of(environment, pixel).dot(middle) < inner {
             return None;
         }
@@ -139,25 +141,35 @@ fn region(environment: &Environment, luminances: &[f32], first: usize, above: f3
             }
         }
     }
-    found.sort_unstable();
-    Some(found)
+    Some((0..is_met.len()).filter(|&pixel| is_met[pixel]).collect())
 }
 
 /// Solid angle of the brightest part that has half of the light, sr; a pixel counts in part.
 fn half_power(taken: &[(usize, f64, DVec3)]) -> f64 {
     let light = |light: &DVec3| f64::from(luminance(light.as_vec3()));
-    let mut parts: Vec<(f64, f64)> = taken.iter().map(|(_, area, l)| (*area, light(l))).collect();
-    parts.sort_by(|a, b| (b.1 / b.0).total_cmp(&(a.1 / a.0)));
-    let mut left = 0.5 * parts.iter().map(|(_, light)| light).sum::<f64>();
-    let mut solid_angle = 0.0;
-    for (area, light) in parts {
-        if light >= left {
-            return solid_angle + area * left / light.max(f64::MIN_POSITIVE);
+    let parts: Vec<(f64, f64)> = taken.iter().map(|(_, area, l)| (*area, light(l))).collect();
+    let half = 0.5 * parts.iter().map(|(_, light)| light).sum::<f64>();
+    // Solid angle and light of what is brighter than a radiance.
+    let brighter = |is_brighter: &dyn Fn(f64) -> bool| {
+        let counted = parts.iter().filter(|(area, light)| is_brighter(light / area));
+        counted.fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
+    };
+    let radiance = greatest(|least| brighter(&|radiance| radiance >= least).1 >= half);
+    let (solid_angle, above) = brighter(&|of| of > radiance);
+    solid_angle + (half - above) / radiance.max(f64::MIN_POSITIVE)
+}
+
+/// The greatest number, not negative, for which a claim holds that holds for 0 and for all numbers below one for which it
+/// holds. A bisection over bit patterns, ordered like the numbers: less code in the viewer than a sort.
+fn greatest(holds: impl Fn(f64) -> bool) -> f64 {
+    let mut bits = 0u64;
+    for bit in (0..63).rev() {
+        let trial = f64::from_bits(bits | 1 << bit);
+        if trial.is_finite() && holds(trial) {
+            bits |= 1 << bit;
         }
-        left -= light;
-        solid_angle += area;
     }
-    solid_angle
+    f64::from_bits(bits)
 }
 
 #[cfg(test)]

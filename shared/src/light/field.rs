@@ -106,7 +106,9 @@ impl Field {
             ),
             Range::NotNegative => (all(&|x| x >= 0.0), "is 0 or more, not negative".into()),
             Range::Positive => (all(&|x| x > 0.0), "is above 0".into()),
-            Range::UpTo(most) => (all(&|x| (0.0..=most).contains(&x)), format!("lies between 0 and {most}")),
+            Range::UpTo(most) => {
+                (all(&|x| (0.0..=most).contains(&x)), format!("lies between 0 and {}", most as u32))
+            }
             Range::HalfAngle => (all(&|x| x > 0.0 && x <= 90.0), "is a half angle between 0 and 90".into()),
             Range::UpToField(name, at) => {
                 (all(&|x| (0.0..=numbers[at]).contains(&x)), format!("lies between 0 and {name}"))
@@ -114,6 +116,14 @@ impl Field {
         };
         (!is_right).then(|| format!("{} {rule}", self.name))
     }
+}
+
+/// Decodes a stored field. Not inlined: the page's module has it once a type, not once a field of every kind.
+#[inline(never)]
+pub(super) fn stored<T: bincode::Decode<D::Context>, D: bincode::de::Decoder>(
+    decoder: &mut D,
+) -> Result<T, bincode::error::DecodeError> {
+    T::decode(decoder)
 }
 
 /// A type of fields, as numbers.
