@@ -118,14 +118,6 @@ impl Field {
     }
 }
 
-/// Decodes a stored field. Not inlined: the page's module has it once a type, not once a field of every kind.
-#[inline(never)]
-pub(super) fn stored<T: bincode::Decode<D::Context>, D: bincode::de::Decoder>(
-    decoder: &mut D,
-) -> Result<T, bincode::error::DecodeError> {
-    T::decode(decoder)
-}
-
 /// A type of fields, as numbers.
 pub(super) trait Value: Default {
     /// Writes the value's numbers to the front of a list.

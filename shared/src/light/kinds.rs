@@ -4,7 +4,7 @@
 //! A new kind is an entry at the end of [`KINDS`], with fields from above or fields of its own; what it sends to a
 //! place is in source.rs. The order of the kinds and the places of the fields never change: files and pages hold them.
 
-use super::field::{Absent, Field, LightDescription, Range, Value, stored};
+use super::field::{Absent, Field, LightDescription, Range, Value};
 use super::table::{described, kinds};
 use serde::{Deserialize, Serialize};
 

@@ -139,7 +139,7 @@ macro_rules! kinds {
                 $(if found == LightKind::$kind as u32 {
                     return Ok(Self::$kind {
                         $($field: if $description.stored {
-                            stored(decoder)?
+                            bincode::Decode::decode(decoder)?
                         } else {
                             Default::default()
                         }),+
