@@ -51,7 +51,8 @@ impl Environment {
         let azimuth = direction.z.atan2(direction.x);
         let column = (azimuth / TAU + 0.5) * self.width as f32 - 0.5;
         let row = direction.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI * self.height as f32 - 0.5;
-        let (column, row) = (column.max(-0.5), row.clamp(0.0, (self.height - 1) as f32));
+        // No `clamp`: its panic would bring the formatting of floats into the page's module.
+        let (column, row) = (column.max(-0.5), row.max(0.0).min((self.height - 1) as f32));
         let (right, down) = (column - column.floor(), row - row.floor());
         let left = (column.floor() as i64).rem_euclid(i64::from(self.width)) as u32;
         let top = row as u32;
@@ -118,29 +119,23 @@ impl Environment {
 
     /// The environment in another size, by the same filter.
     pub(super) fn resized(&self, width: u32, height: u32) -> Self {
-        let pixels = resized([self.width, self.height], [width, height], |x, y| self.at(x, y)).collect();
-        Self { width, height, pixels }
-    }
-}
-
-/// Pixels of a picture in another size: means by solid angle.
-pub(super) fn resized(
-    [from_width, from_height]: [u32; 2],
-    [width, height]: [u32; 2],
-    at: impl Fn(u32, u32) -> Vec3,
-) -> impl Iterator<Item = Vec3> {
-    let columns = overlaps(from_width, width, |from, to| to - from);
-    let rows = overlaps(from_height, height, band);
-    (0..width as usize * height as usize).map(move |pixel| {
-        let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
-        for &(y, tall) in &rows[pixel / width as usize] {
-            for &(x, wide) in &columns[pixel % width as usize] {
-                sum += at(x, y).as_dvec3() * (tall * wide);
-                weight += tall * wide;
+        let columns = overlaps(self.width, width, |from, to| to - from);
+        let rows = overlaps(self.height, height, band);
+        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        for row in &rows {
+            for column in &columns {
+                let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+                for &(y, tall) in row {
+                    for &(x, wide) in column {
+                        sum += self.at(x, y).as_dvec3() * (tall * wide);
+                        weight += tall * wide;
+                    }
+                }
+                pixels.push((sum / weight).as_vec3());
             }
         }
-        (sum / weight).as_vec3()
-    })
+        Self { width, height, pixels }
+    }
 }
 
 /// Solid angle of the band between two heights of the picture, 0 to 1 from the top; sr.

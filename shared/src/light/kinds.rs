@@ -5,7 +5,7 @@
 //! place is in source.rs. The order of the kinds and the places of the fields never change: files and pages hold them.
 
 use super::field::{Absent, Field, LightDescription, Range, Value};
-use super::table::kinds;
+use super::table::{described, kinds};
 use serde::{Deserialize, Serialize};
 
 /// Largest angular radius of a directional light's disc, degrees.

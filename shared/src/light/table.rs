@@ -1,5 +1,12 @@
 //! What follows from the table of the kinds: the type [`Light`](super::Light), its numbers, its form in a .rbn file.
 
+/// A description; empty in the page's module, which shows none.
+macro_rules! described {
+    ($($doc:expr),*) => {
+        if cfg!(target_arch = "wasm32") { "" } else { concat!($($doc),*) }
+    };
+}
+
 /// Makes the types and functions of the table in kinds.rs. An entry: the kind's name in Rust, in files, as new lights
 /// are called and as the page's list says; the units of its intensity, the first that of files; its fields in the
 /// order of files, with their serde attributes and descriptions.
@@ -47,11 +54,11 @@ macro_rules! kinds {
             LightDescription {
                 variant: stringify!($kind),
                 name: $name,
-                doc: concat!($($doc),*),
+                doc: described!($($doc),*),
                 called: $called,
                 listed: $listed,
                 units: &[$($unit),+],
-                fields: &[$((&$description, concat!($($field_doc),*))),+],
+                fields: &[$((&$description, described!($($field_doc),*))),+],
             },
         )+];
 
@@ -69,9 +76,7 @@ macro_rules! kinds {
 
             /// Returns whether lights of this kind have the field at [`Field::at`].
             pub fn has(&self, at: usize) -> bool {
-                match self {
-                    $(Self::$kind { .. } => [$($description),+].iter().any(|f| f.width > 0 && f.at == at),)+
-                }
+                KINDS[self.kind() as usize].fields.iter().any(|(field, _)| field.width > 0 && field.at == at)
             }
 
             /// Returns the light as numbers: see [`Field::at`].
@@ -154,4 +159,4 @@ macro_rules! kinds {
     };
 }
 
-pub(super) use kinds;
+pub(super) use {described, kinds};

@@ -2,7 +2,8 @@
 
 use crate::gpu::Gpu;
 use crate::gpu::scope::Scope;
-use rebounce_shared::environment::{Environment, PackedEnvironment};
+use rebounce_shared::colour::pack_rgb9e5;
+use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::lighting::PreparedEnvironment;
 use std::sync::Arc;
@@ -62,7 +63,12 @@ impl Sky {
 
     /// Uploads the environment of a file, packed, or an even white for a file without.
     pub fn of_file(gpu: &Gpu, packed: &[u8]) -> Self {
-        let white = |_| PackedEnvironment::new(&Environment::constant(Vec3::ONE));
+        let white = |_| PackedEnvironment {
+            width: 2,
+            height: 1,
+            scale: 1.0,
+            pixels: vec![pack_rgb9e5(Vec3::ONE); 2],
+        };
         Self::new(gpu, PackedEnvironment::from_bytes(packed).unwrap_or_else(white))
     }
 

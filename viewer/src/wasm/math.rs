@@ -1,6 +1,6 @@
 //! C library names for sine and other functions in compiled code, implemented with the page's `Math`: without these
-//! functions, a math library of sixteen kilobytes would be linked, a duplicate of the browser's. No loop calls
-//! these functions.
+//! functions, a math library of sixteen kilobytes would be linked, a duplicate of the browser's. No loop of a
+//! frame calls these functions, but the projection of an environment that is turned.
 #![allow(unsafe_code, reason = "these names are the linker's: each does what C says it does")]
 
 use js_sys::Math;
@@ -23,6 +23,9 @@ answered! {
     cos(x): f64 = cos,
     tan(x): f64 = tan,
     asin(x): f64 = asin,
+    acos(x): f64 = acos,
+    acosf(x): f32 = acos,
+    atanf(x): f32 = atan,
     exp(x): f64 = exp,
     log(x): f64 = log,
     pow(x, y): f64 = pow,

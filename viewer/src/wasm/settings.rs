@@ -45,10 +45,7 @@ impl Viewer {
         let is_whole = u64::from(width) * u64::from(height) == texels.len() as u64;
         self.change(|state| {
             if !is_whole || width > most || height > most {
-                return Err(ViewerError::BadArgument(format!(
-                    "environment: {} texels are no picture of {width} a row, at most {most} each way",
-                    texels.len()
-                )));
+                return Err(ViewerError::BadArgument("environment: the texels are no picture".into()));
             }
             let picture = PackedEnvironment { width, height, scale, pixels: texels };
             state.renderer.set_environment(Some(picture).filter(|picture| picture.height > 0))
