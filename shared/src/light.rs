@@ -7,9 +7,10 @@
 mod field;
 mod kinds;
 mod source;
+mod stored;
 mod table;
 
-pub use field::{Absent, Field, LightDescription, Range};
+pub use field::{Absent, Field, LightDescription, Range, Stored};
 pub use kinds::{
     COLOR, DIRECTION, INTENSITY, KINDS, Light, LightKind, MEMBERS, NUMBERS, POSITION, SIZE, WIDEST_DEG,
 };
@@ -63,7 +64,18 @@ impl Light {
     pub fn with(&self, at: usize, value: &[f64]) -> Self {
         let mut numbers = self.numbers();
         numbers[at..at + value.len()].copy_from_slice(value);
-        Self::from_numbers(&numbers).unwrap_or_else(|| self.clone())
+        let mut out = Self::from_numbers(&numbers).unwrap_or_else(|| self.clone());
+        if let (Self::Environment { file, .. }, Self::Environment { file: own, .. }) = (&mut out, self) {
+            file.clone_from(own);
+        }
+        out
+    }
+
+    /// Returns true if the light's numbers are finite and small enough for finite pictures: positions under 1e15 units,
+    /// intensities and colours under 1e18.
+    pub fn is_usable(&self) -> bool {
+        let numbers = self.numbers();
+        KINDS[self.kind() as usize].fields.iter().all(|(field, _)| field.is_finite(&numbers))
     }
 
     /// Returns whether all fields are within their ranges.

@@ -8,6 +8,7 @@ mod bench_kernels;
 mod bench_scale;
 mod bench_web;
 mod bindgen;
+mod bundle_size;
 mod damage;
 mod demo;
 mod docs;

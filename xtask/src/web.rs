@@ -1,15 +1,14 @@
 //! `cargo xtask web`: the viewer as wasm, its page and its npm package, in web/dist.
 
 use crate::bindgen;
+use crate::bundle_size;
 use crate::install;
 use crate::integrity;
 use crate::process;
 use crate::toolchain::{self, Toolchain};
 use anyhow::{Context, Result, bail};
-use flate2::{Compression, write::GzEncoder};
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -17,8 +16,6 @@ use std::process::Command;
 const NAME: &str = "rebounce_viewer";
 /// The module with the fetch of the wasm file, before the modules are bundled.
 const FETCHES: &str = "engine/module.js";
-/// Limit of wasm and JavaScript after gzip, sum, bytes.
-const LIMIT: usize = 200_000;
 /// Files of web/ copied unchanged into the site.
 const STATIC: [&str; 2] = ["index.html", "page.css"];
 
@@ -40,7 +37,7 @@ pub fn build() -> Result<()> {
     let served = files.iter().filter(|(name, _)| !name.ends_with(".d.ts"));
     let served: BTreeMap<_, _> = served.map(|(name, bytes)| (name.clone(), bytes.clone())).collect();
     mirror(&served, &process::root().join("baker/cli/viewer"))?;
-    weigh(&files)?;
+    bundle_size::check(&files)?;
     println!("built {}", dist.display());
     Ok(())
 }
@@ -253,23 +250,4 @@ pub fn names(folder: &Path) -> Result<Vec<String>> {
         }
     }
     Ok(found)
-}
-
-/// Prints sizes, raw and after gzip, and checks the sum of the package's wasm and JavaScript against the limit.
-fn weigh(files: &BTreeMap<String, Vec<u8>>) -> Result<()> {
-    let (mut raw, mut packed) = (0, 0);
-    println!("{:34} {:>9} {:>9}", "bytes", "raw", "gzip");
-    for (name, bytes) in files.iter().filter(|(name, _)| is_code(name)) {
-        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-        encoder.write_all(bytes)?;
-        let size = encoder.finish()?.len();
-        println!("{name:34} {:9} {size:9}", bytes.len());
-        raw += bytes.len();
-        packed += size;
-    }
-    println!("{:34} {raw:9} {packed:9}", "together");
-    if packed > LIMIT {
-        bail!("wasm and JavaScript are {packed} bytes after gzip, more than the {LIMIT} allowed");
-    }
-    Ok(())
 }

@@ -39,8 +39,23 @@ pub struct Field {
     pub range: Range,
     /// Magnitude below which pictures are finite.
     pub largest: f64,
-    /// Whether a .rbn file stores the field; the field is zero otherwise.
-    pub stored: bool,
+    /// Form in a .rbn file.
+    pub stored: Stored,
+}
+
+/// Form of a field in a .rbn file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stored {
+    /// Not stored; zero in a light of a file.
+    No,
+    /// [`Field::width`] numbers.
+    Numbers,
+    /// A number, or none.
+    Optional,
+    /// A whole number from 0.
+    Whole,
+    /// A text, or none.
+    Text,
 }
 
 /// Meaning of an absent field.
@@ -109,6 +124,13 @@ impl Field {
         }
     }
 
+    /// Returns whether the field in a light's `numbers` is finite and below [`Self::largest`], or absent where it may be.
+    pub fn is_finite(&self, numbers: &[f64]) -> bool {
+        let may_lack = self.absent == Absent::Nothing;
+        let own = &numbers[self.at..self.at + self.width];
+        own.iter().all(|number| number.abs() < self.largest || may_lack && number.is_nan())
+    }
+
     /// Returns what is wrong with the field in a light's `numbers`, in words; `None` if the field is within its range.
     /// Formats numbers, which the viewer has no code for: it asks [`Self::holds`].
     pub fn problem(&self, numbers: &[f64]) -> Option<String> {
@@ -132,8 +154,6 @@ pub(super) trait Value: Default {
     fn put(&self, out: &mut [f64]);
     /// Reads a value from the front of a list.
     fn take(numbers: &[f64]) -> Self;
-    /// Whether the magnitude of all numbers is below a limit.
-    fn is_below(&self, limit: f64) -> bool;
 }
 
 impl Value for f64 {
@@ -143,10 +163,6 @@ impl Value for f64 {
 
     fn take(numbers: &[f64]) -> Self {
         numbers[0]
-    }
-
-    fn is_below(&self, limit: f64) -> bool {
-        self.abs() < limit
     }
 }
 
@@ -158,10 +174,6 @@ impl Value for Option<f64> {
     fn take(numbers: &[f64]) -> Self {
         Some(numbers[0]).filter(|number| !number.is_nan())
     }
-
-    fn is_below(&self, limit: f64) -> bool {
-        self.is_none_or(|number| number.is_below(limit))
-    }
 }
 
 impl Value for u32 {
@@ -172,10 +184,6 @@ impl Value for u32 {
     fn take(numbers: &[f64]) -> Self {
         numbers[0] as u32
     }
-
-    fn is_below(&self, limit: f64) -> bool {
-        f64::from(*self) < limit
-    }
 }
 
 /// A text, which numbers do not carry.
@@ -184,10 +192,6 @@ impl Value for Option<String> {
 
     fn take(_numbers: &[f64]) -> Self {
         None
-    }
-
-    fn is_below(&self, _limit: f64) -> bool {
-        true
     }
 }
 
@@ -198,9 +202,5 @@ impl Value for [f64; 3] {
 
     fn take(numbers: &[f64]) -> Self {
         [numbers[0], numbers[1], numbers[2]]
-    }
-
-    fn is_below(&self, limit: f64) -> bool {
-        self.iter().all(|number| number.is_below(limit))
     }
 }

@@ -4,7 +4,7 @@
 //! A new kind is an entry at the end of [`KINDS`], with fields from above or fields of its own; what it sends to a
 //! place is in source.rs. The order of the kinds and the places of the fields never change: files and pages hold them.
 
-use super::field::{Absent, Field, LightDescription, Range, Value};
+use super::field::{Absent, Field, LightDescription, Range, Stored, Value};
 use super::table::{described, kinds};
 use serde::{Deserialize, Serialize};
 
@@ -24,11 +24,12 @@ const NUMBER: Field = Field {
     fresh: None,
     range: Range::Any,
     largest: 1e15,
-    stored: true,
+    stored: Stored::Numbers,
 };
 /// The basis of the fields that are texts: lists of numbers do not carry them, and a light of a list of numbers is
 /// without.
-const TEXT: Field = Field { width: 0, absent: Absent::Nothing, largest: f64::INFINITY, ..NUMBER };
+const TEXT: Field =
+    Field { width: 0, absent: Absent::Nothing, largest: f64::INFINITY, stored: Stored::Text, ..NUMBER };
 /// Of a light at a place; world space.
 pub const POSITION: Field = Field { name: "position", row: "Position", at: 1, width: 3, ..NUMBER };
 /// The way the light travels.
@@ -57,6 +58,7 @@ const INNER_CONE: Field = Field {
     absent: Absent::Nothing,
     fresh: Some(&[30.0]),
     range: Range::UpToField(OUTER_CONE.name, OUTER_CONE.at),
+    stored: Stored::Optional,
     ..OUTER_CONE
 };
 /// How bright the light is.
@@ -80,7 +82,7 @@ pub const SIZE: Field = Field {
     at: 13,
     absent: Absent::Number(0.0),
     range: Range::NotNegative,
-    stored: false,
+    stored: Stored::No,
     ..NUMBER
 };
 const ANGULAR_SIZE: Field =
@@ -91,7 +93,7 @@ const RADIUS: Field = Field {
     absent: Absent::Refused,
     fresh: Some(&[0.2]),
     range: Range::Positive,
-    stored: true,
+    stored: Stored::Numbers,
     ..SIZE
 };
 /// Along a rectangle's height; zero for [`LightSource::up`](super::LightSource::up)'s choice.
@@ -105,8 +107,15 @@ const FACTOR: Field = Field { row: "Factor", absent: Absent::Number(1.0), ..INTE
 const FILE: Field = Field { name: "file", row: "File", ..TEXT };
 const ROTATION: Field =
     Field { name: "rotation_deg", row: "Rotation, degrees", at: 7, absent: Absent::Number(0.0), ..NUMBER };
-const GROUP: Field =
-    Field { name: "group", row: "Group", at: 7, absent: Absent::Number(0.0), largest: 65536.0, ..NUMBER };
+const GROUP: Field = Field {
+    name: "group",
+    row: "Group",
+    at: 7,
+    absent: Absent::Number(0.0),
+    largest: 65536.0,
+    stored: Stored::Whole,
+    ..NUMBER
+};
 
 kinds! {
     /// Shines all around.

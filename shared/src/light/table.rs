@@ -1,4 +1,4 @@
-//! What follows from the table of the kinds: the type [`Light`](super::Light), its numbers, its form in a .rbn file.
+//! What follows from the table of the kinds: the type [`Light`](super::Light) and its numbers.
 
 /// A description; empty in the page's module, which shows none.
 macro_rules! described {
@@ -102,60 +102,7 @@ macro_rules! kinds {
                 })+
                 None
             }
-
-            /// Returns true if the light's numbers are finite and small enough for finite pictures: positions under 1e15
-            /// units, intensities and colours under 1e18.
-            pub fn is_usable(&self) -> bool {
-                match self {
-                    $(Self::$kind { $($field),+ } => {
-                        true $(&& $field.is_below($description.largest))+
-                    })+
-                }
-            }
         }
-
-        impl bincode::Encode for Light {
-            fn encode<E: bincode::enc::Encoder>(
-                &self,
-                encoder: &mut E,
-            ) -> Result<(), bincode::error::EncodeError> {
-                (self.kind() as u32).encode(encoder)?;
-                match self {
-                    $(Self::$kind { $($field),+ } => {
-                        $(if $description.stored {
-                            $field.encode(encoder)?;
-                        })+
-                    })+
-                }
-                Ok(())
-            }
-        }
-
-        impl<Context> bincode::Decode<Context> for Light {
-            fn decode<D: bincode::de::Decoder<Context = Context>>(
-                decoder: &mut D,
-            ) -> Result<Self, bincode::error::DecodeError> {
-                let found = u32::decode(decoder)?;
-                $(if found == LightKind::$kind as u32 {
-                    return Ok(Self::$kind {
-                        $($field: if $description.stored {
-                            bincode::Decode::decode(decoder)?
-                        } else {
-                            Default::default()
-                        }),+
-                    });
-                })+
-                const ALLOWED: bincode::error::AllowedEnumVariants =
-                    bincode::error::AllowedEnumVariants::Range { min: 0, max: MEMBERS.len() as u32 - 1 };
-                Err(bincode::error::DecodeError::UnexpectedVariant {
-                    type_name: "Light",
-                    allowed: &ALLOWED,
-                    found,
-                })
-            }
-        }
-
-        bincode::impl_borrow_decode!(Light);
     };
 }
 

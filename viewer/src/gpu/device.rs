@@ -202,9 +202,8 @@ fn adapter_info(device: &wgpu::Device, name: &str) -> Option<wasm_bindgen::JsVal
 /// Vendor and architecture of the adapter, as the browser reports.
 #[cfg(target_arch = "wasm32")]
 fn adapter_name(device: &wgpu::Device) -> String {
-    let text = |name: &str| adapter_info(device, name).and_then(|v| v.as_string());
-    let parts: Vec<String> = ["vendor", "architecture"].into_iter().filter_map(text).collect();
-    parts.join(" ").trim().to_owned()
+    let text = |name: &str| adapter_info(device, name).and_then(|v| v.as_string()).unwrap_or_default();
+    (text("vendor") + " " + &text("architecture")).trim().to_owned()
 }
 
 /// Whether the browser reports a software adapter.

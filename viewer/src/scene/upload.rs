@@ -15,6 +15,7 @@ use rebounce_shared::openness;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Instance, Point};
 use rebounce_shared::rbn::meta::{Alpha, Draw};
+use std::collections::BinaryHeap;
 use std::ops::Range;
 use std::rc::Rc;
 use wgpu::BufferUsages;
@@ -254,25 +255,27 @@ fn runs(scene: &BakedScene) -> Vec<DrawBatch> {
             one_sided: !material.double_sided,
         }
     };
-    let runs = scene.meta.draws.iter().enumerate().filter(|(_, d)| d.index_count > 0).map(run).collect();
-    sorted(runs, |run| (run.cut, run.blended, run.one_sided, run.material, run.indices.start))
+    let draws = scene.meta.draws.iter().enumerate().filter(|(_, d)| d.index_count > 0);
+    sorted(&draws.map(run).collect::<Vec<_>>(), |run| {
+        (run.cut, run.blended, run.one_sided, run.material, run.indices.start)
+    })
 }
 
 /// Sort key of runs.
 type Order = (bool, bool, bool, u32, u32);
 
-/// Sorts runs by a key; a function pointer, so that the bundle holds one sort.
-fn sorted(mut runs: Vec<DrawBatch>, order: fn(&DrawBatch) -> Order) -> Vec<DrawBatch> {
-    runs.sort_unstable_by_key(order);
-    runs
+/// Sorts runs by a key, through a heap: a tenth of the code of the standard sort.
+fn sorted(runs: &[DrawBatch], order: fn(&DrawBatch) -> Order) -> Vec<DrawBatch> {
+    let keys: BinaryHeap<_> = runs.iter().map(order).zip(0..).collect();
+    keys.into_sorted_vec().into_iter().map(|(_, i): (_, usize)| runs[i].clone()).collect()
 }
 
 /// Draws the same triangles in fewer runs: opaque neighbours in the index buffer are merged if their instances are
 /// equal.
 fn merged(runs: &[DrawBatch]) -> Vec<DrawBatch> {
-    let opaque = runs.iter().filter(|r| !r.cut).cloned().collect();
+    let opaque: Vec<_> = runs.iter().filter(|r| !r.cut).cloned().collect();
     let mut out: Vec<DrawBatch> = Vec::new();
-    for run in sorted(opaque, |run| (false, false, false, 0, run.indices.start)) {
+    for run in sorted(&opaque, |run| (false, false, false, 0, run.indices.start)) {
         match out.last_mut() {
             Some(last) if last.indices.end == run.indices.start && last.instances == run.instances => {
                 last.indices.end = run.indices.end

@@ -158,11 +158,43 @@ pub fn encode<E: Beside>(offsets: &[u32], entries: &[E]) -> Vec<u8> {
     writer.finish(4 * offsets.len() + size_of_val(entries) + bits.len())
 }
 
-/// Streams of a section's entries.
+/// The streams of a section, before its entries are joined.
 struct Streams {
+    lengths: Vec<u8>,
+    count: usize,
     steps: Vec<std::vec::IntoIter<u8>>,
     signs: Vec<u8>,
     bytes: Vec<Vec<u8>>,
+    bits: Vec<u8>,
+}
+
+impl Streams {
+    /// Reads the streams of entries that take `size` bytes in memory and have `beside` bytes each. Not generic: the
+    /// viewer has the code once.
+    fn read(section: &[u8], size: usize, beside: usize) -> Result<Self, Damaged> {
+        let mut reader = Reader::new(section);
+        let (rows, count) = (reader.number()?, reader.number()?);
+        reader.allow(rows.checked_mul(4).and_then(|bytes| bytes.checked_add(4)).ok_or(Damaged)?)?;
+        reader.allow(count.checked_mul(size).ok_or(Damaged)?)?;
+        let lengths = reader.bytes(rows)?;
+        let mut steps = Vec::with_capacity(CLASSES);
+        let mut left = count;
+        for _ in 0..CLASSES {
+            let stream = reader.bytes_up_to(left)?;
+            left -= stream.len();
+            steps.push(stream.into_iter());
+        }
+        let signs = reader.bytes(count.div_ceil(8))?;
+        // Unused bits of the last sign byte are zero.
+        let spare = signs.last().is_some_and(|last| count % 8 != 0 && last >> (count % 8) != 0);
+        let bytes = (0..beside).map(|_| reader.bytes(count)).collect::<Result<Vec<_>, _>>()?;
+        let bits = reader.any_bytes()?;
+        reader.finish()?;
+        if left != 0 || spare {
+            return Err(Damaged);
+        }
+        Ok(Self { lengths, count, steps, signs, bytes, bits })
+    }
 }
 
 /// Unpacks the offsets and entries of a section.
@@ -170,38 +202,22 @@ struct Streams {
 /// # Errors
 /// [`Damaged`].
 pub fn decode<E: Beside>(section: &[u8]) -> Result<(Vec<u32>, Vec<E>), Damaged> {
-    let mut reader = Reader::new(section);
-    let (rows, count) = (reader.number()?, reader.number()?);
-    reader.allow(rows.checked_mul(4).and_then(|bytes| bytes.checked_add(4)).ok_or(Damaged)?)?;
-    reader.allow(count.checked_mul(size_of::<E>()).ok_or(Damaged)?)?;
-    let lengths = reader.bytes(rows)?;
-    let mut steps = Vec::with_capacity(CLASSES);
-    let mut left = count;
-    for _ in 0..CLASSES {
-        let stream = reader.bytes_up_to(left)?;
-        left -= stream.len();
-        steps.push(stream.into_iter());
-    }
-    let signs = reader.bytes(count.div_ceil(8))?;
-    let bytes = (0..E::BYTES).map(|_| reader.bytes(count)).collect::<Result<Vec<_>, _>>()?;
-    let bits = reader.any_bytes()?;
-    reader.finish()?;
-    let mut streams = Streams { steps, signs, bytes };
+    let mut streams = Streams::read(section, size_of::<E>(), E::BYTES)?;
+    let (lengths, bits) = (std::mem::take(&mut streams.lengths), std::mem::take(&mut streams.bits));
     let mut bits = BitReader::new(&bits);
-    let (mut offsets, mut entries) = (Vec::with_capacity(rows + 1), Vec::with_capacity(count));
+    let (mut offsets, mut entries) =
+        (Vec::with_capacity(lengths.len() + 1), Vec::with_capacity(streams.count));
     offsets.push(0);
     for length in lengths {
         let length = take_value(&mut bits, length)? as usize;
-        if length > count - entries.len() {
+        if length > streams.count - entries.len() {
             return Err(Damaged);
         }
         decode_row(length, &mut streams, &mut bits, &mut entries)?;
         offsets.push(entries.len() as u32);
     }
     bits.finish()?;
-    // Unused bits of the last sign byte are zero.
-    let spare = streams.signs.last().is_some_and(|last| count % 8 != 0 && last >> (count % 8) != 0);
-    if entries.len() == count && left == 0 && !spare { Ok((offsets, entries)) } else { Err(Damaged) }
+    if entries.len() == streams.count { Ok((offsets, entries)) } else { Err(Damaged) }
 }
 
 /// Decodes one row. A separate function, since a browser runs wasm at full speed only from a later call of a function
