@@ -6,7 +6,7 @@ use crate::install;
 use crate::integrity;
 use crate::process;
 use crate::toolchain::{self, Toolchain};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
