@@ -15,7 +15,6 @@ use crate::transport::direct_to_indirect::DirectToIndirect;
 use crate::transport::{Operator, Solver};
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::light::punctual;
 use std::ops::Deref;
 
 /// Greatest distance between curved surfaces and their triangles in pictures, as a share of the diagonal.
@@ -148,7 +147,7 @@ impl<'a> Baker<'a> {
             ray_triangles: triangles,
             viewpoints: emitter.viewpoints.iter().map(world).collect(),
             is_open: emitter.is_open,
-            lamp_added: punctual(&scene.lights).next().is_none(),
+            lamp_added: scene.all_lights().0.is_empty(),
             camera_added: scene.cameras.is_empty(),
             camera: staged.cameras[0].position,
             ..BakeReport::new(scene, &settings)

@@ -41,7 +41,7 @@ use crate::scene::Scene;
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::{Light, punctual};
+use rebounce_shared::light::Light;
 use rebounce_shared::rbn::RbnError;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
 use stand_in::Staged;
@@ -128,7 +128,7 @@ pub fn lights_and_cameras(
     settings: &BakeSettings,
 ) -> Result<(Vec<Light>, Vec<Camera>), BakeError> {
     let (lights, _) = scene.all_lights();
-    if punctual(&lights).next().is_some() && !scene.cameras.is_empty() {
+    if !lights.is_empty() && !scene.cameras.is_empty() {
         return Ok((lights, scene.cameras.clone()));
     }
     if scene.triangles.is_empty() {

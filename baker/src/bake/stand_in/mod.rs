@@ -13,7 +13,7 @@ use crate::sampling::emitter::ParticleEmitter;
 use crate::scene::Scene;
 use glam::Vec3;
 use rebounce_shared::camera::Camera;
-use rebounce_shared::light::{Light, punctual};
+use rebounce_shared::light::Light;
 use rebounce_shared::lighting::is_lamp;
 use rebounce_shared::rbn::shown::Shown;
 
@@ -51,8 +51,7 @@ impl Staged {
             ));
             camera_names.push(VIEW.to_owned());
         }
-        // The page draws the light of punctual lights alone.
-        if punctual(&lights).next().is_none() {
+        if lights.is_empty() {
             let frame = cameras[0].frame(scene.origin);
             lights.push(lamp::lamp(surfaces, &frame, emitter.is_open, scene.origin));
             light_names.push(LAMP.to_owned());
