@@ -251,6 +251,34 @@ mod tests {
     }
 
     #[test]
+    fn the_shaders_light_has_the_layout_of_the_record() {
+        use std::mem::offset_of;
+        let module = naga::front::wgsl::parse_str(include_str!("shaders/lights.wgsl")).unwrap();
+        let (_, light) = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("Light")).unwrap();
+        let naga::TypeInner::Struct { members, span } = &light.inner else { panic!("{light:?}") };
+        let found: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset as usize)).collect();
+        let source = |offset: usize| offset_of!(LightRecord, source) + offset;
+        let expected = [
+            ("layer", offset_of!(LightRecord, layer)),
+            ("layers", offset_of!(LightRecord, layers)),
+            ("texel", offset_of!(LightRecord, texel)),
+            ("depth_scale", offset_of!(LightRecord, depth_scale)),
+            ("position", source(offset_of!(LightSource, position))),
+            ("kind", source(offset_of!(LightSource, kind))),
+            ("direction", source(offset_of!(LightSource, direction))),
+            ("cone_scale", source(offset_of!(LightSource, cone_scale))),
+            ("intensity", source(offset_of!(LightSource, intensity))),
+            ("cone_offset", source(offset_of!(LightSource, cone_offset))),
+            ("cos_outer", source(offset_of!(LightSource, cos_outer))),
+            ("size", source(offset_of!(LightSource, size))),
+            ("extent", source(offset_of!(LightSource, extent))),
+            ("up", source(offset_of!(LightSource, up))),
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(*span as usize, size_of::<LightRecord>());
+    }
+
+    #[test]
     fn lights_with_a_surface_reach_no_pass() {
         let (position, color) = ([1.0, 2.0, 3.0], [1.0; 3]);
         let lights = [
