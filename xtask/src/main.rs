@@ -14,6 +14,7 @@ mod demo;
 mod docs;
 mod fidelity;
 mod film;
+mod function_order;
 mod fuzz;
 mod gate;
 mod install;

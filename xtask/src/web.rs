@@ -2,6 +2,7 @@
 
 use crate::bindgen;
 use crate::bundle_size;
+use crate::function_order;
 use crate::install;
 use crate::integrity;
 use crate::process;
@@ -82,10 +83,16 @@ const FEATURES: [&str; 6] = [
 
 /// Replaces a wasm file by a smaller equivalent file.
 fn shrink(wasm: &Path) -> Result<()> {
-    let mut command = Command::new("node");
+    let optimise = |passes: &[&str]| {
+        let mut command = Command::new("node");
+        command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(passes);
+        process::run(command.arg(wasm).arg("-o").arg(wasm).current_dir(process::root().join("web")))
+    };
     // Two rounds: the second round removes duplicates produced by the first.
-    command.arg("node_modules/binaryen/bin/wasm-opt").args(FEATURES).args(PASSES).args(PASSES).args(LAST);
-    process::run(command.arg(wasm).arg("-o").arg(wasm).current_dir(process::root().join("web")))
+    optimise(&[&PASSES[..], &PASSES[..], &LAST[..]].concat())?;
+    let module = fs::read(wasm).with_context(|| wasm.display().to_string())?;
+    fs::write(wasm, function_order::name(&module)?).with_context(|| wasm.display().to_string())?;
+    optimise(&["--reorder-functions-by-name"])
 }
 
 /// Removes panic locations and `{:?}` output from the build: a tenth of a bundle, never visible on a page.
