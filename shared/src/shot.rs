@@ -8,7 +8,7 @@
 //!                 "outer_cone_deg": 40, "intensity": 60, "color": [1, 1, 1] } ] }
 //! ```
 
-use crate::{camera::Camera, light::Light};
+use crate::{camera::Camera, light::Light, mix::Channel};
 use serde::{Deserialize, Serialize};
 
 /// Picture to render.
@@ -28,6 +28,9 @@ pub struct Shot {
     /// Lights of the scene; without lights, and without surfaces that shine, the picture is black.
     #[serde(default)]
     pub lights: Vec<Light>,
+    /// Channels of the light mixer, by the lights' places; a light without one is as it is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mix: Vec<Channel>,
     /// Names of the lights, empty for lights without; may be shorter than `lights`. In SHOT.json, a member of the light.
     #[serde(skip)]
     pub light_names: Vec<String>,
@@ -36,7 +39,7 @@ pub struct Shot {
 impl Shot {
     /// Returns a shot without names, whose surfaces shine as the scene says.
     pub fn new(size: [u32; 2], camera: Camera, lights: Vec<Light>) -> Self {
-        Self { scene: None, size, camera, emission: 1.0, lights, light_names: Vec::new() }
+        Self { scene: None, size, camera, emission: 1.0, lights, mix: Vec::new(), light_names: Vec::new() }
     }
 
     /// Resolves the names of emissive lights to numbers of groups of shining surfaces, by the names of the scene's

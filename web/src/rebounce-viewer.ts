@@ -10,10 +10,11 @@ import { Engine } from "./engine/engine.js";
 import type { RebounceEventMap } from "./element/events.js";
 import { Failure } from "./wire/failure.js";
 import type { PlayOptions } from "./animation/player.js";
+import { type Channel, mixIn, setMix } from "./wire/mix.js";
 import type { Camera, Light, NamedCamera, Shot } from "./wire/shot.js";
 import { restoreState, stateLink } from "./element/state.js";
 import type { Counts, Stats } from "./wire/stats.js";
-import { cameraIn, cameraNumbers, camerasIn, countsIn, lightsIn, setLights, setShot, statsIn } from "./wire/wire.js";
+import { cameraIn, cameraNumbers, camerasIn, countsIn, lightsIn, setLights, setShot, shotIn, statsIn } from "./wire/wire.js";
 
 export type { AnimatedProperty, LightAnimation, LightTrack } from "./animation/animation.js";
 export type { Backdrop, CameraControls, Display, Interaction, Mode, Overlay, ToneMapping } from "./element/attributes.js";
@@ -34,6 +35,7 @@ export type {
   SpotLight,
   Triple,
 } from "./wire/shot.js";
+export type { Channel } from "./wire/mix.js";
 export type { Counts, Stats } from "./wire/stats.js";
 
 /** How a picture is saved. */
@@ -90,12 +92,28 @@ export class RebounceViewer extends AttributeElement {
     else this.#engine.pending.lights = lights;
   }
 
+  /**
+   * The light mixer: a channel a light, in the lights' order, that makes it stronger, weaker, silent or alone. Lights
+   * without a channel are as they are. Set before the file is loaded, it takes effect then.
+   */
+  get mix(): Channel[] {
+    const { ready, pending } = this.#engine;
+    if (!ready) return pending.mix ?? pending.shot?.mix ?? [];
+    return this.#engine.use(mixIn);
+  }
+  set mix(mix: Channel[]) {
+    if (this.loaded) this.#engine.use((viewer) => setMix(viewer, mix));
+    else this.#engine.pending.mix = mix;
+  }
+
   /** Puts a light into the list, last or at a place; its place. Throws where no scene is loaded. */
   addLight(light: Light, index = Infinity): number {
     const lights = this.#sceneLights();
     const at = Math.min(Math.max(Math.trunc(index) || 0, 0), lights.length);
+    const { mix } = this;
+    if (at < mix.length) mix.splice(at, 0, {});
     lights.splice(at, 0, light);
-    this.lights = lights;
+    Object.assign(this, { lights, mix });
     if (this.selectedLight >= at) this.selectedLight += 1;
     this.#engine.player.animations = shifted(this.animations, at, 1);
     return at;
@@ -106,8 +124,9 @@ export class RebounceViewer extends AttributeElement {
     const lights = this.#sceneLights();
     const [light] = index >= 0 ? lights.splice(index, 1) : [];
     if (!light) throw new Failure("bad-argument", `There is no light ${index}; there are ${lights.length}, counted from 0.`);
-    const { selectedLight } = this;
-    this.lights = lights;
+    const { mix, selectedLight } = this;
+    mix.splice(index, 1);
+    Object.assign(this, { lights, mix });
     if (selectedLight >= index) this.selectedLight = selectedLight > index ? selectedLight - 1 : -1;
     this.#engine.player.animations = shifted(this.animations, index, -1);
     return light;
@@ -137,7 +156,7 @@ export class RebounceViewer extends AttributeElement {
   get shot(): Shot | undefined {
     if (!this.loaded) return this.#engine.pending.shot;
     const { width, height } = this.#engine.tree.canvas;
-    return this.#engine.use((viewer) => ({ size: [width, height], camera: cameraIn(viewer), lights: lightsIn(viewer) }));
+    return this.#engine.use((viewer) => ({ size: [width, height], ...shotIn(viewer) }));
   }
   set shot(shot: Shot) {
     const { animations, repetitions } = this.#engine.pending;

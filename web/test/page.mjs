@@ -18,6 +18,7 @@ import { light } from "./page/light.mjs";
 import { lights } from "./page/lights.mjs";
 import { loading } from "./page/loading.mjs";
 import { memory } from "./page/memory.mjs";
+import { mixer } from "./page/mixer.mjs";
 import { modules } from "./page/modules.mjs";
 import { onScreen } from "./page/onscreen.mjs";
 import { panel } from "./page/panel.mjs";
@@ -39,7 +40,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light, environment,
+  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light, environment,
   failures, unsupported, downloads, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

@@ -109,7 +109,9 @@ mod tests {
 
     #[test]
     fn like_functions_follow_each_other_and_none_is_lost() {
-        let body = |kind: u8, last: u8| -> Vec<u8> { (0..80u8).map(|i| i.wrapping_mul(kind)).chain([last]).collect() };
+        let body = |kind: u8, last: u8| -> Vec<u8> {
+            (0..80u8).map(|i| i.wrapping_mul(kind)).chain([last]).collect()
+        };
         let bodies: Vec<Vec<u8>> = (0..12).map(|i| body(3 + 2 * (i % 3), i)).collect();
         let slices: Vec<&[u8]> = bodies.iter().map(Vec::as_slice).collect();
         let order = order(&slices);

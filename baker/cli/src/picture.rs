@@ -14,6 +14,7 @@ use rebounce_shared::camera::{Camera, CameraFrame};
 use rebounce_shared::environment::Environment;
 use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::lighting::with_emission;
+use rebounce_shared::mix::mixed;
 use rebounce_shared::rbn::shown::Ground;
 use rebounce_shared::shot::Shot;
 use std::io::IsTerminal;
@@ -88,7 +89,7 @@ impl PictureArgs {
     ) -> Result<(Shot, Option<Arc<Environment>>)> {
         shot.resolve_groups(groups).map_err(anyhow::Error::msg)?;
         if self.shot.is_some() {
-            shot.lights = with_emission(&shot.lights, groups.len(), shot.emission);
+            shot.lights = mixed(&with_emission(&shot.lights, groups.len(), shot.emission), &shot.mix);
         }
         let file = shot.lights.iter().find_map(|light| match light {
             Light::Environment { file, .. } => file.as_deref(),

@@ -2,6 +2,7 @@
 
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{self, LightKind};
+use rebounce_shared::mix;
 use rebounce_shared::shot::Shot;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -57,7 +58,7 @@ pub fn parse(text: &str) -> Result<Shot, String> {
 }
 
 /// Known members of a shot, of its camera, and of lights by type.
-const SHOT: &[&str] = &["scene", "size", "camera", "emission", "lights"];
+const SHOT: &[&str] = &["scene", "size", "camera", "emission", "lights", "mix"];
 const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
 const LIGHTS: [(&str, &[&str]); light::MEMBERS.len()] = light::MEMBERS;
 /// Name of a light; of an emissive light, the name of its group.
@@ -116,7 +117,7 @@ fn check(shot: &Shot) -> Result<(), String> {
             return Err(format!("light {i}: {problem}"));
         }
     }
-    Ok(())
+    mix::problem(&shot.mix).map_or(Ok(()), Err)
 }
 
 #[cfg(test)]
@@ -138,7 +139,8 @@ mod tests {
             {"type":"disk","position":[0,0,0],"direction":[0,0,1],"radius":1,"intensity":1,"color":[1,1,1]},
             {"type":"sphere","position":[0,0,0],"radius":1,"intensity":1,"color":[1,1,1]},
             {"type":"environment","file":"sky.hdr","rotation_deg":30,"intensity":1,"color":[1,1,1]},
-            {"type":"emissive","name":"screen","group":2,"intensity":1,"color":[1,1,1]}]}"#;
+            {"type":"emissive","name":"screen","group":2,"intensity":1,"color":[1,1,1]}],
+            "mix":[{"stops":-1,"mute":true,"solo":true,"color":[1,0,0]},{}]}"#;
         assert_eq!(parse(shot), Ok(()));
         let names = super::parse(shot).unwrap().light_names;
         assert_eq!(names, ["Lamp", "", "", "", "", "", "", "screen"]);
@@ -156,6 +158,7 @@ mod tests {
             ("\"yfov_deg\"", "\"fov\""),
             ("\"color\"", "\"colour\""),
             ("\"inner_cone_deg\"", "\"inner\""),
+            ("\"mute\"", "\"muted\""),
         ] {
             let said = parse(&shot.replacen(right, wrong, 1)).unwrap_err();
             assert!(

@@ -10,13 +10,16 @@ use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::{Light, LightKind, LightSource};
 use rebounce_shared::lighting::{Lighting, PreparedEnvironment};
+use rebounce_shared::mix::{Channel, is_usable, mixed};
 
 /// Lights, as evaluated.
 #[derive(Default)]
 pub(super) struct Lit {
     /// World space.
     lights: Vec<Light>,
-    /// The same, prepared; lamps are punctual.
+    /// Channels of the mixer, by the lights' places.
+    mix: Vec<Channel>,
+    /// The lights as the mix has them, prepared; lamps are punctual.
     pub(super) lighting: Lighting,
     /// The environment of environment lights; made for the first of them.
     pub(super) sky: Option<Sky>,
@@ -53,6 +56,18 @@ impl Renderer {
         Ok(())
     }
 
+    /// Sets the mix: a channel a light, in the lights' order; a light without one is as it is.
+    ///
+    /// # Errors
+    /// [`ViewerError::BadArgument`] for a channel that SHOT.json may not have; the mix stays then.
+    pub fn set_mix(&mut self, mix: Vec<Channel>) -> Result<(), ViewerError> {
+        if !is_usable(&mix) {
+            return Err(ViewerError::BadArgument("mix: stops or colours are out of range".into()));
+        }
+        self.lit.mix = mix;
+        self.light(self.lit.lights.clone())
+    }
+
     /// Sets the picture of environment lights; `None` for the file's own.
     ///
     /// # Errors
@@ -83,6 +98,7 @@ impl Renderer {
             self.lit.sky = None;
         }
         self.lit.emission.clear();
+        self.lit.mix.clear();
         // A file may hold more lights than shadow maps are possible; the first lamps are on.
         let mut lights = self.scene.as_ref().map_or(Vec::new(), |scene| scene.meta.lights.clone());
         let mut lamps = 0;
@@ -116,7 +132,7 @@ impl Renderer {
         }
         let mut none = PreparedEnvironment::default();
         let environment = self.lit.sky.as_mut().map_or(&mut none, |sky| &mut sky.prepared);
-        let mut lighting = Lighting::prepared(&lights, environment, origin, groups);
+        let mut lighting = Lighting::prepared(&mixed(&lights, &self.lit.mix), environment, origin, groups);
         lighting.lamps.retain(|lamp| lamp.kind.is_punctual());
         let layers: u32 = lighting.lamps.iter().map(most_layers).sum();
         if layers > MAX_LAYERS {

@@ -36,6 +36,12 @@ impl Viewer {
         self.change(|state| state.renderer.set_lights(wire::lights_of(lights)?))
     }
 
+    /// Sets the mix: the numbers of [`crate::wasm::wire`] for each light; lights beyond are as they are.
+    #[wasm_bindgen(js_name = setMix)]
+    pub fn set_mix(&self, mix: &[f64]) -> Result<(), JsValue> {
+        self.change(|state| state.renderer.set_mix(wire::mix_of(mix)))
+    }
+
     /// Sets the picture of environment lights: rows of rgb9e5 texels from the top, `scale` the radiance of a texel of 1.
     /// Without texels, the file's own picture.
     #[wasm_bindgen(js_name = setEnvironment)]

@@ -6,14 +6,18 @@
 //! light   17 numbers  kind (0 point, 1 spot, 2 directional, …); its fields by their places in the table of kinds
 //!                     (shared/src/light/kinds.rs): zero where the kind has no such field, NaN where it is absent;
 //!                     texts are left to the page
+//! channel  6 numbers  of the mixer: stops; mute and solo, 0 or 1; colour, NaN for the light's own
 //! ```
 
 use crate::error::ViewerError;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{self, Light};
+use rebounce_shared::mix::Channel;
 
 /// Numbers of a camera.
 pub const CAMERA: usize = 10;
+/// Numbers of a channel of the mixer.
+pub const CHANNEL: usize = 6;
 /// Numbers of a light.
 pub const LIGHT: usize = light::NUMBERS;
 
@@ -61,6 +65,17 @@ pub fn lights_of(numbers: &[f64]) -> Result<Vec<Light>, ViewerError> {
     numbers.chunks(LIGHT).map(|light| Light::from_numbers(light).ok_or_else(|| wrong("lights"))).collect()
 }
 
+/// The channels of a mix from their numbers; an incomplete one is left out.
+pub fn mix_of(numbers: &[f64]) -> Vec<Channel> {
+    let channel = |n: &[f64]| Channel {
+        stops: n[0],
+        mute: n[1] != 0.0,
+        solo: n[2] != 0.0,
+        color: Some(three(&n[3..])).filter(|color| !color[0].is_nan()),
+    };
+    numbers.chunks_exact(CHANNEL).map(channel).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,6 +106,17 @@ mod tests {
             Light::Directional { direction, intensity: 3.0, color, radius_deg: 0.27 },
         ];
         assert_eq!(lights_of(&light_numbers(&lights)).ok(), Some(lights));
+    }
+
+    #[test]
+    fn channels_have_their_own_colour_or_none() {
+        let nan = f64::NAN;
+        let mix = mix_of(&[-1.0, 1.0, 0.0, nan, nan, nan, 2.0, 0.0, 1.0, 0.5, 0.25, 1.0, 7.0]);
+        let first = Channel { stops: -1.0, mute: true, ..Channel::default() };
+        assert_eq!(
+            mix,
+            [first, Channel { stops: 2.0, solo: true, color: Some([0.5, 0.25, 1.0]), mute: false }]
+        );
     }
 
     #[test]

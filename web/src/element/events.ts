@@ -1,5 +1,6 @@
 /** The element's events. */
 
+import type { Channel } from "../wire/mix.js";
 import type { Camera, Light } from "../wire/shot.js";
 
 /** Events of the element, by name. */
@@ -14,6 +15,8 @@ export interface RebounceEventMap {
   "camera-change": CustomEvent<{ camera: Camera }>;
   /** The lights have changed, by hand, by script or by an animation. */
   "light-change": CustomEvent<{ lights: Light[] }>;
+  /** The light mixer has changed, by hand or by script. */
+  "mix-change": CustomEvent<{ mix: Channel[] }>;
   /** The pointer is over another light's handle, or over none: -1. */
   "light-hover": CustomEvent<{ light: number }>;
   /** Another light is chosen, or none: -1. */

@@ -10,9 +10,9 @@ const prefix = ({ id }: Element) => (id && `${id}.`);
 export function stateLink(element: RebounceViewer): string {
   const settings: Record<string, string> = {};
   for (const name of LINK_SETTINGS) settings[name] = element.getAttribute(name) ?? "";
-  const { camera, lights } = element;
+  const { camera, lights, mix } = element;
   const url = new URL(element.ownerDocument.URL);
-  url.hash = stateHash({ ...(camera && { camera }), lights, settings }, prefix(element));
+  url.hash = stateHash({ ...(camera && { camera }), lights, mix, settings }, prefix(element));
   return url.href;
 }
 
@@ -21,7 +21,7 @@ export function restoreState(element: RebounceViewer, link: string): boolean {
   const state = readState(link.includes("#") ? link.slice(link.indexOf("#")) : "", prefix(element));
   if (!state) return false;
   if (state.camera) element.camera = state.camera;
-  if (state.lights) element.lights = state.lights;
+  if (state.lights) Object.assign(element, { lights: state.lights, mix: state.mix ?? [] });
   for (const name of LINK_SETTINGS) {
     const value = state.settings[name];
     if (value) element.setAttribute(name, value);

@@ -20,7 +20,8 @@ import { closeViewer, openViewer, surfaceIn, type SessionHost } from "./session.
 import { Size } from "../element/size.js";
 import { restoreState } from "../element/state.js";
 import { Tree } from "../element/tree.js";
-import { cameraIn, lightsIn, nameLights, setLights } from "../wire/wire.js";
+import { mixIn } from "../wire/mix.js";
+import { begin, cameraIn, lightsIn, setLights } from "../wire/wire.js";
 
 /** One element's engine. */
 export class Engine {
@@ -172,7 +173,7 @@ export class Engine {
       const file = await bytes;
       loading.signal.throwIfAborted();
       await viewer.load(file);
-      nameLights(viewer);
+      begin(viewer);
       loading.signal.throwIfAborted();
       this.#show(url, file.length);
     } catch (error) {
@@ -282,8 +283,8 @@ export class Engine {
     // While another file is on its way, that one is wanted.
     if (this.ready && !this.#loading) {
       const viewer = this.#viewer as Viewer;
-      const [camera, lights, { animations }] = [cameraIn(viewer), lightsIn(viewer), this.player];
-      this.pending = this.#kept = { camera, lights, animations, measured: viewer.measured };
+      const [camera, lights, mix, { animations }] = [cameraIn(viewer), lightsIn(viewer), mixIn(viewer), this.player];
+      this.pending = this.#kept = { camera, lights, mix, animations, measured: viewer.measured };
       this.#returning = true;
     }
     this.#stopLoading();

@@ -122,10 +122,11 @@ export class History {
   }
 
   #state(): State {
-    const { camera, lights } = this.#element;
+    const { camera, lights, mix } = this.#element;
     const settings = SETTINGS.map((name) => [name, this.#element.getAttribute(name)]);
     return {
       lights: JSON.stringify(lights),
+      mix: JSON.stringify(mix),
       animations: this.#player.animations,
       camera: JSON.stringify(camera),
       ...(Object.fromEntries(settings) as State),
@@ -135,7 +136,7 @@ export class History {
   #set(name: string, value: State[string]): void {
     const element = this.#element;
     if (name === "animations") this.#player.animations = value as LightAnimation[];
-    else if (name === "lights" || name === "camera") Object.assign(element, { [name]: JSON.parse(value as string) });
+    else if (["lights", "camera", "mix"].includes(name)) Object.assign(element, { [name]: JSON.parse(value as string) });
     else if (value === null) element.removeAttribute(name);
     else element.setAttribute(name, value as string);
   }

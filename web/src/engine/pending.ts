@@ -4,6 +4,7 @@ import type { LightAnimation } from "../animation/animation.js";
 import type { AttributeElement } from "../element/attributes.js";
 import type { Viewer } from "./module.js";
 import type { Camera, Light, Shot } from "../wire/shot.js";
+import { type Channel, setMix } from "../wire/mix.js";
 import { cameraNumbers, setLights, setShot } from "../wire/wire.js";
 
 /** What a script has set so far, or what was there before the device was lost. */
@@ -11,6 +12,7 @@ export interface Pending {
   shot?: Shot;
   camera?: Camera;
   lights?: Light[];
+  mix?: Channel[];
   animations?: LightAnimation[];
   /** `play()` was called: how many times. */
   repetitions?: number;
@@ -19,10 +21,11 @@ export interface Pending {
 }
 
 /** Hands over camera, lights and exposure. Throws what the viewer refuses. */
-export function handOver(viewer: Viewer, { shot, camera, lights, measured }: Pending): void {
+export function handOver(viewer: Viewer, { shot, camera, lights, mix, measured }: Pending): void {
   if (shot) setShot(viewer, shot);
   if (camera) viewer.setCamera(cameraNumbers(camera));
   if (lights) setLights(viewer, lights);
+  if (mix) setMix(viewer, mix);
   if (measured) viewer.measured = measured;
 }
 

@@ -3,7 +3,7 @@
 import { make } from "../element/element.js";
 import { type Field, KINDS } from "../wire/light-kinds.js";
 import { hexColor, linearColor, type Members } from "../wire/lights.js";
-import { button, signed, slider } from "./parts.js";
+import { button, slider } from "./parts.js";
 import { colorKelvin, compass, KELVIN, kelvinColor, perIntensity, sunAngles, sunDirection } from "./photometry.js";
 import type { Light, Triple } from "../wire/shot.js";
 
@@ -13,8 +13,6 @@ export interface LightDesk {
   now(): Light;
   /** Changes members of it. */
   set(members: Members): void;
-  /** The intensity that its slider is relative to. */
-  base: number;
   /** What it is called where it has no name. */
   called: string;
   /** Points it at what the camera looks at. */
@@ -40,7 +38,8 @@ export class LightFields {
   constructor(desk: LightDesk) {
     this.#desk = desk;
     const light = desk.now();
-    this.#name();
+    // Shining surfaces are found by the name.
+    if (light.type !== "emissive") this.#name();
     this.#intensity(light);
     this.#color();
     const { fields } = KINDS[light.type];
@@ -68,9 +67,7 @@ export class LightFields {
   }
 
   #intensity(light: Light): void {
-    const { base, set, now } = this.#desk;
-    const stops = { min: -8, max: 8, step: 0.1 };
-    const bar = slider("Intensity", stops, (value) => set({ intensity: base * 2 ** value }), () => set({ intensity: base }));
+    const { set, now } = this.#desk;
     const unit = make("select", { "aria-label": "Unit" }, ...KINDS[light.type].units.map((name) => make("option", {}, name)));
     unit.value = chosen[light.type] ?? unit.value;
     const factor = () => perIntensity(now(), unit.value);
@@ -80,11 +77,7 @@ export class LightFields {
       this.follow(now());
     });
     const units = unit.length > 1 ? unit : make("span", {}, unit.value);
-    this.#follow.push(({ intensity }) => {
-      const value = Math.log2(intensity / base);
-      bar.show(Math.max(value, stops.min), intensity > 0 ? `${signed(value)} EV` : "off");
-    });
-    this.nodes.push(bar.element, make("div", { class: "row units" }, number, units));
+    this.nodes.push(make("div", { class: "row units" }, number, units));
   }
 
   #color(): void {

@@ -1,4 +1,4 @@
-/** The panel's list of lights: add, remove, switch, choose, move, by pointer or by keys alone. */
+/** The panel's list of lights, a mixer: strength, solo, mute; add, remove, choose, move, by pointer or by keys alone. */
 
 import { make } from "../element/element.js";
 import { failureOf, sentence } from "../wire/failure.js";
@@ -6,7 +6,8 @@ import { KINDS } from "../wire/light-kinds.js";
 import { hexColor, newLight, placeOf, stepped } from "../wire/lights.js";
 import type { Desk, Section } from "./panel.js";
 import { LightFields } from "./light.js";
-import { button } from "./parts.js";
+import { button, signed, slider, type Slider } from "./parts.js";
+import type { Channel } from "../wire/mix.js";
 import type { Light, Triple } from "../wire/shot.js";
 
 const HINT =
@@ -14,16 +15,18 @@ const HINT =
 /** Differences in a picture of bytes that are none. */
 const NOTHING = 2;
 
-/** Intensity of a light that has had none. */
-const usual = ({ type }: Light) => (KINDS[type].units[0] === "factor" ? 1 : 10);
-
 /** An entry of the list. */
 interface Entry {
   item: HTMLLIElement;
   button: HTMLButtonElement;
   name: HTMLElement;
   lamp: HTMLInputElement;
+  solo: HTMLButtonElement;
+  fader: Slider;
 }
+
+/** Stops that a fader spans, up and down. */
+const STOPS = 8;
 
 /** The list, and the fields of the chosen light. */
 export class LightList implements Section {
@@ -39,36 +42,34 @@ export class LightList implements Section {
   #fields: LightFields | undefined;
   #chosen = -1;
   #kinds = "?";
-  /** Intensities of lights that are switched off, by place. */
-  #kept: (number | undefined)[] = [];
-  /** Intensities when lights came, by place. */
-  #bases: number[] = [];
 
   constructor(desk: Desk) {
     this.#desk = desk;
     const { host } = desk;
     const adding = make("div", { class: "buttons" }, ...this.#add);
     this.element = make("div", { class: "stack" }, this.#list, adding, make("p", { class: "hint", id: "hint" }, HINT));
-    host.addEventListener("load", () => {
-      this.#bases = [];
-      this.#kinds = "?";
-    });
+    host.addEventListener("load", () => (this.#kinds = "?"));
     host.addEventListener("light-hover", ({ detail }) => this.#mark(detail.light));
     host.addEventListener("light-select", ({ detail }) => this.#reveal(detail.light));
   }
 
   /** Follows the lights. */
   update(): void {
-    const { lights } = this.#desk.host;
+    const { lights, mix } = this.#desk.host;
     const kinds = lights.map(({ type }) => type).join();
     if (kinds !== this.#kinds) this.#rebuild(lights, kinds);
     lights.forEach((light, i) => {
-      const { button, name, lamp } = this.#entries[i] as Entry;
-      button.style.setProperty("--lamp", hexColor(light.color));
-      name.textContent = this.#called(light, i);
-      lamp.setAttribute("aria-label", `${name.textContent} on`);
-      lamp.checked = light.intensity > 0;
-      if (lamp.checked) this.#kept[i] = undefined;
+      const { item, button, name, lamp, solo, fader } = this.#entries[i] as Entry;
+      const { stops = 0, mute = false, solo: alone = false, color = light.color } = mix[i] ?? {};
+      const called = this.#called(light, i);
+      button.style.setProperty("--lamp", hexColor(color));
+      name.textContent = called;
+      lamp.ariaLabel = `${called} on`;
+      lamp.checked = !mute;
+      solo.ariaLabel = `${called} solo`;
+      solo.ariaPressed = String(alone);
+      fader.show(stops, `${signed(stops)} EV`, `${called} strength`);
+      item.classList.toggle("silent", mute || (!alone && mix.some(({ solo }) => solo)));
     });
     const light = lights[this.#chosen];
     if (light) this.#fields?.follow(light);
@@ -81,8 +82,6 @@ export class LightList implements Section {
   #rebuild(lights: Light[], kinds: string): void {
     const focused = this.#entries.findIndex(({ button }) => button.matches(":focus"));
     this.#kinds = kinds;
-    this.#kept.length = lights.length;
-    if (this.#bases.length !== lights.length) this.#bases = lights.map(({ intensity }) => intensity);
     this.#entries = lights.map((light, i) => this.#entry(light, i));
     this.#list.replaceChildren(...this.#entries.map(({ item }) => item));
     this.#choose(this.#chosen < lights.length ? this.#chosen : -1);
@@ -96,12 +95,16 @@ export class LightList implements Section {
     choose.addEventListener("keydown", (event) => this.#key(event, i));
     choose.addEventListener("dblclick", () => this.#rename(i));
     const lamp = make("input", { type: "checkbox", role: "switch" });
-    lamp.addEventListener("change", () => this.#switch(i, lamp.checked));
-    const item = make("li", {}, make("div", { class: "row" }, choose, lamp));
+    lamp.addEventListener("change", () => this.#mix(i, { mute: !lamp.checked }));
+    const solo = button("S", () => this.#mix(i, { solo: !this.#desk.host.mix[i]?.solo }), { class: "solo", title: "Solo: this light alone" });
+    const strength = (stops: number) => this.#mix(i, { stops });
+    const fader = slider("", { min: -STOPS, max: STOPS, step: 0.1 }, strength, () => strength(0));
+    fader.element.className = "fader";
+    const item = make("li", {}, make("div", { class: "row" }, choose, solo, lamp), fader.element);
     const hover = (on: boolean) => () => this.#hover(on ? i : -1);
     for (const type of ["pointerenter", "focusin"]) item.addEventListener(type, hover(true));
     for (const type of ["pointerleave", "focusout"]) item.addEventListener(type, hover(false));
-    return { item, button: choose, name, lamp };
+    return { item, button: choose, name, lamp, solo, fader };
   }
 
   /** A light under the pointer here shows in the picture. */
@@ -144,7 +147,6 @@ export class LightList implements Section {
     this.#fields = new LightFields({
       now: () => host.lights[index] as Light,
       set: (members) => this.#replace(index, (now) => ({ ...now, ...members }) as Light),
-      base: this.#bases[index] || this.#kept[index] || usual(light),
       called,
       aim: () => host.camera && this.#aim(index, host.camera.target),
       pick: () => this.#pick(index),
@@ -165,10 +167,15 @@ export class LightList implements Section {
     });
   }
 
-  #switch(index: number, on: boolean): void {
-    const before = this.#desk.host.lights[index]?.intensity ?? 0;
-    if (!on) this.#kept[index] = before;
-    this.#replace(index, (light) => ({ ...light, intensity: on ? (this.#kept[index] ?? (this.#bases[index] || usual(light))) : 0 }));
+  /** Changes a light's channel. */
+  #mix(index: number, members: Channel): void {
+    const { host } = this.#desk;
+    this.#try(() => {
+      const mix = [...host.mix];
+      while (mix.length <= index) mix.push({});
+      mix[index] = { ...mix[index], ...members };
+      host.mix = mix;
+    });
   }
 
   /** Points a spot at a place. */
@@ -230,7 +237,6 @@ export class LightList implements Section {
       const light = newLight(type, camera, lights, () => [...sunlight()] as Triple);
       const before = !("position" in light) && host.readPixels(64, 36);
       const index = host.addLight(light);
-      this.#bases[index] = light.intensity;
       this.#chosen = index;
       this.update();
       this.#select(index);
@@ -255,8 +261,6 @@ export class LightList implements Section {
     const { host, say } = this.#desk;
     this.#try(() => {
       const name = this.#called(host.removeLight(index), index);
-      this.#kept.splice(index, 1);
-      this.#bases.splice(index, 1);
       this.#kinds = "?";
       this.#select(-1);
       this.update();

@@ -31,8 +31,8 @@ export function button(content: Node | string, work: () => void, attributes: Rec
 /** A slider below its name and its value in words. */
 export interface Slider {
   readonly element: HTMLElement;
-  /** Shows a value; the text in place of its digits. */
-  show(value: number, text: string): void;
+  /** Shows a value; the text in place of its digits, and another name. */
+  show(value: number, text: string, name?: string): void;
 }
 
 /** `reset` is what a double click or the key 0 does. */
@@ -54,7 +54,8 @@ export function slider(
   const element = make("div", {}, make("div", { class: "row" }, make("span", { "aria-hidden": "true" }, name), text), input);
   return {
     element,
-    show(value, words) {
+    show(value, words, name) {
+      if (name) input.ariaLabel = name;
       input.value = String(value);
       text.textContent = words;
       input.setAttribute("aria-valuetext", words);

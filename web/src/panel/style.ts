@@ -76,6 +76,14 @@ td { text-align: right; padding: 0.08rem 0; white-space: nowrap; }
 .entry small { color: #b8bec5; }
 .entry[aria-expanded="true"] { background: rgb(255 255 255 / 0.16); }
 .hovered .entry { border-color: var(--accent); border-left-color: var(--lamp); }
+/* The name is in the entry above. */
+.fader { display: flex; gap: 0.6em; align-items: center; }
+.fader .row { order: 1; width: 4.2rem; justify-content: flex-end; font-variant-numeric: tabular-nums; font-size: 0.8rem; }
+.fader input { flex: 1; }
+.solo { width: var(--target); padding: 0; font-weight: 600; }
+.solo[aria-pressed="true"] { background: #ffd08f; color: #15171a; }
+.silent .entry { border-left-style: dotted; }
+.panel .silent .entry span { color: #9aa1a9; }
 [role="switch"] { width: 1.5rem; height: 1.5rem; margin: calc((var(--target) - 1.5rem) / 2); accent-color: var(--accent); }
 .fields { padding: 0.6rem 0 0.5rem 0.6rem; }
 .axes { display: grid; grid-template-columns: repeat(3, 1fr); gap: 0.4rem; }

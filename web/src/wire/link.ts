@@ -6,12 +6,14 @@
 
 import { Failure } from "./failure.js";
 import { type Field, KINDS, SIZE } from "./light-kinds.js";
+import { type Channel, mixOf, mixText } from "./mix.js";
 import type { Camera, Light, Triple } from "./shot.js";
 
 /** What a link says. */
 export interface LinkState {
   camera?: Camera;
   lights?: Light[];
+  mix?: Channel[];
   /** Attributes of the element, by name; empty for their default. */
   settings: Record<string, string>;
 }
@@ -34,7 +36,7 @@ const isSize = ({ at }: Field) => at === SIZE;
 const short = (x: number) => String(Math.abs(x) < 1e-9 ? 0 : Number(x.toPrecision(5)));
 
 /** The hash, without `#`. `prefix` stands before each name, for pages of several elements. */
-export function stateHash({ camera, lights = [], settings }: LinkState, prefix = ""): string {
+export function stateHash({ camera, lights = [], mix = [], settings }: LinkState, prefix = ""): string {
   const parts: string[] = [];
   if (camera) {
     const { position, target, up = [0, 1, 0], yfov_deg = 60 } = camera;
@@ -52,6 +54,7 @@ export function stateHash({ camera, lights = [], settings }: LinkState, prefix =
     parts.push(`light=${[type, ...numbers.map(short), ...name]}`);
   }
   if (camera && lights.length === 0) parts.push("light=none");
+  if (mix.length) parts.push(`mix=${mixText(mix, short)}`);
   for (const [name, value] of Object.entries(settings)) {
     if (value) parts.push(`${name}=${encodeURIComponent(value)}`);
   }
@@ -73,7 +76,8 @@ export function readState(hash: string, prefix = ""): LinkState | undefined {
     } else if (name === "light") {
       state.lights ??= [];
       if (value !== "none") state.lights.push(light(value));
-    } else if ((LINK_SETTINGS as readonly string[]).includes(name)) state.settings[name] = value;
+    } else if (name === "mix") state.mix = mixOf(value);
+    else if ((LINK_SETTINGS as readonly string[]).includes(name)) state.settings[name] = value;
   }
   return state.camera || state.lights ? state : undefined;
 }

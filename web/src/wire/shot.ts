@@ -2,6 +2,7 @@
  * unit the scene was modelled in; colours are linear RGB. */
 
 import type { Light } from "./light-kinds.js";
+import type { Channel } from "./mix.js";
 
 export type {
   DirectionalLight,
@@ -46,6 +47,10 @@ export interface Named {
 export interface Shot {
   camera: Camera;
   lights: Light[];
+  /** Channels of the light mixer, by the lights' places. */
+  mix?: Channel[];
+  /** Factor of the emission of all surfaces that shine; 1 when absent. */
+  emission?: number;
   /** Width and height of the picture, pixels; the element keeps its own size. */
   size?: [number, number];
 }

@@ -1,8 +1,9 @@
 /** Cameras, lights and figures as the wasm module takes and gives them: lists of numbers (viewer/src/wasm/wire.rs). */
 
-import { Failure } from "./failure.js";
+import { list, member, number, numbers, wrong } from "./check.js";
 import { KINDS, LIGHT } from "./light-kinds.js";
 import type { Viewer } from "../engine/module.js";
+import { forgetMix, mixIn, setMix } from "./mix.js";
 import type { Camera, Light, NamedCamera, Shot, Triple } from "./shot.js";
 import type { Counts, Stats } from "./stats.js";
 
@@ -11,30 +12,9 @@ const TYPES = Object.keys(KINDS) as Light["type"][];
 /** Numbers of a camera. */
 const CAMERA = 10;
 
-function wrong(what: string, problem: string): Failure {
-  return new Failure("bad-json", `${what}: ${problem}`);
-}
-
-function numbers(what: string, value: unknown, count: number, absent?: readonly number[]): readonly number[] {
-  if (value === undefined && absent) return absent;
-  if (Array.isArray(value) && value.length === count && value.every((x) => typeof x === "number")) return value;
-  throw wrong(what, `must be a list of ${count} numbers`);
-}
-
-function number(what: string, value: unknown, absent?: number): number {
-  if (value === undefined && absent !== undefined) return absent;
-  if (typeof value === "number") return value;
-  throw wrong(what, "must be a number");
-}
-
-function members(what: string, value: unknown): Record<string, unknown> {
-  if (typeof value === "object" && value !== null) return value as Record<string, unknown>;
-  throw wrong(what, "must be an object");
-}
-
 /** A camera's numbers. Throws `bad-json` for what is none. */
 export function cameraNumbers(camera: Camera): Float64Array {
-  const { position, target, up, yfov_deg } = members("camera", camera);
+  const { position, target, up, yfov_deg } = member("camera", camera);
   return new Float64Array([
     ...numbers("camera.position", position, 3),
     ...numbers("camera.target", target, 3),
@@ -51,11 +31,11 @@ function cameraOf(numbers: Float64Array, at = 0): Camera {
 
 /** The lights' numbers. Throws `bad-json` for what are none. */
 function lightNumbers(lights: readonly Light[]): Float64Array {
-  if (!Array.isArray(lights)) throw wrong("lights", "must be a list");
+  list("lights", lights);
   const out = new Float64Array(LIGHT * lights.length);
   for (const [i, light] of lights.entries()) {
     const at = `lights[${i}]`;
-    const own = members(at, light);
+    const own = member(at, light);
     const kind = TYPES.indexOf(own.type as Light["type"]);
     if (kind < 0) throw wrong(`${at}.type`, `must be one of ${TYPES.join(", ")}`);
     if (typeof (own.name ?? "") !== "string") throw wrong(`${at}.name`, "must be a text");
@@ -99,6 +79,9 @@ type Texts = Record<string, string>;
 /** Texts of viewers' lights, which the wasm module leaves to the page. */
 const texts = new WeakMap<Viewer, Texts[]>();
 
+/** Names of the groups of shining surfaces of viewers' files. */
+const groups = new WeakMap<Viewer, string[]>();
+
 /** The file's cameras. */
 export function camerasIn(viewer: Viewer): NamedCamera[] {
   const numbers = viewer.cameras();
@@ -114,10 +97,27 @@ export function lightsIn(viewer: Viewer): Light[] {
   return lightsOf(viewer.lights()).map((light, i) => ({ ...light, ...kept[i] }));
 }
 
-/** The lights have the names of the file that was loaded. */
-export function nameLights(viewer: Viewer): void {
-  const names = fileNames(viewer).slice(0, viewer.lights().length / LIGHT);
+/** A file was loaded: its lights have its names, and no mix. */
+export function begin(viewer: Viewer): void {
+  const lights = lightsOf(viewer.lights());
+  const names = fileNames(viewer).slice(0, lights.length);
   texts.set(viewer, names.map((name) => (name ? { name } : {}) as Texts));
+  groups.set(viewer, lights.flatMap(({ type }, i) => (type === "emissive" ? [names[i] ?? ""] : [])));
+  forgetMix(viewer);
+}
+
+/** Lights whose groups of shining surfaces are found by name; one without a name, or with another, keeps its number. */
+function found(viewer: Viewer, lights: readonly Light[]): Light[] {
+  const group = ({ name }: Light) => (name ? (groups.get(viewer)?.indexOf(name) ?? -1) : -1);
+  return list("lights", lights).map((light) => (light?.type === "emissive" && group(light) >= 0 ? { ...light, group: group(light) } : light));
+}
+
+/** A shot's lights, and those of surfaces that it does not name: they shine as the scene says. */
+function completed(viewer: Viewer, { lights, emission = 1 }: Shot): Light[] {
+  const named = found(viewer, lights ?? []).map((light) => (light?.type === "emissive" ? { ...light, intensity: (light.intensity ?? 1) * emission } : light));
+  const has = (group: number) => named.some((light) => light?.type === "emissive" && (light.group ?? 0) === group);
+  const others = (groups.get(viewer) ?? []).flatMap((name, group): Light[] => (has(group) ? [] : [{ type: "emissive", group, intensity: emission, ...(name && { name }) }]));
+  return [...named, ...others];
 }
 
 /** The texts of a light that are there. */
@@ -130,16 +130,35 @@ function textsOf(light: Light): Texts {
 
 const keepTexts = (viewer: Viewer, lights: readonly Light[]) => texts.set(viewer, lights.map(textsOf));
 
-/** Sets the lights. Throws `bad-json` for what are none. */
+/** Sets the lights; channels of the mixer without a light go. Throws `bad-json` for what are none. */
 export function setLights(viewer: Viewer, lights: readonly Light[]): void {
-  viewer.setLights(lightNumbers(lights));
-  keepTexts(viewer, lights);
+  const all = found(viewer, lights);
+  viewer.setLights(lightNumbers(all));
+  keepTexts(viewer, all);
+  const mix = mixIn(viewer);
+  if (mix.length > all.length) setMix(viewer, mix.slice(0, all.length));
 }
 
-/** Sets camera and lights, or neither. Throws `bad-json` for what are none. */
+/** The present shot, without a size. */
+export function shotIn(viewer: Viewer): Shot {
+  const mix = mixIn(viewer);
+  return { camera: cameraIn(viewer), lights: lightsIn(viewer), ...(mix.length && { mix }) };
+}
+
+/** Sets camera, lights and mix, or none. Throws `bad-json` for what are none. */
 export function setShot(viewer: Viewer, shot: Shot): void {
-  viewer.setShot(cameraNumbers(shot?.camera), lightNumbers(shot?.lights));
-  keepTexts(viewer, shot.lights);
+  const { emission = 1, mix = [] } = member("shot", shot) as unknown as Shot;
+  if (!(number("emission", emission) >= 0)) throw wrong("emission", "must be a factor, 0 or more");
+  const before = mixIn(viewer);
+  const lights = completed(viewer, shot);
+  setMix(viewer, mix);
+  try {
+    viewer.setShot(cameraNumbers(shot.camera), lightNumbers(lights));
+  } catch (error) {
+    setMix(viewer, before);
+    throw error;
+  }
+  keepTexts(viewer, lights);
 }
 
 /** What the GPU counted for the present picture. */

@@ -12,7 +12,7 @@ export async function history(harness, context) {
   const state = () =>
     page.evaluate(() => {
       const { camera, lights, animations } = viewer;
-      return { camera, lights, animations, settings: ["exposure", "mode", "overlay"].map((name) => viewer.getAttribute(name)) };
+      return { camera, lights, animations, mix: viewer.mix, settings: ["exposure", "mode", "overlay"].map((name) => viewer.getAttribute(name)) };
     });
   /** Does something with a hand, takes it back and does it again; `steps` is how many there are. */
   const law = async (what, work, steps = 1) => {
@@ -83,7 +83,9 @@ export async function history(harness, context) {
       await page.keyboard.press("Enter");
     });
     await law("a drag of a slider", async () => {
-      const box = await page.getByRole("slider", { name: "Intensity" }).boundingBox();
+      const fader = page.getByRole("slider", { name: "Spot 2 strength" });
+      await fader.scrollIntoViewIfNeeded();
+      const box = await fader.boundingBox();
       await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
       await page.mouse.down();
       await page.mouse.move(box.x + 0.6 * box.width, box.y + box.height / 2, { steps: 5 });
