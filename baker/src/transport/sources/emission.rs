@@ -1,5 +1,9 @@
 //! Irradiance from the groups of emissive surfaces at a receiver: next-event estimation over the emissive triangles, by
 //! solid angle, with visibility rays.
+//!
+//! A ratio estimator (Heitz, Hill and McGuire 2018, "Combining analytic direct illumination and stochastic shadows"): the
+//! unoccluded irradiance is integrated by fixed points without rays, and the visibility rays estimate the share that
+//! arrives. Where nothing is hidden there is no noise, whatever the emission's texture; where all is, the irradiance is 0.
 
 use super::emitter_tree::{Assigned, EmitterTree};
 use super::triangle_sampling::SphericalTriangle;
@@ -7,10 +11,15 @@ use crate::geometry::{Emitters, Surfaces};
 use crate::random::{Stream, mix};
 use crate::sampling::SurfacePoint;
 use glam::{Vec2, Vec3};
+use smallvec::SmallVec;
 use std::f32::consts::TAU;
 
 /// Share of the distance to a sample that its visibility ray leaves out, so that the emitter does not hide itself.
 const SHORTER: f32 = 1e-3;
+/// Least number of visibility rays to a group.
+const LEAST: u32 = 8;
+/// Samples without visibility rays, for each with one.
+const UNOCCLUDED: u32 = 8;
 
 /// Irradiance from one group, linear RGB, and the variance of its estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,24 +33,38 @@ pub struct GroupSeen {
 /// Emissive triangles with their groups.
 pub struct Emission<'a> {
     emitters: &'a dyn Emitters,
-    tree: EmitterTree,
-    /// Group of each material; `None` without emission.
-    group_of: Vec<Option<u32>>,
+    /// A tree a group, so that each is estimated as well as the others, however bright: a mixer may leave it alone.
+    trees: Vec<EmitterTree>,
 }
 
 impl<'a> Emission<'a> {
-    /// Prepares emitters; `group_of` has the group of each material.
-    pub fn new(emitters: &'a dyn Emitters, group_of: Vec<Option<u32>>) -> Self {
-        Self { emitters, tree: EmitterTree::new(emitters), group_of }
+    /// Prepares emitters of `groups` groups; `group_of` has the group of each material, `None` without emission.
+    pub fn new(emitters: &'a dyn Emitters, group_of: &[Option<u32>], groups: usize) -> Self {
+        let mut numbers = vec![Vec::new(); groups];
+        for number in 0..emitters.emitter_count() as u32 {
+            let group = group_of.get(emitters.emitter(number).material as usize).copied().flatten();
+            if let Some(numbers) = group.and_then(|group| numbers.get_mut(group as usize)) {
+                numbers.push(number);
+            }
+        }
+        let trees = numbers.into_iter().map(|numbers| EmitterTree::new(emitters, numbers.into_iter()));
+        Self { emitters, trees: trees.collect() }
     }
 
-    /// Estimates the irradiance of a receiver from each group, with `samples` visibility rays in all; returns the number
-    /// of rays.
+    /// Visibility rays to each group, for `rays` per receiver: at least [`LEAST`] as long as all together are at most four
+    /// times as many.
+    pub fn rays_a_group(&self, rays: u32) -> u32 {
+        let groups = self.trees.len().max(1) as u32;
+        (rays / groups).max(LEAST.min(4 * rays / groups)).max(1)
+    }
+
+    /// Estimates the irradiance of a receiver from each group, with about `rays` visibility rays in all; returns their
+    /// number.
     pub fn see<S: Surfaces + ?Sized>(
         &self,
         surfaces: &S,
         (point, receiver): (&SurfacePoint, usize),
-        samples: u32,
+        rays: u32,
         seed: u64,
         assigned: &mut Vec<Assigned>,
         out: &mut [GroupSeen],
@@ -49,46 +72,77 @@ impl<'a> Emission<'a> {
         out.fill(GroupSeen::default());
         let mut stream = Stream::new(mix(seed) ^ 0x656d_6974, receiver as u64);
         let origin = point.position + point.geometric_normal * surfaces.epsilon_at(point.position);
-        self.tree.assign(point.position, point.normal, samples, &mut stream, assigned);
+        let samples = self.rays_a_group(rays);
         let mut rays = 0;
-        for &Assigned { emitter, samples, expected } in assigned.iter() {
-            let triangle = self.emitters.emitter(emitter);
-            let Some(group) = self.group_of.get(triangle.material as usize).copied().flatten() else {
-                continue;
-            };
-            let Some(spherical) = SphericalTriangle::new(triangle.corners, point.position) else { continue };
-            let from_front = triangle.front().dot(point.position - triangle.corners[0]) > 0.0;
-            if !triangle.is_two_sided && !from_front {
-                continue;
+        for (tree, found) in self.trees.iter().zip(out) {
+            tree.assign(point.position, point.normal, samples, &mut stream, assigned);
+            for assigned in assigned.iter() {
+                rays += self.add(surfaces, point, origin, assigned, &mut stream, found);
             }
-            let (turn, mut sum, mut squares) = (stream.unit(), Vec3::ZERO, Vec3::ZERO);
-            for k in 0..samples {
-                // The first coordinate is stratified over the triangle's samples.
-                let square =
-                    Vec2::new((k as f32 + stream.unit()) / samples as f32, (turn + stream.unit()).fract());
-                let Some(sample) = spherical.sample(square) else { continue };
-                let cosine = point.normal.dot(sample.direction);
-                if cosine <= 0.0 || point.geometric_normal.dot(sample.direction) <= 0.0 {
-                    continue;
-                }
-                rays += 1;
-                let end = sample.position.lerp(origin, SHORTER);
-                let through = surfaces.transmittance(origin, end);
-                if through == Vec3::ZERO {
-                    continue;
-                }
-                let weights = [1.0 - sample.at.element_sum(), sample.at.x, sample.at.y];
-                let radiance = self.emitters.radiance(emitter, weights, sample.direction);
-                let amount = radiance * through * (cosine * sample.solid_angle.min(TAU));
-                sum += amount;
-                squares += amount * amount;
-            }
-            let found = &mut out[group as usize];
-            found.irradiance += sum / expected;
-            // Variance of a sum of independent samples.
-            let spread = (squares - sum * sum / samples as f32).max(Vec3::ZERO);
-            found.variance += spread / (expected * expected);
         }
         rays
     }
+
+    /// Adds the irradiance from a triangle; returns the number of rays.
+    fn add<S: Surfaces + ?Sized>(
+        &self,
+        surfaces: &S,
+        point: &SurfacePoint,
+        origin: Vec3,
+        &Assigned { emitter, samples, expected }: &Assigned,
+        stream: &mut Stream,
+        found: &mut GroupSeen,
+    ) -> u64 {
+        let triangle = self.emitters.emitter(emitter);
+        let from_front = triangle.front().dot(point.position - triangle.corners[0]) > 0.0;
+        if !triangle.is_two_sided && !from_front {
+            return 0;
+        }
+        let Some(spherical) = SphericalTriangle::new(triangle.corners, point.position) else { return 0 };
+        let unoccluded = |square: Vec2| {
+            let sample = spherical.sample(square)?;
+            let cosine = point.normal.dot(sample.direction);
+            if cosine <= 0.0 || point.geometric_normal.dot(sample.direction) <= 0.0 {
+                return None;
+            }
+            let weights = [1.0 - sample.at.element_sum(), sample.at.x, sample.at.y];
+            let radiance = self.emitters.radiance(emitter, weights, sample.direction);
+            Some((radiance * (cosine * sample.solid_angle.min(TAU)), sample.position))
+        };
+        let (turn, mut pairs) = (stream.unit(), SmallVec::<[(Vec3, Vec3); 32]>::new());
+        for k in 0..samples {
+            // The first coordinate is stratified over the triangle's samples.
+            let square =
+                Vec2::new((k as f32 + stream.unit()) / samples as f32, (turn + stream.unit()).fract());
+            let Some((amount, place)) = unoccluded(square) else { continue };
+            pairs.push((amount, amount * surfaces.transmittance(origin, place.lerp(origin, SHORTER))));
+        }
+        let [all, through] = pairs.iter().fold([Vec3::ZERO; 2], |[a, t], pair| [a + pair.0, t + pair.1]);
+        if expected < 2.0 {
+            found.irradiance += through / expected;
+            // Variance of a sum of independent samples.
+            let squares: Vec3 = pairs.iter().map(|pair| pair.1 * pair.1).sum();
+            let spread = (squares - through * through / samples as f32).max(Vec3::ZERO);
+            found.variance += spread / (expected * expected);
+            return pairs.len() as u64;
+        }
+        let count = UNOCCLUDED * (expected.ceil() as u32).next_power_of_two();
+        let fixed = (0..count).filter_map(|k| unoccluded(low_discrepancy(k)));
+        let whole = fixed.map(|(amount, _)| amount).sum::<Vec3>() / count as f32;
+        // A channel that no sample found has the visibility of the others.
+        let mean = through.element_sum() / all.element_sum().max(f32::MIN_POSITIVE);
+        let ratio = Vec3::select(all.cmpgt(Vec3::ZERO), through / all, Vec3::splat(mean));
+        found.irradiance += whole * ratio;
+        let residual = |(amount, through): &(Vec3, Vec3)| *through - ratio * *amount;
+        let residuals: Vec3 = pairs.iter().map(|pair| residual(pair) * residual(pair)).sum();
+        let scale = Vec3::select(all.cmpgt(Vec3::ZERO), whole / all, Vec3::ZERO);
+        found.variance += residuals * scale * scale;
+        pairs.len() as u64
+    }
+}
+
+/// Point number k of the additive recurrence of Roberts (2018), in the unit square. The same for all receivers: what it
+/// is off by is smooth from place to place, and no noise.
+fn low_discrepancy(k: u32) -> Vec2 {
+    (Vec2::splat(0.5) + k as f32 * Vec2::new(0.754_877_7, 0.569_840_3)).fract()
 }

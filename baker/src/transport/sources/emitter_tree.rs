@@ -2,7 +2,7 @@
 //!
 //! A binary tree with bounds, power and normal cone per node (Conty Estevez and Kulla 2018, "Importance Sampling of Many
 //! Lights with Adaptive Tree Splitting"). A receiver's samples are divided between the children of a node in proportion to
-//! their importance, with stochastic rounding: every triangle gets its share of the samples to less than one sample.
+//! their importance, by systematic sampling: every triangle gets its share of the samples rounded up or down.
 
 use crate::geometry::{EmissiveTriangle, Emitters};
 use crate::random::Stream;
@@ -46,16 +46,13 @@ struct Leaf {
 }
 
 impl EmitterTree {
-    /// Builds the tree; empty without emitters.
-    pub fn new(emitters: &dyn Emitters) -> Self {
-        let leaf = |number: usize| {
-            let emitter = emitters.emitter(number as u32);
-            Leaf {
-                node: leaf_of(&emitter, number as u32),
-                centre: emitter.corners.iter().sum::<Vec3>() / 3.0,
-            }
+    /// Builds the tree of the emitters with these numbers; empty without.
+    pub fn new(emitters: &dyn Emitters, numbers: impl Iterator<Item = u32>) -> Self {
+        let leaf = |number: u32| {
+            let emitter = emitters.emitter(number);
+            Leaf { node: leaf_of(&emitter, number), centre: emitter.corners.iter().sum::<Vec3>() / 3.0 }
         };
-        let mut leaves: Vec<Leaf> = (0..emitters.emitter_count()).map(leaf).collect();
+        let mut leaves: Vec<Leaf> = numbers.map(leaf).collect();
         let mut nodes = Vec::with_capacity(2 * leaves.len());
         if !leaves.is_empty() {
             nodes.push(leaves[0].node);
@@ -75,14 +72,19 @@ impl EmitterTree {
         out: &mut Vec<Assigned>,
     ) {
         out.clear();
-        let mut stack = smallvec::SmallVec::<[(u32, u32, f32); 64]>::new();
+        // A node takes an interval of 0 to `samples`, and the samples in it: one lies at each whole number less an offset.
+        let offset = stream.unit();
+        let count = |[low, high]: [f32; 2]| {
+            ((high + offset) as u32).min(samples) - ((low + offset) as u32).min(samples)
+        };
+        let mut stack = smallvec::SmallVec::<[(u32, [f32; 2]); 64]>::new();
         if self.nodes.first().is_some_and(|root| root.importance(position, normal) > 0.0) {
-            stack.push((0, samples, samples as f32));
+            stack.push((0, [0.0, samples as f32]));
         }
-        while let Some((index, samples, expected)) = stack.pop() {
+        while let Some((index, [low, high])) = stack.pop() {
             let node = &self.nodes[index as usize];
             if node.is_leaf {
-                out.push(Assigned { emitter: node.first, samples, expected });
+                out.push(Assigned { emitter: node.first, samples: count([low, high]), expected: high - low });
                 continue;
             }
             let importance = [0, 1].map(|k| self.nodes[node.first as usize + k].importance(position, normal));
@@ -90,11 +92,10 @@ impl EmitterTree {
             if total <= 0.0 {
                 continue;
             }
-            let share = importance[0] / total;
-            let first = ((samples as f32 * share + stream.unit()) as u32).min(samples);
-            for (k, samples, share) in [(1, samples - first, 1.0 - share), (0, first, share)] {
-                if samples > 0 && share > 0.0 {
-                    stack.push((node.first + k, samples, expected * share));
+            let middle = low + (high - low) * (importance[0] / total);
+            for (k, interval) in [(1, [middle, high]), (0, [low, middle])] {
+                if count(interval) > 0 {
+                    stack.push((node.first + k, interval));
                 }
             }
         }
@@ -226,7 +227,7 @@ mod tests {
     #[test]
     fn samples_are_divided_without_bias_and_none_is_lost() {
         let grid = ceiling();
-        let tree = EmitterTree::new(&grid);
+        let tree = EmitterTree::new(&grid, 0..grid.0.len() as u32);
         let mut stream = Stream::new(1, 1);
         let (mut out, mut sums) = (Vec::new(), vec![0.0; grid.emitter_count()]);
         let (rounds, samples) = (4000, 16);
@@ -234,6 +235,7 @@ mod tests {
             tree.assign(Vec3::new(3.0, 0.0, 2.0), Vec3::Y, samples, &mut stream, &mut out);
             assert_eq!(out.iter().map(|assigned| assigned.samples).sum::<u32>(), samples);
             for a in &out {
+                assert!((a.samples as f32 - a.expected).abs() < 1.001, "{a:?}");
                 sums[a.emitter as usize] += a.samples as f32 / a.expected / rounds as f32;
             }
         }
@@ -247,7 +249,7 @@ mod tests {
         let mut grid = ceiling();
         let mut stream = Stream::new(1, 1);
         let mut out = Vec::new();
-        let tree = EmitterTree::new(&grid);
+        let tree = EmitterTree::new(&grid, 0..grid.0.len() as u32);
         // Below the receiver's horizon.
         tree.assign(Vec3::new(3.0, 0.0, 2.0), Vec3::NEG_Y, 16, &mut stream, &mut out);
         assert!(out.is_empty());
@@ -255,7 +257,13 @@ mod tests {
         tree.assign(Vec3::new(3.0, 9.0, 2.0), Vec3::NEG_Y, 64, &mut stream, &mut out);
         assert!(!out.is_empty() && out.iter().all(|a| grid.0[a.emitter as usize].is_two_sided), "{out:?}");
         grid.0.clear();
-        EmitterTree::new(&grid).assign(Vec3::ZERO, Vec3::Y, 16, &mut stream, &mut out);
+        EmitterTree::new(&grid, 0..grid.0.len() as u32).assign(
+            Vec3::ZERO,
+            Vec3::Y,
+            16,
+            &mut stream,
+            &mut out,
+        );
         assert!(out.is_empty());
     }
 }

@@ -93,7 +93,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             points,
             relations,
             settings,
-            emission: emitters.map(|emitters| Emission::new(emitters, group_of)),
+            emission: emitters.map(|emitters| Emission::new(emitters, &group_of, sources.groups.len())),
             beside: Beside::of_bins(),
             sources,
             typical: Vec::new(),
@@ -112,7 +112,10 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
     /// Expected number of rays.
     pub fn rays(&self) -> u64 {
         let sky = if self.sources.has_sky { BINS as u64 / 2 } else { 0 };
-        let emission = if self.emission.is_some() { u64::from(self.settings.emitter_rays[1]) } else { 0 };
+        let rays_of = |emission: &Emission| {
+            self.sources.groups.len() as u64 * u64::from(emission.rays_a_group(self.settings.emitter_rays[1]))
+        };
+        let emission = self.emission.as_ref().map_or(0, rays_of);
         self.points.points.len() as u64 * (sky + emission)
     }
 
