@@ -271,10 +271,10 @@ impl<'a> Document<'a> {
     }
 }
 
-/// Distance from which on a camera sees, scene units: a ten-thousandth of the scene.
+/// Distance from which on a camera sees, scene units: a thousandth of the scene.
 fn near(scene: &BakedScene) -> f32 {
     let size = Vec3::from(scene.meta.bounds_max) - Vec3::from(scene.meta.bounds_min);
-    (1e-4 * size.length()).max(f32::MIN_POSITIVE)
+    (1e-3 * size.length()).max(f32::MIN_POSITIVE)
 }
 
 /// Returns the mean of a base-colour texture around a vertex; white without one.

@@ -4,6 +4,9 @@ use super::meshes::ExportMesh;
 use super::unwrap::UvAtlas;
 use glam::Vec2;
 
+/// Distance from a triangle's edge, texels, of the sample of a texel that has none.
+const INSET: f32 = 0.25;
+
 /// A triangle in the texture.
 #[derive(Clone, Copy, Debug)]
 pub struct TexelTriangle {
@@ -40,8 +43,17 @@ impl TexelTriangle {
         self.weights(at).iter().all(|weight| *weight >= 0.0)
     }
 
+    /// Returns a place near the nearest one to a place, within the triangle by [`INSET`] as far as it goes: on an edge there
+    /// may be a wall.
+    pub fn nearest_inside(&self, at: Vec2) -> Vec2 {
+        let nearest = self.nearest(at);
+        let [a, b, c] = self.corners;
+        let to_middle = (a + b + c) / 3.0 - nearest;
+        nearest + to_middle.clamp_length_max(INSET)
+    }
+
     /// Returns the place of the triangle nearest to a place.
-    pub fn nearest(&self, at: Vec2) -> Vec2 {
+    fn nearest(&self, at: Vec2) -> Vec2 {
         if self.contains(at) {
             return at;
         }

@@ -112,7 +112,7 @@ impl<S: Surfaces> TexelSamples<'_, S> {
         if !met {
             let middle = low + 0.5;
             let places = touched.iter().map(|t| &self.coverage.triangles[*t as usize]);
-            let places = places.map(|triangle| (triangle, triangle.nearest(middle)));
+            let places = places.map(|triangle| (triangle, triangle.nearest_inside(middle)));
             let (triangle, at) = places
                 .min_by(|a, b| a.1.distance_squared(middle).total_cmp(&b.1.distance_squared(middle)))?;
             for s in 0..self.samples.div_ceil(TOUCHED) {

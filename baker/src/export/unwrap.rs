@@ -2,6 +2,7 @@
 
 use super::PADDING;
 use super::meshes::ExportMesh;
+use std::collections::HashMap;
 use uvunwrap::{MeshInput, Options, Packing};
 
 /// Texels along a scene unit.
@@ -20,6 +21,9 @@ const MANY: u64 = 100_000;
 const FULL: f64 = 0.98;
 /// Share of the density of which a message says that it fits.
 const SURELY: f64 = 0.9;
+
+/// Cosine of the angle between the normals on the two sides of an edge, under which the edge is a crease: 30 degrees.
+const CREASE: f32 = 0.866;
 
 /// Why there are no coordinates.
 #[derive(Debug, thiserror::Error)]
@@ -132,13 +136,15 @@ pub fn unwrap(
         meshes.iter().map(|mesh| mesh.materials.iter().map(|m| !is_used(*m)).collect()).collect();
     let scales: Vec<Vec<f32>> =
         meshes.iter().map(|mesh| if mesh.is_model { mesh.scales() } else { Vec::new() }).collect();
+    let creases: Vec<Vec<[bool; 3]>> = meshes.iter().map(creases).collect();
     let inputs: Vec<MeshInput> = meshes
         .iter()
-        .zip(ignored.iter().zip(&scales))
-        .map(|(mesh, (ignored, scales))| MeshInput {
+        .zip(ignored.iter().zip(&scales).zip(&creases))
+        .map(|(mesh, ((ignored, scales), creases))| MeshInput {
             face_materials: Some(&mesh.materials),
             ignored_faces: Some(ignored),
             instance_scales: scales,
+            seams: Some(creases),
             ..MeshInput::new(&mesh.positions, mesh.triangles.as_flattened())
         })
         .collect();
@@ -198,6 +204,28 @@ pub fn unwrap(
         used: atlas.utilization,
         meshes: atlas.meshes.into_iter().map(unwrapped).collect(),
     })
+}
+
+/// Returns whether each edge of each triangle is a crease: the light on its two sides has nothing in common, and is not to
+/// be filtered together.
+fn creases(mesh: &ExportMesh) -> Vec<[bool; 3]> {
+    let at = |vertex: u32| mesh.positions[vertex as usize].map(f32::to_bits);
+    let mut first: HashMap<([u32; 3], [u32; 3]), [u32; 2]> = HashMap::new();
+    let mut out = vec![[false; 3]; mesh.triangles.len()];
+    for (t, triangle) in mesh.triangles.iter().enumerate() {
+        for k in 0..3 {
+            let [a, b] = [triangle[k], triangle[(k + 1) % 3]];
+            // The other triangle goes along the edge the other way.
+            match first.get(&(at(b), at(a))) {
+                Some([other_b, other_a]) => {
+                    let turn = |v: u32, w: u32| mesh.normals[v as usize].dot(mesh.normals[w as usize]);
+                    out[t][k] = turn(a, *other_a).min(turn(b, *other_b)) < CREASE;
+                }
+                None => drop(first.insert((at(a), at(b)), [a, b])),
+            }
+        }
+    }
+    out
 }
 
 /// Returns whether an error is of the texture's size alone.
