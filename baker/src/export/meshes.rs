@@ -8,6 +8,7 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::octahedral;
 use rebounce_shared::rbn::bulk::Instance;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// A mesh, and where it stands.
 #[derive(Clone, Debug, Default)]
@@ -89,8 +90,8 @@ impl ExportMesh {
     }
 
     /// Returns the runs of triangles of one material: the material and the range.
-    pub fn runs(&self) -> Vec<(u32, std::ops::Range<usize>)> {
-        let mut out: Vec<(u32, std::ops::Range<usize>)> = Vec::new();
+    pub fn runs(&self) -> Vec<(u32, Range<usize>)> {
+        let mut out: Vec<(u32, Range<usize>)> = Vec::new();
         for (i, material) in self.materials.iter().enumerate() {
             match out.last_mut() {
                 Some((last, range)) if last == material => range.end = i + 1,
@@ -140,7 +141,7 @@ impl Growing {
 pub fn meshes(scene: &BakedScene) -> Vec<ExportMesh> {
     let mut out: Vec<ExportMesh> = Vec::new();
     let draws = || scene.meta.draws.iter().enumerate();
-    let mut copies: Vec<std::ops::Range<usize>> = vec![0..0];
+    let mut copies = Vec::from([Range { start: 0, end: 0 }]);
     for range in draws().map(|(i, _)| scene.copies_of(i)).filter(|range| !range.is_empty()) {
         if !copies.contains(&range) {
             copies.push(range);
