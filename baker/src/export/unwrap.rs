@@ -19,8 +19,8 @@ pub enum Density {
 const MANY: u64 = 100_000;
 /// Share of a texture that charts fill at most: a greater area surely does not fit.
 const FULL: f64 = 0.98;
-/// Share of the density of which a message says that it fits.
-const SURELY: f64 = 0.9;
+/// Share of the greatest density of which a message says that it fits.
+const SURELY: f32 = 0.98;
 
 /// Cosine of the angle between the normals on the two sides of an edge, under which the edge is a crease: 30 degrees.
 const CREASE: f32 = 0.866;
@@ -30,18 +30,16 @@ const CREASE: f32 = 0.866;
 pub enum UnwrapError {
     /// The wanted density does not fit.
     #[error(
-        "{wanted} texels a metre need a texture of about {needed} x {needed}, over {most} x {most}: \
-         give --texels-per-metre {fitting:.3}, or a greater --max-size"
+        "{wanted} texels a metre do not fit a texture of {most} x {most}: give --texels-per-metre {fitting:.3}, or a \
+         greater --max-size"
     )]
     TooLarge {
         /// Texels along a scene unit.
         wanted: f32,
-        /// Texels along a side.
-        needed: u64,
         /// The limit, texels along a side.
         most: u32,
         /// A density that fits, texels along a scene unit.
-        fitting: f64,
+        fitting: f32,
     },
     /// The charts do not fit at any density.
     #[error(
@@ -160,37 +158,35 @@ pub fn unwrap(
     };
     let (Density::Exactly(wanted) | Density::AtMost(wanted)) = density;
     let fits = |atlas: &uvunwrap::Atlas| atlas.width.max(atlas.height) <= max_size && atlas.page_count <= 1;
+    let too_many = |error: uvunwrap::Error| match is_of_size(&error) {
+        true => UnwrapError::TooMany { triangles, most: max_size },
+        false => UnwrapError::Mesh(error.to_string()),
+    };
     let needed = area.sqrt() * f64::from(wanted);
     // Nothing far too large is tried: it would take long, and much memory.
     let is_hopeless = needed * needed > FULL * f64::from(max_size).powi(2);
-    let tried = match is_hopeless {
-        true => None,
-        false => Some(run(uvunwrap::Density::Fixed { texels_per_unit: wanted, page_size: None })),
-    };
-    let too_large = |needed: f64| UnwrapError::TooLarge {
-        wanted,
-        needed: needed.ceil() as u64,
-        most: max_size,
-        fitting: SURELY * f64::from(wanted) * f64::from(max_size) / needed,
-    };
-    let (atlas, was_wanted) = match (tried, density) {
-        (Some(Ok(atlas)), _) if fits(&atlas) => (atlas, None),
-        (Some(Ok(atlas)), Density::Exactly(_)) => {
-            return Err(too_large(f64::from(atlas.width.max(atlas.height))));
+    let mut fitting = None;
+    // As large as need be; then, of another shape, the greatest.
+    for page_size in [None, Some(max_size)].into_iter().filter(|_| !is_hopeless) {
+        match run(uvunwrap::Density::Fixed { texels_per_unit: wanted, page_size }) {
+            Ok(atlas) if fits(&atlas) => fitting = Some(atlas),
+            Err(error) if !is_of_size(&error) => return Err(UnwrapError::Mesh(error.to_string())),
+            _ => {}
         }
-        (None, Density::Exactly(_)) => return Err(too_large(needed / FULL.sqrt())),
-        (Some(Err(error)), _) if !is_of_size(&error) => return Err(UnwrapError::Mesh(error.to_string())),
-        (Some(Err(_)), Density::Exactly(_)) => return Err(too_large(needed.max(f64::from(max_size)) * 1.5)),
-        (_, Density::AtMost(_)) => {
-            let atlas =
-                run(uvunwrap::Density::Auto { page_size: max_size }).map_err(|error| {
-                    match is_of_size(&error) {
-                        true => UnwrapError::TooMany { triangles, most: max_size },
-                        false => UnwrapError::Mesh(error.to_string()),
-                    }
-                })?;
+        if fitting.is_some() {
+            break;
+        }
+    }
+    let (atlas, was_wanted) = match fitting {
+        Some(atlas) => (atlas, None),
+        None => {
+            let atlas = run(uvunwrap::Density::Auto { page_size: max_size }).map_err(too_many)?;
             if !fits(&atlas) {
                 return Err(UnwrapError::TooMany { triangles, most: max_size });
+            }
+            if let Density::Exactly(_) = density {
+                let fitting = SURELY * atlas.texels_per_unit;
+                return Err(UnwrapError::TooLarge { wanted, most: max_size, fitting });
             }
             (atlas, Some(wanted))
         }
