@@ -106,25 +106,25 @@ fn glowing() -> BakedScene {
 
 #[test]
 fn every_texel_of_a_glowing_furnace_has_the_closed_form() {
-    /// Of a small bake in the room's corners: its rays are few, and its links quantised.
-    const TOLERANCE: f32 = 0.06;
+    /// Of a texel, its RMS over all, and the mean: the errors of a small bake, greatest in the room's corners.
+    const TOLERANCES: [f32; 3] = [0.1, 0.03, 0.01];
     let scene = glowing();
     // π L of what shines, and as much again over all bounces of albedo 0.5.
-    for (only, expected) in [(Only::All, 2.0 * PI), (Only::Direct, PI), (Only::Indirect, PI)] {
+    let cases = [(Only::All, 2.0 * PI), (Only::Direct, PI), (Only::Indirect, PI)];
+    let mut found = Vec::new();
+    for (only, expected) in cases {
         let made = exported(&scene, &settings(Form::LightmapTexture, only));
         let picture = made.lightmap.unwrap();
-        assert!(picture.pixels.len() > 4 * 400, "{} texels", picture.pixels.len());
-        let (mut sum, mut worst) = (Vec3::ZERO, 0f32);
-        for (i, irradiance) in picture.pixels.iter().enumerate() {
-            let off = (*irradiance / expected - 1.0).abs().max_element();
-            worst = worst.max(off);
-            assert!(off < TOLERANCE, "{only:?}, texel {i}: {irradiance} instead of {expected}");
-            sum += *irradiance;
-        }
-        let mean = sum.x / picture.pixels.len() as f32 / expected;
-        println!("{only:?}: mean {mean} of the closed form, worst {worst}");
-        assert!((mean - 1.0).abs() < 0.01, "{only:?}: {mean}");
+        let count = picture.pixels.len() as f32;
+        assert!(count > 4.0 * 400.0, "{count} texels");
+        let off: Vec<f32> = picture.pixels.iter().map(|e| (e.x - expected) / expected).collect();
+        let worst = off.iter().fold(0f32, |worst, off| worst.max(off.abs()));
+        let rms = (off.iter().map(|off| off * off).sum::<f32>() / count).sqrt();
+        found.push((only, [worst, rms, off.iter().sum::<f32>().abs() / count]));
     }
+    println!("{found:?}");
+    let is_near = |errors: &[f32; 3]| errors.iter().zip(TOLERANCES).all(|(error, most)| *error < most);
+    assert!(found.iter().all(|(_, errors)| is_near(errors)), "{found:?}");
 }
 
 /// Texels, and their light.
@@ -220,7 +220,8 @@ fn an_exported_file_loads_again_with_the_same_area() {
             // Slivers of a copy may have no area in local space.
             let flat = again.degenerate_triangles as u64;
             assert_eq!(again.triangles_placed() + flat, made.triangles, "{form:?}");
-            assert!(flat < made.triangles / 100 && !again.cameras.is_empty(), "{form:?}: {flat}");
+            assert!(100 * flat <= made.triangles, "{form:?}: {flat}");
+            assert_eq!(again.cameras.len(), scene.meta.cameras.len().min(1), "{form:?}");
             let is_unlit = again.materials.iter().all(|material| material.extras.unlit);
             assert_eq!(is_unlit, form != Form::LightmapTexture, "{form:?}");
             surfaces += again.triangles.len();
