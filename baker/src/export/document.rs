@@ -22,7 +22,7 @@ const HALF: f32 = 0.5;
 const LEAST: f32 = 1.0 / 255.0;
 
 /// Builder of the file.
-pub(super) struct Document<'a> {
+pub(super) struct ExportDocument<'a> {
     scene: &'a BakedScene,
     form: Form,
     buffer: Buffer,
@@ -39,7 +39,7 @@ pub(super) struct Document<'a> {
     extras: Value,
 }
 
-impl<'a> Document<'a> {
+impl<'a> ExportDocument<'a> {
     /// A file without meshes.
     pub fn new(scene: &'a BakedScene, settings: &ExportSettings, camera: Option<&Camera>) -> Self {
         let (form, unit) = match settings.form {

@@ -25,7 +25,7 @@ use crate::geometry::mesh::TriangleSurfaces;
 use crate::io::picture::{Only, Picture};
 use crate::verify::render::Relit;
 use develop::Developed;
-use document::Document;
+use document::ExportDocument;
 use meshes::{ExportMesh, meshes};
 use point::{Lit, Shading};
 use rebounce_shared::baked::BakedScene;
@@ -130,7 +130,7 @@ pub fn export(
         Form::VertexColours => Shading::MeanRadiance,
     };
     let lit = Lit { surfaces, with_lights, relit, only: settings.only, shading };
-    let mut document = Document::new(scene, settings, camera);
+    let mut document = ExportDocument::new(scene, settings, camera);
     let triangles = meshes.iter().map(ExportMesh::triangles_placed).sum();
     if settings.form == Form::VertexColours {
         let colours = vertices::light(&meshes, &lit, settings.samples, settings.seed, done);

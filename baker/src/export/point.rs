@@ -27,7 +27,7 @@ pub enum Shading {
 
 /// A place of a surface, local space.
 #[derive(Clone, Copy, Debug)]
-pub struct SurfacePoint {
+pub struct SurfaceElement {
     position: Vec3,
     /// Unit shading normal, on the front.
     normal: Vec3,
@@ -39,7 +39,7 @@ pub struct SurfacePoint {
     material: u32,
 }
 
-impl SurfacePoint {
+impl SurfaceElement {
     /// Returns the place at barycentric weights of a triangle, which stands for an `area` around it, square scene units;
     /// `None` on a triangle without an area.
     pub fn new(triangle: &SurfaceTriangle, weights: [f32; 3], area: f32) -> Option<Self> {
@@ -90,7 +90,7 @@ pub struct Lit<'a, S> {
 impl<S: Surfaces> Lit<'_, S> {
     /// Returns the light at a place, linear RGB, and the surface's opacity; `None` at a place that nobody sees, inside
     /// of something. A single estimate.
-    pub fn at(&self, point: &SurfacePoint, stream: &mut Stream) -> Option<Vec4> {
+    pub fn at(&self, point: &SurfaceElement, stream: &mut Stream) -> Option<Vec4> {
         let hit = point.hit();
         if self.is_hidden(&hit, stream) {
             return None;

@@ -2,7 +2,7 @@
 
 use super::ExportSettings;
 use super::meshes::ExportMesh;
-use super::point::{Lit, SurfacePoint};
+use super::point::{Lit, SurfaceElement};
 use super::rasterize::{Coverage, TexelTriangle};
 use crate::geometry::Surfaces;
 use crate::io::picture::Picture;
@@ -132,7 +132,7 @@ impl<S: Surfaces> TexelSamples<'_, S> {
         let surface = mesh.triangle(triangle.copy as usize, triangle.triangle as usize);
         let weights = triangle.weights(at).map(|weight| weight.clamp(0.0, 1.0));
         let sum: f32 = weights.iter().sum();
-        let point = SurfacePoint::new(&surface, weights.map(|weight| weight / sum), self.area)?;
+        let point = SurfaceElement::new(&surface, weights.map(|weight| weight / sum), self.area)?;
         self.lit.at(&point, stream)
     }
 }

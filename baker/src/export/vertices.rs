@@ -1,7 +1,7 @@
 //! Light by vertex: the mean around a vertex, weighted by the share that interpolation gives the vertex there.
 
 use super::meshes::ExportMesh;
-use super::point::{Lit, SurfacePoint};
+use super::point::{Lit, SurfaceElement};
 use crate::geometry::Surfaces;
 use crate::random::Stream;
 use glam::{DVec4, Vec4};
@@ -88,7 +88,7 @@ fn of_triangle<S: Surfaces>(
         let at = [shift.x + R2[0] * f64::from(i), shift.y + R2[1] * f64::from(i)].map(|x| x.fract() as f32);
         let (v, w) = if at[0] + at[1] > 1.0 { (1.0 - at[0], 1.0 - at[1]) } else { (at[0], at[1]) };
         let weights = [1.0 - v - w, v, w];
-        let point = SurfacePoint::new(&surface, weights, area / count as f32);
+        let point = SurfaceElement::new(&surface, weights, area / count as f32);
         let Some(value) = point.and_then(|point| lit.at(&point, &mut stream)) else { continue };
         for (sum, weight) in sums.iter_mut().zip(weights) {
             let weight = f64::from(weight) * f64::from(area) / f64::from(count);
