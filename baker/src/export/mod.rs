@@ -1,6 +1,6 @@
 //! The light of a baked scene as textures or vertex colours of a .glb file, for engines without a relighting viewer.
 //!
-//! * [`meshes`] – the scene's triangles as meshes: static ones, models with their copies, fronts and backs apart;
+//! * [`meshes`](mod@meshes) – the scene's triangles as meshes: static ones, models with their copies, fronts and backs apart;
 //! * [`unwrap`](mod@unwrap) – coordinates of a texture in which every triangle has texels of its own;
 //! * [`rasterize`](mod@rasterize) – which triangles a texel shows;
 //! * [`point`] – light at a place of a surface, as [`render`](mod@crate::verify::render) has it;
