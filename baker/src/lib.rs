@@ -24,7 +24,7 @@
 //!
 //! Data flows one way: [`io`] and [`demo`] → [`scene`] → [`geometry`] → [`sampling`] → [`basis`] → [`transport`] → file.
 //! [`bake`] runs the stages, as a [`job`] with progress, checkpoint and several processes; [`verify`] measures the result
-//! against a path tracer.
+//! against a path tracer; [`export`](mod@export) makes .glb files for engines without us.
 //!
 //! * A kind of surface is an implementation of [`Surfaces`](geometry::Surfaces): `examples/implicit.rs`.
 //! * A way to compute light transport is an implementation of [`Solver`](transport::Solver): `examples/one_bounce.rs`.
@@ -34,6 +34,7 @@
 //!
 //! * `gltf` (default): loads glTF 2.0;
 //! * `demo-scenes` (default): generated scenes, as `builtin:apartment`;
+//! * `export` (default): exports light as a texture or vertex colours of a .glb file;
 //! * `mpi`: bakes over several processes.
 //!
 //! Without default features the crate builds for wasm32-unknown-unknown.
@@ -42,6 +43,8 @@ pub mod bake;
 pub mod basis;
 #[cfg(feature = "demo-scenes")]
 pub mod demo;
+#[cfg(feature = "export")]
+pub mod export;
 pub mod geometry;
 pub mod io;
 pub mod job;

@@ -7,7 +7,7 @@ import { within } from "../test/browser.mjs";
 
 const web = path.join(import.meta.dirname, "..");
 const TYPES = { ".html": "text/html", ".mjs": "text/javascript", ".js": "text/javascript", ".wasm": "application/wasm" };
-const FOLDERS = { "/three/": "bench/node_modules/three", "/dist/": "dist", "/bench/": "bench" };
+const FOLDERS = { "/three/": "bench/node_modules/three", "/dist/": "dist", "/bench/": "bench", "/test/": "test" };
 
 /** Serves the pages, and `files` by their address; `close()` ends it. */
 export async function serve(files) {

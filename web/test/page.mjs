@@ -9,6 +9,7 @@ import { attributes } from "./page/attributes.mjs";
 import { damaged } from "./page/damaged.mjs";
 import { downloads } from "./page/downloads.mjs";
 import { environment } from "./page/environment.mjs";
+import { exported } from "./page/exported.mjs";
 import { failures } from "./page/failures.mjs";
 import { handles } from "./page/handles.mjs";
 import { hidden } from "./page/hidden.mjs";
@@ -41,7 +42,7 @@ import { watch } from "./page/watch.mjs";
 
 const PARTS = {
   loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light, environment,
-  failures, unsupported, downloads, memory, text, policy, damaged, sharing,
+  failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
 const DAMAGED = ["24", "2"];

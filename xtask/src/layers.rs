@@ -24,7 +24,7 @@ const BAKER: [&[&str]; 14] = [
     &["sampling"],
     &["basis"],
     &["transport", "verify"],
-    &["bake"],
+    &["bake", "export"],
     &["prelude"],
     &["lib"],
 ];

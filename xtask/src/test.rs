@@ -109,6 +109,7 @@ fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool, name: Option
         node.args(["--only", name]);
     }
     if wanted("page") {
+        web::packages("web/bench", "three.js")?;
         node.arg("--page").arg(&work).args(["rebounce", "compare", "damage"].map(bin));
     }
     if wanted("package") {

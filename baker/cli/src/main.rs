@@ -5,6 +5,7 @@ mod communicator;
 mod compare;
 mod draft;
 mod escape;
+mod export;
 mod http;
 mod info;
 mod load;
@@ -50,6 +51,8 @@ enum Command {
     Reference(reference::ReferenceArgs),
     /// Says how far a picture is from its reference
     Compare(compare::CompareArgs),
+    /// Writes a .glb file with the light in a texture or in vertex colours, for other engines
+    Export(export::ExportArgs),
     /// Shows a scene in the browser, from this machine
     View(view::ViewArgs),
 }
@@ -84,6 +87,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Render(args) => render::run(args),
         Command::Reference(args) => reference::run(args),
         Command::Compare(args) => return compare::run(args),
+        Command::Export(args) => export::run(args),
         Command::View(args) => return view::run(args),
     }?;
     Ok(ExitCode::SUCCESS)

@@ -45,14 +45,54 @@ pub struct PictureArgs {
     threads: Option<usize>,
 }
 
+/// Which light to show.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum OnlyArg {
+pub enum OnlyArg {
     /// Direct and bounced light, and surfaces that shine by themselves
     All,
     /// Light that did not bounce, and surfaces that shine by themselves
     Direct,
     /// Light that bounced at least once
     Indirect,
+}
+
+impl From<OnlyArg> for Only {
+    fn from(only: OnlyArg) -> Self {
+        match only {
+            OnlyArg::All => Only::All,
+            OnlyArg::Direct => Only::Direct,
+            OnlyArg::Indirect => Only::Indirect,
+        }
+    }
+}
+
+/// Sets the number of threads of the whole program; all cores when absent.
+pub fn set_threads(threads: Option<usize>) -> Result<()> {
+    let Some(threads) = threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")
+}
+
+/// Completes the lights of a shot, read from `file` if it is not the scene's own, for a scene with these groups of emissive
+/// surfaces; returns the picture of the shot's environment, `own` where the shot names no file.
+pub fn lit(
+    file: Option<&Path>,
+    mut shot: Shot,
+    groups: &[String],
+    own: Option<Arc<Environment>>,
+) -> Result<(Shot, Option<Arc<Environment>>)> {
+    shot.resolve_groups(groups).map_err(anyhow::Error::msg)?;
+    if file.is_some() {
+        shot.lights = mixed(&with_emission(&shot.lights, groups.len(), shot.emission), &shot.mix);
+    }
+    let picture = shot.lights.iter().find_map(|light| match light {
+        Light::Environment { file, .. } => file.as_deref(),
+        _ => None,
+    });
+    let Some(picture) = picture else { return Ok((shot, own)) };
+    let beside = file.and_then(Path::parent).unwrap_or(Path::new(""));
+    let (environment, notes) = environment::read(&beside.join(picture))?;
+    notes.iter().for_each(|note| eprintln!("note: {note}"));
+    Ok((shot, Some(Arc::new(environment))))
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
@@ -70,44 +110,22 @@ impl PictureArgs {
     pub fn prepare(&self) -> Result<Option<Shot>> {
         check_name(&self.output)?;
         check_place(&self.output)?;
-        if let Some(threads) = self.threads {
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build_global()
-                .context("setting up threads")?;
-        }
+        set_threads(self.threads)?;
         Ok(self.shot.as_deref().map(shot::read).transpose()?)
     }
 
-    /// Completes the lights of a shot for a scene with these groups of emissive surfaces; returns the picture of the shot's
-    /// environment, `own` where the shot names no file.
+    /// As [`lit`], of this command's shot.
     pub fn lit(
         &self,
-        mut shot: Shot,
+        shot: Shot,
         groups: &[String],
         own: Option<Arc<Environment>>,
     ) -> Result<(Shot, Option<Arc<Environment>>)> {
-        shot.resolve_groups(groups).map_err(anyhow::Error::msg)?;
-        if self.shot.is_some() {
-            shot.lights = mixed(&with_emission(&shot.lights, groups.len(), shot.emission), &shot.mix);
-        }
-        let file = shot.lights.iter().find_map(|light| match light {
-            Light::Environment { file, .. } => file.as_deref(),
-            _ => None,
-        });
-        let Some(file) = file else { return Ok((shot, own)) };
-        let beside = self.shot.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        let (environment, notes) = environment::read(&beside.join(file))?;
-        notes.iter().for_each(|note| eprintln!("note: {note}"));
-        Ok((shot, Some(Arc::new(environment))))
+        lit(self.shot.as_deref(), shot, groups, own)
     }
 
     pub fn only(&self) -> Only {
-        match self.only {
-            OnlyArg::All => Only::All,
-            OnlyArg::Direct => Only::Direct,
-            OnlyArg::Indirect => Only::Indirect,
-        }
+        self.only.into()
     }
 
     pub fn exposure(&self, shot: &Shot, samples: u32) -> Exposure {

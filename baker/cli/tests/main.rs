@@ -5,6 +5,7 @@ mod common {
     pub mod program;
 }
 
+mod export;
 mod faults;
 mod first_steps;
 mod kill;

@@ -177,6 +177,11 @@ impl TriangleSurfaces {
         self.primitives
     }
 
+    /// Returns a material, by number.
+    pub fn material(&self, number: u32) -> &Surface {
+        &self.surfaces[number as usize]
+    }
+
     /// Returns whether pictures show a surface unlit.
     pub fn has_unlit(&self) -> bool {
         self.surfaces.iter().any(|surface| surface.is_unlit)

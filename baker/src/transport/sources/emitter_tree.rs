@@ -230,7 +230,7 @@ mod tests {
         let tree = EmitterTree::new(&grid, 0..grid.0.len() as u32);
         let mut stream = Stream::new(1, 1);
         let (mut out, mut sums) = (Vec::new(), vec![0.0; grid.emitter_count()]);
-        let (rounds, samples) = (4000, 16);
+        let (rounds, samples) = (16_000, 16);
         for _ in 0..rounds {
             tree.assign(Vec3::new(3.0, 0.0, 2.0), Vec3::Y, samples, &mut stream, &mut out);
             assert_eq!(out.iter().map(|assigned| assigned.samples).sum::<u32>(), samples);

@@ -175,9 +175,28 @@ impl Relit {
     fn emission(&self, surfaces: &impl Surfaces, hit: &Hit) -> Vec3 {
         let Some(HitEmitter::Surface(number)) = hit.emitter else { return hit.emission };
         let material = surfaces.emitters().map(|emitters| emitters.emitter(number).material);
-        let group = material.and_then(|material| *self.group_of.get(material as usize)?);
+        hit.emission * material.map_or(Vec3::ONE, |material| self.emission_strength(material))
+    }
+
+    /// Factor of the emission of a material, linear RGB.
+    pub fn emission_strength(&self, material: u32) -> Vec3 {
+        let group = self.group_of.get(material as usize).copied().flatten();
         let strength = group.and_then(|group| self.lighting.emission.get(group as usize));
-        hit.emission * strength.copied().unwrap_or(Vec3::ONE)
+        strength.copied().unwrap_or(Vec3::ONE)
+    }
+
+    /// RGB irradiance at a hit, of the components `only`: a single estimate.
+    pub fn irradiance(&self, surfaces: &impl Surfaces, hit: &Hit, only: Only, stream: &mut Stream) -> Vec3 {
+        let light = self.light_at_hit(surfaces, hit, stream);
+        let mut irradiance = Vec3::ZERO;
+        if only != Only::Indirect {
+            irradiance += direct::toward_hit(surfaces, &self.lighting.lamps, hit, stream);
+            irradiance += light.from_sources;
+        }
+        if only != Only::Direct {
+            irradiance += light.bounced;
+        }
+        irradiance
     }
 
     /// Linear RGB radiance along `ray`, toward its origin.
@@ -193,17 +212,10 @@ impl Relit {
         if hit.is_unlit {
             return if only == Only::All { tint * hit.emission } else { Vec3::ZERO };
         }
-        let mut irradiance = Vec3::ZERO;
-        if hit.albedo != Vec3::ZERO {
-            let light = self.light_at_hit(surfaces, &hit, stream);
-            if only != Only::Indirect {
-                irradiance += direct::toward_hit(surfaces, &self.lighting.lamps, &hit, stream);
-                irradiance += light.from_sources;
-            }
-            if only != Only::Direct {
-                irradiance += light.bounced;
-            }
-        }
+        let irradiance = match hit.albedo {
+            Vec3::ZERO => Vec3::ZERO,
+            _ => self.irradiance(surfaces, &hit, only, stream),
+        };
         let emission = if only == Only::Indirect { Vec3::ZERO } else { self.emission(surfaces, &hit) };
         tint * (hit.albedo * FRAC_1_PI * irradiance + emission)
     }

@@ -1,7 +1,7 @@
 //! Display pictures: exposed, tone-mapped, with unlit surfaces and the backdrop, as on the viewer's page.
 
 use super::backdrop::backdrop;
-use super::unlit::{developed, unlit};
+use super::unlit::{developed, lit, unlit};
 use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::{Ray, Surfaces};
 use crate::io::picture::{Only, Picture, png};
@@ -31,9 +31,7 @@ pub struct Shown<'a> {
 impl Shown<'_> {
     /// Converts a picture's radiance to display values, linear RGB from 0 to 1.
     pub fn picture(&self, radiance: &Picture) -> Picture {
-        // Measuring the light level casts shadow rays.
-        let most = most(level(self.surfaces, self.lights));
-        let exposed = |lit: &Picture| png::automatic_exposure(lit, most, |pixel| self.is_lit(pixel));
+        let exposed = |lit: &Picture| self.exposed(lit);
         let is_all = self.only == Only::All;
         let shown = if is_all && self.surfaces.has_unlit() {
             developed(radiance, &unlit(self.surfaces, self.camera, self.exposure), exposed)
@@ -44,6 +42,22 @@ impl Shown<'_> {
             Some(ground) => shown.plus(&backdrop(self.surfaces, self.camera, self.exposure, ground)),
             None => shown,
         }
+    }
+
+    /// Returns the factor of a picture's radiance, as [`Self::picture`] takes it.
+    pub fn exposure_factor(&self, radiance: &Picture) -> f32 {
+        if self.only == Only::All && self.surfaces.has_unlit() {
+            self.exposed(&lit(radiance, &unlit(self.surfaces, self.camera, self.exposure)))
+        } else {
+            self.exposed(radiance)
+        }
+    }
+
+    /// Returns the automatic exposure of radiance without unlit surfaces.
+    fn exposed(&self, lit: &Picture) -> f32 {
+        // Measuring the light level casts shadow rays.
+        let most = most(level(self.surfaces, self.lights));
+        png::automatic_exposure(lit, most, |pixel| self.is_lit(pixel))
     }
 
     /// Whether the centre of a pixel shows a surface affected by light.

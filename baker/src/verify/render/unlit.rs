@@ -22,9 +22,13 @@ pub fn unlit(surfaces: &impl Surfaces, camera: &CameraFrame, exposure: Exposure)
 /// Composes the display picture: subtracts the picture of [`unlit`] from the radiance, exposes the rest by the
 /// factor of `exposed`, tone-maps the rest, and adds the [`unlit`] picture unchanged.
 pub fn developed(picture: &Picture, unlit: &Picture, exposed: impl Fn(&Picture) -> f32) -> Picture {
-    let pixels = picture.pixels.iter().zip(&unlit.pixels);
-    let lit =
-        Picture { pixels: pixels.map(|(all, part)| (*all - *part).max(Vec3::ZERO)).collect(), ..*picture };
+    let lit = lit(picture, unlit);
     let lit = png::developed(&lit, exposed(&lit));
     lit.plus(unlit)
+}
+
+/// Returns a picture's radiance without that of the [`unlit`] picture.
+pub fn lit(picture: &Picture, unlit: &Picture) -> Picture {
+    let pixels = picture.pixels.iter().zip(&unlit.pixels);
+    Picture { pixels: pixels.map(|(all, part)| (*all - *part).max(Vec3::ZERO)).collect(), ..*picture }
 }
