@@ -32,6 +32,7 @@ pub mod kernel;
 pub mod light;
 pub mod lighting;
 pub mod link;
+pub mod mixer;
 pub mod octahedral;
 pub mod openness;
 pub mod random;
