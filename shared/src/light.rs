@@ -11,7 +11,8 @@ mod table;
 
 pub use field::{Absent, Field, LightDescription, Range};
 pub use kinds::{
-    COLOR, DIRECTION, INTENSITY, KINDS, Light, LightKind, MEMBERS, NUMBERS, POSITION, ROTATION, SIZE, WIDEST_DEG,
+    COLOR, DIRECTION, INTENSITY, KINDS, Light, LightKind, MEMBERS, NUMBERS, POSITION, ROTATION, SIZE,
+    WIDEST_DEG,
 };
 pub use source::{Incident, LightSource};
 

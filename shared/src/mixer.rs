@@ -103,7 +103,8 @@ mod tests {
             assert!(error.contains("light 0") && error.contains("rebounce bake"), "{error}");
         }
         assert!(group_strengths(&solved, &[solved[0].clone(), solved[0].clone()]).is_err());
-        let turned = |rotation_deg| Light::Environment { file: None, rotation_deg, intensity: 1.0, color: [1.0; 3] };
+        let turned =
+            |rotation_deg| Light::Environment { file: None, rotation_deg, intensity: 1.0, color: [1.0; 3] };
         assert!(group_strengths(&[turned(-90.0)], &[turned(270.0)]).is_ok());
         assert!(group_strengths(&[turned(-90.0)], &[turned(0.0)]).is_err());
     }

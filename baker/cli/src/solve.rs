@@ -12,8 +12,8 @@ use rebounce::io::shot;
 use rebounce::io::write::write_whole;
 use rebounce::scene::{Scene, emissive_groups};
 use rebounce::transport::radiosity::RadiositySettings;
-use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::camera::Camera;
+use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::light::{Light, LightKind};
 use rebounce_shared::lighting::is_lamp;
 use rebounce_shared::rbn::container;
@@ -92,7 +92,8 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     write_whole(&output, &bytes)?;
     report.add_file(&container::read(&bytes)?, bytes.len() as u64);
     if let Some(path) = &args.report {
-        write_report(path, &report).with_context(|| format!("{} is written, its report is not", output.display()))?;
+        write_report(path, &report)
+            .with_context(|| format!("{} is written, its report is not", output.display()))?;
     }
     println!("{report}");
     println!("wrote         {}", output.display());

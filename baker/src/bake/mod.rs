@@ -32,9 +32,9 @@ pub use crate::job::stage::Stage;
 pub use baker::Baker;
 pub use observer::{Observer, Preview, Progress};
 pub use preset::{BakeSettings, Preset};
+pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 pub use solve::{SolveSettings, solve};
 pub use solve_report::SolveReport;
-pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 
 use crate::geometry::Surfaces;
 use crate::geometry::mesh::TriangleSurfaces;

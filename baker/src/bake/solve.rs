@@ -97,7 +97,12 @@ impl<S: Surfaces> Recipe<'_, S> {
         let groups = emissive_groups(self.scene).len();
         let environment = self.scene.environment.as_ref();
         let group = |light| {
-            GroupSource::new(Lighting::new(&[at_unit_strength(light)], environment, self.scene.origin, groups))
+            GroupSource::new(Lighting::new(
+                &[at_unit_strength(light)],
+                environment,
+                self.scene.origin,
+                groups,
+            ))
         };
         self.staged.lights.iter().map(group).collect()
     }
@@ -109,7 +114,8 @@ impl<S: Surfaces> Recipe<'_, S> {
         let environment = self.scene.environment.as_ref().filter(|_| has_sky);
         file.sources = Sources {
             groups: emissive_groups(self.scene),
-            environment: environment.map_or_else(Vec::new, |picture| PackedEnvironment::new(picture).to_bytes()),
+            environment: environment
+                .map_or_else(Vec::new, |picture| PackedEnvironment::new(picture).to_bytes()),
             ..Sources::default()
         };
         if file.sources != Sources::default() {
@@ -130,7 +136,9 @@ impl<S: Surfaces> Recipe<'_, S> {
             let column: Vec<Vec3> = solution.bounced.group(group).collect();
             all.push_column(&column, *floor, push, |i| solution.is_gathered[i]);
         }
-        for (group, floor) in solution.floors.iter().enumerate().filter(|(group, _)| solution.has_direct[*group]) {
+        for (group, floor) in
+            solution.floors.iter().enumerate().filter(|(group, _)| solution.has_direct[*group])
+        {
             let column: Vec<Vec3> = solution.linked.group(group).collect();
             all.push_column(&column, *floor, push, |_| true);
         }

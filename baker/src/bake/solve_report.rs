@@ -1,7 +1,7 @@
 //! Results and cost of a fixed solution: the columns of Table 1 of Lehtinen et al. 2007, and the file's sections.
 
-use super::report::{SectionReport, peak_memory_bytes};
 use super::BakeReport;
+use super::report::{SectionReport, peak_memory_bytes};
 use crate::sampling::Points;
 use crate::transport::radiosity::{FixedSolution, RadiositySettings};
 use rebounce_shared::rbn::container::Section;
@@ -103,7 +103,10 @@ impl fmt::Display for SolveReport {
         let mb = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
         writeln!(f, "scene         {} ({} triangles), preset {}", self.scene, self.triangles, self.preset)?;
         if self.lamp_added {
-            writeln!(f, "light         none in the scene; a lamp was added, in its first view (--shot: others)")?;
+            writeln!(
+                f,
+                "light         none in the scene; a lamp was added, in its first view (--shot: others)"
+            )?;
         }
         writeln!(f, "groups        {} of light, which stay in place", self.groups)?;
         let levels = |which: usize| {

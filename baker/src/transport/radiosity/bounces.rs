@@ -73,11 +73,8 @@ mod tests {
 
     #[test]
     fn two_points_that_see_each_other_have_the_geometric_series() {
-        let relations = Relations {
-            push_offsets: vec![0, 0, 0],
-            pull_offsets: vec![0],
-            ..Relations::default()
-        };
+        let relations =
+            Relations { push_offsets: vec![0, 0, 0], pull_offsets: vec![0], ..Relations::default() };
         let rho = Vec3::new(0.5, 0.25, 0.0);
         let rows = [Some(vec![(1, rho)]), Some(vec![(0, rho)])];
         let first = GroupField { groups: 1, values: vec![Vec3::ONE; 2] };

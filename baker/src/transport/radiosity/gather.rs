@@ -4,6 +4,7 @@
 //! small enough, and reflected by channel with the surface's reflectance: the light of a known lamp has a known colour, so
 //! that no tint stands in for it.
 
+use super::ancestors::Ancestors;
 use super::direct::GroupField;
 use super::sender_level::SenderLevels;
 use crate::geometry::{Primitives, SurfaceCoordinates, Surfaces};
@@ -152,37 +153,32 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
     ) -> Vec<Vec3> {
         let groups = field.groups;
         let mut out = vec![Vec3::ZERO; receivers.len() * groups];
-        let levels = self.points.levels.len();
         self.cast(receivers, directions, memory, |hit, weights| {
-            let level = self.senders.at(hit.distance, levels);
-            self.senders.interpolate(level, levels, hit.position, hit.normal, weights);
+            self.senders.interpolate(hit.distance, hit.position, hit.normal, weights);
             let sums = &mut out[hit.receiver as usize * groups..][..groups];
             add_field(field, weights, hit.reflected, sums);
         });
         out
     }
 
-    /// Gathers a field for one receiver, and its row of irradiance from the points of the `coarse_levels` coarsest levels.
+    /// Gathers a field for one receiver, and its row of irradiance from the coarse points. Bounced light of finer senders is
+    /// interpolated from their coarse `ancestors`.
     pub fn field_and_row(
         &self,
         receiver: usize,
         directions: &Directions,
         field: &GroupField,
-        coarse_levels: usize,
+        ancestors: &Ancestors,
         (memory, row): (&mut GatherMemory, &mut SparseAccumulator<3>),
     ) -> (Vec<Vec3>, ColourRow) {
         let mut out = vec![Vec3::ZERO; field.groups];
-        let levels = self.points.levels.len();
         self.cast(&[receiver], directions, memory, |hit, weights| {
-            let level = self.senders.at(hit.distance, levels);
-            self.senders.interpolate(level, levels, hit.position, hit.normal, weights);
+            self.senders.interpolate(hit.distance, hit.position, hit.normal, weights);
             add_field(field, weights, hit.reflected, &mut out);
-            if level >= coarse_levels || weights.iter().any(|(i, _)| *i as usize >= row.len()) {
-                let level = self.senders.at(hit.distance, coarse_levels);
-                self.senders.interpolate(level, coarse_levels, hit.position, hit.normal, weights);
-            }
             for (sender, weight) in weights.iter() {
-                row.add_each(*sender as usize, (*weight * hit.reflected).to_array());
+                ancestors.each(*sender, |coarse, share| {
+                    row.add_each(coarse as usize, (*weight * share * hit.reflected).to_array());
+                });
             }
         });
         let mut found = ColourRow::new();

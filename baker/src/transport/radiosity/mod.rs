@@ -1,6 +1,5 @@
-//! Hierarchical progressive radiosity for lights that stay in place (Lehtinen et al. 2007, *A Meshless Hierarchical
-//! Representation for Light Transport*, technical report "Meshless Finite Elements for Hierarchical Global Illumination",
-//! section 6.3, "the report" below).
+//! Hierarchical progressive radiosity for lights that stay in place (Lehtinen et al. 2007, *Meshless Finite Elements for
+//! Hierarchical Global Illumination*, section 6.3; "the report" in this module).
 //!
 //! Unlike the operator, which answers for any light, a solution knows its lights: only receivers near which their bounced
 //! light varies are gathered for.
@@ -10,9 +9,10 @@
 //! * [`sender_level`] – the level at which a hit is evaluated, by solid angle (ε_Ω);
 //! * [`gather`] – irradiance of receivers by the rays of their hemispheres (procedure GATHER);
 //! * [`receiver_oracle`] – which receivers are refined (ε_E);
-//! * [`bounces`] – light that bounces between coarse points;
+//! * [`bounces`] – light that bounces between coarse points; [`ancestors`] – coarse points that a finer one follows from;
 //! * [`solver`] – levels and bounces in order; [`solution`] – what it finds.
 
+pub mod ancestors;
 pub mod bounces;
 pub mod direct;
 pub mod gather;

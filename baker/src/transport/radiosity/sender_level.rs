@@ -31,24 +31,18 @@ impl SenderLevels {
         Self { distances: distances.collect(), levels: levels.collect() }
     }
 
-    /// Returns the coarsest level of `0..count` whose functions are small enough at a distance; the finest of them where none
-    /// is.
-    pub fn at(&self, distance: f32, count: usize) -> usize {
-        let last = count.min(self.levels.len()).saturating_sub(1);
+    /// Returns the coarsest level whose functions are small enough at a distance; the finest where none is.
+    fn at(&self, distance: f32) -> usize {
+        let last = self.levels.len().saturating_sub(1);
         self.distances[..last].iter().position(|least| distance >= *least).unwrap_or(last)
     }
 
-    /// Fills `out` with (index, normalised weight) of the functions of a level that cover a place, or of the next level of
-    /// `0..count` that covers it: coarser ones first. Empty where none does.
-    pub fn interpolate(
-        &self,
-        level: usize,
-        count: usize,
-        position: Vec3,
-        normal: Vec3,
-        out: &mut Vec<(u32, f32)>,
-    ) {
-        for level in (0..=level).rev().chain(level + 1..count.min(self.levels.len())) {
+    /// Fills `out` with (index, normalised weight) of the functions that cover a place, on the level for a distance. Where no
+    /// function of that level does, a small thing lies between them: finer levels follow, then coarser ones. Empty where none
+    /// does.
+    pub fn interpolate(&self, distance: f32, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
+        let level = self.at(distance);
+        for level in (level..self.levels.len()).chain((0..level).rev()) {
             out.clear();
             let total = self.levels[level].gather(position, normal, |i, weight| out.push((i, weight)));
             if total > LEAST_WEIGHT {

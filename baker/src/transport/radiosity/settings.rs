@@ -22,6 +22,6 @@ impl RadiositySettings {
 
 impl Default for RadiositySettings {
     fn default() -> Self {
-        Self { rays: vec![1024, 1024, 512, 256, 128], epsilon_e: 0.1, epsilon_omega: 0.1 }
+        Self { rays: vec![1024, 512, 256, 128, 64, 48], epsilon_e: 0.3, epsilon_omega: 0.03 }
     }
 }

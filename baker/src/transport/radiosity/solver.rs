@@ -4,6 +4,7 @@
 //! bounces are smooth, and each finer receiver is gathered for once, with the light of all bounces: one pass of rays in
 //! place of one for each bounce.
 
+use super::ancestors::Ancestors;
 use super::bounces::coarse_bounces;
 use super::direct::{GroupField, GroupSource, direct_irradiance};
 use super::gather::{ColourRow, FieldGather, GatherMemory, GatherTime};
@@ -67,12 +68,14 @@ impl<S: Surfaces + ?Sized> Solver<S> for ProgressiveRadiosity {
             ..FixedSolution::default()
         };
         let mut rows: Vec<Option<ColourRow>> = vec![None; points.count_on(coarse_levels)];
-        let mut pass = Pass { problem, gather, settings: &self.settings, oracle: None, refined: vec![false; count] };
+        let mut pass =
+            Pass { problem, gather, settings: &self.settings, oracle: None, refined: vec![false; count] };
+        let ancestors = Ancestors::new(relations, count, points.count_on(coarse_levels));
         // The first bounce on the coarse levels.
         for level in 0..coarse_levels {
             let watch = job.reporter.begin(Stage::Transport, Some(level));
             let wanted = pass.wanted(level);
-            let found = pass.coarse(level, &wanted, &direct.sent, coarse_levels, &*watch)?;
+            let found = pass.coarse(level, &wanted, &direct.sent, &ancestors, &*watch)?;
             for (i, (values, row)) in wanted.iter().zip(found) {
                 out.bounced.at_mut(*i).copy_from_slice(&values);
                 rows[*i] = Some(row);
@@ -154,15 +157,15 @@ impl<S: Surfaces + ?Sized> Pass<'_, S> {
         level: usize,
         wanted: &[usize],
         field: &GroupField,
-        coarse_levels: usize,
+        ancestors: &Ancestors,
         watch: &dyn Watch,
     ) -> Result<Vec<(Vec<Vec3>, ColourRow)>, Stopped> {
         let directions = Directions::new(self.settings.rays_on(level));
-        let count = self.problem.points.count_on(coarse_levels);
+        let count = ancestors.coarse();
         let memory = || (GatherMemory::default(), SparseAccumulator::<3>::new(count));
         let receiver = |(memory, row): &mut (GatherMemory, SparseAccumulator<3>), i: &usize| {
             watch.step(1)?;
-            Ok(self.gather.field_and_row(*i, &directions, field, coarse_levels, (memory, row)))
+            Ok(self.gather.field_and_row(*i, &directions, field, ancestors, (memory, row)))
         };
         wanted.par_iter().map_init(memory, receiver).collect()
     }
