@@ -46,12 +46,13 @@ fn a_shining_furnace_is_as_bright_everywhere_as_the_series_says() {
     let light = from_groups(&file, &strengths);
     // Direct π L everywhere, and of that ρ / (1 − ρ) = 1 bounced.
     let expected = PI * Vec3::new(1.0, 0.5, 0.25);
-    for (what, values) in [("direct", &light.direct), ("bounced", &light.bounced)] {
+    // Direct light is sampled: the noise of a point is larger than that of its bounced light.
+    for (what, values, most) in [("direct", &light.direct, 0.15), ("bounced", &light.bounced, 0.05)] {
         let mean = mean(values.iter().copied());
         assert!((mean / expected - 1.0).abs().max_element() < 0.01, "{what}: {mean}, not {expected}");
         for (i, value) in values.iter().enumerate() {
             let off = (*value / expected - 1.0).abs().max_element();
-            assert!(off < 0.08, "{what}, point {i}: {value}, not {expected}");
+            assert!(off < most, "{what}, point {i}: {value}, not {expected}");
         }
     }
     // Where light does not vary, nothing fine is gathered for.
@@ -107,7 +108,8 @@ fn light_is_linear_in_each_group_and_a_lamp_alone_has_the_light_of_its_group() {
     };
     for (number, group) in [&first, &second].into_iter().enumerate() {
         let (alone, group) = (alone(number), mean(file.display().map(|i| group[i])));
-        assert!((alone - group).length() < 0.01 * group.length(), "{alone} alone, {group} in its group");
+        // Alone, other receivers are refined.
+        assert!((alone - group).length() < 0.04 * group.length(), "{alone} alone, {group} in its group");
     }
 }
 
@@ -130,7 +132,7 @@ fn the_light_is_that_of_the_operator() {
     }
     let error = (difference / power).sqrt();
     let bias = (sums[0] / sums[1] - 1.0).abs().max_element();
-    assert!(error < 0.06 && bias < 0.03, "error {error}, bias {bias}");
+    assert!(error < 0.08 && bias < 0.03, "error {error}, bias {bias}");
     assert!(error > 1e-4, "two solvers, one light: {error}");
 }
 

@@ -64,6 +64,9 @@ pub struct SolveArgs {
     /// Largest solid angle of a function that light leaves from, steradian
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = number::over_zero_single)]
     sender_angle: Option<f32>,
+    /// The least certain light that is kept, in standard deviations of its own noise
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = number::at_least_zero_single)]
+    significance: Option<f32>,
     /// Threads; all cores when absent
     #[arg(long, help_heading = "Limits", hide_short_help = true)]
     threads: Option<usize>,
@@ -138,6 +141,7 @@ impl SolveArgs {
         radiosity.rays = self.rays.clone().unwrap_or(radiosity.rays);
         radiosity.epsilon_e = self.epsilon.unwrap_or(radiosity.epsilon_e);
         radiosity.epsilon_omega = self.sender_angle.unwrap_or(radiosity.epsilon_omega);
+        radiosity.significance = self.significance.unwrap_or(radiosity.significance);
         SolveSettings { bake, radiosity }
     }
 }

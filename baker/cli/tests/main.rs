@@ -8,4 +8,5 @@ mod common {
 mod faults;
 mod first_steps;
 mod kill;
+mod solve;
 mod target;

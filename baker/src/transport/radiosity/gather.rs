@@ -143,21 +143,31 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
         }
     }
 
-    /// Gathers a field: the irradiance of each receiver by group, receiver after receiver.
+    /// Gathers a field: the irradiance of each receiver by group, receiver after receiver, and the variance of its
+    /// brightness.
     pub fn field(
         &self,
         receivers: &[usize],
         directions: &Directions,
         field: &GroupField,
         memory: &mut GatherMemory,
-    ) -> Vec<Vec3> {
+    ) -> Vec<(Vec3, f32)> {
         let groups = field.groups;
-        let mut out = vec![Vec3::ZERO; receivers.len() * groups];
+        let mut out = vec![(Vec3::ZERO, 0.0); receivers.len() * groups];
         self.cast(receivers, directions, memory, |hit, weights| {
             self.senders.interpolate(hit.distance, hit.position, hit.normal, weights);
             let sums = &mut out[hit.receiver as usize * groups..][..groups];
-            add_field(field, weights, hit.reflected, sums);
+            for (group, (sum, squares)) in sums.iter_mut().enumerate() {
+                let light = |(sender, weight): &(u32, f32)| *weight * field.at(*sender as usize)[group];
+                let arriving = hit.reflected * weights.iter().map(light).sum::<Vec3>();
+                *sum += arriving;
+                *squares += brightness(arriving).powi(2);
+            }
         });
+        // Variance of a sum of rays with a random direction each; that of a lattice is smaller.
+        let rays = directions.len() as f32;
+        out.iter_mut()
+            .for_each(|(sum, squares)| *squares = (*squares - brightness(*sum).powi(2) / rays).max(0.0));
         out
     }
 
@@ -186,6 +196,11 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
         row.clear();
         (out, found)
     }
+}
+
+/// Mean of the channels.
+pub fn brightness(irradiance: Vec3) -> f32 {
+    irradiance.element_sum() / 3.0
 }
 
 /// Adds the light that some functions of a field reflect.

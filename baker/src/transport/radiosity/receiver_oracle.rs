@@ -5,6 +5,7 @@
 //! gathered for.
 
 use super::direct::GroupField;
+use super::gather::brightness;
 use crate::basis::{Evaluator, Relations, Support};
 use crate::sampling::Points;
 use glam::Vec3;
@@ -14,10 +15,6 @@ use rayon::prelude::*;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReceiverOracle {
     thresholds: Vec<f32>,
-}
-
-fn brightness(irradiance: Vec3) -> f32 {
-    irradiance.element_sum() / 3.0
 }
 
 impl ReceiverOracle {

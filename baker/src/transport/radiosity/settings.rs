@@ -11,6 +11,8 @@ pub struct RadiositySettings {
     /// ε_Ω: greatest solid angle of the bounding sphere of a function at which light leaves from it, steradian; light that
     /// meets larger functions is taken from finer ones.
     pub epsilon_omega: f32,
+    /// Standard deviations of its noise that a coefficient must stand out of: of one that does not, that much is left out.
+    pub significance: f32,
 }
 
 impl RadiositySettings {
@@ -22,6 +24,11 @@ impl RadiositySettings {
 
 impl Default for RadiositySettings {
     fn default() -> Self {
-        Self { rays: vec![1024, 512, 256, 128, 64, 48], epsilon_e: 0.3, epsilon_omega: 0.03 }
+        Self {
+            rays: vec![1024, 512, 256, 128, 64, 48],
+            epsilon_e: 0.3,
+            epsilon_omega: 0.01,
+            significance: 0.5,
+        }
     }
 }

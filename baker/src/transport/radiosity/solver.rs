@@ -102,7 +102,12 @@ impl<S: Surfaces + ?Sized> Solver<S> for ProgressiveRadiosity {
             let wanted = pass.wanted(level);
             let found = pass.fine(level, &wanted, &sent, &*watch)?;
             for (i, values) in wanted.iter().zip(found.chunks_exact(groups.max(1))) {
-                out.bounced.at_mut(*i).copy_from_slice(values);
+                let predicted: Vec<Vec3> = out.bounced.predicted(relations, *i).collect();
+                let pairs = values.iter().zip(predicted);
+                let significant =
+                    |(found, predicted): (&(Vec3, f32), Vec3)| self.significant(*found, predicted);
+                let values: Vec<Vec3> = pairs.map(significant).collect();
+                out.bounced.at_mut(*i).copy_from_slice(&values);
             }
             pass.finish(level, &wanted, &mut out);
         }
@@ -113,6 +118,16 @@ impl<S: Surfaces + ?Sized> Solver<S> for ProgressiveRadiosity {
 }
 
 impl ProgressiveRadiosity {
+    /// Returns the part of an irradiance that stands out of its noise: the prediction plus the coefficient, shrunk by the
+    /// share of noise in its square (Wiener's filter). `found` is the irradiance and the variance of its brightness.
+    fn significant(&self, (irradiance, variance): (Vec3, f32), predicted: Vec3) -> Vec3 {
+        let coefficient = irradiance - predicted;
+        let square = coefficient.length_squared() / 3.0;
+        let noise = self.settings.significance.powi(2) * variance;
+        let share = if square > noise { 1.0 - noise / square } else { 0.0 };
+        predicted + share * coefficient
+    }
+
     /// Links from the sky and from emissive surfaces, if a group has light from them.
     fn links<S: Surfaces + ?Sized>(&self, problem: &Problem<S>, job: &Job) -> Result<SourceLinks, Stopped> {
         if !self.groups.iter().any(|group| group.has_links) {
@@ -177,7 +192,7 @@ impl<S: Surfaces + ?Sized> Pass<'_, S> {
         wanted: &[usize],
         field: &GroupField,
         watch: &dyn Watch,
-    ) -> Result<Vec<Vec3>, Stopped> {
+    ) -> Result<Vec<(Vec3, f32)>, Stopped> {
         let directions = Directions::new(self.settings.rays_on(level));
         let chunks = wanted.par_chunks(FieldGather::<S>::together(&directions));
         let found = chunks.map_init(GatherMemory::default, |memory, some| {
@@ -221,5 +236,24 @@ impl<S: Surfaces + ?Sized> Pass<'_, S> {
     fn floors(&self, epsilon_e: f32) -> Vec<f32> {
         let thresholds = self.oracle.as_ref().map_or(&[][..], ReceiverOracle::thresholds);
         thresholds.iter().map(|threshold| (threshold / epsilon_e / 500.0).clamp(1e-12, 1e12)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_certain_is_kept_and_noise_is_left_out() {
+        let solver = ProgressiveRadiosity {
+            groups: Vec::new(),
+            settings: RadiositySettings { significance: 1.0, ..RadiositySettings::default() },
+            sources: SourceSettings::default(),
+            emissive_groups: Vec::new(),
+        };
+        let (found, predicted) = (Vec3::new(1.5, 1.5, 1.5), Vec3::ONE);
+        assert_eq!(solver.significant((found, 0.0), predicted), found);
+        assert_eq!(solver.significant((found, 0.25), predicted), predicted);
+        assert_eq!(solver.significant((found, 0.125), predicted), Vec3::splat(1.25));
     }
 }
