@@ -25,8 +25,8 @@ impl RadiositySettings {
 impl Default for RadiositySettings {
     fn default() -> Self {
         Self {
-            rays: vec![1024, 512, 256, 128, 64, 48],
-            epsilon_e: 0.3,
+            rays: vec![1024, 512, 384, 192, 96, 64],
+            epsilon_e: 0.2,
             epsilon_omega: 0.01,
             significance: 0.5,
         }
