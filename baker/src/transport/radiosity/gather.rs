@@ -7,6 +7,7 @@
 use super::ancestors::Ancestors;
 use super::direct::GroupField;
 use super::sender_level::SenderLevels;
+use crate::basis::FetchStep;
 use crate::geometry::{Primitives, SurfaceCoordinates, Surfaces};
 use crate::job::clock;
 use crate::sampling::Points;
@@ -119,6 +120,10 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
             match self.surfaces.primitives() {
                 Some(primitives) => landed(primitives, rays, owners, packet, places, found),
                 None => self.cast_each(rays, owners, packet, found),
+            }
+            // Steps wait for distant memory once per packet, not once per hit.
+            for step in [FetchStep::Bucket, FetchStep::List, FetchStep::Functions] {
+                found.iter().for_each(|hit| self.senders.fetch(hit.distance, hit.position, step));
             }
             found.iter().for_each(|hit| met(hit, weights));
             let done = clock::wall();

@@ -1,7 +1,7 @@
 //! Level of the senders at a hit: the coarsest whose functions look small from the receiver (the report, section 6.3, after
 //! Bekaert et al. 1998).
 
-use crate::basis::{Evaluator, sender_evaluator};
+use crate::basis::{Evaluator, FetchStep, sender_evaluator};
 use crate::sampling::Points;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -35,6 +35,14 @@ impl SenderLevels {
     fn at(&self, distance: f32) -> usize {
         let last = self.levels.len().saturating_sub(1);
         self.distances[..last].iter().position(|least| distance >= *least).unwrap_or(last)
+    }
+
+    /// Prefetches what [`Self::interpolate`] reads.
+    #[inline]
+    pub fn fetch(&self, distance: f32, position: Vec3, step: FetchStep) {
+        if let Some(level) = self.levels.get(self.at(distance)) {
+            level.fetch(position, step);
+        }
     }
 
     /// Fills `out` with (index, normalised weight) of the functions that cover a place, on the level for a distance. Where no
