@@ -25,9 +25,9 @@ impl RadiositySettings {
 impl Default for RadiositySettings {
     fn default() -> Self {
         Self {
-            rays: vec![1024, 512, 384, 192, 96, 64],
-            epsilon_e: 0.2,
-            epsilon_omega: 0.01,
+            rays: vec![512, 384, 256, 128, 96, 64],
+            epsilon_e: 0.25,
+            epsilon_omega: 0.03,
             significance: 0.5,
         }
     }
