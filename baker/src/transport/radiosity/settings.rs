@@ -27,7 +27,7 @@ impl Default for RadiositySettings {
         Self {
             rays: vec![512, 384, 256, 128, 96, 64],
             epsilon_e: 0.25,
-            epsilon_omega: 0.03,
+            epsilon_omega: 0.02,
             significance: 0.5,
         }
     }
