@@ -49,7 +49,7 @@ fn a_shining_furnace_is_as_bright_everywhere_as_the_series_says() {
     // Direct light is sampled: the noise of a point is larger than that of its bounced light.
     for (what, values, most) in [("direct", &light.direct, 0.08), ("bounced", &light.bounced, 0.05)] {
         let mean = mean(values.iter().copied());
-        assert!((mean / expected - 1.0).abs().max_element() < 0.01, "{what}: {mean}, not {expected}");
+        assert!((mean / expected - 1.0).abs().max_element() < 0.02, "{what}: {mean}, not {expected}");
         let off: f32 = values.iter().map(|value| (*value / expected - 1.0).length_squared() / 3.0).sum();
         let off = (off / values.len() as f32).sqrt();
         assert!(off < most, "{what}: {off} off in the root mean square");
