@@ -3,7 +3,7 @@
 //! The rays of the coarse receivers are cast once. Their rows serve every bounce.
 
 use super::direct::GroupField;
-use super::gather::ColourRow;
+use super::gather::ChannelRow;
 use crate::basis::Relations;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ pub struct CoarseBounces {
 /// mean of their parents. `limit` is the number of bounces; without one the series ends where nothing is left.
 pub fn coarse_bounces(
     first: GroupField,
-    rows: &[Option<ColourRow>],
+    rows: &[Option<ChannelRow>],
     relations: &Relations,
     limit: Option<u32>,
 ) -> CoarseBounces {

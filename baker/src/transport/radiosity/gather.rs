@@ -25,7 +25,7 @@ const PACKET: usize = 64;
 const TOGETHER: usize = 1 << 12;
 
 /// Irradiance of a receiver from the coarse points, by channel: (sender, irradiance per unit irradiance), senders ascending.
-pub type ColourRow = Vec<(u32, Vec3)>;
+pub type ChannelRow = Vec<(u32, Vec3)>;
 
 /// Time of all threads together, nanoseconds.
 #[derive(Debug, Default)]
@@ -86,7 +86,7 @@ pub struct FieldGather<'a, S: ?Sized> {
 
 impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
     /// Number of receivers that are gathered for together.
-    pub fn together(directions: &Directions) -> usize {
+    pub fn batch_size(directions: &Directions) -> usize {
         (TOGETHER / directions.len().max(1)).max(1)
     }
 
@@ -185,7 +185,7 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
         field: &GroupField,
         ancestors: &Ancestors,
         (memory, row): (&mut GatherMemory, &mut SparseAccumulator<3>),
-    ) -> (Vec<Vec3>, ColourRow) {
+    ) -> (Vec<Vec3>, ChannelRow) {
         let mut out = vec![Vec3::ZERO; field.groups];
         self.cast(&[receiver], directions, memory, |hit, weights| {
             self.senders.interpolate(hit.distance, hit.position, hit.normal, weights);
@@ -196,7 +196,7 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
                 });
             }
         });
-        let mut found = ColourRow::new();
+        let mut found = ChannelRow::new();
         row.each(|sender, amount| found.push((sender, Vec3::from(amount))));
         row.clear();
         (out, found)

@@ -7,7 +7,7 @@
 use super::ancestors::Ancestors;
 use super::bounces::coarse_bounces;
 use super::direct::{GroupField, GroupSource, direct_irradiance};
-use super::gather::{ColourRow, FieldGather, GatherMemory, GatherTime};
+use super::gather::{ChannelRow, FieldGather, GatherMemory, GatherTime};
 use super::receiver_oracle::ReceiverOracle;
 use super::sender_level::SenderLevels;
 use super::settings::RadiositySettings;
@@ -67,7 +67,7 @@ impl<S: Surfaces + ?Sized> Solver<S> for ProgressiveRadiosity {
             bounces: 1,
             ..FixedSolution::default()
         };
-        let mut rows: Vec<Option<ColourRow>> = vec![None; points.count_on(coarse_levels)];
+        let mut rows: Vec<Option<ChannelRow>> = vec![None; points.count_on(coarse_levels)];
         let mut pass =
             Pass { problem, gather, settings: &self.settings, oracle: None, refined: vec![false; count] };
         let ancestors = Ancestors::new(relations, count, points.count_on(coarse_levels));
@@ -174,7 +174,7 @@ impl<S: Surfaces + ?Sized> Pass<'_, S> {
         field: &GroupField,
         ancestors: &Ancestors,
         watch: &dyn Watch,
-    ) -> Result<Vec<(Vec<Vec3>, ColourRow)>, Stopped> {
+    ) -> Result<Vec<(Vec<Vec3>, ChannelRow)>, Stopped> {
         let directions = Directions::new(self.settings.rays_on(level));
         let count = ancestors.coarse();
         let memory = || (GatherMemory::default(), SparseAccumulator::<3>::new(count));
@@ -194,7 +194,7 @@ impl<S: Surfaces + ?Sized> Pass<'_, S> {
         watch: &dyn Watch,
     ) -> Result<Vec<(Vec3, f32)>, Stopped> {
         let directions = Directions::new(self.settings.rays_on(level));
-        let chunks = wanted.par_chunks(FieldGather::<S>::together(&directions));
+        let chunks = wanted.par_chunks(FieldGather::<S>::batch_size(&directions));
         let found = chunks.map_init(GatherMemory::default, |memory, some| {
             watch.step(some.len() as u64)?;
             Ok(self.gather.field(some, &directions, field, memory))
