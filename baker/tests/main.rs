@@ -27,6 +27,7 @@ mod points;
 mod resume;
 mod simplify;
 mod size;
+mod solve;
 mod sources;
 mod spots;
 mod tiles;

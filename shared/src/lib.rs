@@ -30,6 +30,7 @@ pub mod footprint;
 pub mod interpolation;
 pub mod kernel;
 pub mod light;
+pub mod light_group;
 pub mod lighting;
 pub mod link;
 pub mod mix;

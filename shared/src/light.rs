@@ -12,7 +12,8 @@ mod table;
 
 pub use field::{Absent, Field, LightDescription, Range, Stored};
 pub use kinds::{
-    COLOR, DIRECTION, INTENSITY, KINDS, Light, LightKind, MEMBERS, NUMBERS, POSITION, SIZE, WIDEST_DEG,
+    COLOR, DIRECTION, INTENSITY, KINDS, Light, LightKind, MEMBERS, NUMBERS, POSITION, ROTATION, SIZE,
+    WIDEST_DEG,
 };
 pub use source::{Incident, LightSource};
 

@@ -7,6 +7,7 @@ pub use prepared::PreparedEnvironment;
 use crate::environment::bins::BINS;
 use crate::environment::{Environment, environment_from_world};
 use crate::light::{Light, LightKind, LightSource};
+use crate::light_group::{MovedLight, group_strengths};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -22,6 +23,8 @@ pub struct Lighting {
     pub emission: Vec<Vec3>,
     /// The sky behind the scene, one for each environment light.
     pub background: Vec<Background>,
+    /// Strength of each [group of light](crate::rbn::light_groups), linear RGB; empty for files whose lights move.
+    pub groups: Vec<Vec3>,
 }
 
 /// An environment as seen behind a scene.
@@ -74,6 +77,15 @@ impl Lighting {
             }
         }
         out
+    }
+
+    /// Adds the strengths of the groups of a fixed solution with the lights `solved`; nothing where there is none.
+    ///
+    /// # Errors
+    /// [`MovedLight`] for one of the `lights` of the picture that is not in its place.
+    pub fn with_groups(self, solved: Option<&[Light]>, lights: &[Light]) -> Result<Self, MovedLight> {
+        let groups = solved.map(|solved| group_strengths(solved, lights)).transpose()?;
+        Ok(Self { groups: groups.unwrap_or_default(), ..self })
     }
 
     fn add_environment(&mut self, environment: &mut PreparedEnvironment, rotation_deg: f32, factor: Vec3) {

@@ -70,6 +70,35 @@ pub fn from_sources(scene: &BakedScene, strengths: &[Vec3]) -> Vec<Vec3> {
     pushed(scene, &scene.source_links, scene.points.len(), amount)
 }
 
+/// Irradiance of points from groups of light that stay in place.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GroupIrradiance {
+    /// Of light that bounced at least once; a value for each point, linear RGB.
+    pub bounced: Vec<Vec3>,
+    /// Straight from the sky and emissive surfaces, likewise.
+    pub direct: Vec<Vec3>,
+}
+
+/// Returns the irradiance of every point along its own normal from the [groups of light](crate::rbn::light_groups) of a
+/// fixed solution; `strengths` has one RGB value per group ([`group_strengths`](crate::light_group::group_strengths)). Linear in
+/// each strength. Zeros without groups.
+pub fn from_groups(scene: &BakedScene, strengths: &[Vec3]) -> GroupIrradiance {
+    let (all, zeros) = (&scene.light_groups, vec![Vec3::ZERO; scene.points.len()]);
+    let mut out = GroupIrradiance { bounced: zeros.clone(), direct: zeros };
+    let add = |sums: &mut [Vec3], group: usize, column: usize, strength: Vec3| {
+        let irradiance = all.irradiance(group, column, scene.push());
+        sums.iter_mut().zip(irradiance).for_each(|(sum, irradiance)| *sum += strength * irradiance);
+    };
+    let strengths = (0..all.groups.len()).zip(strengths);
+    for (group, strength) in strengths.filter(|(_, strength)| **strength != Vec3::ZERO) {
+        add(&mut out.bounced, group, group, *strength);
+        if let Some(column) = all.direct_column(group) {
+            add(&mut out.direct, group, column, *strength);
+        }
+    }
+    out
+}
+
 fn pushed<L: Copy>(
     scene: &BakedScene,
     links: &LinkMatrix<L>,

@@ -8,10 +8,12 @@ use rebounce_shared::light::Light;
 use rebounce_shared::link::{LaterLink, Link};
 use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use rebounce_shared::rbn::extras::Extras;
+use rebounce_shared::rbn::light_groups::{GroupValue, LightGroup, LightGroups};
 use rebounce_shared::rbn::meta::{
     Alpha, Animation, DetailTexture, Draw, Interpolation, Level, Material, Meta, Property, Texture, Track,
 };
-use rebounce_shared::rbn::{EXTRAS_SECTION, LinkMatrix, MAX_ROW, container};
+use rebounce_shared::rbn::{EXTRAS_SECTION, GROUP_SECTIONS, LinkMatrix, MAX_ROW, container};
+use rebounce_shared::relight::from_groups;
 
 /// A triangle with a coarse function with a cut, and a fine function without cuts.
 fn scene() -> BakedScene {
@@ -322,6 +324,88 @@ fn copies_that_are_not_there_or_cannot_be_turned_back_are_refused() {
     assert!(refused.contains("6291450 copies"), "{refused}");
     scene.copies = vec![scene.copies[0]; 6];
     scene.to_bytes().unwrap();
+}
+
+/// Returns [`scene`] as a fixed solution of a lamp and a sky.
+fn solved() -> BakedScene {
+    let mut scene = scene();
+    scene.meta.lights.push(others()[3].clone());
+    scene.meta.animations.clear();
+    scene.meta.later_levels = 0;
+    scene.links = LinkMatrix::from_rows(&[Vec::new(), Vec::new()]);
+    scene.later = LinkMatrix::default();
+    let group = |has_direct| LightGroup { floor: 0.001, has_direct };
+    scene.light_groups = LightGroups { groups: vec![group(false), group(true)], values: Vec::new() };
+    let (lamp, sky) = ([Vec3::new(0.5, 1.0, 0.25), Vec3::new(0.25, 2.0, 0.0)], [Vec3::ONE, Vec3::ZERO]);
+    for column in [lamp, sky, sky] {
+        scene.light_groups.push_column(&column, 0.001, scene.relations.push(), |_| true);
+    }
+    scene
+}
+
+#[test]
+fn light_groups_survive_the_file_and_add_up() {
+    let scene = solved();
+    let bytes = scene.to_bytes().unwrap();
+    assert_eq!(container::version(&bytes), Some(container::VERSION));
+    let back = BakedScene::from_bytes(&bytes).unwrap();
+    assert_eq!(back, scene);
+    assert_eq!((back.light_groups.columns(), back.light_groups.direct_column(1)), (3, Some(2)));
+    let light = from_groups(&back, &[Vec3::splat(2.0), Vec3::new(0.0, 1.0, 0.0)]);
+    let near =
+        |found: Vec3, expected: Vec3| (found - expected).abs().max_element() < 0.02 * expected.max_element();
+    assert!(near(light.bounced[0], Vec3::new(1.0, 3.0, 0.5)), "{}", light.bounced[0]);
+    assert!(near(light.bounced[1], Vec3::new(0.5, 4.0, 0.0)), "{}", light.bounced[1]);
+    assert!(near(light.direct[0], Vec3::Y), "{}", light.direct[0]);
+    // Readers of older versions would show no bounced light.
+    let sections = container::read(&bytes).unwrap();
+    let parts: Vec<_> = sections.iter().map(|s| (s.name, &bytes[s.offset..s.offset + s.len])).collect();
+    let mut plain = scene.clone();
+    plain.meta.lights.pop();
+    plain.light_groups = LightGroups::default();
+    let meta = plain.to_bytes().unwrap();
+    let meta_section = container::read(&meta).unwrap()[0];
+    let meta = &meta[meta_section.offset..meta_section.offset + meta_section.len];
+    let older: Vec<_> =
+        parts.iter().map(|(name, bytes)| (*name, if name == b"META" { meta } else { bytes })).collect();
+    let error = BakedScene::from_bytes(&container::write(container::PUNCTUAL_LIGHTS, &older)).unwrap_err();
+    assert!(error.to_string().contains("LGRP"), "{error}");
+    // A section alone, or cut short.
+    for missing in GROUP_SECTIONS {
+        let rest: Vec<_> = parts.iter().filter(|part| part.0 != missing).copied().collect();
+        let error = BakedScene::from_bytes(&container::write(container::VERSION, &rest)).unwrap_err();
+        assert!(error.to_string().contains(&String::from_utf8_lossy(&missing)[..]), "{error}");
+        let short: Vec<_> = parts
+            .iter()
+            .map(|(name, bytes)| (*name, if *name == missing { &bytes[..bytes.len() - 1] } else { bytes }))
+            .collect();
+        let error = BakedScene::from_bytes(&container::write(container::VERSION, &short)).unwrap_err();
+        assert!(error.to_string().contains(&String::from_utf8_lossy(&missing)[..]), "{error}");
+    }
+}
+
+#[test]
+fn light_groups_that_do_not_fit_are_refused() {
+    type Break = fn(&mut BakedScene);
+    let breaks: [(&str, Break); 11] = [
+        ("LGRP", |s| s.light_groups.groups.truncate(1)),
+        ("LGRP", |s| s.light_groups.groups[0].floor = 0.0),
+        ("LGRP", |s| s.light_groups.groups[0].floor = -1.0),
+        ("LGRP", |s| s.light_groups.groups[1].floor = f32::NAN),
+        ("LGRP", |s| s.light_groups.groups[1].floor = 1e20),
+        ("LGRP", |s| s.light_groups.groups[1].floor = 1e-42),
+        ("LVAL", |s| s.light_groups.groups[0].has_direct = true),
+        ("LVAL", |s| s.light_groups.values.push(GroupValue::default())),
+        ("LGRP", |s| s.light_groups.groups.clear()),
+        ("LGRP", |s| s.links = LinkMatrix::from_rows(&[vec![Link::pack(0, 0.5)], Vec::new()])),
+        ("LGRP", |s| s.meta.animations = scene().meta.animations),
+    ];
+    for (i, (section, damage)) in breaks.into_iter().enumerate() {
+        let mut scene = solved();
+        damage(&mut scene);
+        let error = scene.to_bytes().expect_err("refused").to_string();
+        assert!(error.contains(section), "{i}: {error}");
+    }
 }
 
 #[test]

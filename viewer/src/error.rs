@@ -21,6 +21,11 @@ pub enum ViewerError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] RbnError),
+    /// The file has light groups in place of links.
+    #[error(
+        "the file holds a fixed solution, which this page does not show yet: `rebounce render` does; make a file for the page with `rebounce bake`"
+    )]
+    Solved,
     /// A section exceeds the buffer limit.
     #[error(
         "section {section} takes {bytes} bytes, a buffer of this graphics adapter holds {limit}: bake a smaller scene, or fewer levels"
@@ -76,6 +81,7 @@ impl ViewerError {
             Self::NoAdapter(_) => "no-adapter",
             Self::NoDevice(_) => "no-device",
             Self::File(error) => error.code(),
+            Self::Solved => "newer-version",
             Self::TooLarge { .. } => "too-large",
             Self::OutOfMemory => "out-of-memory",
             Self::Texture { .. } => "texture",

@@ -4,6 +4,7 @@ use super::{escape::escape_controls, read_baked};
 use anyhow::Result;
 use clap::Args;
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::light::{KINDS, Light};
 use rebounce_shared::rbn::container::{self, Section};
 use rebounce_shared::rbn::meta::{Alpha, Material, Texture};
 use serde_json::{Value, json};
@@ -82,6 +83,10 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
             "name": group.name, "materials": group.materials, "coloured": group.is_coloured,
         })).collect::<Vec<_>>(),
         "source_links": scene.source_links.links.len(),
+        "is_solved": scene.is_solved(),
+        "light_groups": scene.light_groups.groups.iter().zip(&m.lights).map(|(group, light)| json!({
+            "kind": KINDS[light.kind() as usize].name, "has_direct": group.has_direct,
+        })).collect::<Vec<_>>(),
         "ground": !m.shown.ground.is_empty(),
         "bake": {
             "preset": m.bake.preset, "seed": m.bake.seed, "epsilon": m.bake.epsilon,
@@ -184,6 +189,18 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
             "sources",
             format!("{sky}{} groups of shining surfaces {groups:?}, {links} links", groups.len()),
         );
+    }
+    if scene.is_solved() {
+        let group = |(number, light): (usize, &Light)| {
+            let name = names.get(number).filter(|name| !name.is_empty());
+            format!(
+                "{}{}",
+                KINDS[light.kind() as usize].name,
+                name.map_or(String::new(), |name| format!(" {name:?}"))
+            )
+        };
+        let groups: Vec<String> = m.lights.iter().enumerate().map(group).collect();
+        line("light groups", format!("{}, in their places: {}", groups.len(), groups.join(", ")));
     }
     line("sections", String::new());
     for s in sections {

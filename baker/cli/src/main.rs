@@ -8,13 +8,16 @@ mod escape;
 mod export;
 mod http;
 mod info;
+mod layout;
 mod load;
 mod number;
+mod paths;
 mod picture;
 mod progress;
 mod reference;
 mod render;
 mod sky;
+mod solve;
 mod stop;
 mod view;
 
@@ -43,6 +46,8 @@ struct Arguments {
 enum Command {
     /// Bakes a scene into a .rbn file
     Bake(Box<bake::BakeArgs>),
+    /// Solves for lights that stay in place, into a small .rbn file
+    Solve(Box<solve::SolveArgs>),
     /// Says what is inside a .rbn file, and whether it is whole
     Info(info::InfoArgs),
     /// Takes a picture of a baked scene on the CPU
@@ -83,6 +88,7 @@ fn sentence(error: &anyhow::Error) -> String {
 fn run(arguments: &Arguments) -> Result<ExitCode> {
     match &arguments.command {
         Command::Bake(args) => return bake::run(args),
+        Command::Solve(args) => solve::run(args),
         Command::Info(args) => info::run(args),
         Command::Render(args) => render::run(args),
         Command::Reference(args) => reference::run(args),

@@ -84,15 +84,8 @@ pub fn lit(
     if file.is_some() {
         shot.lights = mixed(&with_emission(&shot.lights, groups.len(), shot.emission), &shot.mix);
     }
-    let picture = shot.lights.iter().find_map(|light| match light {
-        Light::Environment { file, .. } => file.as_deref(),
-        _ => None,
-    });
-    let Some(picture) = picture else { return Ok((shot, own)) };
-    let beside = file.and_then(Path::parent).unwrap_or(Path::new(""));
-    let (environment, notes) = environment::read(&beside.join(picture))?;
-    notes.iter().for_each(|note| eprintln!("note: {note}"));
-    Ok((shot, Some(Arc::new(environment))))
+    let environment = read_environment(&shot, file.unwrap_or(Path::new("")))?;
+    Ok((shot, environment.or(own)))
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
@@ -105,6 +98,19 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| format!("give width x height, each from 1 to {}, as in 640x360", shot::MAX_SIZE))
 }
 
+/// Reads the picture of the environment that a shot names, relative to the shot's `path`; `None` where it names none.
+pub fn read_environment(shot: &Shot, path: &Path) -> Result<Option<Arc<Environment>>> {
+    let mut files = shot.lights.iter().filter_map(|light| match light {
+        Light::Environment { file, .. } => file.as_deref(),
+        _ => None,
+    });
+    let Some(file) = files.next() else { return Ok(None) };
+    let beside = path.parent().unwrap_or(Path::new(""));
+    let (environment, notes) = environment::read(&beside.join(file))?;
+    notes.iter().for_each(|note| eprintln!("note: {note}"));
+    Ok(Some(Arc::new(environment)))
+}
+
 impl PictureArgs {
     /// Checks the output path, sets up the threads and reads the shot, before the long work.
     pub fn prepare(&self) -> Result<Option<Shot>> {
@@ -112,6 +118,18 @@ impl PictureArgs {
         check_place(&self.output)?;
         set_threads(self.threads)?;
         Ok(self.shot.as_deref().map(shot::read).transpose()?)
+    }
+
+    /// Completes the lights of a shot for a fixed solution with these groups of emissive surfaces. Its sky is the file's own.
+    pub fn lit_as_solved(&self, mut shot: Shot, groups: &[String]) -> Result<Shot> {
+        for light in &mut shot.lights {
+            if let Light::Environment { file, .. } = light
+                && let Some(file) = file.take()
+            {
+                eprintln!("note: the sky is the one that the file was solved with; {file} is not read");
+            }
+        }
+        Ok(self.lit(shot, groups, None)?.0)
     }
 
     /// As [`lit`], of this command's shot.

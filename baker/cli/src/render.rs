@@ -2,7 +2,7 @@
 
 use super::picture::{PictureArgs, Rows, shot_or_own};
 use super::read_baked;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::with_lights::WithLights;
@@ -36,11 +36,16 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let name = args.file.display().to_string();
     let shot = shot_or_own(shot, &name, &scene.meta.cameras, &scene.meta.lights)?;
     let names: Vec<String> = scene.sources.groups.iter().map(|group| group.name.clone()).collect();
-    let (shot, environment) = args.picture.lit(shot, &names, packed_environment(&scene))?;
+    let own = packed_environment(&scene);
+    let (shot, environment) = match scene.is_solved() {
+        true => (args.picture.lit_as_solved(shot, &names)?, own),
+        false => args.picture.lit(shot, &names, own)?,
+    };
     let surfaces = TriangleSurfaces::from_baked(&scene)?;
     let exposure = args.picture.exposure(&shot, args.spp);
     let rows = Rows::new(exposure.size[1]);
     let lighting = Lighting::new(&shot.lights, environment.as_ref(), scene.meta.origin, names.len());
+    let lighting = lighting.with_groups(scene.solved_lights(), &shot.lights).with_context(|| name.clone())?;
     let lamps = lighting.lamps.clone();
     let with_lights = WithLights::new(&surfaces, &lamps);
     let relit = Relit::lit(&scene, &with_lights, lighting, !args.no_detail);

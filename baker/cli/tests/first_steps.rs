@@ -8,7 +8,7 @@ use std::time::{Duration, SystemTime};
 
 use crate::common::program;
 
-const VERBS: [&str; 7] = ["bake", "info", "render", "reference", "compare", "export", "view"];
+const VERBS: [&str; 8] = ["bake", "solve", "info", "render", "reference", "compare", "export", "view"];
 /// A scene of few triangles.
 const PLAIN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/gltf/plain.glb");
 

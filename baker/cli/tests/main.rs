@@ -9,4 +9,5 @@ mod export;
 mod faults;
 mod first_steps;
 mod kill;
+mod solve;
 mod target;

@@ -17,6 +17,7 @@ use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::octahedral::pack_rounded;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Copies, Instance, Vertex};
+use rebounce_shared::rbn::light_groups::LightGroups;
 use rebounce_shared::rbn::meta::{self, Alpha, BakeInfo, Draw, Meta};
 use rebounce_shared::rbn::sources::Sources;
 use std::collections::HashMap;
@@ -87,6 +88,7 @@ pub(super) fn assemble(
             false => LinkMatrix::from_rows(&sources.links),
         },
         sources: Sources { environment, ..sources.sources },
+        light_groups: LightGroups::default(),
     }
 }
 

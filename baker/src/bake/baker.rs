@@ -32,10 +32,19 @@ pub struct Baker<'a> {
 }
 
 /// Surfaces for rays, with their number of triangles (a model counts once) and of primitives (every copy counts).
-struct Built<B> {
+pub(super) struct Built<B> {
     surfaces: B,
     triangles: u64,
     primitives: u64,
+}
+
+impl Built<Box<TriangleSurfaces>> {
+    /// The simplified triangles of a scene.
+    pub(super) fn of_triangles(scene: &Scene) -> Self {
+        let surfaces = Box::new(TriangleSurfaces::simplified(scene));
+        let (triangles, primitives) = (surfaces.triangle_count() as u64, surfaces.piece_count());
+        Self { surfaces, triangles, primitives }
+    }
 }
 
 impl<'a> Baker<'a> {
@@ -77,15 +86,7 @@ impl<'a> Baker<'a> {
     where
         V: Solver<TriangleSurfaces, Solution = Operator>,
     {
-        let build = || {
-            let surfaces = Box::new(TriangleSurfaces::simplified(scene));
-            Built {
-                triangles: surfaces.triangle_count() as u64,
-                primitives: surfaces.piece_count(),
-                surfaces,
-            }
-        };
-        self.run(scene, build, solver)
+        self.run(scene, || Built::of_triangles(scene), solver)
     }
 
     /// Bakes any surfaces with a solver. `scene` has their materials, lights and cameras, and no triangles: pictures
@@ -111,7 +112,14 @@ impl<'a> Baker<'a> {
         B: Deref<Target = S>,
         V: Solver<S, Solution = Operator>,
     {
-        let baked = self.unflushed(scene, build, solver);
+        let settings = self.settings.clone().normalised();
+        let sketch = sketch_settings(&settings).filter(|_| self.wants_sketch());
+        let baked = self.prepared(scene, build, sketch.is_some(), |recipe, tracker, report| {
+            if let Some(settings) = sketch {
+                recipe.sketch(solver, settings, &tracker.task(Stage::Sketch, None))?;
+            }
+            recipe.run(solver, settings.clone(), tracker, report)
+        });
         if let Some(checkpoint) = self.checkpoint {
             // A failed checkpoint ends the bake as stopped; `flush` returns the cause.
             checkpoint.flush()?;
@@ -119,19 +127,24 @@ impl<'a> Baker<'a> {
         baked
     }
 
-    fn unflushed<S, B, V>(&self, scene: &Scene, build: impl FnOnce() -> Built<B>, solver: &V) -> Baked
+    /// Builds the surfaces, finds viewpoints, lights and cameras, and calls `work`.
+    pub(super) fn prepared<S, B, T>(
+        &self,
+        scene: &Scene,
+        build: impl FnOnce() -> Built<B>,
+        has_sketch: bool,
+        work: impl FnOnce(&Recipe<S>, &Tracker, BakeReport) -> Result<T, BakeError>,
+    ) -> Result<T, BakeError>
     where
         S: Surfaces,
         B: Deref<Target = S>,
-        V: Solver<S, Solution = Operator>,
     {
         let settings = self.settings.clone().normalised();
         if scene.triangles.is_empty() {
             return Err(BakeError::Empty);
         }
-        let sketch = sketch_settings(&settings).filter(|_| self.wants_sketch());
         let threads = rayon::current_num_threads();
-        let estimate = Estimate::new(&settings, scene.triangles.len(), sketch.is_some(), threads);
+        let estimate = Estimate::new(&settings, scene.triangles.len(), has_sketch, threads);
         let tracker = Tracker::new(self.observer, self.checkpoint, estimate);
         let task = tracker.task(Stage::Bvh, None);
         let Built { surfaces, triangles, primitives } = build();
@@ -160,16 +173,12 @@ impl<'a> Baker<'a> {
         let recipe = Recipe {
             scene,
             surfaces: &*surfaces,
-            solver,
             emitter: &emitter,
             staged: &staged,
             observer: self.observer,
             job,
         };
-        if let Some(settings) = sketch {
-            recipe.sketch(settings, &tracker.task(Stage::Sketch, None))?;
-        }
-        recipe.run(settings, &tracker, report)
+        work(&recipe, &tracker, report)
     }
 
     /// Whether to bake a coarse preview first: not when earlier work is at hand.

@@ -2,6 +2,7 @@
 //!
 //! * [`Baker`] – a bake with all its options; [`bake`] – with the usual ones;
 //! * `stages` – the stages in order; `assemble` – the file's contents;
+//! * [`solve()`] – a fixed solution, for lights that stay in place; `solve_report` – its figures;
 //! * [`observer`] – progress reports and stopping; `tracker`, `estimate` – progress, and the time left;
 //! * `stand_in` – camera and lamp for scenes without, and the ground of an object;
 //! * [`budget`] – limits on size and memory; [`judge`] – the error against ground truth; [`aim`] – settings to try
@@ -20,6 +21,8 @@ pub mod observer;
 mod placed;
 mod preset;
 mod report;
+mod solve;
+mod solve_report;
 mod stages;
 mod stand_in;
 mod tracker;
@@ -30,6 +33,8 @@ pub use baker::Baker;
 pub use observer::{Observer, Preview, Progress};
 pub use preset::{BakeSettings, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
+pub use solve::{SolveSettings, solve};
+pub use solve_report::SolveReport;
 
 use crate::geometry::Surfaces;
 use crate::geometry::mesh::TriangleSurfaces;

@@ -36,10 +36,9 @@ const MOST_LATER: usize = 6_000;
 const SKETCH: (usize, usize, u32) = (3_000, 3, 512);
 
 /// Inputs of all stages.
-pub(super) struct Recipe<'a, S: Surfaces + ?Sized, V> {
+pub(super) struct Recipe<'a, S: Surfaces + ?Sized> {
     pub scene: &'a Scene,
     pub surfaces: &'a S,
-    pub solver: &'a V,
     pub emitter: &'a ParticleEmitter,
     pub staged: &'a Staged,
     pub observer: &'a dyn Observer,
@@ -60,9 +59,14 @@ pub(super) fn sketch_settings(settings: &BakeSettings) -> Option<BakeSettings> {
     (!is_small).then(|| sketch.normalised())
 }
 
-impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
+impl<S: Surfaces + ?Sized> Recipe<'_, S> {
     /// Bakes coarsely and hands the result to the observer as a preview.
-    pub(super) fn sketch(&self, mut settings: BakeSettings, watch: &dyn Watch) -> Result<(), BakeError> {
+    pub(super) fn sketch(
+        &self,
+        solver: &impl Solver<S, Solution = Operator>,
+        mut settings: BakeSettings,
+        watch: &dyn Watch,
+    ) -> Result<(), BakeError> {
         let quiet = &Uncounted(watch);
         let mut points = place(self.surfaces, self.emitter, &settings.place, quiet)?;
         settings = settings.deepened(points.levels.len());
@@ -77,7 +81,7 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
             settings: &settings.operator,
         };
         let job = Job { reporter: &Quiet(watch), ..Job::default() };
-        let operator = self.solver.solve(&problem, &job, &mut |_, _| Ok(()))?;
+        let operator = solver.solve(&problem, &job, &mut |_, _| Ok(()))?;
         let file = self.file(&settings, &points, &relations, &operator, SourceLinks::default());
         self.observer.preview(Preview { file, levels: 0 });
         Ok(())
@@ -86,13 +90,14 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
     /// Bakes; returns the result on process 0, `None` on the others.
     pub(super) fn run(
         &self,
+        solver: &impl Solver<S, Solution = Operator>,
         settings: BakeSettings,
         tracker: &Tracker,
         mut report: BakeReport,
     ) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
         let is_first = self.job.communicator.rank() == 0;
         report.processes = self.job.communicator.size() as u64;
-        let (mut points, settings) = self.points(&settings, tracker)?;
+        let (mut points, settings) = self.points(&settings, tracker, true)?;
         report.sender_levels = settings.operator.sender_levels as u64;
         let task = tracker.task(Stage::Hierarchy, None);
         let relations = relate(&points, settings.direct_levels)?;
@@ -119,7 +124,7 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
             }
             Ok::<(), Stopped>(())
         };
-        let operator = self.solver.solve(&problem, &self.job, &mut preview)?;
+        let operator = solver.solve(&problem, &self.job, &mut preview)?;
         if !is_first {
             return Ok(None);
         }
@@ -136,11 +141,13 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
         Ok(Some((file, report)))
     }
 
-    /// Places all points with their cuts and samples; returns the points, and the settings adapted to their levels.
-    fn points(
+    /// Places all points with their cuts, and with the samples of direct light where it `is_sampled`; returns the points,
+    /// and the settings adapted to their levels.
+    pub(super) fn points(
         &self,
         settings: &BakeSettings,
         tracker: &Tracker,
+        is_sampled: bool,
     ) -> Result<(Points, BakeSettings), BakeError> {
         let mut placer = Placer::new(self.surfaces, self.emitter, &settings.place)?;
         let mut adapted = settings.clone();
@@ -155,7 +162,15 @@ impl<S: Surfaces + ?Sized, V: Solver<S, Solution = Operator>> Recipe<'_, S, V> {
             tracker.expect(|estimate| estimate.found_points(&adapted, &counts));
         }
         let mut points = placer.into_points();
-        self.clip(&mut points, &tracker.task(Stage::ClipPlanes, None))?;
+        let task = tracker.task(Stage::ClipPlanes, None);
+        match is_sampled {
+            true => self.clip(&mut points, &task)?,
+            false => {
+                let end = points.points.len();
+                cut(self.surfaces, &mut points, end, &task)?;
+            }
+        }
+        drop(task);
         if points.cuts.iter().map(Vec::len).sum::<usize>() > MAX_ALL_CUTS {
             return Err(BakeError::TooManyCuts);
         }

@@ -5,6 +5,7 @@
 //! and evaluates the remaining functions. `cargo bench -p rebounce --bench basis` compares the grid
 //! with an R-tree (paper, 2.1).
 
+use crate::processor;
 use glam::{IVec3, Mat4, Vec3, Vec4};
 use rebounce_shared::kernel::{LEAST_COSINE, LEAST_WEIGHT, SQUASH, weight};
 use rebounce_shared::rbn::bulk::Cut;
@@ -54,6 +55,17 @@ impl Function {
     fn radius(&self) -> f32 {
         self.place.w
     }
+}
+
+/// Step of [`Evaluator::fetch`]: each reads what the one before has fetched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FetchStep {
+    /// The bucket of the position.
+    Bucket,
+    /// The begin of the bucket's list.
+    List,
+    /// The functions of the list.
+    Functions,
 }
 
 /// Evaluates the functions of a level.
@@ -167,15 +179,36 @@ impl Evaluator {
         ((block * BLOCK) | within) as usize & (self.starts.len() - 2)
     }
 
+    /// Prefetches, in steps, what a query at this position reads: its bucket, the bucket's list, the list's functions.
+    #[inline]
+    pub fn fetch(&self, position: Vec3, step: FetchStep) {
+        let bucket = self.bucket_at(position);
+        match step {
+            FetchStep::Bucket => processor::fetch(&self.starts, bucket),
+            FetchStep::List => processor::fetch(&self.lists, self.starts[bucket] as usize),
+            FetchStep::Functions => {
+                let lists = self.starts[bucket] as usize..self.starts[bucket + 1] as usize;
+                for function in self.lists[lists].iter().flatten() {
+                    processor::fetch(&self.functions, *function as usize);
+                }
+            }
+        }
+    }
+
+    /// Bucket of a position.
+    #[inline]
+    fn bucket_at(&self, position: Vec3) -> usize {
+        let place = (position - self.low) * self.cells_per_unit;
+        // Floor without a call into the system's library.
+        self.bucket(place.as_ivec3() - IVec3::from(place.cmplt(Vec3::ZERO)))
+    }
+
     /// Calls `visit(index, weight)` for each function with a positive weight (Eq. 8) at this
     /// position and no clip plane in between, and returns the sum of weights: 0 if no function
     /// covers the position.
     #[inline]
     pub fn gather(&self, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
-        let place = (position - self.low) * self.cells_per_unit;
-        // Floor without a call into the system's library.
-        let cell = place.as_ivec3() - IVec3::from(place.cmplt(Vec3::ZERO));
-        let bucket = self.bucket(cell);
+        let bucket = self.bucket_at(position);
         let mut total = 0.0;
         for lanes in &self.lists[self.starts[bucket] as usize..self.starts[bucket + 1] as usize] {
             let mut hopeful = self.hopeful(lanes, position, normal);

@@ -6,7 +6,7 @@
 mod evaluator;
 
 use crate::sampling::Points;
-pub use evaluator::{Evaluator, Leveled, Support};
+pub use evaluator::{Evaluator, FetchStep, Leveled, Support};
 use rebounce_shared::basis::ParentWeights;
 pub use rebounce_shared::basis::Relations;
 use rebounce_shared::rbn::RbnError;

@@ -4,12 +4,14 @@
 //! [`operator`] that relights a scene.
 //!
 //! * [`direct_to_indirect`] – the operator S for moving lights and a still scene (Lehtinen et al. 2008);
+//! * [`radiosity`] – bounced light of given lights that stay in place (Lehtinen et al. 2007);
 //! * [`sources`] – links from the sky and from emissive surfaces, which stay in place.
 //!
 //! A solver outside of the crate is as good: `examples/one_bounce.rs`.
 
 pub mod direct_to_indirect;
 pub mod operator;
+pub mod radiosity;
 pub mod sources;
 
 pub use operator::{Operator, OperatorSettings};

@@ -4,11 +4,13 @@ mod check;
 
 use crate::basis::{ParentWeights, Relations};
 use crate::interpolation::Rows;
+use crate::light::Light;
 use crate::link::{LaterLink, Link, SourceLink};
 use crate::openness::LEVELS;
 use crate::rbn::LinkMatrix;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
+use crate::rbn::light_groups::{self, LightGroups};
 use crate::rbn::meta::{self, Meta};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{RbnError, container, extras, shown};
@@ -47,11 +49,15 @@ pub struct BakedScene {
     /// From strengths of the sources to irradiance along the points' normals; a row per point of every level, without
     /// sources no rows.
     pub source_links: LinkMatrix<SourceLink>,
+    /// Light of a fixed solution, in place of links; empty where lights may move.
+    pub light_groups: LightGroups,
     /// H: from irradiance at the points of the coarse levels to irradiance of further bounces at the same points.
     pub later: LinkMatrix<LaterLink>,
 }
 
-use crate::rbn::{COPY_SECTIONS, EXTRAS_SECTION, OPENNESS_SECTION, SECTIONS, SHOWN_SECTION, SOURCE_SECTIONS};
+use crate::rbn::{
+    COPY_SECTIONS, EXTRAS_SECTION, GROUP_SECTIONS, OPENNESS_SECTION, SECTIONS, SHOWN_SECTION, SOURCE_SECTIONS,
+};
 
 impl BakedScene {
     /// The points of level `l`.
@@ -115,6 +121,16 @@ impl BakedScene {
         Ok(())
     }
 
+    /// Whether the file has the light of lights that stay in place, and no links.
+    pub fn is_solved(&self) -> bool {
+        !self.light_groups.groups.is_empty()
+    }
+
+    /// Returns the lights that the groups of a fixed solution are for; `None` where lights may move.
+    pub fn solved_lights(&self) -> Option<&[Light]> {
+        self.is_solved().then_some(self.meta.lights.as_slice())
+    }
+
     /// Range of `instances` of the triangles of draw call `i`; empty for triangles without copies, in local space.
     pub fn copies_of(&self, i: usize) -> Range<usize> {
         self.copies.get(i).map_or(0..0, Copies::range)
@@ -135,7 +151,7 @@ impl BakedScene {
     /// Returns the format version of the file: the least version with the features used.
     pub fn version(&self) -> u32 {
         let has_extras = self.meta.materials.iter().any(|m| m.extras != extras::Extras::default());
-        if !self.meta.lights.iter().all(|light| light.kind().is_punctual()) {
+        if self.is_solved() || !self.meta.lights.iter().all(|light| light.kind().is_punctual()) {
             return container::VERSION;
         }
         match (self.parent_weights, has_extras, self.copies.is_empty()) {
@@ -178,6 +194,11 @@ impl BakedScene {
         let source_links = if sources.is_some() { links::encode(offsets, all) } else { Vec::new() };
         if let Some(sources) = &sources {
             sections.extend(SOURCE_SECTIONS.into_iter().zip([sources.as_slice(), &source_links]));
+        }
+        let groups = light_groups::encode(&self.light_groups.groups)?;
+        let values = columns::encode(&self.light_groups.values);
+        if let Some(groups) = &groups {
+            sections.extend(GROUP_SECTIONS.into_iter().zip([groups.as_slice(), &values]));
         }
         let shown = shown::encode(&self.meta.shown);
         sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
@@ -226,6 +247,7 @@ impl BakedScene {
             later: matrix("LATL", bytes(*b"LATL")?)?,
             sources: Sources::default(),
             source_links: LinkMatrix::default(),
+            light_groups: LightGroups::default(),
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         if version <= container::PUNCTUAL_LIGHTS && scene.version() > container::PUNCTUAL_LIGHTS {
@@ -245,6 +267,15 @@ impl BakedScene {
         if sections.iter().any(|s| SOURCE_SECTIONS.contains(&s.name)) {
             scene.sources = sources::decode(bytes(*b"SRCS")?)?;
             scene.source_links = matrix("SRCL", bytes(*b"SRCL")?)?;
+        }
+        if sections.iter().any(|s| GROUP_SECTIONS.contains(&s.name)) {
+            if version <= container::PUNCTUAL_LIGHTS {
+                return Err(RbnError::invalid("LGRP", "a file of this version has none"));
+            }
+            scene.light_groups = LightGroups {
+                groups: light_groups::decode(bytes(*b"LGRP")?)?,
+                values: records("LVAL", bytes(*b"LVAL")?)?,
+            };
         }
         if sections.iter().any(|s| s.name == SHOWN_SECTION) {
             let shown = shown::decode(bytes(SHOWN_SECTION)?);

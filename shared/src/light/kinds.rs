@@ -105,7 +105,8 @@ const HEIGHT: Field = Field { name: "height", row: "Height", at: 8, ..WIDTH };
 /// A factor of light that something else gives.
 const FACTOR: Field = Field { row: "Factor", absent: Absent::Number(1.0), ..INTENSITY };
 const FILE: Field = Field { name: "file", row: "File", ..TEXT };
-const ROTATION: Field =
+/// Of an environment, about the y axis.
+pub const ROTATION: Field =
     Field { name: "rotation_deg", row: "Rotation, degrees", at: 7, absent: Absent::Number(0.0), ..NUMBER };
 const GROUP: Field = Field {
     name: "group",

@@ -3,7 +3,7 @@
 //! * [`container`] – header, section table, checksums;
 //! * [`meta`] – the small metadata (bincode);
 //! * [`extras`] – optional material properties; [`shown`] – names, and the ground under an object;
-//! * [`sources`] – the sky and emissive surfaces;
+//! * [`sources`] – the sky and emissive surfaces; [`light_groups`] – light of a fixed solution;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – packing of the sections in the file;
 //! * [`LinkMatrix`] – transport links by receiver;
@@ -15,6 +15,7 @@ pub mod bulk;
 pub mod codec;
 pub mod container;
 pub mod extras;
+pub mod light_groups;
 pub mod limits;
 mod matrix;
 pub mod meta;
@@ -36,6 +37,8 @@ pub const EXTRAS_SECTION: [u8; 4] = *b"MATX";
 pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
 /// Names of the optional sections of [sources] and of their links, after the sections above.
 pub const SOURCE_SECTIONS: [[u8; 4]; 2] = [*b"SRCS", *b"SRCL"];
+/// Names of the optional sections of [light groups](light_groups) and of their values, after the sections above.
+pub const GROUP_SECTIONS: [[u8; 4]; 2] = [*b"LGRP", *b"LVAL"];
 /// Name of the optional section of names and ground, last: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 

@@ -83,6 +83,9 @@ impl GpuScene {
     /// [`ViewerError::TooLarge`] before the first upload, [`ViewerError::Texture`], [`ViewerError::OutOfMemory`],
     /// or [`ViewerError::Internal`] for any other refusal by the device.
     pub async fn upload(gpu: &Gpu, loaders: Loaders<'_>, scene: BakedScene) -> Result<Self, ViewerError> {
+        if scene.is_solved() {
+            return Err(ViewerError::Solved);
+        }
         let (upload, relight) = gpu.watch(|| {
             let upload = Upload::new(gpu, &scene)?;
             let relight = Relight::new(gpu, loaders.relight, &upload, &scene);

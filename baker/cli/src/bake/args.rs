@@ -1,32 +1,22 @@
 //! The arguments of `rebounce bake`.
 
+use crate::layout::{ADVANCED, LayoutArgs, PresetName};
 use crate::load::LoadArgs;
 use crate::number;
-use anyhow::{Result, bail, ensure};
-use clap::builder::RangedU64ValueParser;
-use clap::{Args, ValueEnum};
+use crate::paths::{check_paths, output_of};
+use anyhow::Result;
+use clap::Args;
 use rebounce::bake::{BakeSettings, Preset, budget};
 use rebounce::io::shot;
-use rebounce::io::write::check_place;
-use rebounce::scene::SceneError;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::interpolation::MAX_POINTS;
-use rebounce_shared::rbn::MAX_LEVELS;
-use rebounce_shared::rbn::container::MAGIC;
 use rebounce_shared::shot::Shot;
-use std::fs::File;
-use std::io::Read;
-use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Maximum rays per receiver: over a second of work per receiver.
 const MOST_RAYS: i64 = 1 << 20;
 /// Headings of the help.
 const QUALITY: &str = "Quality";
-const ADVANCED: &str = "Advanced: how functions are laid out";
-
-/// Range of support radius over disk radius: under 1, functions leave gaps; beyond 4, hundreds of functions overlap.
-const OVERLAPS: RangeInclusive<f32> = 1.0..=4.0;
 
 const AFTER_HELP: &str = "\
 A bake keeps what it has done in FILE.rbn.partial beside its output. When it was stopped or killed, the same command with \
@@ -137,9 +127,6 @@ pub struct BakeArgs {
     #[arg(long, help_heading = "Reports", hide_short_help = true, value_name = "FILE.json")]
     pub(super) report: Option<PathBuf>,
 
-    /// Levels of receivers
-    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = RangedU64ValueParser::<usize>::new().range(1..=MAX_LEVELS as u64))]
-    levels: Option<usize>,
     /// Levels of senders, the coarsest ones
     #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
     sender_levels: Option<usize>,
@@ -149,48 +136,8 @@ pub struct BakeArgs {
     /// Levels that light is gathered on to bounce again, the coarsest ones
     #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
     later_levels: Option<usize>,
-    /// Poisson-disk radius of the coarsest level, scene units; overrides --functions
-    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = number::over_zero_single)]
-    coarse_radius: Option<f32>,
-    /// Support over disk radius, coarsest level
-    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = |text: &str| number::within(text, OVERLAPS))]
-    coarse_overlap: Option<f32>,
-    /// Support over disk radius, finest level
-    #[arg(long, help_heading = ADVANCED, hide_short_help = true, value_parser = |text: &str| number::within(text, OVERLAPS))]
-    fine_overlap: Option<f32>,
-    /// Seed of all random numbers
-    #[arg(long, help_heading = ADVANCED, hide_short_help = true, default_value_t = 1)]
-    seed: u64,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum PresetName {
-    /// To look at while arranging a scene: error under 0.15 against a path tracer in most scenes, in seconds
-    Draft,
-    /// To ship: error under 0.08 in most scenes (more where a lamp is close to a surface), in half a minute for a room on two cores
-    Standard,
-    /// For stills and close looks: error under 0.06 in most scenes, in some minutes
-    Fine,
-}
-
-/// Whether two paths name a single file.
-fn is_same(a: &Path, b: &Path) -> bool {
-    a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
-}
-
-/// Checks that `path` has the ending and can be written; `what` names the file in errors.
-fn check_output(path: &Path, ending: &str, what: &str) -> Result<()> {
-    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
-        bail!("{}: {what} is a .{ending} file: give a name that ends in .{ending}", path.display());
-    }
-    Ok(check_place(path)?)
-}
-
-/// Whether a file begins with the magic of .rbn files.
-fn is_baked(path: &Path) -> bool {
-    let mut first = [0; MAGIC.len()];
-    let file = std::fs::metadata(path).is_ok_and(|entry| entry.is_file()).then(|| File::open(path));
-    file.is_some_and(|file| file.is_ok_and(|mut file| file.read_exact(&mut first).is_ok())) && first == MAGIC
+    #[command(flatten)]
+    layout: LayoutArgs,
 }
 
 impl BakeArgs {
@@ -206,37 +153,14 @@ impl BakeArgs {
     /// # Errors
     /// A message about the problem.
     pub(super) fn check(&self) -> Result<()> {
-        if is_baked(Path::new(&self.scene)) {
-            return Err(SceneError::Baked { file: self.scene.clone() }.into());
-        }
-        let output = self.output();
-        check_output(&output, "rbn", "what is baked")?;
-        if let Some(report) = &self.report {
-            check_output(report, "json", "the report")?;
-        }
-        let read = [
-            Some((Path::new(&self.scene), "the scene")),
-            self.shot.as_deref().map(|shot| (shot, "the shot")),
-        ];
-        for written in [Some(&output), self.report.as_ref()].into_iter().flatten() {
-            for (path, what) in read.into_iter().flatten() {
-                ensure!(
-                    !is_same(path, written),
-                    "{} is {what} and would be overwritten: give another name",
-                    written.display()
-                );
-            }
-        }
-        Ok(())
+        check_paths(&self.scene, self.shot.as_deref(), &self.output(), self.report.as_deref())
     }
 
     /// Returns the preset of `--preset`, or the preset for `--target-error`.
     pub(super) fn preset(&self) -> Result<Preset> {
         Ok(match (self.target_error, self.preset) {
             (Some(error), _) => budget::preset_for(error)?,
-            (None, PresetName::Draft) => Preset::Draft,
-            (None, PresetName::Standard) => Preset::Standard,
-            (None, PresetName::Fine) => Preset::Fine,
+            (None, preset) => preset.into(),
         })
     }
 
@@ -258,28 +182,21 @@ impl BakeArgs {
         }
         s.viewpoints = self.viewpoint.clone();
         s.camera = camera.cloned();
-        s.place.coarse_radius = self.coarse_radius;
         s.operator.bounces = self.bounces;
-        set(&mut s.place.levels, &self.levels);
         set(&mut s.place.functions, &self.functions);
-        set(&mut s.place.coarse_overlap, &self.coarse_overlap);
-        set(&mut s.place.fine_overlap, &self.fine_overlap);
         set(&mut s.operator.sender_levels, &self.sender_levels);
         set(&mut s.operator.epsilon, &self.epsilon);
         set(&mut s.operator.significance, &self.significance);
         set(&mut s.operator.rays, &self.rays);
         set(&mut s.operator.later_levels, &self.later_levels);
         set(&mut s.direct_levels, &self.direct_levels);
-        s.place.seed = self.seed;
-        s.operator.seed = self.seed;
-        s.sources.seed = self.seed;
+        self.layout.apply(&mut s);
         s.sources.sky = !self.no_sources;
         s
     }
 
     /// Path of the output file.
     pub(super) fn output(&self) -> PathBuf {
-        let name = || PathBuf::from(self.scene.rsplit([':', '/', '\\']).next().unwrap_or("scene"));
-        self.output.clone().unwrap_or_else(|| name().with_extension("rbn"))
+        output_of(&self.scene, self.output.as_deref())
     }
 }

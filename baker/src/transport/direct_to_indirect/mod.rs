@@ -21,7 +21,7 @@
 //! All modules but the last are pure: equal inputs give equal results. Those that tests and benches alone use from outside
 //! are hidden in the documentation.
 
-mod accumulator;
+pub(super) mod accumulator;
 #[doc(hidden)]
 pub mod bounces;
 mod coarse_matrix;

@@ -25,7 +25,7 @@ use rebounce_shared::environment::{Environment, PackedEnvironment};
 use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::lighting::Lighting;
 use rebounce_shared::openness::{REACH, gain, received};
-use rebounce_shared::relight;
+use rebounce_shared::relight::{self, GroupIrradiance};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
@@ -91,17 +91,10 @@ impl Relit {
 
     /// As [`Self::new`], with all lighting.
     pub fn lit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: Lighting, detail: bool) -> Self {
-        let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
-        let from_sources = relight::from_sources(scene, &strengths);
-        let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
-        let direct: Vec<Vec3> = scene.points[..scene.direct_count()]
-            .par_iter()
-            .enumerate()
-            .map(|(i, point)| direct::at_footprint(surfaces, &lighting.lamps, point) + source(i))
-            .collect();
-        let bounced = relight::relight(scene, direct);
-        let light = |(i, bounced)| PointLight { bounced, from_sources: source(i) };
-        let mut irradiance: Vec<PointLight> = bounced.into_iter().enumerate().map(light).collect();
+        let mut irradiance = match scene.is_solved() {
+            true => mixed(scene, &lighting),
+            false => relit(scene, surfaces, &lighting),
+        };
         let finest = scene.meta.levels.last().map_or(0.0, |level| level.support_radius);
         let reach = (detail && !scene.openness.is_empty()).then_some(REACH * finest);
         if reach.is_some() {
@@ -221,16 +214,40 @@ impl Relit {
     }
 }
 
+/// Returns the light of the points of a file whose lights move.
+fn relit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: &Lighting) -> Vec<PointLight> {
+    let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
+    let from_sources = relight::from_sources(scene, &strengths);
+    let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
+    let direct: Vec<Vec3> = scene.points[..scene.direct_count()]
+        .par_iter()
+        .enumerate()
+        .map(|(i, point)| direct::at_footprint(surfaces, &lighting.lamps, point) + source(i))
+        .collect();
+    let bounced = relight::relight(scene, direct);
+    let light = |(i, bounced)| PointLight { bounced, from_sources: source(i) };
+    bounced.into_iter().enumerate().map(light).collect()
+}
+
+/// Returns the light of the points of a fixed solution.
+fn mixed(scene: &BakedScene, lighting: &Lighting) -> Vec<PointLight> {
+    let GroupIrradiance { bounced, direct } = relight::from_groups(scene, &lighting.groups);
+    let pairs = bounced.into_iter().zip(direct);
+    pairs.map(|(bounced, from_sources)| PointLight { bounced, from_sources }).collect()
+}
+
 /// Returns the environment of a file; `None` without one.
 pub fn packed_environment(scene: &BakedScene) -> Option<Arc<Environment>> {
     let packed = PackedEnvironment::from_bytes(&scene.sources.environment).ok()?;
     Some(Arc::new(packed.unpack()))
 }
 
-/// Prepares lights of a file, with the file's own environment.
+/// Prepares lights of a file, with the file's own environment. Lights that are not in their places in a fixed solution
+/// ([`MovedLight`](rebounce_shared::light_group::MovedLight)) leave it without bounced light.
 fn own_lighting(scene: &BakedScene, lights: &[Light]) -> Lighting {
     let environment = packed_environment(scene);
-    Lighting::new(lights, environment.as_ref(), scene.meta.origin, scene.sources.groups.len())
+    let lighting = Lighting::new(lights, environment.as_ref(), scene.meta.origin, scene.sources.groups.len());
+    lighting.clone().with_groups(scene.solved_lights(), lights).unwrap_or(lighting)
 }
 
 /// Renders a baked scene, and the area lights among its surfaces; an environment among the lights is the file's own.

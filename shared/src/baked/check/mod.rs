@@ -9,10 +9,10 @@ use crate::link::MAX_SENDERS;
 use crate::rbn::bulk::{Copies, Instance, MAX_ALL_CUTS, MAX_CUTS, Point};
 use crate::rbn::codec::links;
 use crate::rbn::limits::{MAX_COPIES, MAX_ROW, MAX_TRIANGLES, all_sane, sane};
-use crate::rbn::meta::Meta;
+use crate::rbn::meta::{Meta, Property};
 use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
-use crate::rbn::{LinkMatrix, RbnError, container};
+use crate::rbn::{LinkMatrix, RbnError, container, light_groups};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -89,6 +89,22 @@ impl BakedScene {
         let rows = if self.sources == Sources::default() { 0 } else { self.points.len() };
         let LinkMatrix { offsets, links } = &self.source_links;
         check_rows("SRCL", offsets, links, rows, self.sources.count())?;
+        self.check_light_groups()
+    }
+
+    /// Checks that light groups fit lights and points, and that a file with groups has neither links nor animations that
+    /// move a light.
+    fn check_light_groups(&self) -> Result<(), RbnError> {
+        light_groups::check(&self.light_groups, self.meta.lights.len(), self.points.len())?;
+        let links = self.links.links.len() + self.later.links.len() + self.source_links.links.len();
+        if self.is_solved() && links > 0 {
+            return Err(RbnError::invalid("LGRP", "a file with groups of light has no links"));
+        }
+        let moves = |property: Property| matches!(property, Property::Position | Property::Direction);
+        let mut tracks = self.meta.animations.iter().flat_map(|animation| &animation.tracks);
+        if self.is_solved() && tracks.any(|track| moves(track.property)) {
+            return Err(RbnError::invalid("LGRP", "an animation moves a light that stays in place"));
+        }
         Ok(())
     }
 }

@@ -7,6 +7,7 @@
 use super::{Damaged, Reader, Writer};
 use crate::octahedral::NORMAL_STEP;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
+use crate::rbn::light_groups::GroupValue;
 use bytemuck::Pod;
 
 /// Type of a 32-bit word of a record.
@@ -22,6 +23,8 @@ pub enum Kind {
     Colour,
     /// Number of cuts, samples, first cut: [`Point::cuts`].
     Cuts,
+    /// Signed steps of three channels: [`GroupValue`].
+    Steps,
 }
 
 /// Record of 32-bit words.
@@ -50,6 +53,10 @@ impl Columns for Instance {
 
 impl Columns for Copies {
     const KINDS: &'static [Kind] = &[Kind::Number; 2];
+}
+
+impl Columns for GroupValue {
+    const KINDS: &'static [Kind] = &[Kind::Steps];
 }
 
 impl Columns for Cut {
@@ -147,6 +154,11 @@ fn encode_column(kind: Kind, column: &[u32], writer: &mut Writer) {
                 skipped
             });
         }
+        Kind::Steps => {
+            for part in 0..3 {
+                field(&mut |word| zigzag(GroupValue(word).split()[part] as u32));
+            }
+        }
     }
 }
 
@@ -206,6 +218,15 @@ fn decode_column(kind: Kind, reader: &mut Reader<'_>, count: usize) -> Result<Ve
                 let (first, own) = (skipped.wrapping_add(next) & ((1 << 21) - 1), *word & 7);
                 next = first + own;
                 *word = own | (samples & 255) << 3 | first << 11;
+            }
+            Ok(column)
+        }
+        Kind::Steps => {
+            let mut column = decode_numbers(reader, count)?;
+            let second = decode_numbers(reader, count)?;
+            let third = decode_numbers(reader, count)?;
+            for ((word, second), third) in column.iter_mut().zip(second).zip(third) {
+                *word = GroupValue::join([*word, second, third].map(|number| unzigzag(number) as i32)).0;
             }
             Ok(column)
         }

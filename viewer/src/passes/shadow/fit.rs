@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn the_shaders_light_has_the_layout_of_the_record() {
         use std::mem::offset_of;
-        let module = naga::front::wgsl::parse_str(include_str!("shaders/lights.wgsl")).unwrap();
+        let module = naga::front::wgsl::parse_str(include_str!("../../shaders/lights.wgsl")).unwrap();
         let (_, light) = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("Light")).unwrap();
         let naga::TypeInner::Struct { members, span } = &light.inner else { panic!("{light:?}") };
         let found: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset as usize)).collect();

@@ -1,0 +1,147 @@
+//! `rebounce solve`: a scene and its lights in, a .rbn file whose lights stay in place out.
+
+use super::layout::{LayoutArgs, PresetName};
+use super::load::{LoadArgs, warn};
+use super::number;
+use super::paths::{check_paths, output_of};
+use super::picture::read_environment;
+use anyhow::{Context, Result};
+use clap::Args;
+use rebounce::bake::{BakeSettings, SolveReport, SolveSettings, solve};
+use rebounce::io::shot;
+use rebounce::io::write::write_whole;
+use rebounce::scene::{Scene, emissive_groups};
+use rebounce::transport::radiosity::RadiositySettings;
+use rebounce_shared::camera::Camera;
+use rebounce_shared::interpolation::MAX_POINTS;
+use rebounce_shared::light::{Light, LightKind};
+use rebounce_shared::lighting::is_lamp;
+use rebounce_shared::rbn::container;
+use std::path::{Path, PathBuf};
+
+/// Most rays per receiver.
+const MOST_RAYS: i64 = 1 << 20;
+/// Headings of the help.
+const QUALITY: &str = "Quality";
+const REPORTS: &str = "Reports";
+
+const AFTER_HELP: &str = "\
+The lights of the file stay where they are; each can be dimmed, switched off and coloured afterwards. They are those of \
+--shot, or the scene's own. `rebounce bake` takes several times as long and makes files whose lights move.";
+
+/// Arguments of `rebounce solve`.
+#[derive(Args, Debug)]
+#[command(after_help = AFTER_HELP)]
+pub struct SolveArgs {
+    /// A .gltf or .glb file, or builtin:NAME
+    scene: String,
+    /// Where to write; SCENE.rbn in the working folder when absent
+    #[arg(short, long, value_name = "FILE.rbn")]
+    output: Option<PathBuf>,
+    /// How many functions, as for `bake`
+    #[arg(long, value_enum, default_value = "standard")]
+    preset: PresetName,
+    /// The lights to solve for, and a camera to place functions for (docs/guide/shot.md)
+    #[arg(long, value_name = "SHOT.json")]
+    shot: Option<PathBuf>,
+    /// A place within the room that matters, in the scene's units
+    #[arg(long, value_name = "X,Y,Z", value_parser = number::place, allow_hyphen_values = true)]
+    viewpoint: Vec<[f64; 3]>,
+    #[command(flatten)]
+    load: LoadArgs,
+    /// About how many functions the finest level has, as in 25K; the preset's when absent
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
+    functions: Option<usize>,
+    /// Rays per receiver, coarsest level first; the last number holds for finer levels
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=MOST_RAYS))]
+    rays: Option<Vec<u32>>,
+    /// Bounces of light; all that matter when absent
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
+    bounces: Option<u32>,
+    /// Variation of light that refines a function, as a share of the mean bounced light
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = number::over_zero_single)]
+    epsilon: Option<f32>,
+    /// Largest solid angle of a function that light leaves from, steradian
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = number::over_zero_single)]
+    sender_angle: Option<f32>,
+    /// The least certain light that is kept, in standard deviations of its own noise
+    #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = number::at_least_zero_single)]
+    significance: Option<f32>,
+    /// Threads; all cores when absent
+    #[arg(long, help_heading = "Limits", hide_short_help = true)]
+    threads: Option<usize>,
+    /// Writes the figures of the closing summary as JSON
+    #[arg(long, help_heading = REPORTS, hide_short_help = true, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    layout: LayoutArgs,
+}
+
+/// Runs the command.
+pub fn run(args: &SolveArgs) -> Result<()> {
+    let output = output_of(&args.scene, args.output.as_deref());
+    check_paths(&args.scene, args.shot.as_deref(), &output, args.report.as_deref())?;
+    if let Some(threads) = args.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")?;
+    }
+    let mut scene = args.load.load(&args.scene)?;
+    warn(&scene);
+    let mut settings = args.settings();
+    if let Some(path) = &args.shot {
+        settings.bake.camera = Some(light_by(&mut scene, path)?);
+    }
+    let (file, mut report) = solve(&scene, &settings).with_context(|| args.scene.clone())?;
+    let bytes = file.to_bytes().with_context(|| args.scene.clone())?;
+    write_whole(&output, &bytes)?;
+    report.add_file(&container::read(&bytes)?, bytes.len() as u64);
+    if let Some(path) = &args.report {
+        write_report(path, &report)
+            .with_context(|| format!("{} is written, its report is not", output.display()))?;
+    }
+    println!("{report}");
+    println!("wrote         {}", output.display());
+    Ok(())
+}
+
+fn write_report(path: &Path, report: &SolveReport) -> Result<()> {
+    Ok(write_whole(path, &serde_json::to_vec_pretty(report)?)?)
+}
+
+/// Replaces the lights of a scene by those of a shot, and returns the shot's camera. Emissive surfaces keep a group each.
+fn light_by(scene: &mut Scene, path: &Path) -> Result<Camera> {
+    let mut shot = shot::read(path)?;
+    let names: Vec<String> = emissive_groups(scene).iter().map(|group| group.name.clone()).collect();
+    shot.resolve_groups(&names).map_err(anyhow::Error::msg)?;
+    if let Some(environment) = read_environment(&shot, path)? {
+        scene.environment = Some(environment);
+    }
+    scene.lights.clear();
+    scene.light_names.clear();
+    for (i, mut light) in shot.lights.into_iter().enumerate() {
+        if let Light::Environment { file, .. } = &mut light {
+            *file = None;
+        }
+        // Emissive surfaces are groups by themselves.
+        if is_lamp(light.kind()) || light.kind() == LightKind::Environment {
+            scene.lights.push(light);
+            scene.light_names.push(shot.light_names.get(i).cloned().unwrap_or_default());
+        }
+    }
+    Ok(shot.camera)
+}
+
+impl SolveArgs {
+    fn settings(&self) -> SolveSettings {
+        let mut bake = BakeSettings::new(self.preset.into());
+        bake.viewpoints.clone_from(&self.viewpoint);
+        bake.place.functions = self.functions.unwrap_or(bake.place.functions);
+        bake.operator.bounces = self.bounces;
+        self.layout.apply(&mut bake);
+        let mut radiosity = RadiositySettings::default();
+        radiosity.rays = self.rays.clone().unwrap_or(radiosity.rays);
+        radiosity.epsilon_e = self.epsilon.unwrap_or(radiosity.epsilon_e);
+        radiosity.epsilon_omega = self.sender_angle.unwrap_or(radiosity.epsilon_omega);
+        radiosity.significance = self.significance.unwrap_or(radiosity.significance);
+        SolveSettings { bake, radiosity }
+    }
+}

@@ -1,0 +1,147 @@
+//! A fixed solution: bounced light for lights that stay in place, in a file without links.
+
+use super::assemble::assemble;
+use super::baker::Built;
+use super::solve_report::SolveReport;
+use super::stages::Recipe;
+use super::tracker::Tracker;
+use super::{BakeError, BakeReport, BakeSettings, Baker, Stage};
+use crate::basis::relate;
+use crate::geometry::Surfaces;
+use crate::job::watch::{Uncounted, Watch};
+use crate::sampling::openness;
+use crate::scene::{Scene, emissive_groups};
+use crate::transport::radiosity::{FixedSolution, GroupSource, ProgressiveRadiosity, RadiositySettings};
+use crate::transport::sources::SourceLinks;
+use crate::transport::{Operator, Problem, Solver};
+use glam::Vec3;
+use rebounce_shared::baked::BakedScene;
+use rebounce_shared::colour::pack_rgb9e5;
+use rebounce_shared::environment::PackedEnvironment;
+use rebounce_shared::light::LightKind;
+use rebounce_shared::light_group::at_unit_strength;
+use rebounce_shared::lighting::Lighting;
+use rebounce_shared::rbn::light_groups::{LightGroup, LightGroups};
+use rebounce_shared::rbn::sources::Sources;
+
+/// Settings of a fixed solution.
+#[derive(Clone, Debug)]
+pub struct SolveSettings {
+    /// Where points are, and what else a bake shares: bounces, levels of later bounces, seed.
+    pub bake: BakeSettings,
+    /// Rays and thresholds.
+    pub radiosity: RadiositySettings,
+}
+
+/// Solves for the lights of a scene. The same scene and settings give the same result at any thread count.
+///
+/// # Errors
+/// [`BakeError`].
+pub fn solve(scene: &Scene, settings: &SolveSettings) -> Result<(BakedScene, SolveReport), BakeError> {
+    let baker = Baker::new(&settings.bake);
+    baker.prepared(
+        scene,
+        || Built::of_triangles(scene),
+        false,
+        |recipe, tracker, report| recipe.solve(settings, tracker, report),
+    )
+}
+
+impl<S: Surfaces> Recipe<'_, S> {
+    /// Places points, solves, and assembles the file.
+    fn solve(
+        &self,
+        settings: &SolveSettings,
+        tracker: &Tracker,
+        report: BakeReport,
+    ) -> Result<(BakedScene, SolveReport), BakeError> {
+        let (mut points, bake) = self.points(&settings.bake.clone().normalised(), tracker, false)?;
+        let task = tracker.task(Stage::Hierarchy, None);
+        let relations = relate(&points, points.levels.len())?;
+        openness(self.surfaces, &mut points, &Uncounted(&task))?;
+        task.step(points.points.len() as u64)?;
+        drop(task);
+        let points = points;
+        let problem = Problem {
+            surfaces: self.surfaces,
+            points: &points,
+            relations: &relations,
+            settings: &bake.operator,
+        };
+        let solver = ProgressiveRadiosity {
+            groups: self.group_sources(),
+            settings: settings.radiosity.clone(),
+            sources: bake.sources.clone(),
+            emissive_groups: emissive_groups(self.scene),
+        };
+        let solution = solver.solve(&problem, &self.job, &mut |_, _| Ok(()))?;
+        let task = tracker.task(Stage::Assemble, None);
+        let operator = Operator {
+            links: vec![Vec::new(); points.points.len()],
+            tints: vec![pack_rgb9e5(Vec3::ONE); points.points.len()],
+            bounces: solution.bounces,
+            rays: solution.rays + solution.source_rays,
+            ..Operator::default()
+        };
+        let parts = (&relations, &operator, SourceLinks::default());
+        let mut file = assemble(self.scene, &bake, self.staged.clone(), &points, parts);
+        self.add_groups(&mut file, &solution);
+        drop(task);
+        let mut report = SolveReport::new(report, &settings.radiosity, &solution);
+        report.describe(&points, self.staged.lights.len(), tracker.seconds());
+        Ok((file, report))
+    }
+
+    /// The lights of the file at unit strength.
+    fn group_sources(&self) -> Vec<GroupSource> {
+        let groups = emissive_groups(self.scene).len();
+        let environment = self.scene.environment.as_ref();
+        let group = |light| {
+            GroupSource::new(Lighting::new(
+                &[at_unit_strength(light)],
+                environment,
+                self.scene.origin,
+                groups,
+            ))
+        };
+        self.staged.lights.iter().map(group).collect()
+    }
+
+    /// Adds the light groups of a solution, and the emissive groups and the environment that are shown.
+    fn add_groups(&self, file: &mut BakedScene, solution: &FixedSolution) {
+        let lights = &mut file.meta.lights;
+        let has_sky = lights.iter().any(|light| light.kind() == LightKind::Environment);
+        let environment = self.scene.environment.as_ref().filter(|_| has_sky);
+        file.sources = Sources {
+            groups: emissive_groups(self.scene),
+            environment: environment
+                .map_or_else(Vec::new, |picture| PackedEnvironment::new(picture).to_bytes()),
+            ..Sources::default()
+        };
+        if file.sources != Sources::default() {
+            file.source_links.offsets = vec![0; file.points.len() + 1];
+        }
+        // A lamp that moves would leave its bounced light behind.
+        for animation in &mut file.meta.animations {
+            animation.tracks.retain(|track| !track.property.is_signed());
+        }
+        file.meta.animations.retain(|animation| !animation.tracks.is_empty());
+        let groups = solution.floors.iter().zip(&solution.has_direct);
+        let mut all = LightGroups {
+            groups: groups.map(|(&floor, &has_direct)| LightGroup { floor, has_direct }).collect(),
+            values: Vec::new(),
+        };
+        let push = file.relations.push();
+        for (group, floor) in solution.floors.iter().enumerate() {
+            let column: Vec<Vec3> = solution.bounced.group(group).collect();
+            all.push_column(&column, *floor, push, |i| solution.is_gathered[i]);
+        }
+        for (group, floor) in
+            solution.floors.iter().enumerate().filter(|(group, _)| solution.has_direct[*group])
+        {
+            let column: Vec<Vec3> = solution.linked.group(group).collect();
+            all.push_column(&column, *floor, push, |_| true);
+        }
+        file.light_groups = all;
+    }
+}

@@ -1,0 +1,138 @@
+//! Results and cost of a fixed solution: the columns of Table 1 of Lehtinen et al. 2007, and the file's sections.
+
+use super::BakeReport;
+use super::report::{SectionReport, peak_memory_bytes};
+use crate::sampling::Points;
+use crate::transport::radiosity::{FixedSolution, RadiositySettings};
+use rebounce_shared::rbn::container::Section;
+use serde::Serialize;
+use std::fmt;
+
+/// Figures of a solution; `solve --report FILE.json` writes them.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct SolveReport {
+    /// The scene's name.
+    pub scene: String,
+    /// The preset's name.
+    pub preset: String,
+    /// Triangles of the scene; a model counts once.
+    pub triangles: u64,
+    /// Groups of light.
+    pub groups: u64,
+    /// Whether a lamp was added to the file because the scene has no light.
+    pub lamp_added: bool,
+    /// Samples generated: basis functions on all levels.
+    pub samples_generated: u64,
+    /// Samples gathered to.
+    pub samples_gathered: u64,
+    /// Visibility rays: those of gathers.
+    pub visibility_rays: u64,
+    /// Rays for the light of a sky and of emissive surfaces.
+    pub source_rays: u64,
+    /// Levels of the hierarchy.
+    pub levels: u64,
+    /// Samples and gathered samples of each level, coarsest first.
+    pub samples_by_level: Vec<[u64; 2]>,
+    /// Samples on the coarsest level.
+    pub samples_at_coarsest: u64,
+    /// ε_E: variation that refines a receiver, a share of the mean bounced irradiance.
+    pub epsilon_e: f32,
+    /// ε_Ω: greatest solid angle of a sender's function, steradian.
+    pub epsilon_omega: f32,
+    /// Number of bounces.
+    pub bounces: u32,
+    /// Seconds of evaluating basis functions in gathers, of all threads together.
+    pub function_seconds: f64,
+    /// Seconds of casting visibility rays in gathers, of all threads together.
+    pub ray_seconds: f64,
+    /// Seconds of each stage, in order.
+    pub seconds: Vec<(String, f64)>,
+    /// Peak memory of the process, bytes; 0 if unknown to the system.
+    pub peak_memory_bytes: u64,
+    /// The file's sections.
+    pub sections: Vec<SectionReport>,
+    /// The file's length, bytes.
+    pub file_bytes: u64,
+}
+
+impl SolveReport {
+    pub(super) fn new(bake: BakeReport, settings: &RadiositySettings, solution: &FixedSolution) -> Self {
+        let [ray_seconds, function_seconds] = solution.gather_seconds;
+        Self {
+            scene: bake.scene,
+            preset: bake.preset,
+            triangles: bake.triangles,
+            lamp_added: bake.lamp_added,
+            samples_gathered: solution.levels.iter().map(|level| level.gathered).sum(),
+            samples_by_level: solution.levels.iter().map(|level| [level.points, level.gathered]).collect(),
+            visibility_rays: solution.rays,
+            source_rays: solution.source_rays,
+            epsilon_e: settings.epsilon_e,
+            epsilon_omega: settings.epsilon_omega,
+            bounces: solution.bounces,
+            function_seconds,
+            ray_seconds,
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn describe(&mut self, points: &Points, groups: usize, seconds: Vec<(String, f64)>) {
+        self.samples_generated = points.points.len() as u64;
+        self.levels = points.levels.len() as u64;
+        self.samples_at_coarsest = points.levels.first().map_or(0, |level| level.count as u64);
+        self.groups = groups as u64;
+        self.seconds = seconds;
+    }
+
+    /// Adds the figures of the written file.
+    pub fn add_file(&mut self, sections: &[Section], file_bytes: u64) {
+        self.sections =
+            sections.iter().map(|s| SectionReport { name: s.name(), bytes: s.len as u64 }).collect();
+        self.file_bytes = file_bytes;
+        self.peak_memory_bytes = peak_memory_bytes();
+    }
+
+    /// Returns the seconds of all stages.
+    pub fn total_seconds(&self) -> f64 {
+        self.seconds.iter().map(|stage| stage.1).sum()
+    }
+}
+
+impl fmt::Display for SolveReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mb = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
+        writeln!(f, "scene         {} ({} triangles), preset {}", self.scene, self.triangles, self.preset)?;
+        if self.lamp_added {
+            writeln!(
+                f,
+                "light         none in the scene; a lamp was added, in its first view (--shot: others)"
+            )?;
+        }
+        writeln!(f, "groups        {} of light, which stay in place", self.groups)?;
+        let levels = |which: usize| {
+            let counts = self.samples_by_level.iter().map(|counts| counts[which].to_string());
+            counts.collect::<Vec<String>>().join(", ")
+        };
+        let (levels, gathered) = (levels(0), levels(1));
+        writeln!(f, "samples       {} on {} levels ({levels})", self.samples_generated, self.levels)?;
+        writeln!(f, "gathered to   {} ({gathered})", self.samples_gathered)?;
+        writeln!(f, "thresholds    epsilon_E {}, epsilon_omega {} sr", self.epsilon_e, self.epsilon_omega)?;
+        writeln!(f, "rays          {:.1} M", self.visibility_rays as f64 / 1e6)?;
+        if self.source_rays > 0 {
+            let rays = self.source_rays as f64 / 1e6;
+            writeln!(f, "source rays   {rays:.1} M, for the sky and for shining surfaces")?;
+        }
+        writeln!(f, "bounces       {}", self.bounces)?;
+        let seconds: Vec<String> = self.seconds.iter().map(|(name, s)| format!("{name} {s:.1}")).collect();
+        writeln!(f, "seconds       {:.1} ({})", self.total_seconds(), seconds.join(", "))?;
+        writeln!(
+            f,
+            "gathers       basis functions {:.1} s, visibility rays {:.1} s, of all threads together",
+            self.function_seconds, self.ray_seconds
+        )?;
+        writeln!(f, "peak memory   {}", mb(self.peak_memory_bytes))?;
+        let sections: Vec<String> =
+            self.sections.iter().map(|s| format!("{} {}", s.name, mb(s.bytes))).collect();
+        write!(f, "file          {} ({})", mb(self.file_bytes), sections.join(", "))
+    }
+}

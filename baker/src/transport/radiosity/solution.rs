@@ -1,0 +1,37 @@
+//! A fixed solution: bounced light of every point for lights that stay in place.
+
+use super::direct::GroupField;
+
+/// Figures of a level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GatherCount {
+    /// Points.
+    pub points: u64,
+    /// Points that were gathered for.
+    pub gathered: u64,
+}
+
+/// Light at the points per unit strength of each group of light, and what it cost.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FixedSolution {
+    /// Bounced irradiance, linear RGB.
+    pub bounced: GroupField,
+    /// Irradiance straight from the sky and from emissive surfaces; zeros for lamps.
+    pub linked: GroupField,
+    /// Whether each group has a part in [`Self::linked`].
+    pub has_direct: Vec<bool>,
+    /// Whether each point was gathered for; others have the mean of their parents.
+    pub is_gathered: Vec<bool>,
+    /// Irradiance by group that is negligible beside the group's bounced light.
+    pub floors: Vec<f32>,
+    /// Figures by level, coarsest first.
+    pub levels: Vec<GatherCount>,
+    /// Rays cast in gathers.
+    pub rays: u64,
+    /// Rays cast for the sky and for emissive surfaces.
+    pub source_rays: u64,
+    /// Number of bounces.
+    pub bounces: u32,
+    /// Seconds of all threads together: in casting rays, and in evaluating functions.
+    pub gather_seconds: [f64; 2],
+}
