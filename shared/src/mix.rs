@@ -115,7 +115,7 @@ mod tests {
     fn a_colour_takes_the_place_of_the_lights_and_what_is_none_is_refused() {
         let lamp = Light::Point { position: [0.0; 3], intensity: 1.0, color: [0.5; 3], radius: 0.0 };
         let red = Channel { color: Some([1.0, 0.0, 0.0]), ..Channel::default() };
-        assert_eq!(mixed(&[lamp], &[red.clone()])[0].color(), [1.0, 0.0, 0.0]);
+        assert_eq!(mixed(&[lamp], std::slice::from_ref(&red))[0].color(), [1.0, 0.0, 0.0]);
         assert_eq!(problem(&[red]), None);
         let wrong = |channel: Channel| problem(&[Channel::default(), channel]).unwrap();
         assert!(wrong(Channel { stops: f64::NAN, ..Channel::default() }).contains("channel 1"));
