@@ -18,8 +18,8 @@ use std::f32::consts::TAU;
 const SHORTER: f32 = 1e-3;
 /// Least number of visibility rays to a group.
 const LEAST: u32 = 8;
-/// Samples without visibility rays, for each with one.
-const UNOCCLUDED: u32 = 8;
+/// Samples without visibility rays, for each with one: on an evenly bright triangle, and on others.
+const UNOCCLUDED: [u32; 2] = [2, 6];
 
 /// Irradiance from one group, linear RGB, and the variance of its estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,6 +35,8 @@ pub struct Emission<'a> {
     emitters: &'a dyn Emitters,
     /// A tree a group, so that each is estimated as well as the others, however bright: a mixer may leave it alone.
     trees: Vec<EmitterTree>,
+    /// Samples without visibility rays, for each with one, by emitter.
+    unoccluded: Vec<u32>,
 }
 
 impl<'a> Emission<'a> {
@@ -48,7 +50,17 @@ impl<'a> Emission<'a> {
             }
         }
         let trees = numbers.into_iter().map(|numbers| EmitterTree::new(emitters, numbers.into_iter()));
-        Self { emitters, trees: trees.collect() }
+        let unoccluded = |number: u32| {
+            let emitter = emitters.emitter(number);
+            let inwards = -emitter.front().normalize_or_zero();
+            let is_even = super::SAMPLES.iter().all(|weights| {
+                let difference = emitters.radiance(number, *weights, inwards) - emitter.mean;
+                difference.abs().max_element() <= super::EVEN * emitter.mean.max_element()
+            });
+            UNOCCLUDED[usize::from(!is_even)]
+        };
+        let unoccluded = (0..emitters.emitter_count() as u32).map(unoccluded).collect();
+        Self { emitters, trees: trees.collect(), unoccluded }
     }
 
     /// Visibility rays to each group, for `rays` per receiver: at least [`LEAST`] as long as all together are at most four
@@ -126,7 +138,7 @@ impl<'a> Emission<'a> {
             found.variance += spread / (expected * expected);
             return pairs.len() as u64;
         }
-        let count = UNOCCLUDED * (expected.ceil() as u32).next_power_of_two();
+        let count = self.unoccluded[emitter as usize] * (expected.ceil() as u32).next_power_of_two();
         let fixed = (0..count).filter_map(|k| unoccluded(low_discrepancy(k)));
         let whole = fixed.map(|(amount, _)| amount).sum::<Vec3>() / count as f32;
         // A channel that no sample found has the visibility of the others.
