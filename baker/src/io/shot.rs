@@ -153,12 +153,13 @@ mod tests {
         for (light, (kind, known)) in written["lights"].as_array().unwrap().iter().zip(LIGHTS) {
             assert!(light["type"] == kind && names(light) + 1 == known.len(), "{light}");
         }
+        let said = parse(&shot.replacen("\"mute\"", "\"muted\"", 1)).unwrap_err();
+        assert!(said.contains("muted") && said.contains("`mute`"), "{said}");
         for (right, wrong) in [
             ("\"lights\"", "\"light\""),
             ("\"yfov_deg\"", "\"fov\""),
             ("\"color\"", "\"colour\""),
             ("\"inner_cone_deg\"", "\"inner\""),
-            ("\"mute\"", "\"muted\""),
         ] {
             let said = parse(&shot.replacen(right, wrong, 1)).unwrap_err();
             assert!(

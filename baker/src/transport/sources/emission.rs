@@ -2,8 +2,8 @@
 //! solid angle, with visibility rays.
 //!
 //! A ratio estimator (Heitz, Hill and McGuire 2018, "Combining analytic direct illumination and stochastic shadows"): the
-//! unoccluded irradiance is integrated by fixed points without rays, and the visibility rays estimate the share that
-//! arrives. Where nothing is hidden there is no noise, whatever the emission's texture; where all is, the irradiance is 0.
+//! unoccluded irradiance has a closed form, and the visibility rays estimate the share that arrives. Where nothing is
+//! hidden there is no noise, whatever the emission's texture; where all is, the irradiance is 0.
 
 use super::emitter_tree::{Assigned, EmitterTree};
 use super::triangle_sampling::SphericalTriangle;
@@ -18,8 +18,8 @@ use std::f32::consts::TAU;
 const SHORTER: f32 = 1e-3;
 /// Least number of visibility rays to a group.
 const LEAST: u32 = 8;
-/// Samples without visibility rays, for each with one: on an evenly bright triangle, and on others.
-const UNOCCLUDED: [u32; 2] = [2, 6];
+/// Fixed points for the mean radiance of a triangle that is not evenly bright, for each visibility ray.
+const FIXED: u32 = 8;
 
 /// Irradiance from one group, linear RGB, and the variance of its estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,8 +35,8 @@ pub struct Emission<'a> {
     emitters: &'a dyn Emitters,
     /// A tree a group, so that each is estimated as well as the others, however bright: a mixer may leave it alone.
     trees: Vec<EmitterTree>,
-    /// Samples without visibility rays, for each with one, by emitter.
-    unoccluded: Vec<u32>,
+    /// Whether each emitter is evenly bright.
+    is_even: Vec<bool>,
 }
 
 impl<'a> Emission<'a> {
@@ -50,17 +50,16 @@ impl<'a> Emission<'a> {
             }
         }
         let trees = numbers.into_iter().map(|numbers| EmitterTree::new(emitters, numbers.into_iter()));
-        let unoccluded = |number: u32| {
+        let is_even = |number: u32| {
             let emitter = emitters.emitter(number);
             let inwards = -emitter.front().normalize_or_zero();
-            let is_even = super::SAMPLES.iter().all(|weights| {
+            super::SAMPLES.iter().all(|weights| {
                 let difference = emitters.radiance(number, *weights, inwards) - emitter.mean;
                 difference.abs().max_element() <= super::EVEN * emitter.mean.max_element()
-            });
-            UNOCCLUDED[usize::from(!is_even)]
+            })
         };
-        let unoccluded = (0..emitters.emitter_count() as u32).map(unoccluded).collect();
-        Self { emitters, trees: trees.collect(), unoccluded }
+        let is_even = (0..emitters.emitter_count() as u32).map(is_even).collect();
+        Self { emitters, trees: trees.collect(), is_even }
     }
 
     /// Visibility rays to each group, for `rays` per receiver: at least [`LEAST`] as long as all together are at most four
@@ -111,23 +110,26 @@ impl<'a> Emission<'a> {
             return 0;
         }
         let Some(spherical) = SphericalTriangle::new(triangle.corners, point.position) else { return 0 };
+        // Amount and cosine without visibility, and the sample.
         let unoccluded = |square: Vec2| {
             let sample = spherical.sample(square)?;
-            let cosine = point.normal.dot(sample.direction);
-            if cosine <= 0.0 || point.geometric_normal.dot(sample.direction) <= 0.0 {
-                return None;
-            }
+            let cosine = point.normal.dot(sample.direction) * sample.solid_angle.min(TAU);
             let weights = [1.0 - sample.at.element_sum(), sample.at.x, sample.at.y];
             let radiance = self.emitters.radiance(emitter, weights, sample.direction);
-            Some((radiance * (cosine * sample.solid_angle.min(TAU)), sample.position))
+            (cosine > 0.0).then_some((radiance * cosine, cosine, sample))
         };
-        let (turn, mut pairs) = (stream.unit(), SmallVec::<[(Vec3, Vec3); 32]>::new());
+        let (mut rays, turn) = (0, stream.unit());
+        let mut pairs = SmallVec::<[(Vec3, Vec3); 32]>::new();
         for k in 0..samples {
             // The first coordinate is stratified over the triangle's samples.
             let square =
                 Vec2::new((k as f32 + stream.unit()) / samples as f32, (turn + stream.unit()).fract());
-            let Some((amount, place)) = unoccluded(square) else { continue };
-            pairs.push((amount, amount * surfaces.transmittance(origin, place.lerp(origin, SHORTER))));
+            let Some((amount, _, sample)) = unoccluded(square) else { continue };
+            let is_above = point.geometric_normal.dot(sample.direction) > 0.0;
+            rays += u64::from(is_above);
+            let end = sample.position.lerp(origin, SHORTER);
+            let through = if is_above { surfaces.transmittance(origin, end) } else { Vec3::ZERO };
+            pairs.push((amount, amount * through));
         }
         let [all, through] = pairs.iter().fold([Vec3::ZERO; 2], |[a, t], pair| [a + pair.0, t + pair.1]);
         if expected < 2.0 {
@@ -136,11 +138,20 @@ impl<'a> Emission<'a> {
             let squares: Vec3 = pairs.iter().map(|pair| pair.1 * pair.1).sum();
             let spread = (squares - through * through / samples as f32).max(Vec3::ZERO);
             found.variance += spread / (expected * expected);
-            return pairs.len() as u64;
+            return rays;
         }
-        let count = self.unoccluded[emitter as usize] * (expected.ceil() as u32).next_power_of_two();
-        let fixed = (0..count).filter_map(|k| unoccluded(low_discrepancy(k)));
-        let whole = fixed.map(|(amount, _)| amount).sum::<Vec3>() / count as f32;
+        let radiance = match self.is_even[emitter as usize] {
+            true => triangle.mean,
+            // Mean radiance by the cosine.
+            false => {
+                let count = FIXED * (expected.ceil() as u32).next_power_of_two();
+                let fixed = (0..count).filter_map(|k| unoccluded(low_discrepancy(k)));
+                let sums = fixed
+                    .fold((Vec3::ZERO, 0.0), |sums, (amount, cosine, _)| (sums.0 + amount, sums.1 + cosine));
+                sums.0 / sums.1.max(f32::MIN_POSITIVE)
+            }
+        };
+        let whole = radiance * triangle_irradiance(triangle.corners, point.position, point.normal);
         // A channel that no sample found has the visibility of the others.
         let mean = through.element_sum() / all.element_sum().max(f32::MIN_POSITIVE);
         let ratio = Vec3::select(all.cmpgt(Vec3::ZERO), through / all, Vec3::splat(mean));
@@ -149,12 +160,62 @@ impl<'a> Emission<'a> {
         let residuals: Vec3 = pairs.iter().map(|pair| residual(pair) * residual(pair)).sum();
         let scale = Vec3::select(all.cmpgt(Vec3::ZERO), whole / all, Vec3::ZERO);
         found.variance += residuals * scale * scale;
-        pairs.len() as u64
+        rays
     }
+}
+
+/// Irradiance of a place with unit normal from an unoccluded triangle of radiance 1 (Lambert's formula for polygons): half
+/// the sum, over the edges of the part above the horizon, of the edge's angle times the cosine of its plane's normal.
+fn triangle_irradiance(corners: [Vec3; 3], position: Vec3, normal: Vec3) -> f32 {
+    let corners = corners.map(|corner| corner - position);
+    let heights = corners.map(|corner| normal.dot(corner));
+    let mut above = SmallVec::<[Vec3; 4]>::new();
+    for i in 0..3 {
+        let next = (i + 1) % 3;
+        if heights[i] > 0.0 {
+            above.push(corners[i]);
+        }
+        if (heights[i] > 0.0) != (heights[next] > 0.0) {
+            above.push(corners[i].lerp(corners[next], heights[i] / (heights[i] - heights[next])));
+        }
+    }
+    let edge = |i: usize| {
+        let (a, b) = (above[i], above[(i + 1) % above.len()]);
+        let cross = a.cross(b);
+        let length = cross.length();
+        if length > 0.0 { length.atan2(a.dot(b)) * normal.dot(cross) / length } else { 0.0 }
+    };
+    0.5 * (0..above.len()).map(edge).sum::<f32>().abs()
 }
 
 /// Point number k of the additive recurrence of Roberts (2018), in the unit square. The same for all receivers: what it
 /// is off by is smooth from place to place, and no noise.
 fn low_discrepancy(k: u32) -> Vec2 {
     (Vec2::splat(0.5) + k as f32 * Vec2::new(0.754_877_7, 0.569_840_3)).fract()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::PI;
+
+    #[test]
+    fn triangles_give_the_irradiance_of_their_form_factor() {
+        let square = |half: f32, height: f32| {
+            let [a, b, c, d] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+                .map(|[x, z]: [f32; 2]| Vec3::new(half * x, height, half * z));
+            [[a, b, c], [a, c, d]]
+        };
+        let from = |triangles: [[Vec3; 3]; 2], normal| {
+            triangles.iter().map(|corners| triangle_irradiance(*corners, Vec3::ZERO, normal)).sum::<f32>()
+        };
+        // A square overhead (Howell, catalogue of configuration factors, B-4, four times).
+        let x = 0.5f32 / (1.0 + 0.25f32).sqrt();
+        let expected = 4.0 * 0.5 * (2.0 * x * x.atan());
+        assert!((from(square(0.5, 1.0), Vec3::Y) - expected).abs() < 1e-5);
+        // One that covers the sky, and half of it over a tilted horizon.
+        assert!((from(square(1e4, 1.0), Vec3::Y) / PI - 1.0).abs() < 1e-3);
+        assert!((from(square(1e4, 1.0), Vec3::X) / PI - 0.5).abs() < 1e-3);
+        assert_eq!(from(square(1.0, 1.0), Vec3::NEG_Y), 0.0);
+    }
 }
