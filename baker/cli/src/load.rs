@@ -18,6 +18,10 @@ pub struct LoadArgs {
     /// when absent, as glTF has it
     #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "ALBEDO", value_parser = number::albedo)]
     albedo: Option<[f32; 3]>,
+    /// What shines at and below the nodes of this name is a light of its own, apart from other surfaces of its material;
+    /// may be given several times
+    #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "NODE")]
+    light_group: Vec<String>,
     #[command(flatten)]
     sky: SkyArgs,
 }
@@ -28,7 +32,12 @@ impl LoadArgs {
     /// # Errors
     /// The problem in the scene's file.
     pub fn load(&self, spec: &str) -> Result<Scene> {
-        let mut scene = load_with(spec, &LoadOptions { scene: self.choice.clone(), albedo: self.albedo })?;
+        let options = LoadOptions {
+            scene: self.choice.clone(),
+            albedo: self.albedo,
+            light_groups: self.light_group.clone(),
+        };
+        let mut scene = load_with(spec, &options)?;
         self.sky.add_to(&mut scene)?;
         Ok(scene)
     }

@@ -97,6 +97,7 @@ fn digest(scene: &Scene) -> String {
         corner_colors,
         models,
         materials,
+        light_groups,
         textures,
         lights,
         cameras,
@@ -127,7 +128,7 @@ fn digest(scene: &Scene) -> String {
     }
     // Debug output of numbers reads back exactly.
     add(format!("{name:?} {origin:?} {materials:?} {lights:?} {cameras:?} {animations:?}").as_bytes());
-    add(format!("{light_names:?} {camera_names:?} {emission_is_shown_only}").as_bytes());
+    add(format!("{light_names:?} {camera_names:?} {light_groups:?} {emission_is_shown_only}").as_bytes());
     if let Some(environment) = environment {
         add(&environment.width.to_le_bytes());
         add(bytemuck::cast_slice(&environment.pixels));

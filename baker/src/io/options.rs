@@ -7,6 +7,8 @@ pub struct LoadOptions {
     pub scene: Option<String>,
     /// Linear RGB albedo of meshes without a material; glTF's default, 1, when absent.
     pub albedo: Option<[f32; 3]>,
+    /// Names of nodes: what shines at and below each is a group of its own.
+    pub light_groups: Vec<String>,
 }
 
 /// Note for an unused albedo for meshes without a material.

@@ -1,8 +1,9 @@
-//! Groups of emissive surfaces: a light per material.
+//! Groups of emissive surfaces: a light per material, or per name that nodes of the file give.
 
 use super::Scene;
 use rebounce_shared::light::Light;
 use rebounce_shared::rbn::sources::{EmissiveGroup, MAX_GROUPS};
+use std::collections::HashMap;
 
 /// Returns the groups of a scene's emissive surfaces, in the order of the materials; their steps are not yet known.
 pub fn emissive_groups(scene: &Scene) -> Vec<EmissiveGroup> {
@@ -12,16 +13,21 @@ pub fn emissive_groups(scene: &Scene) -> Vec<EmissiveGroup> {
     let mut is_used = vec![false; scene.materials.len()];
     scene.triangle_material.iter().for_each(|material| is_used[*material as usize] = true);
     let materials = (0u32..).zip(&scene.materials).zip(is_used);
-    let mut groups: Vec<EmissiveGroup> = materials
-        .filter(|((_, material), is_used)| {
-            *is_used && material.emission != [0.0; 3] && !material.extras.unlit
-        })
-        .map(|((number, material), _)| EmissiveGroup {
-            name: material.name.clone(),
-            materials: vec![number],
-            ..EmissiveGroup::default()
-        })
-        .collect();
+    let shining = materials.filter(|((_, material), is_used)| {
+        *is_used && material.emission != [0.0; 3] && !material.extras.unlit
+    });
+    let mut groups: Vec<EmissiveGroup> = Vec::new();
+    // Place of each named group.
+    let mut named: HashMap<&str, usize> = HashMap::new();
+    for ((number, material), _) in shining {
+        let name = scene.light_groups.get(number as usize).and_then(Option::as_deref);
+        let place = name.map_or(groups.len(), |name| *named.entry(name).or_insert(groups.len()));
+        if place == groups.len() {
+            let name = name.unwrap_or(&material.name).to_owned();
+            groups.push(EmissiveGroup { name, ..EmissiveGroup::default() });
+        }
+        groups[place].materials.push(number);
+    }
     // A file has room for so many: the last one takes in the others.
     let others = groups.split_off(groups.len().min(MAX_GROUPS));
     if let Some(last) = groups.last_mut() {

@@ -64,6 +64,8 @@ pub struct Scene {
     pub models: Vec<InstancedMesh>,
     /// Materials of the triangles.
     pub materials: Vec<Material>,
+    /// Names of groups of shining surfaces, one per material; `None`, and beyond the list, the material is a group.
+    pub light_groups: Vec<Option<String>>,
     /// Textures of the materials.
     pub textures: Vec<Texture>,
     /// The scene's own lights, world space.

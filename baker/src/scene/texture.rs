@@ -16,7 +16,7 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
 
 /// Linear colour of a texel.
 #[inline]
-fn linear([r, g, b, _]: [u8; 4]) -> Vec3 {
+pub(crate) fn linear([r, g, b, _]: [u8; 4]) -> Vec3 {
     let table = &*LINEAR;
     Vec3::new(table[r as usize], table[g as usize], table[b as usize])
 }

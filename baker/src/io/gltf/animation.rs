@@ -186,7 +186,7 @@ fn way(
         .iter()
         .map(|&time| {
             chain.iter().rev().fold(DMat4::IDENTITY, |parent, &p| {
-                let rest = source.exact.nodes[nodes[p].index];
+                let rest = &source.exact.nodes[nodes[p].index];
                 let still = motions[p].curves().next().is_none();
                 let local = if still { rest.local() } else { motions[p].pose(rest.pose(), time).matrix() };
                 parent * local

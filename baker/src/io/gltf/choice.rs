@@ -5,14 +5,14 @@ use super::source::Source;
 use crate::scene::SceneError;
 use gltf::json::Index;
 
-/// Returns the root nodes of the scene with the name or number `wanted`, or of the file's default scene. If the default
-/// scene has no mesh and exactly one scene has, that scene replaces the default. Without scenes, returns all nodes
+/// Returns the scene with the name or number `wanted`, or the file's default scene, and its root nodes. If the default
+/// scene has no mesh and exactly one scene has, that scene replaces the default. Without scenes, returns `None` and all nodes
 /// without a parent. `told` gets a message about a replaced default and about skipped scenes.
 pub(super) fn roots(
     source: &Source,
     wanted: Option<&str>,
     told: &mut Told,
-) -> Result<Vec<usize>, SceneError> {
+) -> Result<(Option<usize>, Vec<usize>), SceneError> {
     let root = &source.root;
     let mut taken = match wanted {
         Some(wanted) => named(source, wanted)?,
@@ -24,10 +24,10 @@ pub(super) fn roots(
                 "all nodes are taken: there is no scene {taken}, which should be the file's default"
             ));
         }
-        return Ok(without_parent(source));
+        return Ok((None, without_parent(source)));
     }
     if wanted.is_some() {
-        return Ok(nodes(source, taken));
+        return Ok((Some(taken), nodes(source, taken)));
     }
     let has_mesh = reaching(source, |node| root.nodes[node].mesh.is_some());
     let with_mesh = |has_mesh: &[bool]| -> Vec<usize> {
@@ -69,7 +69,7 @@ pub(super) fn roots(
             name(source, taken)
         ));
     }
-    Ok(nodes(source, taken))
+    Ok((Some(taken), nodes(source, taken)))
 }
 
 /// Index of the scene named `wanted`, or else numbered `wanted`.

@@ -14,10 +14,12 @@ pub(super) struct Exact {
     pub animations: Vec<Animation>,
 }
 
-/// A node's transform: a matrix, or translation, rotation and scale.
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+/// A node's transform: a matrix, or translation, rotation and scale; and its extras.
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Transform {
+    /// Whatever the file's maker has put there.
+    pub extras: serde_json::Value,
     pub matrix: Option<[f64; 16]>,
     translation: Option<[f64; 3]>,
     rotation: Option<[f64; 4]>,

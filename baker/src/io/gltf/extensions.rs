@@ -7,8 +7,9 @@ use std::collections::BTreeSet;
 
 /// Extensions that a file may require: supported extensions, and extensions that change only glossy reflection, which a
 /// Lambertian surface ignores.
-const FINE: [&str; 25] = [
+const FINE: [&str; 26] = [
     "EXT_lights_area",
+    "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",

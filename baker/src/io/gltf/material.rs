@@ -28,8 +28,10 @@ struct MaterialSource {
 /// Collects the materials in the order of their first use.
 pub(super) struct Materials<'a> {
     source: &'a Source<'a>,
-    /// Output index by glTF material; the key `None` is glTF's default material.
-    used: HashMap<Option<usize>, u32>,
+    /// Output index by glTF material, and group of a shining one; the key `None` is glTF's default material.
+    used: HashMap<(Option<usize>, Option<String>), u32>,
+    /// Groups of the output materials that nodes name.
+    groups: Vec<Option<String>>,
     /// glTF textures in output order, and whether the texels are data instead of colours.
     textures: Vec<(usize, bool)>,
     out: Vec<Material>,
@@ -43,8 +45,8 @@ pub(super) struct Materials<'a> {
 impl<'a> Materials<'a> {
     /// `default` is the linear RGB albedo of primitives without a material, glTF's white when absent.
     pub fn new(source: &'a Source<'a>, default: Option<[f32; 3]>) -> Self {
-        let (used, textures, out, uv, left_out) = Default::default();
-        Self { source, used, textures, out, uv, default, left_out }
+        let (used, groups, textures, out, uv, left_out) = Default::default();
+        Self { source, used, groups, textures, out, uv, default, left_out }
     }
 
     /// Whether primitives without a material are white.
@@ -54,7 +56,7 @@ impl<'a> Materials<'a> {
 
     /// Whether a primitive has no material.
     pub fn has_default(&self) -> bool {
-        self.used.contains_key(&None)
+        self.used.contains_key(&(None, None))
     }
 
     /// Name of an output material.
@@ -68,12 +70,22 @@ impl<'a> Materials<'a> {
     }
 
     /// Returns the output index of a glTF material and the source of the texture coordinates. Converts the material on
-    /// first use.
-    pub fn index(&mut self, material: Option<usize>) -> Result<(u32, Option<UvSource>), SceneError> {
-        if let Some(&i) = self.used.get(&material) {
+    /// first use. A material that shines is another one in each group.
+    pub fn index(
+        &mut self,
+        material: Option<usize>,
+        group: Option<&str>,
+    ) -> Result<(u32, Option<UvSource>), SceneError> {
+        let source = self.source;
+        let shines = |i: usize| {
+            let emission = source.root.materials.get(i).map(|m| m.emissive_factor.0);
+            emission.is_some_and(|emission| emission != [0.0; 3])
+        };
+        let group = group.filter(|_| material.is_some_and(shines)).map(str::to_owned);
+        let key = (material, group.clone());
+        if let Some(&i) = self.used.get(&key) {
             return Ok((i, self.uv[i as usize]));
         }
-        let source = self.source;
         let (converted, uv) = match material {
             None => {
                 let [r, g, b] = self.default.unwrap_or([1.0; 3]);
@@ -85,8 +97,9 @@ impl<'a> Materials<'a> {
                 self.convert(i, m)?
             }
         };
-        self.used.insert(material, self.out.len() as u32);
+        self.used.insert(key, self.out.len() as u32);
         self.out.push(converted);
+        self.groups.push(group);
         self.uv.push(uv);
         Ok((self.out.len() as u32 - 1, uv))
     }
@@ -339,7 +352,7 @@ impl<'a> Materials<'a> {
                 *detail = detail.and_then(|d| Some(DetailTexture { texture: place(d.texture)?, ..d }));
             }
         }
-        scene.materials = self.out;
+        (scene.materials, scene.light_groups) = (self.out, self.groups);
         scene.left_out = self.left_out;
         Ok(())
     }

@@ -33,12 +33,12 @@ pub(super) fn name(source: &Source, index: usize) -> String {
     format!("mesh {index} ({:?})", name.unwrap_or_default())
 }
 
-/// Reads the parts of mesh `index`, deformed by `rest`. Points and lines are left out, with a message.
+/// Reads the parts of mesh `index`, deformed by `rest`; shining ones are of `group`, if there is one. Points and lines are left out, with a message.
 pub(super) fn read(
     source: &Source,
     index: usize,
     rest: &Rest,
-    materials: &mut Materials,
+    (materials, group): (&mut Materials, Option<&str>),
     told: &mut Told,
 ) -> Result<Vec<MeshPart>, SceneError> {
     let mesh = source.root.meshes.get(index);
@@ -49,7 +49,7 @@ pub(super) fn read(
         let what = format!("{}, primitive {p}", name(source, index));
         match primitive.mode {
             Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) => {
-                parts.extend(part(source, primitive, what, rest, materials, told)?);
+                parts.extend(part(source, primitive, what, rest, (materials, group), told)?);
             }
             Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => thin += 1,
             Checked::Invalid => {
@@ -68,7 +68,7 @@ fn part(
     primitive: &Primitive,
     what: String,
     rest: &Rest,
-    materials: &mut Materials,
+    (materials, group): (&mut Materials, Option<&str>),
     told: &mut Told,
 ) -> Result<Option<MeshPart>, SceneError> {
     let numbers = PrimitiveReader::new(source, primitive, &what)?;
@@ -86,7 +86,7 @@ fn part(
         let finite = |n: [f64; 3]| Some(DVec3::from(n)).filter(|n| n.is_finite());
         normals.into_iter().map(|n| finite(n).unwrap_or_else(|| counted(&mut unusable))).collect()
     });
-    let (material, uv_source) = materials.index(primitive.material.map(|m| m.value()))?;
+    let (material, uv_source) = materials.index(primitive.material.map(|m| m.value()), group)?;
     let uvs = match uv_source {
         Some(u) => numbers.read::<2>(&Semantic::TexCoords(u.set), Type::Vec2)?.map(|uvs| (u, uvs)),
         None => None,

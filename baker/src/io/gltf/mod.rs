@@ -7,7 +7,7 @@
 //!   selection; `merge` – merging of equal materials;
 //! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins;
 //! * `instances`, `place` – world-space placement; `choice` – scene selection; `notes` – messages about a file; `node`, `pose` – transforms and cameras;
-//! * `light`, `punctual`, `area_light`, `enclosed` – lights, and lamps enclosed by a mesh; `animation` – animated lights.
+//! * `light`, `light_group`, `punctual`, `area_light`, `image_based`, `enclosed` – lights, and lamps enclosed by a mesh; `animation` – animated lights.
 
 mod accessor;
 mod animation;
@@ -20,8 +20,10 @@ mod draco;
 mod enclosed;
 mod exact;
 mod extensions;
+mod image_based;
 mod instances;
 mod light;
+mod light_group;
 mod material;
 mod merge;
 mod mesh;
@@ -56,6 +58,7 @@ use source::Source;
 use std::collections::BTreeMap;
 use std::iter::Zip;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 /// Bounding-box diagonals, scene units, for which 32-bit floats suffice.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
@@ -86,7 +89,7 @@ fn convert(source: &Source, name: String) -> Result<Scene, SceneError> {
 fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<Scene, SceneError> {
     let mut scene = Scene { name, ..Scene::default() };
     let mut told = Told { left_out: extensions::unread(&source.root), notes: Vec::new() };
-    let roots = choice::roots(source, options.scene.as_deref(), &mut told)?;
+    let (taken, roots) = choice::roots(source, options.scene.as_deref(), &mut told)?;
     let nodes = node::flatten(source, roots)?;
     let lights = light::placed(source, &nodes, &mut told)?;
     for &(place, index) in &lights {
@@ -101,9 +104,17 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
         scene.lights.push(light);
         scene.light_names.push(name);
     }
+    let surroundings =
+        taken.map(|taken| image_based::of_scene(source, taken, &mut told)).transpose()?.flatten();
+    if let Some(image_based::SceneEnvironment { light, name, environment }) = surroundings {
+        scene.lights.push(light);
+        scene.light_names.push(name);
+        scene.environment = Some(environment);
+    }
     let mut materials = material::Materials::new(source, options.albedo);
     let mut mesh = WorldMesh::default();
-    let seen = place_all(source, &nodes, &mut materials, &mut lamps, &mut mesh, &mut told)?;
+    let groups = light_group::names(source, &nodes, &options.light_groups, &mut told);
+    let seen = place_all(source, (&nodes, &groups), &mut materials, &mut lamps, &mut mesh, &mut told)?;
     if mesh.triangles.is_empty() && mesh.models.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
@@ -150,14 +161,14 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     Ok(scene)
 }
 
-/// Mesh index, and index of the deforming node, if any.
-type Shape = (usize, Option<usize>);
+/// Mesh index, index of the deforming node, if any, and group of shining surfaces, if its nodes name one.
+type Shape = (usize, Option<usize>, Option<Rc<str>>);
 
 /// Places all meshes in node order. A mesh is read once per deformation and kept until the last node with the mesh is
 /// placed; a mesh with many placements becomes a model.
 fn place_all(
     source: &Source,
-    nodes: &[node::PlacedNode],
+    (nodes, groups): (&[node::PlacedNode], &[Option<Rc<str>>]),
     materials: &mut material::Materials,
     lamps: &mut Lamps,
     out: &mut WorldMesh,
@@ -169,7 +180,7 @@ fn place_all(
     // Shape of every node with a mesh, and the number of placements added by the node.
     let mut placed: Vec<(Shape, usize)> = Vec::new();
     let mut count = 0;
-    for node in nodes {
+    for (node, group) in nodes.iter().zip(groups) {
         let Some(index) = source.root.nodes[node.index].mesh else { continue };
         let index = index.value();
         let mut more = instances::of(source, node)?;
@@ -186,22 +197,23 @@ fn place_all(
             let (file, what) = (source.file.clone(), "places of meshes");
             return Err(SceneError::TooLarge { file, what, count, limit: MOST_PLACES });
         }
-        let shape = (index, rest.is_some().then_some(node.index));
+        let shape = (index, rest.is_some().then_some(node.index), group.clone());
         rests.extend(rest.map(|rest| (node.index, rest)));
-        placed.push((shape, more.len()));
+        placed.push((shape.clone(), more.len()));
         places.entry(shape).or_default().extend(more);
     }
     let mut known: BTreeMap<Shape, (Vec<MeshPart>, Alone)> = BTreeMap::new();
     let mut seen: BTreeMap<usize, PlacementNotes> = BTreeMap::new();
     for (shape, count) in placed {
-        let (index, deforming) = shape;
+        let (index, deforming, group) = &shape;
+        let (index, deforming) = (*index, *deforming);
         let seen = seen.entry(index).or_default();
         let (parts, mut alone) = match known.remove(&shape) {
             Some(found) => found,
             None => {
                 let rest = deforming.and_then(|node| rests.remove(&node));
                 let rest = rest.unwrap_or_else(|| Rest::of_mesh(source, index));
-                let parts = mesh::read(source, index, &rest, materials, told)?;
+                let parts = mesh::read(source, index, &rest, (materials, group.as_deref()), told)?;
                 let places = places.remove(&shape).unwrap_or_default();
                 let opaque: Vec<&MeshPart> =
                     parts.iter().filter(|part| materials.is_opaque(part.material)).collect();

@@ -1,5 +1,6 @@
 //! The node tree: transforms, cameras.
 
+use super::exact::Transform;
 use super::source::Source;
 use crate::scene::SceneError;
 use glam::{DMat4, DVec3};
@@ -33,7 +34,7 @@ pub(super) fn flatten(source: &Source, roots: Vec<usize>) -> Result<Vec<PlacedNo
         if visibility.is_some_and(|v| !v.visible) {
             continue;
         }
-        let local = source.exact.nodes.get(index).copied().unwrap_or_default().local();
+        let local = source.exact.nodes.get(index).map_or(DMat4::IDENTITY, Transform::local);
         let world = parent.map_or(DMat4::IDENTITY, |p: usize| out[p].world) * local;
         if !world.is_finite() {
             let problem = format!("{} has a transform that is not finite", name(source, index));

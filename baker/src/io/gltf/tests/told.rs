@@ -104,6 +104,34 @@ fn area_lights_stand_at_their_nodes_and_broken_ones_are_named() {
     assert!(scene.notes.iter().any(|note| note.contains("\"drain\"")), "{:?}", scene.notes);
 }
 
+#[test]
+fn shining_surfaces_are_grouped_by_material_or_as_their_nodes_say() {
+    let nodes = r#","materials":[{"name":"tube","emissiveFactor":[1,1,1]}],"nodes":[{"mesh":0,"name":"hall"},
+        {"mesh":0,"extras":{"rebounce":{"light":"stage"}}},
+        {"mesh":0,"name":"desk","children":[4,5]},{"mesh":0,"extras":{"rebounce":{"light":"stage"}}},
+        {"mesh":0},{"mesh":0,"extras":{"rebounce":{"light":7}}}]"#;
+    let json = file(&[("tube", triangle())], r#","material":0"#, nodes);
+    let groups = |light_groups: &[&str]| {
+        let light_groups = light_groups.iter().map(|name| (*name).to_owned()).collect();
+        let scene = load_with(&json, &LoadOptions { light_groups, ..LoadOptions::default() }).unwrap();
+        let groups = crate::scene::emissive_groups(&scene);
+        let count = |materials: &[u32]| {
+            scene.triangle_material.iter().filter(|material| materials.contains(material)).count()
+        };
+        let named: Vec<(String, usize)> =
+            groups.iter().map(|group| (group.name.clone(), count(&group.materials))).collect();
+        (named, scene.notes.join("; "))
+    };
+    let named =
+        |list: &[(&str, usize)]| list.iter().map(|(name, n)| ((*name).to_owned(), *n)).collect::<Vec<_>>();
+    let (found, notes) = groups(&[]);
+    assert_eq!(found, named(&[("tube", 4), ("stage", 2)]));
+    assert!(notes.contains("extras.rebounce.light is no name"), "{notes}");
+    let (found, notes) = groups(&["desk", "attic"]);
+    assert_eq!(found, named(&[("tube", 1), ("stage", 2), ("desk", 3)]));
+    assert!(notes.contains("\"attic\"") && !notes.contains("\"desk\": no"), "{notes}");
+}
+
 const WHITE: &str = r#","materials":[{"name":"white"}]"#;
 
 #[test]
