@@ -1,6 +1,7 @@
 //! Messages about a file: omissions, and likely mistakes.
 
 use super::*;
+use rebounce_shared::light::LightKind;
 
 /// A file of meshes as lists of corners, three per triangle, with added members of the primitives and of the root.
 fn file(meshes: &[(&str, Vec<[f32; 3]>)], primitive: &str, members: &str) -> String {
@@ -162,15 +163,54 @@ fn lights_that_are_none_are_named_and_the_others_keep_their_places() {
 }
 
 #[test]
+fn an_image_based_light_is_the_sky_and_a_broken_one_is_named() {
+    let png = |texel: [u8; 4]| {
+        let mut png = std::io::Cursor::new(Vec::new());
+        image::RgbaImage::from_pixel(2, 2, image::Rgba(texel))
+            .write_to(&mut png, image::ImageFormat::Png)
+            .unwrap();
+        format!(r#"{{"uri":"data:image/png;base64,{}"}}"#, base64(&png.into_inner()))
+    };
+    // Bright above, dark elsewhere.
+    let images: Vec<String> = (0..6).map(|i| png([255, 255, 255, if i == 2 { 51 } else { 254 }])).collect();
+    let scene = |light: &str, index: usize| {
+        let members = format!(
+            r#"{WHITE},"nodes":[{{"mesh":0}}],"images":[{}],"extensionsUsed":["EXT_lights_image_based"],
+            "scenes":[{{"nodes":[0],"extensions":{{"EXT_lights_image_based":{{"light":{index}}}}}}}],
+            "extensions":{{"EXT_lights_image_based":{{"lights":[{light}]}}}}"#,
+            images.join(",")
+        );
+        parse(&file(&[("floor", triangle())], r#","material":0"#, &members))
+    };
+    let whole = r#"{"name":"dusk","intensity":3,"specularImageSize":2,"specularImages":[[0,1,2,3,4,5]]}"#;
+    let found = scene(whole, 0).unwrap();
+    assert_eq!((found.lights[0].kind(), found.lights[0].intensity()), (LightKind::Environment, 3.0));
+    assert_eq!((found.light_names.as_slice(), found.left_out.len()), (&["dusk".to_owned()][..], 0));
+    let sky = found.environment.unwrap();
+    assert!((sky.radiance(Vec3::Y).x - 5.0).abs() < 1e-4 && (sky.radiance(Vec3::X).x - 1.004).abs() < 1e-2);
+    for (light, says) in [
+        (r#"{"name":"dusk","specularImages":[]}"#, "six sides"),
+        (r#"{"name":"dusk","specularImages":[[0,1,2,3,4,9]]}"#, "no image 9"),
+        (r#"{"name":"dusk","intensity":-1,"specularImages":[[0,1,2,3,4,5]]}"#, "intensity"),
+        (r#"{"name":"dusk","rotation":[0,0,0,0],"specularImages":[[0,1,2,3,4,5]]}"#, "rotation"),
+    ] {
+        let found = scene(light, 0).unwrap();
+        let said = found.left_out.join("; ");
+        assert!(found.environment.is_none() && said.contains("\"dusk\"") && said.contains(says), "{said}");
+    }
+    assert!(scene(whole, 1).unwrap_err().to_string().contains("no image-based light 1"));
+}
+
+#[test]
 fn extensions_that_are_not_read_are_named_once() {
     let members = format!(
         r#"{WHITE},"nodes":[{{"mesh":0,"extensions":{{"MSFT_lod":{{"ids":[1]}}}}}}],
-        "extensionsUsed":["KHR_materials_sheen","EXT_lights_image_based","KHR_texture_transform","KHR_audio"],
-        "extensions":{{"EXT_lights_image_based":{{"lights":[]}},"KHR_lights_environment":{{}}}}"#
+        "extensionsUsed":["KHR_materials_sheen","EXT_lights_gobo","KHR_texture_transform","KHR_audio"],
+        "extensions":{{"EXT_lights_gobo":{{"lights":[]}},"KHR_lights_environment":{{}}}}"#
     );
     let scene = parse(&file(&[("floor", triangle())], r#","material":0"#, &members)).unwrap();
     let [image, environment, others, shine] = &scene.left_out[..] else { panic!("{:?}", scene.left_out) };
-    assert!(image.starts_with("EXT_lights_image_based") && image.contains("KHR_lights_punctual"), "{image}");
+    assert!(image.starts_with("EXT_lights_gobo") && image.contains("KHR_lights_punctual"), "{image}");
     assert!(environment.starts_with("KHR_lights_environment"), "{environment}");
     assert!(others.starts_with("KHR_audio, MSFT_lod: not read"), "{others}");
     assert!(shine.starts_with("KHR_materials_sheen: ") && scene.notes.is_empty(), "{shine}");
