@@ -5,7 +5,9 @@ use rebounce::bake::{BakeSettings, Preset, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::random::Stream;
+use rebounce::scene::Scene;
 use rebounce::verify::render::Relit;
+use rebounce_shared::baked::BakedScene;
 
 /// Mean bounced irradiance on visible surfaces, seen from the middle of the lit room and of the dark room, and the
 /// maximum in the dark room.
@@ -15,8 +17,13 @@ fn rooms(name: &str, functions: usize) -> (f32, f32, f32) {
     settings.place.functions = functions;
     settings.operator.rays = vec![512, 256, 256, 128, 128];
     let (file, _) = bake(&scene, &settings, &()).unwrap();
-    let surfaces = TriangleSurfaces::from_scene(&scene);
-    let relit = Relit::new(&file, &surfaces, &scene.lights, true);
+    seen_in_rooms(&scene, &file)
+}
+
+/// The figures of [`rooms`] for a baked file.
+pub fn seen_in_rooms(scene: &Scene, file: &BakedScene) -> (f32, f32, f32) {
+    let surfaces = TriangleSurfaces::from_scene(scene);
+    let relit = Relit::new(file, &surfaces, &scene.lights, true);
     let seen_from = |world: DVec3| {
         let origin = (world - DVec3::from(scene.origin)).as_vec3();
         let mut stream = Stream::new(3, 3);

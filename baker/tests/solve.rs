@@ -1,10 +1,9 @@
 //! Fixed solutions: closed forms, linearity, walls, agreement with the operator, equal bytes.
 
+use crate::leaks::seen_in_rooms;
 use glam::{DVec3, Vec3};
 use rebounce::bake::{BakeSettings, Preset, SolveReport, SolveSettings, bake, solve};
 use rebounce::geometry::mesh::TriangleSurfaces;
-use rebounce::geometry::{Ray, Surfaces};
-use rebounce::random::Stream;
 use rebounce::scene::Scene;
 use rebounce::transport::radiosity::RadiositySettings;
 use rebounce::verify::render::Relit;
@@ -157,24 +156,7 @@ fn no_light_passes_through_walls() {
     for functions in [3000, 16_000] {
         let scene = rebounce::io::load("builtin:two-rooms").unwrap();
         let (file, _) = solve(&scene, &settings(functions)).unwrap();
-        let surfaces = TriangleSurfaces::from_scene(&scene);
-        let relit = Relit::new(&file, &surfaces, &scene.lights, true);
-        let seen_from = |world: DVec3| {
-            let origin = (world - DVec3::from(scene.origin)).as_vec3();
-            let mut stream = Stream::new(3, 3);
-            let (mut sum, mut greatest, n) = (0.0, 0f32, 20_000);
-            for _ in 0..n {
-                let ray =
-                    Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
-                let hit = surfaces.cast(&ray, 0).unwrap();
-                let light = relit.indirect(&surfaces, &hit, &mut stream).element_sum() / 3.0;
-                sum += light;
-                greatest = greatest.max(light);
-            }
-            (sum / n as f32, greatest)
-        };
-        let ((lit, _), (other, greatest)) =
-            (seen_from(DVec3::new(-2.0, 1.2, 2.0)), seen_from(DVec3::new(2.0, 1.2, 2.0)));
+        let (lit, other, greatest) = seen_in_rooms(&scene, &file);
         assert!(lit > 1.0, "{lit}");
         assert!(other <= 1e-3 * lit && greatest <= 1e-2 * lit, "{other}, at most {greatest}, beside {lit}");
     }

@@ -45,20 +45,16 @@ impl Channel {
         self.stops.abs() <= MOST_STOPS
     }
 
-    fn has_color(&self) -> bool {
-        self.color.is_none_or(|color| color.iter().all(|x| (0.0..=1.0).contains(x)))
+    /// Returns whether SHOT.json may have the channel.
+    pub fn is_usable(&self) -> bool {
+        let is_color = |color: [f64; 3]| color.iter().all(|x| (0.0..=1.0).contains(x));
+        self.has_stops() && self.color.is_none_or(is_color)
     }
-}
-
-/// Returns whether SHOT.json may have a mix.
-pub fn is_usable(mix: &[Channel]) -> bool {
-    mix.iter().all(|channel| channel.has_stops() && channel.has_color())
 }
 
 /// Returns what is wrong with a mix, in words; `None` for one that SHOT.json may have.
 pub fn problem(mix: &[Channel]) -> Option<String> {
-    let (i, channel) =
-        mix.iter().enumerate().find(|(_, channel)| !is_usable(std::slice::from_ref(*channel)))?;
+    let (i, channel) = mix.iter().enumerate().find(|(_, channel)| !channel.is_usable())?;
     let rule = match channel.has_stops() {
         true => "color is linear RGB, each from 0 to 1".to_owned(),
         false => format!("stops lie between -{MOST_STOPS} and {MOST_STOPS}"),

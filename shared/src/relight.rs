@@ -10,9 +10,8 @@
 //!    a point's value is its coefficient plus the interpolation of its parents' values (Eq. 4).
 
 use crate::baked::BakedScene;
-use crate::interpolation::mean;
+use crate::interpolation::{Rows, mean};
 use crate::link::{LaterLink, Link, Sent, SourceLink};
-use crate::rbn::LinkMatrix;
 use glam::Vec3;
 
 /// Replaces the direct irradiance of every point with children by the mean over the children, from fine levels to
@@ -56,7 +55,8 @@ pub fn add_bounced(scene: &BakedScene, pulled: &mut [Vec3]) {
 /// gathered over the parent's hemisphere; along another normal it would miss light from outside the parent's
 /// hemisphere (6% of the light in a hall of columns).
 pub fn transport(scene: &BakedScene, sent: &[Vec3], count: usize) -> Vec<Vec3> {
-    pushed(scene, &scene.links, count, |link: &Link| link.amount() * sent[link.sender()])
+    let rows = scene.links.iter().take(count);
+    pushed(scene.push(), rows, |link: &Link| link.amount() * sent[link.sender()])
 }
 
 /// Returns the irradiance of every point along its own normal from the [sources](crate::rbn::sources), RGB, without a
@@ -66,8 +66,16 @@ pub fn from_sources(scene: &BakedScene, strengths: &[Vec3]) -> Vec<Vec3> {
     if scene.source_links.is_empty() {
         return Vec::new();
     }
-    let amount = |link: &SourceLink| link.steps() as f32 * strengths[link.sender()];
-    pushed(scene, &scene.source_links, scene.points.len(), amount)
+    from_source_rows(scene.push(), scene.source_links.iter(), strengths)
+}
+
+/// As [`from_sources`], of a row of links per point; `push` has the parents of the points.
+pub fn from_source_rows<'l>(
+    push: Rows<'_>,
+    rows: impl Iterator<Item = &'l [SourceLink]>,
+    strengths: &[Vec3],
+) -> Vec<Vec3> {
+    pushed(push, rows, |link: &SourceLink| link.steps() as f32 * strengths[link.sender()])
 }
 
 /// Irradiance of points from groups of light that stay in place.
@@ -99,16 +107,16 @@ pub fn from_groups(scene: &BakedScene, strengths: &[Vec3]) -> GroupIrradiance {
     out
 }
 
-fn pushed<L: Copy>(
-    scene: &BakedScene,
-    links: &LinkMatrix<L>,
-    count: usize,
+/// Values of points, coarsest first: the sum of `amount` over a point's row, plus the mean of its parents' values.
+fn pushed<'l, L: 'l>(
+    push: Rows<'_>,
+    rows: impl Iterator<Item = &'l [L]>,
     amount: impl Fn(&L) -> Vec3,
 ) -> Vec<Vec3> {
-    let mut values: Vec<Vec3> = Vec::with_capacity(count);
-    for (i, row) in links.iter().take(count).enumerate() {
+    let mut values: Vec<Vec3> = Vec::with_capacity(push.len());
+    for (i, row) in rows.enumerate() {
         let own: Vec3 = row.iter().map(&amount).sum();
-        let parents = mean(scene.push().row(i), Vec3::ZERO, |parent| values[parent]);
+        let parents = mean(push.row(i), Vec3::ZERO, |parent| values[parent]);
         values.push(own + parents.unwrap_or(Vec3::ZERO));
     }
     values

@@ -1,10 +1,14 @@
 //! Bakes of a fraction of a second.
 
 use anyhow::Result;
+use glam::{Vec2, Vec3};
 use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::scene::Scene;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::bulk::{Copies, Instance};
-use rebounce_shared::rbn::meta::{Animation, DetailTexture, Interpolation, Property, Texture, Track};
+use rebounce_shared::rbn::meta::{
+    Animation, DetailTexture, Interpolation, Material, Property, Texture, Track,
+};
 
 /// Four pixels.
 const PICTURE: &[u8] = include_bytes!("small.png");
@@ -78,4 +82,21 @@ pub fn named(scene: &BakedScene, name: &str) -> BakedScene {
     m.textures.iter_mut().for_each(|texture| texture.name = name.to_owned());
     m.animations.iter_mut().for_each(|animation| animation.name.insert_str(0, name));
     scene
+}
+
+/// Adds a parallelogram with a material of its own. Its middle and half sides are shares of half the scene's size, from
+/// the scene's middle.
+pub fn add_parallelogram(scene: &mut Scene, at: Vec3, sides: [Vec3; 2], material: Material) {
+    let (low, high) = scene.bounds();
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let [u, v] = sides;
+    let [first, number] = [scene.positions.len() as u32, scene.materials.len() as u32];
+    for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+        scene.positions.push(middle + half * (at + a * u + b * v));
+        scene.normals.push((half * u).cross(half * v).normalize());
+        scene.uvs.push(Vec2::ZERO);
+    }
+    scene.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| first + i)));
+    scene.triangle_material.extend([number; 2]);
+    scene.materials.push(material);
 }

@@ -5,7 +5,7 @@
 use crate::common;
 
 use common::{difference, indirect, mean_and_stops, picture};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rebounce::bake::bake;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::Only;
@@ -15,7 +15,7 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::{Alpha, Material};
-use rebounce_tests::small::settings;
+use rebounce_tests::small::{add_parallelogram, settings};
 use rebounce_viewer::settings::Mode;
 
 const WIDTH: u32 = 80;
@@ -25,30 +25,21 @@ const HEIGHT: u32 = 80;
 /// both. `glass` makes two of them glass.
 fn panes(glass: bool) -> BakedScene {
     let mut room = rebounce::io::load("builtin:cornell-box").unwrap();
-    let (low, high) = room.bounds();
-    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     let mut pane = |at: Vec3, u: Vec3, v: Vec3, color: [f32; 3], alpha: f32| {
-        let [first, material] = [room.positions.len() as u32, room.materials.len() as u32];
-        for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-            room.positions.push(middle + half * (at + a * u + b * v));
-            room.normals.push((half * u).cross(half * v).normalize());
-            room.uvs.push(Vec2::ZERO);
-        }
-        room.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| first + i)));
-        room.triangle_material.extend([material; 2]);
         let [r, g, b] = color;
         let base_color = [r, g, b, alpha];
         let extras = match glass && alpha > 0.4 {
             true => Extras { transmission: 1.0 - 0.5 * alpha, ..Extras::default() },
             false => Extras::default(),
         };
-        room.materials.push(Material {
+        let material = Material {
             base_color,
             extras,
             alpha: if extras == Extras::default() { Alpha::Blend } else { Alpha::Opaque },
             double_sided: true,
             ..Default::default()
-        });
+        };
+        add_parallelogram(&mut room, at, [u, v], material);
     };
     let up = Vec3::Y * 0.7;
     pane(Vec3::new(-0.45, -0.1, 0.7), Vec3::X * 0.5, up, [0.8, 0.2, 0.1], 4.0 / 9.0);

@@ -5,7 +5,7 @@
 use crate::common;
 
 use common::{difference, indirect, mean_and_stops, picture};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rebounce::bake::bake;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::Only;
@@ -21,7 +21,7 @@ use rebounce_shared::random::Stream;
 use rebounce_shared::rbn::extras::Extras;
 use rebounce_shared::rbn::meta::Material;
 use rebounce_shared::relight;
-use rebounce_tests::small::settings;
+use rebounce_tests::small::{add_parallelogram, settings};
 use rebounce_viewer::readback::Readback;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::settings::Mode;
@@ -51,27 +51,18 @@ fn sky(has_sun: bool) -> Environment {
 /// Bakes the Cornell box without its ceiling, with a panel that shines; with `glass`, a pane in the open front instead.
 fn room(has_sun: bool, glass: bool) -> BakedScene {
     let mut room = rebounce::io::load("builtin:cornell-box").unwrap();
-    let (low, high) = room.bounds();
-    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let (_, high) = room.bounds();
     let is_below = |t: &[u32; 3]| t.iter().any(|i| room.positions[*i as usize].y < high.y - 0.1);
     let kept: Vec<bool> = room.triangles.iter().map(is_below).collect();
     let mut keeps = kept.iter();
     room.triangle_material.retain(|_| *keeps.next().unwrap());
     let mut keeps = kept.iter();
     room.triangles.retain(|_| *keeps.next().unwrap());
-    let [first, material] = [room.positions.len() as u32, room.materials.len() as u32];
-    let (at, u, v) = match glass {
-        true => (Vec3::new(-0.3, 0.0, 0.95), Vec3::X * 0.6, Vec3::Y * 0.8),
-        false => (Vec3::new(0.0, 0.2, -0.9), Vec3::X * 0.4, Vec3::Y * 0.3),
+    let (at, sides) = match glass {
+        true => (Vec3::new(-0.3, 0.0, 0.95), [Vec3::X * 0.6, Vec3::Y * 0.8]),
+        false => (Vec3::new(0.0, 0.2, -0.9), [Vec3::X * 0.4, Vec3::Y * 0.3]),
     };
-    for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-        room.positions.push(middle + half * (at + a * u + b * v));
-        room.normals.push((half * u).cross(half * v).normalize());
-        room.uvs.push(Vec2::ZERO);
-    }
-    room.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| first + i)));
-    room.triangle_material.extend([material; 2]);
-    room.materials.push(match glass {
+    let material = match glass {
         true => Material {
             base_color: [0.8, 0.4, 0.3, 1.0],
             extras: Extras { transmission: 0.8, ..Extras::default() },
@@ -81,7 +72,8 @@ fn room(has_sun: bool, glass: bool) -> BakedScene {
         false => {
             Material { base_color: [0.4, 0.3, 0.3, 1.0], emission: [0.6, 0.5, 0.3], ..Material::default() }
         }
-    });
+    };
+    add_parallelogram(&mut room, at, sides, material);
     room.environment = Some(Arc::new(sky(has_sun)));
     room.lights = vec![
         Light::Environment { file: None, rotation_deg: 20.0, intensity: 1.0, color: [1.0, 0.9, 0.8] },

@@ -4,7 +4,7 @@ use super::layout::{LayoutArgs, PresetName};
 use super::load::{LoadArgs, warn};
 use super::number;
 use super::paths::{check_paths, output_of};
-use super::picture::read_environment;
+use super::picture::{read_environment, set_threads};
 use anyhow::{Context, Result};
 use clap::Args;
 use rebounce::bake::{BakeSettings, SolveReport, SolveSettings, solve};
@@ -81,9 +81,7 @@ pub struct SolveArgs {
 pub fn run(args: &SolveArgs) -> Result<()> {
     let output = output_of(&args.scene, args.output.as_deref());
     check_paths(&args.scene, args.shot.as_deref(), &output, args.report.as_deref())?;
-    if let Some(threads) = args.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")?;
-    }
+    set_threads(args.threads)?;
     let mut scene = args.load.load(&args.scene)?;
     warn(&scene);
     let mut settings = args.settings();
@@ -112,6 +110,11 @@ fn light_by(scene: &mut Scene, path: &Path) -> Result<Camera> {
     let mut shot = shot::read(path)?;
     let names: Vec<String> = emissive_groups(scene).iter().map(|group| group.name.clone()).collect();
     shot.resolve_groups(&names).map_err(anyhow::Error::msg)?;
+    if !shot.mix.is_empty() || shot.emission != 1.0 {
+        eprintln!(
+            "note: mix and emission of the shot are of its picture, not of the file: give the shot to `rebounce render`"
+        );
+    }
     if let Some(environment) = read_environment(&shot, path)? {
         scene.environment = Some(environment);
     }

@@ -101,11 +101,6 @@ impl Relations {
         Rows { offsets: &self.push_offsets, entries: &self.push_entries }
     }
 
-    /// The parents of a point, with their weights.
-    pub fn push_row(&self, point: usize) -> &[Entry] {
-        self.push().row(point)
-    }
-
     /// The pull matrix.
     pub fn pull(&self) -> Rows<'_> {
         Rows { offsets: &self.pull_offsets, entries: &self.pull_entries }

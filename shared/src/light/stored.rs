@@ -51,11 +51,11 @@ impl<Context> Decode<Context> for Light {
             let own = &mut numbers[field.at..field.at + field.width];
             match field.stored {
                 Stored::No => {}
-                Stored::Numbers => own.iter_mut().try_for_each(|number| number.read(decoder))?,
+                Stored::Numbers => own.iter_mut().try_for_each(|number| read(number, decoder))?,
                 Stored::Optional => {
                     own[0] = f64::NAN;
                     if bool::decode(decoder)? {
-                        own[0].read(decoder)?;
+                        read(&mut own[0], decoder)?;
                         if own[0].is_nan() {
                             return Err(DecodeError::Other("a number that is there is NaN"));
                         }
@@ -75,15 +75,9 @@ impl<Context> Decode<Context> for Light {
 
 bincode::impl_borrow_decode!(Light);
 
-/// Decoding into a place.
-trait Read {
-    fn read<D: Decoder>(&mut self, decoder: &mut D) -> Result<(), DecodeError>;
-}
-
-impl Read for f64 {
-    #[inline(never)]
-    fn read<D: Decoder>(&mut self, decoder: &mut D) -> Result<(), DecodeError> {
-        *self = Self::decode(decoder)?;
-        Ok(())
-    }
+/// Decodes a number into its place. Not inlined: the viewer has the code once.
+#[inline(never)]
+fn read<D: Decoder>(place: &mut f64, decoder: &mut D) -> Result<(), DecodeError> {
+    *place = f64::decode(decoder)?;
+    Ok(())
 }

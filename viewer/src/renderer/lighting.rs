@@ -10,7 +10,7 @@ use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::{Light, LightKind, LightSource};
 use rebounce_shared::lighting::{Lighting, PreparedEnvironment};
-use rebounce_shared::mix::{Channel, is_usable, mixed};
+use rebounce_shared::mix::{Channel, mixed};
 
 /// Lights, as evaluated.
 #[derive(Default)]
@@ -61,7 +61,7 @@ impl Renderer {
     /// # Errors
     /// [`ViewerError::BadArgument`] for a channel that SHOT.json may not have; the mix stays then.
     pub fn set_mix(&mut self, mix: Vec<Channel>) -> Result<(), ViewerError> {
-        if !is_usable(&mix) {
+        if !mix.iter().all(Channel::is_usable) {
             return Err(ViewerError::BadArgument("mix: stops or colours are out of range".into()));
         }
         self.lit.mix = mix;

@@ -21,9 +21,9 @@ modules! {
     /// Radiance sent by the senders.
     SEND: "colour" "point" "step" "send";
     /// Matrix product of links and the senders' light.
-    TRANSPORT: "octahedral" "link" "point" "tilt" "across" "step" "lanes" "transport";
+    TRANSPORT: "octahedral" "link" "point" "tilt" "across" "step" "lanes" "push" "transport";
     /// Matrix product of links and the strengths of sources.
-    SOURCES: "octahedral" "link" "point" "tilt" "across" "step" "lanes" "sources";
+    SOURCES: "octahedral" "link" "point" "tilt" "across" "step" "lanes" "push" "sources";
     /// Sum of light at points.
     JOIN: "tilt" "step" "join";
     /// Later bounces between coarse points.

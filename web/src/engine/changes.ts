@@ -2,7 +2,7 @@
 
 import { tell } from "../element/events.js";
 import type { Viewer } from "./module.js";
-import { mixIn } from "../wire/mix.js";
+import { mixIn, mixJson } from "../wire/mix.js";
 import { cameraIn, lightsIn } from "../wire/wire.js";
 
 /** What was told last. */
@@ -20,7 +20,7 @@ export class Changes {
 
   /** Looks, and sends what has changed. */
   look(viewer: Viewer, target: EventTarget): void {
-    const [camera, lights, mix] = [String(viewer.camera()), String(viewer.lights()), JSON.stringify(mixIn(viewer))];
+    const [camera, lights, mix] = [String(viewer.camera()), String(viewer.lights()), mixJson(viewer)];
     const moved = this.#camera !== "" && this.#camera !== camera;
     const lit = this.#lights !== "" && this.#lights !== lights;
     const mixed = this.#mix !== "" && this.#mix !== mix;

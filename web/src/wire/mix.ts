@@ -16,11 +16,11 @@ export interface Channel {
   color?: Triple;
 }
 
-/** Mixes of viewers; the wasm module gives none back. */
-const mixes = new WeakMap<Viewer, readonly Channel[]>();
+/** Mixes of viewers, as JSON; the wasm module gives none back. */
+const mixes = new WeakMap<Viewer, string>();
 
 /** A mix without what is as usual. */
-export const tidy = (mix: readonly Channel[]): Channel[] =>
+const tidy = (mix: readonly Channel[]): Channel[] =>
   mix.map(({ stops, mute, solo, color }) => ({
     ...(stops && { stops }),
     ...(mute && { mute }),
@@ -28,8 +28,11 @@ export const tidy = (mix: readonly Channel[]): Channel[] =>
     ...(color && { color: [...color] as Triple }),
   }));
 
+/** The mix as JSON: equal for equal mixes. */
+export const mixJson = (viewer: Viewer): string => mixes.get(viewer) ?? "[]";
+
 /** The channels, in the order of the lights; lights beyond are as they are. */
-export const mixIn = (viewer: Viewer): Channel[] => tidy(mixes.get(viewer) ?? []);
+export const mixIn = (viewer: Viewer): Channel[] => JSON.parse(mixJson(viewer)) as Channel[];
 
 /** Sets the mix. Throws `bad-json` for what is none. */
 export function setMix(viewer: Viewer, mix: readonly Channel[]): void {
@@ -41,7 +44,7 @@ export function setMix(viewer: Viewer, mix: readonly Channel[]): void {
     return [stops, Number(mute), Number(solo), ...numbers(`${at}.color`, color, 3, [NaN, NaN, NaN])];
   });
   viewer.setMix(new Float64Array(all.flat()));
-  mixes.set(viewer, tidy(mix));
+  mixes.set(viewer, JSON.stringify(tidy(mix)));
 }
 
 /** A scene has come, without a mix. */

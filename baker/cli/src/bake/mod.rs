@@ -15,6 +15,7 @@ use super::TOO_NOISY;
 use super::communicator::with_communicator;
 use super::escape::escape_controls;
 use super::load::warn;
+use super::picture::set_threads;
 use super::progress::{Display, Unfinished};
 use super::stop::Stop;
 use super::view::PREVIEW;
@@ -36,9 +37,7 @@ const OVER_TARGET: u8 = 3;
 
 /// Runs the command.
 pub fn run(args: &BakeArgs) -> Result<ExitCode> {
-    if let Some(threads) = args.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("setting up threads")?;
-    }
+    set_threads(args.threads)?;
     with_communicator(|communicator| {
         ensure!(
             communicator.size() == 1 || args.target_error.is_none(),

@@ -24,7 +24,7 @@ impl Ancestors {
             if i < coarse {
                 out.entries.push((i as u32, 1.0));
             } else {
-                let row = relations.push_row(i);
+                let row = relations.push().row(i);
                 let total: f32 = row.iter().map(|parent| parent.weight()).sum();
                 for parent in row {
                     let share = parent.weight() / total;

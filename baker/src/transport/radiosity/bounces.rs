@@ -49,8 +49,7 @@ pub fn coarse_bounces(
         let mut next = GroupField { groups, values: sums.concat() };
         for (i, row) in rows.iter().enumerate() {
             if row.is_none() {
-                let predicted: Vec<Vec3> = next.predicted(relations, i).collect();
-                next.at_mut(i).copy_from_slice(&predicted);
+                next.predict(relations, i);
             }
         }
         if limit.is_none() && (0..groups).all(|group| most(&next, group) <= least[group]) {

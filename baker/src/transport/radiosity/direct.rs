@@ -10,7 +10,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::interpolation::mean;
 use rebounce_shared::lighting::Lighting;
-use rebounce_shared::link::Sent;
+use rebounce_shared::relight::from_source_rows;
+use smallvec::SmallVec;
 
 /// A group of light: what changes in strength and colour as one.
 #[derive(Clone, Debug)]
@@ -72,21 +73,21 @@ impl GroupField {
         relations: &'a Relations,
         point: usize,
     ) -> impl Iterator<Item = Vec3> + 'a {
-        let row = relations.push_row(point);
+        let row = relations.push().row(point);
         (0..self.groups).map(move |group| {
             mean(row, Vec3::ZERO, |parent| self.values[parent * self.groups + group]).unwrap_or(Vec3::ZERO)
         })
     }
 
+    /// Replaces the values of a point by the mean of its parents' values.
+    pub fn predict(&mut self, relations: &Relations, point: usize) {
+        let predicted: SmallVec<[Vec3; 8]> = self.predicted(relations, point).collect();
+        self.at_mut(point).copy_from_slice(&predicted);
+    }
+
     /// Replaces the values of the points from `first` on by the mean of their parents' values.
     pub fn push_from(&mut self, relations: &Relations, first: usize) {
-        for point in first..self.values.len() / self.groups.max(1) {
-            let row = relations.push_row(point);
-            for group in 0..self.groups {
-                let value = mean(row, Vec3::ZERO, |parent| self.values[parent * self.groups + group]);
-                self.values[point * self.groups + group] = value.unwrap_or(Vec3::ZERO);
-            }
-        }
+        (first..self.values.len() / self.groups.max(1)).for_each(|point| self.predict(relations, point));
     }
 }
 
@@ -156,10 +157,9 @@ fn linked_irradiance(
     }
     for (number, group) in groups.iter().enumerate().filter(|(_, group)| group.has_links) {
         let strengths = links.sources.strengths(group.lighting.sky.as_deref(), &group.lighting.emission);
-        for (i, row) in links.links.iter().enumerate() {
-            let own: Vec3 = row.iter().map(|link| link.steps() as f32 * strengths[link.sender()]).sum();
-            let parents = mean(relations.push_row(i), Vec3::ZERO, |parent| out.at(parent)[number]);
-            out.at_mut(i)[number] = own + parents.unwrap_or(Vec3::ZERO);
+        let rows = links.links.iter().map(Vec::as_slice);
+        for (i, value) in from_source_rows(relations.push(), rows, &strengths).into_iter().enumerate() {
+            out.at_mut(i)[number] = value;
         }
     }
     out

@@ -160,7 +160,7 @@ impl<S: Surfaces + ?Sized> Pass<'_, S> {
         let Problem { points, relations, settings, .. } = self.problem;
         let is_far = settings.far_levels > 0 && level <= settings.far_levels;
         let is_wanted = |i: &usize| {
-            let parents = relations.push_row(*i);
+            let parents = relations.push().row(*i);
             is_far || parents.is_empty() || parents.iter().any(|parent| self.refined[parent.point()])
         };
         points.levels[level].range().into_par_iter().filter(is_wanted).collect()
@@ -208,8 +208,7 @@ impl<S: Surfaces + ?Sized> Pass<'_, S> {
         let range = points.levels[level].range();
         wanted.iter().for_each(|i| out.is_gathered[*i] = true);
         for i in range.clone().filter(|i| !out.is_gathered[*i]) {
-            let predicted: Vec<Vec3> = out.bounced.predicted(relations, i).collect();
-            out.bounced.at_mut(i).copy_from_slice(&predicted);
+            out.bounced.predict(relations, i);
         }
         out.bounced.push_from(relations, range.end);
         out.levels.push(GatherCount { points: range.len() as u64, gathered: wanted.len() as u64 });

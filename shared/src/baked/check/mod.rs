@@ -9,7 +9,7 @@ use crate::link::MAX_SENDERS;
 use crate::rbn::bulk::{Copies, Instance, MAX_ALL_CUTS, MAX_CUTS, Point};
 use crate::rbn::codec::links;
 use crate::rbn::limits::{MAX_COPIES, MAX_ROW, MAX_TRIANGLES, all_sane, sane};
-use crate::rbn::meta::{Meta, Property};
+use crate::rbn::meta::Meta;
 use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{LinkMatrix, RbnError, container, light_groups};
@@ -100,9 +100,8 @@ impl BakedScene {
         if self.is_solved() && links > 0 {
             return Err(RbnError::invalid("LGRP", "a file with groups of light has no links"));
         }
-        let moves = |property: Property| matches!(property, Property::Position | Property::Direction);
         let mut tracks = self.meta.animations.iter().flat_map(|animation| &animation.tracks);
-        if self.is_solved() && tracks.any(|track| moves(track.property)) {
+        if self.is_solved() && tracks.any(|track| track.property.is_signed()) {
             return Err(RbnError::invalid("LGRP", "an animation moves a light that stays in place"));
         }
         Ok(())
