@@ -10,8 +10,8 @@ import { Engine } from "./engine/engine.js";
 import type { RebounceEventMap } from "./element/events.js";
 import { Failure } from "./wire/failure.js";
 import type { PlayOptions } from "./animation/player.js";
-import { type Channel, mixIn, setMix } from "./wire/mix.js";
-import type { Camera, Light, NamedCamera, Shot } from "./wire/shot.js";
+import { mixIn, setMix } from "./wire/mix.js";
+import type { Camera, Channel, Light, NamedCamera, Shot } from "./wire/shot.js";
 import { restoreState, stateLink } from "./element/state.js";
 import type { Counts, Stats } from "./wire/stats.js";
 import { cameraIn, cameraNumbers, camerasIn, countsIn, lightsIn, setLights, setShot, shotIn, statsIn } from "./wire/wire.js";
@@ -22,6 +22,7 @@ export type { RebounceEventMap } from "./element/events.js";
 export type { PlayOptions } from "./animation/player.js";
 export type {
   Camera,
+  Channel,
   DirectionalLight,
   DiskLight,
   EmissiveLight,
@@ -35,7 +36,6 @@ export type {
   SpotLight,
   Triple,
 } from "./wire/shot.js";
-export type { Channel } from "./wire/mix.js";
 export type { Counts, Stats } from "./wire/stats.js";
 
 /** How a picture is saved. */

@@ -1,7 +1,6 @@
 /** The element's events. */
 
-import type { Channel } from "../wire/mix.js";
-import type { Camera, Light } from "../wire/shot.js";
+import type { Camera, Channel, Light } from "../wire/shot.js";
 
 /** Events of the element, by name. */
 export interface RebounceEventMap {

@@ -3,8 +3,8 @@
 import type { LightAnimation } from "../animation/animation.js";
 import type { AttributeElement } from "../element/attributes.js";
 import type { Viewer } from "./module.js";
-import type { Camera, Light, Shot } from "../wire/shot.js";
-import { type Channel, setMix } from "../wire/mix.js";
+import type { Camera, Channel, Light, Shot } from "../wire/shot.js";
+import { setMix } from "../wire/mix.js";
 import { cameraNumbers, setLights, setShot } from "../wire/wire.js";
 
 /** What a script has set so far, or what was there before the device was lost. */

@@ -7,8 +7,7 @@ import { hexColor, newLight, placeOf, stepped } from "../wire/lights.js";
 import type { Desk, Section } from "./panel.js";
 import { LightFields } from "./light.js";
 import { button, signed, slider, type Slider } from "./parts.js";
-import type { Channel } from "../wire/mix.js";
-import type { Light, Triple } from "../wire/shot.js";
+import type { Channel, Light, Triple } from "../wire/shot.js";
 
 const HINT =
   "Arrow keys move a chosen light over the ground, Page Up and Page Down lift and lower it; with Shift, farther.";

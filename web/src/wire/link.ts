@@ -6,8 +6,8 @@
 
 import { Failure } from "./failure.js";
 import { type Field, KINDS, SIZE } from "./light-kinds.js";
-import { type Channel, mixOf, mixText } from "./mix.js";
-import type { Camera, Light, Triple } from "./shot.js";
+import { mixOf, mixText } from "./mix.js";
+import type { Camera, Channel, Light, Triple } from "./shot.js";
 
 /** What a link says. */
 export interface LinkState {

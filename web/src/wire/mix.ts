@@ -2,19 +2,7 @@
 
 import { list, member, numbers, wrong } from "./check.js";
 import type { Viewer } from "../engine/module.js";
-import type { Triple } from "./shot.js";
-
-/** What is done to one light. */
-export interface Channel {
-  /** Strength relative to the light's own, stops; 0 when absent. */
-  stops?: number;
-  /** Whether the light is off. */
-  mute?: boolean;
-  /** Whether the light is on alone, with others that are solo. */
-  solo?: boolean;
-  /** Linear RGB in place of the light's colour; the light's own when absent. */
-  color?: Triple;
-}
+import type { Channel, Triple } from "./shot.js";
 
 /** Mixes of viewers, as JSON; the wasm module gives none back. */
 const mixes = new WeakMap<Viewer, string>();

@@ -2,7 +2,6 @@
  * unit the scene was modelled in; colours are linear RGB. */
 
 import type { Light } from "./light-kinds.js";
-import type { Channel } from "./mix.js";
 
 export type {
   DirectionalLight,
@@ -41,6 +40,18 @@ export interface NamedCamera {
 export interface Named {
   /** What to call it; the page's lists show it. */
   name?: string;
+}
+
+/** A channel of the light mixer: what is done to one light. */
+export interface Channel {
+  /** Strength relative to the light's own, stops; 0 when absent. */
+  stops?: number;
+  /** Whether the light is off. */
+  mute?: boolean;
+  /** Whether the light is on alone, with others that are solo. */
+  solo?: boolean;
+  /** Linear RGB in place of the light's colour; the light's own when absent. */
+  color?: Triple;
 }
 
 /** Camera and lights together: what SHOT.json holds. */

@@ -118,7 +118,7 @@ export async function input(harness, context) {
     equal(await moves("d"), true, "with the focus on the panel");
     await page.keyboard.press("r");
     same(await page.evaluate(() => viewer.camera.position), first, "where R brings it back to");
-    await page.getByRole("button", { name: /^(Lamp|Spot) 1 / }).click();
+    await page.getByRole("button", { name: /^(Lamp|Spot) 1 (point|spot)/ }).click();
     await page.getByLabel("Name").focus();
     equal(await moves("w"), false, "in a name");
     // The ring is seen: an outline within the picture.
