@@ -2,8 +2,9 @@
 //! shining surfaces.
 //!
 //! [`KINDS`] describes the kinds and their fields; [`Light`] and its forms in files, SHOT.json and the page follow from
-//! it. [`LightSource`] is a light prepared for evaluation.
+//! it. [`LightSource`] is a light prepared for evaluation; `area` has the irradiance of those with a surface.
 
+mod area;
 mod field;
 mod kinds;
 mod source;
@@ -18,17 +19,6 @@ pub use kinds::{
 pub use source::{Incident, LightSource};
 
 use glam::{DVec3, Vec3};
-
-/// Returns the point, spot and directional lights, which direct light on the GPU knows; a light's number there is its place
-/// among these.
-pub fn punctual(lights: &[Light]) -> impl Iterator<Item = &Light> {
-    lights.iter().filter(|light| light.kind().is_punctual())
-}
-
-/// Returns the [punctual] lights, prepared for scene-local space.
-pub fn punctual_sources(lights: &[Light], origin: [f64; 3]) -> Vec<LightSource> {
-    punctual(lights).map(|light| light.source(origin)).collect()
-}
 
 impl Light {
     /// Returns the position, world space; `None` for lights that are infinitely far.

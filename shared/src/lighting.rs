@@ -6,7 +6,7 @@ pub use prepared::PreparedEnvironment;
 
 use crate::environment::bins::BINS;
 use crate::environment::{Environment, environment_from_world};
-use crate::light::{Light, LightKind, LightSource};
+use crate::light::{Light, LightSource};
 use crate::light_group::{MovedLight, group_strengths};
 use glam::Vec3;
 use std::sync::Arc;
@@ -130,11 +130,6 @@ pub fn with_emission(lights: &[Light], groups: usize, emission: f64) -> Vec<Ligh
     let dark = (0u32..).zip(is_lit).filter(|(_, is_lit)| !is_lit);
     out.extend(dark.map(|(group, _)| Light::Emissive { group, intensity: emission, color: [1.0; 3] }));
     out
-}
-
-/// Whether lights of a kind are evaluated as lamps: not by links of a file.
-pub fn is_lamp(kind: LightKind) -> bool {
-    !matches!(kind, LightKind::Environment | LightKind::Emissive)
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ mod crowd;
 #[path = "common/panel.rs"]
 mod panel;
 
+mod area;
 mod backs;
 mod blended;
 mod compare;

@@ -3,6 +3,7 @@
 
 mod common;
 
+mod area;
 mod blended;
 mod cached_direct;
 mod detail;

@@ -41,8 +41,8 @@ export interface Kind {
   listed: string;
   /** Units of the intensity; the first is that of the member. */
   units: readonly string[];
-  /** Whether it is a kind of KHR_lights_punctual: the picture shows no direct light of others. */
-  punctual: boolean;
+  /** Whether a new one can stand anywhere in a scene. */
+  lamp: boolean;
   /** In the order of links. */
   fields: readonly Field[];
 }
@@ -88,10 +88,10 @@ fn text() -> String {
             |field: &Field| fields.iter().find(|(other, _)| *other == field).map(|(_, name)| name.as_str());
         let names: Vec<_> = own.iter().filter_map(|(field, _)| named(field)).collect();
         let names = names.join(", ");
-        let punctual = kind <= LightKind::Directional as u32;
         let _ = writeln!(out, "  {name}: {{");
         let _ = writeln!(out, "    called: {called:?},\n    listed: {listed:?},\n    units: {units:?},");
-        let _ = writeln!(out, "    punctual: {punctual},");
+        let lamp = kind < LightKind::Environment as u32;
+        let _ = writeln!(out, "    lamp: {lamp},");
         let _ = writeln!(out, "    fields: [{names}],\n  }},");
     }
     out + "};\n"

@@ -15,7 +15,6 @@ use rebounce::transport::radiosity::RadiositySettings;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::light::{Light, LightKind};
-use rebounce_shared::lighting::is_lamp;
 use rebounce_shared::rbn::container;
 use std::path::{Path, PathBuf};
 
@@ -125,7 +124,7 @@ fn light_by(scene: &mut Scene, path: &Path) -> Result<Camera> {
             *file = None;
         }
         // Emissive surfaces are groups by themselves.
-        if is_lamp(light.kind()) || light.kind() == LightKind::Environment {
+        if light.kind().is_lamp() || light.kind() == LightKind::Environment {
             scene.lights.push(light);
             scene.light_names.push(shot.light_names.get(i).cloned().unwrap_or_default());
         }

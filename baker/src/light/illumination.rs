@@ -14,7 +14,7 @@ use glam::Vec3;
 use rebounce_shared::colour::luminance;
 use rebounce_shared::environment;
 use rebounce_shared::light::{Light, LightSource};
-use rebounce_shared::lighting::{emission_factors, is_lamp};
+use rebounce_shared::lighting::emission_factors;
 use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -115,7 +115,7 @@ impl Illumination {
         groups: &[EmissiveGroup],
         picture: Option<&Arc<environment::Environment>>,
     ) -> Self {
-        let lamps = lights.iter().filter(|light| is_lamp(light.kind()));
+        let lamps = lights.iter().filter(|light| light.kind().is_lamp());
         let lamps: Vec<LightSource> = lamps.map(|light| light.source(origin)).collect();
         let strengths = emission_factors(lights, groups.len());
         let group_of = Sources { groups: groups.to_vec(), ..Sources::default() }.group_of_materials();

@@ -240,9 +240,14 @@ kinds! {
 }
 
 impl LightKind {
-    /// Returns whether lights of the kind are those of KHR_lights_punctual: direct light on the GPU knows no others.
+    /// Returns whether lights of the kind are those of KHR_lights_punctual.
     pub fn is_punctual(self) -> bool {
         matches!(self, Self::Point | Self::Spot | Self::Directional)
+    }
+
+    /// Returns whether lights of the kind are evaluated as lamps: not by links of a file.
+    pub fn is_lamp(self) -> bool {
+        !matches!(self, Self::Environment | Self::Emissive)
     }
 
     /// Returns whether lights of the kind have a surface of their own, which is seen and blocks light.

@@ -19,7 +19,7 @@ pub(super) struct Lit {
     lights: Vec<Light>,
     /// Channels of the mixer, by the lights' places.
     mix: Vec<Channel>,
-    /// The lights as the mix has them, prepared; lamps are punctual.
+    /// The lights as the mix has them, prepared; lamps are in [parts](LightSource::parts).
     pub(super) lighting: Lighting,
     /// The environment of environment lights; made for the first of them.
     pub(super) sky: Option<Sky>,
@@ -32,7 +32,7 @@ pub(super) struct Lit {
 }
 
 impl Lit {
-    /// The punctual lights, those of the environment's sun included.
+    /// Lamps and area lights, with the sun of the environment.
     pub(super) fn lamps(&self) -> &[LightSource] {
         &self.lighting.lamps
     }
@@ -103,11 +103,11 @@ impl Renderer {
         let mut lights = self.scene.as_ref().map_or(Vec::new(), |scene| scene.meta.lights.clone());
         let mut lamps = 0;
         lights.retain(|light| {
-            lamps += light.kind().is_punctual() as u32;
-            !light.kind().is_punctual() || lamps <= MAX_LAYERS
+            lamps += light.kind().is_lamp() as u32;
+            !light.kind().is_lamp() || lamps <= MAX_LAYERS
         });
         while self.light(lights.clone()).is_err() {
-            let last = lights.iter().rposition(|light| light.kind().is_punctual());
+            let last = lights.iter().rposition(|light| light.kind().is_lamp());
             lights.remove(last.unwrap_or(lights.len() - 1));
         }
     }
@@ -133,11 +133,11 @@ impl Renderer {
         let mut none = PreparedEnvironment::default();
         let environment = self.lit.sky.as_mut().map_or(&mut none, |sky| &mut sky.prepared);
         let mut lighting = Lighting::prepared(&mixed(&lights, &self.lit.mix), environment, origin, groups);
-        lighting.lamps.retain(|lamp| lamp.kind.is_punctual());
+        lighting.lamps = lighting.lamps.into_iter().flat_map(LightSource::parts).collect();
         let layers: u32 = lighting.lamps.iter().map(most_layers).sum();
         if layers > MAX_LAYERS {
             return Err(ViewerError::BadArgument(format!(
-                "{} lights need {layers} shadow maps, there can be {}: a point light needs six, a spot light wider than 60° too, a directional light and the sun of an environment up to five, others one",
+                "{} lights need {layers} shadow maps, there can be {}: a point light, a sphere, a disk and a spot light wider than 60° need six, a rectangle six to 24, a directional light and the sun of an environment up to five, others one",
                 lights.len(),
                 MAX_LAYERS
             )));

@@ -75,9 +75,10 @@ pub fn layers(scene: &BakedScene, runs: &[DrawBatch]) -> u32 {
 pub fn unit(meta: &Meta, lighting: &Lighting, [low, high]: [Vec3; 2]) -> f32 {
     let distance_squared = (high - low).length_squared() / 16.0;
     let mut typical = 0.0f32;
-    for source in lighting.lamps.iter().filter(|lamp| lamp.kind.is_punctual()) {
+    for source in &lighting.lamps {
         let area = if source.is_far() { 1.0 } else { distance_squared };
-        typical += source.intensity.max_element() / (area * std::f32::consts::PI);
+        let facing = if source.kind.is_area() { source.facing_area() } else { 1.0 };
+        typical += source.intensity.max_element() * facing / (area * std::f32::consts::PI);
     }
     if let Some(sky) = &lighting.sky {
         typical += sky.iter().sum::<Vec3>().max_element() / sky.len() as f32;

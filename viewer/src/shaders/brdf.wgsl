@@ -1,7 +1,6 @@
 // What share of the light from one direction goes to the eye: glTF 2.0, appendix B, with the light that a rough
 // surface scatters more than once given back (Fdez-Aguera 2019), so that a white metal loses none.
 
-const PI = 3.14159265358979;
 // Narrower highlights of a point light than this are single pixels.
 const LEAST_ROUGHNESS = 0.08;
 
@@ -21,8 +20,10 @@ fn brdf_varnish(roughness: f32, cosine: f32) -> f32 {
     return 0.04 * (r.z - 1.04 * a) + 1.04 * a + r.w;
 }
 
-// Per steradian, RGB, without the cosine. `normal`, `to_light` and `to_eye` are unit vectors.
-fn brdf(albedo: vec3f, look: MaterialRecord, normal: vec3f, to_light: vec3f, to_eye: vec3f) -> vec3f {
+// Per steradian, RGB, without the cosine. `normal`, `to_light` and `to_eye` are unit vectors. Of a light with a surface,
+// `solid` is the projected solid angle: a highlight is no brighter than the light's mirror image, and as a lobe of normal
+// distribution over a disk, is that bright in a share 1 - exp(-x) where a point light's highlight would be x times as bright.
+fn brdf(albedo: vec3f, look: MaterialRecord, normal: vec3f, to_light: vec3f, to_eye: vec3f, solid: f32) -> vec3f {
     if look.specular <= 0.0 && look.metallic <= 0.0 {
         return albedo / PI;
     }
@@ -44,5 +45,9 @@ fn brdf(albedo: vec3f, look: MaterialRecord, normal: vec3f, to_light: vec3f, to_
     // What the highlights do not take: for the eye's direction, which keeps energy where glTF's mix by the angle to
     // the light makes a fifth too much.
     let kept = saturate(1.0 - look.specular * brdf_varnish(roughness, nv));
-    return albedo * ((1.0 - look.metallic) * kept / PI) + fresnel * again * (density * masking);
+    var lobe = density * masking;
+    if solid > 0.0 {
+        lobe = (1.0 - exp(-lobe * solid)) / solid;
+    }
+    return albedo * ((1.0 - look.metallic) * kept / PI) + fresnel * again * lobe;
 }

@@ -28,13 +28,13 @@ fn direct_sum(first: u32, end: u32, p: Point) -> vec3f {
             continue;
         }
         if samples == 0u {
-            sum += lit(lights[l], position, normal, 0.0).irradiance;
+            sum += lit(lights[l], position, normal, 0.0);
             continue;
         }
         for (var sample = 0u; sample < SAMPLES; sample++) {
             if ((samples >> sample) & 1u) != 0u {
                 let place = position + footprint_offset(sample, normal, p.radius);
-                sum += lit(lights[l], place, normal, LIFT * p.radius).irradiance;
+                sum += lit(lights[l], place, normal, LIFT * p.radius);
             }
         }
     }

@@ -3,6 +3,11 @@
 const POINT = 0u;
 const SPOT = 1u;
 const DIRECTIONAL = 2u;
+const RECTANGLE = 3u;
+const DISK = 4u;
+const SPHERE = 5u;
+
+const PI = 3.14159265358979;
 
 struct Light {
     // First layer of the shadow map, and how many: 1, 6 for a cube, 2 for
@@ -22,9 +27,10 @@ struct Light {
     intensity: vec3f,
     cone_offset: f32,
     cos_outer: f32,
-    // Radius; of a directional light, tangent of the angle that its disc's radius spans. 0 for a point.
+    // Radius, of a rectangle that of a disk of its area; of a directional light, tangent of the angle that its disc's
+    // radius spans. 0 for a point.
     size: f32,
-    // Of a rectangle, width and height, and the unit vector along the height; no pass reads them.
+    // Of a rectangle, width and height, and the unit vector along the height; of a disk, of a square around it.
     extent: vec2f,
     up: vec3f,
 }
@@ -32,8 +38,10 @@ struct Light {
 struct Incident {
     // Unit vector to the light.
     to_light: vec3f,
-    // Irradiance on a surface that faces the light, were nothing in between.
+    // Irradiance, were nothing in between: on a surface that faces the light, or on the surface in question.
     irradiance: vec3f,
+    // Irradiance as a share of the light's radiance; 0 of lights without a surface.
+    solid: f32,
 }
 
 // Whether any of the light may reach a place within `radius` of `position` on a surface with this unit normal.
@@ -43,6 +51,10 @@ fn may_reach(light: Light, position: vec3f, normal: vec3f, radius: f32) -> bool 
     }
     let offset = light.position - position;
     let distance = length(offset);
+    if light.kind > DIRECTIONAL {
+        let reach = radius + max(light.size, 0.5 * length(light.extent));
+        return dot(normal, offset) > -reach && (light.kind == SPHERE || dot(light.direction, offset) < radius);
+    }
     // The sine of the angle by which the way to the light may differ; past it, nothing is certain.
     let spread = radius / max(distance, 1e-20);
     if spread >= 0.5 {
@@ -54,16 +66,17 @@ fn may_reach(light: Light, position: vec3f, normal: vec3f, radius: f32) -> bool 
         && (-dot(to_light, light.direction) + margin) * light.cone_scale + light.cone_offset > 0.0;
 }
 
+// From a light without a surface.
 fn incident(light: Light, position: vec3f) -> Incident {
     if light.kind == DIRECTIONAL {
-        return Incident(-light.direction, light.intensity);
+        return Incident(-light.direction, light.intensity, 0.0);
     }
     let offset = light.position - position;
     let distance_squared = dot(offset, offset);
     if distance_squared <= 0.0 {
-        return Incident(vec3f(0.0, 1.0, 0.0), vec3f(0.0));
+        return Incident(vec3f(0.0, 1.0, 0.0), vec3f(0.0), 0.0);
     }
     let to_light = offset * inverseSqrt(distance_squared);
     let ramp = saturate(-dot(to_light, light.direction) * light.cone_scale + light.cone_offset);
-    return Incident(to_light, light.intensity * (ramp * ramp / distance_squared));
+    return Incident(to_light, light.intensity * (ramp * ramp / distance_squared), 0.0);
 }

@@ -15,7 +15,7 @@ macro_rules! modules {
 
 modules! {
     /// Direct irradiance at points.
-    DIRECT: "octahedral" "point" "lights" "lights_second" "visibility" "penumbra" "footprint" "step" "direct";
+    DIRECT: "octahedral" "point" "lights" "lights_second" "area" "visibility" "penumbra" "footprint" "step" "direct";
     /// Pull.
     PULL: "link" "step" "pull";
     /// Radiance sent by the senders.
@@ -40,7 +40,7 @@ modules! {
     GBUFFER: "octahedral" "frame" "material" "detail" "model" "mesh" "gbuffer";
     /// Blended surfaces, layer by layer.
     BLENDED: "octahedral" "frame" "material" "detail" "passage" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "lights" "lights_third"
-        "visibility" "penumbra" "tilt" "surface" "brdf" "reflect" "blended";
+        "area" "visibility" "penumbra" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
     FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place" "slots" "openness" "find";
     /// Light of the slots, from functions to pixels.
@@ -54,13 +54,13 @@ modules! {
     /// From sums to pixels.
     RESOLVE: "octahedral" "kernel" "frame" "place" "slots" "tilt" "level" "atlas" "resolve";
     /// The tone-mapped picture.
-    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "backdrop" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "backdrop" "fullscreen" "composite";
     /// Luminance of some pixels.
-    LOOK: "octahedral" "frame" "lights" "lights_second" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "look";
+    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "look";
     /// Automatic exposure.
     KEY: "key";
     /// Bounced light alone.
-    INDIRECT: "octahedral" "frame" "lights" "lights_second" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
     PRESENT: "fullscreen" "smooth" "present";
     /// Mip levels.

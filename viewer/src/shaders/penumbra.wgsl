@@ -1,11 +1,12 @@
 // Penumbrae of lights with a size: percentage-closer soft shadows (Fernando 2005). What hides a light is looked for around
 // a place of its map; how far away it is says how wide the penumbra is.
 
-// Texels that are looked at for what hides a light, and for how much of it that does.
-const SEARCHED = 32u;
-const FILTERED = 40u;
-// Farthest of them from the place, as a share of the map's width.
+// Texels that are looked at for what hides a light, and for how much of it that does: at pixels and at points.
+const MANY = vec2u(32u, 40u);
+const FEW = vec2u(8u, 12u);
+// Farthest of them from the place, as a share of the map's width; of area lights, which are larger.
 const REACH = 0.0625;
+const AREA_REACH = 0.25;
 // Narrower penumbrae are no wider than the filter of a point's shadow.
 const NARROW = 1.5;
 
@@ -21,6 +22,8 @@ struct MapPlace {
     loose: f32,
     // Change of depth per texel along the rim of the cone from the place to the light.
     rim: f32,
+    // Texels from the place to the farthest tap.
+    reach: f32,
     layer: u32,
     // Whether the map is that of a cascade.
     near: bool,
@@ -57,15 +60,14 @@ fn on_map_share(uv: vec2f) -> f32 {
 }
 
 // Share of a light with a size that is seen from a place; -1 where its shadows are as sharp as a point's.
-fn penumbra(map: MapPlace) -> f32 {
+fn penumbra(map: MapPlace, taps: vec2u) -> f32 {
     let size = vec2f(map_size(map.near));
-    let reach = REACH * size.x;
     // The harmonic mean of the widths that each would make: what is near the surface hides most of the light, however much
     // of the map what is far away fills.
     var sum = vec2f(0.0);
-    for (var i = 0u; i < SEARCHED; i++) {
+    for (var i = 0u; i < taps.x; i++) {
         // More of them near the place, or narrow penumbrae were not found.
-        let off = on_disc(i, SEARCHED, 1.5) * reach;
+        let off = on_disc(i, taps.x, 1.5) * map.reach;
         let uv = (map.at.xy + off) / size;
         let found = map_depths(map.near, uv, map.layer);
         // In front, and within the cone to the light.
@@ -77,13 +79,13 @@ fn penumbra(map: MapPlace) -> f32 {
     if sum.x < 0.5 {
         return -1.0;
     }
-    let wide = min(sum.x / sum.y, reach);
+    let wide = min(sum.x / sum.y, map.reach);
     if wide < NARROW {
         return -1.0;
     }
     var seen = vec2f(0.0);
-    for (var i = 0u; i < FILTERED; i++) {
-        let off = on_disc(i, FILTERED, 0.5) * wide;
+    for (var i = 0u; i < taps.y; i++) {
+        let off = on_disc(i, taps.y, 0.5) * wide;
         let uv = (map.at.xy + off) / size;
         var share = 0.0;
         if map.near {

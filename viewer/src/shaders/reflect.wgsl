@@ -57,7 +57,11 @@ fn reflected(surface: Surface, albedo: vec3f, position: vec3f, bounced: mat2x3f,
         for (var i = 0u; i < shading.lights; i++) {
             let at = lit_softly(lights[i], position, surface.bent, surface.facet, solid);
             if any(at.irradiance > vec3f(0.0)) {
-                direct += at.irradiance * brdf(albedo, surface.look, surface.bent, at.to_light, to_eye);
+                var to_light = at.to_light;
+                if at.solid > 0.0 {
+                    to_light = area_highlight(lights[i], position, reflect(-to_eye, surface.bent));
+                }
+                direct += at.irradiance * brdf(albedo, surface.look, surface.bent, to_light, to_eye, at.solid);
             }
         }
         sum += shading.direct * direct;

@@ -35,9 +35,34 @@ fn bounced_irradiance(pixel: vec2u) -> mat2x3f {
     return mat2x3f(0.25 * (a.rgb + b.rgb + (c.rgb + d.rgb)), tilt);
 }
 
+// Radiance of the nearest area light in front of a place at this depth, black from behind; alpha: 1 where there is one.
+fn area_in_front(pixel: vec2u, depth: f32) -> vec4f {
+    let way = position_at(frame, vec2f(pixel) + 0.5, frame.near) - frame.eye;
+    let ray = normalize(way);
+    var nearest = select(1e30, frame.near / depth * length(way), depth > 0.0);
+    var seen = vec4f(0.0);
+    for (var i = 0u; i < shading.lights; i++) {
+        if !is_area(lights[i]) {
+            continue;
+        }
+        let distance = area_distance(lights[i], frame.eye, ray);
+        // One that lies on a surface is before it.
+        if distance > 0.0 && distance < nearest * 1.0001 {
+            let is_front = lights[i].kind == SPHERE || dot(ray, lights[i].direction) < 0.0;
+            nearest = distance;
+            seen = vec4f(lights[i].intensity * select(0.0, shading.direct, is_front), 1.0);
+        }
+    }
+    return seen;
+}
+
 // rgb: radiance; alpha: 1 where there is a surface or a sky. Without surfaces that are blended.
 fn opaque_radiance(pixel: vec2u) -> vec4f {
     let depth = textureLoad(depth_texture, pixel, 0);
+    let light_in_front = area_in_front(pixel, depth);
+    if light_in_front.a > 0.0 {
+        return light_in_front;
+    }
     if depth <= 0.0 {
         return sky(pixel);
     }

@@ -113,8 +113,8 @@ fn on_map(clip_from_local: mat4x4f, size: f32, position: vec3f) -> vec4f {
 // nothing: a wall that stands on it at a right angle rises, per texel, by its slope and this one's; what rises from here by no more than
 // most of that is let be. A texel far behind the plane looks past the surface's end, and says nothing about it: the line
 // where a floor meets a wall that has no thickness stays dark though light passes just behind. Of a blended surface only a share of the
-// texels hold it; it is not `solid`, and light that passes it tells as much.
-fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, solid: bool) -> f32 {
+// texels hold it; it is not `solid`, and light that passes it tells as much. `taps`: those of a penumbra (penumbra.wgsl).
+fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f, solid: bool, taps: vec2u) -> f32 {
     var layer = shadow_layer(light, position);
     var clip_from_local = shadow_matrices[layer];
     var near = false;
@@ -144,12 +144,13 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
     let bias = unit * (0.35 + LOOSE / max(cosine * cosine, 1e-3));
     if light.size > 0.0 {
         let rim = unit * place.w / light.size;
-        var map = MapPlace(place.xyz, slope, bias, unit * LOOSE / max(cosine * cosine, 1e-3), rim, layer, near);
+        let reach = size * select(REACH, AREA_REACH, is_area(light));
+        var map = MapPlace(place.xyz, slope, bias, unit * LOOSE / max(cosine * cosine, 1e-3), rim, reach, layer, near);
         if abs(area) < 1e-3 || any(slope != tilt) {
             // Seen edge-on, the surface has no plane on the map: what is well before it counts.
-            map = MapPlace(place.xyz, vec2f(0.0), bias, 2.0 * MOST_SLOPE * unit, rim, layer, near);
+            map = MapPlace(place.xyz, vec2f(0.0), bias, 2.0 * MOST_SLOPE * unit, rim, reach, layer, near);
         }
-        let part = penumbra(map);
+        let part = penumbra(map, taps);
         if part >= 0.0 {
             return part;
         }
@@ -203,29 +204,42 @@ fn tinted(light: Light, position: vec3f) -> vec3f {
     return select(vec3f(1.0), tint.rgb, tint.a > depth + 0.0015 * select(depth, 1.0, light.kind == DIRECTIONAL));
 }
 
-// The light that arrives at a point of a surface, were nothing in between: its direction, and the irradiance along the
-// normal.
-fn facing_light(light: Light, position: vec3f, normal: vec3f) -> Incident {
-    let at = incident(light, position);
-    return Incident(at.to_light, at.irradiance * max(dot(normal, at.to_light), 0.0));
+// The light of an area light that arrives at a point of a surface, were nothing in between.
+fn area_light(light: Light, position: vec3f, normal: vec3f) -> Incident {
+    let solid = projected_solid_angle(light, position, normal);
+    return Incident(normalize(light.position - position), light.intensity * solid, solid);
 }
 
 // The light that arrives at a place which lies `lift` above a surface.
-fn lit(light: Light, position: vec3f, normal: vec3f, lift: f32) -> Incident {
-    var at = facing_light(light, position, normal);
-    if any(at.irradiance > vec3f(0.0)) {
-        at.irradiance *= visibility(light, position, normal, at.to_light, lift) * tinted(light, position);
+fn lit(light: Light, position: vec3f, normal: vec3f, lift: f32) -> vec3f {
+    if is_area(light) {
+        let at = area_light(light, position, normal);
+        if all(at.irradiance <= vec3f(0.0)) {
+            return vec3f(0.0);
+        }
+        let seen = soft_visibility(light, position, normal, at.to_light, true, FEW);
+        return at.irradiance * seen * tinted(light, position);
     }
-    return at;
+    let at = incident(light, position);
+    let irradiance = at.irradiance * max(dot(normal, at.to_light), 0.0);
+    if all(irradiance <= vec3f(0.0)) {
+        return vec3f(0.0);
+    }
+    return irradiance * visibility(light, position, normal, at.to_light, lift) * tinted(light, position);
 }
 
-// The same on a surface in a picture, with soft edges, of a light with its size; `flat_normal` is the normal of the
-// triangle.
+// The light that arrives at a surface in a picture, with soft edges, of a light with its size; `flat_normal` is the
+// normal of the triangle.
 fn lit_softly(light: Light, position: vec3f, normal: vec3f, flat_normal: vec3f, solid: bool) -> Incident {
-    var at = incident(light, position);
-    at.irradiance *= above_horizon(light, position, dot(normal, at.to_light));
+    var at: Incident;
+    if is_area(light) {
+        at = area_light(light, position, normal);
+    } else {
+        at = incident(light, position);
+        at.irradiance *= above_horizon(light, position, dot(normal, at.to_light));
+    }
     if any(at.irradiance > vec3f(0.0)) {
-        at.irradiance *= soft_visibility(light, position, flat_normal, at.to_light, solid) * tinted(light, position);
+        at.irradiance *= soft_visibility(light, position, flat_normal, at.to_light, solid, MANY) * tinted(light, position);
     }
     return at;
 }

@@ -33,9 +33,9 @@ export class LightList implements Section {
   #desk: Desk;
   #list = make("ul", { class: "lights" });
   #box = make("div", { class: "fields" });
-  /** Of kinds whose direct light the picture shows. */
+  /** Of kinds of which a scene may have any number. */
   #add = Object.entries(KINDS)
-    .filter(([, { punctual }]) => punctual)
+    .filter(([, { lamp }]) => lamp)
     .map(([type, { called }]) => button(`Add ${called.toLowerCase()}`, () => this.#new(type as Light["type"])));
   #entries: Entry[] = [];
   #fields: LightFields | undefined;

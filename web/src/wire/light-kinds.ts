@@ -146,8 +146,8 @@ export interface Kind {
   listed: string;
   /** Units of the intensity; the first is that of the member. */
   units: readonly string[];
-  /** Whether it is a kind of KHR_lights_punctual: the picture shows no direct light of others. */
-  punctual: boolean;
+  /** Whether a new one can stand anywhere in a scene. */
+  lamp: boolean;
   /** In the order of links. */
   fields: readonly Field[];
 }
@@ -180,56 +180,56 @@ export const KINDS: Record<Light["type"], Kind> = {
     called: "Lamp",
     listed: "point",
     units: ["candela", "lumen"],
-    punctual: true,
+    lamp: true,
     fields: [position, intensity, color, radius],
   },
   spot: {
     called: "Spot",
     listed: "spot",
     units: ["candela", "lumen"],
-    punctual: true,
+    lamp: true,
     fields: [position, direction, outer_cone_deg, inner_cone_deg, intensity, color, radius],
   },
   directional: {
     called: "Sun",
     listed: "sun",
     units: ["lux"],
-    punctual: true,
+    lamp: true,
     fields: [direction, intensity, color, radius_deg],
   },
   rectangle: {
     called: "Rectangle",
     listed: "rectangle",
     units: ["nit"],
-    punctual: false,
+    lamp: true,
     fields: [position, direction, up, width, height, intensity, color],
   },
   disk: {
     called: "Disk",
     listed: "disk",
     units: ["nit"],
-    punctual: false,
+    lamp: true,
     fields: [position, direction, disk_radius, intensity, color],
   },
   sphere: {
     called: "Sphere",
     listed: "sphere",
     units: ["nit"],
-    punctual: false,
+    lamp: true,
     fields: [position, disk_radius, intensity, color],
   },
   environment: {
     called: "Environment",
     listed: "environment",
     units: ["factor"],
-    punctual: false,
+    lamp: false,
     fields: [file, rotation_deg, environment_intensity, color],
   },
   emissive: {
     called: "Surfaces",
     listed: "surfaces",
     units: ["factor"],
-    punctual: false,
+    lamp: false,
     fields: [group, environment_intensity, color],
   },
 };

@@ -64,6 +64,10 @@ export function newLight(type: Light["type"], camera: Camera, lights: Light[], s
     const value = known[name] ?? fresh;
     if (value !== undefined) light[name] = value;
   }
+  // Radiance: the same from far away.
+  const { width, height, radius } = light as Record<string, number>;
+  const area = width && height ? width * height : Math.PI * (radius ?? 0) ** 2;
+  if (KINDS[type].units[0] === "nit") light.intensity = Number((intensity / area).toPrecision(2));
   return light as unknown as Light;
 }
 

@@ -14,7 +14,6 @@ use crate::scene::Scene;
 use glam::Vec3;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_shared::lighting::is_lamp;
 use rebounce_shared::rbn::shown::Shown;
 
 /// Vertical field of view of added cameras, degrees.
@@ -42,7 +41,7 @@ impl Staged {
         };
         let mut camera_names = named(&scene.camera_names, cameras.len());
         if cameras.is_empty() {
-            let lamps = lights.iter().filter(|light| is_lamp(light.kind()));
+            let lamps = lights.iter().filter(|light| light.kind().is_lamp());
             let sources: Vec<_> = lamps.map(|light| light.source(scene.origin)).collect();
             let inside = if emitter.is_open { None } else { room::view(surfaces, emitter, &sources) };
             cameras.push(inside.map_or_else(

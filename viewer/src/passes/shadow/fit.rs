@@ -15,6 +15,8 @@ const BUDGET: u64 = 64 << 20;
 pub const LARGEST: u32 = 2048;
 /// Border around a map for the filter's taps, texels.
 pub(crate) const BORDER: f32 = 3.0;
+/// Half the width of an area light's map at distance 1. Maps overlap, for the wide filters of their penumbrae.
+const AREA_BORDER: f32 = 1.4;
 
 /// `Light` in lights.wgsl: how its shadow maps are read, and the light.
 #[derive(Clone, Copy, Debug, PartialEq, NoUninit)]
@@ -88,7 +90,7 @@ pub fn fit(lights: &[LightSource], extent: &Extent, near: f32, size: u32) -> Fit
     let mut cascades = first;
     for light in lights {
         let layer = out.matrices.len() as u32;
-        let border = 1.0 + 2.0 * BORDER / size as f32;
+        let border = if light.kind.is_area() { AREA_BORDER } else { 1.0 + 2.0 * BORDER / size as f32 };
         let (texel, depth_scale);
         let mut source = *light;
         if light.is_far() {
@@ -192,7 +194,7 @@ pub(crate) fn reach(axis: Vec3, [low, high]: [Vec3; 2]) -> f32 {
 mod tests {
     use super::*;
     use crate::gpu::MAX_LAYERS;
-    use rebounce_shared::light::{Light, punctual, punctual_sources};
+    use rebounce_shared::light::Light;
 
     fn plain(low: Vec3, high: Vec3) -> Extent {
         Extent { all: [low, high], detail: None }
@@ -279,17 +281,13 @@ mod tests {
     }
 
     #[test]
-    fn lights_with_a_surface_reach_no_pass() {
-        let (position, color) = ([1.0, 2.0, 3.0], [1.0; 3]);
-        let lights = [
-            Light::Sphere { position, radius: 1.0, intensity: 1.0, color },
-            Light::Point { position, intensity: 1.0, color, radius: 0.0 },
-            Light::Environment { file: None, rotation_deg: 0.0, intensity: 1.0, color },
-            Light::Emissive { group: 0, intensity: 1.0, color },
-        ];
-        assert!(punctual(&lights).eq([&lights[1]]));
-        let fit = fit(&punctual_sources(&lights, [0.0; 3]), &plain(Vec3::ZERO, Vec3::ONE), 1e-3, 512);
-        assert_eq!((fit.lights.len(), fit.matrices.len()), (1, 6));
+    fn a_long_rectangle_has_a_cube_for_each_of_its_parts() {
+        let (position, direction, up, color) = ([1.0, 2.0, 3.0], [0.0, -1.0, 0.0], [0.0; 3], [1.0; 3]);
+        let rectangle =
+            Light::Rectangle { position, direction, up, width: 0.5, height: 1.5, intensity: 1.0, color };
+        let lights: Vec<LightSource> = rectangle.source([0.0; 3]).parts().collect();
+        let fit = fit(&lights, &plain(Vec3::ZERO, Vec3::ONE), 1e-3, 512);
+        assert_eq!((fit.lights.len(), fit.matrices.len()), (3, 18));
     }
 
     #[test]
