@@ -1,6 +1,7 @@
 // Minifies shaders for the browser: removes comments and spaces, shortens names.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Built-in functions of WGSL: identifiers with these names are never renamed.
 const BUILT_IN: &str = " abs acos acosh all any arrayLength asin asinh atan atan2 atanh bitcast ceil clamp cos cosh \
@@ -102,20 +103,68 @@ fn is_swizzle(name: &str) -> bool {
     name.len() <= 4 && ["xyzw", "rgba"].iter().any(|set| name.chars().all(|c| set.contains(c)))
 }
 
-/// All names of one or two letters.
-fn short_names() -> impl Iterator<Item = String> {
+/// Single letters, for names within functions.
+const LETTERS: &str = "abcdefghijklmnopqrstuvwxyz";
+
+/// Names of one or two letters for what functions share: not those of names within functions.
+fn shared_names() -> impl Iterator<Item = String> {
     let letters = || ('a'..='z').chain('A'..='Z');
-    letters().map(String::from).chain(letters().flat_map(move |a| letters().map(move |b| format!("{a}{b}"))))
+    ('A'..='Z')
+        .map(String::from)
+        .chain(letters().flat_map(move |a| letters().map(move |b| format!("{a}{b}"))))
 }
 
-/// Minifies shaders that may be concatenated in any combination: renaming is common to all shaders.
+/// The functions of a source: from the opening parenthesis of the parameters to the closing brace.
+fn functions(tokens: &[Token<'_>]) -> Vec<Range<usize>> {
+    let mut out = Vec::new();
+    for start in (0..tokens.len()).filter(|i| tokens[*i].text == "fn") {
+        let mut depth = 0;
+        let end = tokens[start..].iter().position(|token| {
+            depth += i32::from(token.text == "{") - i32::from(token.text == "}");
+            depth == 0 && token.text == "}"
+        });
+        out.push(start + 2..start + end.unwrap_or(0) + 1);
+    }
+    out
+}
+
+/// Short names of the parameters and variables of a function, in the order of their declarations.
+fn local_names<'a>(function: &[Token<'a>], fixed: &[bool]) -> BTreeMap<&'a str, String> {
+    let is_member = |i: usize| i > 0 && function[i - 1].text == ".";
+    let is_called = |name: &str| {
+        (1..function.len())
+            .any(|i| function[i].text == "(" && function[i - 1].text == name && !is_member(i - 1))
+    };
+    let mut found: Vec<&str> = Vec::new();
+    for i in 0..function.len() {
+        let name = function[i].text;
+        if !fixed[i] && !is_member(i) && declares(function, i) && !found.contains(&name) && !is_called(name) {
+            found.push(name);
+        }
+    }
+    // Letters that nothing else there has; for as many of the names as there are letters.
+    loop {
+        let is_free = |letter: &String| {
+            (0..function.len())
+                .all(|i| function[i].text != letter || is_member(i) || found.contains(&letter.as_str()))
+        };
+        let free: Vec<String> = LETTERS.chars().map(String::from).filter(is_free).collect();
+        if free.len() >= found.len() {
+            return found.into_iter().zip(free).collect();
+        }
+        found.truncate(free.len());
+    }
+}
+
+/// Minifies shaders that may be concatenated in any combination: what functions share has one new name in all of them.
 pub fn minified(sources: &[String]) -> Vec<String> {
-    let files: Vec<_> = sources.iter().map(|source| tokens(source)).collect();
+    let files: Vec<Vec<Token<'_>>> = sources.iter().map(|source| tokens(source)).collect();
+    let locals: Vec<Vec<Option<String>>> = files.iter().map(|tokens| renamed_locals(tokens)).collect();
     // Number of uses of a name, whether the name is declared, and whether the name must stay.
     let mut names: BTreeMap<&str, (usize, bool, bool)> = BTreeMap::new();
-    for tokens in &files {
+    for (tokens, locals) in files.iter().zip(&locals) {
         for (i, (token, fixed)) in tokens.iter().zip(fixed(tokens)).enumerate() {
-            if starts_name(token.text) {
+            if starts_name(token.text) && locals[i].is_none() {
                 let entry = names.entry(token.text).or_default();
                 let entry_point = fixed && i > 0 && matches!(tokens[i - 1].text, "fn" | "override");
                 *entry = (entry.0 + 1, entry.1 || declares(tokens, i), entry.2 || entry_point);
@@ -129,17 +178,33 @@ pub fn minified(sources: &[String]) -> Vec<String> {
     let mut long: Vec<_> = names.iter().filter(|(name, n)| renamed(name, n.1, n.2)).collect();
     long.sort_by_key(|(name, n)| (std::cmp::Reverse(n.0), **name));
     let taken = |name: &String| names.get(name.as_str()).is_some_and(|n| !renamed(name, n.1, n.2));
-    let free = short_names().filter(|name| {
+    let free = shared_names().filter(|name| {
         !taken(name) && !is_swizzle(name) && !is_built_in(name) && !WORDS.contains(&format!(" {name} "))
     });
     let short: BTreeMap<_, _> = long.iter().map(|(name, _)| **name).zip(free).collect();
-    files.iter().map(|tokens| written(tokens, &short)).collect()
+    files.iter().zip(&locals).map(|(tokens, locals)| written(tokens, locals, &short)).collect()
 }
 
-fn written(tokens: &[Token<'_>], short: &BTreeMap<&str, String>) -> String {
+/// The new name of each token that is a parameter or variable of a function.
+fn renamed_locals(tokens: &[Token<'_>]) -> Vec<Option<String>> {
+    let fixed = fixed(tokens);
+    let mut out = vec![None; tokens.len()];
+    for range in functions(tokens) {
+        let names = local_names(&tokens[range.clone()], &fixed[range.clone()]);
+        for i in range {
+            if !fixed[i] && tokens[i - 1].text != "." {
+                out[i] = names.get(tokens[i].text).cloned();
+            }
+        }
+    }
+    out
+}
+
+fn written(tokens: &[Token<'_>], locals: &[Option<String>], short: &BTreeMap<&str, String>) -> String {
     let mut out = String::new();
-    for (token, fixed) in tokens.iter().zip(fixed(tokens)) {
-        let text = short.get(token.text).filter(|_| !fixed).map_or(token.text, String::as_str);
+    for (i, (token, fixed)) in tokens.iter().zip(fixed(tokens)).enumerate() {
+        let shared = short.get(token.text).filter(|_| !fixed);
+        let text = locals[i].as_ref().or(shared).map_or(token.text, String::as_str);
         let (before, next) = (out.chars().last().unwrap_or(' '), text.chars().next().unwrap_or(' '));
         // Adjacent operators might form a different operator.
         let is_sign = |c: char| "+-*/%&|^<>=!".contains(c);

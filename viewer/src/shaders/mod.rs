@@ -96,7 +96,7 @@ mod tests {
         let [source, other] = [&short[0], &short[1]];
         for kept in [
             "override LANES=1u",
-            "fn main(@builtin(position)",
+            "fn main(@builtin(position)a:vec4f)",
             "@interpolate(flat)",
             "distance(",
             ".xyz",
