@@ -243,6 +243,7 @@ fn tone_curves_rise_and_stay_in_range() {
 const FURNACE: &str = "
 @group(0) @binding(0) var<storage, read_write> sums: array<f32>;
 const STEPS = 192u;
+const PI = 3.14159265358979;
 @compute @workgroup_size(64)
 fn furnace(@builtin(global_invocation_id) id: vec3u) {
     let roughness = 0.3 + 0.7 * f32(id.x % 8u) / 7.0;
@@ -257,7 +258,7 @@ fn furnace(@builtin(global_invocation_id) id: vec3u) {
             let sine2 = (f32(i) + 0.5) / f32(STEPS);
             let angle = (f32(j) + 0.5) / f32(STEPS) * 2.0 * PI;
             let to_light = vec3f(sqrt(sine2) * vec2f(cos(angle), sin(angle)), sqrt(1.0 - sine2));
-            sum += PI * brdf(vec3f(1.0), look, vec3f(0.0, 0.0, 1.0), to_light, to_eye).x;
+            sum += PI * brdf(vec3f(1.0), look, vec3f(0.0, 0.0, 1.0), to_light, to_eye, 0.0).x;
         }
     }
     sums[id.x] = sum / f32(STEPS * STEPS);
