@@ -1,7 +1,8 @@
 //! Light from the sky and from emissive surfaces: closed forms, linearity, walls, and what does not change.
 
 use glam::{DVec3, Vec3};
-use rebounce::bake::{BakeReport, BakeSettings, Preset, bake};
+
+use rebounce::bake::{BakeReport, BakeSettings, Baker, Observer, Preset, Preview, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};
 use rebounce::io::picture::Only;
@@ -14,6 +15,7 @@ use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
 use rebounce_shared::relight::from_sources;
 use std::f32::consts::PI;
+use std::sync::Mutex;
 
 /// Removes the triangles whose corners all fulfil a condition.
 fn remove(scene: &mut Scene, condition: impl Fn(Vec3) -> bool) {
@@ -106,6 +108,40 @@ fn a_closed_room_has_no_sky_and_no_section_and_the_operator_does_not_depend_on_i
     let (with, (without, _)) = (baked(&open).0, bake(&open, &without, &()).unwrap());
     assert!(with.sources.has_sky && without.source_links.is_empty());
     assert_eq!((&with.links, &with.later, &with.points), (&without.links, &without.later, &without.points));
+}
+
+/// Keeps the previews.
+#[derive(Default)]
+struct Viewer(Mutex<Vec<BakedScene>>);
+
+impl Observer for Viewer {
+    fn wants_previews(&self) -> bool {
+        true
+    }
+
+    fn preview(&self, preview: Preview) {
+        self.0.lock().unwrap().push(preview.file);
+    }
+}
+
+#[test]
+fn previews_have_the_light_of_sources_and_the_file_does_not_depend_on_them() {
+    let scene = without_ceiling("builtin:furnace");
+    let mut settings = settings();
+    settings.place.functions = 20_000;
+    settings.operator.rays = vec![64];
+    let viewer = Viewer::default();
+    let watched = Baker::new(&settings).observer(&viewer).bake(&scene).unwrap().unwrap().0;
+    let previews = viewer.0.into_inner().unwrap();
+    assert!(previews.len() > 1 && previews[0].points.len() < watched.points.len());
+    let mean = |file: &BakedScene| {
+        let irradiance = straight(file);
+        file.display().map(|i| irradiance[i].x).sum::<f32>() / file.display().len() as f32
+    };
+    for preview in &previews {
+        assert!((mean(preview) / mean(&watched) - 1.0).abs() < 0.1, "{}", mean(preview));
+    }
+    assert!(bake(&scene, &settings, &()).unwrap().0 == watched);
 }
 
 #[test]

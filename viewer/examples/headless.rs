@@ -10,6 +10,7 @@
 //! `--from` takes another viewer's `readIndirect` (RGBA 32-bit floats) instead of drawing.
 
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::lighting::with_emission;
 use rebounce_shared::shot::Shot;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::renderer::Renderer;
@@ -56,7 +57,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(shot) = files.iter().find(|f| f.ends_with(".json")) {
         let shot: Shot = serde_json::from_slice(&std::fs::read(shot)?)?;
         renderer.set_camera(shot.camera)?;
-        renderer.set_lights(shot.lights)?;
+        let groups = renderer.scene().map_or(0, |scene| scene.sources.groups.len());
+        renderer.set_lights(with_emission(&shot.lights, groups, shot.emission))?;
+        renderer.set_mix(shot.mix)?;
         picture_size = shot.size;
     }
     let [width, height] = size.unwrap_or(picture_size);

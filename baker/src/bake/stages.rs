@@ -82,7 +82,9 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         };
         let job = Job { reporter: &Quiet(watch), ..Job::default() };
         let operator = solver.solve(&problem, &job, &mut |_, _| Ok(()))?;
-        let file = self.file(&settings, &points, &relations, &operator, SourceLinks::default());
+        let groups = emissive_groups(self.scene);
+        let gather = SourceGather::new(self.surfaces, &points, &relations, &settings.sources, groups);
+        let file = self.file(&settings, &points, &relations, &operator, gather.links(quiet)?);
         self.observer.preview(Preview { file, levels: 0 });
         Ok(())
     }
@@ -117,9 +119,12 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         let groups = emissive_groups(self.scene);
         let gather = SourceGather::new(self.surfaces, &points, &relations, &settings.sources, groups);
         tracker.expect(|estimate| estimate.expect_sources(points.points.len(), gather.rays()));
+        let links = || gather.links(&tracker.task(Stage::Sources, None));
+        // Previews have the light of the sky and of emissive surfaces, too.
+        let early = if is_first && self.observer.wants_previews() { Some(links()?) } else { None };
         let mut preview = |operator: &Operator, levels| {
-            if self.observer.wants_previews() {
-                let file = self.file(&settings, &points, &relations, operator, SourceLinks::default());
+            if let Some(sources) = &early {
+                let file = self.file(&settings, &points, &relations, operator, sources.clone());
                 self.observer.preview(Preview { file, levels });
             }
             Ok::<(), Stopped>(())
@@ -128,7 +133,7 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         if !is_first {
             return Ok(None);
         }
-        let sources = gather.links(&tracker.task(Stage::Sources, None))?;
+        let sources = early.map_or_else(links, Ok)?;
         report.describe_sources(&sources);
         let task = tracker.task(Stage::Assemble, None);
         tracker.traffic().into_iter().for_each(|sent| report.add_traffic(sent));
