@@ -1,7 +1,6 @@
 //! Light from the sky and from emissive surfaces: closed forms, linearity, walls, and what does not change.
 
 use glam::{DVec3, Vec3};
-
 use rebounce::bake::{BakeReport, BakeSettings, Baker, Observer, Preset, Preview, bake};
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::{Ray, Surfaces};

@@ -7,7 +7,7 @@
 
 use super::emitter_tree::{Assigned, EmitterTree};
 use super::triangle_sampling::SphericalTriangle;
-use crate::geometry::{Emitters, Surfaces};
+use crate::geometry::{EmissiveTriangle, Emitters, Surfaces};
 use crate::random::{Stream, mix};
 use crate::sampling::SurfacePoint;
 use glam::{Vec2, Vec3};
@@ -18,6 +18,10 @@ use std::f32::consts::TAU;
 const SHORTER: f32 = 1e-3;
 /// Least number of visibility rays to a group.
 const LEAST: u32 = 8;
+/// Expected number of samples from which on a triangle has a ratio of its own; the others of a group share one.
+const OWN: f32 = 2.0;
+/// Greatest number of triangles of a group whose unoccluded irradiance is summed in closed form at each receiver.
+const MOST_SUMMED: usize = 512;
 /// Fixed points for the mean radiance of a triangle that is not evenly bright, for each visibility ray.
 const FIXED: u32 = 8;
 
@@ -35,8 +39,33 @@ pub struct Emission<'a> {
     emitters: &'a dyn Emitters,
     /// A tree a group, so that each is estimated as well as the others, however bright: a mixer may leave it alone.
     trees: Vec<EmitterTree>,
+    /// Emitters of each group; none where they are too many, or not all evenly bright, to be summed in closed form.
+    summed: Vec<Vec<u32>>,
     /// Whether each emitter is evenly bright.
     is_even: Vec<bool>,
+}
+
+/// Samples of an estimate: irradiance without visibility, and with it.
+type Pairs = SmallVec<[(Vec3, Vec3); 32]>;
+
+/// Returns the irradiance and its variance by the ratio estimator: the unoccluded irradiance times the share of the samples
+/// that arrives.
+fn by_ratio(whole: Vec3, pairs: &[(Vec3, Vec3)]) -> GroupSeen {
+    let [all, through] = pairs.iter().fold([Vec3::ZERO; 2], |[a, t], pair| [a + pair.0, t + pair.1]);
+    // A channel that no sample found has the visibility of the others.
+    let mean = through.element_sum() / all.element_sum().max(f32::MIN_POSITIVE);
+    let ratio = Vec3::select(all.cmpgt(Vec3::ZERO), through / all, Vec3::splat(mean));
+    let residual = |(amount, through): &(Vec3, Vec3)| *through - ratio * *amount;
+    let residuals: Vec3 = pairs.iter().map(|pair| residual(pair) * residual(pair)).sum();
+    let scale = Vec3::select(all.cmpgt(Vec3::ZERO), whole / all, Vec3::ZERO);
+    GroupSeen { irradiance: whole * ratio, variance: residuals * scale * scale }
+}
+
+impl GroupSeen {
+    fn add(&mut self, other: Self) {
+        self.irradiance += other.irradiance;
+        self.variance += other.variance;
+    }
 }
 
 impl<'a> Emission<'a> {
@@ -49,7 +78,8 @@ impl<'a> Emission<'a> {
                 numbers.push(number);
             }
         }
-        let trees = numbers.into_iter().map(|numbers| EmitterTree::new(emitters, numbers.into_iter()));
+        let trees = numbers.iter().map(|numbers| EmitterTree::new(emitters, numbers.iter().copied()));
+        let trees = trees.collect();
         let is_even = |number: u32| {
             let emitter = emitters.emitter(number);
             let inwards = -emitter.front().normalize_or_zero();
@@ -58,8 +88,13 @@ impl<'a> Emission<'a> {
                 difference.abs().max_element() <= super::EVEN * emitter.mean.max_element()
             })
         };
-        let is_even = (0..emitters.emitter_count() as u32).map(is_even).collect();
-        Self { emitters, trees: trees.collect(), is_even }
+        let is_even: Vec<bool> = (0..emitters.emitter_count() as u32).map(is_even).collect();
+        for numbers in &mut numbers {
+            if numbers.len() > MOST_SUMMED || !numbers.iter().all(|number| is_even[*number as usize]) {
+                numbers.clear();
+            }
+        }
+        Self { emitters, trees, summed: numbers, is_even }
     }
 
     /// Visibility rays to each group, for `rays` per receiver: at least [`LEAST`] as long as all together are at most four
@@ -85,16 +120,46 @@ impl<'a> Emission<'a> {
         let origin = point.position + point.geometric_normal * surfaces.epsilon_at(point.position);
         let samples = self.rays_a_group(rays);
         let mut rays = 0;
-        for (tree, found) in self.trees.iter().zip(out) {
+        for ((tree, summed), found) in self.trees.iter().zip(&self.summed).zip(out) {
             tree.assign(point.position, point.normal, samples, &mut stream, assigned);
+            // Samples of triangles that have few each.
+            let mut scattered = Pairs::new();
             for assigned in assigned.iter() {
-                rays += self.add(surfaces, point, origin, assigned, &mut stream, found);
+                rays += self.add(surfaces, point, origin, assigned, &mut stream, found, &mut scattered);
             }
+            if summed.is_empty() || scattered.is_empty() {
+                let irradiance = scattered.iter().map(|pair| pair.1).sum();
+                // Variance of a sum of independent samples.
+                let squares: Vec3 = scattered.iter().map(|pair| pair.1 * pair.1).sum();
+                let spread = squares - irradiance * irradiance / scattered.len().max(1) as f32;
+                found.add(GroupSeen { irradiance, variance: spread.max(Vec3::ZERO) });
+                continue;
+            }
+            let has_own = |number: &u32| assigned.iter().any(|a| a.emitter == *number && a.expected >= OWN);
+            let whole = summed.iter().filter(|number| !has_own(number));
+            let whole = whole.map(|number| self.unoccluded(*number, point)).sum();
+            found.add(by_ratio(whole, &scattered));
         }
         rays
     }
 
-    /// Adds the irradiance from a triangle; returns the number of rays.
+    /// Returns whether a receiver is on a side of a triangle that shines.
+    fn shines_on(&self, triangle: &EmissiveTriangle, point: &SurfacePoint) -> bool {
+        triangle.is_two_sided || triangle.front().dot(point.position - triangle.corners[0]) > 0.0
+    }
+
+    /// Returns the unoccluded irradiance from an evenly bright triangle.
+    fn unoccluded(&self, number: u32, point: &SurfacePoint) -> Vec3 {
+        let triangle = self.emitters.emitter(number);
+        if !self.shines_on(&triangle, point) {
+            return Vec3::ZERO;
+        }
+        triangle.mean * triangle_irradiance(triangle.corners, point.position, point.normal)
+    }
+
+    /// Adds the irradiance from a triangle to `found`, or where it has few samples, these to `scattered`; returns the
+    /// number of rays.
+    #[expect(clippy::too_many_arguments, reason = "a receiver, a triangle, and where the result goes")]
     fn add<S: Surfaces + ?Sized>(
         &self,
         surfaces: &S,
@@ -103,10 +168,10 @@ impl<'a> Emission<'a> {
         &Assigned { emitter, samples, expected }: &Assigned,
         stream: &mut Stream,
         found: &mut GroupSeen,
+        scattered: &mut Pairs,
     ) -> u64 {
         let triangle = self.emitters.emitter(emitter);
-        let from_front = triangle.front().dot(point.position - triangle.corners[0]) > 0.0;
-        if !triangle.is_two_sided && !from_front {
+        if !self.shines_on(&triangle, point) {
             return 0;
         }
         let Some(spherical) = SphericalTriangle::new(triangle.corners, point.position) else { return 0 };
@@ -119,7 +184,7 @@ impl<'a> Emission<'a> {
             (cosine > 0.0).then_some((radiance * cosine, cosine, sample))
         };
         let (mut rays, turn) = (0, stream.unit());
-        let mut pairs = SmallVec::<[(Vec3, Vec3); 32]>::new();
+        let mut pairs = Pairs::new();
         for k in 0..samples {
             // The first coordinate is stratified over the triangle's samples.
             let square =
@@ -131,13 +196,8 @@ impl<'a> Emission<'a> {
             let through = if is_above { surfaces.transmittance(origin, end) } else { Vec3::ZERO };
             pairs.push((amount, amount * through));
         }
-        let [all, through] = pairs.iter().fold([Vec3::ZERO; 2], |[a, t], pair| [a + pair.0, t + pair.1]);
-        if expected < 2.0 {
-            found.irradiance += through / expected;
-            // Variance of a sum of independent samples.
-            let squares: Vec3 = pairs.iter().map(|pair| pair.1 * pair.1).sum();
-            let spread = (squares - through * through / samples as f32).max(Vec3::ZERO);
-            found.variance += spread / (expected * expected);
+        if expected < OWN {
+            scattered.extend(pairs.iter().map(|pair| (pair.0 / expected, pair.1 / expected)));
             return rays;
         }
         let radiance = match self.is_even[emitter as usize] {
@@ -152,14 +212,7 @@ impl<'a> Emission<'a> {
             }
         };
         let whole = radiance * triangle_irradiance(triangle.corners, point.position, point.normal);
-        // A channel that no sample found has the visibility of the others.
-        let mean = through.element_sum() / all.element_sum().max(f32::MIN_POSITIVE);
-        let ratio = Vec3::select(all.cmpgt(Vec3::ZERO), through / all, Vec3::splat(mean));
-        found.irradiance += whole * ratio;
-        let residual = |(amount, through): &(Vec3, Vec3)| *through - ratio * *amount;
-        let residuals: Vec3 = pairs.iter().map(|pair| residual(pair) * residual(pair)).sum();
-        let scale = Vec3::select(all.cmpgt(Vec3::ZERO), whole / all, Vec3::ZERO);
-        found.variance += residuals * scale * scale;
+        found.add(by_ratio(whole, &pairs));
         rays
     }
 }
@@ -197,7 +250,58 @@ fn low_discrepancy(k: u32) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::mesh::TriangleSurfaces;
     use std::f32::consts::PI;
+
+    /// Tiles of many colours on a ceiling, facing down.
+    struct Tiles(Vec<EmissiveTriangle>);
+
+    impl Tiles {
+        fn new() -> Self {
+            let tile = |k: u32| {
+                let at = Vec3::new(-0.8 + 0.2 * (k % 8) as f32, 0.9, -0.8 + 0.2 * (k / 8) as f32);
+                EmissiveTriangle {
+                    corners: [at, at + 0.2 * Vec3::X, at + 0.2 * Vec3::Z],
+                    is_two_sided: false,
+                    material: 0,
+                    mean: Vec3::new((k % 3) as f32, (k % 5) as f32, (k % 7) as f32),
+                }
+            };
+            Self((0..64).map(tile).collect())
+        }
+    }
+
+    impl Emitters for Tiles {
+        fn emitter_count(&self) -> usize {
+            self.0.len()
+        }
+
+        fn emitter(&self, number: u32) -> EmissiveTriangle {
+            self.0[number as usize]
+        }
+
+        fn radiance(&self, number: u32, _weights: [f32; 3], direction: Vec3) -> Vec3 {
+            self.0[number as usize].mean * f32::from(self.0[number as usize].front().dot(direction) < 0.0)
+        }
+    }
+
+    #[test]
+    fn a_mosaic_that_nothing_hides_has_no_noise() {
+        let room = TriangleSurfaces::from_scene(&crate::io::load("builtin:furnace").unwrap());
+        let tiles = Tiles::new();
+        let emission = Emission::new(&tiles, &[Some(0)], 1);
+        let (mut assigned, mut out) = (Vec::new(), [GroupSeen::default()]);
+        for k in 0..50 {
+            let position = Vec3::new(-0.9 + 0.036 * k as f32, -0.95, 0.3);
+            let normal = Vec3::new(0.01 * k as f32, 1.0, 0.0).normalize();
+            let point = SurfacePoint { position, normal, geometric_normal: normal };
+            emission.see(&room, (&point, k), 16, 1, &mut assigned, &mut out);
+            let exact: Vec3 = (0..64).map(|number| emission.unoccluded(number, &point)).sum();
+            let [GroupSeen { irradiance, variance }] = out;
+            assert!((irradiance - exact).abs().max_element() < 1e-4 * exact.max_element(), "{irradiance}");
+            assert!(exact.min_element() > 0.1 && variance.max_element() < 1e-6, "{exact}, {variance}");
+        }
+    }
 
     #[test]
     fn triangles_give_the_irradiance_of_their_form_factor() {
