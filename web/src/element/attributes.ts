@@ -53,6 +53,7 @@ export class AttributeElement extends ElementBase {
     "environment",
     "environment-rotation",
     "environment-intensity",
+    "sky",
     "background-blur",
     "backdrop",
     "detail",
@@ -178,6 +179,14 @@ export class AttributeElement extends ElementBase {
   }
   set environmentIntensity(factor: number) {
     this.setAttribute("environment-intensity", String(factor));
+  }
+
+  /** A clear sky with its sun, in place of an `environment`: latitude in degrees, day of the year, solar hour, as in `48,172,15.5`. */
+  get sky(): string {
+    return this.getAttribute("sky") ?? "";
+  }
+  set sky(value: string) {
+    this.setAttribute("sky", value);
   }
 
   /** How blurred the environment is behind the scene, 0 to 1. */
