@@ -156,7 +156,7 @@ export class AttributeElement extends ElementBase {
     this.setAttribute("display", way);
   }
 
-  /** Address of a picture of all directions (.hdr), which lights the scene and is seen behind it; empty for the file's own. */
+  /** Address of a picture of all directions (.hdr or .exr), which lights the scene and is seen behind it; empty for the file's own. */
   get environment(): string {
     const environment = this.getAttribute("environment");
     return environment ? new URL(environment, this.baseURI).href : "";

@@ -160,6 +160,8 @@ export async function environment(harness, context) {
   });
 
   await harness.test("environment::a_wide_picture_is_reduced", async () => {
+    const warnings = [];
+    page.on("console", (message) => message.type() === "warning" && warnings.push(message.text()));
     const [narrow, wide] = await page.evaluate(async () => {
       const lit = async (name) => {
         viewer.environment = name;
@@ -171,6 +173,7 @@ export async function environment(harness, context) {
       return found;
     });
     near(wide / narrow, 1, 0.03, "brightness");
+    same(warnings, ["<rebounce-viewer>: the environment of 8192 x 4096 pixels is reduced to 4096 x 2048."], "what the console was told");
   });
 
   await harness.test("environment::what_cannot_be_used_leaves_the_light_as_it_is", async () => {

@@ -137,7 +137,7 @@ export async function sky(harness, context) {
       }
       // As a slider is moved: only the last counts.
       for (let hour = 8; hour <= 14; hour += 0.5) viewer.sky = `48,172,${hour}`;
-      await lit(({ direction }) => direction[0] > 0.4);
+      await lit(({ direction, intensity }) => direction[0] > 0.4 && intensity > 60);
       const slid = suns()[0].direction;
       viewer.sky = "48,172,14";
       await pause(300);
@@ -194,6 +194,23 @@ export async function sky(harness, context) {
       check(found.error.message.includes(`“${bad}”`) && found.error.message.includes("48,172,15.5"), found.error.message);
       same([found.after, found.loaded], [found.before, true], bad);
     }
+  });
+
+  await harness.test("sky::stays_when_another_scene_comes", async () => {
+    const found = await page.evaluate(async () => {
+      viewer.sky = "48,172,12";
+      await lit(({ intensity, direction }) => intensity > 80 && direction[1] < -0.85);
+      const before = suns();
+      const seen = events.length;
+      viewer.src = "evening.rbn";
+      await until(() => events.slice(seen).some(({ type }) => type === "load"));
+      const after = suns();
+      viewer.removeAttribute("sky");
+      await lit(({ intensity }) => intensity < 80);
+      return { before, after, own: suns() };
+    });
+    same(found.after, found.before, "the sun");
+    near(found.own[0].direction[1], -0.20985, 1e-4, "the new scene's own sun, without the attribute");
   });
   equal(faults.join("\n"), "", "faults");
   await page.close();
