@@ -11,7 +11,7 @@ const COPIED: [&str; 6] = [
     "web/package.json",
     "web/README.md",
     "web/react.d.ts",
-    "web/LICENSE-THIRD-PARTY",
+    "web/LICENSE-OTHERS",
     "LICENSE-MIT",
     "LICENSE-APACHE",
 ];

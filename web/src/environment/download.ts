@@ -11,7 +11,7 @@ export async function picture(url: string, signal: AbortSignal): Promise<Picture
   const wrong = (code: string, reason: string, cause?: unknown) =>
     new Failure(code, `The environment ${url} could not be loaded: ${reason}; the light stays as it is.`, { cause });
   let response: Response;
-  let bytes: Uint8Array<ArrayBuffer>;
+  let bytes: Uint8Array;
   try {
     response = await fetch(url, { signal });
     if (!response.ok) throw wrong("http", `the server answered ${response.status}`);

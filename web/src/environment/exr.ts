@@ -10,13 +10,13 @@ const [FLOAT, HALF] = [1015, 1016] as const;
 const [PIXELS_PER_BYTE, SMALL] = [1024, 1024 * 512];
 
 /** Reads a file. Throws an error that says what is wrong with it. */
-export function readExr(bytes: Uint8Array<ArrayBuffer>): Picture {
+export function readExr(bytes: Uint8Array): Picture {
   const { wide, tall, isHalf } = exrHeader(bytes);
   checkSize(wide, tall);
   if (wide * tall > Math.max(PIXELS_PER_BYTE * bytes.length, SMALL)) throw new Error(`it claims ${wide} x ${tall} pixels in ${bytes.length} bytes`);
   let data: ArrayLike<number>;
   try {
-    data = parseExr(bytes.buffer, isHalf ? HALF : FLOAT).data;
+    data = parseExr(bytes.buffer as ArrayBuffer, isHalf ? HALF : FLOAT).data;
   } catch (error) {
     throw new Error(`it is damaged, or too large (${(error as Error).message}): download it again`, { cause: error });
   }
