@@ -2,15 +2,33 @@
 // more in fewer files. The wasm's own module stays as it is.
 
 import { build } from "esbuild";
+import { readFile } from "node:fs/promises";
 import path from "node:path";
 
 /** Modules that pages import, or that are fetched when they are first wanted: by the name of the file, the module. */
-const ENTRIES = { "rebounce-viewer": "rebounce-viewer", panel: "panel/panel", hdr: "environment/hdr", daylight: "daylight", page: "page/page" };
+const ENTRIES = { "rebounce-viewer": "rebounce-viewer", panel: "panel/panel", environment: "environment/download", exr: "environment/exr", sky: "environment/sky", daylight: "daylight", page: "page/page" };
 
 /** The wasm's own module lies beside the bundles, in whatever folder the module that imports it was. */
 const WASM = {
   name: "wasm",
   setup: ({ onResolve }) => onResolve({ filter: /\/rebounce_viewer\.js$/ }, () => ({ path: "./rebounce_viewer.js", external: true })),
+};
+
+/** Data of modules, where the rest of the repository has them. */
+const DATA = {
+  name: "data",
+  setup: ({ onResolve }) => onResolve({ filter: /^hosek_wilkie_rgb\.bin$/ }, ({ path: name }) => ({ path: path.resolve("../shared/src/environment/daylight/data", name) })),
+};
+
+/** The Huffman decoder of parse-exr goes on for ever where a damaged file holds more than its pixels: it is to throw. */
+const ENDS = {
+  name: "ends",
+  setup: ({ onLoad }) =>
+    onLoad({ filter: /parse-exr[\\/]index\.js$/ }, async ({ path: file }) => {
+      const parts = (await readFile(file, "utf8")).split("return false;");
+      if (parts.length !== 4) throw new Error("parse-exr is another than bundle.mjs knows: look whether damaged files still hang it");
+      return { contents: parts.join('throw new Error("more than its pixels");') };
+    }),
 };
 
 const [modules, outdir] = process.argv.slice(2);
@@ -22,7 +40,8 @@ await build({
   format: "esm",
   target: "es2022",
   chunkNames: "shared-[hash]",
-  plugins: [WASM],
+  plugins: [WASM, DATA, ENDS],
+  loader: { ".bin": "base64" },
   logLevel: "warning",
   outdir,
 });

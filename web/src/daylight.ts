@@ -5,6 +5,7 @@
  */
 
 import type { LightAnimation } from "./animation/animation.js";
+import { airMass, elevation, radians, towardSun } from "./environment/solar.js";
 import type { DirectionalLight, Triple } from "./wire/shot.js";
 
 /** Where the scene stands. */
@@ -28,25 +29,20 @@ const LUMINANCE: Triple = [0.2126, 0.7152, 0.0722];
 /** Half the sun's width in the sky, degrees. */
 const RADIUS = 0.27;
 
-const radians = (degrees: number) => (degrees * Math.PI) / 180;
+export { airMass };
 
 /**
  * The sun at an hour of solar time (0 to 24; at 12 it is highest). The luminance of intensity times
  * colour is the illuminance in lux under a clear sky; at night the intensity is 0.
  */
 export function sun({ hour, latitude, day = 80, north = 0, scale = 1 }: Place & { hour: number }): DirectionalLight {
-  const tilt = radians(23.44) * Math.sin((2 * Math.PI * (284 + day)) / 365);
-  const turn = radians(15 * (hour - 12));
-  const place = radians(latitude);
-  const [sin, cos] = [Math.sin(place), Math.cos(place)];
-  const east = -Math.cos(tilt) * Math.sin(turn);
-  const northwards = Math.sin(tilt) * cos - Math.cos(tilt) * sin * Math.cos(turn);
-  const up = Math.sin(tilt) * sin + Math.cos(tilt) * cos * Math.cos(turn);
+  const toward = towardSun(latitude, day, hour);
+  const [east, up, south] = toward;
   const [s, c] = [Math.sin(radians(north)), Math.cos(radians(north))];
   // The way the light travels: from the sun.
-  const direction: Triple = [-(east * c + northwards * s), -up, -(east * s - northwards * c)];
+  const direction: Triple = [south * s - east * c, -up, -(east * s + south * c)];
 
-  const height = (Math.asin(Math.min(Math.max(up, -1), 1)) * 180) / Math.PI;
+  const height = elevation(toward);
   // The share of the disk above the horizon, and what of its light the air lets through.
   const disk = Math.min(Math.max(0.5 + height / (2 * RADIUS), 0), 1);
   const mass = airMass(Math.max(height, 0));
@@ -59,12 +55,6 @@ export function sun({ hour, latitude, day = 80, north = 0, scale = 1 }: Place & 
     intensity: ABOVE_AIR * distance * most * disk * scale,
     color: through.map((x) => x / most) as Triple,
   };
-}
-
-/** How much air light passes through, in vertical thicknesses, from a height above the horizon in degrees
- * (Kasten and Young 1989). */
-export function airMass(height: number): number {
-  return 1 / (Math.sin(radians(height)) + 0.50572 * (height + 6.07995) ** -1.6364);
 }
 
 /** Illuminance of a light on a surface that faces it, lux. */

@@ -319,6 +319,7 @@ export class RebounceViewer extends AttributeElement {
         engine.applySettings();
         break;
       case "environment":
+      case "sky":
         void engine.environment.change();
         break;
       case "environment-rotation":

@@ -50,7 +50,7 @@ async function contents(harness, context) {
   const files = stdout.split("\n").filter(Boolean).map((file) => file.replace(/^package\//, ""));
 
   await harness.test("package::holds_the_element_its_types_its_papers_and_nothing_else", async () => {
-    for (const name of ["README.md", "LICENSE-MIT", "LICENSE-APACHE", "custom-elements.json", "react.d.ts"]) {
+    for (const name of ["README.md", "LICENSE-MIT", "LICENSE-APACHE", "LICENSE-OTHERS", "custom-elements.json", "react.d.ts"]) {
       check(files.includes(name), `${name} is not in the package`);
     }
     const known = /^(package\.json|README\.md|LICENSE-\w+|custom-elements\.json|react\.d\.ts|dist\/([\w-]+\.(js|wasm)|(\w+\/)?[\w-]+\.d\.ts|integrity\.json))$/;

@@ -31,6 +31,7 @@ import { readme } from "./page/readme.mjs";
 import { recovery } from "./page/recovery.mjs";
 import { sharing } from "./page/sharing.mjs";
 import { shown } from "./page/shown.mjs";
+import { sky } from "./page/sky.mjs";
 import { slots } from "./page/slots.mjs";
 import { soak } from "./page/soak.mjs";
 import { state } from "./page/state.mjs";
@@ -41,7 +42,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light, environment,
+  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light, environment, sky,
   failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

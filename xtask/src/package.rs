@@ -7,8 +7,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Files of the repository copied unchanged into the package.
-const COPIED: [&str; 5] =
-    ["web/package.json", "web/README.md", "web/react.d.ts", "LICENSE-MIT", "LICENSE-APACHE"];
+const COPIED: [&str; 6] = [
+    "web/package.json",
+    "web/README.md",
+    "web/react.d.ts",
+    "web/LICENSE-OTHERS",
+    "LICENSE-MIT",
+    "LICENSE-APACHE",
+];
 
 /// Builds web/dist and packs it.
 ///

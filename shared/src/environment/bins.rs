@@ -5,7 +5,7 @@
 //! bin of the next coarser grid. The map's axis is z, so that the horizon (y = 0) runs along borders of bins: bins 128
 //! to 255 are above it, and no bin mixes sky with ground.
 
-use super::picture::{Environment, direction_at, environment_from_world, world_from_environment};
+use super::picture::{Environment, azimuth, direction_of, environment_from_world, polar, turned};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_4, PI};
 
@@ -83,10 +83,12 @@ fn gather(x: usize) -> usize {
 /// [`energy`](Environment::energy).
 pub fn project(environment: &Environment, rotation_deg: f32) -> [Vec3; BINS] {
     let (width, height) = (environment.width, environment.height);
-    let bin = |u: f64, v: f64| bin_of(world_from_environment(direction_at(u, v), rotation_deg)) as u16;
+    // Samples share sines and cosines, which would take most of the time.
+    let turn = (-rotation_deg).to_radians().sin_cos();
+    let bin = |azimuth, polar| bin_of(turned(direction_of(azimuth, polar), turn)) as u16;
     let corners = |y: u32| -> Vec<u16> {
-        let v = f64::from(y) / f64::from(height);
-        (0..=width).map(|x| bin(f64::from(x) / f64::from(width), v)).collect()
+        let polar = polar(f64::from(y) / f64::from(height));
+        (0..=width).map(|x| bin(azimuth(f64::from(x) / f64::from(width)), polar)).collect()
     };
     let (mut sums, mut solid_angles) = ([DVec3::ZERO; BINS], [0.0; BINS]);
     let mut top = corners(0);
@@ -110,11 +112,10 @@ pub fn project(environment: &Environment, rotation_deg: f32) -> [Vec3; BINS] {
                 continue;
             }
             let part = solid_angle / f64::from(side * side);
-            for &v in &rows {
-                for i in 0..side {
-                    let u = (f64::from(x) + (f64::from(i) + 0.5) / f64::from(side)) / f64::from(width);
-                    add(bin(u, v), part);
-                }
+            let within = |i: u32| (f64::from(x) + (f64::from(i) + 0.5) / f64::from(side)) / f64::from(width);
+            let columns: Vec<_> = (0..side).map(|i| azimuth(within(i))).collect();
+            for polar in &rows {
+                columns.iter().for_each(|azimuth| add(bin(*azimuth, *polar), part));
             }
         }
         top = bottom;
@@ -138,12 +139,12 @@ pub fn energy(bins: &[Vec3; BINS]) -> DVec3 {
     bins.iter().map(|bin| bin.as_dvec3()).sum::<DVec3>() * f64::from(SOLID_ANGLE)
 }
 
-/// Middles of `count` bands of equal solid angle in a row of the picture, 0 to 1 from the top.
-fn equal_bands(row: u32, height: u32, count: u32) -> Vec<f64> {
+/// Sines and cosines of the polar angle in the middles of `count` bands of equal solid angle in a row of the picture.
+fn equal_bands(row: u32, height: u32, count: u32) -> Vec<(f64, f64)> {
     let cosine = |y: u32| (f64::from(y) / f64::from(height) * std::f64::consts::PI).cos();
     let (top, bottom) = (cosine(row), cosine(row + 1));
     let middle = |i: u32| top + (bottom - top) * (f64::from(i) + 0.5) / f64::from(count);
-    (0..count).map(|i| middle(i).clamp(-1.0, 1.0).acos() / std::f64::consts::PI).collect()
+    (0..count).map(|i| polar(middle(i).clamp(-1.0, 1.0).acos() / std::f64::consts::PI)).collect()
 }
 
 #[cfg(test)]

@@ -22,7 +22,12 @@ pub struct Environment {
 /// Turns a direction of world space into environment space.
 #[inline]
 pub fn environment_from_world(direction: Vec3, rotation_deg: f32) -> Vec3 {
-    let (sin, cos) = rotation_deg.to_radians().sin_cos();
+    turned(direction, rotation_deg.to_radians().sin_cos())
+}
+
+/// Turns a direction about y by an angle, of which sine and cosine are given.
+#[inline]
+pub(super) fn turned(direction: Vec3, (sin, cos): (f32, f32)) -> Vec3 {
     Vec3::new(cos * direction.x - sin * direction.z, direction.y, sin * direction.x + cos * direction.z)
 }
 
@@ -34,8 +39,22 @@ pub fn world_from_environment(direction: Vec3, rotation_deg: f32) -> Vec3 {
 
 /// The direction at a place of the picture: 0 to 1 from the left, 0 to 1 from the top.
 pub fn direction_at(u: f64, v: f64) -> Vec3 {
-    let (sin_polar, cos_polar) = (v * std::f64::consts::PI).sin_cos();
-    let (sin, cos) = ((u - 0.5) * std::f64::consts::TAU).sin_cos();
+    direction_of(azimuth(u), polar(v))
+}
+
+/// Sine and cosine of the angle from +x towards +z at a place of the picture, 0 to 1 from the left.
+pub(super) fn azimuth(u: f64) -> (f64, f64) {
+    ((u - 0.5) * std::f64::consts::TAU).sin_cos()
+}
+
+/// Sine and cosine of the angle from +y at a place of the picture, 0 to 1 from the top.
+pub(super) fn polar(v: f64) -> (f64, f64) {
+    (v * std::f64::consts::PI).sin_cos()
+}
+
+/// The direction of an azimuth and a polar angle.
+#[inline]
+pub(super) fn direction_of((sin, cos): (f64, f64), (sin_polar, cos_polar): (f64, f64)) -> Vec3 {
     DVec3::new(sin_polar * cos, cos_polar, sin_polar * sin).as_vec3()
 }
 

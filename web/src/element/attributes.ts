@@ -53,6 +53,7 @@ export class AttributeElement extends ElementBase {
     "environment",
     "environment-rotation",
     "environment-intensity",
+    "sky",
     "background-blur",
     "backdrop",
     "detail",
@@ -155,7 +156,7 @@ export class AttributeElement extends ElementBase {
     this.setAttribute("display", way);
   }
 
-  /** Address of a picture of all directions (.hdr), which lights the scene and is seen behind it; empty for the file's own. */
+  /** Address of a picture of all directions (.hdr or .exr), which lights the scene and is seen behind it; empty for the file's own. */
   get environment(): string {
     const environment = this.getAttribute("environment");
     return environment ? new URL(environment, this.baseURI).href : "";
@@ -178,6 +179,14 @@ export class AttributeElement extends ElementBase {
   }
   set environmentIntensity(factor: number) {
     this.setAttribute("environment-intensity", String(factor));
+  }
+
+  /** A clear sky with its sun, in place of an `environment`: latitude in degrees, day of the year, solar hour, as in `48,172,15.5`. */
+  get sky(): string {
+    return this.getAttribute("sky") ?? "";
+  }
+  set sky(value: string) {
+    this.setAttribute("sky", value);
   }
 
   /** How blurred the environment is behind the scene, 0 to 1. */

@@ -195,11 +195,11 @@ export class Engine {
     if (!returns) this.followLink();
     this.use((viewer) => {
       handOver(viewer, pending);
-      this.environment.show(viewer);
       const animations = pending.animations ?? this.#ownAnimations(viewer);
       // Those that come back with the scene go on.
       if (animations !== this.player.animations) this.player.set(animations);
     });
+    this.withScene((viewer) => this.environment.show(viewer, !returns));
     if (!returns) this.first = this.#element.camera;
     this.applySettings();
     this.tree.setProgress();

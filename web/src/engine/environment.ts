@@ -1,14 +1,15 @@
-/** The environment of one element: the picture of its `environment` attribute, and the light that shows it. */
+/** The environment of one element: the picture of its `environment` or `sky`, and the lights that show it. */
 
-import type { Picture } from "../environment/hdr.js";
+import type { PictureLights } from "../environment/lights.js";
+import type { Picture } from "../environment/picture.js";
 import { Failure, failureOf } from "../wire/failure.js";
-import type { EnvironmentLight, Light } from "../wire/light-kinds.js";
+import type { EnvironmentLight } from "../wire/light-kinds.js";
 import { lightsIn, setLights } from "../wire/wire.js";
 import type { Viewer } from "./module.js";
 
 /** What the environment works with. */
 export interface EnvironmentHost {
-  readonly element: { readonly environment: string; readonly environmentRotation: number; readonly environmentIntensity: number } & Element;
+  readonly element: { readonly environment: string; readonly environmentRotation: number; readonly environmentIntensity: number; readonly sky: string } & Element;
   /** Works with the viewer where there is a scene; what the viewer refuses is told. */
   withViewer(work: (viewer: Viewer) => void): void;
   /** A failure that leaves the picture as it is. */
@@ -22,27 +23,29 @@ export class Environment {
   #host: EnvironmentHost;
   #picture: Picture | undefined;
   #loading: AbortController | undefined;
-  /** The viewer that has the picture. */
-  #given: Viewer | undefined;
-  /** The attribute has brought the light. */
-  #added = false;
+  /** The picture that the viewer has been given, and that viewer. */
+  #given: Picture | undefined;
+  #viewer: Viewer | undefined;
+  /** What the pictures have done to the lights; there once there was a picture. */
+  #lights: PictureLights | undefined;
 
   constructor(host: EnvironmentHost) {
     this.#host = host;
   }
 
-  /** The attribute has changed. Never rejects. */
+  /** An attribute has changed. Never rejects. */
   async change(): Promise<void> {
     this.#loading?.abort();
     const { signal } = (this.#loading = new AbortController());
-    const url = this.#host.element.environment;
+    const { environment: url, sky } = this.#host.element;
     let picture: Picture | undefined;
     try {
-      if (url) {
-        const { fetchPicture } = await import("../environment/hdr.js").catch((cause: unknown) => {
+      if (sky || url) {
+        const { picture: pictureOf, PictureLights } = await (sky ? import("../environment/sky.js") : import("../environment/download.js")).catch((cause: unknown) => {
           throw new Failure("network", "The reader of environments could not be loaded; check the connection and reload.", { cause });
         });
-        picture = await fetchPicture(url, signal);
+        picture = await pictureOf(sky || url, signal);
+        this.#lights ??= new PictureLights();
       }
     } catch (error) {
       if (!signal.aborted) this.#host.warn(failureOf(error));
@@ -50,51 +53,47 @@ export class Environment {
     }
     if (signal.aborted) return;
     this.#picture = picture;
-    this.#given = undefined;
-    this.#host.withViewer((viewer) => {
-      if (!picture) this.#takeBack(viewer);
-      this.show(viewer);
-    });
+    this.#host.withViewer((viewer) => this.show(viewer));
     this.#host.changed();
   }
 
-  /** A scene has come: shows the picture, and adds a light where no light shows it. */
-  show(viewer: Viewer): void {
+  /** Shows the picture; lights may be those of a new scene. */
+  show(viewer: Viewer, isNew = false): void {
     const { element } = this.#host;
+    if (isNew) this.#lights?.forget();
+    const before = lightsIn(viewer);
+    this.#light(viewer, {
+      ...(element.hasAttribute("environment-rotation") && { rotation_deg: element.environmentRotation }),
+      ...(element.hasAttribute("environment-intensity") && { intensity: element.environmentIntensity }),
+    });
     const picture = this.#picture;
-    if (picture && this.#given !== viewer) {
-      viewer.setEnvironment(picture.width, picture.scale, picture.texels);
-      this.#given = viewer;
+    if (picture === (this.#viewer === viewer ? this.#given : undefined)) return;
+    // Without texels, the file's own is back.
+    const { width, scale, texels } = picture ?? { width: 0, scale: 1, texels: new Uint32Array() };
+    try {
+      viewer.setEnvironment(width, scale, texels);
+    } catch (error) {
+      setLights(viewer, before);
+      throw error;
     }
-    if (picture && !lightsIn(viewer).some(isEnvironment)) {
-      setLights(viewer, [...lightsIn(viewer), { type: "environment", intensity: 1 }]);
-      this.#added = true;
-    }
-    if (element.hasAttribute("environment-rotation")) this.turn(viewer);
-    if (element.hasAttribute("environment-intensity")) this.dim(viewer);
+    [this.#viewer, this.#given] = [viewer, picture];
   }
 
   /** Turns the light as its attribute says. */
   turn(viewer: Viewer): void {
-    this.#set(viewer, { rotation_deg: this.#host.element.environmentRotation });
+    this.#light(viewer, { rotation_deg: this.#host.element.environmentRotation });
   }
 
   /** Dims the light as its attribute says. */
   dim(viewer: Viewer): void {
-    this.#set(viewer, { intensity: this.#host.element.environmentIntensity });
+    this.#light(viewer, { intensity: this.#host.element.environmentIntensity });
   }
 
-  #set(viewer: Viewer, members: Partial<EnvironmentLight>): void {
-    const lights = lightsIn(viewer);
-    if (lights.some(isEnvironment)) setLights(viewer, lights.map((light) => (isEnvironment(light) ? { ...light, ...members } : light)));
-  }
-
-  /** The file's own picture is back, and the light that was added goes. */
-  #takeBack(viewer: Viewer): void {
-    viewer.setEnvironment(0, 1, new Uint32Array());
-    if (this.#added) setLights(viewer, lightsIn(viewer).filter((light) => !isEnvironment(light)));
-    this.#added = false;
+  /** Sets members of the environment's light, and what else the picture needs. */
+  #light(viewer: Viewer, members: Partial<EnvironmentLight>): void {
+    const before = lightsIn(viewer);
+    const named = before.map((light) => (light.type === "environment" ? { ...light, ...members } : light));
+    const lights = this.#lights?.of(named, this.#picture, members) ?? named;
+    if (JSON.stringify(lights) !== JSON.stringify(before)) setLights(viewer, lights);
   }
 }
-
-const isEnvironment = (light: Light): light is EnvironmentLight => light.type === "environment";

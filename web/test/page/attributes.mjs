@@ -17,7 +17,7 @@ export async function attributes(harness, context) {
           alt: "A room", poster: "room.png", width: 320, height: 200, exposure: 1.5, autoExposure: false,
           toneMapping: "neutral", mode: "direct", overlay: "levels", loading: "lazy", controls: true, autoplay: true,
           animationName: "night", stateInLink: true, handles: false, interaction: "page", display: "splat", backdrop: "none",
-          detail: false, cameraControls: "orbit", environmentRotation: 45, environmentIntensity: 2, backgroundBlur: 0.5,
+          detail: false, cameraControls: "orbit", environmentRotation: 45, environmentIntensity: 2, sky: "48,172,12", backgroundBlur: 0.5,
         };
         for (const [name, value] of Object.entries(values)) {
           const attribute = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
@@ -44,7 +44,7 @@ export async function attributes(harness, context) {
       const defaults = {
         alt: "", poster: "", width: 0, height: 0, exposure: 0, autoExposure: true, toneMapping: "agx", mode: "all",
         overlay: "none", loading: "eager", controls: false, autoplay: false, animationName: "", stateInLink: false,
-        handles: true, interaction: "auto", display: "auto", backdrop: "auto", detail: true, cameraControls: "auto", environmentRotation: 0, environmentIntensity: 1, backgroundBlur: 0,
+        handles: true, interaction: "auto", display: "auto", backdrop: "auto", detail: true, cameraControls: "auto", environmentRotation: 0, environmentIntensity: 1, sky: "", backgroundBlur: 0,
       };
       same(found.defaults, defaults, "defaults");
       equal(found.src, `${context.address}missing.rbn`, "src, in full");

@@ -4,6 +4,7 @@ import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { exec } from "../agreement.mjs";
 import { check, equal, near, same } from "../harness.mjs";
+import { plainExr } from "./exr-pictures.mjs";
 import { open, outcome, PLAIN } from "./open.mjs";
 
 /** A Radiance picture, run-length encoded in rows: bright in a quarter around +x, dark elsewhere. */
@@ -27,6 +28,17 @@ function hdr(width, height, { cut = 0, plain = false, exponent = 130 } = {}) {
     }
   }
   return Buffer.from(bytes.slice(0, bytes.length - cut));
+}
+
+/** The same picture as OpenEXR, where a pixel may be none. */
+function exr(width, height, none = []) {
+  /** Bits of a 16-bit float that is not tiny. */
+  const half = (value) => {
+    const exponent = Math.floor(Math.log2(value));
+    return ((exponent + 15) << 10) + 1024 * (value / 2 ** exponent - 1);
+  };
+  const radiance = (x, c) => (200 - 40 * c) * 2 ** ((x >= width / 4 && x < width / 2 ? 130 : 120) - 136);
+  return Buffer.from(plainExr(width, height, (x, y, c) => (x === none[0] && y === none[1] ? 0x7e00 : half(radiance(x, c)))));
 }
 
 /** A floor under a panel that shines down, as glTF. */
@@ -70,7 +82,11 @@ export async function environment(harness, context) {
     "**/wide.hdr": fulfill(hdr(8192, 4096)),
     "**/cut.hdr": fulfill(hdr(64, 32, { cut: 9 })),
     "**/square.hdr": fulfill(hdr(32, 32)),
-    "**/sky.exr": fulfill(Buffer.from([0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0])),
+    "**/sky.exr": fulfill(exr(64, 32)),
+    "**/cut.exr": fulfill(exr(64, 32).subarray(0, -99)),
+    "**/nan.exr": fulfill(exr(64, 32, [12, 7])),
+    "**/sky.png": fulfill(Buffer.from([0x89, 0x50, 0x4e, 0x47])),
+    "**/broken.exr": (route) => route.abort("connectionreset"),
   };
   const { page, faults } = await open(context, { html: PLAIN, routes, prepare: helpers });
   equal((await outcome(page)).type, "load", "the event");
@@ -123,7 +139,29 @@ export async function environment(harness, context) {
     property environment, property environmentRotation, property environmentIntensity, property backgroundBlur`,
   );
 
+  await harness.test("environment::exr_is_read_as_hdr_is", async () => {
+    const [hdr, exr] = await page.evaluate(async () => {
+      const lit = async (name, done) => {
+        viewer.environment = name;
+        await until(done);
+        await pause(500);
+        return Array.from(await viewer.readPixels(64, 36));
+      };
+      const loaded = (name) => performance.getEntriesByType("resource").some((entry) => new URL(entry.name).pathname === `/${name}`);
+      if (loaded("exr.js")) throw new Error("the reader of .exr was there before the first");
+      const hdr = await lit("sky.hdr", () => skies().length === 1);
+      const exr = await lit("sky.exr", () => loaded("exr.js"));
+      viewer.environment = "plain.hdr";
+      return [hdr, exr];
+    });
+    const apart = hdr.reduce((sum, byte, i) => sum + Math.abs(byte - exr[i]), 0) / hdr.length;
+    console.log(`    mean difference ${apart.toFixed(3)} of 255`);
+    check(apart < 0.1, `${apart}`);
+  });
+
   await harness.test("environment::a_wide_picture_is_reduced", async () => {
+    const warnings = [];
+    page.on("console", (message) => message.type() === "warning" && warnings.push(message.text()));
     const [narrow, wide] = await page.evaluate(async () => {
       const lit = async (name) => {
         viewer.environment = name;
@@ -135,10 +173,11 @@ export async function environment(harness, context) {
       return found;
     });
     near(wide / narrow, 1, 0.03, "brightness");
+    same(warnings, ["<rebounce-viewer>: the environment of 8192 x 4096 pixels is reduced to 4096 x 2048."], "what the console was told");
   });
 
   await harness.test("environment::what_cannot_be_used_leaves_the_light_as_it_is", async () => {
-    const names = { "cut.hdr": "ends before", "square.hdr": "32 x 32", "sky.exr": "no Radiance picture", "missing.hdr": "404" };
+    const names = { "cut.hdr": "ends before", "square.hdr": "32 x 32", "cut.exr": "ends within its pixels", "nan.exr": "x = 12, y = 7", "broken.exr": "broke off", "sky.png": "neither Radiance (.hdr) nor OpenEXR (.exr)", "missing.hdr": "404" };
     for (const [name, words] of Object.entries(names)) {
       const found = await page.evaluate(async (name) => {
         viewer.environment = "sky.hdr";

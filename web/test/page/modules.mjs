@@ -1,9 +1,10 @@
 // Modules without a browser: a server imports them; keyframes, daylight, links and steps of lights are arithmetic.
 
 import { execFile } from "node:child_process";
-import { readdir } from "node:fs/promises";
+import { readdir, readFile } from "node:fs/promises";
 import { promisify } from "node:util";
 import { check, equal, near, same } from "../harness.mjs";
+import { EXR, plainExr } from "./exr-pictures.mjs";
 
 const DIST = new URL("../../dist/", import.meta.url);
 /** The modules as the build compiles them, before it bundles them. */
@@ -24,6 +25,8 @@ export async function modules(harness) {
   });
   await keyframes(harness, await import(new URL("animation/animation.js", MODULES)));
   await days(harness, await import(new URL("daylight.js", MODULES)), await import(new URL("animation/animation.js", MODULES)));
+  await skies(harness, await import(new URL("sky.js", DIST)));
+  await pictures(harness, await import(new URL("exr.js", DIST)));
   await links(harness, await import(new URL("wire/link.js", MODULES)));
   await steps(harness, await import(new URL("wire/lights.js", MODULES)));
   await units(harness, await import(new URL("panel/photometry.js", MODULES)));
@@ -186,6 +189,139 @@ async function days(harness, { airMass, dayCycle, illuminance, sun }, { checkedA
       near(found.intensity, expected.intensity, 0.02 * 133_100, `the intensity at ${hour}`);
     }
     equal(dayCycle({ ...place, from: 6, to: 18, duration: 10 }).tracks[0].times.at(-1), 10, "the last key");
+  });
+}
+
+async function skies(harness, { daylightSky, picture }) {
+  /** Luminance of a pixel, cd/m². */
+  const light = ({ width, scale, texels }, x, y) => {
+    const bits = texels[y * width + x];
+    const unit = 1000 * scale * 2 ** ((bits >>> 27) - 24);
+    return unit * (0.2126 * (bits & 511) + 0.7152 * ((bits >> 9) & 511) + 0.0722 * ((bits >> 18) & 511));
+  };
+  const toward = (degrees) => {
+    const [sin, cos] = [Math.sin((degrees * Math.PI) / 180), Math.cos((degrees * Math.PI) / 180)];
+    return [cos, sin, 0];
+  };
+  await harness.test("modules::the_sky_has_the_baker's_data", async () => {
+    const data = await readFile(new URL("../../../shared/src/environment/daylight/data/hosek_wilkie_rgb.bin", import.meta.url));
+    const module = await readFile(new URL("sky.js", DIST), "utf8");
+    check(module.includes(data.toString("base64").replace(/=+$/, "")), "the module does not hold the file");
+  });
+  await harness.test("modules::skies_have_the_light_of_the_authors_model", () => {
+    // As shared/src/environment/daylight has them: computed in 64 bits from the authors' data and formula.
+    for (const [elevation, turbidity, zenith] of [[60, 2, 3088], [30, 3, 2106], [90, 3, 11_683], [5, 6, 921]]) {
+      near(light(daylightSky(toward(elevation), turbidity), 0, 0) / zenith, 1, 4e-3, `the zenith with the sun at ${elevation}`);
+    }
+    for (const [elevation, turbidity, lux] of [[0, 2, 2427.4], [5, 3, 6608], [30, 2, 13_031.6], [60, 3, 17_693.1]]) {
+      const sky = daylightSky(toward(elevation), turbidity);
+      let sum = 0;
+      for (let y = 0; y < 64; y += 1) {
+        const solidAngle = (2 * Math.PI * (Math.cos((Math.PI * y) / 128) - Math.cos((Math.PI * (y + 1)) / 128))) / 256;
+        for (let x = 0; x < 256; x += 1) sum += light(sky, x, y) * Math.cos((Math.PI * (y + 0.5)) / 128) * solidAngle;
+      }
+      near(sum / lux, 1, 5e-3, `illuminance with the sun at ${elevation}`);
+      // The ground reflects a fifth of it, and of the sun.
+      const direct = sky.sun(0, 1);
+      const sun = 1000 * direct.intensity * [0.2126, 0.7152, 0.0722].reduce((all, weight, c) => all + weight * direct.color[c], 0);
+      const fallen = sum + sun * Math.sin((elevation * Math.PI) / 180);
+      near((light(sky, 9, 100) * Math.PI) / (0.2 * fallen), 1, 5e-3, "the ground");
+    }
+  });
+  await harness.test("modules::a_day_fades_into_night_without_a_jump", () => {
+    let before = Infinity;
+    for (let elevation = 10; elevation >= -20; elevation -= 0.25) {
+      const sky = daylightSky(toward(elevation));
+      const now = light(sky, 3, 5) + 1000 * sky.sun(0, 1).intensity;
+      check(now <= before * 1.05 && (before === Infinity || now > 0.3 * before), `${now} after ${before} at ${elevation}`);
+      before = now;
+    }
+    check(before > 0 && before < 1e-2, `at night ${before}`);
+    equal(picture("48, 172, 0").sun(0, 1).intensity, 0, "no sun at midnight");
+  });
+}
+
+async function pictures(harness, { readExr }) {
+  const bytes = (base64) => new Uint8Array(Uint8Array.from(Buffer.from(base64, "base64")).buffer);
+  /** Where the value of an attribute of the header begins. */
+  const place = (file, name, type) => Buffer.from(file).indexOf(`${name}\0${type}\0`) + name.length + type.length + 6;
+  /** A changed copy of a file. */
+  const changed = (base64, change) => {
+    const file = bytes(base64);
+    change(file, new DataView(file.buffer));
+    return file;
+  };
+  const refused = (file) => {
+    try {
+      return `read: ${readExr(file).width}`;
+    } catch (error) {
+      return error.message;
+    }
+  };
+
+  await harness.test("modules::exr_is_read_whatever_compresses_it", () => {
+    for (const [compression, base64] of Object.entries(EXR)) {
+      const { width, scale, texels } = readExr(bytes(base64));
+      same([width, texels.length], [32, 512], "the size");
+      let worst = 0;
+      for (const [i, bits] of texels.entries()) {
+        const [x, y] = [i % 32, Math.floor(i / 32)];
+        const expected = [2 ** (Math.floor(y / 2) - 3), x % 8 === 3 ? 1.5 : 0.5, (1 + (y % 3)) * (x < 8 ? 1 : 0.25)];
+        const unit = scale * 2 ** ((bits >>> 27) - 24);
+        for (const [c, value] of expected.entries()) worst = Math.max(worst, Math.abs(((bits >> (9 * c)) & 511) * unit - value) / Math.max(...expected));
+      }
+      // Nine bits; DWA is lossy.
+      check(worst < (compression === "DWAA" ? 0.05 : 1 / 500), `${compression}: ${worst}`);
+    }
+  });
+
+  await harness.test("modules::exr_that_cannot_be_used_is_refused_with_a_reason", () => {
+    const { ZIP, RLE } = EXR;
+    const set = (name, type, value) => (file) => (file[place(file, name, type)] = value);
+    const cases = {
+      "B44, and the page reads none, RLE, ZIPS, ZIP, PIZ, PXR24, DWAA, DWAB": set("compression", "compression", 6),
+      "not stored from the top": set("lineOrder", "lineOrder", 1),
+      "32 x 15 pixels": (file) => ["dataWindow", "displayWindow"].forEach((name) => (file[place(file, name, "box2i") + 12] = 14)),
+      "0 x 16 pixels": (file, view) => ["dataWindow", "displayWindow"].forEach((name) => view.setInt32(place(file, name, "box2i") + 8, -1, true)),
+      "not the whole picture": (file) => (file[place(file, "displayWindow", "box2i") + 8] = 30),
+      "tiles": (file) => (file[5] |= 2),
+      "several parts": (file) => (file[5] |= 16),
+      "no channels R, G and B, but A, G, R": (file) => (file[place(file, "channels", "chlist")] = 65),
+      "16-bit or all of 32-bit": (file) => (file[place(file, "channels", "chlist") + 2] = 0),
+      "B has fewer pixels": (file) => (file[place(file, "channels", "chlist") + 10] = 2),
+    };
+    for (const [words, change] of Object.entries(cases)) check(refused(changed(ZIP, change)).includes(words), `${words}: ${refused(changed(ZIP, change))}`);
+    // Of the uncompressed picture, pixel x = 5, y = 2 is not a number, or negative.
+    const plain = plainExr(8, 4, () => 0x3c00);
+    for (const [half, words] of [[0x7e00, "NaN for green"], [0x7c00, "Infinity for green"], [0xbc00, "-1 for green"]]) {
+      const message = refused(plainExr(8, 4, (x, y, c) => (x === 5 && y === 2 && c === 1 ? half : 0x3c00)));
+      check(message.includes("x = 5, y = 2") && message.includes(words), message);
+    }
+    equal(refused(plain), "read: 8", "the same without");
+    for (const cut of [9, 100, 320, 400]) check(refused(bytes(ZIP).slice(0, cut)).includes("it ends within its"), refused(bytes(ZIP).slice(0, cut)));
+    check(refused(bytes(RLE).slice(0, -1)).includes("ends within its pixels: download it again"), refused(bytes(RLE).slice(0, -1)));
+  });
+
+  await harness.test("modules::damaged_exr_comes_to_an_end", () => {
+    let [read, told, state] = [0, 0, 1];
+    const random = () => (state = (state * 48_271) % 2_147_483_647) / 2_147_483_647;
+    const { warn } = console;
+    console.warn = () => {};
+    try {
+      for (const base64 of Object.values(EXR)) {
+        for (let k = 0; k < 60; k += 1) {
+          const file = changed(base64, (file) => {
+            for (let j = 0; j < 3; j += 1) file[Math.floor(random() * file.length)] ^= 1 << (k % 8);
+          });
+          if (refused(file).startsWith("read")) read += 1;
+          else told += 1;
+        }
+      }
+    } finally {
+      console.warn = warn;
+    }
+    console.log(`    ${read} read, ${told} refused`);
+    check(told > 100, `${told} of ${read + told} refused`);
   });
 }
 

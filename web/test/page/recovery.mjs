@@ -37,6 +37,31 @@ export async function recovery(harness, context) {
     await page.close();
   });
 
+  await harness.test("page::recovery::a_sky_is_there_again_with_its_sun", async () => {
+    const { page } = await counted(context, PLAIN);
+    await outcome(page);
+    const found = await within("the sky", page.evaluate(async () => {
+      viewer.sky = "48,172,11";
+      await until(() => viewer.lights.some(({ name }) => name === "Sun"));
+      await still();
+      const seen = async () => ({ lights: JSON.stringify(viewer.lights), picture: await look(viewer) });
+      const before = await seen();
+      viewer.removeAttribute("sky");
+      await until(() => !viewer.lights.some(({ name }) => name === "Sun"));
+      const without = await seen();
+      viewer.sky = "48,172,11";
+      await until(() => viewer.lights.some(({ name }) => name === "Sun"));
+      gpu.devices[0].destroy();
+      await until(() => gpu.devices.length === 2 && viewer.loaded);
+      await still();
+      return { before, without, after: await seen() };
+    }));
+    equal(found.after.lights, found.before.lights, "the lights");
+    check(distance(found.without.picture, found.before.picture) > 3, "the sky is not seen");
+    alike(found.after.picture, found.before.picture, "before and after");
+    await page.close();
+  });
+
   await harness.test("page::recovery::an_animation_goes_on", async () => {
     const { page } = await counted(context, PLAIN);
     await outcome(page);
