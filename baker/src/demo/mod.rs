@@ -181,6 +181,7 @@ mod tests {
     use crate::geometry::mesh::TriangleSurfaces;
     use crate::geometry::{Ray, Surfaces};
     use glam::Vec3;
+    use rebounce_shared::light::LightKind;
 
     #[test]
     fn every_name_loads_and_others_are_refused_with_the_names_there_are() {
@@ -226,6 +227,42 @@ mod tests {
         assert_eq!(all_fronts(&scene, [5.8, 1.5, 0.3]), 10_000);
         let albedos = scene.materials.iter().flat_map(|m| &m.base_color[..3]);
         assert!(albedos.fold(0.0f32, |most, &albedo| most.max(albedo)) < 0.8);
+    }
+
+    #[test]
+    fn the_gallery_is_closed_but_for_its_windows_and_skylights() {
+        let scene = gallery::scene();
+        for camera in &scene.cameras {
+            let hits = all_fronts(&scene, camera.position);
+            assert!(hits > 9_000, "{hits} from {:?}", camera.position);
+        }
+        // No sky is in sight from a corner of the dark room.
+        assert_eq!(all_fronts(&scene, [17.3, 1.5, 2.4]), 10_000);
+    }
+
+    #[test]
+    fn apartment_and_gallery_have_a_sky_in_sight_and_surfaces_that_shine() {
+        for (scene, groups) in [
+            (apartment::scene(), &["Lamp shade", "Bedside shade", "Television"][..]),
+            (gallery::scene(), &["Neon", "Screen"]),
+        ] {
+            let (lights, names) = scene.all_lights();
+            let kinds = |kind| lights.iter().filter(|light| light.kind() == kind).count();
+            assert_eq!((kinds(LightKind::Environment), kinds(LightKind::Directional)), (1, 1));
+            assert!(names.iter().all(|name| !name.is_empty()), "{names:?}");
+            assert_eq!(names[names.len() - groups.len()..], *groups);
+            let sky = scene.environment.as_ref().unwrap();
+            assert!(sky.radiance(Vec3::Y).min_element() > 0.5, "{}", scene.name);
+            let surfaces = TriangleSurfaces::from_scene(&scene);
+            let origin = scene.cameras[0].frame(scene.origin).eye;
+            let mut stream = crate::random::Stream::new(3, 1);
+            let sees_sky = |direction: Vec3| {
+                let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
+                direction.y > 0.0 && surfaces.cast(&ray, 0).is_none()
+            };
+            let seen = (0..10_000).filter(|_| sees_sky(stream.sphere())).count();
+            assert!((100..1_000).contains(&seen), "{}: {seen} of 10,000 rays", scene.name);
+        }
     }
 
     #[test]

@@ -73,12 +73,25 @@ impl Canvas {
         let top = DEPTH + PAINT * layer as f64;
         let bottom = if layer == 0 { 0.0 } else { top - PAINT };
         let [a, b] = [bottom, top].map(|depth| self.wall + self.out * depth);
-        // To the right of who looks north or west is greater x, lesser z.
-        let is_turned = (self.axis == 0) == (self.out < 0.0);
-        let [from, to] = if is_turned { [-right, -left] } else { [left, right] };
+        let [from, to] = if self.right() < 0.0 { [-right, -left] } else { [left, right] };
         let [along, heights] =
             [[self.along + from, self.along + to], [self.height + low, self.height + high]];
         slab(mesh, self.axis, along, heights, [a.min(b), a.max(b)], is as u32);
+    }
+
+    /// A rectangle without thickness on the canvas: of a picture that shines, as what lies behind it lights nothing.
+    fn face(self, mesh: &mut WorldMesh, across: [f64; 2], upwards: [f64; 2], is: Is) {
+        let depth = self.wall + self.out * (DEPTH + PAINT);
+        let corner = |x: usize, y: usize| {
+            let [along, y] = [self.along + self.right() * across[x], self.height + upwards[y]];
+            if self.axis == 0 { dvec3(along, y, depth) } else { dvec3(depth, y, along) }
+        };
+        mesh.quad([corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)], is as u32);
+    }
+
+    /// Which way along the wall is to the right: greater x for who looks north, greater z for who looks east.
+    fn right(self) -> f64 {
+        if (self.axis == 0) == (self.out < 0.0) { -1.0 } else { 1.0 }
     }
 
     /// The canvas, `[width, height]`, all of one colour.
@@ -216,7 +229,7 @@ fn screen(mesh: &mut WorldMesh) {
             let wave = (0.9 * column as f64).sin() + (1.3 * row as f64 + 0.5 * column as f64).cos();
             let is = COLOURS[((wave + 2.0) * 1.25) as usize % COLOURS.len()];
             let [x, y] = [[column, column + 1].map(|k| cell(k, 0)), [row, row + 1].map(|k| cell(k, 1))];
-            at.rectangle(mesh, x, y, 1, is);
+            at.face(mesh, x, y, is);
         }
     }
 }
