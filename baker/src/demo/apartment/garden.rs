@@ -51,7 +51,7 @@ fn tree(mesh: &mut WorldMesh, x: f64, z: f64, height: f64) {
     mesh.prism(foot, TRUNK, height - 0.9 * crown, SIDES, Is::Bark as u32);
     // From the trunk to the top, nearly a point.
     let rim = |ring: usize, side: usize| {
-        let polar = PI * (0.06 + 0.93 * ring as f64 / RINGS as f64);
+        let polar = PI * (0.02 + 0.97 * ring as f64 / RINGS as f64);
         let (sin, cos) = (TAU * side as f64 / SIDES as f64).sin_cos();
         let radius = 0.36 * crown * polar.sin();
         let y = height - crown * (0.5 + 0.5 * polar.cos());

@@ -42,7 +42,7 @@ pub(super) fn add(mesh: &mut WorldMesh) {
     colour_field(mesh, east(2.3, 1.75), [1.7, 2.4], [Is::Navy, Is::Blue, Is::Green, Is::Navy]);
     colour_field(mesh, west(3.6, 1.65), [1.9, 1.5], [Is::Sand, Is::Pink, Is::Canvas, Is::Orange]);
     sculpture(mesh, dvec3(7.4, 0.0, 2.1));
-    neon(mesh, dvec3(5.9, 1.65, 0.07));
+    neon(mesh, dvec3(5.9, 1.65, 0.12));
     screen(mesh);
 }
 
@@ -184,7 +184,7 @@ fn sculpture(mesh: &mut WorldMesh, foot: DVec3) {
         let across = dvec3(a.sin() + 2.0 * b.sin(), a.cos() - 2.0 * b.cos(), -(1.5 * b).sin());
         middle + 0.155 * across
     };
-    tube(mesh, path, TUBE, [144, 12], Is::Red);
+    tube(mesh, path, TUBE, [120, 16], Is::Red);
 }
 
 /// A ring of neon before the north wall, on small holders.
