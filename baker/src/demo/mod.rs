@@ -225,8 +225,8 @@ mod tests {
             let hits = all_fronts(&scene, camera.position);
             assert!(hits > 9_000, "{hits} from {:?}", camera.position);
         }
-        // No sky is in sight from the corner of the hall.
-        assert_eq!(all_fronts(&scene, [5.8, 1.5, 0.3]), 10_000);
+        // No sky is in sight from a corner of the hall.
+        assert_eq!(all_fronts(&scene, [4.2, 1.5, 2.5]), 10_000);
         let albedos = scene.materials.iter().flat_map(|m| &m.base_color[..3]);
         assert!(albedos.fold(0.0f32, |most, &albedo| most.max(albedo)) < 0.8);
     }
