@@ -3,7 +3,7 @@
 use super::super::block;
 use super::super::walls::{Hole, slab, wall, window};
 use super::works::SOUTH;
-use super::{DARK, DARK_HEIGHT, HALL, Is};
+use super::{DARK, DARK_HEIGHT, Finish, HALL};
 use crate::scene::world_mesh::WorldMesh;
 use glam::{DVec3, dvec3};
 
@@ -29,14 +29,19 @@ pub(super) fn spot_at(x: f64) -> DVec3 {
 
 pub(super) fn add(mesh: &mut WorldMesh) {
     let [[dark_from, dark_to], [dark_north, dark_south]] = DARK;
-    let (wall_is, dark_is) = (Is::Wall as u32, Is::DarkWall as u32);
+    let (wall_is, dark_is) = (Finish::Wall as u32, Finish::DarkWall as u32);
     let heights = [0.0, HALL.y];
-    block(mesh, dvec3(-THICK, -THICK, -THICK), dvec3(dark_to + THICK, 0.0, HALL.z + THICK), Is::Floor as u32);
+    block(
+        mesh,
+        dvec3(-THICK, -THICK, -THICK),
+        dvec3(dark_to + THICK, 0.0, HALL.z + THICK),
+        Finish::Floor as u32,
+    );
     wall(mesh, 0, [-THICK, 0.0], [-THICK, HALL.x], heights, &WINDOWS, wall_is);
     wall(mesh, 0, [HALL.z, HALL.z + THICK], [-THICK, HALL.x], heights, &[], wall_is);
     wall(mesh, 2, [-THICK, 0.0], [0.0, HALL.z], heights, &[], wall_is);
     wall(mesh, 2, [HALL.x, dark_from], [-THICK, HALL.z + THICK], heights, &[DOORWAY], wall_is);
-    WINDOWS.iter().for_each(|hole| window(mesh, 0, -0.5 * THICK, hole, 3, Is::Frame as u32));
+    WINDOWS.iter().for_each(|hole| window(mesh, 0, -0.5 * THICK, hole, 3, Finish::Frame as u32));
     // The dark room.
     let dark = [0.0, DARK_HEIGHT];
     wall(mesh, 0, [dark_north - THICK, dark_north], [dark_from, dark_to + THICK], dark, &[], dark_is);
@@ -53,7 +58,7 @@ pub(super) fn add(mesh: &mut WorldMesh) {
 /// Dark boards on the dark room's side of the hall's wall.
 fn lining(mesh: &mut WorldMesh) {
     let [[from, _], [north, south]] = DARK;
-    let is = Is::DarkWall as u32;
+    let is = Finish::DarkWall as u32;
     wall(mesh, 2, [from, from + 0.02], [north, south], [0.0, DARK_HEIGHT], &[DOORWAY], is);
 }
 
@@ -63,7 +68,7 @@ fn roof(mesh: &mut WorldMesh) {
     const BAR: f64 = 0.05;
     let [from_z, to_z] = SKYLIGHTS_Z;
     let (low, high) = (-THICK, dvec3(HALL.x + THICK, HALL.y + THICK, HALL.z + THICK));
-    let is = Is::Wall as u32;
+    let is = Finish::Wall as u32;
     let mut piece = |x: [f64; 2], z: [f64; 2]| {
         block(mesh, dvec3(x[0], HALL.y, z[0]), dvec3(x[1], high.y, z[1]), is);
     };
@@ -86,7 +91,7 @@ fn roof(mesh: &mut WorldMesh) {
         let glazing = [CURB - BAR, CURB];
         for k in 0..=3 {
             let x = from + (to - from - BAR) * f64::from(k) / 3.0;
-            slab(mesh, 2, SKYLIGHTS_Z, glazing, [x, x + BAR], Is::Frame as u32);
+            slab(mesh, 2, SKYLIGHTS_Z, glazing, [x, x + BAR], Finish::Frame as u32);
         }
     }
 }
@@ -94,7 +99,7 @@ fn roof(mesh: &mut WorldMesh) {
 /// A track on two rods below the ceiling, with a housing for each spot.
 fn track(mesh: &mut WorldMesh) {
     let [y, z] = TRACK;
-    let is = Is::Black as u32;
+    let is = Finish::Black as u32;
     block(mesh, dvec3(0.8, y, z - 0.02), dvec3(11.2, y + 0.035, z + 0.02), is);
     for x in [1.2, 4.4, 7.6, 10.8] {
         block(mesh, dvec3(x, y + 0.035, z - 0.008), dvec3(x + 0.016, HALL.y, z + 0.008), is);
@@ -110,9 +115,9 @@ fn bench(mesh: &mut WorldMesh) {
     const LOW: DVec3 = dvec3(4.7, 0.0, 5.0);
     const SIZE: DVec3 = dvec3(1.9, 0.45, 0.5);
     const TOP: f64 = 0.07;
-    block(mesh, LOW + dvec3(0.0, SIZE.y - TOP, 0.0), LOW + SIZE, Is::Oak as u32);
+    block(mesh, LOW + dvec3(0.0, SIZE.y - TOP, 0.0), LOW + SIZE, Finish::Oak as u32);
     for x in [0.22, SIZE.x - 0.28] {
         let leg = LOW + dvec3(x, 0.0, 0.04);
-        block(mesh, leg, leg + dvec3(0.06, SIZE.y - TOP, SIZE.z - 0.08), Is::Steel as u32);
+        block(mesh, leg, leg + dvec3(0.06, SIZE.y - TOP, SIZE.z - 0.08), Finish::Steel as u32);
     }
 }

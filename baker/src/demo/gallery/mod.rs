@@ -17,9 +17,9 @@ const HALL: DVec3 = dvec3(12.0, 4.4, 8.0);
 const DARK: [[f64; 2]; 2] = [[12.3, 17.5], [2.2, 8.0]];
 const DARK_HEIGHT: f64 = 3.6;
 
-/// Materials, by index into [`MATERIALS`] and then [`SHINING`].
+/// What surfaces are made of: materials, by index into [`MATERIALS`] and then [`SHINING`].
 #[derive(Clone, Copy)]
-enum Is {
+enum Finish {
     Wall,
     Floor,
     DarkWall,
@@ -46,7 +46,7 @@ enum Is {
     Amber,
 }
 
-/// Names and linear RGB albedos, in the order of [`Is`].
+/// Names and linear RGB albedos, in the order of [`Finish`].
 const MATERIALS: [(&str, [f32; 3]); 17] = [
     ("wall", [0.78, 0.77, 0.74]),
     ("pale oak floor", [0.52, 0.42, 0.31]),
