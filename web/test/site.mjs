@@ -178,23 +178,33 @@ async function apartment(context) {
   };
   const noon = await at(12);
   equal(noon.clock, "12:00", "the clock");
-  const [sun, ...lamps] = noon.lights;
+  const of = ({ lights }, type) => lights.find((light) => light.type === type);
+  const lamps = ({ lights }) => lights.filter(({ type }) => !["directional", "environment"].includes(type));
+  const sun = of(noon, "directional");
   check(sun.intensity > 10 && sun.direction[1] < -0.5, `the sun at noon: ${JSON.stringify(sun)}`);
-  equal(lamps.length, 5, "lamps");
-  check(lamps.every(({ intensity }) => intensity === 0), "a lamp is on at noon");
-  const morning = (await at(8)).lights[0];
-  check(morning.direction[0] < -0.3, `in the morning the light comes from ${JSON.stringify(morning.direction)}`);
+  equal(lamps(noon).length, 8, "lamps, shades and the television");
+  check(lamps(noon).every(({ intensity }) => intensity === 0), "a lamp is on at noon");
+  const morning = await at(8);
+  const { direction } = of(morning, "directional");
+  check(direction[0] < -0.3, `in the morning the light comes from ${JSON.stringify(direction)}`);
+  // The sky turns with the sun, and is dimmer when that is low.
+  const [early, high] = [morning, noon].map((hour) => of(hour, "environment"));
+  const azimuth = ({ direction: [x, , z] }) => (Math.atan2(x, z) * 180) / Math.PI;
+  const more = high.rotation_deg - early.rotation_deg - azimuth(sun) + azimuth({ direction });
+  check(Math.cos((more * Math.PI) / 180) > 0.9999, `the sky turned by ${more} degrees more than the sun`);
+  check(early.intensity < 0.95 * high.intensity, `the sky at 8 has ${early.intensity}, at noon ${high.intensity}`);
   const night = await at(22);
   equal(night.clock, "22:00", "the clock");
-  check(night.lights[0].intensity < 1, "the sun shines at night");
-  check(night.lights.slice(1).every(({ intensity }) => intensity > 1), "a lamp is off at night");
+  check(of(night, "directional").intensity < 1, "the sun shines at night");
+  check(of(night, "environment").intensity < 0.05 * high.intensity, "the sky shines at night");
+  check(lamps(night).every(({ intensity }) => intensity >= 1), "a lamp is off at night");
   const moved = noon.pixels.filter((value, i) => Math.abs(value - night.pixels[i]) > 20).length;
   check(moved > noon.pixels.length / 10, `noon and night differ in ${moved} of ${noon.pixels.length} values`);
   // A lamp is switched by hand, and stays so.
   await page.locator("#lamps input").first().uncheck();
   const dark = await at(23);
-  equal(dark.lights[1].intensity, 0, "intensity of the lamp switched off");
-  check(dark.lights[2].intensity > 1, "another lamp went off with it");
+  const off = lamps(dark).filter(({ intensity }) => intensity === 0);
+  equal(off.map(({ name }) => name).join(), "Living room,Lamp shade", "what is switched off");
   await page.locator("#hour").focus();
   await page.keyboard.press("ArrowLeft");
   equal(await page.locator("#hour").getAttribute("aria-valuetext"), "22:45", "the hour after a key");
@@ -245,6 +255,12 @@ async function hero(context) {
   equal(black.length, 0, "black pixels on the rim");
   const rows = await page.locator("#browsers").locator("xpath=..").locator("tbody tr").allTextContents();
   check(rows.length > 5 && rows.every((row) => /\d|not yet/.test(row)), rows.join("\n"));
+  const lightAt = async (hour) => {
+    await page.locator("#hour").fill(String(hour));
+    return page.evaluate(() => document.querySelector("rebounce-viewer").lights);
+  };
+  const [morning, evening] = [await lightAt(9), await lightAt(17)];
+  for (const i of [0, 1]) check(JSON.stringify(morning[i]) !== JSON.stringify(evening[i]), `light ${i} is the same at 9 and at 17`);
   for (const browser of ["Chrome", "Edge", "Safari", "Firefox"]) check(rows.some((row) => row.includes(browser)), `no ${browser}`);
   check(/20\d\d/.test(await page.locator("caption").textContent()), "the table has no date");
   equal(faults.join("\n"), "", "faults");

@@ -13,8 +13,9 @@ use rebounce::verify::path_trace::{Settings, path_trace};
 /// Arguments of `rebounce reference`.
 #[derive(Args, Debug)]
 pub struct ReferenceArgs {
-    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
-    /// builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic, builtin:furnace
+    /// A .gltf or .glb file, or builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
+    /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic,
+    /// builtin:furnace
     scene: String,
     #[command(flatten)]
     load: LoadArgs,

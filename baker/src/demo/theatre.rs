@@ -4,7 +4,7 @@ use super::{block, matt};
 use crate::scene::Scene;
 use crate::scene::model;
 use crate::scene::world_mesh::{WorldInstancedMesh, WorldMesh};
-use glam::{DMat4, DQuat, DVec2, DVec3, Vec2, dvec3};
+use glam::{DMat4, DQuat, DVec2, DVec3, dvec3};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
 
@@ -106,27 +106,6 @@ impl WorldMesh {
         let corners = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };
         self.triangles.extend(other.triangles.iter().map(|t| corners(t).map(|i| i + first)));
         self.triangle_material.extend(&other.triangle_material);
-    }
-
-    /// Adds a grid of squares over 0 to 1 in both parameters, from positions and unit normals.
-    fn sheet(&mut self, [n, m]: [usize; 2], at: impl Fn(f64, f64) -> (DVec3, DVec3), material: u32) {
-        let first = self.positions.len() as u32;
-        for j in 0..=m {
-            for i in 0..=n {
-                let (position, normal) = at(i as f64 / n as f64, j as f64 / m as f64);
-                self.positions.push(position);
-                self.normals.push(normal.as_vec3());
-                self.uvs.push(Vec2::ZERO);
-            }
-        }
-        for j in 0..m as u32 {
-            for i in 0..n as u32 {
-                let a = first + j * (n as u32 + 1) + i;
-                let (b, c, d) = (a + 1, a + n as u32 + 2, a + n as u32 + 1);
-                self.triangles.extend([[a, c, b], [a, d, c]]);
-            }
-        }
-        self.triangle_material.resize(self.triangles.len(), material);
     }
 
     /// Adds a box with round edges: a superellipsoid with half axes `half`.

@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn what_costs_nothing_is_no_matter() {
-        for name in ["cornell-box", "apartment", "library", "theatre", "two-rooms", "furnace"] {
+        for name in ["cornell-box", "apartment", "gallery", "library", "theatre", "two-rooms", "furnace"] {
             assert_eq!(far_away(&load(&format!("builtin:{name}")).unwrap()), None, "{name}");
         }
         // A corridor, and a lawn with a house.

@@ -67,15 +67,15 @@ pub struct View {
 }
 
 /// Built-in scenes shown on the pages.
-const SCENES: [&str; 4] = ["cornell-box", "apartment", "library", "two-rooms-door"];
+const SCENES: [&str; 4] = ["cornell-box", "apartment", "library", "gallery"];
 /// Views of the viewers on the pages.
 const VIEWS: [View; 7] = [
-    View { name: "hero", scene: "cornell-box", has_shot: true, shape: [1, 1] },
+    View { name: "hero", scene: "apartment", has_shot: true, shape: [1, 1] },
     View { name: "apartment", scene: "apartment", has_shot: false, shape: [16, 9] },
     View { name: "library", scene: "library", has_shot: false, shape: [16, 9] },
     View { name: "evening", scene: "apartment", has_shot: true, shape: [4, 3] },
     View { name: "reading", scene: "library", has_shot: true, shape: [4, 3] },
-    View { name: "door", scene: "two-rooms-door", has_shot: true, shape: [4, 3] },
+    View { name: "hall", scene: "gallery", has_shot: true, shape: [4, 3] },
     View { name: "blocks", scene: "cornell-box", has_shot: true, shape: [4, 3] },
 ];
 

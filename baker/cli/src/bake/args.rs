@@ -45,8 +45,9 @@ with ever more samples, up to 800 a pixel. An error that they hide too is \"too 
 pub struct BakeArgs {
     /// A .gltf or .glb file, or builtin:NAME
     ///
-    /// The built-in scenes are builtin:cornell-box, builtin:apartment, builtin:library, builtin:theatre,
-    /// builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic and builtin:furnace.
+    /// The built-in scenes are builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
+    /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic and
+    /// builtin:furnace.
     pub(super) scene: String,
     /// Where to write; SCENE.rbn in the working folder when absent
     #[arg(short, long, value_name = "FILE.rbn")]

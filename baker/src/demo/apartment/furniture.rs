@@ -15,20 +15,34 @@ fn put(mesh: &mut WorldMesh, low: [f64; 3], size: [f64; 3], is: Is) {
 
 /// An upright prism with a regular base; `foot` is the centre of the base.
 fn column(mesh: &mut WorldMesh, foot: [f64; 3], radius: f64, height: f64, is: Is) {
-    let foot = DVec3::from(foot);
-    let up = dvec3(0.0, height, 0.0);
-    let rim = |k: usize| {
+    mesh.prism(foot.into(), radius, height, SIDES, is as u32);
+}
+
+/// A conical lamp shade, open above and below: cloth that shines outwards, linen within. `foot`: the middle of the lower
+/// edge.
+fn cloth_shade(mesh: &mut WorldMesh, foot: [f64; 3], [lower, upper]: [f64; 2], height: f64, is: Is) {
+    const CLOTH: f64 = 0.006;
+    let rim = |k: usize, radius: f64, y: f64| {
         let (sin, cos) = (TAU * k as f64 / SIDES as f64).sin_cos();
-        foot + radius * dvec3(cos, 0.0, -sin)
+        DVec3::from(foot) + dvec3(radius * cos, y, -radius * sin)
     };
-    for k in 0..SIDES {
-        mesh.quad([rim(k), rim(k + 1), rim(k + 1) + up, rim(k) + up], is as u32);
-    }
-    for k in (0..SIDES).step_by(2) {
-        let [a, b, c] = [rim(k), rim(k + 1), rim(k + 2)];
-        mesh.quad([foot + up, a + up, b + up, c + up], is as u32);
-        mesh.quad([foot, c, b, a], is as u32);
-    }
+    let mut band = |[r, y]: [f64; 2], [next_r, next_y]: [f64; 2], is: Is| {
+        for k in 0..SIDES {
+            let corners =
+                [rim(k, r, y), rim(k + 1, r, y), rim(k + 1, next_r, next_y), rim(k, next_r, next_y)];
+            mesh.quad(corners, is as u32);
+        }
+    };
+    let [outside, inside] = [[lower, upper], [lower - CLOTH, upper - CLOTH]];
+    band([outside[0], 0.0], [outside[1], height], is);
+    band([outside[1], height], [inside[1], height], Is::Linen);
+    band([inside[1], height], [inside[0], 0.0], Is::Linen);
+    band([inside[0], 0.0], [outside[0], 0.0], Is::Linen);
+    // Spokes to the pole.
+    const THICK: f64 = 0.006;
+    let [x, y, z] = foot;
+    put(mesh, [x - inside[0], y, z - 0.5 * THICK], [2.0 * inside[0], THICK, THICK], Is::Brass);
+    put(mesh, [x - 0.5 * THICK, y, z - inside[0]], [THICK, THICK, 2.0 * inside[0]], Is::Brass);
 }
 
 /// Four boards around a lamp, open above and below. `foot`: the middle of the lower edge.
@@ -127,6 +141,27 @@ fn curtains(mesh: &mut WorldMesh, from: f64, to: f64) {
     put(mesh, [from - 0.3, 2.44, ROOM.z - 0.12], [to - from + 0.6, 0.03, 0.03], Is::Brass);
 }
 
+/// A television on the sideboard, its picture in bands: a sunset over a lake.
+fn television(mesh: &mut WorldMesh) {
+    const LOW: DVec3 = dvec3(3.48, 0.6, 2.85);
+    const SIZE: DVec3 = dvec3(0.92, 0.54, 0.03);
+    const RIM: f64 = 0.015;
+    /// Upper edges of the bands, as shares of the picture's height, from below.
+    const BANDS: [(f64, Is); 4] =
+        [(0.3, Is::ScreenLake), (0.45, Is::ScreenHills), (0.62, Is::ScreenSun), (1.0, Is::ScreenSky)];
+    put(mesh, LOW.to_array(), SIZE.to_array(), Is::Dark);
+    put(mesh, [3.86, 0.54, 2.85], [0.16, 0.06, 0.03], Is::Dark);
+    put(mesh, [3.74, 0.54, 2.83], [0.4, 0.01, 0.2], Is::Dark);
+    let (height, mut from) = (SIZE.y - 2.0 * RIM, 0.0);
+    for (to, is) in BANDS {
+        // Faces alone, as what lies behind a picture lights nothing.
+        let corner = |x: f64, share: f64| LOW + dvec3(x, RIM + height * share, SIZE.z + 0.002);
+        let [left, right] = [RIM, SIZE.x - RIM];
+        mesh.quad([corner(left, from), corner(right, from), corner(right, to), corner(left, to)], is as u32);
+        from = to;
+    }
+}
+
 pub(super) fn living_room(mesh: &mut WorldMesh) {
     put(mesh, [0.9, 0.0, 3.9], [2.3, 0.012, 2.0], Is::Rug);
     // The sofa stands with its back to the west window.
@@ -146,7 +181,7 @@ pub(super) fn living_room(mesh: &mut WorldMesh) {
     // The lamp: foot, pole and an open shade.
     column(mesh, [0.5, 0.0, 6.5], 0.15, 0.03, Is::Brass);
     column(mesh, [0.5, 0.03, 6.5], 0.015, 1.34, Is::Brass);
-    shade(mesh, [0.5, 1.37, 6.5], 0.19, 0.32, Is::Linen);
+    cloth_shade(mesh, [0.5, 1.36, 6.5], [0.23, 0.17], 0.32, Is::Shade);
     // Dining table under the pendant.
     table(mesh, [3.65, 0.0, 5.3], [1.3, 0.75, 0.8], 0.035, 0.06, Is::Oak);
     for x in [3.8, 4.4] {
@@ -160,11 +195,10 @@ pub(super) fn living_room(mesh: &mut WorldMesh) {
     column(mesh, [4.3, 2.0, 5.7], 0.006, 0.7, Is::Dark);
     column(mesh, [4.3, 1.96, 5.7], 0.2, 0.04, Is::Brass);
     shade(mesh, [4.3, 1.8, 5.7], 0.17, 0.16, Is::Brass);
-    // A sideboard with a screen, a picture, a plant.
+    // A sideboard with a television, a picture, a plant.
     put(mesh, [3.3, 0.12, 2.82], [1.1, 0.42, 0.4], Is::Oak);
     put(mesh, [3.35, 0.0, 2.86], [1.0, 0.12, 0.32], Is::Dark);
-    put(mesh, [3.4, 0.72, 2.84], [0.9, 0.54, 0.03], Is::Dark);
-    put(mesh, [3.75, 0.54, 2.88], [0.2, 0.18, 0.05], Is::Dark);
+    television(mesh);
     picture(mesh, [5.57, 1.25, 4.7], [0.028, 0.8, 1.1], 0, -1.0, Is::Print);
     plant(mesh, [5.25, 0.0, 6.65], 1.25);
     plant(mesh, [0.35, 0.0, 3.2], 0.95);
@@ -210,8 +244,8 @@ pub(super) fn bedroom(mesh: &mut WorldMesh) {
         put(mesh, [5.74, 0.0, z], [0.42, 0.5, 0.4], Is::Oak);
     }
     column(mesh, [5.98, 0.5, 4.62], 0.07, 0.02, Is::Brass);
-    column(mesh, [5.98, 0.52, 4.62], 0.02, 0.2, Is::Brass);
-    shade(mesh, [5.98, 0.74, 4.62], 0.12, 0.2, Is::Linen);
+    column(mesh, [5.98, 0.52, 4.62], 0.02, 0.225, Is::Brass);
+    cloth_shade(mesh, [5.98, 0.74, 4.62], [0.14, 0.1], 0.2, Is::BedsideShade);
     put(mesh, [5.85, 0.5, 6.66], [0.2, 0.03, 0.14], Is::Rug);
     // Wardrobe along the east wall.
     put(mesh, [8.4, 0.0, 4.6], [0.6, 2.2, 1.8], Is::White);

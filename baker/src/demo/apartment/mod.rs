@@ -1,10 +1,13 @@
-//! A furnished apartment of four rooms and a hall: windows to three sides for the sun, a lamp in each
-//! room, a hedge outside. Open doors, slender frames and shades that hold a lamp. Metres; x points
-//! east, z south, so that the sun rises at +x and sets at -x.
+//! A furnished apartment of four rooms and a hall: windows to three sides for sun and sky, a lamp in each
+//! room, shades and a television that shine, a garden outside. Open doors, slender frames and shades that
+//! hold a lamp. Metres; x points east, z south, so that the sun rises at +x and sets at -x.
 
 mod furniture;
+mod garden;
 
-use super::{block, camera, matt};
+use super::sky::add_clear_sky;
+use super::walls::{Hole, wall, window};
+use super::{block, camera, matt, shining};
 use crate::scene::Scene;
 use crate::scene::world_mesh::WorldMesh;
 use glam::{DVec3, dvec3};
@@ -43,10 +46,18 @@ enum Is {
     Hedge,
     YoungHedge,
     Stone,
+    Bark,
+    Shade,
+    BedsideShade,
+    /// The television's picture, from the top.
+    ScreenSky,
+    ScreenSun,
+    ScreenHills,
+    ScreenLake,
 }
 
 /// Names and linear RGB albedos, in the order of [`Is`].
-const MATERIALS: [(&str, [f32; 3]); 23] = [
+const MATERIALS: [(&str, [f32; 3]); 24] = [
     ("floor", [0.42, 0.27, 0.15]),
     ("wall", [0.74, 0.71, 0.66]),
     ("accent wall", [0.16, 0.3, 0.34]),
@@ -70,21 +81,45 @@ const MATERIALS: [(&str, [f32; 3]); 23] = [
     ("hedge", [0.15, 0.19, 0.1]),
     ("young hedge", [0.19, 0.23, 0.13]),
     ("stone", [0.48, 0.45, 0.4]),
+    ("bark", [0.18, 0.13, 0.09]),
 ];
+
+/// Shining materials, which follow in the order of [`Is`]: name, light group, albedo, radiance in nits.
+const SHINING: [(&str, &str, [f32; 3], [f32; 3]); 6] = [
+    ("lamp shade", "Lamp shade", [0.7, 0.64, 0.54], [5.0, 3.5, 1.9]),
+    ("bedside shade", "Bedside shade", [0.7, 0.64, 0.54], [4.0, 2.7, 1.4]),
+    ("screen: sky", "Television", SCREEN, [1.0, 1.9, 3.4]),
+    ("screen: sunset", "Television", SCREEN, [4.2, 2.2, 0.9]),
+    ("screen: hills", "Television", SCREEN, [0.25, 0.4, 0.5]),
+    ("screen: lake", "Television", SCREEN, [0.9, 1.3, 2.2]),
+];
+/// Albedo of a screen.
+const SCREEN: [f32; 3] = [0.04; 3];
+
+/// Direction of the afternoon sun's light.
+const SUN: [f64; 3] = [0.52, -0.62, -0.59];
+/// Factor of the sky's radiance: as in a photograph, sun and sky are dimmed beside the lamps, both alike.
+const SKY: f64 = 0.4;
 
 pub(super) fn scene() -> Scene {
     let mut mesh = WorldMesh::default();
     shell(&mut mesh);
-    garden(&mut mesh);
+    garden::add(&mut mesh);
     furniture::living_room(&mut mesh);
     furniture::kitchen(&mut mesh);
     furniture::bedroom(&mut mesh);
     furniture::study(&mut mesh);
     furniture::hall(&mut mesh);
+    let plain = MATERIALS.iter().map(|(name, albedo)| (matt(name, *albedo), None));
+    let bright = SHINING.iter().map(|(name, group, albedo, emission)| {
+        (shining(name, *albedo, *emission), Some((*group).to_owned()))
+    });
+    let (materials, light_groups) = plain.chain(bright).unzip();
     let look = |position: [f64; 3], target: [f64; 3]| camera(position, target, 62.0);
     let mut scene = Scene {
         name: "apartment".into(),
-        materials: MATERIALS.iter().map(|(name, albedo)| matt(name, *albedo)).collect(),
+        materials,
+        light_groups,
         lights: lights(),
         light_names: LIGHTS.map(str::to_owned).into(),
         camera_names: ["Living room", "Kitchen", "Bedroom", "Study"].map(str::to_owned).into(),
@@ -96,6 +131,7 @@ pub(super) fn scene() -> Scene {
         ],
         ..Scene::default()
     };
+    add_clear_sky(&mut scene, SUN, SKY);
     mesh.finish(&mut scene);
     scene
 }
@@ -116,12 +152,7 @@ fn lights() -> Vec<Light> {
         radius: 0.0,
     };
     vec![
-        Light::Directional {
-            direction: [0.52, -0.62, -0.59],
-            intensity: 40.0,
-            color: [1.0, 0.93, 0.82],
-            radius_deg: 0.0,
-        },
+        Light::Directional { direction: SUN, intensity: 40.0, color: [1.0, 0.93, 0.82], radius_deg: 0.0 },
         Light::Point { position: [0.5, 1.52, 6.5], intensity: 5.0, color: warm, radius: 0.0 },
         spot([4.3, 1.78, 5.7], [0.0, -1.0, 0.0], 58.0, 10.0),
         spot([1.9, 2.6, 1.1], [0.0, -1.0, -0.15], 56.0, 10.0),
@@ -129,9 +160,6 @@ fn lights() -> Vec<Light> {
         spot([8.55, 0.98, 0.62], [-0.5, -1.0, 0.3], 52.0, 5.0),
     ]
 }
-
-/// A hole in a wall: start and end along the wall, lower and upper height.
-type Hole = [f64; 4];
 
 /// Floor, ceiling, walls with doors and windows.
 fn shell(mesh: &mut WorldMesh) {
@@ -142,84 +170,22 @@ fn shell(mesh: &mut WorldMesh) {
     let south: [Hole; 3] = [[0.9, 2.7, 0.25, 2.3], [3.2, 5.0, 0.25, 2.3], [6.5, 8.1, 0.8, 2.25]];
     let west: [Hole; 2] = [[0.9, 2.1, 1.2, 2.2], [4.0, 5.6, 0.8, 2.25]];
     let east: [Hole; 1] = [[0.7, 2.0, 0.9, 2.2]];
-    wall(mesh, 0, [ROOM.z, high.z], [low.x, high.x], &south, Is::Wall);
-    wall(mesh, 0, [low.z, 0.0], [low.x, high.x], &[], Is::Wall);
-    wall(mesh, 2, [low.x, 0.0], [0.0, ROOM.z], &west, Is::Wall);
-    wall(mesh, 2, [ROOM.x, high.x], [0.0, ROOM.z], &east, Is::Wall);
-    for hole in &south {
-        window(mesh, 0, ROOM.z + 0.12, hole);
-    }
-    for hole in &west {
-        window(mesh, 2, -0.12, hole);
-    }
-    window(mesh, 2, ROOM.x + 0.12, &east[0]);
-    let between = |mesh: &mut WorldMesh, axis, at: f64, ends, holes: &[Hole], is| {
-        wall(mesh, axis, [at - INNER, at + INNER], ends, holes, is);
+    let outer = |mesh: &mut WorldMesh, axis, thick, ends, holes: &[Hole]| {
+        wall(mesh, axis, thick, ends, [0.0, ROOM.y], holes, Is::Wall as u32);
+    };
+    outer(mesh, 0, [ROOM.z, high.z], [low.x, high.x], &south);
+    outer(mesh, 0, [low.z, 0.0], [low.x, high.x], &[]);
+    outer(mesh, 2, [low.x, 0.0], [0.0, ROOM.z], &west);
+    outer(mesh, 2, [ROOM.x, high.x], [0.0, ROOM.z], &east);
+    let frame = |mesh: &mut WorldMesh, axis, at, hole| window(mesh, axis, at, hole, 2, Is::White as u32);
+    south.iter().for_each(|hole| frame(mesh, 0, ROOM.z + 0.12, hole));
+    west.iter().for_each(|hole| frame(mesh, 2, -0.12, hole));
+    frame(mesh, 2, ROOM.x + 0.12, &east[0]);
+    let between = |mesh: &mut WorldMesh, axis, at: f64, ends, holes: &[Hole], is: Is| {
+        wall(mesh, axis, [at - INNER, at + INNER], ends, [0.0, ROOM.y], holes, is as u32);
     };
     between(mesh, 0, 2.74, [0.0, ROOM.x], &[[0.7, 3.1, 0.0, 2.35], [4.5, 5.4, 0.0, 2.05]], Is::Wall);
     between(mesh, 2, 5.66, [2.74 + INNER, ROOM.z], &[[3.1, 4.0, 0.0, 2.05]], Is::Accent);
     between(mesh, 2, 4.06, [0.0, 2.74 - INNER], &[], Is::Wall);
     between(mesh, 2, 6.06, [0.0, 2.74 - INNER], &[[0.9, 1.8, 0.0, 2.05]], Is::Wall);
-}
-
-/// A wall along an axis (0: x, 2: z), from floor to ceiling, `thick` from one side to the other.
-/// Holes in ascending order.
-fn wall(mesh: &mut WorldMesh, axis: usize, thick: [f64; 2], ends: [f64; 2], holes: &[Hole], is: Is) {
-    let mut piece = |along: [f64; 2], heights: [f64; 2]| {
-        if along[1] > along[0] && heights[1] > heights[0] {
-            slab(mesh, axis, along, heights, thick, is);
-        }
-    };
-    let mut at = ends[0];
-    for &[from, to, sill, head] in holes {
-        piece([at, from], [0.0, ROOM.y]);
-        piece([from, to], [0.0, sill]);
-        piece([from, to], [head, ROOM.y]);
-        at = to;
-    }
-    piece([at, ends[1]], [0.0, ROOM.y]);
-}
-
-/// A box whose length runs along x (0) or z (2).
-fn slab(mesh: &mut WorldMesh, axis: usize, along: [f64; 2], heights: [f64; 2], thick: [f64; 2], is: Is) {
-    let corner = |k: usize| match axis {
-        0 => dvec3(along[k], heights[k], thick[k]),
-        _ => dvec3(thick[k], heights[k], along[k]),
-    };
-    block(mesh, corner(0), corner(1), is as u32);
-}
-
-/// Frame and bars of a window, its middle plane at `at`.
-fn window(mesh: &mut WorldMesh, axis: usize, at: f64, &[from, to, sill, head]: &Hole) {
-    const BAR: f64 = 0.05;
-    let thick = [at - 0.03, at + 0.03];
-    let middle = 0.5 * (from + to);
-    for x in [from, middle - 0.5 * BAR, to - BAR] {
-        slab(mesh, axis, [x, x + BAR], [sill + BAR, head - BAR], thick, Is::White);
-    }
-    for y in [sill, head - BAR] {
-        slab(mesh, axis, [from, to], [y, y + BAR], thick, Is::White);
-    }
-}
-
-/// The view from the windows: grass, a terrace, and a hedge around, cut in uneven blocks.
-fn garden(mesh: &mut WorldMesh) {
-    const WIDTH: f64 = 0.9;
-    let (low, high) = (dvec3(-6.6, -0.6, -4.5), dvec3(15.6, -0.32, 14.4));
-    block(mesh, low, high, Is::Grass as u32);
-    block(mesh, dvec3(0.2, high.y, ROOM.z + OUTER), dvec3(5.6, -0.1, 9.4), Is::Stone as u32);
-    let mut hedge = |axis, [from, to]: [f64; 2], near: f64, far: f64, top: f64| {
-        let count = ((to - from) / WIDTH).ceil();
-        let at = |k: usize| from + (to - from) * k as f64 / count;
-        for k in 0..count as usize {
-            let uneven = 0.1 * ((k * 5) % 4) as f64;
-            let thick = if near < far { [near + uneven, far] } else { [far, near - uneven] };
-            let is = if k % 2 == 0 { Is::Hedge } else { Is::YoungHedge };
-            slab(mesh, axis, [at(k), at(k + 1)], [high.y, top - 0.5 * uneven], thick, is);
-        }
-    };
-    hedge(0, [low.x, high.x], high.z - 0.9, high.z, 3.7);
-    hedge(0, [low.x, high.x], low.z + 0.9, low.z, 2.9);
-    hedge(2, [low.z + 0.9, high.z - 0.9], low.x + 0.9, low.x, 2.9);
-    hedge(2, [low.z + 0.9, high.z - 0.9], high.x - 0.9, high.x, 2.9);
 }
