@@ -20,6 +20,8 @@ struct MapPlace {
     bias: f32,
     // How far off the surface may be, per texel.
     loose: f32,
+    // The light's outline as seen from the place, for places of the unit disc.
+    outline: mat2x2f,
     // Change of depth per texel along the rim of the cone from the place to the light.
     rim: f32,
     // Texels from the place to the farthest tap.
@@ -27,6 +29,21 @@ struct MapPlace {
     layer: u32,
     // Whether the map is that of a cascade.
     near: bool,
+}
+
+// The outline of a light on a map, for places of the unit disc: a flat light is seen at an angle, and what is beside it hides
+// nothing of it. `at`: clip space.
+fn light_outline(light: Light, clip_from_local: mat4x4f, at: vec2f) -> mat2x2f {
+    if !is_area(light) || light.kind == SPHERE {
+        return mat2x2f(1.0, 0.0, 0.0, 1.0);
+    }
+    let rows = transpose(clip_from_local);
+    let side = light.extent / sqrt(light.extent.x * light.extent.y);
+    let right = side.x * cross(light.up, light.direction);
+    let up = side.y * light.up;
+    let x = rows[0].xyz - at.x * rows[3].xyz;
+    let y = at.y * rows[3].xyz - rows[1].xyz;
+    return mat2x2f(dot(x, right), dot(y, right), dot(x, up), dot(y, up)) * (1.0 / length(rows[0].xyz));
 }
 
 // The i-th of `count` places on a spiral over the unit disc; `power` 0.5 fills it evenly.
@@ -67,11 +84,12 @@ fn penumbra(map: MapPlace, taps: vec2u) -> f32 {
     var sum = vec2f(0.0);
     for (var i = 0u; i < taps.x; i++) {
         // More of them near the place, or narrow penumbrae were not found.
-        let off = on_disc(i, taps.x, 1.5) * map.reach;
+        let on_light = on_disc(i, taps.x, 1.5) * map.reach;
+        let off = map.outline * on_light;
         let uv = (map.at.xy + off) / size;
         let found = map_depths(map.near, uv, map.layer);
         // In front, and within the cone to the light.
-        let least = max(in_front(map, off), map.at.z + map.rim * length(off));
+        let least = max(in_front(map, off), map.at.z + map.rim * length(on_light));
         let hiding = step(vec4f(least), found) * on_map_share(uv);
         let narrow = map.rim / max(found - map.at.z, vec4f(1e-12));
         sum += vec2f(dot(hiding, vec4f(1.0)), dot(hiding, narrow));
@@ -85,7 +103,7 @@ fn penumbra(map: MapPlace, taps: vec2u) -> f32 {
     }
     var seen = vec2f(0.0);
     for (var i = 0u; i < taps.y; i++) {
-        let off = on_disc(i, taps.y, 0.5) * wide;
+        let off = map.outline * on_disc(i, taps.y, 0.5) * wide;
         let uv = (map.at.xy + off) / size;
         var share = 0.0;
         if map.near {

@@ -145,10 +145,11 @@ fn soft_visibility(light: Light, position: vec3f, normal: vec3f, to_light: vec3f
     if light.size > 0.0 {
         let rim = unit * place.w / light.size;
         let reach = size * select(REACH, AREA_REACH, is_area(light));
-        var map = MapPlace(place.xyz, slope, bias, unit * LOOSE / max(cosine * cosine, 1e-3), rim, reach, layer, near);
+        let outline = light_outline(light, clip_from_local, (place.xy / size - 0.5) * vec2f(2.0, -2.0));
+        var map = MapPlace(place.xyz, slope, bias, unit * LOOSE / max(cosine * cosine, 1e-3), outline, rim, reach, layer, near);
         if abs(area) < 1e-3 || any(slope != tilt) {
             // Seen edge-on, the surface has no plane on the map: what is well before it counts.
-            map = MapPlace(place.xyz, vec2f(0.0), bias, 2.0 * MOST_SLOPE * unit, rim, reach, layer, near);
+            map = MapPlace(place.xyz, vec2f(0.0), bias, 2.0 * MOST_SLOPE * unit, outline, rim, reach, layer, near);
         }
         let part = penumbra(map, taps);
         if part >= 0.0 {
