@@ -16,7 +16,7 @@ use rebounce_viewer::settings::Mode;
 
 const SIZE: u32 = 128;
 /// Maximum RMS difference, as a share of the mean.
-const MOST: f32 = 0.1;
+const MOST: f32 = 0.12;
 /// Maximum share of pixels that show a light in one picture alone.
 const ASTRAY: f32 = 0.005;
 
