@@ -21,4 +21,5 @@ mod openness;
 mod penumbra;
 mod shadows;
 mod shown;
+mod solved;
 mod turning;

@@ -32,6 +32,7 @@ import { recovery } from "./page/recovery.mjs";
 import { sharing } from "./page/sharing.mjs";
 import { shown } from "./page/shown.mjs";
 import { slots } from "./page/slots.mjs";
+import { solved } from "./page/solved.mjs";
 import { soak } from "./page/soak.mjs";
 import { state } from "./page/state.mjs";
 import { text } from "./page/text.mjs";
@@ -41,7 +42,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light, environment,
+  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, state, watch, light, environment,
   failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

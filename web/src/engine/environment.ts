@@ -22,8 +22,6 @@ export class Environment {
   #host: EnvironmentHost;
   #picture: Picture | undefined;
   #loading: AbortController | undefined;
-  /** The viewer that has the picture. */
-  #given: Viewer | undefined;
   /** The attribute has brought the light. */
   #added = false;
 
@@ -50,7 +48,6 @@ export class Environment {
     }
     if (signal.aborted) return;
     this.#picture = picture;
-    this.#given = undefined;
     this.#host.withViewer((viewer) => {
       if (!picture) this.#takeBack(viewer);
       this.show(viewer);
@@ -62,10 +59,7 @@ export class Environment {
   show(viewer: Viewer): void {
     const { element } = this.#host;
     const picture = this.#picture;
-    if (picture && this.#given !== viewer) {
-      viewer.setEnvironment(picture.width, picture.scale, picture.texels);
-      this.#given = viewer;
-    }
+    if (picture) viewer.setEnvironment(picture.width, picture.scale, picture.texels);
     if (picture && !lightsIn(viewer).some(isEnvironment)) {
       setLights(viewer, [...lightsIn(viewer), { type: "environment", intensity: 1 }]);
       this.#added = true;
