@@ -2,7 +2,7 @@
 //!
 //! The lights of such a file stay in place. A picture may have fewer of them, dimmer and in other colours.
 
-use crate::light::{COLOR, INTENSITY, KINDS, Light, LightKind, ROTATION, SIZE};
+use crate::light::{COLOR, INTENSITY, KINDS, Light, LightKind, NUMBERS, ROTATION, SIZE};
 use glam::Vec3;
 
 /// Greatest difference of a number that counts as equal, as a share of its magnitude plus 1: links and SHOT.json round.
@@ -11,15 +11,13 @@ const EQUAL: f64 = 1e-5;
 /// A light that no group of light is for.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "light {number}, {kind}, is not where one of the {groups} lights of the file is: they were solved for in their places, and change in intensity and color alone; make a file whose lights move with `rebounce bake`"
+    "light {number}, {kind}, is not where the file was solved for it: intensity and color alone change; `rebounce bake` makes files whose lights move"
 )]
 pub struct MovedLight {
     /// Number of the light in the picture, from 0.
     pub number: usize,
     /// Name of its kind.
     pub kind: &'static str,
-    /// Number of lights of the file.
-    pub groups: usize,
 }
 
 /// Returns the strength of each group, linear RGB; `solved` are the lights of the file, `lights` those of the picture. A
@@ -32,9 +30,9 @@ pub fn group_strengths(solved: &[Light], lights: &[Light]) -> Result<Vec<Vec3>, 
     let mut is_free = vec![true; solved.len()];
     for (number, light) in lights.iter().enumerate() {
         let is_own = |group: &usize| is_free[*group] && is_in_place(&solved[*group], light);
-        let kind = KINDS[light.kind() as usize].name;
         let group = (0..solved.len()).find(is_own);
-        let group = group.ok_or(MovedLight { number, kind, groups: solved.len() })?;
+        let kind = KINDS[light.kind() as usize].name;
+        let group = group.ok_or(MovedLight { number, kind })?;
         is_free[group] = false;
         out[group] = light.strength();
     }
@@ -44,22 +42,27 @@ pub fn group_strengths(solved: &[Light], lights: &[Light]) -> Result<Vec<Vec3>, 
 /// Whether a light equals another but for intensity and colour. The radius of a punctual light counts for its direct light
 /// alone; the picture of an environment is the file's own.
 fn is_in_place(solved: &Light, light: &Light) -> bool {
-    let kind = solved.kind();
-    let numbers = |light: &Light| {
-        let mut numbers = at_unit_strength(light).numbers();
-        if kind.is_punctual() {
-            numbers[SIZE.at] = 0.0;
-        }
+    let (solved, light) = (place(solved), place(light));
+    (0..NUMBERS).all(|at| {
+        let [a, b] = [solved[at], light[at]];
+        let mut apart = a - b;
         // A turn may be written in several ways.
-        if kind == LightKind::Environment {
-            numbers[ROTATION.at] = numbers[ROTATION.at].rem_euclid(360.0);
+        if at == ROTATION.at && solved[0] == f64::from(LightKind::Environment as u32) {
+            apart -= 360.0 * (apart / 360.0).round_ties_even();
         }
-        numbers
-    };
-    let is_equal = |(a, b): (f64, f64)| {
-        a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan() || (a - b).abs() <= EQUAL * (1.0 + a.abs())
-    };
-    kind == light.kind() && numbers(solved).into_iter().zip(numbers(light)).all(is_equal)
+        a.is_nan() && b.is_nan() || apart.abs() <= EQUAL * (1.0 + a.abs())
+    })
+}
+
+/// Numbers of a light that stay.
+fn place(light: &Light) -> [f64; NUMBERS] {
+    let mut numbers = light.numbers();
+    numbers[INTENSITY.at] = 0.0;
+    numbers[COLOR.at..COLOR.at + 3].fill(0.0);
+    if light.kind().is_punctual() {
+        numbers[SIZE.at] = 0.0;
+    }
+    numbers
 }
 
 /// Returns a light at unit strength, white.
@@ -106,6 +109,7 @@ mod tests {
         let turned =
             |rotation_deg| Light::Environment { file: None, rotation_deg, intensity: 1.0, color: [1.0; 3] };
         assert!(group_strengths(&[turned(-90.0)], &[turned(270.0)]).is_ok());
+        assert!(group_strengths(&[turned(0.0)], &[turned(360.0 - 1e-9)]).is_ok());
         assert!(group_strengths(&[turned(-90.0)], &[turned(0.0)]).is_err());
     }
 }

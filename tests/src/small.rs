@@ -2,13 +2,17 @@
 
 use anyhow::Result;
 use glam::{Vec2, Vec3};
-use rebounce::bake::{BakeSettings, Preset, bake};
+use rebounce::bake::{BakeSettings, Preset, SolveSettings, bake, solve};
 use rebounce::scene::Scene;
+use rebounce::transport::radiosity::RadiositySettings;
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::environment::Environment;
+use rebounce_shared::light::Light;
 use rebounce_shared::rbn::bulk::{Copies, Instance};
 use rebounce_shared::rbn::meta::{
     Animation, DetailTexture, Interpolation, Material, Property, Texture, Track,
 };
+use std::sync::Arc;
 
 /// Four pixels.
 const PICTURE: &[u8] = include_bytes!("small.png");
@@ -69,6 +73,53 @@ pub fn everything(functions: usize) -> Result<BakedScene> {
         *last = Copies { first: 0, count: 2 };
     }
     Ok(scene)
+}
+
+/// Returns the Cornell box, open in front, with a light of every kind that a file of version 10 has besides punctual ones:
+/// a sky, a panel that shines, a rectangle, a disk and a sphere.
+///
+/// # Errors
+/// Errors of loading.
+pub fn all_lights() -> Result<Scene> {
+    let mut scene = rebounce::io::load("builtin:cornell-box")?;
+    let panel = Material { name: "panel".to_owned(), emission: [0.6, 0.5, 0.3], ..Material::default() };
+    add_parallelogram(&mut scene, Vec3::new(0.0, 0.2, -0.9), [Vec3::X * 0.4, Vec3::Y * 0.3], panel);
+    let pixels = (0..32).map(|i| Vec3::new(0.1, 0.2, 0.4) * (1 + i % 3) as f32).collect();
+    scene.environment = Some(Arc::new(Environment { width: 8, height: 4, pixels }));
+    let color = [1.0, 0.9, 0.8];
+    let (down, up) = ([0.0, -1.0, 0.0], [0.0, 0.0, 1.0]);
+    scene.lights.extend([
+        Light::Environment { file: None, rotation_deg: 20.0, intensity: 2.0, color },
+        Light::Rectangle {
+            position: [1.0, 4.0, -2.0],
+            direction: down,
+            up,
+            width: 0.5,
+            height: 0.25,
+            intensity: 9.0,
+            color,
+        },
+        Light::Disk { position: [-1.0, 4.0, -2.0], direction: down, radius: 0.25, intensity: 8.0, color },
+        Light::Sphere { position: [0.0, 2.5, -1.0], radius: 0.125, intensity: 7.0, color },
+    ]);
+    Ok(scene)
+}
+
+/// Bakes [`all_lights`] with a few functions.
+///
+/// # Errors
+/// Errors of loading and of the bake.
+pub fn lit(functions: usize) -> Result<BakedScene> {
+    Ok(bake(&all_lights()?, &settings(functions), &())?.0)
+}
+
+/// Solves [`all_lights`] with a few functions.
+///
+/// # Errors
+/// Errors of loading and of the solver.
+pub fn solved(functions: usize) -> Result<BakedScene> {
+    let radiosity = RadiositySettings { rays: vec![64], ..RadiositySettings::default() };
+    Ok(solve(&all_lights()?, &SolveSettings { bake: settings(functions), radiosity })?.0)
 }
 
 /// Returns the scene with `name` for every name.

@@ -10,6 +10,7 @@ use rebounce::bake::bake;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::Only;
 use rebounce::light::direct::at_footprint;
+use rebounce::scene::Scene;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::{Content, packed_environment, render};
 use rebounce_shared::baked::BakedScene;
@@ -48,8 +49,9 @@ fn sky(has_sun: bool) -> Environment {
     Environment { width, height, pixels }
 }
 
-/// Bakes the Cornell box without its ceiling, with a panel that shines; with `glass`, a pane in the open front instead.
-fn room(has_sun: bool, glass: bool) -> BakedScene {
+/// The Cornell box without its ceiling, under a sky, with a lamp and a panel that shines; with `glass`, a pane in the open
+/// front instead.
+pub fn open_box(has_sun: bool, glass: bool) -> Scene {
     let mut room = rebounce::io::load("builtin:cornell-box").unwrap();
     let (_, high) = room.bounds();
     let is_below = |t: &[u32; 3]| t.iter().any(|i| room.positions[*i as usize].y < high.y - 0.1);
@@ -79,9 +81,14 @@ fn room(has_sun: bool, glass: bool) -> BakedScene {
         Light::Environment { file: None, rotation_deg: 20.0, intensity: 1.0, color: [1.0, 0.9, 0.8] },
         Light::Point { position: [0.5, 3.0, -2.0], intensity: 2.0, color: [1.0; 3], radius: 0.0 },
     ];
+    room
+}
+
+/// Bakes [`open_box`].
+fn room(has_sun: bool, glass: bool) -> BakedScene {
     let mut settings = settings(2400);
     settings.operator.rays = vec![512];
-    let scene = bake(&room, &settings, &()).unwrap().0;
+    let scene = bake(&open_box(has_sun, glass), &settings, &()).unwrap().0;
     assert!(scene.sources.has_sky && !scene.source_links.is_empty());
     // The bake adds a light for the panel.
     assert_eq!(scene.sources.groups.len(), usize::from(!glass));

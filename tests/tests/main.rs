@@ -22,4 +22,5 @@ mod openness;
 mod penumbra;
 mod shadows;
 mod shown;
+mod solved;
 mod turning;

@@ -1,5 +1,6 @@
 //! Errors of the viewer, with short codes for programs.
 
+use rebounce_shared::light_group::MovedLight;
 use rebounce_shared::rbn::RbnError;
 
 /// An error of the viewer. The page's `error` event carries [`ViewerError::code`].
@@ -21,11 +22,6 @@ pub enum ViewerError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] RbnError),
-    /// The file has light groups in place of links.
-    #[error(
-        "the file holds a fixed solution, which this page does not show yet: `rebounce render` does; make a file for the page with `rebounce bake`"
-    )]
-    Solved,
     /// A section exceeds the buffer limit.
     #[error(
         "section {section} takes {bytes} bytes, a buffer of this graphics adapter holds {limit}: bake a smaller scene, or fewer levels"
@@ -65,6 +61,9 @@ pub enum ViewerError {
         /// The problem.
         problem: String,
     },
+    /// A light of a fixed solution is elsewhere.
+    #[error(transparent)]
+    Moved(#[from] MovedLight),
     /// An argument is out of range.
     #[error("{0}")]
     BadArgument(String),
@@ -81,14 +80,13 @@ impl ViewerError {
             Self::NoAdapter(_) => "no-adapter",
             Self::NoDevice(_) => "no-device",
             Self::File(error) => error.code(),
-            Self::Solved => "newer-version",
             Self::TooLarge { .. } => "too-large",
             Self::OutOfMemory => "out-of-memory",
             Self::Texture { .. } => "texture",
             Self::DeviceLost(_) => "device-lost",
             Self::NoScene => "no-scene",
             Self::BadJson { .. } => "bad-json",
-            Self::BadArgument(_) => "bad-argument",
+            Self::Moved(_) | Self::BadArgument(_) => "bad-argument",
             Self::Internal(_) => "internal",
         }
     }

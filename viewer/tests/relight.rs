@@ -9,7 +9,7 @@ use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::relight;
 use rebounce_viewer::gpu::Gpu;
 use rebounce_viewer::readback::Readback;
-use rebounce_viewer::relight::{Relight, RelightPipelines};
+use rebounce_viewer::relight::{Parts, Relight, RelightPipelines};
 use rebounce_viewer::shadow::ShadowPipelines;
 use rebounce_viewer::upload::Upload;
 
@@ -34,6 +34,30 @@ fn run(gpu: &Gpu, scene: &BakedScene, direct: &[Vec3], lanes: u32) -> [Vec<f32>;
     relight.encode(&mut encoder, &pipelines, None, None);
     gpu.queue.submit([encoder.finish()]);
     [&relight.irradiance, &relight.display].map(|b| floats(gpu, b))
+}
+
+/// Runs the steps of a fixed solution on the GPU, from this direct irradiance of lamps; as [`run`].
+fn run_solved(
+    gpu: &Gpu,
+    scene: &BakedScene,
+    direct: &[Vec3],
+    strengths: &[Vec3],
+    parts: Parts,
+) -> [Vec<[f32; 4]>; 2] {
+    let materials = rebounce_viewer::materials::material_layout(gpu);
+    let shadows = ShadowPipelines::new(gpu, &materials);
+    let pipelines = RelightPipelines::new(gpu, &shadows.layout);
+    let upload = Upload::new(gpu, scene).unwrap();
+    let relight = Relight::new(gpu, &pipelines, &upload, scene);
+    assert!(relight.is_solved() && relight.has_sources());
+    relight.set_parts(gpu, parts);
+    relight.set_strengths(gpu, strengths);
+    let rows: Vec<[f32; 4]> = direct.iter().map(|e| [e.x, e.y, e.z, 0.0]).collect();
+    gpu.queue.write_buffer(&relight.irradiance, 0, bytemuck::cast_slice(&rows));
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    relight.encode(&mut encoder, &pipelines, None, None);
+    gpu.queue.submit([encoder.finish()]);
+    [&relight.irradiance, &relight.display].map(|b| floats(gpu, b).as_chunks().0.to_vec())
 }
 
 /// Largest difference, over the largest value.
@@ -92,6 +116,72 @@ fn light_of_sky_and_emissive_surfaces_agrees_with_the_cpu() {
     for lanes in [1, 8, 64] {
         check(&gpu, &scene, lanes, 1e-4);
     }
+}
+
+#[test]
+fn a_scene_without_a_sky_has_no_dispatch_for_one_and_a_lamp_that_moves_none_for_links_of_a_sky() {
+    let Some(gpu) = common::gpu() else { return };
+    let materials = rebounce_viewer::materials::material_layout(&gpu);
+    let shadows = ShadowPipelines::new(&gpu, &materials);
+    let pipelines = RelightPipelines::new(&gpu, &shadows.layout);
+    let plain = common::room(&[3, 6, 12]);
+    let mut under_sky = plain.clone();
+    common::add_sources(&mut under_sky);
+    // Dispatches of frames from the points' direct light on, with these strengths of the sources.
+    let frames = |scene: &BakedScene, all: &[Vec<Vec3>]| -> Vec<usize> {
+        let upload = Upload::new(&gpu, scene).unwrap();
+        let relight = Relight::new(&gpu, &pipelines, &upload, scene);
+        let frame = |strengths: &Vec<Vec3>| {
+            relight.set_strengths(&gpu, strengths);
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            let count = relight.encode(&mut encoder, &pipelines, None, None);
+            gpu.queue.submit([encoder.finish()]);
+            count
+        };
+        all.iter().map(frame).collect()
+    };
+    let day = strengths(&under_sky);
+    let dusk: Vec<Vec3> = day.iter().map(|strength| *strength * 0.25).collect();
+    let levels = plain.meta.levels.len();
+    // Pull, send, one coarse level and its bounces, one finer level of senders, send, all levels, light level.
+    let own = levels - 1 + 1 + 1 + 1 + 1 + 1 + levels + 1;
+    assert_eq!(frames(&plain, &[Vec::new(), Vec::new()]), [own, own]);
+    // With sources two sums more; their links only for another sky.
+    assert_eq!(frames(&under_sky, &[day.clone(), day, dusk]), [own + 2 + levels, own + 2, own + 2 + levels]);
+    gpu.check().unwrap();
+}
+
+#[test]
+fn groups_of_a_fixed_solution_agree_with_the_cpu_part_by_part() {
+    let Some(gpu) = common::gpu() else { return };
+    let mut scene = common::room(&[3, 6, 12]);
+    common::solve(&mut scene);
+    let strengths = [Vec3::new(3.0, 2.0, 0.5), Vec3::ZERO, Vec3::new(0.1, 40.0, 1e3)];
+    let light = relight::from_groups(&scene, &strengths);
+    let direct = irradiance(scene.direct_count());
+    for (bounced, from_sources) in [(true, true), (true, false), (false, true), (false, false)] {
+        let parts = Parts { bounced, from_sources };
+        let [senders, display] = run_solved(&gpu, &scene, &direct, &strengths, parts);
+        let shown =
+            |i: usize| light.bounced[i] * f32::from(bounced) + light.direct[i] * f32::from(from_sources);
+        let near = |ours: &[f32; 4], truth: Vec3| {
+            (Vec3::from_slice(&ours[..3]) - truth).abs().cmple(1e-5 * truth).all()
+        };
+        let mut lit = 0;
+        for (i, ours) in display.iter().take(scene.points.len()).enumerate() {
+            assert!(near(ours, shown(i)), "point {i}: {ours:?}, not {}", shown(i));
+            // The tilt of light from nowhere in particular (tilt.wgsl).
+            assert_eq!(ours[3], 128.0 * (1.0 + 256.0 + 65536.0));
+            lit += usize::from(shown(i).min_element() > 0.0);
+        }
+        assert!(lit > 100 || !bounced && !from_sources, "{lit} points are lit");
+        let mut truth: Vec<Vec3> = (0..scene.direct_count()).map(|i| direct[i] + shown(i)).collect();
+        relight::pull(&scene, &mut truth);
+        for (i, ours) in senders.iter().take(scene.sender_count()).enumerate() {
+            assert!(near(ours, truth[i]), "sender {i}: {ours:?}, not {}", truth[i]);
+        }
+    }
+    gpu.check().unwrap();
 }
 
 #[test]

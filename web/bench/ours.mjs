@@ -81,5 +81,22 @@ window.bench = {
     const { adapter, display, milliseconds } = viewer.stats();
     return { adapter, display, find: milliseconds.find, gather: milliseconds.gather, light };
   },
+  /** Frames under an environment, in turns: with that turned, and with the lamp moved. The first of each is for pipelines
+   * and buffers. */
+  async sky(rounds) {
+    viewer.shot = { camera, lights };
+    viewer.environment = "/sky.hdr";
+    const sky = () => viewer.lights.filter(({ type }) => type === "environment");
+    while (sky().length === 0) await new Promise((later) => setTimeout(later, 20));
+    const times = { sky: [], lamp: [] };
+    for (let round = 0; round <= rounds; round += 1) {
+      await rest();
+      const turned = await timed(() => (viewer.environmentRotation = 37 * (round + 1)));
+      await rest();
+      const lamp = await timed(() => (viewer.lights = [...moved(0.05 * (round + 1)), ...sky()]));
+      if (round > 0) [turned, lamp].forEach((time, i) => times[["sky", "lamp"][i]].push(time));
+    }
+    return times;
+  },
   stats: () => viewer.stats(),
 };

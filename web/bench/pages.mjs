@@ -40,5 +40,15 @@ export async function openPage(browser, address, viewport) {
   return page;
 }
 
+/** A Radiance picture of an uneven sky over a dark ground, without a sun: RGBE in rows that are not packed. */
+export function skyPicture(width = 512, height = 256) {
+  const texel = (i) => {
+    const turn = 0.5 + 0.4 * Math.cos((2 * Math.PI * (i % width)) / width);
+    return i < (width * height) / 2 ? [90 * turn, 120 * turn, 200 * turn, 129] : [40, 35, 30, 127];
+  };
+  const texels = Array.from({ length: width * height }, (_, i) => texel(i));
+  return Buffer.concat([Buffer.from(`#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`), Buffer.from(texels.flat())]);
+}
+
 /** The one in the middle. */
 export const median = (numbers) => [...numbers].sort((a, b) => a - b)[Math.floor(numbers.length / 2)];

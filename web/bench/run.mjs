@@ -1,6 +1,6 @@
 // node bench/run.mjs COMPARE SCENE.glb SCENE.rbn SHOT.json REFERENCE OUT: frames with a moving light at 1280 x 720,
-// in turns: rebounce-viewer, three.js without global illumination, with VXGI, with LightProbeGrid. Writes what was measured to
-// OUT as JSON. REFERENCE.indirect.a.exr and .b.exr are path-traced pictures of the shot's bounced light, or "-".
+// in turns: rebounce-viewer, three.js without global illumination, with VXGI, with LightProbeGrid. At the end rebounce-viewer's
+// frames under a sky: with the sky turned, and with the light moved. Writes what was measured to OUT as JSON. REFERENCE.indirect.a.exr and .b.exr are path-traced pictures of the shot's bounced light, or "-".
 
 import { execFile } from "node:child_process";
 import { mkdtemp, readFile, writeFile } from "node:fs/promises";
@@ -8,14 +8,19 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { promisify } from "node:util";
 import { launch, within } from "../test/browser.mjs";
-import { median, openPage, serve } from "./pages.mjs";
+import { median, openPage, serve, skyPicture } from "./pages.mjs";
 
 const SIZE = { width: 1280, height: 720 };
 const PICTURE = [320, 180];
 const ROUNDS = 5;
+/** Frames under a sky, of each kind. */
+const UNDER_SKY = 5;
 
 const [compare, glb, rbn, shot, reference, out] = process.argv.slice(2);
-const server = await serve({ "/scene.glb": glb, "/scene.rbn": rbn, "/shot.json": shot });
+const work = await mkdtemp(path.join(tmpdir(), "rebounce-bench-"));
+const sky = path.join(work, "sky.hdr");
+await writeFile(sky, skyPicture());
+const server = await serve({ "/scene.glb": glb, "/scene.rbn": rbn, "/shot.json": shot, "/sky.hdr": sky });
 const open = (browser, name) => openPage(browser, `${server.address}${name}`, SIZE);
 
 /** The light goes back and forth; every frame has a place of its own. */
@@ -38,7 +43,6 @@ async function error(page, work, name) {
   return JSON.parse(stdout);
 }
 
-const work = await mkdtemp(path.join(tmpdir(), "rebounce-bench-"));
 const names = { ours: "ours.html", three: "three.html", vxgi: "three.html?gi", probes: "three.html?probes" };
 /** Slow ones: measured once, and a failure is written down. */
 const SLOW = ["vxgi", "probes"];
@@ -60,6 +64,9 @@ try {
           results.ours.stats = await page.evaluate(() => globalThis.bench.stats());
           results.ours.still = await within("a still picture", page.evaluate(() => globalThis.bench.still()));
         }
+        if (which === "ours" && round + 1 === ROUNDS) {
+          results.ours.sky = await within("frames under a sky", page.evaluate((n) => globalThis.bench.sky(n), UNDER_SKY));
+        }
         if (round === 0 && which !== "three") results[which].error = await error(page, work, which);
       } catch (failure) {
         if (!SLOW.includes(which)) throw failure;
@@ -73,5 +80,6 @@ try {
 } finally {
   server.close();
 }
+for (const [which, times] of Object.entries(results.ours.sky)) results.ours.sky[which] = median(times);
 for (const result of Object.values(results)) result.median = result.ms.length ? median(result.ms) : undefined;
 await writeFile(out, JSON.stringify(results, null, 1));

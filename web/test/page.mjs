@@ -33,6 +33,7 @@ import { sharing } from "./page/sharing.mjs";
 import { shown } from "./page/shown.mjs";
 import { sky } from "./page/sky.mjs";
 import { slots } from "./page/slots.mjs";
+import { solved } from "./page/solved.mjs";
 import { soak } from "./page/soak.mjs";
 import { state } from "./page/state.mjs";
 import { text } from "./page/text.mjs";
@@ -42,7 +43,7 @@ import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
 const PARTS = {
-  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, state, watch, light, environment, sky,
+  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, state, watch, light, environment, sky,
   failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */

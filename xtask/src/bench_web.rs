@@ -1,6 +1,7 @@
 //! `cargo xtask bench-web`: frame time of the viewer in a browser against three.js, with equal scene, light and
 //! size, alternating on the same machine. The bounced light of each picture is compared with the path-traced
-//! reference, if present. Then: costs of lookup and splatting, and the difference of their pictures.
+//! reference, if present. Then: frames under a sky, with the sky turned and with the light moved; costs of lookup and
+//! splatting, and the difference of their pictures.
 
 use crate::fidelity::given;
 use crate::{install, process, report, web};
@@ -137,6 +138,14 @@ fn table(results: &Value) -> Result<String> {
     if let Some(turn) = results["ours"]["turn"].as_f64() {
         lines.push(format!("\nrebounce-viewer with the camera moving instead: {:.2} s", turn / 1e3));
     }
+    let sky = &results["ours"]["sky"];
+    if let (Some(turned), Some(moved)) = (sky["sky"].as_f64(), sky["lamp"].as_f64()) {
+        lines.push(format!(
+            "under a sky: {:.2} s with the sky turned, {:.2} s with the light moved",
+            turned / 1e3,
+            moved / 1e3
+        ));
+    }
     if let Some(lit) = results["ours"]["lit"].as_f64() {
         lines.push(format!("first lit frame {:.1} s after navigation", lit / 1e3));
     }
@@ -192,6 +201,7 @@ mod tests {
             "ours": {
                 "median": 600.0,
                 "error": { "error": 0.07, "bias": -0.01 },
+                "sky": { "sky": 450.0, "lamp": 700.0 },
                 "still": {
                     "counts": { "kernelEvaluationsPerPixel": 5.25, "functionsLookedAtPerPixel": 17.0 },
                     "bytes": 150_400_000,
@@ -206,6 +216,10 @@ mod tests {
         assert!(table.contains("| 0.60 | 0.070 | -0.010 |"), "{table}");
         assert!(
             table.contains("5.2 kernel evaluations a pixel, 17.0 functions looked at, 150 MB"),
+            "{table}"
+        );
+        assert!(
+            table.contains("under a sky: 0.45 s with the sky turned, 0.70 s with the light moved"),
             "{table}"
         );
         assert!(super::table(&serde_json::json!({})).is_err());

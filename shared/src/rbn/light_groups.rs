@@ -80,12 +80,14 @@ impl GroupValue {
         if self == Self::default() {
             return predicted;
         }
-        let steps = self.steps();
-        Vec3::from(std::array::from_fn(|channel| {
-            let bits = i64::from(bits(predicted[channel], floor)) + (i64::from(steps[channel]) << SHIFT);
-            let bits = bits.clamp(0, i64::from(LARGEST.to_bits())) as u32;
-            (f32::from_bits(bits) - floor).max(0.0)
-        }))
+        let mut irradiance = predicted.to_array();
+        for (x, steps) in irradiance.iter_mut().zip(self.steps()) {
+            // Neither is near the ends of 32 bits.
+            let bits = bits(*x, floor) as i32 + (steps << SHIFT);
+            let bits = bits.clamp(0, LARGEST.to_bits() as i32) as u32;
+            *x = (f32::from_bits(bits) - floor).max(0.0);
+        }
+        irradiance.into()
     }
 }
 
@@ -117,6 +119,12 @@ impl LightGroups {
     /// Number of columns.
     pub fn columns(&self) -> usize {
         self.groups.len() + self.groups.iter().filter(|group| group.has_direct).count()
+    }
+
+    /// The group of each column, in the columns' order.
+    pub fn column_groups(&self) -> impl Iterator<Item = usize> + '_ {
+        let all = 0..self.groups.len();
+        all.clone().chain(all.filter(|group| self.groups[*group].has_direct))
     }
 
     /// Returns the number of the column of a group's direct light; `None` for lamps.
@@ -163,7 +171,7 @@ impl LightGroups {
 ///
 /// # Errors
 /// [`RbnError::TooLarge`] past [`MAX_BYTES`].
-pub(crate) fn encode(groups: &[LightGroup]) -> Result<Option<Vec<u8>>, RbnError> {
+pub fn encode(groups: &[LightGroup]) -> Result<Option<Vec<u8>>, RbnError> {
     if groups.is_empty() {
         return Ok(None);
     }
@@ -178,7 +186,7 @@ pub(crate) fn encode(groups: &[LightGroup]) -> Result<Option<Vec<u8>>, RbnError>
 ///
 /// # Errors
 /// [`RbnError::Invalid`].
-pub(crate) fn decode(bytes: &[u8]) -> Result<Vec<LightGroup>, RbnError> {
+pub fn decode(bytes: &[u8]) -> Result<Vec<LightGroup>, RbnError> {
     let config = bincode::config::standard().with_limit::<MAX_BYTES>();
     match bincode::decode_from_slice::<Vec<LightGroup>, _>(bytes, config) {
         Ok((groups, used)) if used == bytes.len() && !groups.is_empty() => Ok(groups),

@@ -91,7 +91,7 @@ impl Sources {
 ///
 /// # Errors
 /// [`RbnError::TooLarge`] past [`MAX_BYTES`].
-pub(crate) fn encode(sources: &Sources) -> Result<Option<Vec<u8>>, RbnError> {
+pub fn encode(sources: &Sources) -> Result<Option<Vec<u8>>, RbnError> {
     if *sources == Sources::default() {
         return Ok(None);
     }
@@ -106,7 +106,7 @@ pub(crate) fn encode(sources: &Sources) -> Result<Option<Vec<u8>>, RbnError> {
 ///
 /// # Errors
 /// [`RbnError::Invalid`].
-pub(crate) fn decode(bytes: &[u8]) -> Result<Sources, RbnError> {
+pub fn decode(bytes: &[u8]) -> Result<Sources, RbnError> {
     let config = bincode::config::standard().with_limit::<MAX_BYTES>();
     match bincode::decode_from_slice::<Sources, _>(bytes, config) {
         Ok((sources, used)) if used == bytes.len() => Ok(sources),

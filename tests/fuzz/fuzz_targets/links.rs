@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use rebounce_shared::link::{LaterLink, Link, MAX_SENDERS, Sent};
+use rebounce_shared::link::{LaterLink, Link, MAX_SENDERS, Sent, SourceLink};
 use rebounce_shared::rbn::codec::links::{Beside, decode, encode};
 
 fn round_trip<E: Beside + PartialEq + std::fmt::Debug>(rows: &[Vec<E>]) {
@@ -41,6 +41,9 @@ fuzz_target!(|bytes: &[u8]| {
     }
     if let Ok((offsets, links)) = decode::<LaterLink>(bytes) {
         assert_eq!(decode::<LaterLink>(&encode(&offsets, &links)), Ok((offsets, links)));
+    }
+    if let Ok((offsets, links)) = decode::<SourceLink>(bytes) {
+        assert_eq!(decode::<SourceLink>(&encode(&offsets, &links)), Ok((offsets, links)));
     }
     round_trip(&rows(bytes, |sender, bits| Link(u32::from_le_bytes(bits) & (0xff << 20 | 1 << 31) | sender)));
     round_trip(&rows(bytes, |sender, bits| LaterLink { sender, colour: u32::from_le_bytes(bits) }));

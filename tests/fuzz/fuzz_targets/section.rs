@@ -3,10 +3,11 @@
 
 use libfuzzer_sys::fuzz_target;
 use rebounce_fuzz::bounded;
-use rebounce_shared::link::{LaterLink, Link};
+use rebounce_shared::link::{LaterLink, Link, SourceLink};
 use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use rebounce_shared::rbn::codec::{columns, links};
-use rebounce_shared::rbn::meta;
+use rebounce_shared::rbn::light_groups::{self, GroupValue};
+use rebounce_shared::rbn::{RbnError, meta, sources};
 
 fn records<T: columns::Columns>(bytes: &[u8]) {
     let Ok(records) = bounded(bytes.len(), 0, || columns::decode::<T>(bytes)) else { return };
@@ -19,14 +20,17 @@ fn rows<E: links::Beside + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
     assert_eq!(links::decode::<E>(&links::encode(&offsets, &entries)), Ok((offsets, entries)));
 }
 
+/// Bincode of a section: what is read can be written and read again.
+fn whole<T>(bytes: &[u8], decode: fn(&[u8]) -> Result<T, RbnError>, encode: impl Fn(&T) -> Vec<u8>) {
+    let Ok(contents) = bounded(bytes.len(), 0, || decode(bytes)) else { return };
+    let packed = encode(&contents);
+    assert_eq!(encode(&decode(&packed).expect("what was packed")), packed);
+}
+
 fuzz_target!(|bytes: &[u8]| {
     let Some((which, section)) = bytes.split_first() else { return };
-    match which % 9 {
-        0 => {
-            let Ok(meta) = bounded(section.len(), 0, || meta::decode(section)) else { return };
-            let packed = meta::encode(&meta).expect("it was as small before");
-            assert_eq!(meta::encode(&meta::decode(&packed).expect("what was packed")).ok(), Some(packed));
-        }
+    match which % 13 {
+        0 => whole(section, meta::decode, |meta| meta::encode(meta).expect("it was as small before")),
         1 => records::<Vertex>(section),
         2 => records::<u32>(section),
         3 => records::<Point>(section),
@@ -34,6 +38,15 @@ fuzz_target!(|bytes: &[u8]| {
         5 => rows::<Link>(section),
         6 => rows::<LaterLink>(section),
         7 => records::<Instance>(section),
-        _ => records::<Copies>(section),
+        8 => records::<Copies>(section),
+        // Sources of nothing have no section; these are their bytes.
+        9 => whole(section, sources::decode, |all| {
+            sources::encode(all).expect("it was as small before").unwrap_or_else(|| vec![0; 7])
+        }),
+        10 => rows::<SourceLink>(section),
+        11 => whole(section, light_groups::decode, |all| {
+            light_groups::encode(all).expect("it was as small before").expect("no group is refused")
+        }),
+        _ => records::<GroupValue>(section),
     }
 });

@@ -1,14 +1,18 @@
-//! Unpacked contents of a .rbn file as a fuzz input: switches, then ten parts with length prefixes. Arbitrary bytes
+//! Unpacked contents of a .rbn file as a fuzz input: switches, then the parts with length prefixes. Arbitrary bytes
 //! are valid contents, so that damage reaches the rules behind the codec.
 
 use crate::{Random, mutated, put};
 use bytemuck::Pod;
-use rebounce_shared::link::{LaterLink, Link, MAX_SENDERS};
+use rebounce_shared::link::{LaterLink, Link, MAX_SENDERS, MAX_SOURCES, Sent, SourceLink};
 use rebounce_shared::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use rebounce_shared::rbn::codec::{columns, links};
 use rebounce_shared::rbn::container::MAGIC;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::rbn::{COPY_SECTIONS, LinkMatrix, MAX_TRIANGLES, SECTIONS, meta};
+use rebounce_shared::rbn::light_groups::{self, GroupValue, LightGroup};
+use rebounce_shared::rbn::{
+    COPY_SECTIONS, GROUP_SECTIONS, LinkMatrix, MAX_TRIANGLES, SECTIONS, SOURCE_SECTIONS, meta, sources,
+};
+use rebounce_shared::relight::{from_groups, from_sources};
 
 /// Size of a link or later link in an input, bytes: a step from the previous index (zero at a row's end), then the
 /// value.
@@ -16,10 +20,13 @@ const LINK: usize = 6;
 /// First byte of an input; set low bits disable corrections.
 const MARK: u8 = 0xe0;
 
+/// Number of parts.
+const PARTS: usize = 14;
+
 /// Switches and parts, parts in the order of the sections.
 pub struct Contents {
     switches: u8,
-    parts: [Vec<u8>; 10],
+    parts: [Vec<u8>; PARTS],
 }
 
 impl Contents {
@@ -29,7 +36,7 @@ impl Contents {
             return Some(Self::of(&BakedScene::from_bytes(bytes).ok()?));
         }
         let (switches, mut rest) = bytes.split_first().filter(|(first, _)| **first & MARK == MARK)?;
-        let mut parts: [Vec<u8>; 10] = Default::default();
+        let mut parts: [Vec<u8>; PARTS] = Default::default();
         for part in &mut parts {
             let Some((len, tail)) = rest.split_first_chunk::<4>() else { break };
             let (head, tail) = tail.split_at((u32::from_le_bytes(*len) as usize).min(tail.len()));
@@ -50,6 +57,10 @@ impl Contents {
             scene.texture_bytes.clone(),
             bytemuck::cast_slice(&scene.instances).to_vec(),
             bytemuck::cast_slice(&scene.copies).to_vec(),
+            sources::encode(&scene.sources).ok().flatten().unwrap_or_default(),
+            steps(&scene.source_links, |link| (link.sender() as u32, link.0)),
+            light_groups::encode(&scene.light_groups.groups).ok().flatten().unwrap_or_default(),
+            bytemuck::cast_slice(&scene.light_groups.values).to_vec(),
         ];
         Self { switches: MARK, parts }
     }
@@ -65,8 +76,9 @@ impl Contents {
 
     /// Returns names and bytes of the sections; counts and indices are made consistent unless disabled by a switch.
     pub fn packed(&self) -> Vec<([u8; 4], Vec<u8>)> {
-        let [meta_bytes, vertices, indices, points, cuts, links, later, textures, instances, copies] =
+        let [meta_bytes, vertices, indices, points, cuts, links, later, textures, instances, copies, rest @ ..] =
             &self.parts;
+        let [sources, source_links, groups, values] = rest;
         let is_made_to_fit = |bit: u8| self.switches >> bit & 1 == 0;
         let vertices: Vec<Vertex> = records(vertices);
         let mut indices: Vec<u32> = records(indices);
@@ -86,8 +98,9 @@ impl Contents {
             }
         }
         let mut meta_bytes = meta_bytes.clone();
-        let (mut rows, mut later_rows) = (points.len(), 0);
+        let (mut rows, mut later_rows, mut lights) = (points.len(), 0, 0);
         if let Ok(mut meta) = meta::decode(&meta_bytes) {
+            lights = meta.lights.len();
             if is_made_to_fit(2) {
                 let mut next = 0u32;
                 let last = meta.levels.len().saturating_sub(1);
@@ -126,8 +139,8 @@ impl Contents {
         if !is_made_to_fit(4) {
             (rows, later_rows) = (usize::MAX, usize::MAX);
         }
-        let links = matrix(links, rows, |sender, bits| Link(bits & !(MAX_SENDERS as u32 - 1) | sender));
-        let later = matrix(later, later_rows, |sender, colour| LaterLink { sender, colour });
+        let links = matrix(links, rows, MAX_SENDERS, |sender, bits| Link(bits & !(MAX_SENDERS as u32 - 1) | sender));
+        let later = matrix(later, later_rows, MAX_SENDERS, |sender, colour| LaterLink { sender, colour });
         let packed = [
             meta_bytes,
             columns::encode(&vertices),
@@ -142,6 +155,23 @@ impl Contents {
         if !(instances.is_empty() && copies.is_empty()) {
             let copied = [columns::encode(&instances), columns::encode(&copies)];
             sections.extend(COPY_SECTIONS.into_iter().zip(copied));
+        }
+        if !sources.is_empty() {
+            let link = |source, bits: u32| SourceLink(bits & !(MAX_SOURCES as u32 - 1) | source);
+            let linked = matrix(source_links, rows, MAX_SOURCES, link);
+            let packed = [sources.clone(), links::encode(&linked.offsets, &linked.links)];
+            sections.extend(SOURCE_SECTIONS.into_iter().zip(packed));
+        }
+        if !groups.is_empty() {
+            let mut values: Vec<GroupValue> = records(values);
+            let mut groups = groups.clone();
+            if let (true, Ok(mut all)) = (is_made_to_fit(4), light_groups::decode(&groups)) {
+                all.resize(lights, LightGroup { floor: 1e-3, has_direct: false });
+                let columns = all.len() + all.iter().filter(|group| group.has_direct).count();
+                values.resize(columns * points.len(), GroupValue::default());
+                groups = light_groups::encode(&all).ok().flatten().unwrap_or(groups);
+            }
+            sections.extend(GROUP_SECTIONS.into_iter().zip([groups, columns::encode(&values)]));
         }
         sections
     }
@@ -169,15 +199,15 @@ fn steps<L: Copy>(matrix: &LinkMatrix<L>, split: impl Fn(L) -> (u32, u32)) -> Ve
     out
 }
 
-/// Decodes `rows` rows from steps, or every row for `usize::MAX`.
-fn matrix<L: Copy>(bytes: &[u8], rows: usize, link: impl Fn(u32, u32) -> L) -> LinkMatrix<L> {
+/// Decodes `rows` rows of senders below `senders` from steps, or every row for `usize::MAX`.
+fn matrix<L: Copy>(bytes: &[u8], rows: usize, senders: usize, link: impl Fn(u32, u32) -> L) -> LinkMatrix<L> {
     let mut found = vec![Vec::new()];
     let mut next = 0u32;
     for part in bytes.chunks_exact(LINK) {
         let step = u16::from_le_bytes([part[0], part[1]]) as u32;
         let bits = u32::from_le_bytes([part[2], part[3], part[4], part[5]]);
         match (step, found.last_mut()) {
-            (1.., Some(row)) if next + step <= MAX_SENDERS as u32 => {
+            (1.., Some(row)) if next + step <= senders as u32 => {
                 next += step;
                 row.push(link(next - 1, bits));
             }
@@ -215,8 +245,9 @@ pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize
     let Some(mut contents) = Contents::from_bytes(&data[..size]) else {
         return libfuzzer_sys::fuzzer_mutate(data, size, max_size);
     };
-    // Half of the mutations apply to the metadata and to the points.
-    let part = &mut contents.parts[[0, 0, 0, 3, 3, 3, 1, 2, 4, 5, 6, 7, 8, 9][random.below(14)]];
+    // Over a third of the mutations apply to the metadata and to the points.
+    const OFTEN: [usize; 18] = [0, 0, 0, 0, 3, 3, 3, 1, 2, 4, 5, 6, 7, 8, 9, 10, 11, 12];
+    let part = &mut contents.parts[OFTEN.get(random.below(OFTEN.len() + 1)).copied().unwrap_or(PARTS - 1)];
     match random.below(8) {
         0 if part.len() >= 4 => {
             let at = 4 * random.below(part.len() / 4);
@@ -240,6 +271,14 @@ pub fn keeps_promises(scene: &BakedScene) {
     for (i, row) in scene.links.iter().enumerate() {
         assert!(row.iter().all(|link| link.amount().is_finite()), "row {i}");
     }
+    let strengths = scene.sources.strengths(None, &[]);
+    assert_eq!(strengths.len(), scene.sources.count());
+    assert!(scene.source_links.iter().flatten().all(|link| link.sender() < strengths.len()));
+    assert!(from_sources(scene, &strengths).len() == scene.source_links.len());
+    assert!(scene.solved_lights().is_none_or(|lights| lights.len() == scene.light_groups.groups.len()));
+    let groups = vec![glam::Vec3::ONE; scene.light_groups.groups.len()];
+    let light = from_groups(scene, &groups);
+    assert!(light.bounced.iter().chain(&light.direct).all(|e| e.is_finite() && e.min_element() >= 0.0));
     for i in 0..scene.points.len() {
         assert!(scene.push().row(i).iter().all(|entry| entry.point() < i && entry.weight() > 0.0));
         assert!(scene.cuts_of(i).len() <= 4);

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use rebounce::bake::{BakeSettings, Baker, Checkpoint, Identity, Preset};
 use rebounce_shared::rbn::container;
-use rebounce_tests::small::{everything, settings, small};
+use rebounce_tests::small::{everything, lit, settings, small, solved};
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
@@ -18,6 +18,8 @@ fn main() -> Result<()> {
         ("cornell-box", small("builtin:cornell-box", 12)?),
         ("two-rooms-door", small("builtin:two-rooms-door", 40)?),
         ("everything", everything(12)?),
+        ("lit", lit(40)?),
+        ("solved", solved(12)?),
     ];
     for (short, scene) in seeds {
         let file = scene.to_bytes()?;
@@ -25,14 +27,16 @@ fn main() -> Result<()> {
         write("scene", short, &file)?;
         // The first byte of a seed selects the section.
         for section in container::read(&file)? {
-            const TOLD: [&[u8; 4]; 9] =
-                [b"META", b"VERT", b"INDX", b"PNTS", b"CUTS", b"LINK", b"LATL", b"INST", b"COPY"];
+            const TOLD: [&[u8; 4]; 13] = [
+                b"META", b"VERT", b"INDX", b"PNTS", b"CUTS", b"LINK", b"LATL", b"INST", b"COPY", b"SRCS",
+                b"SRCL", b"LGRP", b"LVAL",
+            ];
             let told = (0u8..).zip(TOLD).find(|(_, name)| **name == section.name);
             let Some((which, _)) = told else { continue };
             let bytes = &file[section.offset..section.offset + section.len];
             let seed = format!("{short}-{}", section.name());
             write("section", &seed, &[&[which], bytes].concat())?;
-            if matches!(&section.name, b"LINK" | b"LATL") {
+            if matches!(&section.name, b"LINK" | b"LATL" | b"SRCL") {
                 write("links", &seed, bytes)?;
             }
         }

@@ -256,7 +256,8 @@ impl Renderer {
     ) {
         // A sketch's depth has a size different from the screen's.
         let dots = self.overlay != Overlay::None && target.enlarge == 1;
-        if !dots && !self.gizmos {
+        let handles = self.has_handles();
+        if !dots && !handles {
             return;
         }
         let pass = self.pipelines.overlay(&self.gpu, format);
@@ -268,7 +269,7 @@ impl Renderer {
             let points = &scene.upload.points;
             pass.draw_points(&own, encoder, view, depth, &target.frame, points, &levels[first..]);
         }
-        if self.gizmos {
+        if handles {
             let shapes = gizmo::shapes(&self.stage(size), self.marks);
             pass.draw_gizmos(&own, encoder, view, size, &shapes);
         }

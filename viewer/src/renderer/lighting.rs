@@ -9,6 +9,7 @@ use crate::scene::sky::Sky;
 use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::glam::Vec3;
 use rebounce_shared::light::{Light, LightKind, LightSource};
+use rebounce_shared::light_group::group_strengths;
 use rebounce_shared::lighting::{Lighting, PreparedEnvironment};
 use rebounce_shared::mix::{Channel, mixed};
 
@@ -47,8 +48,8 @@ impl Renderer {
     /// Replaces the lights.
     ///
     /// # Errors
-    /// [`ViewerError::BadArgument`] for numbers that are not finite, negative intensities, or too many lights for
-    /// the shadow maps.
+    /// [`ViewerError::BadArgument`] for numbers that are not finite, negative intensities, too many lights for the
+    /// shadow maps, or a light that is not in its place in a fixed solution.
     pub fn set_lights(&mut self, lights: Vec<Light>) -> Result<(), ViewerError> {
         if self.lit.lights != lights {
             self.light(lights)?;
@@ -71,9 +72,13 @@ impl Renderer {
     /// Sets the picture of environment lights; `None` for the file's own.
     ///
     /// # Errors
-    /// [`ViewerError::BadArgument`] if its sun is one light too many for the shadow maps; nothing changes then.
+    /// [`ViewerError::BadArgument`] if its sun is one light too many for the shadow maps, or for a fixed solution, which
+    /// has its own; nothing changes then.
     pub fn set_environment(&mut self, picture: Option<PackedEnvironment>) -> Result<(), ViewerError> {
         let is_own = picture.is_some();
+        if is_own && self.scene.as_ref().is_some_and(|scene| scene.relight.is_solved()) {
+            return Err(ViewerError::BadArgument("environment: the file was solved for its own sky".into()));
+        }
         let sky = picture.map(|picture| Sky::new(&self.gpu, picture));
         let before = (std::mem::replace(&mut self.lit.sky, sky), self.lit.is_own);
         self.lit.is_own = is_own;
@@ -94,6 +99,8 @@ impl Renderer {
 
     /// Starts with the lights of a scene.
     pub(super) fn light_scene(&mut self) {
+        // A fixed solution shows its own sky.
+        self.lit.is_own &= self.scene.as_ref().is_none_or(|scene| !scene.relight.is_solved());
         if !self.lit.is_own {
             self.lit.sky = None;
         }
@@ -132,7 +139,11 @@ impl Renderer {
         }
         let mut none = PreparedEnvironment::default();
         let environment = self.lit.sky.as_mut().map_or(&mut none, |sky| &mut sky.prepared);
-        let mut lighting = Lighting::prepared(&mixed(&lights, &self.lit.mix), environment, origin, groups);
+        let heard = mixed(&lights, &self.lit.mix);
+        let mut lighting = Lighting::prepared(&heard, environment, origin, groups);
+        if let Some(solved) = self.scene.as_ref().and_then(|scene| scene.solved_lights()) {
+            lighting.groups = group_strengths(solved, &heard)?;
+        }
         lighting.lamps = lighting.lamps.into_iter().flat_map(LightSource::parts).collect();
         let layers: u32 = lighting.lamps.iter().map(most_layers).sum();
         if layers > MAX_LAYERS {
@@ -158,7 +169,10 @@ impl Renderer {
         if !scene.relight.has_sources() {
             return false;
         }
-        let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
+        let strengths = match scene.relight.is_solved() {
+            true => lighting.groups.clone(),
+            false => scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission),
+        };
         scene.relight.set_strengths(&self.gpu, &strengths);
         strengths.iter().any(|strength| *strength != Vec3::ZERO)
     }

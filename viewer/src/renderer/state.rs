@@ -156,6 +156,11 @@ impl Renderer {
         self.gizmos = on;
     }
 
+    /// Whether lights have handles: those of a fixed solution stay in place.
+    pub(super) fn has_handles(&self) -> bool {
+        self.gizmos && self.scene.as_ref().is_none_or(|scene| !scene.relight.is_solved())
+    }
+
     /// Turns detail on or off: modulation of bounced light by the openness of pixels.
     pub fn set_detail(&mut self, on: bool) {
         self.dirty.view |= self.detail != on;
@@ -188,7 +193,7 @@ impl Renderer {
 
     /// Scene state for the controls, for a picture of this size; [`Renderer::apply`] writes changes back.
     pub fn stage(&self, size: [u32; 2]) -> Stage {
-        let (camera, lights, handles) = (self.camera.clone(), self.lights().to_vec(), self.gizmos);
+        let (camera, lights, handles) = (self.camera.clone(), self.lights().to_vec(), self.has_handles());
         let scene = self.scene.as_deref();
         let extent = scene.map_or(1.0, |scene| (scene.extent.all[1] - scene.extent.all[0]).length());
         // A person's clearance in metres, or a share of the extent in scenes of another unit; greater than the near

@@ -30,6 +30,7 @@ use extent::Extent;
 use glam::Vec3;
 use materials::Materials;
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::light::Light;
 use rebounce_shared::openness::REACH;
 use rebounce_shared::rbn::meta::Meta;
 use rebounce_shared::rbn::sources::Sources;
@@ -77,15 +78,17 @@ pub struct GpuScene {
 }
 
 impl GpuScene {
+    /// The lights of a fixed solution; `None` where lights may move.
+    pub fn solved_lights(&self) -> Option<&[Light]> {
+        self.relight.is_solved().then_some(&self.meta.lights)
+    }
+
     /// Uploads a scene; asynchronous, as textures are decoded meanwhile.
     ///
     /// # Errors
     /// [`ViewerError::TooLarge`] before the first upload, [`ViewerError::Texture`], [`ViewerError::OutOfMemory`],
     /// or [`ViewerError::Internal`] for any other refusal by the device.
     pub async fn upload(gpu: &Gpu, loaders: Loaders<'_>, scene: BakedScene) -> Result<Self, ViewerError> {
-        if scene.is_solved() {
-            return Err(ViewerError::Solved);
-        }
         let (upload, relight) = gpu.watch(|| {
             let upload = Upload::new(gpu, &scene)?;
             let relight = Relight::new(gpu, loaders.relight, &upload, &scene);

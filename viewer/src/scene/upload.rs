@@ -115,7 +115,8 @@ impl Upload {
         Ok(Self {
             ground: ground::uniform(&own, &scene.meta.shown.ground),
             links: matrix(stored, "LINK", &scene.links, most.binding),
-            source_links: (!scene.source_links.is_empty())
+            // The light of a fixed solution's sources is among its columns.
+            source_links: (!scene.source_links.is_empty() && !scene.is_solved())
                 .then(|| matrix(stored, "SRCL", &scene.source_links, most.binding)),
             // One buffer: coarse points have few links.
             later: matrix(stored, "LATL", &scene.later, u64::MAX),

@@ -10,6 +10,7 @@ use rebounce_shared::link::{LaterLink, Link, SourceLink};
 use rebounce_shared::octahedral::pack_snorm16;
 use rebounce_shared::rbn::LinkMatrix;
 use rebounce_shared::rbn::bulk::{Cut, Point, Vertex};
+use rebounce_shared::rbn::light_groups::{LightGroup, LightGroups};
 use rebounce_shared::rbn::meta::{Draw, Level, Material, Meta};
 use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
 
@@ -143,6 +144,32 @@ pub fn add_sources(scene: &mut BakedScene) {
     scene.source_links = LinkMatrix::from_rows(&rows(0..all, sources, 0x4321, |source, shift| {
         SourceLink::pack(source, (shift(4) * 200.0 + 40.0) as i32)
     }));
+}
+
+#[allow(dead_code, reason = "not all tests are of solutions")]
+/// Makes the room a fixed solution: links go, and of three groups of light one has a column of direct light. Irradiance
+/// is arbitrary, of all sizes and colours; a third of the points of the finest level is not stored.
+pub fn solve(scene: &mut BakedScene) {
+    let rows = scene.points.len();
+    scene.links = LinkMatrix::from_rows(&vec![Vec::new(); rows]);
+    scene.later = LinkMatrix::from_rows(&vec![Vec::new(); scene.later_count()]);
+    scene.meta.lights = vec![lamp([0.3, 0.4, 0.2]), lamp([-0.5, 0.1, 0.6])];
+    scene.meta.lights.push(Light::Emissive { group: 0, intensity: 1.0, color: [1.0; 3] });
+    let group = |k: u32| LightGroup { floor: 1e-4 * f32::from(k as u8 + 1), has_direct: k == 2 };
+    let mut all = LightGroups { groups: (0..3).map(group).collect(), values: Vec::new() };
+    let columns: Vec<usize> = all.column_groups().collect();
+    assert_eq!(columns, [0, 1, 2, 2]);
+    for (column, group) in columns.into_iter().enumerate() {
+        let value = |i: usize, k: u32| {
+            let seed = (column * rows + i) as u32 * 4;
+            (random(seed) * 10.0 - 7.0).exp2() * (0.05 + random(seed + 1 + k))
+        };
+        let irradiance: Vec<Vec3> =
+            (0..rows).map(|i| Vec3::new(value(i, 0), value(i, 1), value(i, 2))).collect();
+        let is_stored = |i: usize| i % 3 > 0 || i < scene.sender_count();
+        all.push_column(&irradiance, all.groups[group].floor, scene.relations.push(), is_stored);
+    }
+    scene.light_groups = all;
 }
 
 /// Random rows: empty, short and long; `link` makes a link from its sender and random numbers in -0.5..0.5.

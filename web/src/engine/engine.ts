@@ -193,13 +193,14 @@ export class Engine {
     this.#returning = false;
     if (!returns) this.history.clear();
     if (!returns) this.followLink();
+    this.withScene((viewer) => handOver(viewer, pending));
+    this.withScene((viewer) => this.environment.show(viewer, !returns));
+    if (!this.#loaded) return; // A fault, which was told.
     this.use((viewer) => {
-      handOver(viewer, pending);
       const animations = pending.animations ?? this.#ownAnimations(viewer);
       // Those that come back with the scene go on.
       if (animations !== this.player.animations) this.player.set(animations);
     });
-    this.withScene((viewer) => this.environment.show(viewer, !returns));
     if (!returns) this.first = this.#element.camera;
     this.applySettings();
     this.tree.setProgress();
@@ -241,7 +242,7 @@ export class Engine {
       changed: () => this.wantFrame(),
       failed: (failure) => this.#failOrReturn(failure),
       linked: () => this.followLink(),
-      withViewer: (use) => this.#loaded && this.#try(() => this.use(use)),
+      withViewer: (use) => this.withScene(use),
       interaction: () => this.#element.interaction,
       gesture: gestures((began) => this.ready && this.history.gesture(began)),
       reset: () => this.#element.resetView(),
@@ -390,22 +391,19 @@ export class Engine {
     return work(this.#viewer);
   }
 
-  /** For work where there is a scene, that no caller waits for: what it throws is told, and the picture stays. */
+  /** For work where there is a scene, that no caller waits for: what it throws is told, and the picture stays if it can. */
   withScene(work: (viewer: Viewer) => void): void {
-    if (!this.ready) return;
-    try {
-      this.use(work);
-    } catch (error) {
-      this.#warn(failureOf(error));
-    }
+    if (this.ready) this.#try(() => this.use(work), true);
   }
 
-  /** For work that no caller waits for: what it throws is shown and told. */
-  #try(work: () => void): void {
+  /** For work that no caller waits for: what it throws is told, and shown unless the picture `stays`. */
+  #try(work: () => void, stays = false): void {
     try {
       work();
     } catch (error) {
-      this.#fail(failureOf(error));
+      const failure = failureOf(error);
+      if (stays && !isFatal(failure.code)) this.#warn(failure);
+      else this.#fail(failure);
     }
   }
 

@@ -48,6 +48,8 @@ export class LightList implements Section {
     const adding = make("div", { class: "buttons" }, ...this.#add);
     this.element = make("div", { class: "stack" }, this.#list, adding, make("p", { class: "hint", id: "hint" }, HINT));
     host.addEventListener("load", () => (this.#kinds = "?"));
+    // What a hand in the picture is refused, for instance.
+    host.addEventListener("error", ({ detail }) => desk.say(detail.message));
     host.addEventListener("light-hover", ({ detail }) => this.#mark(detail.light));
     host.addEventListener("light-select", ({ detail }) => this.#reveal(detail.light));
   }
@@ -159,9 +161,10 @@ export class LightList implements Section {
     this.#box.querySelector<HTMLInputElement>(".name")?.select();
   }
 
-  #replace(index: number, work: (light: Light) => Light): void {
+  /** Whether the viewer takes the change. */
+  #replace(index: number, work: (light: Light) => Light): boolean {
     const { host } = this.#desk;
-    this.#try(() => {
+    return this.#try(() => {
       host.lights = host.lights.map((light, i) => (i === index ? work(light) : light));
     });
   }
@@ -208,8 +211,8 @@ export class LightList implements Section {
       done.abort();
       const { left, top } = host.getBoundingClientRect();
       const at = surfaceAt(event.clientX - left, event.clientY - top);
-      if (at) history.by(() => this.#aim(index, at));
       say(at ? "" : "Nothing is there to shine at.");
+      if (at) history.by(() => this.#aim(index, at));
     };
     canvas.addEventListener("pointerdown", click, { capture: true, signal });
   }
@@ -224,8 +227,7 @@ export class LightList implements Section {
     const moved = stepped(light, camera, event.key, event.shiftKey);
     if (!moved) return;
     event.preventDefault();
-    this.#replace(index, () => moved);
-    say(`${this.#called(light, index)}: ${placeOf(moved)?.map((x) => x.toFixed(2)).join(", ")}`);
+    if (this.#replace(index, () => moved)) say(`${this.#called(light, index)}: ${placeOf(moved)?.map((x) => x.toFixed(2)).join(", ")}`);
   }
 
   #new(type: Light["type"]): void {
@@ -268,12 +270,14 @@ export class LightList implements Section {
     });
   }
 
-  /** What the viewer refuses is said. */
-  #try(work: () => void): void {
+  /** What the viewer refuses is said; whether it refuses nothing. */
+  #try(work: () => void): boolean {
     try {
       work();
+      return true;
     } catch (error) {
       this.#desk.say(sentence(failureOf(error).message));
+      return false;
     }
   }
 }

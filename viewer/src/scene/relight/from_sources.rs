@@ -1,17 +1,17 @@
 //! Light straight from the sky and from emissive surfaces at all points:
 //! [`from_sources`](rebounce_shared::relight::from_sources).
 
-use super::KernelPass;
-use super::plan::{Kernel, Step};
+use super::plan::Kernel;
+use super::{KernelPass, kernel, slots};
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{Slot, compute, empty_buffer, layout};
+use crate::gpu::bindings::{compute, empty_buffer};
 use crate::gpu::scope::Scope;
 use crate::shaders;
 use rebounce_shared::environment::bins;
 use rebounce_shared::glam::{Vec2, Vec3};
 use rebounce_shared::rbn::sources::Sources;
 use std::cell::{Cell, RefCell};
-use wgpu::{BufferUsages, ShaderStages};
+use wgpu::BufferUsages;
 
 /// Pipelines, independent of a scene.
 pub(super) struct FromSourcesPipelines {
@@ -24,23 +24,14 @@ pub(super) struct FromSourcesPipelines {
 impl FromSourcesPipelines {
     /// Creates the pipelines, with `lanes` threads a row.
     pub(super) fn new(gpu: &Gpu, lanes: u32) -> Self {
-        let pass = |entry: &str, source, reads, constants: &[(&str, f64)]| {
-            let mut slots = vec![Slot::UniformPart(size_of::<Step>() as u64)];
-            slots.extend(std::iter::repeat_n(Slot::Read, reads));
-            slots.push(Slot::Write);
-            let layout = layout(gpu, entry, ShaderStages::COMPUTE, &slots);
-            let pipeline = compute(gpu, entry, source, &[&layout], constants);
-            (layout, pipeline)
-        };
-        Self {
-            gather: pass("sources", shaders::SOURCES, 6, &[("LANES", lanes.into())]),
-            join: pass("join", shaders::JOIN, 1, &[]),
-        }
+        let layout = slots(gpu, "sources", 6, 1);
+        let pipeline = gather(gpu, &layout, lanes);
+        Self { gather: (layout, pipeline), join: kernel(gpu, "join", shaders::JOIN, 1, 1) }
     }
+}
 
-    fn gather_with(&self, gpu: &Gpu, lanes: u32) -> wgpu::ComputePipeline {
-        compute(gpu, "sources", shaders::SOURCES, &[&self.gather.0], &[("LANES", lanes.into())])
-    }
+fn gather(gpu: &Gpu, layout: &wgpu::BindGroupLayout, lanes: u32) -> wgpu::ComputePipeline {
+    compute(gpu, "sources", shaders::SOURCES, &[layout], &[("LANES", lanes.into())])
 }
 
 /// Bind groups of a scene.
@@ -88,7 +79,7 @@ impl FromSources {
 
     /// Sets the number of threads per row.
     pub(super) fn set_lanes(&mut self, gpu: &Gpu, pipelines: &FromSourcesPipelines, lanes: u32) {
-        self.gather = pipelines.gather_with(gpu, lanes);
+        self.gather = gather(gpu, &pipelines.gather.0, lanes);
     }
 
     /// Sets the strengths; what follows from them is computed anew after a change.
@@ -127,7 +118,7 @@ impl FromSources {
 }
 
 /// As `tilt_pack` of tilt.wgsl; never 0 for a unit vector.
-fn packed(direction: Vec3) -> f32 {
+pub(super) fn packed(direction: Vec3) -> f32 {
     let steps = (direction / 2.0 * 127.0).round() + 128.0;
     steps.dot(Vec3::new(1.0, 256.0, 65536.0))
 }

@@ -2,8 +2,10 @@
 //!
 //! * here: pipelines, buffers, and the passes;
 //! * `plan` – the dispatches in order;
-//! * `from_sources` – the light of the sky and of emissive surfaces, straight to the points.
+//! * `from_sources` – the light of the sky and of emissive surfaces, straight to the points;
+//! * `from_groups` – all light of a fixed solution, in place of links.
 
+mod from_groups;
 mod from_sources;
 mod plan;
 
@@ -12,6 +14,7 @@ use crate::gpu::bindings::{Slot, compute, empty_buffer, group, layout, part};
 use crate::gpu::scope::Scope;
 use crate::gpu::{Gpu, MAX_LAYERS};
 use crate::shaders;
+use from_groups::FromGroups;
 use from_sources::{FromSources, FromSourcesPipelines, Groups};
 use plan::{Dispatch, Kernel, LEVEL_THREADS, STRIDE, Step, plan};
 use rebounce_shared::baked::BakedScene;
@@ -78,20 +81,9 @@ pub struct RelightPipelines {
 impl RelightPipelines {
     /// Creates the pipelines; `lights` is the layout of the lights' bind group.
     pub fn new(gpu: &Gpu, lights: &wgpu::BindGroupLayout) -> Self {
-        let slots = |label: &str, reads: usize, writes: usize| {
-            let mut slots = vec![Slot::UniformPart(size_of::<Step>() as u64)];
-            slots.extend(std::iter::repeat_n(Slot::Read, reads));
-            slots.extend(std::iter::repeat_n(Slot::Write, writes));
-            layout(gpu, label, ShaderStages::COMPUTE, &slots)
-        };
-        let pass = |entry: &str, source, reads, writes| {
-            let layout = slots(entry, reads, writes);
-            let pipeline = compute(gpu, entry, source, &[&layout], &[]);
-            (layout, pipeline)
-        };
-        let direct = slots("direct", 2, 2);
-        let transport = slots("transport", 6, 1);
-        let bounce = slots("bounce", 3, 2);
+        let direct = slots(gpu, "direct", 2, 2);
+        let transport = slots(gpu, "transport", 6, 1);
+        let bounce = slots(gpu, "bounce", 3, 2);
         let alone = [("LANES", 1.0)];
         let lanes = if gpu.software { SOFTWARE_LANES } else { LANES };
         let shared = shared(gpu, &transport, &bounce, lanes);
@@ -105,14 +97,29 @@ impl RelightPipelines {
             short,
             transport,
             direct: (direct.clone(), compute(gpu, "direct", shaders::DIRECT, &[&direct, lights], &[])),
-            pull: pass("pull", shaders::PULL, 2, 1),
-            send: pass("send", shaders::SEND, 2, 1),
+            pull: kernel(gpu, "pull", shaders::PULL, 2, 1),
+            send: kernel(gpu, "send", shaders::SEND, 2, 1),
             bounce,
-            lift: pass("lift", shaders::LIFT, 2, 2),
-            level: pass("level", shaders::LEVEL, 1, 1),
+            lift: kernel(gpu, "lift", shaders::LIFT, 2, 2),
+            level: kernel(gpu, "level", shaders::LEVEL, 1, 1),
             sources: OnceCell::new(),
         }
     }
+}
+
+/// Creates a kernel over points; its buffers are `reads` and then `writes`.
+fn kernel(gpu: &Gpu, entry: &str, source: shaders::Source, reads: usize, writes: usize) -> KernelPass {
+    let layout = slots(gpu, entry, reads, writes);
+    let pipeline = compute(gpu, entry, source, &[&layout], &[]);
+    (layout, pipeline)
+}
+
+/// Creates the layout of a kernel's step and buffers.
+fn slots(gpu: &Gpu, label: &str, reads: usize, writes: usize) -> wgpu::BindGroupLayout {
+    let mut slots = vec![Slot::UniformPart(size_of::<Step>() as u64)];
+    slots.extend(std::iter::repeat_n(Slot::Read, reads));
+    slots.extend(std::iter::repeat_n(Slot::Write, writes));
+    layout(gpu, label, ShaderStages::COMPUTE, &slots)
 }
 
 /// Creates the kernels with `lanes` threads per row: transport and bounces.
@@ -150,6 +157,8 @@ pub struct Relight {
     level: wgpu::BindGroup,
     shared: [wgpu::ComputePipeline; 2],
     sources: Option<FromSources>,
+    /// Of a fixed solution, with the sum of its light and direct light.
+    groups: Option<(FromGroups, wgpu::ComputePipeline, wgpu::BindGroup)>,
     plan: Vec<Dispatch>,
     own: Scope,
 }
@@ -187,34 +196,30 @@ impl Relight {
         let sources = upload.source_links.as_ref().map(|links| {
             let made = pipelines.sources.get_or_init(|| FromSourcesPipelines::new(gpu, pipelines.lanes));
             FromSources::new(&own, made, &scene.sources, scene.points.len(), |light, strengths| Groups {
-                gather: chunks(links)
-                    .map(|(rows, links)| {
-                        make(
-                            "sources",
-                            &made.gather.0,
-                            &[rows, links, strengths, offsets, entries, points, light],
-                        )
-                    })
-                    .collect(),
+                gather: by_chunk(links, &|rows, links| {
+                    let buffers = [rows, links, strengths, offsets, entries, points, light];
+                    make("sources", &made.gather.0, &buffers)
+                }),
                 join: [&irradiance, &display].map(|to| make("join", &made.join.0, &[light, to])),
             })
         });
+        let groups = scene.is_solved().then(|| {
+            let (layout, pipeline) = kernel(gpu, "join", shaders::JOIN, 1, 1);
+            (FromGroups::new(scene), pipeline, make("join", &layout, &[&display, &irradiance]))
+        });
         Self {
             sources,
+            groups,
             direct: make("direct", &pipelines.direct.0, &[points, &choice, &still, &irradiance]),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
             send: make("send", &pipelines.send.0, &[points, &irradiance, &sent]),
-            transport: chunks(&upload.links)
-                .map(|(rows, links)| {
-                    let buffers = [rows, links, &sent, offsets, entries, points, &display];
-                    make("transport", &pipelines.transport, &buffers)
-                })
-                .collect(),
-            bounce: chunks(&upload.later)
-                .map(|(rows, links)| {
-                    make("bounce", &pipelines.bounce, &[rows, links, &display, &bounced, &irradiance])
-                })
-                .collect(),
+            transport: by_chunk(&upload.links, &|rows, links| {
+                let buffers = [rows, links, &sent, offsets, entries, points, &display];
+                make("transport", &pipelines.transport, &buffers)
+            }),
+            bounce: by_chunk(&upload.later, &|rows, links| {
+                make("bounce", &pipelines.bounce, &[rows, links, &display, &bounced, &irradiance])
+            }),
             lift: make("lift", &pipelines.lift.0, &[offsets, entries, &bounced, &irradiance]),
             level: make("level", &pipelines.level.0, &[&irradiance, &levels]),
             shared: pipelines.shared.clone(),
@@ -254,21 +259,33 @@ impl Relight {
         gpu.queue.write_buffer(&self.choice, 0, bytemuck::cast_slice(&words));
     }
 
-    /// Whether the scene has sources.
+    /// Whether the scene is a fixed solution.
+    pub fn is_solved(&self) -> bool {
+        self.groups.is_some()
+    }
+
+    /// Whether the points hold direct light for display: that of sources.
     pub fn has_sources(&self) -> bool {
-        self.sources.is_some()
+        self.sources.is_some() || self.is_solved()
     }
 
     /// Sets the strengths of the sources
-    /// ([`Sources::strengths`](rebounce_shared::rbn::sources::Sources::strengths)); no effect without sources.
+    /// ([`Sources::strengths`](rebounce_shared::rbn::sources::Sources::strengths)), or of the light groups of a fixed
+    /// solution ([`group_strengths`](rebounce_shared::light_group::group_strengths)); no effect without either.
     pub fn set_strengths(&self, gpu: &Gpu, strengths: &[Vec3]) {
         if let Some(sources) = &self.sources {
             sources.set_strengths(gpu, strengths);
         }
+        if let Some((groups, ..)) = &self.groups {
+            groups.set_strengths(gpu, &self.display, strengths);
+        }
     }
 
-    /// Sets what of the light is displayed; no effect without sources.
+    /// Sets what of the light is displayed, from the next strengths on; no effect without sources.
     pub fn set_parts(&self, gpu: &Gpu, parts: Parts) {
+        if let Some((groups, ..)) = &self.groups {
+            groups.set_parts(parts);
+        }
         for (i, dispatch) in self.plan.iter().enumerate().filter(|(_, d)| d.kernel == Kernel::Show) {
             let step = dispatch.step.with_parts(parts);
             gpu.queue.write_buffer(&self.steps, i as u64 * STRIDE, bytemuck::bytes_of(&step));
@@ -282,19 +299,20 @@ impl Relight {
     }
 
     /// Encodes all steps; without `lights` the irradiance in the buffer is used. The light from the sources is computed
-    /// after a change of their strengths alone.
+    /// after a change of their strengths alone. Returns the number of dispatches.
     pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &RelightPipelines,
         lights: Option<&wgpu::BindGroup>,
         timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
-    ) {
+    ) -> usize {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("relight"),
             timestamp_writes: timestamps,
         });
         let is_stale = self.sources.as_ref().is_some_and(FromSources::take_stale);
+        let mut count = 0;
         for (i, dispatch) in self.plan.iter().enumerate() {
             let (pipeline, bind) = match dispatch.kernel {
                 Kernel::Direct if lights.is_none() => continue,
@@ -306,10 +324,13 @@ impl Relight {
                 Kernel::Bounce => (&self.shared[1], &self.bounce[0]),
                 Kernel::Lift => (&pipelines.lift.1, &self.lift),
                 Kernel::Level => (&pipelines.level.1, &self.level),
-                kernel => match self.sources.as_ref().and_then(|own| own.pass(kernel, is_stale)) {
-                    Some(pass) => pass,
-                    None => continue,
-                },
+                kernel => {
+                    match (&self.groups, self.sources.as_ref().and_then(|own| own.pass(kernel, is_stale))) {
+                        (Some((_, pipeline, join)), _) => (pipeline, join),
+                        (None, Some(pass)) => pass,
+                        (None, None) => continue,
+                    }
+                }
             };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);
@@ -317,11 +338,20 @@ impl Relight {
                 pass.set_bind_group(1, lights, &[]);
             }
             pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
+            count += 1;
         }
+        count
     }
 }
 
-/// The buffers of a matrix, chunk by chunk: offsets and links.
-fn chunks(matrix: &LinkBuffers) -> impl Iterator<Item = (&wgpu::Buffer, &wgpu::Buffer)> {
-    matrix.chunks.iter().map(|chunk| (&matrix.offsets, &chunk.links))
+/// Makes bind groups of offsets and links of a matrix, chunk by chunk.
+fn by_chunk(
+    matrix: &LinkBuffers,
+    make: &dyn Fn(&wgpu::Buffer, &wgpu::Buffer) -> wgpu::BindGroup,
+) -> Vec<wgpu::BindGroup> {
+    let mut groups = Vec::new();
+    for chunk in &matrix.chunks {
+        groups.push(make(&matrix.offsets, &chunk.links));
+    }
+    groups
 }

@@ -15,7 +15,7 @@ pub(super) const LEVEL_THREADS: u32 = 512;
 /// Average number of links of a row below which a single thread processes the row.
 const SHORT: usize = 16;
 
-/// `Step` of the shaders: parameters of a dispatch.
+/// `Step` of the shaders (step.wgsl): parameters of a dispatch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Step {
@@ -52,7 +52,7 @@ pub(super) enum Kernel {
     Level,
     /// Light straight from the sources.
     Sources(usize),
-    /// Adds it to the direct light.
+    /// Adds it to the direct light; or light of a fixed solution.
     Join,
     /// Adds it to what is displayed.
     Show,
@@ -95,32 +95,34 @@ pub(super) fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispa
             let level = scene.level(l);
             let links = scene.links.offsets[level.end] - scene.links.offsets[level.start];
             let is_short = (links as usize) < SHORT * level.len();
-            for (i, step) in rows(&upload.links, level) {
-                plan.push(if is_short {
-                    Dispatch::lanes(Kernel::Short(i), step, 1)
-                } else {
-                    Dispatch::lanes(Kernel::Transport(i), step, lanes)
-                });
+            if is_short {
+                push_rows(plan, &upload.links, level, Kernel::Short, 1);
+            } else {
+                push_rows(plan, &upload.links, level, Kernel::Transport, lanes);
             }
         }
     };
     let mut plan = Vec::new();
     if let Some(links) = &upload.source_links {
         for l in 0..scene.meta.levels.len() {
-            let dispatch = |(i, step)| Dispatch::lanes(Kernel::Sources(i), step, lanes);
-            plan.extend(rows(links, scene.level(l)).map(dispatch));
+            push_rows(&mut plan, links, scene.level(l), Kernel::Sources, lanes);
         }
     }
     plan.push(Dispatch::threads(Kernel::Direct, 0, scene.direct_count()));
-    if upload.source_links.is_some() {
+    // A fixed solution has no links.
+    let (mut senders, mut coarse, mut levels) =
+        (scene.sender_count(), scene.later_count(), scene.meta.levels.len());
+    if scene.is_solved() {
+        (senders, coarse, levels) = (0, 0, 0);
+    }
+    if upload.source_links.is_some() || scene.is_solved() {
         plan.push(Dispatch::threads(Kernel::Join, 0, scene.direct_count()));
     }
-    let send = Dispatch::threads(Kernel::Send, 0, scene.sender_count());
+    let send = Dispatch::threads(Kernel::Send, 0, senders);
     plan.extend(
         (0..(scene.meta.direct_levels as usize).saturating_sub(1)).rev().map(|l| level(Kernel::Pull, l)),
     );
     plan.push(send);
-    let coarse = scene.later_count();
     if coarse > 0 {
         transport(&mut plan, scene.meta.later_levels);
         let step = Step { count: coarse as u32, ..Step::default() };
@@ -129,7 +131,7 @@ pub(super) fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispa
         plan.extend(finer.map(|l| level(Kernel::Lift, l)));
         plan.push(send);
     }
-    transport(&mut plan, scene.meta.levels.len() as u32);
+    transport(&mut plan, levels as u32);
     if upload.source_links.is_some() {
         plan.push(Dispatch::threads(Kernel::Show, 0, scene.points.len()));
     }
@@ -148,14 +150,21 @@ pub(super) fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispa
     plan
 }
 
-/// Steps over the rows of a level, by the index of their chunk.
-fn rows(links: &LinkBuffers, level: Range<usize>) -> impl Iterator<Item = (usize, Step)> {
-    links.chunks.iter().enumerate().map(move |(i, chunk)| {
+/// Appends dispatches over the rows of a level, chunk by chunk.
+fn push_rows(
+    plan: &mut Vec<Dispatch>,
+    links: &LinkBuffers,
+    level: Range<usize>,
+    kernel: fn(usize) -> Kernel,
+    lanes: u32,
+) {
+    for (i, chunk) in links.chunks.iter().enumerate() {
         let first = chunk.rows.start.max(level.start as u32);
         let end = chunk.rows.end.min(level.end as u32);
         let count = end.saturating_sub(first);
-        (i, Step { first, count, extra: chunk.first_link, ..Step::default() })
-    })
+        let step = Step { first, count, extra: chunk.first_link, ..Step::default() };
+        plan.push(Dispatch::lanes(kernel(i), step, lanes));
+    }
 }
 
 /// Measures the light level at the finest senders, which are spread evenly over all surfaces of the light
