@@ -9,7 +9,7 @@ use crate::light::level::level;
 use crate::verify::expose::Exposure;
 use rebounce_shared::camera::CameraFrame;
 use rebounce_shared::exposure::most;
-use rebounce_shared::light::LightSource;
+use rebounce_shared::light::{LightKind, LightSource};
 use rebounce_shared::rbn::shown::Ground;
 
 /// Source and settings of a picture.
@@ -60,11 +60,12 @@ impl Shown<'_> {
         png::automatic_exposure(lit, most, |pixel| self.is_lit(pixel))
     }
 
-    /// Whether the centre of a pixel shows a surface affected by light.
+    /// Whether the centre of a pixel shows a surface affected by light, or a sky: the page's exposure counts both.
     fn is_lit(&self, [x, y]: [u32; 2]) -> bool {
         let [width, height] = self.exposure.size;
         let direction = self.camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
         let ray = Ray::visibility(self.camera.eye, direction);
-        self.surfaces.see(&ray, 0).is_some_and(|hit| !hit.is_unlit)
+        let has_sky = self.lights.iter().any(|light| light.kind == LightKind::Environment);
+        self.surfaces.see(&ray, 0).map_or(has_sky, |hit| !hit.is_unlit)
     }
 }
