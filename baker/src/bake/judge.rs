@@ -357,9 +357,15 @@ mod tests {
         let twice = lamp.with(INTENSITY.at, &[2.0 * lamp.intensity()]);
         // A shot with emission and mix, and the lights that it comes to.
         let pairs = [
-            (Shot { emission: 0.5, ..shot(&[lamp.clone()]) }, shot(&[lamp.clone(), shine(0.5)])),
-            (Shot { mix: vec![channel(1.0, false)], ..shot(&[lamp.clone()]) }, shot(&[twice, shine(1.0)])),
-            (Shot { mix: vec![channel(0.0, true)], ..shot(&[lamp.clone()]) }, shot(&[shine(1.0)])),
+            (Shot { emission: 0.5, ..shot(std::slice::from_ref(&lamp)) }, shot(&[lamp.clone(), shine(0.5)])),
+            (
+                Shot { mix: vec![channel(1.0, false)], ..shot(std::slice::from_ref(&lamp)) },
+                shot(&[twice, shine(1.0)]),
+            ),
+            (
+                Shot { mix: vec![channel(0.0, true)], ..shot(std::slice::from_ref(&lamp)) },
+                shot(&[shine(1.0)]),
+            ),
         ];
         let seen = pairs.map(|(given, meant)| {
             let [given, meant] = [&given, &meant].map(|shot| {
@@ -373,8 +379,8 @@ mod tests {
             }
             [sum(&given[0]), sum(&given[1])]
         });
-        for picture in 0..2 {
-            let [half, twice, without] = [0, 1, 2].map(|k| seen[k][picture]);
+        let [half, twice, without] = seen;
+        for ((half, twice), without) in half.into_iter().zip(twice).zip(without) {
             assert!(without < 0.9 * half && half < 0.9 * twice, "{without}, {half}, {twice}");
         }
     }
