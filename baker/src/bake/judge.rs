@@ -13,6 +13,9 @@ use crate::verify::path_trace::{Settings, path_trace};
 use crate::verify::render::render;
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::light::Light;
+use rebounce_shared::lighting::with_emission;
+use rebounce_shared::mix::mixed;
 use rebounce_shared::shot::Shot;
 
 /// Approximate number of pixels of a picture. With fewer, wider pixels, errors at edges go unseen.
@@ -78,6 +81,8 @@ pub fn is_within(error: &ErrorEstimate, target: f64) -> Answer {
 pub struct Judge<'a> {
     scene: &'a Scene,
     shot: &'a Shot,
+    /// The lights of the shot, with its emission and its mix.
+    lights: Vec<Light>,
     size: [u32; 2],
     truth: [Picture; 2],
     bounces: Option<u32>,
@@ -115,7 +120,9 @@ impl<'a> Judge<'a> {
         let seen = seen(&surfaces, scene, shot, size);
         let black = Picture { width: size[0], height: size[1], pixels: Vec::new() };
         let truth = [black.clone(), black];
-        let mut judge = Self { scene, shot, size, truth, bounces, samples, doubled: 0, seen };
+        let groups = emissive_groups(scene).len();
+        let lights = mixed(&with_emission(&shot.lights, groups, shot.emission), &shot.mix);
+        let mut judge = Self { scene, shot, lights, size, truth, bounces, samples, doubled: 0, seen };
         judge.truth = [1, 2].map(|seed| judge.traced(&surfaces, seed, samples, &row_done));
         // The two pictures differ by their noise if the view has light.
         while let Err(error) = compare(&judge.truth[0], &judge.truth[1], None) {
@@ -138,11 +145,11 @@ impl<'a> Judge<'a> {
         let exposure = Exposure { size: self.size, samples, seed };
         // The first bounce is always included.
         let settings = Settings { only: Only::Indirect, bounces: self.bounces.map(|bounces| bounces.max(1)) };
-        let Shot { camera, lights, .. } = self.shot;
+        let origin = self.scene.origin;
         let groups = emissive_groups(self.scene);
         let environment = self.scene.environment.as_ref();
-        let illumination = Illumination::of_scene(surfaces, lights, self.scene.origin, &groups, environment);
-        path_trace(surfaces, self.scene.origin, camera, &illumination, exposure, settings, row_done)
+        let illumination = Illumination::of_scene(surfaces, &self.lights, origin, &groups, environment);
+        path_trace(surfaces, origin, &self.shot.camera, &illumination, exposure, settings, row_done)
     }
 
     /// Returns the shot of the ground truth.
@@ -190,10 +197,10 @@ impl<'a> Judge<'a> {
     /// # Errors
     /// [`JudgeError::Scene`].
     pub fn picture(&self, baked: &BakedScene) -> Result<Picture, JudgeError> {
-        let Shot { camera, lights, .. } = self.shot;
+        let camera = &self.shot.camera;
         let surfaces = TriangleSurfaces::from_baked(baked)?;
         let exposure = Exposure { size: self.size, samples: SAMPLES, seed: 3 };
-        Ok(render(baked, &surfaces, camera, lights, exposure, Only::Indirect, || ()))
+        Ok(render(baked, &surfaces, camera, &self.lights, exposure, Only::Indirect, || ()))
     }
 
     /// Compares a file's picture with the ground truth at the current number of samples.
@@ -297,6 +304,8 @@ mod tests {
     use super::*;
     use crate::bake::{BakeSettings, Preset, bake};
     use rebounce_shared::colour::unpack_rgb9e5;
+    use rebounce_shared::light::INTENSITY;
+    use rebounce_shared::mix::Channel;
 
     fn small(functions: usize) -> BakeSettings {
         let mut settings = BakeSettings::new(Preset::Draft);
@@ -333,6 +342,47 @@ mod tests {
         let worst = broken.worst.unwrap();
         assert!(worst.material.1 == "red" && worst.share > 0.5, "{worst:?}");
         assert!(broken.comparison.error.figure() > 2.0 * good.comparison.error.figure());
+    }
+
+    #[test]
+    fn a_view_is_measured_with_its_emission_and_its_mix() {
+        let mut scene = crate::io::load("builtin:cornell-box").unwrap();
+        let green = scene.materials.iter().position(|material| material.name == "green").unwrap();
+        scene.materials[green].emission = [0.5, 1.0, 0.5];
+        let (file, _) = bake(&scene, &small(300), &()).unwrap();
+        let lamp = scene.lights[0].clone();
+        let shot = |lights: &[Light]| Shot::new([24, 16], scene.cameras[0].clone(), lights.to_vec());
+        let channel = |stops, mute| Channel { stops, mute, ..Channel::default() };
+        let shine = |intensity| Light::Emissive { group: 0, intensity, color: [1.0; 3] };
+        let twice = lamp.with(INTENSITY.at, &[2.0 * lamp.intensity()]);
+        // A shot with emission and mix, and the lights that it comes to.
+        let pairs = [
+            (Shot { emission: 0.5, ..shot(std::slice::from_ref(&lamp)) }, shot(&[lamp.clone(), shine(0.5)])),
+            (
+                Shot { mix: vec![channel(1.0, false)], ..shot(std::slice::from_ref(&lamp)) },
+                shot(&[twice, shine(1.0)]),
+            ),
+            (
+                Shot { mix: vec![channel(0.0, true)], ..shot(std::slice::from_ref(&lamp)) },
+                shot(&[shine(1.0)]),
+            ),
+        ];
+        let seen = pairs.map(|(given, meant)| {
+            let [given, meant] = [&given, &meant].map(|shot| {
+                let judge = Judge::sized(&scene, shot, None, (shot.size, 4), || ()).unwrap();
+                [judge.truth[0].pixels.clone(), judge.picture(&file).unwrap().pixels]
+            });
+            let sum = |pixels: &[Vec3]| pixels.iter().map(|p| p.element_sum()).sum::<f32>();
+            for (given, meant) in given.iter().zip(&meant) {
+                let [given, meant] = [given, meant].map(|pixels| sum(pixels));
+                assert!((given / meant - 1.0).abs() < 0.02, "{given}, not {meant}");
+            }
+            [sum(&given[0]), sum(&given[1])]
+        });
+        let [half, twice, without] = seen;
+        for ((half, twice), without) in half.into_iter().zip(twice).zip(without) {
+            assert!(without < 0.9 * half && half < 0.9 * twice, "{without}, {half}, {twice}");
+        }
     }
 
     #[test]

@@ -166,7 +166,7 @@ pub fn solve(scene: &mut BakedScene) {
         };
         let irradiance: Vec<Vec3> =
             (0..rows).map(|i| Vec3::new(value(i, 0), value(i, 1), value(i, 2))).collect();
-        let is_stored = |i: usize| i % 3 > 0 || i < scene.sender_count();
+        let is_stored = |i: usize| !i.is_multiple_of(3) || i < scene.sender_count();
         all.push_column(&irradiance, all.groups[group].floor, scene.relations.push(), is_stored);
     }
     scene.light_groups = all;

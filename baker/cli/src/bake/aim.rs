@@ -5,7 +5,7 @@ use crate::picture::{Rows, shot_or_own};
 use anyhow::{Context, Result};
 use rebounce::bake::aim::is_worth_another;
 use rebounce::bake::judge::{Judge, Worst};
-use rebounce::scene::Scene;
+use rebounce::scene::{Scene, emissive_groups};
 use rebounce::verify::compare::uncertainty::{Answer, ErrorEstimate};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::shot::Shot;
@@ -45,15 +45,19 @@ pub enum StopReason {
     Budget,
 }
 
-/// Returns the shot for measuring: `given`, or the scene's first camera and lights; `None` if the scene lacks camera or
-/// light.
+/// Returns the shot for measuring: `given`, or the scene's first camera and lights, shining surfaces among them; `None` if
+/// the scene lacks camera or light.
 ///
 /// # Errors
 /// If `given` is unusable.
 pub fn shot_for(given: Option<Shot>, spec: &str, scene: &Scene) -> Result<Option<Shot>> {
     let is_given = given.is_some();
-    match shot_or_own(given, spec, &scene.cameras, &scene.lights) {
-        Ok(shot) => Ok(Some(shot)),
+    match shot_or_own(given, spec, &scene.cameras, &scene.all_lights().0) {
+        Ok(mut shot) => {
+            let names: Vec<String> = emissive_groups(scene).into_iter().map(|group| group.name).collect();
+            shot.resolve_groups(&names).map_err(anyhow::Error::msg).context("--shot")?;
+            Ok(Some(shot))
+        }
         Err(error) if is_given => Err(error),
         Err(error) => {
             eprintln!("note: {error}; the preset is taken that is made for the error, which is not measured");
@@ -146,6 +150,7 @@ fn blamed(worst: &Worst) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rebounce_shared::light::Light;
 
     #[test]
     fn without_camera_or_light_nothing_can_be_measured() {
@@ -154,6 +159,9 @@ mod tests {
         assert!(shot(&scene).unwrap().is_some());
         scene.lights.clear();
         assert!(shot(&scene).unwrap().is_none());
+        // Surfaces that shine are light.
+        scene.materials[0].emission = [1.0; 3];
+        assert!(matches!(shot(&scene).unwrap().unwrap().lights[..], [Light::Emissive { group: 0, .. }]));
     }
 
     #[test]
