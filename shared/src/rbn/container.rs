@@ -69,7 +69,17 @@ pub struct Section {
 impl Section {
     /// Name as text; unprintable bytes are escaped.
     pub fn name(&self) -> String {
-        self.name.escape_ascii().to_string()
+        let mut name = String::new();
+        for byte in self.name {
+            if matches!(byte, b' '..=b'~') {
+                name.push(char::from(byte));
+            } else {
+                name += "\\x";
+                [byte >> 4, byte & 15]
+                    .map(|digit| name.push(char::from(b"0123456789abcdef"[usize::from(digit)])));
+            }
+        }
+        name
     }
 }
 
@@ -258,7 +268,7 @@ mod tests {
         let twice = write(VERSION, &[(*b"AAAA", b"hello"), (*b"AAAA", b"other")]);
         assert!(read(&twice).unwrap_err().to_string().contains("section AAAA is invalid: it is there twice"));
         let odd = read(&write(VERSION, &[(*b"A\x1b[\n", b"")])).unwrap();
-        assert_eq!(odd[0].name(), "A\\x1b[\\n");
+        assert_eq!(odd[0].name(), "A\\x1b[\\x0a");
     }
 
     #[test]
