@@ -54,7 +54,8 @@ fn area_lights_light_the_picture_as_on_the_cpu() {
     for (name, light) in lights {
         let exposure = Exposure { size: [SIZE; 2], samples: 512, seed: 5 };
         let truth =
-            render(&scene, &surfaces, &camera, &[light.clone()], exposure, Only::Direct, || ()).pixels;
+            render(&scene, &surfaces, &camera, std::slice::from_ref(&light), exposure, Only::Direct, || ())
+                .pixels;
         let (mean, stops) = mean_and_stops(&truth);
         let most = Vec3::splat(0.7 * (-stops).exp2());
         renderer.set_lights(vec![light]).unwrap();

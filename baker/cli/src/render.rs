@@ -7,6 +7,7 @@ use clap::Args;
 use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::geometry::with_lights::WithLights;
 use rebounce::verify::render::{Relit, packed_environment};
+use rebounce_shared::light::LightKind;
 use rebounce_shared::lighting::Lighting;
 use std::path::PathBuf;
 
@@ -54,5 +55,9 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     rows.finish();
     let frame = shot.camera.frame(scene.meta.origin);
     let ground = scene.meta.shown.ground().filter(|_| !args.no_backdrop);
-    args.picture.write(&picture, &surfaces, &frame, relit.lamps(), exposure, ground.as_ref())
+    // The sky counts for the exposure.
+    let skies = shot.lights.iter().filter(|light| light.kind() == LightKind::Environment);
+    let mut lights = relit.lamps().to_vec();
+    lights.extend(skies.map(|sky| sky.source(scene.meta.origin)));
+    args.picture.write(&picture, &surfaces, &frame, &lights, exposure, ground.as_ref())
 }

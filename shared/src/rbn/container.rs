@@ -69,14 +69,15 @@ pub struct Section {
 impl Section {
     /// Name as text; unprintable bytes are escaped.
     pub fn name(&self) -> String {
+        let digit = |half: u8| char::from(b"0123456789abcdef"[usize::from(half)]);
         let mut name = String::new();
         for byte in self.name {
             if matches!(byte, b' '..=b'~') {
                 name.push(char::from(byte));
             } else {
                 name += "\\x";
-                [byte >> 4, byte & 15]
-                    .map(|digit| name.push(char::from(b"0123456789abcdef"[usize::from(digit)])));
+                name.push(digit(byte >> 4));
+                name.push(digit(byte & 15));
             }
         }
         name
