@@ -11,6 +11,7 @@ mod source;
 mod stored;
 mod table;
 
+pub use area::{MOST_CORNERS, polygon_projected_solid_angle};
 pub use field::{Absent, Field, LightDescription, Range, Stored};
 pub use kinds::{
     COLOR, DIRECTION, INTENSITY, KINDS, Light, LightKind, MEMBERS, NUMBERS, POSITION, ROTATION, SIZE,

@@ -3,16 +3,13 @@
 
 use crate::common;
 
-use common::{mean_and_stops, picture};
+use common::{CornellBox, cornell_box, mean_and_stops, picture};
 use glam::Vec3;
-use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::Only;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::render;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_tests::small::small;
-use rebounce_viewer::settings::Mode;
 
 const SIZE: u32 = 128;
 /// Maximum RMS difference, as a share of the mean.
@@ -36,14 +33,7 @@ fn sphere(position: [f64; 3], radius: f64) -> Light {
 
 #[test]
 fn area_lights_light_the_picture_as_on_the_cpu() {
-    let scene = small("builtin:cornell-box", 600).unwrap();
-    let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
-    let Some(mut renderer) = common::renderer(&scene) else { return };
-    renderer.set_mode(Mode::Direct);
-    // View down onto the floor and the blocks.
-    let camera =
-        Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
-    renderer.set_camera(camera.clone()).unwrap();
+    let Some(CornellBox { scene, surfaces, mut renderer, camera }) = cornell_box() else { return };
     let down = [0.0, -1.0, 0.0];
     let lights = [
         ("panel", rectangle([0.2, 4.7, -2.6], down, 1.0, 1.0)),
@@ -72,10 +62,7 @@ fn area_lights_light_the_picture_as_on_the_cpu() {
 
 #[test]
 fn area_lights_are_seen_before_and_behind_surfaces_as_on_the_cpu() {
-    let scene = small("builtin:cornell-box", 600).unwrap();
-    let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
-    let Some(mut renderer) = common::renderer(&scene) else { return };
-    renderer.set_mode(Mode::Direct);
+    let Some(CornellBox { scene, surfaces, mut renderer, .. }) = cornell_box() else { return };
     let camera =
         Camera { position: [0.0, 2.5, 0.5], target: [0.0, 2.4, -3.0], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
     renderer.set_camera(camera.clone()).unwrap();

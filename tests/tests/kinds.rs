@@ -3,17 +3,13 @@
 
 use crate::common;
 
-use common::{difference, picture};
-use rebounce::geometry::mesh::TriangleSurfaces;
+use common::{CornellBox, cornell_box, difference, picture};
 use rebounce::io::picture::Only;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::render;
-use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{
     Absent, DIRECTION, INTENSITY, KINDS, Light, LightDescription, LightKind, NUMBERS, POSITION,
 };
-use rebounce_tests::small::small;
-use rebounce_viewer::settings::Mode;
 
 const SIZE: u32 = 192;
 /// Maximum RMS difference, relative: shadows' edges differ by parts of a pixel.
@@ -41,14 +37,7 @@ fn example(number: usize, kind: &LightDescription) -> Light {
 
 #[test]
 fn the_pages_light_of_every_kind_is_the_cpus() {
-    let scene = small("builtin:cornell-box", 600).unwrap();
-    let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
-    let Some(mut renderer) = common::renderer(&scene) else { return };
-    renderer.set_mode(Mode::Direct);
-    // View down onto the floor and the blocks.
-    let camera =
-        Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
-    renderer.set_camera(camera.clone()).unwrap();
+    let Some(CornellBox { scene, surfaces, mut renderer, camera }) = cornell_box() else { return };
     for (number, kind) in KINDS.iter().enumerate().take(LightKind::Directional as usize + 1) {
         let lights = [example(number, kind)];
         let exposure = Exposure { size: [SIZE; 2], samples: 16, seed: 5 };

@@ -3,16 +3,12 @@
 
 use crate::common;
 
-use common::{mean_and_stops, picture};
+use common::{CornellBox, cornell_box, mean_and_stops, picture};
 use glam::Vec3;
-use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::Only;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::render;
-use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{Light, SIZE as SIZE_OF_LIGHT};
-use rebounce_tests::small::small;
-use rebounce_viewer::settings::Mode;
 
 const SIZE: u32 = 192;
 /// Minimum difference from a point light, relative to the brighter value, that counts as penumbra.
@@ -28,14 +24,7 @@ fn point(light: &Light) -> Light {
 
 #[test]
 fn penumbrae_are_as_wide_as_the_cpus() {
-    let scene = small("builtin:cornell-box", 600).unwrap();
-    let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
-    let Some(mut renderer) = common::renderer(&scene) else { return };
-    renderer.set_mode(Mode::Direct);
-    // View down onto the floor and the blocks.
-    let camera =
-        Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
-    renderer.set_camera(camera.clone()).unwrap();
+    let Some(CornellBox { scene, surfaces, mut renderer, camera }) = cornell_box() else { return };
     let color = [1.0; 3];
     let lights = [
         ("point", Light::Point { position: [0.2, 4.7, -1.2], intensity: 20.0, color, radius: 0.25 }),

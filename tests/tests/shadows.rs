@@ -4,16 +4,12 @@
 
 use crate::common;
 
-use common::{mean_and_stops, picture};
+use common::{CornellBox, cornell_box, mean_and_stops, picture};
 use glam::Vec3;
-use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce::io::picture::Only;
 use rebounce::verify::expose::Exposure;
 use rebounce::verify::render::render;
-use rebounce_shared::camera::Camera;
 use rebounce_shared::light::Light;
-use rebounce_tests::small::small;
-use rebounce_viewer::settings::Mode;
 
 const SIZE: u32 = 160;
 /// Maximum distance of a shadow's edge from the CPU's edge, pixels: the filter is up to two texels wide.
@@ -46,13 +42,7 @@ fn is_lit_around(truth: &[Vec3], at: usize, mean: f32) -> bool {
 
 #[test]
 fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
-    let scene = small("builtin:cornell-box", 600).unwrap();
-    let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
-    let Some(mut renderer) = common::renderer(&scene) else { return };
-    renderer.set_mode(Mode::Direct);
-    // View down onto the floor and the base of the blocks.
-    let floor =
-        Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
+    let Some(CornellBox { scene, surfaces, mut renderer, camera: floor }) = cornell_box() else { return };
     let color = [1.0; 3];
     let lights = [
         ("point", Light::Point { position: [0.2, 4.9, -1.2], intensity: 20.0, color, radius: 0.0 }),
@@ -83,7 +73,6 @@ fn shadows_end_where_the_cpus_do_and_lit_places_are_lit() {
         let lights = [light];
         let truth = render(&scene, &surfaces, &floor, &lights, exposure, Only::Direct, || ()).pixels;
         let (mean, stops) = mean_and_stops(&truth);
-        renderer.set_camera(floor.clone()).unwrap();
         renderer.set_lights(lights.to_vec()).unwrap();
         let ours = picture(&mut renderer, [SIZE; 2], stops);
         let most = 0.7 * (-stops).exp2();

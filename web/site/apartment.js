@@ -1,6 +1,6 @@
 // The apartment's page: the hour of the day sets sun and sky, and the lamps come on at dusk.
 
-import { clock, daylight, steppedByKeys } from "./day.js";
+import { daylight, show, steppedByKeys } from "./day.js";
 
 /** Hours of the day that pass in a second. */
 const PACE = 1.2;
@@ -53,8 +53,7 @@ for (const [name, view] of Object.entries(ROOMS)) {
 /** Puts the hour's light into the scene; the lamps stay where they may have been dragged to. */
 function light() {
   const { lights, isDark } = daylight(hour.valueAsNumber);
-  find("clock").value = clock(hour.valueAsNumber);
-  hour.setAttribute("aria-valuetext", clock(hour.valueAsNumber));
+  show(hour, find("clock"));
   if (auto.checked) for (const { box } of lamps) box.checked = isDark;
   if (full.size === 0) return;
   const isOn = (name) => lamps.some(({ box, lights }) => box.checked && lights.includes(name));

@@ -68,9 +68,15 @@ export function daylight(hour) {
 }
 
 /** Hours and minutes. */
-export function clock(hour) {
+function clock(hour) {
   const minutes = Math.round(hour * 60) % (24 * 60);
   return [Math.floor(minutes / 60), minutes % 60].map((part) => String(part).padStart(2, "0")).join(":");
+}
+
+/** Says the hour of a slider, beside it and to those who hear the page. */
+export function show(slider, output) {
+  output.value = clock(slider.valueAsNumber);
+  slider.setAttribute("aria-valuetext", output.value);
 }
 
 /** Makes a slider of hours move by quarters of an hour with arrow keys, and as finely as one likes with a pointer. */

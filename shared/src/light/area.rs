@@ -13,6 +13,9 @@ use std::f32::consts::{PI, TAU};
 /// Corners of the polygon that stands for a disk. Irradiance is within 0.3% of the disk's from a radius away on.
 const DISK_CORNERS: u32 = 16;
 
+/// Greatest number of corners of a polygon.
+pub const MOST_CORNERS: usize = DISK_CORNERS as usize;
+
 /// Most parts of a rectangle.
 const MOST_PARTS: f32 = 4.0;
 
@@ -83,40 +86,40 @@ impl LightSource {
     }
 
     fn polygon(&self, offset: Vec3, normal: Vec3) -> f32 {
-        let corners = if self.kind == LightKind::Rectangle { 4 } else { DISK_CORNERS };
-        let mut sum = 0.0;
-        // Where the polygon dips below the horizon and where it comes up again.
-        let (mut down, mut up, mut cuts) = (Vec3::ZERO, Vec3::ZERO, false);
-        let mut from = offset + self.corner(0);
-        let mut height = normal.dot(from);
-        for i in 1..=corners {
-            let to = offset + self.corner(i);
-            let next = normal.dot(to);
-            let crossing = from + (to - from) * (height / (height - next));
-            if height > 0.0 || next > 0.0 {
-                let (mut first, mut last) = (from, to);
-                if height <= 0.0 {
-                    (first, up) = (crossing, crossing);
-                }
-                if next <= 0.0 {
-                    (last, down, cuts) = (crossing, crossing, true);
-                }
-                sum += edge(first, last, normal);
-            }
-            (from, height) = (to, next);
-        }
-        if cuts {
-            sum += edge(down, up, normal);
-        }
-        0.5 * sum.abs()
+        let count = if self.kind == LightKind::Rectangle { 4 } else { DISK_CORNERS };
+        let mut corners = [Vec3::ZERO; DISK_CORNERS as usize];
+        (0..).zip(&mut corners).for_each(|(i, corner)| *corner = offset + self.corner(i));
+        polygon_projected_solid_angle(&corners[..count as usize], normal)
     }
 }
 
-/// The angle of an edge as seen, times the share of the edge's plane's normal along `normal`.
-fn edge(a: Vec3, b: Vec3, normal: Vec3) -> f32 {
-    let cross = a.cross(b);
-    let sine = cross.length();
-    if sine > 0.0 { sine.atan2(a.dot(b)) * cross.dot(normal) / sine } else { 0.0 }
+/// Returns the projected solid angle of a convex polygon over the horizon of a unit `normal` (Lambert's formula): half the
+/// sum, over the edges of the part above the horizon, of the edge's angle times the cosine of its plane's normal. `corners`
+/// are relative to the place, at most [`MOST_CORNERS`].
+pub fn polygon_projected_solid_angle(corners: &[Vec3], normal: Vec3) -> f32 {
+    let mut above = [Vec3::ZERO; MOST_CORNERS + 1];
+    let mut count = 0;
+    let mut push = |corner| {
+        above[count] = corner;
+        count += 1;
+    };
+    for (i, corner) in corners.iter().enumerate() {
+        let next = corners[(i + 1) % corners.len()];
+        let [height, after] = [*corner, next].map(|corner| normal.dot(corner));
+        if height > 0.0 {
+            push(*corner);
+        }
+        if (height > 0.0) != (after > 0.0) {
+            push(corner.lerp(next, height / (height - after)));
+        }
+    }
+    let edge = |i: usize| {
+        let (a, b) = (above[i], above[(i + 1) % count]);
+        let cross = a.cross(b);
+        let length = cross.length();
+        if length > 0.0 { length.atan2(a.dot(b)) * normal.dot(cross) / length } else { 0.0 }
+    };
+    0.5 * (0..count).map(edge).sum::<f32>().abs()
 }
 
 fn sphere(offset: Vec3, radius: f32, normal: Vec3) -> f32 {

@@ -3,10 +3,13 @@
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use glam::Vec3;
+use rebounce::geometry::mesh::TriangleSurfaces;
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::camera::Camera;
+use rebounce_tests::small::small;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::GpuScene;
-use rebounce_viewer::settings::ToneMapping;
+use rebounce_viewer::settings::{Mode, ToneMapping};
 
 #[path = "../../../viewer/tests/device/mod.rs"]
 mod device;
@@ -22,6 +25,27 @@ pub fn renderer(scene: &BakedScene) -> Option<Renderer> {
     renderer.set_auto_exposure(false);
     renderer.set_tone_mapping(ToneMapping::Neutral);
     Some(renderer)
+}
+
+/// The Cornell box on the CPU and in the viewer, which shows direct light alone; `camera` looks down onto the floor and
+/// the blocks.
+pub struct CornellBox {
+    pub scene: BakedScene,
+    pub surfaces: TriangleSurfaces,
+    pub renderer: Renderer,
+    pub camera: Camera,
+}
+
+/// Returns the [`CornellBox`]; `None`, with a message, without an adapter.
+pub fn cornell_box() -> Option<CornellBox> {
+    let scene = small("builtin:cornell-box", 600).unwrap();
+    let surfaces = TriangleSurfaces::from_baked(&scene).unwrap();
+    let mut renderer = renderer(&scene)?;
+    renderer.set_mode(Mode::Direct);
+    let camera =
+        Camera { position: [0.0, 4.6, -0.4], target: [0.0, 0.3, -3.2], up: [0.0, 1.0, 0.0], yfov_deg: 60.0 };
+    renderer.set_camera(camera.clone()).unwrap();
+    Some(CornellBox { scene, surfaces, renderer, camera })
 }
 
 /// Returns the mean of the pixels' largest components, and an exposure in stops that maps the mean well below the

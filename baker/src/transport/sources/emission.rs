@@ -11,6 +11,7 @@ use crate::geometry::{EmissiveTriangle, Emitters, Surfaces};
 use crate::random::{Stream, mix};
 use crate::sampling::SurfacePoint;
 use glam::{Vec2, Vec3};
+use rebounce_shared::light::polygon_projected_solid_angle;
 use smallvec::SmallVec;
 use std::f32::consts::TAU;
 
@@ -135,8 +136,9 @@ impl<'a> Emission<'a> {
                 found.add(GroupSeen { irradiance, variance: spread.max(Vec3::ZERO) });
                 continue;
             }
-            let has_own = |number: &u32| assigned.iter().any(|a| a.emitter == *number && a.expected >= OWN);
-            let whole = summed.iter().filter(|number| !has_own(number));
+            let own = assigned.iter().filter(|assigned| assigned.expected >= OWN);
+            let own: SmallVec<[u32; 32]> = own.map(|assigned| assigned.emitter).collect();
+            let whole = summed.iter().filter(|number| !own.contains(number));
             let whole = whole.map(|number| self.unoccluded(*number, point)).sum();
             found.add(by_ratio(whole, &scattered));
         }
@@ -217,28 +219,9 @@ impl<'a> Emission<'a> {
     }
 }
 
-/// Irradiance of a place with unit normal from an unoccluded triangle of radiance 1 (Lambert's formula for polygons): half
-/// the sum, over the edges of the part above the horizon, of the edge's angle times the cosine of its plane's normal.
+/// Irradiance of a place with unit normal from an unoccluded triangle of radiance 1.
 fn triangle_irradiance(corners: [Vec3; 3], position: Vec3, normal: Vec3) -> f32 {
-    let corners = corners.map(|corner| corner - position);
-    let heights = corners.map(|corner| normal.dot(corner));
-    let mut above = SmallVec::<[Vec3; 4]>::new();
-    for i in 0..3 {
-        let next = (i + 1) % 3;
-        if heights[i] > 0.0 {
-            above.push(corners[i]);
-        }
-        if (heights[i] > 0.0) != (heights[next] > 0.0) {
-            above.push(corners[i].lerp(corners[next], heights[i] / (heights[i] - heights[next])));
-        }
-    }
-    let edge = |i: usize| {
-        let (a, b) = (above[i], above[(i + 1) % above.len()]);
-        let cross = a.cross(b);
-        let length = cross.length();
-        if length > 0.0 { length.atan2(a.dot(b)) * normal.dot(cross) / length } else { 0.0 }
-    };
-    0.5 * (0..above.len()).map(edge).sum::<f32>().abs()
+    polygon_projected_solid_angle(&corners.map(|corner| corner - position), normal)
 }
 
 /// Point number k of the additive recurrence of Roberts (2018), in the unit square. The same for all receivers: what it
