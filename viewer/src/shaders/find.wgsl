@@ -115,11 +115,11 @@ fn blocks(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_in
     add_counts(thread);
 }
 
-// Whether the light at `b` may be taken for that at `a`.
-fn alike(a: Place, b: Place) -> bool {
+// Whether the light at `b` may be taken for that at `a`: 0 on another surface, 2 on the same, 1 where it is out of reach.
+fn alike(a: Place, b: Place) -> u32 {
     let offset = b.position - a.position;
-    return b.present && dot(offset, offset) < slot_layout.reach * slot_layout.reach
-        && abs(dot(offset, a.normal)) < FLATNESS * slot_layout.reach && dot(a.normal, b.normal) > SAME_NORMAL;
+    let same = b.present && abs(dot(offset, a.normal)) < FLATNESS * slot_layout.reach && dot(a.normal, b.normal) > SAME_NORMAL;
+    return select(0u, select(1u, 2u, dot(offset, offset) < slot_layout.reach * slot_layout.reach), same);
 }
 
 // The rows of pixels that cannot be interpolated: one thread a pixel.
@@ -134,12 +134,16 @@ fn edges(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_ind
             if place.present {
                 let low = id.xy - odd;
                 let high = min(id.xy + odd, 2u * (slots_blocks(frame) - 1u));
-                let same = alike(place, place_at(low)) && alike(place, place_at(high))
-                    && (any(odd == vec2u(0u))
-                        || (alike(place, place_at(vec2u(low.x, high.y)))
-                            && alike(place, place_at(vec2u(high.x, low.y)))));
-                if !same {
-                    let blocks = slots_blocks(frame);
+                var like = min(alike(place, place_at(low)), alike(place, place_at(high)));
+                if all(odd != vec2u(0u)) {
+                    like = min(like, alike(place, place_at(vec2u(low.x, high.y))));
+                    like = min(like, alike(place, place_at(vec2u(high.x, low.y))));
+                }
+                // Where slots are short, edges come first: light would bleed across them, within a surface it is blurred
+                // by a pixel.
+                let blocks = slots_blocks(frame);
+                let half = (slot_layout.capacity - blocks.x * blocks.y) / 2u;
+                if like == 0u || (like == 1u && atomicLoad(&counts[0]) < half) {
                     slot = blocks.x * blocks.y + atomicAdd(&counts[0], 1u);
                     if slot >= slot_layout.capacity {
                         slot = 0u;

@@ -24,11 +24,12 @@ use splat::{SplatPass, SplatTarget};
 use std::cell::OnceCell;
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Slots of single pixels, as a share of all pixels. Further single pixels are interpolated across edges.
+/// Slots of single pixels, as a share of all pixels. Pixels that are only too far from their neighbours take at most
+/// half of them, edges the rest; further single pixels are interpolated.
 const SINGLE_SHARE: u64 = 5;
-/// Single slots of small pictures, where edges are dense: one for every pixel, up to this number. Pictures of one
-/// view then do not depend on the order in which pixels request slots.
-const LEAST_SINGLES: u64 = 1 << 16;
+/// Single slots of small pictures, where edges are dense: one and a half for every pixel, up to this number, so that
+/// every pixel finds one. Pictures of one view then do not depend on the order in which pixels request slots.
+const LEAST_SINGLES: u64 = 3 << 15;
 /// Distance over which light is interpolated between pixels, as a share of the finest support radius.
 const REACH: f32 = 0.25;
 
@@ -97,7 +98,7 @@ impl SlotBuffers {
     fn new(scope: &Scope, scene: &GpuScene, size: [u32; 2], every_pixel: bool) -> Self {
         let blocks = size[0].div_ceil(2) as u64 * size[1].div_ceil(2) as u64;
         let pixels = size[0] as u64 * size[1] as u64;
-        let some = (pixels / SINGLE_SHARE).max(pixels.min(LEAST_SINGLES));
+        let some = (pixels / SINGLE_SHARE).max((pixels * 3 / 2).min(LEAST_SINGLES));
         let (singles, reach) = if every_pixel { (pixels, 0.0) } else { (some, REACH * scene.finest_radius) };
         let capacity = (blocks + singles).min((MAX_BINDING / 16).max(blocks));
         let row_length = lookup::row_length(capacity);

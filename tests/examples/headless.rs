@@ -9,28 +9,23 @@
 //! `rebounce render FILE.rbn --shot SHOT.json --only indirect`, and writes their difference to OUT.png;
 //! `--from` takes another viewer's `readIndirect` (RGBA 32-bit floats) instead of drawing.
 
-use rebounce_shared::baked::BakedScene;
-use rebounce_shared::lighting::with_emission;
-use rebounce_shared::shot::Shot;
+use anyhow::{Context, Result, bail};
+use common::{open, screen::screen, set_shot};
 use rebounce_viewer::gpu::Gpu;
-use rebounce_viewer::renderer::Renderer;
-use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::settings::{Mode, Overlay};
 use rebounce_viewer::stats::Counts;
-use screen::screen;
-use std::error::Error;
+use std::path::Path;
 use std::time::Instant;
 
-#[path = "../tests/common/screen.rs"]
-mod screen;
+mod common;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<()> {
     let mut files = Vec::new();
     let (mut mode, mut overlay, mut size) = (Mode::All, Overlay::None, None);
     let (mut compare, mut from, mut shadows, mut every_pixel) = (None, None, None, false);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
-        let mut value = || arguments.next().ok_or("a value is missing");
+        let mut value = || arguments.next().context("a value is missing");
         match argument.as_str() {
             "--mode" => mode = Mode::parse(&value()?)?,
             "--overlay" => overlay = Overlay::parse(&value()?)?,
@@ -40,28 +35,19 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--every-pixel" => every_pixel = true,
             "--size" => {
                 let text = value()?;
-                let (w, h) = text.split_once('x').ok_or("--size WxH")?;
+                let (w, h) = text.split_once('x').context("--size WxH")?;
                 size = Some([w.parse()?, h.parse()?]);
             }
             _ => files.push(argument),
         }
     }
-    let file = files.first().ok_or("which file?")?;
-    let out = files.last().ok_or("which file?")?;
+    let file = files.first().context("which file?")?;
+    let out = files.last().context("which file?")?;
     let gpu = Gpu::headless()?;
-    let mut renderer = Renderer::new(gpu.clone())?;
-    let scene = BakedScene::from_bytes(&std::fs::read(file)?)?;
-    let loaded = pollster::block_on(GpuScene::upload(&gpu, renderer.pipelines().loaders(), scene))?;
-    renderer.install(loaded)?;
-    let mut picture_size = [640, 360];
-    if let Some(shot) = files.iter().find(|f| f.ends_with(".json")) {
-        let shot: Shot = serde_json::from_slice(&std::fs::read(shot)?)?;
-        renderer.set_camera(shot.camera)?;
-        let groups = renderer.scene().map_or(0, |scene| scene.sources.groups.len());
-        renderer.set_lights(with_emission(&shot.lights, groups, shot.emission))?;
-        renderer.set_mix(shot.mix)?;
-        picture_size = shot.size;
-    }
+    let mut renderer = open(&gpu, Path::new(file))?;
+    let shot = files.iter().find(|file| file.ends_with(".json"));
+    let picture_size =
+        shot.map(|shot| set_shot(&mut renderer, Path::new(shot))).transpose()?.unwrap_or([640, 360]);
     let [width, height] = size.unwrap_or(picture_size);
     renderer.set_mode(mode);
     renderer.set_every_pixel(every_pixel);
@@ -121,7 +107,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// The RGB pixels of an EXR file of this size.
-fn read_exr(path: &str, width: usize, height: usize) -> Result<Vec<[f32; 3]>, Box<dyn Error>> {
+fn read_exr(path: &str, width: usize, height: usize) -> Result<Vec<[f32; 3]>> {
     let image = exr::prelude::read_first_rgba_layer_from_file(
         path,
         |size, _| (size, vec![[0f32; 3]; size.width() * size.height()]),
@@ -131,7 +117,7 @@ fn read_exr(path: &str, width: usize, height: usize) -> Result<Vec<[f32; 3]>, Bo
     )?;
     let (size, pixels) = image.layer_data.channel_data.pixels;
     if (size.width(), size.height()) != (width, height) {
-        return Err(format!("{path} has {} x {} pixels", size.width(), size.height()).into());
+        bail!("{path} has {} x {} pixels", size.width(), size.height());
     }
     Ok(pixels)
 }
