@@ -6,15 +6,18 @@
 //! also what the point sends on, so that the operator between points carries all later bounces of it unchanged.
 //!
 //! * [`sky`] – irradiance from the bins of the sky; [`emission`] – from emissive surfaces, by samples of an
-//!   [`emitter_tree`] and of [triangles](triangle_sampling);
+//!   [`emitter_tree`] and of [triangles](triangle_sampling), from closed forms (`unoccluded`) and visibility
+//!   (`group_seen`);
 //! * [`refine`] – the links, level by level; `quantize` – from differences to links.
 
 pub mod emission;
 pub mod emitter_tree;
+mod group_seen;
 mod quantize;
 pub mod refine;
 pub mod sky;
 pub mod triangle_sampling;
+mod unoccluded;
 
 pub use refine::{SourceGather, SourceLinks};
 

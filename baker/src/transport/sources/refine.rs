@@ -1,10 +1,11 @@
 //! Links from sources to points, level by level, coarsest first: what a receiver gets, less what its parents predict
 //! (paper, Eq. 17 and Fig. 5).
 
-use super::emission::{Emission, GroupSeen};
+use super::emission::Emission;
 use super::emitter_tree::Assigned;
+use super::group_seen::GroupSeen;
 use super::quantize::Quantizer;
-use super::sky::{Beside, Openings, see_sky};
+use super::sky::{Openings, SkyBins, mean_openings, openings, see_sky};
 use super::{SourceSettings, describe_groups};
 use crate::basis::Relations;
 use crate::geometry::Surfaces;
@@ -23,6 +24,8 @@ use std::f32::consts::PI;
 const ALL: usize = 2;
 /// Step of a link, as a share of ε on the finest level.
 const STEP: f32 = 0.5;
+/// Noise of a group's irradiance, over ε of the finest level, that calls for no more rays.
+const CLEAR: f32 = 1.0;
 /// Rays of a bin that is partly hidden.
 const BIN_RAYS: f32 = 4.0;
 /// Least mean irradiance of the coarsest levels from a sky of unit radiance for which the sky is a source: less comes
@@ -48,6 +51,8 @@ struct Receiver {
     value: Vec<f32>,
     /// Sum of `value` over the bins of the sky.
     sky: f32,
+    /// Visibility of each group by channel; NaN where nothing of it is on the receiver's side.
+    visibility: Vec<Vec3>,
     openings: Option<Box<Openings>>,
     rays: u64,
 }
@@ -56,6 +61,8 @@ struct Receiver {
 struct SourceScratch {
     assigned: Vec<Assigned>,
     seen: Vec<GroupSeen>,
+    /// By group, the noise of the irradiance that calls for no more rays.
+    tolerances: Vec<Vec3>,
 }
 
 /// Gathers the links from the sky and from emissive surfaces.
@@ -65,7 +72,7 @@ pub struct SourceGather<'a, S: ?Sized> {
     relations: &'a Relations,
     settings: &'a SourceSettings,
     emission: Option<Emission<'a>>,
-    beside: Beside,
+    bins: SkyBins,
     sources: Sources,
     /// Mean irradiance of the coarsest level by source, for the sky that of all bins together.
     typical: Vec<f32>,
@@ -94,7 +101,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             relations,
             settings,
             emission: emitters.map(|emitters| Emission::new(emitters, &group_of, sources.groups.len())),
-            beside: Beside::of_bins(),
+            bins: SkyBins::new(),
             sources,
             typical: Vec::new(),
         };
@@ -151,8 +158,14 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         Ok(out)
     }
 
+    /// Significance and seed.
+    fn trust(&self) -> (f32, u64) {
+        (self.settings.significance, self.settings.seed)
+    }
+
     fn scratch(&self) -> SourceScratch {
-        SourceScratch { assigned: Vec::new(), seen: vec![GroupSeen::default(); self.sources.groups.len()] }
+        let seen = vec![GroupSeen::default(); self.sources.groups.len()];
+        SourceScratch { assigned: Vec::new(), seen, tolerances: Vec::new() }
     }
 
     /// Measures the typical irradiance from each source at the receivers of the coarsest level, and whether the sky is
@@ -161,11 +174,11 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         let count = range.len().max(1) as f32;
         let totals = |i: usize| {
             let point = &self.points.points[i];
-            let sky = || see_sky(self.surfaces, point, i, &self.beside, &[], self.settings.seed);
+            let sky = || see_sky(self.surfaces, point, i, &self.bins, &[], self.trust());
             let sky: f32 = if self.sources.has_sky { sky().irradiance.iter().sum() } else { 0.0 };
             let mut scratch = self.scratch();
-            let groups = self.emitted(0, i, &mut scratch).0.to_vec();
-            (sky, groups)
+            self.emitted(0, i, &mut scratch);
+            (sky, scratch.seen)
         };
         let totals: Vec<(f32, Vec<GroupSeen>)> = range.into_par_iter().map(totals).collect();
         let sky = totals.iter().map(|total| total.0).sum::<f32>() / count;
@@ -194,14 +207,36 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         self.typical = typical;
     }
 
-    /// Irradiance of a receiver from each group, and the number of rays.
-    fn emitted<'s>(&self, level: usize, i: usize, scratch: &'s mut SourceScratch) -> (&'s [GroupSeen], u64) {
-        let Some(emission) = &self.emission else { return (&scratch.seen, 0) };
+    /// Estimates the irradiance of a receiver from each group; returns the number of rays.
+    fn emitted(&self, level: usize, i: usize, scratch: &mut SourceScratch) -> u64 {
+        let Some(emission) = &self.emission else { return 0 };
         let point = &self.points.points[i];
-        let rays = self.emitter_rays(level);
         let SourceScratch { assigned, seen, .. } = scratch;
-        let rays = emission.see(self.surfaces, (point, i), rays, self.settings.seed, assigned, seen);
-        (&scratch.seen, rays)
+        emission.see(self.surfaces, (point, i), self.emitter_rays(level), self.settings.seed, assigned, seen)
+    }
+
+    /// As [`Self::emitted`], with more rays where the visibility is uncertain, and drawn to the parents' visibility by as
+    /// much as it is.
+    fn emitted_beside(&self, level: usize, i: usize, parents: &[Vec3], scratch: &mut SourceScratch) -> u64 {
+        let mut rays = self.emitted(level, i, scratch);
+        let Some(emission) = &self.emission else { return rays };
+        let (point, seed) = (&self.points.points[i], self.settings.seed);
+        let SourceScratch { assigned, seen, tolerances } = scratch;
+        let expected: Vec<Vec3> = parents
+            .iter()
+            .zip(&*seen)
+            .map(|(parent, seen)| known(*parent, seen.visibility(Vec3::ONE)))
+            .collect();
+        tolerances.clear();
+        let significance = self.settings.significance;
+        tolerances.extend(self.sources.groups.iter().map(|group| CLEAR * Vec3::from(group.step) / STEP));
+        let cast = self.emitter_rays(level);
+        rays +=
+            emission.look_again(self.surfaces, (point, i), cast, seed, &expected, tolerances, assigned, seen);
+        for (seen, expected) in seen.iter_mut().zip(&expected) {
+            *seen = seen.towards(*expected, significance);
+        }
+        rays
     }
 
     fn emitter_rays(&self, level: usize) -> u32 {
@@ -234,6 +269,21 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
                 .any(|sender| differ(&|parent| parent.value[sender], self.typical[sender]))
     }
 
+    /// Mean visibility of each group at the parents, by channel; NaN where none of them knows it.
+    fn parents_visibility(&self, row: &[Entry], before: &[Receiver]) -> Vec<Vec3> {
+        let mean = |group: usize| {
+            let [mut sum, mut weights] = [Vec3::ZERO; 2];
+            for entry in row {
+                let visibility = before[entry.point()].visibility[group];
+                let is_known = !visibility.is_nan_mask();
+                sum += Vec3::select(is_known, entry.weight() * visibility, Vec3::ZERO);
+                weights += Vec3::select(is_known, Vec3::splat(entry.weight()), Vec3::ZERO);
+            }
+            sum / weights
+        };
+        (0..self.sources.groups.len()).map(mean).collect()
+    }
+
     fn receiver(
         &self,
         level: usize,
@@ -250,21 +300,25 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             let (parent, weight) = (&before[entry.point()], entry.weight() / total);
             value.iter_mut().zip(&parent.value).for_each(|(value, of)| *value += weight * of);
         }
-        let parents: Vec<&Openings> =
-            row.iter().filter_map(|entry| before[entry.point()].openings.as_deref()).collect();
+        let parents: Vec<(&Openings, f32)> = row
+            .iter()
+            .filter_map(|entry| Some((before[entry.point()].openings.as_deref()?, entry.weight())))
+            .collect();
         let is_wanted = level < ALL
             || row.is_empty()
             || row.iter().any(|entry| !links[entry.point()].is_empty())
             || self.do_parents_differ(level, row, before);
+        let visibility = self.parents_visibility(row, before);
         if !is_wanted {
-            let openings = (!is_last).then(|| parents.first().map(|first| Box::new(**first))).flatten();
+            let is_needed = !is_last && !parents.is_empty();
+            let openings = is_needed.then(|| Box::new(openings(&mean_openings(&parents))));
             let sky = value.iter().take(self.sources.sky_bins()).sum();
-            return Receiver { value, sky, openings, ..Receiver::default() };
+            return Receiver { value, sky, openings, visibility, ..Receiver::default() };
         }
         let mut out = Receiver::default();
         if self.sources.has_sky {
             let point = &self.points.points[i];
-            let seen = see_sky(self.surfaces, point, i, &self.beside, &parents, self.settings.seed);
+            let seen = see_sky(self.surfaces, point, i, &self.bins, &parents, self.trust());
             out.rays += seen.rays;
             let quantizer = Quantizer {
                 epsilon: self.epsilon(level, self.typical[0]),
@@ -278,9 +332,8 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             out.openings = (!is_last).then(|| Box::new(seen.openings));
         }
         let mut sender = self.sources.sky_bins();
-        let (seen, rays) = self.emitted(level, i, scratch);
-        out.rays += rays;
-        for (group, seen) in self.sources.groups.iter().zip(seen) {
+        out.rays += self.emitted_beside(level, i, &visibility, scratch);
+        for (group, seen) in self.sources.groups.iter().zip(&scratch.seen) {
             // A group of one colour is measured in its brightest channel.
             let brightest = Vec3::from(group.step).max_position();
             for channel in if group.is_coloured { 0..3 } else { brightest..brightest + 1 } {
@@ -299,9 +352,16 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         if !is_last {
             out.sky = value.iter().take(self.sources.sky_bins()).sum();
             out.value = value;
+            let own = scratch.seen.iter().zip(&visibility).map(|(seen, parents)| seen.visibility(*parents));
+            out.visibility = own.collect();
         }
         out
     }
+}
+
+/// A visibility, or `otherwise` where it is not known.
+fn known(visibility: Vec3, otherwise: Vec3) -> Vec3 {
+    Vec3::select(visibility.is_nan_mask(), otherwise, visibility)
 }
 
 /// Steps by channel in the proportions of a colour, `step` for the brightest; zero for black, as of a texture without light.
