@@ -12,8 +12,8 @@ pub struct Quantizer {
     pub epsilon: f32,
     /// Size of a step.
     pub step: f32,
-    /// Variance of an amount per unit of the amount, times the squared significance.
-    pub noise: f32,
+    /// Least ratio of a link's amount to the standard deviation of its noise.
+    pub significance: f32,
 }
 
 impl Quantizer {
@@ -22,35 +22,43 @@ impl Quantizer {
         ((amount / self.step).round() as i32).clamp(-MAX_STEPS, MAX_STEPS)
     }
 
-    /// Converts a row of values, and their prediction, to links that start at sender `first`. An amount that is too small
+    /// Converts a row of values, their variances, and their prediction, to links that start at sender `first`. An amount that is too small
     /// for a link is carried over to the next sender, as is the rounding of a link: the row keeps its sum.
-    pub fn row(&self, first: u32, values: &[f32], predicted: &[f32], links: &mut Vec<SourceLink>) {
+    pub fn row(
+        &self,
+        first: u32,
+        (values, variances): (&[f32], &[f32]),
+        predicted: &[f32],
+        links: &mut Vec<SourceLink>,
+    ) {
         // A smaller amount is no step.
         let least = self.epsilon.max(0.5 * self.step);
         let begin = links.len();
-        let (mut carried, mut seen) = (0f32, 0f32);
+        let (mut carried, mut noise) = (0f32, 0f32);
+        let least_noise = self.significance * self.significance;
         let mut strongest = (0, 0f32);
-        for (sender, (value, predicted)) in (first..).zip(values.iter().zip(predicted)) {
+        for (sender, ((value, variance), predicted)) in
+            (first..).zip(values.iter().zip(variances).zip(predicted))
+        {
             let size = value.abs().max(predicted.abs());
             if size == 0.0 {
                 continue;
             }
             carried += value - predicted;
-            seen += size;
+            noise += least_noise * variance;
             if size > strongest.1 {
                 strongest = (sender, size);
             }
-            if carried * carried > (self.noise * seen).max(least * least) {
+            if carried * carried > noise.max(least * least) {
                 let steps = self.steps(carried);
                 links.push(SourceLink::pack(sender, steps));
                 carried -= steps as f32 * self.step;
-                seen = 0.0;
+                noise = 0.0;
             }
         }
         let steps = self.steps(carried);
         if links.len() == begin {
-            if carried.abs() > LEAST_SUM * self.epsilon && carried * carried > self.noise * seen && steps != 0
-            {
+            if carried.abs() > LEAST_SUM * self.epsilon && carried * carried > noise && steps != 0 {
                 links.push(SourceLink::pack(strongest.0, steps));
             }
         } else if let Some(last) = links.last_mut() {
@@ -65,14 +73,14 @@ mod tests {
     use super::*;
     use rebounce_shared::link::Sent;
 
-    const QUANTIZER: Quantizer = Quantizer { epsilon: 0.1, step: 0.05, noise: 0.0 };
+    const QUANTIZER: Quantizer = Quantizer { epsilon: 0.1, step: 0.05, significance: 1.0 };
 
     #[test]
     fn rows_keep_their_sum_and_merge_what_is_small() {
         let values: Vec<f32> =
             (0..256).map(|k| if k < 100 { 0.013 + 0.001 * (k % 7) as f32 } else { 0.0 }).collect();
         let mut links = Vec::new();
-        QUANTIZER.row(3, &values, &[0.0; 256], &mut links);
+        QUANTIZER.row(3, (&values, &[0.0; 256]), &[0.0; 256], &mut links);
         let sum: f32 = links.iter().map(|link| 0.05 * link.steps() as f32).sum();
         assert!((sum - values.iter().sum::<f32>()).abs() <= 0.026, "{sum}");
         assert!(links.len() < 20 && links.iter().all(|link| (3..103).contains(&link.sender())));
@@ -82,11 +90,11 @@ mod tests {
     #[test]
     fn what_is_predicted_or_noise_makes_no_link() {
         let (mut links, values) = (Vec::new(), [0.5f32; 16]);
-        QUANTIZER.row(0, &values, &values, &mut links);
-        Quantizer { noise: 1e3, ..QUANTIZER }.row(0, &values, &[0.4; 16], &mut links);
+        QUANTIZER.row(0, (&values, &[0.0; 16]), &values, &mut links);
+        QUANTIZER.row(0, (&values, &[1e3; 16]), &[0.4; 16], &mut links);
         assert!(links.is_empty());
         // A prediction far too large is taken back to within a step.
-        QUANTIZER.row(0, &[0.01], &[700.0], &mut links);
+        QUANTIZER.row(0, (&[0.01], &[0.0]), &[700.0], &mut links);
         assert!((700.0 + 0.05 * links[0].steps() as f32 - 0.01).abs() <= 0.03);
     }
 }

@@ -5,7 +5,7 @@ use super::emission::Emission;
 use super::emitter_tree::Assigned;
 use super::group_seen::GroupSeen;
 use super::quantize::Quantizer;
-use super::sky::{Openings, SkyBins, mean_openings, openings, see_sky};
+use super::sky::{Openings, SkyBins, see_sky};
 use super::{SourceSettings, describe_groups};
 use crate::basis::Relations;
 use crate::geometry::Surfaces;
@@ -14,7 +14,7 @@ use crate::sampling::Points;
 use crate::transport::operator::COARSER;
 use glam::Vec3;
 use rayon::prelude::*;
-use rebounce_shared::environment::bins::{BINS, SOLID_ANGLE};
+use rebounce_shared::environment::bins::BINS;
 use rebounce_shared::interpolation::Entry;
 use rebounce_shared::link::{MAX_STEPS, Sent, SourceLink};
 use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
@@ -24,10 +24,10 @@ use std::f32::consts::PI;
 const ALL: usize = 2;
 /// Step of a link, as a share of ε on the finest level.
 const STEP: f32 = 0.5;
+/// Significance of a link from the sky over that from a group: sums over many bins have many chances to pass.
+const MANY_BINS: f32 = 1.5;
 /// Noise of a group's irradiance, over ε of the finest level, that calls for no more rays.
 const CLEAR: f32 = 1.0;
-/// Rays of a bin that is partly hidden.
-const BIN_RAYS: f32 = 4.0;
 /// Least mean irradiance of the coarsest levels from a sky of unit radiance for which the sky is a source: less comes
 /// through cracks.
 const LEAST_SKY: f32 = 3e-4;
@@ -158,11 +158,6 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         Ok(out)
     }
 
-    /// Significance and seed.
-    fn trust(&self) -> (f32, u64) {
-        (self.settings.significance, self.settings.seed)
-    }
-
     fn scratch(&self) -> SourceScratch {
         let seen = vec![GroupSeen::default(); self.sources.groups.len()];
         SourceScratch { assigned: Vec::new(), seen, tolerances: Vec::new() }
@@ -174,7 +169,16 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         let count = range.len().max(1) as f32;
         let totals = |i: usize| {
             let point = &self.points.points[i];
-            let sky = || see_sky(self.surfaces, point, i, &self.bins, &[], self.trust());
+            let sky = || {
+                see_sky(
+                    self.surfaces,
+                    point,
+                    (i, self.points.levels.len()),
+                    &self.bins,
+                    &[],
+                    self.settings.seed,
+                )
+            };
             let sky: f32 = if self.sources.has_sky { sky().irradiance.iter().sum() } else { 0.0 };
             let mut scratch = self.scratch();
             self.emitted(0, i, &mut scratch);
@@ -310,22 +314,24 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             || self.do_parents_differ(level, row, before);
         let visibility = self.parents_visibility(row, before);
         if !is_wanted {
-            let is_needed = !is_last && !parents.is_empty();
-            let openings = is_needed.then(|| Box::new(openings(&mean_openings(&parents))));
+            // Those of the nearest parent: a mean of several would look partly hidden to the children.
+            let nearest = parents.iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| !is_last);
+            let openings = nearest.map(|(openings, _)| Box::new(**openings));
             let sky = value.iter().take(self.sources.sky_bins()).sum();
             return Receiver { value, sky, openings, visibility, ..Receiver::default() };
         }
         let mut out = Receiver::default();
         if self.sources.has_sky {
             let point = &self.points.points[i];
-            let seen = see_sky(self.surfaces, point, i, &self.bins, &parents, self.trust());
+            let coarser = self.points.levels.len() - 1 - level;
+            let seen = see_sky(self.surfaces, point, (i, coarser), &self.bins, &parents, self.settings.seed);
             out.rays += seen.rays;
             let quantizer = Quantizer {
                 epsilon: self.epsilon(level, self.typical[0]),
                 step: self.sources.sky_step,
-                noise: self.settings.significance.powi(2) * SOLID_ANGLE / BIN_RAYS,
+                significance: MANY_BINS * self.settings.significance,
             };
-            quantizer.row(0, &seen.irradiance, &value[..BINS], &mut out.links);
+            quantizer.row(0, (&seen.irradiance, &seen.variance), &value[..BINS], &mut out.links);
             out.links
                 .iter()
                 .for_each(|link| value[link.sender()] += link.steps() as f32 * self.sources.sky_step);
@@ -338,12 +344,13 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             let brightest = Vec3::from(group.step).max_position();
             for channel in if group.is_coloured { 0..3 } else { brightest..brightest + 1 } {
                 let (step, own) = (group.step[channel], seen.irradiance[channel]);
+                let significance = self.settings.significance;
                 let quantizer =
-                    Quantizer { epsilon: self.epsilon(level, self.typical[sender]), step, noise: 0.0 };
-                let noise = self.settings.significance.powi(2) * seen.variance[channel];
+                    Quantizer { epsilon: self.epsilon(level, self.typical[sender]), step, significance };
+                let noise = significance * significance * seen.variance[channel];
                 if step > 0.0 && (own - value[sender]).powi(2) > noise {
                     let begin = out.links.len();
-                    quantizer.row(sender as u32, &[own], &[value[sender]], &mut out.links);
+                    quantizer.row(sender as u32, (&[own], &[0.0]), &[value[sender]], &mut out.links);
                     out.links[begin..].iter().for_each(|link| value[sender] += link.steps() as f32 * step);
                 }
                 sender += 1;

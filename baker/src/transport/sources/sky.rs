@@ -1,10 +1,16 @@
 //! Irradiance from the bins of the sky at a receiver: visibility rays in every bin over the horizon.
 //!
-//! A bin's irradiance per unit radiance is the integral of the cosine over the part of the bin above the horizon, which
-//! holds no noise, times the bin's *opening*: the share that the rays find open, each weighted by its cosine. Bins that
-//! the receiver's parents see in part, or whose neighbours they see otherwise, get more rays: edges of windows and roofs
-//! are there. All openings of a receiver together are drawn towards the parents' by as much as their noise makes likely
-//! ([`drawn`]).
+//! A bin's irradiance per unit radiance is the integral of visibility times cosine over the bin's solid angle. Its
+//! estimate has a control variate: with c the cosine of a ray, v what passes, C the integral of the cosine over the open
+//! bin and β the share of the bin that the parents see,
+//!
+//! ```text
+//! E = Ω/n Σ c (v − β) + β C
+//! ```
+//!
+//! which is exact where parents and rays agree that the bin is open or closed, and unbiased elsewhere. Bins that the
+//! parents see in part, or whose neighbours they see otherwise, get more rays: edges of windows and roofs are there. What
+//! the receiver's own rays find does not change their number.
 
 use crate::geometry::Surfaces;
 use crate::random::{Stream, mix};
@@ -12,8 +18,9 @@ use crate::sampling::SurfacePoint;
 use glam::{UVec2, Vec2, Vec3};
 use rebounce_shared::environment::bins::{BINS, SOLID_ANGLE, bin_of, direction};
 
-/// Rows and columns of rays within a bin: at the edge of what is seen, and elsewhere.
-const SIDES: [u32; 2] = [2, 1];
+/// Rows and columns of rays within a bin, at the edge of what is seen and elsewhere: on the finest level, the next, and so
+/// on. What coarse levels are off by stays on all finer ones, and they have few points.
+const SIDES: [[u32; 2]; 4] = [[2, 1], [2, 1], [3, 1], [4, 2]];
 /// Rows and columns of rays within every bin of a receiver without parents.
 const FIRST: u32 = 4;
 /// Visible share of a bin at which it counts as partly hidden: above, and up to 1 minus this.
@@ -30,6 +37,8 @@ pub type Openings = [u8; BINS];
 pub struct SkySeen {
     /// Irradiance from each bin per unit radiance.
     pub irradiance: [f32; BINS],
+    /// Its variance: that of the share of a bin which independent rays find open.
+    pub variance: [f32; BINS],
     /// Visible share of each bin.
     pub openings: Openings,
     /// Number of rays cast.
@@ -82,8 +91,9 @@ impl SkyBins {
         fixed.iter().map(|direction| direction.dot(normal).max(0.0)).sum()
     }
 
-    /// Rows and columns of rays for each bin of a receiver, by what its parents see.
-    fn sides(&self, parents: &[(&Openings, f32)]) -> [u32; BINS] {
+    /// Rows and columns of rays for each bin of a receiver, by what its parents see; `coarser` counts the levels finer than
+    /// the receiver's.
+    fn sides(&self, coarser: usize, parents: &[(&Openings, f32)]) -> [u32; BINS] {
         let Some(_) = parents.first() else { return [FIRST; BINS] };
         // Least and greatest share seen by a parent.
         let range = |bin: usize| {
@@ -96,13 +106,13 @@ impl SkyBins {
             let (least, most) =
                 all.fold(ranges[bin], |(least, most), other| (least.min(other.0), most.max(other.1)));
             let is_even = most <= PARTLY || least >= u8::MAX - PARTLY;
-            SIDES[usize::from(is_even)]
+            SIDES[coarser.min(SIDES.len() - 1)][usize::from(is_even)]
         })
     }
 }
 
 /// Mean openings of a receiver's parents, by their weights.
-pub fn mean_openings(parents: &[(&Openings, f32)]) -> [f32; BINS] {
+fn mean_openings(parents: &[(&Openings, f32)]) -> [f32; BINS] {
     let total: f32 = parents.iter().map(|parent| parent.1).sum();
     let mean = |bin: usize| {
         parents.iter().map(|(openings, weight)| weight * f32::from(openings[bin])).sum::<f32>()
@@ -112,81 +122,54 @@ pub fn mean_openings(parents: &[(&Openings, f32)]) -> [f32; BINS] {
 }
 
 /// Shares as bytes.
-pub fn openings(shares: &[f32; BINS]) -> Openings {
+fn openings(shares: &[f32; BINS]) -> Openings {
     shares.map(|share| (255.0 * share + 0.5) as u8)
 }
 
-/// Casts the rays of a receiver toward the sky. `parents` have a weight each; their openings are trusted the more the
-/// greater the `significance`.
+/// Casts the rays of a receiver toward the sky; `coarser` counts the levels finer than its own, `parents` have a weight
+/// each.
 pub fn see_sky<S: Surfaces + ?Sized>(
     surfaces: &S,
     point: &SurfacePoint,
-    receiver: usize,
+    (receiver, coarser): (usize, usize),
     bins: &SkyBins,
     parents: &[(&Openings, f32)],
-    (significance, seed): (f32, u64),
+    seed: u64,
 ) -> SkySeen {
     let origin = point.position + point.geometric_normal * surfaces.epsilon_at(point.position);
     let (low, high) = surfaces.bounds();
     let far = 2.0 * (high - low).length();
     let mut stream = Stream::new(mix(seed) ^ 0x0073_6b79, receiver as u64);
-    let expected = if parents.is_empty() { [0.0; BINS] } else { mean_openings(parents) };
-    let unoccluded: [f32; BINS] = std::array::from_fn(|bin| bins.unoccluded(bin, point.normal));
-    let (mut shares, mut counts, mut rays) = (expected, [0u32; BINS], 0);
-    for (bin, side) in bins.sides(parents).into_iter().enumerate() {
-        if unoccluded[bin] == 0.0 {
+    let expected = if parents.is_empty() { [0.5; BINS] } else { mean_openings(parents) };
+    let [mut irradiance, mut variance] = [[0.0; BINS]; 2];
+    let (mut shares, mut rays) = ([0.0; BINS], 0);
+    for (bin, side) in bins.sides(coarser, parents).into_iter().enumerate() {
+        let unoccluded = bins.unoccluded(bin, point.normal);
+        if unoccluded == 0.0 {
             continue;
         }
-        let (mut open, mut over) = (0.0, 0.0);
+        let (mut sum, mut open, mut over) = (0.0, 0.0, 0.0);
         for cell in 0..side * side {
             let at = (UVec2::new(cell % side, cell / side).as_vec2() + stream.square()) / side as f32;
             let way = direction(bin, at);
-            let cosine = point.normal.dot(way);
-            if cosine <= 0.0 {
-                continue;
-            }
-            (over, counts[bin]) = (over + cosine, counts[bin] + 1);
-            if point.geometric_normal.dot(way) > 0.0 {
+            let cosine = point.normal.dot(way).max(0.0);
+            let mut through = 0.0;
+            if cosine > 0.0 && point.geometric_normal.dot(way) > 0.0 {
                 rays += 1;
-                open += cosine * surfaces.transmittance(origin, origin + far * way).element_sum() / 3.0;
+                through = surfaces.transmittance(origin, origin + far * way).element_sum() / 3.0;
             }
+            sum += cosine * (through - expected[bin]);
+            (open, over) = (open + cosine * through, over + cosine);
         }
-        if over > 0.0 {
-            shares[bin] = open / over;
-        }
-    }
-    if !parents.is_empty() {
-        shares = drawn(&unoccluded, &expected, &shares, &counts, significance);
-    }
-    SkySeen {
-        irradiance: std::array::from_fn(|bin| unoccluded[bin] * shares[bin]),
-        openings: openings(&shares),
-        rays,
-    }
-}
-
-/// Returns the openings, moved towards what the parents lead to expect: their difference is multiplied by
-/// 1 − s² N / D, at least 0, with D the sum over the bins of the squared differences of the irradiance, N the sum of their
-/// variances, and s the `significance` (James and Stein 1961, positive part). Where few bins differ from the parents the
-/// differences are noise; at the edge of a shadow many do. `counts` are the rays of each bin; of a few rays that agree
-/// the expected opening tells the variance.
-fn drawn(
-    unoccluded: &[f32; BINS],
-    expected: &[f32; BINS],
-    shares: &[f32; BINS],
-    counts: &[u32; BINS],
-    significance: f32,
-) -> [f32; BINS] {
-    let (mut differences, mut noise) = (0.0, 0.0);
-    for bin in (0..BINS).filter(|bin| counts[*bin] > 0) {
-        let square = unoccluded[bin] * unoccluded[bin];
+        irradiance[bin] = SOLID_ANGLE * sum / (side * side) as f32 + expected[bin] * unoccluded;
+        // A bin of which no ray is over the horizon counts as closed.
+        shares[bin] = open / f32::max(over, f32::MIN_POSITIVE);
+        // Of a few rays that agree what the parents see tells the variance.
         let binomial = |share: f32| share * (1.0 - share);
-        differences += square * (shares[bin] - expected[bin]).powi(2);
-        noise += square * binomial(shares[bin]).max(binomial(expected[bin])) / counts[bin] as f32;
+        let larger = binomial(shares[bin]).max(binomial(expected[bin]));
+        variance[bin] = larger * unoccluded * unoccluded / (side * side) as f32;
     }
-    noise *= significance * significance;
-    let kept = if differences > noise { 1.0 - noise / differences } else { 0.0 };
-    std::array::from_fn(|bin| expected[bin] + kept * (shares[bin] - expected[bin]))
+    SkySeen { irradiance, variance, openings: openings(&shares), rays }
 }
 
 #[cfg(test)]
@@ -201,19 +184,5 @@ mod tests {
             let sum: f32 = (0..BINS).map(|bin| bins.unoccluded(bin, normal)).sum();
             assert!((sum / PI - 1.0).abs() < 2e-3, "{sum}");
         }
-    }
-
-    #[test]
-    fn noise_follows_the_parents_and_shadows_do_not() {
-        let (unoccluded, counts) = ([0.02; BINS], [4; BINS]);
-        let expected: [f32; BINS] = std::array::from_fn(|bin| if bin < 64 { 0.5 } else { 1.0 });
-        // Quarters more or less in half-open bins are what four rays scatter by.
-        let noisy: [f32; BINS] =
-            std::array::from_fn(|bin| if bin < 64 { 0.25 + 0.5 * (bin % 2) as f32 } else { 1.0 });
-        assert_eq!(drawn(&unoccluded, &expected, &noisy, &counts, 1.0), expected);
-        // A hundred bins that are closed against expectation are a shadow.
-        let shadow: [f32; BINS] = std::array::from_fn(|bin| if bin < 164 { 0.0 } else { 1.0 });
-        let drawn = drawn(&unoccluded, &expected, &shadow, &counts, 1.0);
-        assert!(drawn[100] < 0.05 && drawn[0] < 0.03 && drawn[200] == 1.0, "{} {}", drawn[100], drawn[0]);
     }
 }
