@@ -57,8 +57,7 @@ const LANES = 2;
 export async function runPageTests(harness, paths, only) {
   // By the names of their files.
   const file = (part) => part.toLowerCase().replaceAll("-", "");
-  const named = Object.entries({ ...PARTS, recovery }).filter(([name]) => !only || file(name) === file(only));
-  const left = named.map(([, part]) => part);
+  const left = Object.entries({ ...PARTS, recovery }).filter(([name]) => !only || file(name) === file(only));
   if (left.length === 0) throw new Error(`there is no part ${only}; there are ${Object.keys(PARTS).join(", ")}, recovery`);
   if (!only) {
     await modules(harness);
@@ -71,17 +70,19 @@ export async function runPageTests(harness, paths, only) {
   await exec(paths.damage, [folder, ...DAMAGED]);
   const server = await serve(paths.rebounce, baked);
   const shared = { ...paths, damaged: folder, baked, address: server.address, bytes: await readFile(baked) };
-  const last = left.indexOf(recovery) < 0 ? [] : [left.pop()];
+  const last = left.filter(([name]) => name === "recovery");
+  left.splice(left.length - last.length);
+  const run = ([name, part], context) => harness.file(name, () => part(harness, context));
   try {
     const lanes = await Promise.allSettled(
       Array.from({ length: LANES }, () => inBrowser(shared, async (context) => {
-        for (let part = left.shift(); part; part = left.shift()) await part(harness, context);
+        for (let part = left.shift(); part; part = left.shift()) await run(part, context);
       })),
     );
     const lost = lanes.find((lane) => lane.status === "rejected");
     if (lost) throw lost.reason;
     // In a browser of its own: some lose patience with pages whose devices go.
-    for (const part of last) await inBrowser(shared, (context) => part(harness, context));
+    for (const part of last) await inBrowser(shared, (context) => run(part, context));
   } finally {
     server.process.kill();
   }

@@ -57,5 +57,6 @@ while (args.length > 0) {
     throw new Error(`unknown argument ${kind}`);
   }
 }
+console.log(`\n${harness.summary()}`);
 console.log(`\n${harness.passed} passed, ${harness.failed} failed`);
 process.exitCode = harness.failed > 0 || harness.passed === 0 ? 1 : 0;
