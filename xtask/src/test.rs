@@ -76,8 +76,7 @@ pub fn run(args: &[String]) -> Result<()> {
     if let Err(error) = &wasm {
         println!("{error:#}");
     }
-    let browser =
-        clock.time("in the browser", || browser(wasm.as_deref().unwrap_or_default(), wanted, name));
+    let browser = clock.time("in the browser", || browser(wasm.as_deref().unwrap_or_default(), wanted, name));
     if let Err(error) = &browser {
         println!("{error:#}");
     }
