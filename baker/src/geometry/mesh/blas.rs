@@ -7,7 +7,9 @@ use super::geometry::{Surface, Triangle};
 use super::triangle::{Corners, ShearedRay, TriangleHit};
 use crate::random::{mix, unit};
 use glam::{Vec2, Vec3, Vec3A};
-use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -75,8 +77,21 @@ pub(super) fn build(boxes: &[Padded], leaf: u32) -> (Bvh8, Vec<u32>) {
     if boxes.is_empty() {
         return Default::default();
     }
-    let build = BvhBuildParams { max_prims_per_leaf: leaf, ..BvhBuildParams::medium_build() };
-    Bvh8::new(&build_bvh2(boxes, build, &mut Default::default()))
+    let preset = BvhBuildParams::medium_build();
+    // The steps of obvhs' `build_bvh2`, which reads a clock that wasm32 lacks.
+    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
+        preset.ploc_search_distance,
+        boxes,
+        (0..boxes.len() as u32).collect(),
+        preset.sort_precision,
+        preset.search_depth_threshold,
+    );
+    let mut reinsertion = ReinsertionOptimizer::default();
+    reinsertion.run(&mut binary, preset.reinsertion_batch_ratio, None);
+    collapse(&mut binary, leaf, preset.collapse_traversal_cost);
+    let again = preset.reinsertion_batch_ratio * preset.post_collapse_reinsertion_batch_ratio_multiplier;
+    reinsertion.run(&mut binary, again, None);
+    Bvh8::new(&binary)
 }
 
 /// Ray in the space of a BLAS. The direction may have any length; distances are in units of this length.

@@ -7,10 +7,12 @@
 //!
 //! * [`sky`] – irradiance from the bins of the sky; [`emission`] – from emissive surfaces, by samples of an
 //!   [`emitter_tree`] and of [triangles](triangle_sampling);
-//! * [`refine`] – the links, level by level; `quantize` – from differences to links.
+//! * [`refine`] – the links, level by level; `quantize` – from differences to links; `messages` – results as
+//!   bytes.
 
 pub mod emission;
 pub mod emitter_tree;
+mod messages;
 mod quantize;
 pub mod refine;
 pub mod sky;

@@ -3,12 +3,19 @@
 
 use super::emission::{Emission, GroupSeen};
 use super::emitter_tree::Assigned;
+use super::messages::{Receiver, SourceChunk};
 use super::quantize::Quantizer;
 use super::sky::{Beside, Openings, see_sky};
 use super::{SourceSettings, describe_groups};
 use crate::basis::Relations;
 use crate::geometry::Surfaces;
-use crate::job::watch::{Stopped, Watch};
+use crate::job::Job;
+use crate::job::communicator::CommunicatorError;
+use crate::job::communicator::share::Traffic;
+use crate::job::parts::{Parts, compute_parts};
+use crate::job::stage::Stage;
+use crate::job::watch::Watch;
+use crate::random::mix;
 use crate::sampling::Points;
 use crate::transport::operator::COARSER;
 use glam::Vec3;
@@ -18,6 +25,7 @@ use rebounce_shared::interpolation::Entry;
 use rebounce_shared::link::{MAX_STEPS, Sent, SourceLink};
 use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
 use std::f32::consts::PI;
+use std::ops::Range;
 
 /// Levels whose receivers are all gathered for.
 const ALL: usize = 2;
@@ -40,17 +48,8 @@ pub struct SourceLinks {
     pub rays: u64,
 }
 
-/// A receiver's result.
-#[derive(Clone, Default)]
-struct Receiver {
-    links: Vec<SourceLink>,
-    /// Represented irradiance by source: the parents' prediction plus the links.
-    value: Vec<f32>,
-    /// Sum of `value` over the bins of the sky.
-    sky: f32,
-    openings: Option<Box<Openings>>,
-    rays: u64,
-}
+/// Receivers per part.
+const CHUNK: usize = 64;
 
 /// Working memory of a thread.
 struct SourceScratch {
@@ -119,14 +118,17 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         self.points.points.len() as u64 * (sky + emission)
     }
 
-    /// Computes the links. A unit of `watch` is a point.
+    /// Computes the links, together with the other processes of a job; process 0 returns those of all points. A unit of
+    /// `watch` is a point.
     ///
     /// # Errors
-    /// [`Stopped`].
-    pub fn links(&self, watch: &dyn Watch) -> Result<SourceLinks, Stopped> {
+    /// [`CommunicatorError`].
+    pub async fn links(&self, job: &Job<'_>, watch: &dyn Watch) -> Result<SourceLinks, CommunicatorError> {
         if !self.is_any() {
             return Ok(SourceLinks::default());
         }
+        let job = Job { partial_results: &(), ..*job };
+        let mut traffic = Traffic::default();
         let mut out = SourceLinks {
             sources: self.sources.clone(),
             links: vec![Vec::new(); self.points.points.len()],
@@ -136,18 +138,19 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         let mut before: Vec<Receiver> = Vec::new();
         for (level, place) in self.points.levels.iter().enumerate() {
             let range = place.range();
-            let receiver = |scratch: &mut SourceScratch, i: usize| {
-                watch.step(1)?;
-                Ok(self.receiver(level, i, &before, &out.links, scratch))
-            };
-            let found = range.clone().into_par_iter().map_init(|| self.scratch(), receiver);
-            let mut found: Vec<Receiver> = found.collect::<Result<_, Stopped>>()?;
-            for (i, receiver) in range.clone().zip(&mut found) {
+            let chunks =
+                SourceLevel { gather: self, level, range: range.clone(), before: &before, links: &out.links };
+            let (found, sent) = compute_parts(&chunks, &job, watch).await?;
+            traffic.add(sent);
+            // Without results only where this process needs none.
+            let found = found.into_iter().flatten().flat_map(|chunk| chunk.0);
+            for (i, mut receiver) in range.zip(found) {
                 out.links[i] = std::mem::take(&mut receiver.links);
                 out.rays += receiver.rays;
+                before.push(receiver);
             }
-            before.append(&mut found);
         }
+        job.reporter.sent(Stage::Sources, None, traffic);
         Ok(out)
     }
 
@@ -257,7 +260,10 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             || row.iter().any(|entry| !links[entry.point()].is_empty())
             || self.do_parents_differ(level, row, before);
         if !is_wanted {
-            let openings = (!is_last).then(|| parents.first().map(|first| Box::new(**first))).flatten();
+            if is_last {
+                return Receiver::default();
+            }
+            let openings = parents.first().map(|first| Box::new(**first));
             let sky = value.iter().take(self.sources.sky_bins()).sum();
             return Receiver { value, sky, openings, ..Receiver::default() };
         }
@@ -301,6 +307,64 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             out.value = value;
         }
         out
+    }
+}
+
+/// Receivers of a level, in chunks.
+struct SourceLevel<'g, 'a, S: ?Sized> {
+    gather: &'g SourceGather<'a, S>,
+    level: usize,
+    range: Range<usize>,
+    /// Receivers of the levels before, and their links.
+    before: &'g [Receiver],
+    links: &'g [Vec<SourceLink>],
+}
+
+impl<S: Surfaces + ?Sized> SourceLevel<'_, '_, S> {
+    /// Receivers of a chunk.
+    fn receivers(&self, part: usize) -> Range<usize> {
+        let first = self.range.start + part * CHUNK;
+        first..self.range.end.min(first + CHUNK)
+    }
+}
+
+impl<S: Surfaces + ?Sized> Parts for SourceLevel<'_, '_, S> {
+    type Found = SourceChunk;
+    const KIND: u32 = 5;
+
+    fn count(&self) -> usize {
+        self.range.len().div_ceil(CHUNK)
+    }
+
+    fn key(&self, part: usize) -> u64 {
+        self.receivers(part).start as u64
+    }
+
+    fn compute(&self, part: usize) -> SourceChunk {
+        let mut scratch = self.gather.scratch();
+        let mut receiver = |i| self.gather.receiver(self.level, i, self.before, self.links, &mut scratch);
+        SourceChunk(self.receivers(part).map(&mut receiver).collect())
+    }
+
+    fn fits(&self, part: usize, found: &SourceChunk) -> bool {
+        let senders = self.gather.typical.len();
+        let fits = |receiver: &Receiver| {
+            receiver.links.iter().all(|link| link.sender() < senders)
+                && [0, senders].contains(&receiver.value.len())
+        };
+        found.0.len() == self.receivers(part).len() && found.0.iter().all(fits)
+    }
+
+    fn units(&self, part: usize, _found: &SourceChunk) -> u64 {
+        self.receivers(part).len() as u64
+    }
+
+    fn is_shared(&self) -> bool {
+        self.level + 1 < self.gather.points.levels.len()
+    }
+
+    fn order(&self, part: usize) -> u64 {
+        mix(self.key(part))
     }
 }
 
