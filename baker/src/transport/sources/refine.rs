@@ -101,7 +101,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             relations,
             settings,
             emission: emitters.map(|emitters| Emission::new(emitters, &group_of, sources.groups.len())),
-            bins: SkyBins::new(),
+            bins: SkyBins::prepared(),
             sources,
             typical: Vec::new(),
         };

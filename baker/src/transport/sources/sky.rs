@@ -55,7 +55,7 @@ pub struct SkyBins {
 
 impl SkyBins {
     /// Finds the bins beside each bin, and fixed directions in each.
-    pub fn new() -> Self {
+    pub fn prepared() -> Self {
         let beside = |bin: usize| {
             let middle = direction(bin, Vec2::splat(0.5));
             let (right, up) = middle.any_orthonormal_pair();
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn open_bins_give_a_hemispheres_irradiance() {
-        let bins = SkyBins::new();
+        let bins = SkyBins::prepared();
         for normal in [Vec3::Y, Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.3, 0.5, -0.7).normalize()] {
             let sum: f32 = (0..BINS).map(|bin| bins.unoccluded(bin, normal)).sum();
             assert!((sum / PI - 1.0).abs() < 2e-3, "{sum}");
