@@ -24,7 +24,7 @@ const NEAR: f32 = 4.0;
 const FAR: f32 = 64.0;
 
 /// A sample of a triangle.
-pub struct EmitterSample {
+pub struct UnoccludedSample {
     /// Unoccluded radiance times cosine times the solid angle of the triangle, linear RGB.
     pub amount: Vec3,
     /// Cosine times solid angle.
@@ -133,13 +133,13 @@ impl<'a> Unoccluded<'a> {
         spherical: &SphericalTriangle,
         point: &SurfacePoint,
         square: Vec2,
-    ) -> Option<EmitterSample> {
+    ) -> Option<UnoccludedSample> {
         let sample = spherical.sample(square)?;
         let cosine = point.normal.dot(sample.direction) * sample.solid_angle.min(TAU);
         let weights = [1.0 - sample.at.element_sum(), sample.at.x, sample.at.y];
         let radiance = self.emitters.radiance(number, weights, sample.direction);
         let (position, direction) = (sample.position, sample.direction);
-        (cosine > 0.0).then_some(EmitterSample { amount: radiance * cosine, cosine, position, direction })
+        (cosine > 0.0).then_some(UnoccludedSample { amount: radiance * cosine, cosine, position, direction })
     }
 }
 
