@@ -122,7 +122,7 @@ mod tests {
     fn certain_visibilities_stay_and_uncertain_ones_follow_the_parents() {
         // Nothing hidden here nor at the parents.
         assert_eq!(eight(8).towards(Vec3::ONE, 1.0).irradiance, Vec3::splat(4.0));
-        // All of eight rays arrive where half of them are expected to: eight say no more than the parents do.
+        // All of eight rays arrive where nine tenths are expected to: eight say no more than the parents do.
         let moved = eight(8).towards(Vec3::splat(0.9), 1.0).irradiance.x;
         assert!((moved - 3.6).abs() < 1e-5, "{moved}");
         // None of eight where all are expected: shadow.
