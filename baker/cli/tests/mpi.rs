@@ -22,13 +22,11 @@ const BINARY: &str = env!("CARGO_BIN_EXE_rebounce");
 
 fn bake(command: &mut Command, output: &Path, threads: usize, more: &[&str]) -> Command {
     let mut command = std::mem::replace(command, Command::new("true"));
-    command.args(["bake", "builtin:two-rooms-door", "--preset", "draft"]);
-    command.args(["--threads", &threads.to_string(), "-o"]).arg(output).args(more);
     // Enough functions for signals to arrive before the end, and few enough rays per function for frequent checks.
-    for (option, value) in [("--functions", "16000"), ("--rays", "512")] {
-        if !more.contains(&option) {
-            command.args([option, value]);
-        }
+    command.args(["bake", "builtin:two-rooms-door", "--preset", "draft", "--functions", "16000"]);
+    command.args(["--threads", &threads.to_string(), "-o"]).arg(output).args(more);
+    if !more.contains(&"--rays") {
+        command.args(["--rays", "512"]);
     }
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
@@ -76,12 +74,10 @@ fn all_end(members: &[(usize, u32)]) -> bool {
 fn any_number_of_processes_and_threads_makes_the_same_file() {
     let _alone = one_at_a_time();
     let folder = tempfile::tempdir().unwrap();
-    // No signal has to arrive.
-    let few = ["--functions", "3000"];
-    let expected = alone(&folder.path().join("alone.rbn"), &few);
+    let expected = alone(&folder.path().join("alone.rbn"), &[]);
     for (processes, threads) in [(1, 1), (2, 1), (2, 2), (4, 1), (4, 2)] {
         let path = folder.path().join("team.rbn");
-        let done = together(processes, threads, &path, &few).output().unwrap();
+        let done = together(processes, threads, &path, &[]).output().unwrap();
         assert!(done.status.success(), "{}", said(&done));
         assert!(std::fs::read(&path).unwrap() == expected, "{processes} processes of {threads} threads");
         assert!(!partial(&path).exists());
@@ -129,8 +125,8 @@ fn ctrl_c_ends_all_and_says_how_to_go_on() {
     let _alone = one_at_a_time();
     let folder = tempfile::tempdir().unwrap();
     // Enough rays for the launcher's signals, up to a second late, to arrive before the end.
-    let rays = ["--functions", "8000", "--rays", "3000", "--resume"];
-    let expected = alone(&folder.path().join("alone.rbn"), &rays[..4]);
+    let rays = ["--rays", "3000", "--resume"];
+    let expected = alone(&folder.path().join("alone.rbn"), &rays[..2]);
     let path = folder.path().join("room.rbn");
     for more in [1_000, 400_000] {
         let kept = partial(&path).metadata().map_or(0, |m| m.len());
