@@ -5,7 +5,7 @@
 //! bin of the next coarser grid. The map's axis is z, so that the horizon (y = 0) runs along borders of bins: bins 128
 //! to 255 are above it, and no bin mixes sky with ground.
 
-use super::picture::{Environment, azimuth, direction_of, environment_from_world, polar, turned};
+use super::picture::{Environment, azimuth, direction_of, environment_from_world, polar, solid_angle};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_4, PI};
 
@@ -75,63 +75,119 @@ fn gather(x: usize) -> usize {
     (x | x >> 2) & 0b0000_1111
 }
 
-/// Mean radiance of an environment in each bin of world space, W/(sr m²), RGB.
+/// Mean radiance of an environment in each bin of world space, W/(sr m²), RGB: [`Projection`], used once.
+pub fn project(environment: &Environment, rotation_deg: f32) -> [Vec3; BINS] {
+    Projection::new(environment.width, environment.height).project(environment, rotation_deg)
+}
+
+/// Least number of columns for which a rotation shifts whole columns; pictures of fewer have each repeated.
+const COLUMNS: u32 = 128;
+
+/// Part of a pixel that lies in a bin.
+#[derive(Clone, Copy, Debug)]
+struct Overlap {
+    column: u32,
+    row: u32,
+    bin: u16,
+    /// sr.
+    solid_angle: f64,
+}
+
+/// From the pixels of pictures of one size to bins: for each pixel the solid angle that it shares with a bin.
 ///
 /// A pixel is a piece of sphere of one radiance. A pixel within a bin counts with its solid angle; one that reaches over
-/// a border is divided by samples of equal solid angle. Sums are divided by the solid angle that they were taken over,
-/// so a constant stays constant; then one factor a channel, within 0.2% of 1, keeps the environment's
-/// [`energy`](Environment::energy).
-pub fn project(environment: &Environment, rotation_deg: f32) -> [Vec3; BINS] {
-    let (width, height) = (environment.width, environment.height);
-    // Samples share sines and cosines, which would take most of the time.
-    let turn = (-rotation_deg).to_radians().sin_cos();
-    let bin = |azimuth, polar| bin_of(turned(direction_of(azimuth, polar), turn)) as u16;
-    let corners = |y: u32| -> Vec<u16> {
-        let polar = polar(f64::from(y) / f64::from(height));
-        (0..=width).map(|x| bin(azimuth(f64::from(x) / f64::from(width)), polar)).collect()
-    };
-    let (mut sums, mut solid_angles) = ([DVec3::ZERO; BINS], [0.0; BINS]);
-    let mut top = corners(0);
-    for y in 0..height {
-        let bottom = corners(y + 1);
-        let solid_angle = environment.solid_angle(y);
-        let side = (solid_angle / f64::from(SOLID_ANGLE) * SAMPLES).sqrt().ceil();
-        let side = (side as u32).clamp(LEAST, MOST);
-        let rows = equal_bands(y, height, side);
-        for x in 0..width {
-            let radiance = environment.at(x, y).as_dvec3();
-            let mut add = |bin: u16, solid_angle: f64| {
-                sums[bin as usize] += radiance * solid_angle;
-                solid_angles[bin as usize] += solid_angle;
-            };
-            let column = x as usize;
-            let [a, b, c, d] = [top[column], top[column + 1], bottom[column], bottom[column + 1]];
-            // A pixel whose corners are far apart may hold a bin between them.
-            if a == b && a == c && a == d && solid_angle < 0.25 * f64::from(SOLID_ANGLE) {
-                add(a, solid_angle);
-                continue;
+/// a border is divided by samples of equal solid angle. Rotation shifts the picture by columns: between two whole shifts
+/// both are interpolated, so that turning an environment costs two sums over the overlaps.
+#[derive(Clone, Debug)]
+pub struct Projection {
+    /// How often each column is repeated.
+    repeat: u32,
+    overlaps: Vec<Overlap>,
+    /// Solid angle of all overlaps of a bin.
+    solid_angles: Vec<f64>,
+}
+
+impl Projection {
+    /// Measures the overlaps of pixels and bins.
+    pub fn new(width: u32, height: u32) -> Self {
+        let repeat = COLUMNS.div_ceil(width);
+        let width = width * repeat;
+        let bin = |azimuth, polar| bin_of(direction_of(azimuth, polar)) as u16;
+        let corners = |y: u32| -> Vec<u16> {
+            let polar = polar(f64::from(y) / f64::from(height));
+            (0..=width).map(|x| bin(azimuth(f64::from(x) / f64::from(width)), polar)).collect()
+        };
+        let mut overlaps: Vec<Overlap> = Vec::new();
+        let mut solid_angles = vec![0.0; BINS];
+        let mut top = corners(0);
+        for row in 0..height {
+            let bottom = corners(row + 1);
+            let solid_angle = solid_angle(row, width, height);
+            let side = (solid_angle / f64::from(SOLID_ANGLE) * SAMPLES).sqrt().ceil();
+            let side = (side as u32).clamp(LEAST, MOST);
+            let rows = equal_bands(row, height, side);
+            for column in 0..width {
+                let mut add = |bin: u16, solid_angle: f64| {
+                    solid_angles[bin as usize] += solid_angle;
+                    match overlaps.last_mut() {
+                        Some(last) if (last.column, last.row, last.bin) == (column, row, bin) => {
+                            last.solid_angle += solid_angle;
+                        }
+                        _ => overlaps.push(Overlap { column, row, bin, solid_angle }),
+                    }
+                };
+                let x = column as usize;
+                let [a, b, c, d] = [top[x], top[x + 1], bottom[x], bottom[x + 1]];
+                // A pixel whose corners are far apart may hold a bin between them.
+                if a == b && a == c && a == d && solid_angle < 0.25 * f64::from(SOLID_ANGLE) {
+                    add(a, solid_angle);
+                    continue;
+                }
+                let part = solid_angle / f64::from(side * side);
+                let within =
+                    |i: u32| (f64::from(column) + (f64::from(i) + 0.5) / f64::from(side)) / f64::from(width);
+                let columns: Vec<_> = (0..side).map(|i| azimuth(within(i))).collect();
+                let mut bins: Vec<u16> = rows
+                    .iter()
+                    .flat_map(|polar| columns.iter().map(|azimuth| bin(*azimuth, *polar)))
+                    .collect();
+                bins.sort_unstable();
+                bins.into_iter().for_each(|bin| add(bin, part));
             }
-            let part = solid_angle / f64::from(side * side);
-            let within = |i: u32| (f64::from(x) + (f64::from(i) + 0.5) / f64::from(side)) / f64::from(width);
-            let columns: Vec<_> = (0..side).map(|i| azimuth(within(i))).collect();
-            for polar in &rows {
-                columns.iter().for_each(|azimuth| add(bin(*azimuth, *polar), part));
-            }
+            top = bottom;
         }
-        top = bottom;
+        Self { repeat, overlaps, solid_angles }
     }
-    let mut means: [Vec3; BINS] = std::array::from_fn(|i| {
-        if solid_angles[i] > 0.0 {
-            (sums[i] / solid_angles[i]).as_vec3()
-        } else {
-            let there = direction(i, Vec2::splat(0.5));
-            environment.radiance(environment_from_world(there, rotation_deg))
+
+    /// Mean radiance of an environment of this size in each bin of world space, W/(sr m²), RGB. Sums are divided by the
+    /// solid angle that they were taken over, so a constant stays constant; then one factor a channel, within 0.2% of 1,
+    /// keeps the environment's [`energy`](Environment::energy).
+    pub fn project(&self, environment: &Environment, rotation_deg: f32) -> [Vec3; BINS] {
+        let width = environment.width * self.repeat;
+        let shift = (f64::from(rotation_deg) / 360.0).rem_euclid(1.0) * f64::from(width);
+        let share = shift.fract();
+        let first = shift as u32;
+        // World column x shows the environment's column x + shift: the picture goes from +x over −z.
+        let mut sums = [DVec3::ZERO; BINS];
+        for Overlap { column, row, bin, solid_angle } in &self.overlaps {
+            let at =
+                |more: u32| environment.at((column + first + more) % width / self.repeat, *row).as_dvec3();
+            let radiance = if share == 0.0 { at(0) } else { at(0).lerp(at(1), share) };
+            sums[*bin as usize] += radiance * *solid_angle;
         }
-    });
-    let (before, after) = (environment.energy(), energy(&means));
-    let factor = DVec3::select(after.cmpgt(DVec3::ZERO), before / after, DVec3::ONE).as_vec3();
-    means.iter_mut().for_each(|mean| *mean *= factor);
-    means
+        let mut means: [Vec3; BINS] = std::array::from_fn(|i| {
+            if self.solid_angles[i] > 0.0 {
+                (sums[i] / self.solid_angles[i]).as_vec3()
+            } else {
+                let there = direction(i, Vec2::splat(0.5));
+                environment.radiance(environment_from_world(there, rotation_deg))
+            }
+        });
+        let (before, after) = (environment.energy(), energy(&means));
+        let factor = DVec3::select(after.cmpgt(DVec3::ZERO), before / after, DVec3::ONE).as_vec3();
+        means.iter_mut().for_each(|mean| *mean *= factor);
+        means
+    }
 }
 
 /// Integral of the radiance of bins over the sphere, W/m², RGB.

@@ -22,13 +22,14 @@ pub struct Environment {
 /// Turns a direction of world space into environment space.
 #[inline]
 pub fn environment_from_world(direction: Vec3, rotation_deg: f32) -> Vec3 {
-    turned(direction, rotation_deg.to_radians().sin_cos())
+    let (sin, cos) = rotation_deg.to_radians().sin_cos();
+    Vec3::new(cos * direction.x - sin * direction.z, direction.y, sin * direction.x + cos * direction.z)
 }
 
-/// Turns a direction about y by an angle, of which sine and cosine are given.
-#[inline]
-pub(super) fn turned(direction: Vec3, (sin, cos): (f32, f32)) -> Vec3 {
-    Vec3::new(cos * direction.x - sin * direction.z, direction.y, sin * direction.x + cos * direction.z)
+/// Solid angle of a pixel of a row, sr.
+pub(super) fn solid_angle(row: u32, width: u32, height: u32) -> f64 {
+    let at = |row: u32| f64::from(row) / f64::from(height);
+    band(at(row), at(row + 1)) / f64::from(width)
 }
 
 /// The inverse of [`environment_from_world`].
@@ -95,9 +96,7 @@ impl Environment {
 
     /// Solid angle of a pixel of a row, sr.
     pub fn solid_angle(&self, row: u32) -> f64 {
-        let top = f64::from(row) / f64::from(self.height);
-        let bottom = f64::from(row + 1) / f64::from(self.height);
-        band(top, bottom) / f64::from(self.width)
+        solid_angle(row, self.width, self.height)
     }
 
     /// Integral of the radiance over the sphere, W/m², RGB.

@@ -1,18 +1,20 @@
 //! An environment prepared for lighting.
 
-use crate::environment::bins::{BINS, project};
+use crate::environment::bins::{BINS, Projection};
 use crate::environment::{Environment, Sun, extract_sun, world_from_environment};
 use crate::light::{Light, LightSource};
 use glam::Vec3;
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-/// An environment whose sun is taken out once, at the first use, and whose bins are projected once for a rotation.
+/// An environment whose sun is taken out once, at the first use, and whose pixels' bins are found once, for any rotation.
 #[derive(Clone, Debug)]
 pub struct PreparedEnvironment {
     picture: Arc<Environment>,
     /// The picture without its sun, and the sun; `None` for a picture without.
     parts: OnceCell<Option<(Environment, Sun)>>,
+    /// From the picture's pixels to bins.
+    projection: OnceCell<Projection>,
     /// The bins of the last rotation, degrees.
     bins: Option<(f32, Box<[Vec3; BINS]>)>,
 }
@@ -27,7 +29,7 @@ impl Default for PreparedEnvironment {
 impl PreparedEnvironment {
     /// Keeps the picture; nothing is computed yet.
     pub fn new(picture: Arc<Environment>) -> Self {
-        Self { picture, parts: OnceCell::new(), bins: None }
+        Self { picture, parts: OnceCell::new(), projection: OnceCell::new(), bins: None }
     }
 
     /// The picture, with the sun.
@@ -46,8 +48,12 @@ impl PreparedEnvironment {
     /// Mean radiance of the [bins](crate::environment::bins) without the sun, world directions.
     pub fn bins(&mut self, rotation_deg: f32) -> &[Vec3; BINS] {
         let kept = self.bins.take().filter(|(of, _)| *of == rotation_deg);
-        let rest = || self.parts().map_or(&*self.picture, |(rest, _)| rest);
-        let bins = kept.unwrap_or_else(|| (rotation_deg, Box::new(project(rest(), rotation_deg))));
+        let project = || {
+            let rest = self.parts().map_or(&*self.picture, |(rest, _)| rest);
+            let projection = self.projection.get_or_init(|| Projection::new(rest.width, rest.height));
+            (rotation_deg, Box::new(projection.project(rest, rotation_deg)))
+        };
+        let bins = kept.unwrap_or_else(project);
         &self.bins.insert(bins).1
     }
 
