@@ -129,11 +129,11 @@ impl Projection {
             for column in 0..width {
                 let mut add = |bin: u16, solid_angle: f64| {
                     solid_angles[bin as usize] += solid_angle;
-                    match overlaps.last_mut() {
-                        Some(last) if (last.column, last.row, last.bin) == (column, row, bin) => {
-                            last.solid_angle += solid_angle;
-                        }
-                        _ => overlaps.push(Overlap { column, row, bin, solid_angle }),
+                    let of_pixel = overlaps.iter_mut().rev();
+                    let mut of_pixel = of_pixel.take_while(|last| (last.column, last.row) == (column, row));
+                    match of_pixel.find(|last| last.bin == bin) {
+                        Some(last) => last.solid_angle += solid_angle,
+                        None => overlaps.push(Overlap { column, row, bin, solid_angle }),
                     }
                 };
                 let x = column as usize;
@@ -147,12 +147,9 @@ impl Projection {
                 let within =
                     |i: u32| (f64::from(column) + (f64::from(i) + 0.5) / f64::from(side)) / f64::from(width);
                 let columns: Vec<_> = (0..side).map(|i| azimuth(within(i))).collect();
-                let mut bins: Vec<u16> = rows
-                    .iter()
-                    .flat_map(|polar| columns.iter().map(|azimuth| bin(*azimuth, *polar)))
-                    .collect();
-                bins.sort_unstable();
-                bins.into_iter().for_each(|bin| add(bin, part));
+                for polar in &rows {
+                    columns.iter().for_each(|azimuth| add(bin(*azimuth, *polar), part));
+                }
             }
             top = bottom;
         }
