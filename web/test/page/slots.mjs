@@ -143,7 +143,7 @@ export async function slots(harness, context) {
         return globalThis.watched;
       };
     };
-    const { page } = await loaded(context, PLAIN, { prepare, viewport: { width: 160, height: 90 } });
+    const { page } = await loaded(context, PLAIN, { prepare });
     const size = (ratio) =>
       page.evaluate((value) => {
         if (value) {
@@ -153,11 +153,11 @@ export async function slots(harness, context) {
         const { width, height } = viewer.shadowRoot.querySelector("canvas");
         return [width, height, globalThis.watched.query];
       }, ratio);
-    same(await size(), [160, 90, "(resolution: 1dppx)"], "at first");
-    same(await size(1.5), [240, 135, "(resolution: 1.5dppx)"], "at one and a half device pixels");
-    same(await size(4), [320, 180, "(resolution: 4dppx)"], "at four, of which two are drawn");
-    await page.evaluate(() => (viewer.style.width = "100px"));
-    await within("200 pixels", page.waitForFunction(() => viewer.shadowRoot.querySelector("canvas").width === 200));
+    same(await size(), [320, 180, "(resolution: 1dppx)"], "at first");
+    same(await size(1.5), [480, 270, "(resolution: 1.5dppx)"], "at one and a half device pixels");
+    same(await size(4), [640, 360, "(resolution: 4dppx)"], "at four, of which two are drawn");
+    await page.evaluate(() => (viewer.style.width = "200px"));
+    await within("400 pixels", page.waitForFunction(() => viewer.shadowRoot.querySelector("canvas").width === 400));
     await page.close();
   });
 }
