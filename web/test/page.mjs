@@ -55,7 +55,7 @@ const DAMAGED = ["24", "2"];
 const FUNCTIONS = "4000";
 
 /** Parts that run at the same time, each in a browser of its own: much of a part's time is spent waiting. */
-const LANES = 3;
+const LANES = 2;
 
 /** Runs the tests of the page, or one of its parts. `paths`: the programs rebounce, compare and damage, and a folder to
  * work in. */
