@@ -42,17 +42,12 @@ import { unsupported } from "./page/unsupported.mjs";
 import { walking } from "./page/walking.mjs";
 import { watch } from "./page/watch.mjs";
 
-/** The longest first, so that lanes end at about the same time. */
 const PARTS = {
-  recovery, light, attributes, sky, mixer, slots, hidden, environment, walking, input, solved, sharing, animation, lights, damaged, touch, exported, pictures, memory, panelLights, panelLook,
-  panel, shown, loading, onScreen, handles, history, state, watch, failures, unsupported, downloads, text, policy,
+  loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, state, watch, light, environment, sky,
+  failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing,
 };
-/** In a browser of its own: some lose patience with pages whose devices go. */
-const ALONE = ["recovery"];
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
 const DAMAGED = ["24", "2"];
-/** Functions of the scene that most parts look at: what they say holds of any, and few are loaded and relit sooner. */
-const FUNCTIONS = "4000";
 
 /** Parts that run at the same time, each in a browser of its own: much of a part's time is spent waiting. */
 const LANES = 2;
@@ -62,31 +57,31 @@ const LANES = 2;
 export async function runPageTests(harness, paths, only) {
   // By the names of their files.
   const file = (part) => part.toLowerCase().replaceAll("-", "");
-  const left = Object.entries(PARTS).filter(([name]) => !only || file(name) === file(only));
-  if (left.length === 0) throw new Error(`there is no part ${only}; there are ${Object.keys(PARTS).join(", ")}`);
+  const named = Object.entries({ ...PARTS, recovery }).filter(([name]) => !only || file(name) === file(only));
+  const left = named.map(([, part]) => part);
+  if (left.length === 0) throw new Error(`there is no part ${only}; there are ${Object.keys(PARTS).join(", ")}, recovery`);
   if (!only) {
     await modules(harness);
     await soak(harness);
   }
   const baked = path.join(paths.work, "cornell-box.rbn");
-  await exec(paths.rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "--functions", FUNCTIONS, "-o", baked]);
+  await exec(paths.rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "-o", baked]);
   const folder = path.join(paths.work, "damaged");
   await rm(folder, { recursive: true, force: true });
   await exec(paths.damage, [folder, ...DAMAGED]);
   const server = await serve(paths.rebounce, baked);
   const shared = { ...paths, damaged: folder, baked, address: server.address, bytes: await readFile(baked) };
-  const run = ([name, part], context) => harness.file(name, () => part(harness, context));
+  const last = left.indexOf(recovery) < 0 ? [] : [left.pop()];
   try {
     const lanes = await Promise.allSettled(
-      Array.from({ length: Math.min(LANES, left.length) }, () => inBrowser(shared, async (context) => {
-        for (let part = left.shift(); part; part = left.shift()) {
-          if (ALONE.includes(part[0])) await inBrowser(shared, (own) => run(part, own));
-          else await run(part, context);
-        }
+      Array.from({ length: LANES }, () => inBrowser(shared, async (context) => {
+        for (let part = left.shift(); part; part = left.shift()) await part(harness, context);
       })),
     );
     const lost = lanes.find((lane) => lane.status === "rejected");
     if (lost) throw lost.reason;
+    // In a browser of its own: some lose patience with pages whose devices go.
+    for (const part of last) await inBrowser(shared, (context) => part(harness, context));
   } finally {
     server.process.kill();
   }

@@ -17,43 +17,45 @@ import { runWasmTests } from "./wasm.mjs";
 const harness = new Harness();
 const args = process.argv.slice(2);
 let only;
-/** What the arguments ask for: a name, and work. */
-const asked = { page: [], others: [] };
 while (args.length > 0) {
   const kind = args.shift();
   if (kind === "--wasm") {
     const program = args.shift();
     const name = path.basename(program);
-    asked.others.push([`wasm tests: ${name}`, async () => harness.add(await runWasmTests(path.dirname(program), name))]);
+    console.log(`\nwasm tests in headless Chromium: ${name}`);
+    try {
+      harness.add(await runWasmTests(path.dirname(program), name));
+    } catch (error) {
+      await harness.test(name, () => Promise.reject(error));
+    }
   } else if (kind === "--only") {
     only = args.shift();
   } else if (kind === "--page") {
     const [work, rebounce, compare, damage] = args.splice(0, 4);
-    asked.page.push(["page", () => runPageTests(harness, { work, rebounce, compare, damage }, only)]);
+    console.log("\npage tests in headless Chromium");
+    try {
+      await runPageTests(harness, { work, rebounce, compare, damage }, only);
+    } catch (error) {
+      await harness.test("page", () => Promise.reject(error));
+    }
   } else if (kind === "--package") {
     const [work, rebounce, tarball] = args.splice(0, 3);
-    asked.others.push(["package", () => runPackageTests(harness, { work, rebounce, tarball })]);
+    console.log("\ntests of the npm package");
+    try {
+      await runPackageTests(harness, { work, rebounce, tarball });
+    } catch (error) {
+      await harness.test("package", () => Promise.reject(error));
+    }
   } else if (kind === "--site") {
-    const folder = args.shift();
-    asked.others.push(["site", () => runSiteTests(harness, folder)]);
+    console.log("\ntests of the site");
+    try {
+      await runSiteTests(harness, args.shift());
+    } catch (error) {
+      await harness.test("site", () => Promise.reject(error));
+    }
   } else {
     throw new Error(`unknown argument ${kind}`);
   }
 }
-
-/** One after the other; what throws outside its tests is a failed test. */
-async function inTurn(list) {
-  for (const [name, work] of list) {
-    try {
-      await harness.file(name, work);
-    } catch (error) {
-      await harness.test(name, () => Promise.reject(error));
-    }
-  }
-}
-// The page's own lanes leave processors idle where they wait: the others run beside them.
-await Promise.all([inTurn(asked.page), inTurn(asked.others)]);
-
-console.log(`\n${harness.summary()}`);
 console.log(`\n${harness.passed} passed, ${harness.failed} failed`);
 process.exitCode = harness.failed > 0 || harness.passed === 0 ? 1 : 0;

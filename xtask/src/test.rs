@@ -5,7 +5,6 @@ use crate::{bindgen, gate, install, installed, package, process, site, web};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::Stdio;
-use std::time::Instant;
 
 /// Parts: checks of the sources, tests of the crates, of the viewer as wasm, of the page of `rebounce view`, of the npm package, of the
 /// site, of the installed command (`cargo install`), and of bakes under mpirun.
@@ -35,12 +34,11 @@ pub fn run(args: &[String]) -> Result<()> {
         return over_mpi();
     }
     let wanted = |name| part.is_none() || part == Some(name);
-    let mut clock = Clock::default();
     let in_page = ["page", "package", "site", "install"].map(wanted).contains(&true);
     install::ensure(&install::BROWSER)?;
     // The page comes first: the tests build the binary with the embedded page.
     if in_page {
-        clock.time("the viewer", web::build)?;
+        web::build()?;
     } else {
         install::ensure(&install::NODE)?;
         web::npm()?;
@@ -48,59 +46,31 @@ pub fn run(args: &[String]) -> Result<()> {
     if part == Some("install") {
         return installed::test();
     }
-    let checked = if part.is_none() { clock.time("check", gate::run) } else { Ok(()) };
+    let checked = if part.is_none() { gate::run() } else { Ok(()) };
     if let Err(error) = &checked {
         println!("{error:#}");
     }
-    let options = if part.is_none() { vec!["--features", MPI] } else { Vec::new() };
-    let compiled = match part {
-        None => install::ensure(&install::MPI),
-        Some(_) => Ok(()),
-    };
-    let compiled = compiled.and_then(|()| match part {
+    let native = match part {
+        None => install::ensure(&install::MPI).and_then(|()| native(&["--features", MPI])),
+        Some("native") => native(name.as_slice()),
         Some("wasm") => Ok(()),
-        _ => clock.time("compile", || native(&[&options[..], &["--no-run"]].concat())),
-    });
-    let native = compiled.and_then(|()| match part {
-        None | Some("native") => clock.time("native", || native(&[&options[..], name.as_slice()].concat())),
-        Some(_) => Ok(()),
-    });
+        Some(_) => native(&["--no-run"]),
+    };
     if let Err(error) = &native {
         println!("{error:#}");
     }
     if part == Some("native") {
         return native;
     }
-    let wasm = || toolchain::find().and_then(wasm_tests);
-    let wasm = if wanted("wasm") { clock.time("compile wasm", wasm) } else { Ok(Vec::new()) };
+    let wasm = if wanted("wasm") { toolchain::find().and_then(wasm_tests) } else { Ok(Vec::new()) };
     if let Err(error) = &wasm {
         println!("{error:#}");
     }
-    let browser = clock.time("in the browser", || browser(wasm.as_deref().unwrap_or_default(), wanted, name));
+    let browser = browser(wasm.as_deref().unwrap_or_default(), wanted, name);
     if let Err(error) = &browser {
         println!("{error:#}");
     }
-    println!("{}", clock.summary());
     checked.and(native).and(wasm.map(drop)).and(browser)
-}
-
-/// How long the parts take, for those who look for time.
-#[derive(Default)]
-struct Clock(Vec<(&'static str, f64)>);
-
-impl Clock {
-    fn time<T>(&mut self, part: &'static str, work: impl FnOnce() -> T) -> T {
-        let began = Instant::now();
-        let outcome = work();
-        self.0.push((part, began.elapsed().as_secs_f64()));
-        outcome
-    }
-
-    fn summary(&self) -> String {
-        let parts = self.0.iter().map(|(part, seconds)| format!("{part} {seconds:.0} s"));
-        let all: f64 = self.0.iter().map(|(_, seconds)| seconds).sum();
-        format!("{}: {all:.0} s", parts.collect::<Vec<_>>().join(", "))
-    }
 }
 
 /// `cargo test` of the workspace, in the development profile (optimised). The build includes the programs for the browser

@@ -1,7 +1,6 @@
 // The browser's light is the CPU's.
 
-import path from "node:path";
-import { agreement, difference, exec, serve } from "../agreement.mjs";
+import { agreement, difference } from "../agreement.mjs";
 import { within } from "../browser.mjs";
 import { check, equal, same } from "../harness.mjs";
 import { open, outcome } from "./open.mjs";
@@ -33,19 +32,7 @@ const SHOTS = {
   },
 };
 
-/** Of a scene with as many functions as a draft has. */
-export async function light(harness, shared) {
-  const baked = path.join(shared.work, "draft.rbn");
-  await exec(shared.rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "-o", baked]);
-  const server = await serve(shared.rebounce, baked);
-  try {
-    await compared(harness, { ...shared, baked, address: server.address, served: undefined });
-  } finally {
-    server.process.kill();
-  }
-}
-
-async function compared(harness, context) {
+export async function light(harness, context) {
   const { page } = await open(context);
   const files = [];
   for (const [name, shot] of Object.entries(SHOTS)) {
