@@ -3,7 +3,7 @@
 //!
 //! A ratio estimator (Heitz, Hill and McGuire 2018, "Combining analytic direct illumination and stochastic shadows"): the
 //! unoccluded irradiance has a closed form, and the visibility rays estimate the share that arrives, the *visibility*.
-//! Where nothing is hidden there is no noise, whatever the emission's texture; where all is, the irradiance is 0.
+//! Unoccluded emitters have no noise, whatever their texture; hidden emitters have no irradiance.
 //! Elsewhere the noise is that of the visibility alone: [`GroupSeen::towards`] judges it by the parents' visibility.
 
 use super::emitter_tree::{Assigned, EmitterTree};

@@ -111,7 +111,7 @@ impl GroupSeen {
 mod tests {
     use super::*;
 
-    /// Eight rays of equal weight, of which so many arrive.
+    /// Eight rays of equal weight, `arriving` of them unoccluded.
     fn eight(arriving: usize) -> GroupSeen {
         let pairs: Vec<(Vec3, Vec3)> =
             (0..8).map(|k| (Vec3::ONE, Vec3::splat(f32::from(u8::from(k < arriving))))).collect();

@@ -19,7 +19,7 @@ use glam::{UVec2, Vec2, Vec3};
 use rebounce_shared::environment::bins::{BINS, SOLID_ANGLE, bin_of, direction};
 
 /// Rows and columns of rays within a bin, at the edge of what is seen and elsewhere: on the finest level, the next, and so
-/// on. What coarse levels are off by stays on all finer ones, and they have few points.
+/// on. Errors of coarse levels stay on finer levels, and coarse levels have few points.
 const SIDES: [[u32; 2]; 4] = [[2, 1], [2, 1], [3, 1], [4, 2]];
 /// Rows and columns of rays within every bin of a receiver without parents.
 const FIRST: u32 = 4;

@@ -94,7 +94,7 @@ impl<'a> Unoccluded<'a> {
         form * self.mean_radiance(number, &triangle, bright, point).unwrap_or(triangle.mean)
     }
 
-    /// Mean radiance by what it gives to a receiver; `None` if no point gives anything.
+    /// Mean radiance, weighted by the irradiance at a receiver; `None` for zero irradiance.
     fn mean_radiance(
         &self,
         number: u32,
