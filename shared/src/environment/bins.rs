@@ -5,7 +5,7 @@
 //! bin of the next coarser grid. The map's axis is z, so that the horizon (y = 0) runs along borders of bins: bins 128
 //! to 255 are above it, and no bin mixes sky with ground.
 
-use super::picture::{Environment, azimuth, direction_of, environment_from_world, polar, turned};
+use super::picture::{Environment, azimuth, direction_of, polar, turned};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_4, PI};
 
@@ -16,10 +16,12 @@ pub const BINS: usize = SIDE * SIDE;
 /// Solid angle of a bin, sr.
 pub const SOLID_ANGLE: f32 = 4.0 * PI / BINS as f32;
 /// A pixel at a bin's border has samples of a bin's solid angle over this number.
-const SAMPLES: f64 = 4096.0;
+const SAMPLES: f64 = 512.0;
 /// Samples along a side of a pixel at a bin's border, at least and at most.
-const LEAST: u32 = 8;
+const LEAST: u32 = 4;
 const MOST: u32 = 256;
+/// Rows of samples in a picture, at least: pictures of a few rows have pixels that go through many bins.
+const ROWS: u32 = 128;
 
 /// The equal-area octahedral map: a unit vector to the square `[0, 1]²`.
 pub fn encode(direction: Vec3) -> Vec2 {
@@ -96,7 +98,7 @@ pub fn project(environment: &Environment, rotation_deg: f32) -> [Vec3; BINS] {
         let bottom = corners(y + 1);
         let solid_angle = environment.solid_angle(y);
         let side = (solid_angle / f64::from(SOLID_ANGLE) * SAMPLES).sqrt().ceil();
-        let side = (side as u32).clamp(LEAST, MOST);
+        let side = (side as u32).clamp(LEAST.max(ROWS / height), MOST);
         let rows = equal_bands(y, height, side);
         for x in 0..width {
             let radiance = environment.at(x, y).as_dvec3();
@@ -120,14 +122,8 @@ pub fn project(environment: &Environment, rotation_deg: f32) -> [Vec3; BINS] {
         }
         top = bottom;
     }
-    let mut means: [Vec3; BINS] = std::array::from_fn(|i| {
-        if solid_angles[i] > 0.0 {
-            (sums[i] / solid_angles[i]).as_vec3()
-        } else {
-            let there = direction(i, Vec2::splat(0.5));
-            environment.radiance(environment_from_world(there, rotation_deg))
-        }
-    });
+    // Samples are so dense that every bin has some.
+    let mut means: [Vec3; BINS] = std::array::from_fn(|i| (sums[i] / solid_angles[i]).as_vec3());
     let (before, after) = (environment.energy(), energy(&means));
     let factor = DVec3::select(after.cmpgt(DVec3::ZERO), before / after, DVec3::ONE).as_vec3();
     means.iter_mut().for_each(|mean| *mean *= factor);

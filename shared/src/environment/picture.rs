@@ -136,7 +136,27 @@ impl Environment {
         self.resized(width, height)
     }
 
-    /// The environment in another size, by the same filter.
+    /// The environment in at most so many columns, and half as many rows, of whole pixels: their means by solid angle.
+    pub fn coarse(&self, columns: u32) -> Self {
+        let (width, height) = (self.width.min(columns), self.height.min(columns / 2));
+        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            for x in 0..width {
+                let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+                for row in y * self.height / height..(y + 1) * self.height / height {
+                    let solid_angle = self.solid_angle(row);
+                    for column in x * self.width / width..(x + 1) * self.width / width {
+                        sum += self.at(column, row).as_dvec3() * solid_angle;
+                        weight += solid_angle;
+                    }
+                }
+                pixels.push((sum / weight).as_vec3());
+            }
+        }
+        Self { width, height, pixels }
+    }
+
+    /// The environment in another size, by the filter of [`reduced`](Self::reduced).
     pub(super) fn resized(&self, width: u32, height: u32) -> Self {
         let columns = overlaps(self.width, width, |from, to| to - from);
         let rows = overlaps(self.height, height, band);
@@ -273,6 +293,23 @@ mod tests {
         }
         assert_eq!(picture.reduced(100), picture);
         assert_eq!(picture.reduced(50).height, 25);
+    }
+
+    #[test]
+    fn coarse_pixels_are_means_and_nothing_is_left_out() {
+        let constant = Environment { width: 301, height: 150, pixels: vec![Vec3::ONE; 301 * 150] };
+        let coarse = constant.coarse(128);
+        assert_eq!((coarse.width, coarse.height), (128, 64));
+        assert!(coarse.pixels.iter().all(|pixel| pixel.distance(Vec3::ONE) < 1e-6));
+        let picture = noise(256, 128);
+        let ratio = picture.coarse(64).energy() / picture.energy();
+        assert!((ratio - DVec3::ONE).abs().max_element() < 1e-6, "{ratio}");
+        assert_eq!(picture.coarse(256), picture);
+        for at in [0, 300, 301 * 150 - 1] {
+            let mut spot = Environment { pixels: vec![Vec3::ZERO; 301 * 150], ..constant.clone() };
+            spot.pixels[at] = Vec3::ONE;
+            assert_eq!(spot.coarse(128).pixels.iter().filter(|pixel| pixel.x > 0.0).count(), 1, "{at}");
+        }
     }
 
     #[test]

@@ -1,18 +1,22 @@
 //! An environment prepared for lighting.
 
 use crate::environment::bins::{BINS, project};
+use crate::environment::packed::MAX_WIDTH;
 use crate::environment::{Environment, Sun, extract_sun, world_from_environment};
 use crate::light::{Light, LightSource};
 use glam::Vec3;
 use std::cell::OnceCell;
 use std::sync::Arc;
 
+/// Most pixels in a row from which bins are projected: as many as a file keeps, six in a bin's width.
+const BINS_WIDTH: u32 = MAX_WIDTH;
+
 /// An environment whose sun is taken out once, at the first use, and whose bins are projected once for a rotation.
 #[derive(Clone, Debug)]
 pub struct PreparedEnvironment {
     picture: Arc<Environment>,
-    /// The picture without its sun, and the sun; `None` for a picture without.
-    parts: OnceCell<Option<(Environment, Sun)>>,
+    /// The picture without its sun, of at most [`BINS_WIDTH`] pixels in a row; and the sun.
+    parts: OnceCell<(Environment, Option<Sun>)>,
     /// The bins of the last rotation, degrees.
     bins: Option<(f32, Box<[Vec3; BINS]>)>,
 }
@@ -35,25 +39,23 @@ impl PreparedEnvironment {
         &self.picture
     }
 
-    fn parts(&self) -> Option<&(Environment, Sun)> {
-        let take = || match extract_sun(&self.picture) {
-            (rest, Some(sun)) => Some((rest, sun)),
-            _ => None,
-        };
-        self.parts.get_or_init(take).as_ref()
+    fn parts(&self) -> &(Environment, Option<Sun>) {
+        self.parts.get_or_init(|| {
+            let (rest, sun) = extract_sun(&self.picture);
+            (rest.coarse(BINS_WIDTH), sun)
+        })
     }
 
     /// Mean radiance of the [bins](crate::environment::bins) without the sun, world directions.
     pub fn bins(&mut self, rotation_deg: f32) -> &[Vec3; BINS] {
         let kept = self.bins.take().filter(|(of, _)| *of == rotation_deg);
-        let rest = || self.parts().map_or(&*self.picture, |(rest, _)| rest);
-        let bins = kept.unwrap_or_else(|| (rotation_deg, Box::new(project(rest(), rotation_deg))));
+        let bins = kept.unwrap_or_else(|| (rotation_deg, Box::new(project(&self.parts().0, rotation_deg))));
         &self.bins.insert(bins).1
     }
 
     /// The sun as a directional light; `None` without one.
     pub fn sun(&self, rotation_deg: f32, factor: Vec3) -> Option<LightSource> {
-        let (_, sun) = self.parts()?;
+        let sun = self.parts().1.as_ref()?;
         let light = Light::Directional {
             direction: (-world_from_environment(sun.direction, rotation_deg)).as_dvec3().to_array(),
             intensity: 1.0,

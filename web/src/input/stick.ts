@@ -1,10 +1,11 @@
 /** The on-screen stick: walks where there are fingers and the camera is inside. */
 
-import { make } from "../element/element.js";
+// Types alone: with a value of its own, the bundler would make another part of the first load.
+import type { make as Make } from "../element/element.js";
 import type { Input } from "./input.js";
 
-/** Makes the stick's element. Dragged, it walks on as long as it is held; pressed, by keys too, a step ahead. */
-export function makeStick({ withViewer, gesture }: Pick<Input, "withViewer" | "gesture">): HTMLButtonElement {
+/** Makes the stick's element, which is there until the signal aborts. Dragged, it walks on as long as it is held; pressed, by keys too, a step ahead. */
+export function makeStick(make: typeof Make, { withViewer, gesture }: Pick<Input, "withViewer" | "gesture">, signal: AbortSignal): HTMLButtonElement {
   const knob = make("span");
   const stick = make("button", { type: "button", class: "stick", part: "stick", "aria-label": "Walk: drag, or press for a step ahead" }, knob);
   const hold = (x: number, y: number) => {
@@ -35,5 +36,6 @@ export function makeStick({ withViewer, gesture }: Pick<Input, "withViewer" | "g
     withViewer((viewer) => viewer.wheel(-100));
     gesture("stick", false);
   });
+  signal.addEventListener("abort", () => stick.remove());
   return stick;
 }

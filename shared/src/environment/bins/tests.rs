@@ -1,4 +1,5 @@
 use super::*;
+use crate::environment::environment_from_world;
 use crate::random::Stream;
 
 fn noise(width: u32, height: u32) -> Environment {
@@ -74,13 +75,14 @@ fn the_horizon_is_a_border() {
 }
 
 #[test]
-fn a_turned_constant_stays_constant() {
+fn a_turned_constant_stays_constant_and_no_bin_is_without_samples() {
     let constant = Vec3::new(0.3, 2.0, 5.0);
-    for (width, height) in [(2, 1), (6, 3), (128, 64)] {
+    for (width, height) in [(1, 1), (2, 1), (1, 8), (6, 3), (128, 1), (1, 64), (100, 3), (128, 64)] {
         let pixels = vec![constant; (width * height) as usize];
         let picture = Environment { width, height, pixels };
         for rotation in [0.0, 10.0, 123.4] {
-            assert!(project(&picture, rotation).iter().all(|bin| bin.distance(constant) < 1e-5));
+            let bins = project(&picture, rotation);
+            assert!(bins.iter().all(|bin| bin.distance(constant) < 1e-5), "{width} {height}");
         }
     }
 }
