@@ -6,12 +6,12 @@ import { readFile } from "node:fs/promises";
 import path from "node:path";
 
 /** Modules that pages import, or that are fetched when they are first wanted: by the name of the file, the module. */
-const ENTRIES = { "rebounce-viewer": "rebounce-viewer", panel: "panel/panel", environment: "environment/download", exr: "environment/exr", sky: "environment/sky", daylight: "daylight", page: "page/page" };
+const ENTRIES = { "rebounce-viewer": "rebounce-viewer", panel: "panel/panel", environment: "environment/download", exr: "environment/exr", sky: "environment/sky", daylight: "daylight", page: "page/page", bake: "bake", "bake-element": "bake/element", "bake-drop": "bake/drop", "bake-worker": "bake/worker" };
 
-/** The wasm's own module lies beside the bundles, in whatever folder the module that imports it was. */
+/** The wasms' own modules lie beside the bundles, in whatever folder the module that imports one was. */
 const WASM = {
   name: "wasm",
-  setup: ({ onResolve }) => onResolve({ filter: /\/rebounce_viewer\.js$/ }, () => ({ path: "./rebounce_viewer.js", external: true })),
+  setup: ({ onResolve }) => onResolve({ filter: /\/rebounce_(viewer|baker)\.js$/ }, ({ path: name }) => ({ path: `./${path.basename(name)}`, external: true })),
 };
 
 /** Data of modules, where the rest of the repository has them. */

@@ -25,11 +25,11 @@ struct OneBounce {
 impl<S: Surfaces> Solver<S> for OneBounce {
     type Solution = Operator;
 
-    fn solve(
+    async fn solve(
         &self,
-        problem: &Problem<S>,
-        job: &Job,
-        _partial: &mut Partial<Operator>,
+        problem: &Problem<'_, S>,
+        job: &Job<'_>,
+        _partial: &mut Partial<'_, Operator>,
     ) -> Result<Operator, CommunicatorError> {
         let Problem { surfaces, points, settings, .. } = problem;
         let watch = job.reporter.begin(Stage::Transport, None);

@@ -1,5 +1,6 @@
 //! A pinhole camera.
 
+use crate::elementary::Elementary;
 use glam::{DVec3, Mat4, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -66,7 +67,7 @@ impl Camera {
             right: right.as_vec3(),
             up: right.cross(forward).as_vec3(),
             forward: forward.as_vec3(),
-            tan_half_yfov: (self.yfov_deg.clamp(0.1, 179.0).to_radians() * 0.5).tan() as f32,
+            tan_half_yfov: (self.yfov_deg.clamp(0.1, 179.0).to_radians() * 0.5).tangent() as f32,
         }
     }
 }

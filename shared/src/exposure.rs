@@ -2,6 +2,8 @@
 //! limited by the light level of the scene. The limit keeps a room dark that receives next to no light from a lit
 //! neighbour, for any camera. key.wgsl, look.wgsl and light_level.wgsl of the viewer do the same.
 
+use crate::elementary::Elementary;
+
 /// Overall radiance of a picture after automatic exposure.
 pub const MIDDLE_GREY: f32 = 0.18;
 /// Lower clamp of pixel luminance, as a share of the mean.
@@ -18,8 +20,9 @@ const REFLECTANCE: f32 = 0.5;
 /// a scene without light.
 pub fn level(luminances: impl IntoIterator<Item = f32>) -> f32 {
     let lit = luminances.into_iter().filter(|light| *light > 0.0 && light.is_finite()).map(f64::from);
-    let (sum, logs) = lit.fold((0.0, 0.0), |(sum, logs), light| (sum + light, logs + light * light.log2()));
-    if sum > 0.0 { (logs / sum).exp2() as f32 } else { 0.0 }
+    let (sum, logs) =
+        lit.fold((0.0, 0.0), |(sum, logs), light| (sum + light, logs + light * light.logarithm2()));
+    if sum > 0.0 { (logs / sum).exponential2() as f32 } else { 0.0 }
 }
 
 /// Returns the sampled pixels of a picture of this size.
@@ -37,13 +40,14 @@ pub fn key(luminances: &[f32], most: f32) -> f32 {
         return 1.0;
     }
     let darkest = f64::from(DARKEST) * mean;
-    let logs = lights.clone().map(|light| light.max(darkest).ln()).sum::<f64>() / lights.count() as f64;
-    (f64::from(MIDDLE_GREY) / (logs.exp() * mean).sqrt()).min(most.into()) as f32
+    let logs =
+        lights.clone().map(|light| light.max(darkest).logarithm()).sum::<f64>() / lights.count() as f64;
+    (f64::from(MIDDLE_GREY) / (logs.exponential() * mean).sqrt()).min(most.into()) as f32
 }
 
 /// Returns the maximum exposure factor at a light level; infinite for level 0.
 pub fn most(level: f32) -> f32 {
-    MIDDLE_GREY * DEPTH.exp2() * std::f32::consts::PI / (REFLECTANCE * level)
+    MIDDLE_GREY * DEPTH.exponential2() * std::f32::consts::PI / (REFLECTANCE * level)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //!
 //! The viewer's `footprint.wgsl` has the same formulas; a test compares the two.
 
+use crate::elementary::Elementary;
 use glam::{Vec2, Vec3};
 
 /// Number of direct light samples per point (the 2007 report, 6.2, averages 10).
@@ -28,7 +29,7 @@ pub fn tangents(normal: Vec3) -> (Vec3, Vec3) {
 pub fn in_disk(sample: u32) -> Vec2 {
     const GOLDEN_ANGLE: f32 = 2.399_963_2;
     let radius = ((sample as f32 + 0.5) / SAMPLES as f32).sqrt();
-    let (sin, cos) = (sample as f32 * GOLDEN_ANGLE).sin_cos();
+    let (sin, cos) = (sample as f32 * GOLDEN_ANGLE).sine_cosine();
     Vec2::new(cos, sin) * radius
 }
 

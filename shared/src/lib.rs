@@ -6,6 +6,7 @@
 //! * [`basis`] – functions that cover a place, parents and children;
 //! * [`footprint`] – sample places of direct light around a point;
 //! * [`openness`] – effect of near surfaces on the light between points;
+//! * [`elementary`] – elementary functions with the same bits on every platform;
 //! * [`environment`] – light from infinitely far: pictures, bins, suns, daylight;
 //! * [`exposure`] – limit of the automatic exposure;
 //! * [`octahedral`], [`colour`], [`link`], [`interpolation`] – the packed numbers of the bulk sections;
@@ -24,6 +25,7 @@ pub mod baked;
 pub mod basis;
 pub mod camera;
 pub mod colour;
+pub mod elementary;
 pub mod environment;
 pub mod exposure;
 pub mod footprint;

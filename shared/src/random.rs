@@ -1,5 +1,6 @@
 //! Random numbers as pure functions of seed and index: a bake does not depend on the thread count.
 
+use crate::elementary::Elementary;
 use glam::{Vec2, Vec3};
 
 /// Mixes 64 bits (the finaliser of SplitMix64, Steele et al. 2014).
@@ -52,7 +53,7 @@ impl Stream {
         let u = self.square();
         let z = 1.0 - 2.0 * u.x;
         let r = (1.0 - z * z).max(0.0).sqrt();
-        let (sin, cos) = (u.y * std::f32::consts::TAU).sin_cos();
+        let (sin, cos) = (u.y * std::f32::consts::TAU).sine_cosine();
         Vec3::new(r * cos, r * sin, z)
     }
 

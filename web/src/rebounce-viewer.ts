@@ -276,6 +276,21 @@ export class RebounceViewer extends AttributeElement {
 
   // ---- life
 
+  /** Opens files in place of `src`'s: a .rbn, or a .glb or a .gltf with its files, which is baked in the page. */
+  open(...files: File[]): void {
+    this.#engine.open(files);
+  }
+
+  /** Ends a bake in the page; the last preview stays. */
+  cancel(): void {
+    this.#engine.stopLoading();
+  }
+
+  /** The .rbn file that was baked in the page, to be saved; nothing before the bake is done. */
+  toRbn(): Uint8Array | undefined {
+    return this.#engine.baked;
+  }
+
   /** Loads the file of `src` once more, after a failure for instance. */
   reload(): void {
     this.#engine.reload();
@@ -307,6 +322,9 @@ export class RebounceViewer extends AttributeElement {
     switch (name) {
       case "src":
         engine.changeSource();
+        break;
+      case "drop":
+        engine.acceptDrops();
         break;
       case "loading":
         if (this.isConnected) engine.reconsider();

@@ -6,6 +6,8 @@ import { exec, serve } from "./agreement.mjs";
 import { launch } from "./browser.mjs";
 import { animation } from "./page/animation.mjs";
 import { attributes } from "./page/attributes.mjs";
+import { bakeElement } from "./page/bake-element.mjs";
+import { bakeInPage } from "./page/bake-in-page.mjs";
 import { damaged } from "./page/damaged.mjs";
 import { downloads } from "./page/downloads.mjs";
 import { environment } from "./page/environment.mjs";
@@ -44,7 +46,7 @@ import { watch } from "./page/watch.mjs";
 
 const PARTS = {
   loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, state, watch, light, environment, sky,
-  failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing,
+  failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing, bakeInPage, bakeElement,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
 const DAMAGED = ["24", "2"];

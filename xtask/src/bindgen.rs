@@ -9,13 +9,16 @@ use wasm_bindgen_cli_support::Bindgen;
 const DEBUG: [&str; 2] = ["debugString(arg", "String(arg"];
 /// Start of the script's own loading functions, and the replacement.
 const LOAD: &str = "async function __wbg_load(";
-const INIT: &str = include_str!("init.js");
+/// Loads the viewer from a response.
+pub const FROM_RESPONSE: &str = include_str!("init.js");
+/// Loads the baker from a compiled module.
+pub const FROM_MODULE: &str = include_str!("init-baker.js");
 
-/// Writes `NAME.js`, `NAME.d.ts` and `NAME_bg.wasm` for a page that loads them as ES modules.
+/// Writes `NAME.js`, `NAME.d.ts` and `NAME_bg.wasm` for a page that loads them as ES modules, through the function `init`.
 ///
 /// # Errors
 /// If the file is no wasm of this version of wasm-bindgen, or `out` cannot be written.
-pub fn module(wasm: &Path, name: &str, out: &Path) -> Result<()> {
+pub fn module(wasm: &Path, name: &str, init: &str, out: &Path) -> Result<()> {
     let mut generator = Bindgen::new();
     generator.web(true)?.typescript(true).remove_name_section(true).remove_producers_section(true);
     let file = || format!("making the JavaScript for {}", wasm.display());
@@ -43,14 +46,11 @@ pub fn module(wasm: &Path, name: &str, out: &Path) -> Result<()> {
             _ => format!("{line}\n"),
         })
         .collect();
-    let load = script.find(LOAD).filter(|_| script.contains(DEBUG[0]));
+    let load = script.find(LOAD);
     script.truncate(load.with_context(|| {
-        format!(
-            "what wasm-bindgen writes has no {:?} or {LOAD:?} any more: see xtask/src/bindgen.rs",
-            DEBUG[0]
-        )
+        format!("what wasm-bindgen writes has no {LOAD:?} any more: see xtask/src/bindgen.rs")
     })?);
-    script = script.replace(DEBUG[0], DEBUG[1]) + INIT;
+    script = script.replace(DEBUG[0], DEBUG[1]) + init;
     output.emit(out).with_context(file)?;
     let file = out.join(name).with_extension("js");
     std::fs::write(&file, script).with_context(|| file.display().to_string())

@@ -13,10 +13,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The name of the generated JavaScript and wasm files.
+/// The names of the generated JavaScript and wasm files.
 const NAME: &str = "rebounce_viewer";
-/// The module with the fetch of the wasm file, before the modules are bundled.
-const FETCHES: &str = "engine/module.js";
+const BAKER: &str = "rebounce_baker";
+/// The modules with the fetch of the wasm files, before the modules are bundled.
+const FETCHES: [(&str, &str); 2] = [("engine/module.js", NAME), ("bake/module.js", BAKER)];
 /// Files of web/ copied unchanged into the site.
 const STATIC: [&str; 2] = ["index.html", "page.css"];
 
@@ -30,12 +31,13 @@ pub fn build() -> Result<()> {
     let toolchain = toolchain::find()?;
     npm()?;
     let pkg = process::root().join("web/pkg");
-    bindgen::module(&wasm(toolchain)?, NAME, &pkg)?;
+    bindgen::module(&wasm(toolchain)?, NAME, bindgen::FROM_RESPONSE, &pkg)?;
     shrink(&pkg.join(format!("{NAME}_bg.wasm")))?;
+    bindgen::module(&baker_wasm(toolchain)?, BAKER, bindgen::FROM_MODULE, &pkg)?;
     let files = assemble(&pkg)?;
     let dist = process::root().join("web/dist");
     mirror(&files, &dist)?;
-    let served = files.iter().filter(|(name, _)| !name.ends_with(".d.ts"));
+    let served = files.iter().filter(|(name, _)| !name.ends_with(".d.ts") && !is_of_baker(name));
     let served: BTreeMap<_, _> = served.map(|(name, bytes)| (name.clone(), bytes.clone())).collect();
     mirror(&served, &process::root().join("baker/cli/viewer"))?;
     bundle_size::check(&files)?;
@@ -49,6 +51,25 @@ fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
     cargo.args(["--package", "rebounce-viewer", "--lib", "--profile", "web"]);
     process::run(lean(&mut cargo))?;
     Ok(toolchain.target().join(toolchain::TARGET).join("web").join(NAME).with_extension("wasm"))
+}
+
+/// Compiles the baker; returns the path of the wasm file.
+fn baker_wasm(toolchain: Toolchain) -> Result<PathBuf> {
+    let mut cargo = toolchain.cargo("build");
+    cargo.args(["--package", "rebounce-bake-wasm", "--lib", "--profile", "web-baker"]);
+    cargo.env("RUSTC_BOOTSTRAP", "1");
+    // Every browser with WebGPU has the instructions for four lanes, and so has Node.js.
+    cargo.env(
+        "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS",
+        "-Ctarget-feature=+simd128 -Zlocation-detail=none",
+    );
+    process::run(&mut cargo)?;
+    Ok(toolchain.target().join(toolchain::TARGET).join("web-baker").join("rebounce_bake_wasm.wasm"))
+}
+
+/// Whether a file of web/dist is of the baker alone.
+pub fn is_of_baker(name: &str) -> bool {
+    name.starts_with(BAKER) || name.starts_with("bake")
 }
 
 /// Passes of Binaryen's wasm-opt for minimum size after gzip; `-Oz` gives a larger gzip size.
@@ -147,13 +168,15 @@ fn assemble(pkg: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     let modules = compile(pkg)?;
     let mut files = BTreeMap::new();
     let read = |path: PathBuf| fs::read(&path).with_context(|| path.display().to_string());
-    for name in [format!("{NAME}.js"), format!("{NAME}.d.ts"), format!("{NAME}_bg.wasm")] {
-        files.insert(name.clone(), read(pkg.join(name))?);
+    for (fetches, wasm) in FETCHES {
+        for name in [format!("{wasm}.js"), format!("{wasm}.d.ts"), format!("{wasm}_bg.wasm")] {
+            files.insert(name.clone(), read(pkg.join(name))?);
+        }
+        let module = modules.join(fetches);
+        files.insert(fetches.to_owned(), read(module.clone())?);
+        integrity::seal(&mut files, fetches, &format!("{wasm}_bg.wasm"))?;
+        fs::write(module, files.remove(fetches).unwrap_or_default()).context(fetches)?;
     }
-    let module = modules.join(FETCHES);
-    files.insert(FETCHES.to_owned(), read(module.clone())?);
-    integrity::seal(&mut files, FETCHES, &format!("{NAME}_bg.wasm"))?;
-    fs::write(module, files.remove(FETCHES).unwrap_or_default()).context(FETCHES)?;
     let bundle = bundle(&modules)?;
     for (folder, ending) in [(&modules, ".d.ts"), (&bundle, ".js")] {
         for name in names(folder)?.into_iter().filter(|name| name.ends_with(ending)) {

@@ -8,7 +8,7 @@ use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Stage, ch
 use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::{Surfaces, Tessellate};
 use crate::job::Job;
-use crate::job::communicator::Communicator;
+use crate::job::communicator::{Communicator, CommunicatorError, run_blocking};
 use crate::job::watch::Watch;
 use crate::scene::Scene;
 use crate::transport::direct_to_indirect::DirectToIndirect;
@@ -78,6 +78,15 @@ impl<'a> Baker<'a> {
         self.bake_with(scene, &DirectToIndirect)
     }
 
+    /// Bakes a scene of triangles with members that do not block: the workers of a web page. The future waits for nothing
+    /// but their messages.
+    ///
+    /// # Errors
+    /// [`BakeError`]; finished work is in the checkpoint.
+    pub async fn bake_async(&self, scene: &Scene) -> Baked {
+        self.run(scene, || Built::of_triangles(scene), &DirectToIndirect).await
+    }
+
     /// Bakes a scene of triangles with a solver.
     ///
     /// # Errors
@@ -86,7 +95,7 @@ impl<'a> Baker<'a> {
     where
         V: Solver<TriangleSurfaces, Solution = Operator>,
     {
-        self.run(scene, || Built::of_triangles(scene), solver)
+        blocking(self.run(scene, || Built::of_triangles(scene), solver))
     }
 
     /// Bakes any surfaces with a solver. `scene` has their materials, lights and cameras, and no triangles: pictures
@@ -103,10 +112,10 @@ impl<'a> Baker<'a> {
         let scene = scene.with_triangles(surfaces.tessellate(TOLERANCE * (high - low).length()));
         let triangles = scene.triangles.len() as u64;
         let primitives = surfaces.primitives().map_or(triangles, |primitives| primitives.count() as u64);
-        self.run(&scene, || Built { surfaces, triangles, primitives }, solver)
+        blocking(self.run(&scene, || Built { surfaces, triangles, primitives }, solver))
     }
 
-    fn run<S, B, V>(&self, scene: &Scene, build: impl FnOnce() -> Built<B>, solver: &V) -> Baked
+    async fn run<S, B, V>(&self, scene: &Scene, build: impl FnOnce() -> Built<B>, solver: &V) -> Baked
     where
         S: Surfaces,
         B: Deref<Target = S>,
@@ -114,12 +123,13 @@ impl<'a> Baker<'a> {
     {
         let settings = self.settings.clone().normalised();
         let sketch = sketch_settings(&settings).filter(|_| self.wants_sketch());
-        let baked = self.prepared(scene, build, sketch.is_some(), |recipe, tracker, report| {
+        let baked = self.prepared(scene, build, sketch.is_some(), async |recipe, tracker, report| {
             if let Some(settings) = sketch {
-                recipe.sketch(solver, settings, &tracker.task(Stage::Sketch, None))?;
+                recipe.sketch(solver, settings, &tracker.task(Stage::Sketch, None)).await?;
             }
-            recipe.run(solver, settings.clone(), tracker, report)
+            recipe.run(solver, settings.clone(), tracker, report).await
         });
+        let baked = baked.await;
         if let Some(checkpoint) = self.checkpoint {
             // A failed checkpoint ends the bake as stopped; `flush` returns the cause.
             checkpoint.flush()?;
@@ -128,12 +138,12 @@ impl<'a> Baker<'a> {
     }
 
     /// Builds the surfaces, finds viewpoints, lights and cameras, and calls `work`.
-    pub(super) fn prepared<S, B, T>(
+    pub(super) async fn prepared<S, B, T>(
         &self,
         scene: &Scene,
         build: impl FnOnce() -> Built<B>,
         has_sketch: bool,
-        work: impl FnOnce(&Recipe<S>, &Tracker, BakeReport) -> Result<T, BakeError>,
+        work: impl AsyncFnOnce(&Recipe<S>, &Tracker, BakeReport) -> Result<T, BakeError>,
     ) -> Result<T, BakeError>
     where
         S: Surfaces,
@@ -178,7 +188,7 @@ impl<'a> Baker<'a> {
             observer: self.observer,
             job,
         };
-        work(&recipe, &tracker, report)
+        work(&recipe, &tracker, report).await
     }
 
     /// Whether to bake a coarse preview first: not when earlier work is at hand.
@@ -186,4 +196,9 @@ impl<'a> Baker<'a> {
         let is_fresh = self.checkpoint.is_none_or(|checkpoint| checkpoint.records_found() == 0);
         self.observer.wants_previews() && is_fresh
     }
+}
+
+/// Runs a bake whose communicator blocks.
+fn blocking(bake: impl Future<Output = Baked>) -> Baked {
+    run_blocking(bake).unwrap_or(Err(BakeError::Communicator(CommunicatorError::WouldBlock)))
 }

@@ -103,28 +103,41 @@ pub fn plan(
         functions = functions.min(affordable as usize);
     }
     if let Some(wanted) = budget.memory {
-        let copied =
-            scene.triangles_placed().min(MOST_PRIMITIVES).saturating_sub(scene.triangles.len() as u64);
-        let of_one = MEMORY[1] + if budget.is_judged { JUDGED } else { 0.0 };
-        let triangles = of_one * scene.triangles.len() as f64
-            + COPIED[0] * scene.instances() as f64
-            + COPIED[1] * copied as f64;
-        let texels = scene.textures.iter().map(texels).sum::<u64>() as f64;
-        let alone = MEMORY[0] + triangles + MEMORY[2] * texels;
+        let [triangles, textures] = memory_of_scene(scene, budget.is_judged);
+        let alone = MEMORY[0] + triangles + textures;
         let affordable = (wanted as f64 - alone) / MEMORY[3];
         if affordable < LEAST_FUNCTIONS as f64 {
             let least = (alone + MEMORY[3] * LEAST_FUNCTIONS as f64).ceil() as u64;
-            let largest = match largest_texture(scene) {
-                Some(texture) if MEMORY[2] * texels > triangles => texture,
-                _ => largest_material(scene),
-            };
-            return Err(BudgetError::Memory { wanted, least, largest });
+            return Err(BudgetError::Memory { wanted, least, largest: largest_in_memory(scene) });
         }
         functions = functions.min(affordable as usize);
     }
     let fewer = functions < settings.place.functions;
     settings.place.functions = functions;
     Ok(fewer.then_some(functions))
+}
+
+/// Returns the approximate bytes of memory of a bake, above the measured values, where the preset's number of functions is
+/// not lowered.
+pub fn memory(scene: &Scene, settings: &BakeSettings) -> u64 {
+    let of_scene: f64 = memory_of_scene(scene, false).into_iter().sum();
+    (MEMORY[0] + of_scene + MEMORY[3] * settings.place.functions as f64) as u64
+}
+
+/// Describes the part of a scene that takes most of a bake's memory.
+pub fn largest_in_memory(scene: &Scene) -> String {
+    let [triangles, textures] = memory_of_scene(scene, false);
+    largest_texture(scene).filter(|_| textures > triangles).unwrap_or_else(|| largest_material(scene))
+}
+
+/// Returns the bytes of memory for triangles and for textures.
+fn memory_of_scene(scene: &Scene, is_judged: bool) -> [f64; 2] {
+    let copied = scene.triangles_placed().min(MOST_PRIMITIVES).saturating_sub(scene.triangles.len() as u64);
+    let of_one = MEMORY[1] + if is_judged { JUDGED } else { 0.0 };
+    let triangles = of_one * scene.triangles.len() as f64
+        + COPIED[0] * scene.instances() as f64
+        + COPIED[1] * copied as f64;
+    [triangles, MEMORY[2] * scene.textures.iter().map(texels).sum::<u64>() as f64]
 }
 
 /// Describes the largest part of a file without light.

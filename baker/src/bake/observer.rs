@@ -56,6 +56,11 @@ pub trait Observer: Sync {
         false
     }
 
+    /// Returns whether to call [`Self::preview`] with a scene without bounced light, as soon as there are points.
+    fn wants_direct_light(&self) -> bool {
+        false
+    }
+
     /// Receives a preview; each preview is finer than the previous preview. The bake waits until the call returns.
     fn preview(&self, _preview: Preview) {}
 }

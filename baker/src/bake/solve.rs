@@ -8,6 +8,7 @@ use super::tracker::Tracker;
 use super::{BakeError, BakeReport, BakeSettings, Baker, Stage};
 use crate::basis::relate;
 use crate::geometry::Surfaces;
+use crate::job::communicator::{CommunicatorError, run_blocking};
 use crate::job::watch::{Uncounted, Watch};
 use crate::sampling::openness;
 use crate::scene::{Scene, emissive_groups};
@@ -39,20 +40,21 @@ pub struct SolveSettings {
 /// [`BakeError`].
 pub fn solve(scene: &Scene, settings: &SolveSettings) -> Result<(BakedScene, SolveReport), BakeError> {
     let baker = Baker::new(&settings.bake);
-    baker.prepared(
+    let solved = baker.prepared(
         scene,
         || Built::of_triangles(scene),
         false,
-        |recipe, tracker, report| recipe.solve(settings, tracker, report),
-    )
+        async |recipe, tracker, report| recipe.solve(settings, tracker, report).await,
+    );
+    run_blocking(solved).ok_or(CommunicatorError::WouldBlock)?
 }
 
 impl<S: Surfaces> Recipe<'_, S> {
     /// Places points, solves, and assembles the file.
-    fn solve(
+    async fn solve(
         &self,
         settings: &SolveSettings,
-        tracker: &Tracker,
+        tracker: &Tracker<'_>,
         report: BakeReport,
     ) -> Result<(BakedScene, SolveReport), BakeError> {
         let (mut points, bake) = self.points(&settings.bake.clone().normalised(), tracker, false)?;
@@ -74,7 +76,7 @@ impl<S: Surfaces> Recipe<'_, S> {
             sources: bake.sources.clone(),
             emissive_groups: emissive_groups(self.scene),
         };
-        let solution = solver.solve(&problem, &self.job, &mut |_, _| Ok(()))?;
+        let solution = solver.solve(&problem, &self.job, &mut |_, _| Ok(())).await?;
         let task = tracker.task(Stage::Assemble, None);
         let operator = Operator {
             links: vec![Vec::new(); points.points.len()],

@@ -21,6 +21,7 @@ use crate::transport::sources::{SourceGather, SourceLinks};
 use crate::transport::{Operator, Problem, Solver};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
@@ -61,7 +62,7 @@ pub(super) fn sketch_settings(settings: &BakeSettings) -> Option<BakeSettings> {
 
 impl<S: Surfaces + ?Sized> Recipe<'_, S> {
     /// Bakes coarsely and hands the result to the observer as a preview.
-    pub(super) fn sketch(
+    pub(super) async fn sketch(
         &self,
         solver: &impl Solver<S, Solution = Operator>,
         mut settings: BakeSettings,
@@ -80,21 +81,38 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
             relations: &relations,
             settings: &settings.operator,
         };
-        let job = Job { reporter: &Quiet(watch), ..Job::default() };
-        let operator = solver.solve(&problem, &job, &mut |_, _| Ok(()))?;
+        let is_first = self.job.communicator.rank() == 0;
+        if is_first && self.observer.wants_direct_light() {
+            let unlinked = Operator {
+                links: vec![Vec::new(); points.points.len()],
+                tints: vec![pack_rgb9e5(Vec3::ONE); points.points.len()],
+                ..Operator::default()
+            };
+            let file = self.file(&settings, &points, &relations, &unlinked, SourceLinks::default());
+            self.observer.preview(Preview { file, levels: 0 });
+        }
+        let mut job = Job { reporter: &Quiet(watch), ..Job::default() };
+        if !self.job.communicator.is_blocking() {
+            // All workers of a page know what it wants; other processes do not know what process 0's observer wants.
+            job.communicator = self.job.communicator;
+        }
+        let operator = solver.solve(&problem, &job, &mut |_, _| Ok(())).await?;
         let groups = emissive_groups(self.scene);
         let gather = SourceGather::new(self.surfaces, &points, &relations, &settings.sources, groups);
-        let file = self.file(&settings, &points, &relations, &operator, gather.links(quiet)?);
-        self.observer.preview(Preview { file, levels: 0 });
+        let links = gather.links(&job, quiet).await?;
+        if is_first {
+            let file = self.file(&settings, &points, &relations, &operator, links);
+            self.observer.preview(Preview { file, levels: 0 });
+        }
         Ok(())
     }
 
     /// Bakes; returns the result on process 0, `None` on the others.
-    pub(super) fn run(
+    pub(super) async fn run(
         &self,
         solver: &impl Solver<S, Solution = Operator>,
         settings: BakeSettings,
-        tracker: &Tracker,
+        tracker: &Tracker<'_>,
         mut report: BakeReport,
     ) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
         let is_first = self.job.communicator.rank() == 0;
@@ -108,7 +126,7 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         }
         task.step(points.points.len() as u64)?;
         let points = points;
-        self.job.agree(&digest_of_points(self.scene, &settings, &points), &task)?;
+        self.job.agree(&digest_of_points(self.scene, &settings, &points), &task).await?;
         drop(task);
         let problem = Problem {
             surfaces: self.surfaces,
@@ -119,21 +137,25 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         let groups = emissive_groups(self.scene);
         let gather = SourceGather::new(self.surfaces, &points, &relations, &settings.sources, groups);
         tracker.expect(|estimate| estimate.expect_sources(points.points.len(), gather.rays()));
-        let links = || gather.links(&tracker.task(Stage::Sources, None));
-        // Previews have the light of the sky and of emissive surfaces, too.
-        let early = if is_first && self.observer.wants_previews() { Some(links()?) } else { None };
+        let links = async || gather.links(&self.job, &tracker.task(Stage::Sources, None)).await;
+        let shows = is_first && self.observer.wants_previews();
+        // Previews have the light of the sky and of emissive surfaces, too; only process 0 knows whether there are any.
+        let early = if shows || self.job.communicator.size() > 1 { Some(links().await?) } else { None };
         let mut preview = |operator: &Operator, levels| {
-            if let Some(sources) = &early {
+            if let Some(sources) = early.as_ref().filter(|_| shows) {
                 let file = self.file(&settings, &points, &relations, operator, sources.clone());
                 self.observer.preview(Preview { file, levels });
             }
             Ok::<(), Stopped>(())
         };
-        let operator = solver.solve(&problem, &self.job, &mut preview)?;
+        let operator = solver.solve(&problem, &self.job, &mut preview).await?;
         if !is_first {
             return Ok(None);
         }
-        let sources = early.map_or_else(links, Ok)?;
+        let sources = match early {
+            Some(sources) => sources,
+            None => links().await?,
+        };
         report.describe_sources(&sources);
         let task = tracker.task(Stage::Assemble, None);
         tracker.traffic().into_iter().for_each(|sent| report.add_traffic(sent));
@@ -151,7 +173,7 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
     pub(super) fn points(
         &self,
         settings: &BakeSettings,
-        tracker: &Tracker,
+        tracker: &Tracker<'_>,
         is_sampled: bool,
     ) -> Result<(Points, BakeSettings), BakeError> {
         let mut placer = Placer::new(self.surfaces, self.emitter, &settings.place)?;

@@ -10,6 +10,7 @@ use crate::scene::Scene;
 use crate::scene::world_mesh::WorldMesh;
 use glam::DVec3;
 use rebounce_shared::camera::Camera;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::light::Light;
 
 const WHITE: u32 = 0;
@@ -78,7 +79,7 @@ pub(super) fn scene() -> Scene {
             target: place([278.0, 273.0, 279.6]).to_array(),
             up: [0.0, 1.0, 0.0],
             // A lens of 35 mm before a picture of 25 mm.
-            yfov_deg: 2.0 * (12.5f64 / 35.0).atan().to_degrees(),
+            yfov_deg: 2.0 * (12.5f64 / 35.0).arc_tangent().to_degrees(),
         }],
         ..Scene::default()
     };

@@ -5,6 +5,7 @@ use super::{block, camera, matt};
 use crate::scene::Scene;
 use crate::scene::world_mesh::WorldMesh;
 use glam::{DVec3, dvec3};
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::light::Light;
 
 /// Depth (z) of the room, width (x) of room and corridor, height (y).
@@ -63,7 +64,7 @@ pub(super) fn scene() -> Scene {
 
 /// The door's leaf, hung at the least x and opened into the corridor.
 fn door(mesh: &mut WorldMesh) {
-    let (sin, cos) = AJAR.to_radians().sin_cos();
+    let (sin, cos) = AJAR.to_radians().sine_cosine();
     let (along, across) = (dvec3(cos, 0.0, -sin), dvec3(sin, 0.0, cos));
     let corner = |u: bool, v: bool, y: f64| {
         let hinge = dvec3(DOOR[0] + 0.01, y, -WALL);

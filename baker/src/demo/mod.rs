@@ -17,6 +17,7 @@ use crate::scene::world_mesh::WorldMesh;
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec2, dvec3};
 use rebounce_shared::camera::Camera;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::rbn::meta::Material;
 use std::f64::consts::TAU;
 
@@ -135,7 +136,7 @@ impl WorldMesh {
     pub(super) fn prism(&mut self, foot: DVec3, radius: f64, height: f64, sides: usize, material: u32) {
         let up = DVec3::Y * height;
         let rim = |k: usize| {
-            let (sin, cos) = (TAU * k as f64 / sides as f64).sin_cos();
+            let (sin, cos) = (TAU * k as f64 / sides as f64).sine_cosine();
             foot + radius * dvec3(cos, 0.0, -sin)
         };
         for k in 0..sides {

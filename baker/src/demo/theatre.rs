@@ -6,6 +6,7 @@ use crate::scene::model;
 use crate::scene::world_mesh::{WorldInstancedMesh, WorldMesh};
 use glam::{DMat4, DQuat, DVec2, DVec3, dvec3};
 use rebounce_shared::camera::Camera;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::light::Light;
 
 const WALL: u32 = 0;
@@ -111,11 +112,11 @@ impl WorldMesh {
     /// Adds a box with round edges: a superellipsoid with half axes `half`.
     fn cushion(&mut self, middle: DVec3, half: DVec3, material: u32) {
         const SQUARE: f64 = 0.35;
-        let power = |x: f64, e: f64| x.abs().powf(e).copysign(x);
+        let power = |x: f64, e: f64| x.abs().power(e).copysign(x);
         let at = |u: f64, v: f64| {
             let (around, up) = (u * std::f64::consts::TAU, (v - 0.5) * std::f64::consts::PI);
-            let (sin_around, cos_around) = around.sin_cos();
-            let (sin_up, cos_up) = up.sin_cos();
+            let (sin_around, cos_around) = around.sine_cosine();
+            let (sin_up, cos_up) = up.sine_cosine();
             let shape = |e: f64| {
                 let ring = power(cos_up, e);
                 dvec3(ring * power(cos_around, e), power(sin_up, e), ring * power(sin_around, e))
@@ -146,7 +147,8 @@ fn places() -> Vec<DMat4> {
         // An aisle in the middle.
         let x = 10.0 + 16.4 * along + if along < 0.0 { -0.6 } else { 0.6 };
         let z = FIRST + STEP.y * (row as f64 + 0.45);
-        let turn = DQuat::from_rotation_y(0.12 * (x - 10.0) / 8.0);
+        let (sin, cos) = (0.5 * 0.12 * (x - 10.0) / 8.0).sine_cosine();
+        let turn = DQuat::from_xyzw(0.0, sin, 0.0, cos);
         let mirror = if i.is_multiple_of(2) { DVec3::ONE } else { dvec3(-1.0, 1.0, 1.0) };
         DMat4::from_scale_rotation_translation(mirror, turn, dvec3(x, STEP.x * (row + 1) as f64, z))
     };
@@ -156,7 +158,7 @@ fn places() -> Vec<DMat4> {
 /// A curtain in folds at the back of the stage.
 fn curtain(mesh: &mut WorldMesh) {
     let at = |u: f64, v: f64| {
-        let (sin, cos) = (u * 40.0 * std::f64::consts::TAU).sin_cos();
+        let (sin, cos) = (u * 40.0 * std::f64::consts::TAU).sine_cosine();
         let slope = 0.12 * 40.0 * std::f64::consts::TAU / HALL.x * cos;
         let position = dvec3(HALL.x * (1.0 - u), 1.0 + 7.0 * v, 0.4 + 0.12 * sin);
         (position, dvec3(slope, 0.0, 1.0).normalize())

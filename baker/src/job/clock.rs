@@ -1,5 +1,5 @@
-//! Time since the first call, on the wall clock and of the processor. Zero where the platform has no clock
-//! (wasm32-unknown-unknown).
+//! Time on the wall clock and of the processor, since any moment. On wasm32-unknown-unknown, which has no clock, that of
+//! the clock that the program sets; without one, zero.
 
 use std::time::Duration;
 
@@ -21,14 +21,24 @@ pub fn processor() -> Duration {
     START.get_or_init(ProcessTime::now).elapsed()
 }
 
-/// Returns the wall-clock time: none here.
+/// Clock of this program: time since any moment.
 #[cfg(target_arch = "wasm32")]
-pub fn wall() -> Duration {
-    Duration::ZERO
+static CLOCK: std::sync::OnceLock<fn() -> Duration> = std::sync::OnceLock::new();
+
+/// Sets the clock, which the platform itself lacks. Only the first call has an effect.
+#[cfg(target_arch = "wasm32")]
+pub fn set(clock: fn() -> Duration) {
+    let _ = CLOCK.set(clock);
 }
 
-/// Returns the processor time: none here.
+/// Returns the wall-clock time.
+#[cfg(target_arch = "wasm32")]
+pub fn wall() -> Duration {
+    CLOCK.get().map_or(Duration::ZERO, |clock| clock())
+}
+
+/// Returns the processor time: of one thread, the wall-clock time.
 #[cfg(target_arch = "wasm32")]
 pub fn processor() -> Duration {
-    Duration::ZERO
+    wall()
 }

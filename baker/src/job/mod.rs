@@ -5,11 +5,11 @@
 //! * [`parts`] – computes the parts of a stage on all processes, with the partial results of earlier runs;
 //! * [`partial_results`] – storage of finished parts; [`checkpoint`] – partial results on disk;
 //! * [`communicator`] – the processes of a job; [`bytes`] – numbers as bytes;
-//! * `clock` – wall clock and processor time.
+//! * [`clock`] – wall clock and processor time.
 
 pub mod bytes;
 pub mod checkpoint;
-pub(crate) mod clock;
+pub mod clock;
 pub mod communicator;
 pub mod partial_results;
 pub mod parts;
@@ -44,11 +44,11 @@ impl Job<'_> {
     ///
     /// # Errors
     /// [`CommunicatorError::Apart`] with the first process whose digest differs from the digest of process 0.
-    pub fn agree(&self, digest: &[u8], watch: &dyn Watch) -> Result<(), CommunicatorError> {
+    pub async fn agree(&self, digest: &[u8], watch: &dyn Watch) -> Result<(), CommunicatorError> {
         if self.communicator.size() == 1 {
             return Ok(());
         }
-        let received = self.communicator.exchange(&[], digest, watch)?;
+        let received = self.communicator.exchange(&[], digest, watch).await?;
         match received.to_all.iter().position(|other| *other != received.to_all[0]) {
             Some(member) => Err(CommunicatorError::Apart(member)),
             None => Ok(()),

@@ -71,9 +71,9 @@ pub type Computed<T> = (Vec<Option<T>>, Traffic);
 ///
 /// # Errors
 /// [`CommunicatorError`]; finished parts are in the partial_results.
-pub fn compute_parts<P: Parts>(
+pub async fn compute_parts<P: Parts>(
     parts: &P,
-    job: &Job,
+    job: &Job<'_>,
     watch: &dyn Watch,
 ) -> Result<Computed<P::Found>, CommunicatorError> {
     let (partial_results, communicator) = (job.partial_results, job.communicator);
@@ -89,11 +89,13 @@ pub fn compute_parts<P: Parts>(
     }
     let mut is_known: Vec<bool> = found.iter().map(Option::is_some).collect();
     if communicator.size() > 1 {
-        traffic.to_all += announce(parts, &mut found, &mut is_known, job, watch)?;
+        traffic.to_all += announce(parts, &mut found, &mut is_known, job, watch).await?;
     }
     let left = (0..parts.count()).filter(|part| !is_known[*part]);
     let mut mine: Vec<usize> = left.skip(communicator.rank()).step_by(communicator.size()).collect();
     mine.sort_by_key(|part| parts.order(*part));
+    // Where results arrive only at the end, the others are taken to be as far as this process.
+    let members_alike = if communicator.is_blocking() { 1 } else { communicator.size() as u64 };
     let work = |outbox: Option<&SendBuffer>| {
         let compute = |&part: &usize| {
             watch.step(0)?;
@@ -102,7 +104,7 @@ pub fn compute_parts<P: Parts>(
             if let Some(outbox) = outbox {
                 outbox.post(|to_first, to_all| post(parts, part, &computed, to_first, to_all));
             }
-            watch.step(parts.units(part, &computed))?;
+            watch.step(members_alike * parts.units(part, &computed))?;
             Ok((part, computed))
         };
         mine.par_iter().map(compute).collect::<Result<Vec<_>, Stopped>>()
@@ -117,12 +119,12 @@ pub fn compute_parts<P: Parts>(
                 }
                 partial_results.keep(P::KIND, parts.key(part), &bytes(&result));
             }
-            watch.step(parts.units(part, &result))?;
+            watch.step(if members_alike == 1 { parts.units(part, &result) } else { 0 })?;
             *found.get_mut(part).ok_or(CommunicatorError::Garbled(member))? = Some(result);
         }
         Ok(())
     };
-    let (own, sent) = share(communicator, watch, work, arrive)?;
+    let (own, sent) = share(communicator, watch, work, arrive).await?;
     traffic.add(sent);
     for (part, result) in own {
         found[part] = Some(result);
@@ -136,11 +138,11 @@ pub fn compute_parts<P: Parts>(
 
 /// Sends the parts of process 0's partial results to the other processes: the shared halves, or only the numbers. Returns the
 /// number of bytes.
-fn announce<P: Parts>(
+async fn announce<P: Parts>(
     parts: &P,
     found: &mut [Option<P::Found>],
     is_known: &mut [bool],
-    job: &Job,
+    job: &Job<'_>,
     watch: &dyn Watch,
 ) -> Result<u64, CommunicatorError> {
     let is_first = job.communicator.rank() == 0;
@@ -151,7 +153,7 @@ fn announce<P: Parts>(
             frame(&mut told, part, &half);
         }
     }
-    let received = job.communicator.exchange(&[], &told, watch)?;
+    let received = job.communicator.exchange(&[], &told, watch).await?;
     let told = received.to_all.first().ok_or(CommunicatorError::Garbled(0))?;
     if !is_first {
         is_known.fill(false);

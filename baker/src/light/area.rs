@@ -10,6 +10,7 @@
 //! So far away that rounding counts, a rectangle and a disk are sampled by area, which is the same there.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::light::{LightKind, LightSource};
 use std::f64::consts::{PI, TAU};
 
@@ -64,7 +65,7 @@ pub fn density(light: &LightSource, from: Vec3, place: Vec3) -> f32 {
             let at = DVec2::new(way.dot(seen.right), way.dot(seen.up));
             Some(match seen.shape()? {
                 FlatShape::Far(area) => {
-                    (at.length_squared() + seen.height.powi(2)).powf(1.5) / (area * seen.height)
+                    (at.length_squared() + seen.height.powi(2)).power(1.5) / (area * seen.height)
                 }
                 FlatShape::Rectangle(rectangle) => 1.0 / rectangle.solid_angle,
                 FlatShape::Disk(disk) => disk.density(at),
@@ -97,7 +98,7 @@ impl Cone {
 
     fn sample(&self, light: &LightSource, square: DVec2) -> DVec3 {
         let off = square.x * self.off;
-        let (sin, cos) = (TAU * square.y).sin_cos();
+        let (sin, cos) = (TAU * square.y).sine_cosine();
         let (right, up) = self.axis.any_orthonormal_pair();
         let direction = self.axis * (1.0 - off) + (right * cos + up * sin) * (off * (2.0 - off)).sqrt();
         let offset = light.position.as_dvec3() - self.from;
@@ -186,7 +187,8 @@ fn in_disk(square: DVec2) -> DVec2 {
     } else {
         (b, 0.5 * PI - 0.25 * PI * (a / b))
     };
-    radius * DVec2::from_angle(angle)
+    let (sin, cos) = angle.sine_cosine();
+    radius * DVec2::new(cos, sin)
 }
 
 /// A rectangle's directions, after Ureña et al. 2013; names as there.
@@ -206,7 +208,7 @@ impl SphericalRectangle {
         let corner = |x, y| DVec3::new(x, y, z0);
         let (v00, v01, v10, v11) = (corner(x0, y0), corner(x0, y1), corner(x1, y0), corner(x1, y1));
         let n = [v00.cross(v10), v10.cross(v11), v11.cross(v01), v01.cross(v00)].map(DVec3::normalize);
-        let g = |i: usize| (-n[i].dot(n[(i + 1) % 4])).clamp(-1.0, 1.0).acos();
+        let g = |i: usize| (-n[i].dot(n[(i + 1) % 4])).clamp(-1.0, 1.0).arc_cosine();
         let k = TAU - g(2) - g(3);
         let solid_angle = g(0) + g(1) - k;
         (solid_angle > 0.0).then(|| Self { corners, z0, b0: n[0].z, b1: n[2].z, k, solid_angle })
@@ -214,7 +216,7 @@ impl SphericalRectangle {
 
     fn sample(&self, square: DVec2) -> DVec2 {
         let [DVec2 { x: x0, y: y0 }, DVec2 { x: x1, y: y1 }] = self.corners;
-        let (sin, cos) = (square.x * self.solid_angle + self.k).sin_cos();
+        let (sin, cos) = (square.x * self.solid_angle + self.k).sine_cosine();
         let fu = (cos * self.b0 - self.b1) / sin;
         let cu = (fu.signum() / (fu * fu + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
         let xu = (-(cu * self.z0) / (1.0 - cu * cu).max(f64::MIN_POSITIVE).sqrt()).clamp(x0, x1);
@@ -236,18 +238,18 @@ struct SphericalDisk {
 
 impl SphericalDisk {
     fn cosine(&self, s: f64) -> f64 {
-        self.height / self.height.hypot(s)
+        self.height / self.height.hypotenuse(s)
     }
 
     /// Half the angle that the disk spans about the foot; `None` where the foot is on the disk.
     fn widest(&self) -> Option<f64> {
         let away = self.middle.length();
-        (away > self.radius).then(|| (self.radius / away).asin())
+        (away > self.radius).then(|| (self.radius / away).arc_sine())
     }
 
     /// c(s₀) and c(s₁) at an angle.
     fn cosines(&self, angle: f64) -> [f64; 2] {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = angle.sine_cosine();
         let away = self.middle.length();
         let half = (self.radius.powi(2) - (away * sin).powi(2)).max(0.0).sqrt();
         let nearest = if away > self.radius { away * cos - half } else { 0.0 };

@@ -4,6 +4,7 @@
 use super::far::Environment;
 use glam::{Vec2, Vec3};
 use rebounce_shared::colour::luminance;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::environment::{self, direction_at, environment_from_world, world_from_environment};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -75,7 +76,7 @@ impl Environment for EnvironmentMap {
         let u = ((pixel % width) as f32 + within) / width as f32;
         let v = ((pixel / width) as f32 + square.y) / height as f32;
         let direction = direction_at(f64::from(u), f64::from(v));
-        (world_from_environment(direction, self.rotation_deg), self.density_of(pixel, (PI * v).sin()))
+        (world_from_environment(direction, self.rotation_deg), self.density_of(pixel, (PI * v).sine()))
     }
 
     fn density(&self, direction: Vec3) -> f32 {
@@ -84,8 +85,8 @@ impl Environment for EnvironmentMap {
         }
         let d = environment_from_world(direction, self.rotation_deg);
         let (width, height) = (self.picture.width as usize, self.picture.height as usize);
-        let u = d.z.atan2(d.x) / (2.0 * PI) + 0.5;
-        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+        let u = d.z.arc_tangent2(d.x) / (2.0 * PI) + 0.5;
+        let v = d.y.clamp(-1.0, 1.0).arc_cosine() / PI;
         let x = ((u * width as f32) as usize).min(width - 1);
         let y = ((v * height as f32) as usize).min(height - 1);
         self.density_of(y * width + x, (1.0 - d.y * d.y).max(0.0).sqrt())

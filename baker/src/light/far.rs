@@ -1,6 +1,7 @@
 //! Light from infinitely far, as the reference samples it.
 
 use glam::{Vec2, Vec3};
+use rebounce_shared::elementary::Elementary;
 use std::f32::consts::FRAC_1_PI;
 
 /// Light from infinitely far, by direction.
@@ -26,7 +27,7 @@ impl Environment for UniformEnvironment {
 
     fn sample(&self, square: Vec2) -> (Vec3, f32) {
         let z = 1.0 - 2.0 * square.x;
-        let (sin, cos) = (std::f32::consts::TAU * square.y).sin_cos();
+        let (sin, cos) = (std::f32::consts::TAU * square.y).sine_cosine();
         let across = (1.0 - z * z).max(0.0).sqrt();
         (Vec3::new(across * cos, across * sin, z), self.density(Vec3::Z))
     }

@@ -1,6 +1,7 @@
 //! Lamps with a size: spheres with the intensity of a point at their centre, and discs of suns.
 
 use glam::{Vec2, Vec3};
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::light::{Incident, LightSource};
 use std::f32::consts::TAU;
 
@@ -27,7 +28,7 @@ pub fn sample(light: &LightSource, at: &Incident, square: Vec2) -> Sample {
     let cosine = (1.0 - sine * sine).sqrt();
     // 1 − cos, which is small for suns.
     let off = square.x * sine * sine / (1.0 + cosine);
-    let (sin, cos) = (TAU * square.y).sin_cos();
+    let (sin, cos) = (TAU * square.y).sine_cosine();
     let (right, up) = to_light.any_orthonormal_pair();
     let aside = (right * cos + up * sin) * (off * (2.0 - off)).sqrt();
     Sample {

@@ -18,6 +18,7 @@ use super::particle::{bounced, from_viewpoint};
 use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::{Stream, mix};
 use rayon::prelude::*;
+use rebounce_shared::elementary::Elementary;
 
 /// Maximum number of bounces of a particle.
 const BOUNCES: u32 = 30;
@@ -181,11 +182,11 @@ impl<'a, S: Surfaces + ?Sized> Candidates<'a, S> {
         if !self.regions.is_empty() {
             let region = &self.regions[(stream.bits() % self.regions.len() as u64) as usize];
             middle = region.middle;
-            radius = region.reach * (2.0 * radius / region.reach).max(1.0).powf(stream.unit());
+            radius = region.reach * (2.0 * radius / region.reach).max(1.0).power(stream.unit());
         }
         let direction = stream.sphere();
         let (across, up) = direction.any_orthonormal_pair();
-        let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sin_cos();
+        let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sine_cosine();
         let offset = (across * cos + up * sin) * stream.unit().sqrt() - direction;
         let origin = middle + offset * radius;
         Ray::visibility(origin, direction)

@@ -12,6 +12,7 @@ use crate::job::watch::{Stopped, Watch};
 use crate::random::mix;
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::kernel::SQUASH;
 use rebounce_shared::rbn::bulk::{Cut, MAX_CUTS};
 
@@ -106,7 +107,7 @@ fn cuts_of<S: Surfaces + ?Sized>(surfaces: &S, point: &SurfacePoint, radius: f32
     let mut sight = Sight { directions: [Vec3::ZERO; RAYS], free: [f32::INFINITY; RAYS] };
     let mut planes: Vec<(Vec3, f32)> = Vec::new();
     for k in 0..RAYS {
-        let (sin, cos) = (k as f32 / RAYS as f32 * std::f32::consts::TAU).sin_cos();
+        let (sin, cos) = (k as f32 / RAYS as f32 * std::f32::consts::TAU).sine_cosine();
         let direction = tangent * cos + bitangent * sin;
         sight.directions[k] = direction;
         let ray =
@@ -166,7 +167,7 @@ fn behind<S: Surfaces + ?Sized>(
     let back = point.position - point.geometric_normal * epsilon;
     let (tangent, bitangent) = normal.any_orthonormal_pair();
     let directions = (0..BACK_RAYS).map(|k| {
-        let (sin, cos) = (k as f32 / BACK_RAYS as f32 * std::f32::consts::TAU).sin_cos();
+        let (sin, cos) = (k as f32 / BACK_RAYS as f32 * std::f32::consts::TAU).sine_cosine();
         tangent * cos + bitangent * sin
     });
     let straight = seen(back, -normal, height);

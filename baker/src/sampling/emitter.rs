@@ -2,6 +2,7 @@
 
 use crate::random::Stream;
 use glam::Vec3;
+use rebounce_shared::elementary::Elementary;
 
 /// Assumed width of pictures over the height.
 const WIDE: f32 = 1.5;
@@ -26,7 +27,7 @@ impl View {
     /// View of a camera at `position` with this vertical field of view, degrees.
     pub fn of_camera(position: Vec3, towards: Vec3, yfov_deg: f32) -> Self {
         let towards = towards.normalize_or_zero();
-        Self { position, towards, wide: WIDE * (0.5 * yfov_deg).clamp(0.5, 80.0).to_radians().tan() }
+        Self { position, towards, wide: WIDE * (0.5 * yfov_deg).clamp(0.5, 80.0).to_radians().tangent() }
     }
 
     /// Random unit direction in the view.
@@ -35,7 +36,7 @@ impl View {
             return stream.sphere();
         }
         let (across, up) = self.towards.any_orthonormal_pair();
-        let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sin_cos();
+        let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sine_cosine();
         (self.towards + (across * cos + up * sin) * (self.wide * stream.unit().sqrt())).normalize()
     }
 }

@@ -11,6 +11,7 @@ use crate::job::watch::{Stopped, Watch};
 use crate::random::Stream;
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::elementary::Elementary;
 
 /// Tries per point across the surface.
 const ACROSS: u32 = 24;
@@ -76,7 +77,7 @@ fn across<S: Surfaces + ?Sized>(
 ) -> Option<SurfacePoint> {
     let normal = point.geometric_normal;
     let (tangent, bitangent) = normal.any_orthonormal_pair();
-    let (sin, cos) = (stream.unit() * std::f32::consts::TAU).sin_cos();
+    let (sin, cos) = (stream.unit() * std::f32::consts::TAU).sine_cosine();
     let distance = disk_radius * (1.0 + 3.0 * stream.unit()).sqrt();
     let offset = (tangent * cos + bitangent * sin) * distance;
     if !board.is_free(&SurfacePoint { position: point.position + offset, ..*point })

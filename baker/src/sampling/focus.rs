@@ -14,6 +14,7 @@ use super::poisson_disk::DartBoard;
 use crate::geometry::{Ray, Surfaces};
 use crate::random::{Stream, mix};
 use glam::Vec3;
+use rebounce_shared::elementary::Elementary;
 
 /// Needed radius over the distance from the viewed regions, outside the views.
 const GRADE: f32 = 0.2;
@@ -199,7 +200,8 @@ impl Focus {
         let mut boards: Vec<DartBoard> = Vec::new();
         let mut count = 0;
         for candidate in pool {
-            let level = (self.needed(candidate.position) / self.finest).log2().round().max(0.0) as usize;
+            let level =
+                (self.needed(candidate.position) / self.finest).logarithm2().round().max(0.0) as usize;
             while boards.len() <= level {
                 boards.push(DartBoard::new(coarser * self.finest * (1u64 << boards.len().min(63)) as f32));
             }

@@ -7,6 +7,7 @@ use super::viewpoint;
 use crate::geometry::{Hit, Ray, Surfaces};
 use crate::random::{Stream, mix};
 use glam::Vec3;
+use rebounce_shared::elementary::Elementary;
 
 /// Maximum share of rays from the surfaces of a room that leave the scene; above, the scene is open. Measured: under
 /// 0.04 in rooms and courts, 0.11 in a box without a front, 0.3 to 1 in objects and landscapes.
@@ -82,7 +83,7 @@ fn from_around<S: Surfaces + ?Sized>(surfaces: &S, seed: u64) -> impl Iterator<I
         let mut stream = Stream::new(seed ^ 0x706c_6169, i);
         let direction = stream.sphere();
         let (across, up) = direction.any_orthonormal_pair();
-        let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sin_cos();
+        let (sin, cos) = (std::f32::consts::TAU * stream.unit()).sine_cosine();
         let offset = (across * cos + up * sin) * stream.unit().sqrt() - direction;
         let ray = Ray::visibility(middle + offset * radius, direction);
         let hit = surfaces.cast(&ray, mix(stream.bits()) as u32)?;

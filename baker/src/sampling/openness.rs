@@ -6,6 +6,7 @@ use crate::job::watch::{Stopped, Watch};
 use crate::random::Stream;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::openness::{REACH, open, stored};
 use std::f32::consts::TAU;
 
@@ -64,7 +65,7 @@ pub fn open_share<S: Surfaces + ?Sized>(
     for cell in 0..side * side {
         let at = (Vec2::new((cell % side) as f32, (cell / side) as f32) + stream.square()) / side as f32;
         let seed = stream.bits() as u32;
-        let (sin, cos) = (TAU * at.y).sin_cos();
+        let (sin, cos) = (TAU * at.y).sine_cosine();
         let direction =
             (tangent * cos + bitangent * sin) * at.x.sqrt() + normal * (1.0 - at.x).max(0.0).sqrt();
         // A shading normal lets a few directions point into the surface.

@@ -12,6 +12,7 @@ use crate::morton;
 use crate::random::Stream;
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::rbn::MAX_LEVELS;
 
@@ -161,7 +162,7 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
             if let Some(focus) = &focus {
                 // Additional levels, so that the coarsest level is coarse enough for every place.
                 let most = places.iter().map(|p| focus.needed(p.position)).fold(0.0, f32::max);
-                let above = (most / focus.finest()).log2().ceil().max(0.0) as usize + 1;
+                let above = (most / focus.finest()).logarithm2().ceil().max(0.0) as usize + 1;
                 levels = above.clamp(levels, MAX_LEVELS);
                 coarse_radius = focus.finest() * (1u64 << (levels - 1)) as f32;
                 (source, pool) = (around, places);

@@ -37,6 +37,9 @@ pub(super) fn to_png(bytes: &[u8], format: ImageFormat) -> Result<Vec<u8>, Strin
     let damaged = |problem: String| {
         format!("its {name} picture cannot be decoded ({problem}): save it again as PNG or JPEG")
     };
+    if !cfg!(feature = "more-pictures") {
+        return Err(format!("its {name} picture is none that glTF knows: save it as PNG or JPEG"));
+    }
     let (width, height) = size(bytes).ok_or_else(|| damaged("its header is damaged".to_owned()))?;
     check_size(width, height, bytes.len())?;
     let decoded = ImageReader::with_format(Cursor::new(bytes), format).decode();

@@ -3,6 +3,7 @@
 use super::texture_size::{TEXELS_A_BYTE, check_size};
 use super::{SceneError, basis_universal, foreign, orientation};
 use glam::{Vec2, Vec3};
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::rbn::meta::{self, Wrap};
 use std::sync::{Arc, LazyLock, OnceLock};
 
@@ -10,7 +11,7 @@ use std::sync::{Arc, LazyLock, OnceLock};
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let c = i as f64 / 255.0;
-        (if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }) as f32
+        (if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).power(2.4) }) as f32
     })
 });
 

@@ -42,7 +42,8 @@ pub trait Solver<S: ?Sized> {
     /// What is computed: an [`Operator`] for moving lights, or the light of fixed lights.
     type Solution;
 
-    /// Solves the problem. Calls `partial` with solutions that are coarse but fit to be shown.
+    /// Solves the problem. Calls `partial` with solutions that are coarse but fit to be shown. Only a solver that
+    /// shares its work with other processes awaits something.
     ///
     /// # Errors
     /// [`CommunicatorError`] if the job is stopped, or another process fails.
@@ -51,5 +52,5 @@ pub trait Solver<S: ?Sized> {
         problem: &Problem<S>,
         job: &Job,
         partial: &mut Partial<Self::Solution>,
-    ) -> Result<Self::Solution, CommunicatorError>;
+    ) -> impl Future<Output = Result<Self::Solution, CommunicatorError>>;
 }

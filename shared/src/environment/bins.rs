@@ -6,6 +6,7 @@
 //! to 255 are above it, and no bin mixes sky with ground.
 
 use super::picture::{Environment, azimuth, direction_of, polar, turned};
+use crate::elementary::Elementary;
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_4, PI};
 
@@ -29,7 +30,7 @@ pub fn encode(direction: Vec3) -> Vec2 {
     // sqrt(1 − |z|), without the loss of digits near the axis.
     let radius = ((a.x * a.x + a.y * a.y) / (1.0 + a.z)).sqrt();
     let (large, small) = (a.x.max(a.y), a.x.min(a.y));
-    let angle = if large > 0.0 { (small / large).atan() * FRAC_2_PI } else { 0.0 };
+    let angle = if large > 0.0 { (small / large).arc_tangent() * FRAC_2_PI } else { 0.0 };
     let angle = if a.x < a.y { 1.0 - angle } else { angle };
     let v = angle * radius;
     let u = radius - v;
@@ -44,7 +45,7 @@ pub fn decode(place: Vec2) -> Vec3 {
     let inside = 1.0 - u - v;
     let radius = 1.0 - inside.abs();
     let angle = if radius > 0.0 { ((v - u) / radius + 1.0) * FRAC_PI_4 } else { 0.0 };
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = angle.sine_cosine();
     let across = radius * (2.0 - radius * radius).max(0.0).sqrt();
     let z = (1.0 - radius * radius).copysign(inside);
     Vec3::new((cos * across).copysign(p.x), (sin * across).copysign(p.y), z).normalize()
@@ -86,7 +87,7 @@ fn gather(x: usize) -> usize {
 pub fn project(environment: &Environment, rotation_deg: f32) -> [Vec3; BINS] {
     let (width, height) = (environment.width, environment.height);
     // Samples share sines and cosines, which would take most of the time.
-    let turn = (-rotation_deg).to_radians().sin_cos();
+    let turn = (-rotation_deg).to_radians().sine_cosine();
     let bin = |azimuth, polar| bin_of(turned(direction_of(azimuth, polar), turn)) as u16;
     let corners = |y: u32| -> Vec<u16> {
         let polar = polar(f64::from(y) / f64::from(height));
@@ -137,10 +138,10 @@ pub fn energy(bins: &[Vec3; BINS]) -> DVec3 {
 
 /// Sines and cosines of the polar angle in the middles of `count` bands of equal solid angle in a row of the picture.
 fn equal_bands(row: u32, height: u32, count: u32) -> Vec<(f64, f64)> {
-    let cosine = |y: u32| (f64::from(y) / f64::from(height) * std::f64::consts::PI).cos();
+    let cosine = |y: u32| (f64::from(y) / f64::from(height) * std::f64::consts::PI).cosine();
     let (top, bottom) = (cosine(row), cosine(row + 1));
     let middle = |i: u32| top + (bottom - top) * (f64::from(i) + 0.5) / f64::from(count);
-    (0..count).map(|i| polar(middle(i).clamp(-1.0, 1.0).acos() / std::f64::consts::PI)).collect()
+    (0..count).map(|i| polar(middle(i).clamp(-1.0, 1.0).arc_cosine() / std::f64::consts::PI)).collect()
 }
 
 #[cfg(test)]

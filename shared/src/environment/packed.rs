@@ -6,6 +6,7 @@
 
 use super::picture::Environment;
 use crate::colour::{pack_rgb9e5, unpack_rgb9e5};
+use crate::elementary::Elementary;
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -84,7 +85,7 @@ impl PackedEnvironment {
         let mut pixels = Vec::with_capacity(width as usize * height as usize);
         for y in 0..height {
             let rows = [2 * y, (2 * y + 1).min(self.height - 1)];
-            let sines = rows.map(|row| ((row as f32 + 0.5) / self.height as f32 * PI).sin());
+            let sines = rows.map(|row| ((row as f32 + 0.5) / self.height as f32 * PI).sine());
             for x in 0..width {
                 let columns = [2 * x, (2 * x + 1).min(self.width - 1)];
                 let mut sum = Vec3::ZERO;
@@ -143,7 +144,7 @@ fn scale(largest: f32) -> f32 {
     if is_within || !largest.is_finite() {
         return 1.0;
     }
-    power((largest / LARGEST).log2().ceil().clamp(-EXPONENT as f32, EXPONENT as f32) as i32)
+    power((largest / LARGEST).logarithm2().ceil().clamp(-EXPONENT as f32, EXPONENT as f32) as i32)
 }
 
 /// Two to a power within the range of normal floats, exactly.

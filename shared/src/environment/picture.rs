@@ -5,6 +5,7 @@
 //! above.
 
 use crate::colour::luminance;
+use crate::elementary::Elementary;
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -22,7 +23,7 @@ pub struct Environment {
 /// Turns a direction of world space into environment space.
 #[inline]
 pub fn environment_from_world(direction: Vec3, rotation_deg: f32) -> Vec3 {
-    turned(direction, rotation_deg.to_radians().sin_cos())
+    turned(direction, rotation_deg.to_radians().sine_cosine())
 }
 
 /// Turns a direction about y by an angle, of which sine and cosine are given.
@@ -44,12 +45,12 @@ pub fn direction_at(u: f64, v: f64) -> Vec3 {
 
 /// Sine and cosine of the angle from +x towards +z at a place of the picture, 0 to 1 from the left.
 pub(super) fn azimuth(u: f64) -> (f64, f64) {
-    ((u - 0.5) * std::f64::consts::TAU).sin_cos()
+    ((u - 0.5) * std::f64::consts::TAU).sine_cosine()
 }
 
 /// Sine and cosine of the angle from +y at a place of the picture, 0 to 1 from the top.
 pub(super) fn polar(v: f64) -> (f64, f64) {
-    (v * std::f64::consts::PI).sin_cos()
+    (v * std::f64::consts::PI).sine_cosine()
 }
 
 /// The direction of an azimuth and a polar angle.
@@ -67,9 +68,9 @@ impl Environment {
     /// Bilinear radiance from a unit direction of environment space, W/(sr m²). Wraps around in azimuth; within half a
     /// row of a pole it is that row's.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
-        let azimuth = direction.z.atan2(direction.x);
+        let azimuth = direction.z.arc_tangent2(direction.x);
         let column = (azimuth / TAU + 0.5) * self.width as f32 - 0.5;
-        let row = direction.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI * self.height as f32 - 0.5;
+        let row = direction.y.clamp(-1.0, 1.0).arc_cosine() * FRAC_1_PI * self.height as f32 - 0.5;
         // No `clamp`: its panic would bring the formatting of floats into the page's module.
         let (column, row) = (column.max(-0.5), row.max(0.0).min((self.height - 1) as f32));
         let (right, down) = (column - column.floor(), row - row.floor());
@@ -181,7 +182,7 @@ impl Environment {
 fn band(top: f64, bottom: f64) -> f64 {
     // cos a − cos b, without the loss of digits near a pole.
     let half = std::f64::consts::FRAC_PI_2;
-    2.0 * std::f64::consts::TAU * ((top + bottom) * half).sin() * ((bottom - top) * half).sin()
+    2.0 * std::f64::consts::TAU * ((top + bottom) * half).sine() * ((bottom - top) * half).sine()
 }
 
 /// For each of `to` equal intervals of [0, 1]: those of `from` that it overlaps, with the size of the overlap.
@@ -203,7 +204,7 @@ fn overlaps(from: u32, to: u32, size: impl Fn(f64, f64) -> f64) -> Vec<Vec<(u32,
 /// Radius in degrees of the disk on the sphere with a solid angle in sr.
 pub(super) fn disk_radius_deg(solid_angle: f64) -> f64 {
     // 2π (1 − cos r) = 4π sin²(r / 2)
-    2.0 * (solid_angle / (2.0 * std::f64::consts::TAU)).clamp(0.0, 1.0).sqrt().asin().to_degrees()
+    2.0 * (solid_angle / (2.0 * std::f64::consts::TAU)).clamp(0.0, 1.0).sqrt().arc_sine().to_degrees()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 use super::bins;
 use super::picture::{Environment, disk_radius_deg};
 use crate::colour::luminance;
+use crate::elementary::Elementary;
 use glam::{DVec3, Vec3};
 
 /// A disk of light infinitely far away.
@@ -93,7 +94,7 @@ fn direction_of(environment: &Environment, pixel: usize) -> Vec3 {
 /// Median radiance, by luminance, of the ring around a direction, and its luminance; `None` where pixels are too large
 /// to tell.
 fn surroundings(environment: &Environment, luminances: &[f32], middle: Vec3) -> Option<(Vec3, f32)> {
-    let [inner, outer] = RING_DEG.map(|degrees| degrees.to_radians().cos());
+    let [inner, outer] = RING_DEG.map(|degrees| degrees.to_radians().cosine());
     let is_near = |pixel: &usize| (outer..inner).contains(&direction_of(environment, *pixel).dot(middle));
     let rows = rows_around(environment, middle);
     let ring: Vec<usize> = rows.filter(is_near).collect();
@@ -121,7 +122,7 @@ fn median(numbers: impl Iterator<Item = f32> + Clone) -> f32 {
 /// Pixels of the rows that the ring around a direction meets.
 fn rows_around(environment: &Environment, middle: Vec3) -> impl Iterator<Item = usize> {
     let row_deg = 180.0 / environment.height as f32;
-    let polar_deg = middle.y.clamp(-1.0, 1.0).acos().to_degrees();
+    let polar_deg = middle.y.clamp(-1.0, 1.0).arc_cosine().to_degrees();
     let first = ((polar_deg - RING_DEG[1]) / row_deg).floor().max(0.0) as usize;
     let last = ((polar_deg + RING_DEG[1]) / row_deg).ceil().min(environment.height as f32) as usize;
     let width = environment.width as usize;
@@ -131,7 +132,7 @@ fn rows_around(environment: &Environment, middle: Vec3) -> impl Iterator<Item = 
 /// Pixels above a luminance that are connected to the first one (by sides and corners); `None` if they reach the ring.
 fn region(environment: &Environment, luminances: &[f32], first: usize, above: f32) -> Option<Vec<usize>> {
     let (width, height) = (environment.width as usize, environment.height as usize);
-    let inner = RING_DEG[0].to_radians().cos();
+    let inner = RING_DEG[0].to_radians().cosine();
     let middle = direction_of(environment, first);
     let mut is_met = vec![false; luminances.len()];
     is_met[first] = true;

@@ -7,6 +7,7 @@
 //!   Graphics*, Microsoft Research 1996).
 
 use super::{LightKind, LightSource};
+use crate::elementary::Elementary;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
@@ -80,8 +81,8 @@ impl LightSource {
             return [half, -other, -half, other][(i % 4) as usize];
         }
         let step = TAU / DISK_CORNERS as f32;
-        let (sin, cos) = (i as f32 * step).sin_cos();
-        let reach = self.size * (step / step.sin()).sqrt();
+        let (sin, cos) = (i as f32 * step).sine_cosine();
+        let reach = self.size * (step / step.sine()).sqrt();
         reach * (right * cos + self.up * sin)
     }
 
@@ -117,7 +118,7 @@ pub fn polygon_projected_solid_angle(corners: &[Vec3], normal: Vec3) -> f32 {
         let (a, b) = (above[i], above[(i + 1) % count]);
         let cross = a.cross(b);
         let length = cross.length();
-        if length > 0.0 { length.atan2(a.dot(b)) * normal.dot(cross) / length } else { 0.0 }
+        if length > 0.0 { length.arc_tangent2(a.dot(b)) * normal.dot(cross) / length } else { 0.0 }
     };
     0.5 * (0..count).map(edge).sum::<f32>().abs()
 }
@@ -136,7 +137,7 @@ fn sphere(offset: Vec3, radius: f32, normal: Vec3) -> f32 {
     let sine = (1.0 - cosine * cosine).sqrt();
     let y = (-x * cosine / sine).clamp(-1.0, 1.0);
     let across = sine * (1.0 - y * y).sqrt();
-    ((cosine * y.acos() - x * across) / (h * h) + (across / x).atan()).max(0.0)
+    ((cosine * y.arc_cosine() - x * across) / (h * h) + (across / x).arc_tangent()).max(0.0)
 }
 
 #[cfg(test)]

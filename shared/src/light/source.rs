@@ -1,6 +1,7 @@
 //! Lights prepared for evaluation, and what they give to a place. The shaders' twin is lights.wgsl.
 
 use super::kinds::{Light, LightKind, WIDEST_DEG};
+use crate::elementary::Elementary;
 use glam::{DVec3, Vec3};
 
 /// Light prepared for evaluation in scene-local space (local = world − the file's origin); in the shaders' memory
@@ -78,9 +79,9 @@ impl Light {
             },
             Light::Spot { outer_cone_deg, inner_cone_deg, .. } => {
                 let outer = outer_cone_deg.clamp(0.01, 90.0);
-                let cos_outer = outer.to_radians().cos();
+                let cos_outer = outer.to_radians().cosine();
                 let cos_inner =
-                    inner_cone_deg.map_or(cos_outer, |d| d.min(outer).max(0.0).to_radians().cos());
+                    inner_cone_deg.map_or(cos_outer, |d| d.min(outer).max(0.0).to_radians().cosine());
                 // A hard edge is a very steep ramp that reaches 1 right inside the cone.
                 let scale = 1.0 / (cos_inner - cos_outer).max(1e-5);
                 LightSource {
@@ -91,7 +92,7 @@ impl Light {
                 }
             }
             Light::Directional { radius_deg, .. } => {
-                let tangent = radius_deg.clamp(0.0, WIDEST_DEG).to_radians().tan();
+                let tangent = radius_deg.clamp(0.0, WIDEST_DEG).to_radians().tangent();
                 LightSource { size: tangent as f32, ..all_around }
             }
         }

@@ -30,6 +30,7 @@ const ALLOWED = {
   loading: ["eager", "lazy"],
   "auto-exposure": ["on", "off"],
   handles: ["on", "off"],
+  preset: ["draft", "standard", "fine"],
 } as const;
 type Allowed = typeof ALLOWED;
 
@@ -40,6 +41,8 @@ const told = new Set<string>();
 export class AttributeElement extends ElementBase {
   static readonly observedAttributes: readonly string[] = [
     "src",
+    "preset",
+    "drop",
     "alt",
     "poster",
     "width",
@@ -67,13 +70,29 @@ export class AttributeElement extends ElementBase {
     "state-in-link",
   ];
 
-  /** The .rbn file's address, relative to the page. */
+  /** The address of a .rbn file, relative to the page; or of a .glb or .gltf file, which is baked in the page. */
   get src(): string {
     const src = this.getAttribute("src");
     return src ? new URL(src, this.baseURI).href : "";
   }
   set src(value: string) {
     this.setAttribute("src", value);
+  }
+
+  /** How good and how costly a bake in the page is. */
+  get preset(): "draft" | "standard" | "fine" {
+    return among(this, "preset");
+  }
+  set preset(name: "draft" | "standard" | "fine") {
+    this.setAttribute("preset", name);
+  }
+
+  /** Whether files may be dropped on the element. */
+  get drop(): boolean {
+    return this.hasAttribute("drop");
+  }
+  set drop(on: boolean) {
+    this.toggleAttribute("drop", on);
   }
 
   /** What the picture shows, for those who do not see it. */
@@ -97,7 +116,7 @@ export class AttributeElement extends ElementBase {
     return pixels(this.getAttribute("width"));
   }
   set width(value: number) {
-    this.setAttribute("width", String(value));
+    this.setAttribute("width", `${value}`);
   }
 
   /** Height, CSS pixels; 0 where none is set. */
@@ -105,7 +124,7 @@ export class AttributeElement extends ElementBase {
     return pixels(this.getAttribute("height"));
   }
   set height(value: number) {
-    this.setAttribute("height", String(value));
+    this.setAttribute("height", `${value}`);
   }
 
   /** Stops on top of the automatic exposure, or relative to radiance 1 where that is off. */
@@ -113,7 +132,7 @@ export class AttributeElement extends ElementBase {
     return figure(this, "exposure", 0, -20, 20);
   }
   set exposure(stops: number) {
-    this.setAttribute("exposure", String(stops));
+    this.setAttribute("exposure", `${stops}`);
   }
 
   /** Whether the exposure is measured, and follows light and view where they would leave the picture without texture. */
@@ -170,7 +189,7 @@ export class AttributeElement extends ElementBase {
     return figure(this, "environment-rotation", 0, -36_000, 36_000);
   }
   set environmentRotation(degrees: number) {
-    this.setAttribute("environment-rotation", String(degrees));
+    this.setAttribute("environment-rotation", `${degrees}`);
   }
 
   /** Factor of the environment's light. */
@@ -178,7 +197,7 @@ export class AttributeElement extends ElementBase {
     return figure(this, "environment-intensity", 1, 0, 1e6);
   }
   set environmentIntensity(factor: number) {
-    this.setAttribute("environment-intensity", String(factor));
+    this.setAttribute("environment-intensity", `${factor}`);
   }
 
   /** A clear sky with its sun, in place of an `environment`: latitude in degrees, day of the year, solar hour, as in `48,172,15.5`. */
@@ -194,7 +213,7 @@ export class AttributeElement extends ElementBase {
     return figure(this, "background-blur", 0, 0, 1);
   }
   set backgroundBlur(blur: number) {
-    this.setAttribute("background-blur", String(blur));
+    this.setAttribute("background-blur", `${blur}`);
   }
 
   /** What is behind an object; rooms and landscapes have none. */

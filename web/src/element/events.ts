@@ -8,6 +8,8 @@ export interface RebounceEventMap {
   load: CustomEvent<{ url: string }>;
   /** More of the file has come; `total` and `ratio` are 0 while the length is not known. */
   progress: CustomEvent<{ loaded: number; total: number; ratio: number }>;
+  /** A bake in the page goes on: its stage, the share of its time that has passed, and the seconds left; "done" at the end. */
+  "bake-progress": CustomEvent<{ stage: string; ratio: number; secondsLeft: number }>;
   /** Something failed; where there is no picture left, the message is shown in the element too. */
   error: CustomEvent<{ code: string; message: string }>;
   /** The camera has changed, by hand or by script. */

@@ -23,12 +23,6 @@ canvas:active { cursor: grabbing; }
 :host([interaction="none"]) canvas { touch-action: auto; pointer-events: none; }
 canvas.shown { visibility: visible; }
 canvas:focus-visible { outline: 3px solid var(--accent); outline-offset: -3px; }
-.stick {
-  position: absolute; left: 1rem; bottom: 1rem; width: 6rem; height: 6rem; padding: 0; border-radius: 50%; touch-action: none;
-}
-.stick span { position: absolute; inset: 25%; border-radius: 50%; background: rgb(255 255 255 / 0.45); }
-@media not (any-pointer: coarse) { .stick { display: none; } }
-:host([interaction="none"]) .stick, :host(:not(:focus-within, [interaction="all"])) .stick, canvas:not(.inside) + .stick { display: none; }
 .tap {
   display: none; position: absolute; bottom: 0.75rem; left: 50%; translate: -50%; padding: 0.3em 0.9em;
   border-radius: 1em; background: rgb(21 23 26 / 0.85); pointer-events: none; white-space: nowrap;

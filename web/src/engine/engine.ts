@@ -1,12 +1,13 @@
 /** The life of the viewer behind the element: it is made, given a file, drawn with, and let go. */
 
 import { checkedAnimations, type LightAnimation } from "../animation/animation.js";
+import type { SceneFiles } from "../bake/scene.js";
 import { Changes } from "./changes.js";
 import { download } from "./download.js";
 import { Environment } from "./environment.js";
 import { calm } from "../element/element.js";
 import { tell } from "../element/events.js";
-import { Failure, failureOf, isFatal, sentence, unsupported } from "../wire/failure.js";
+import { Failure, failureOf, isFatal, sentence, unsupported, wanted } from "../wire/failure.js";
 import { History } from "./history.js";
 import { Losses } from "./losses.js";
 import type { Viewer } from "./module.js";
@@ -29,6 +30,10 @@ export class Engine {
   readonly player: Player;
   readonly history: History;
   readonly environment: Environment;
+  /** The file that was baked in the page. */
+  baked: Uint8Array | undefined;
+  /** The files in place of `src`'s, by path. */
+  #files: SceneFiles | undefined;
   /** The view that a scene or shot began with. */
   first: Pending["camera"];
   pending: Pending = {};
@@ -106,16 +111,29 @@ export class Engine {
   /** Frees the GPU's memory. */
   dispose(): void {
     this.#waits = false;
-    this.#stopLoading();
+    this.stopLoading();
     this.#forgetReturn();
     this.#end();
   }
 
   /** `src` has changed. */
   changeSource(): void {
-    this.#stopLoading();
+    this.#files = undefined;
+    this.stopLoading();
     this.#forgetReturn();
     if (this.#element.isConnected) this.loadInTime();
+  }
+
+  /** Shows other files than `src`'s. */
+  open(files: SceneFiles): void {
+    this.#files = files;
+    this.reload();
+  }
+
+  /** Takes files that are dropped, where the element says so. */
+  acceptDrops(): void {
+    const warn = (failure: Failure) => this.#warn(failure);
+    wanted(import("../bake/drop.js"), "baker").then(({ acceptDrops }) => acceptDrops(this.#element, (files) => this.open(files), warn), warn);
   }
 
   /** Loads the file once more. */
@@ -131,7 +149,8 @@ export class Engine {
     this.#returning = false;
   }
 
-  #stopLoading(): void {
+  /** Ends a download or a bake; what a bake has shown stays. */
+  stopLoading(): void {
     this.#loading?.abort();
     this.#loading = undefined;
     this.tree.setProgress();
@@ -139,9 +158,8 @@ export class Engine {
 
   /** Loads now, or, with `loading="lazy"`, when the element comes into view. */
   loadInTime(): void {
-    const element = this.#element;
-    this.#waits = element.hasAttribute("src") && element.loading === "lazy" && !this.#onScreen.visible;
-    if (element.hasAttribute("src") && !this.#waits) void this.load();
+    this.#waits = this.#element.loading === "lazy" && !this.#onScreen.visible;
+    if (!this.#waits) void this.load();
   }
 
   /** `loading` has changed. */
@@ -157,27 +175,47 @@ export class Engine {
 
   /** Gets a viewer and the file, one beside the other, and shows the scene. Never rejects. */
   async load(): Promise<void> {
-    this.#stopLoading();
+    this.stopLoading();
     this.#waits = false;
     this.tree.setMessage();
-    if (!this.#element.getAttribute("src")) return;
+    const [element, files] = [this.#element, this.#files];
+    if (!element.getAttribute("src") && !files) return;
     const loading = new AbortController();
-    this.#loading = loading;
-    try {
-      const url = this.#element.src;
-      this.#setProgress(0, 0);
-      const bytes = download(url, loading.signal, (loaded, total) => this.#setProgress(loaded, total));
-      // If the viewer fails first, nobody waits for the file any more.
-      bytes.catch(() => undefined);
-      const viewer = await this.#getViewer();
-      const file = await bytes;
-      loading.signal.throwIfAborted();
+    const { signal } = (this.#loading = loading);
+    const url = element.src;
+    let shown = false;
+    // It is made beside the download or the bake.
+    const viewerMade = this.#getViewer();
+    // If the file fails first, nobody waits for the viewer any more.
+    viewerMade.catch(() => undefined);
+    const show = async (bytes: Uint8Array | Promise<Uint8Array>) => {
+      const [viewer, file] = await Promise.all([viewerMade, bytes]);
+      signal.throwIfAborted();
+      // The view of a preview stays.
+      if (shown) this.#keep();
       await viewer.load(file);
       begin(viewer);
-      loading.signal.throwIfAborted();
+      signal.throwIfAborted();
       this.#show(url, file.length);
+      shown = true;
+    };
+    try {
+      this.#setProgress(0, 0);
+      const kept = (this.baked = this.#returning ? this.baked : undefined);
+      if (kept) await show(kept);
+      else if (!files && !/\.gl(b|tf)$/i.test(new URL(url).pathname)) {
+        await show(download(url, signal, (loaded, total) => this.#setProgress(loaded, total)));
+      } else {
+        const { bakeInto } = await wanted(import("../bake/element.js"), "baker");
+        this.baked = await bakeInto({ element, files, signal, show, setProgress: (ratio) => this.tree.setProgress(ratio) });
+      }
     } catch (error) {
-      if (this.#loading === loading) this.#failOrReturn(failureOf(error));
+      const failure = failureOf(error);
+      if (this.#loading !== loading) return;
+      if (shown && !isFatal(failure.code)) {
+        this.tree.setProgress();
+        this.#warn(failure);
+      } else this.#failOrReturn(failure);
     } finally {
       loading.abort();
       if (this.#loading === loading) this.#loading = undefined;
@@ -282,21 +320,24 @@ export class Engine {
   /** Loads the file onto a new device and shows what was shown. */
   #return(): void {
     // While another file is on its way, that one is wanted.
-    if (this.ready && !this.#loading) {
-      const viewer = this.#viewer as Viewer;
-      const [camera, lights, mix, { animations }] = [cameraIn(viewer), lightsIn(viewer), mixIn(viewer), this.player];
-      this.pending = this.#kept = { camera, lights, mix, animations, measured: viewer.measured };
-      this.#returning = true;
-    }
-    this.#stopLoading();
+    if (this.ready && !this.#loading) this.#keep();
+    this.stopLoading();
     this.#end();
     this.#waits = this.#onScreen.hidden;
     if (!this.#waits) void this.load();
   }
 
+  /** What is shown is to come back with the next file. */
+  #keep(): void {
+    const viewer = this.#viewer as Viewer;
+    const [camera, lights, mix, { animations }] = [cameraIn(viewer), lightsIn(viewer), mixIn(viewer), this.player];
+    this.pending = this.#kept = { camera, lights, mix, animations, measured: viewer.measured };
+    this.#returning = true;
+  }
+
   /** A failure that leaves no picture: it is shown and told. */
   #fail(failure: Failure): void {
-    this.#stopLoading();
+    this.stopLoading();
     this.#returning = false;
     if (isFatal(failure.code)) this.#end();
     this.player.pause();

@@ -2,7 +2,7 @@
 
 import type { PictureLights } from "../environment/lights.js";
 import type { Picture } from "../environment/picture.js";
-import { Failure, failureOf } from "../wire/failure.js";
+import { type Failure, failureOf, wanted } from "../wire/failure.js";
 import type { EnvironmentLight } from "../wire/light-kinds.js";
 import { lightsIn, setLights } from "../wire/wire.js";
 import type { Viewer } from "./module.js";
@@ -41,9 +41,9 @@ export class Environment {
     let picture: Picture | undefined;
     try {
       if (sky || url) {
-        const { picture: pictureOf, PictureLights } = await (sky ? import("../environment/sky.js") : import("../environment/download.js")).catch((cause: unknown) => {
-          throw new Failure("network", "The reader of environments could not be loaded; check the connection and reload.", { cause });
-        });
+        // Both have what is used of them.
+        const module = (sky ? import("../environment/sky.js") : import("../environment/download.js")) as Promise<typeof import("../environment/download.js")>;
+        const { picture: pictureOf, PictureLights } = await wanted(module, "reader of environments");
         picture = await pictureOf(sky || url, signal);
         this.#lights ??= new PictureLights();
       }

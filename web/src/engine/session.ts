@@ -1,7 +1,6 @@
 /** A viewer on a canvas, and what happens to it, until it is let go. */
 
 import { Failure, failureOf } from "../wire/failure.js";
-import { make } from "../element/element.js";
 import { listen, type Input } from "../input/input.js";
 import { createViewer, type Viewer } from "./module.js";
 import type { Triple } from "../wire/shot.js";
@@ -22,7 +21,8 @@ export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, s
   viewer.onchange = () => host.changed();
   viewer.ondevicelost = (message: string) => signal.aborted || host.failed(new Failure("device-lost", message));
   listen(canvas, host, signal);
-  if (matchMedia("(any-pointer: coarse)").matches) void putStick(canvas, host, signal);
+  // Where the stick's module does not come, fingers walk by other gestures.
+  if (matchMedia("(any-pointer: coarse)").matches) import("../input/stick.js").then(({ putStick }) => putStick(canvas, host, signal), () => undefined);
   // A fault inside the wasm that no call of ours is waiting for.
   const stray = (event: Event, error: unknown) => {
     if ((error as { code?: unknown } | null)?.code !== "internal" && !(error instanceof WebAssembly.RuntimeError)) return;
@@ -33,12 +33,6 @@ export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, s
   addEventListener("unhandledrejection", (event) => stray(event, event.reason), { signal });
   addEventListener("hashchange", () => host.linked(), { signal });
   return viewer;
-}
-
-/** Puts the stick after a canvas; where its module does not come, fingers walk by other gestures. */
-async function putStick(canvas: HTMLCanvasElement, host: SessionHost, signal: AbortSignal): Promise<void> {
-  const module = await import("../input/stick.js").catch(() => undefined);
-  if (module && !signal.aborted) canvas.after(module.makeStick(make, host, signal));
 }
 
 /** The place that is seen at a place of a canvas, CSS pixels from its top left; none where no surface is. */

@@ -1,13 +1,31 @@
 /** The on-screen stick: walks where there are fingers and the camera is inside. */
 
-// Types alone: with a value of its own, the bundler would make another part of the first load.
-import type { make as Make } from "../element/element.js";
 import type { Input } from "./input.js";
 
-/** Makes the stick's element, which is there until the signal aborts. Dragged, it walks on as long as it is held; pressed, by keys too, a step ahead. */
-export function makeStick(make: typeof Make, { withViewer, gesture }: Pick<Input, "withViewer" | "gesture">, signal: AbortSignal): HTMLButtonElement {
-  const knob = make("span");
-  const stick = make("button", { type: "button", class: "stick", part: "stick", "aria-label": "Walk: drag, or press for a step ahead" }, knob);
+const CSS = `
+.stick {
+  position: absolute; left: 1rem; bottom: 1rem; width: 6rem; height: 6rem; padding: 0; border-radius: 50%; touch-action: none;
+}
+.stick span { position: absolute; inset: 25%; border-radius: 50%; background: rgb(255 255 255 / 0.45); }
+@media not (any-pointer: coarse) { .stick { display: none; } }
+:host([interaction="none"]) .stick, :host(:not(:focus-within, [interaction="all"])) .stick, canvas:not(.inside) + .stick { display: none; }
+`;
+
+let sheet: CSSStyleSheet | undefined;
+
+/** Puts the stick after a canvas, until the signal aborts. Dragged, it walks on as long as it is held; pressed, by keys too, a step ahead. */
+export function putStick(canvas: HTMLCanvasElement, { withViewer, gesture }: Pick<Input, "withViewer" | "gesture">, signal: AbortSignal): void {
+  if (signal.aborted) return;
+  const { adoptedStyleSheets } = canvas.getRootNode() as ShadowRoot;
+  if (!sheet) (sheet = new CSSStyleSheet()).replaceSync(CSS);
+  if (!adoptedStyleSheets.includes(sheet)) adoptedStyleSheets.push(sheet);
+  // Without `make` of ../element: with code of both, the bundler would make another part of the first load.
+  const knob = document.createElement("span");
+  const stick = document.createElement("button");
+  stick.setAttribute("part", "stick");
+  stick.setAttribute("aria-label", "Walk: drag, or press for a step ahead");
+  [stick.type, stick.className] = ["button", "stick"];
+  stick.append(knob);
   const hold = (x: number, y: number) => {
     knob.style.translate = `${60 * x}% ${60 * y}%`;
     withViewer((viewer) => viewer.stick(x, -y));
@@ -37,5 +55,5 @@ export function makeStick(make: typeof Make, { withViewer, gesture }: Pick<Input
     gesture("stick", false);
   });
   signal.addEventListener("abort", () => stick.remove());
-  return stick;
+  canvas.after(stick);
 }

@@ -1,6 +1,6 @@
 /** Where the panel goes; its code is loaded when it is first wanted. */
 
-import { Failure } from "../wire/failure.js";
+import { wanted } from "../wire/failure.js";
 import type { Loan, Panel } from "./panel.js";
 import type { Tree } from "../element/tree.js";
 
@@ -20,9 +20,7 @@ export class PanelSlot {
   /** Shows the panel where it is wanted and there is a scene, and hides it elsewhere. Rejects with a `Failure`. */
   async show(): Promise<void> {
     if (this.#wanted() && !this.#panel) {
-      const { Panel } = await import("./panel.js").catch((cause: unknown) => {
-        throw new Failure("network", "The panel could not be loaded; check the connection and reload.", { cause });
-      });
+      const { Panel } = await wanted(import("./panel.js"), "panel");
       if (!this.#panel) this.#tree.add((this.#panel = new Panel(this.#loan)).element);
     }
     if (this.#panel) this.#panel.element.hidden = !this.#wanted();

@@ -13,6 +13,15 @@ export class Failure extends Error {
   }
 }
 
+/** A module that is fetched when first wanted. Rejects with a `Failure`. */
+export async function wanted<T>(module: Promise<T>, what: string): Promise<T> {
+  try {
+    return await module;
+  } catch (cause) {
+    throw new Failure("network", `The ${what} could not be loaded; check the connection and reload.`, { cause });
+  }
+}
+
 /** Anything thrown, as a failure: the viewer's own errors carry a code, all else is a fault of ours. */
 export function failureOf(thrown: unknown): Failure {
   if (thrown instanceof Failure) return thrown;

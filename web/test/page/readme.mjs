@@ -48,7 +48,7 @@ async function found() {
     ...names,
     ...each(await read("element/events"), /^ {2}"?([\w-]+)"?: CustomEvent/gm, "event"),
     ...each(tree, /slot\("(\w+)"/g, "slot"),
-    ...each(tree + (await read("panel/panel")) + (await read("input/stick")), /part: "(\w+)"/g, "part"),
+    ...each(tree + (await read("panel/panel")) + (await read("input/stick")), /part(?:: |", )"(\w+)"/g, "part"),
     ...each(styles, /(--rebounce-[\w-]+)/g, "variable"),
   ];
 }

@@ -133,10 +133,15 @@ export async function walking(harness, context) {
   });
 
   await harness.test("walking::a_stick_walks_where_there_are_fingers", async () => {
-    const shown = (on) => on.evaluate(() => getComputedStyle(viewer.shadowRoot.querySelector(".stick")).display !== "none");
+    const shown = (on) =>
+      on.evaluate(() => {
+        const stick = viewer.shadowRoot.querySelector(".stick");
+        return stick !== null && getComputedStyle(stick).display !== "none";
+      });
     await stand(page, INSIDE);
     check(!(await shown(page)), "a stick without fingers");
     const { page: phone } = await loaded(context, undefined, { media: { hasTouch: true, isMobile: true } });
+    await phone.evaluate(() => until(() => viewer.shadowRoot.querySelector(".stick")));
     check(!(await shown(phone)), "a stick outside");
     await stand(phone, INSIDE);
     check(!(await shown(phone)), "a stick in what is not yet tapped, where it would keep the page from scrolling");

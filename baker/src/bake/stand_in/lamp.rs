@@ -6,6 +6,7 @@ use crate::light::direct;
 use glam::Vec3;
 use rayon::prelude::*;
 use rebounce_shared::camera::CameraFrame;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::light::{Light, LightSource};
 use std::f32::consts::PI;
 
@@ -85,7 +86,7 @@ pub fn lamp<S: Surfaces + ?Sized>(
     }
     let (low, high) = sight.part;
     let (to, radius) = (0.5 * (low + high) - place, 0.5 * (high - low).length());
-    let around = (radius / to.length().max(1e-6 * radius)).min(1.0).asin().to_degrees();
+    let around = (radius / to.length().max(1e-6 * radius)).min(1.0).arc_sine().to_degrees();
     let outer = f64::from((CONE * around).clamp(25.0, WIDEST).round());
     Light::Spot {
         position,
@@ -111,7 +112,7 @@ impl<'a, S: Surfaces + ?Sized> PictureView<'a, S> {
         let mut sight = Self { surfaces, frame, is_open, part, tall, target: None, seen: Vec::new() };
         let places: Vec<[f32; 2]> = spread_over_picture(RAYS).collect();
         let hits: Vec<(f32, Hit)> =
-            places.par_iter().filter_map(|at| Some((at[0].hypot(at[1]), sight.hit(*at)?))).collect();
+            places.par_iter().filter_map(|at| Some((at[0].hypotenuse(at[1]), sight.hit(*at)?))).collect();
         let nearest = hits.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, hit)| *hit);
         sight.target = sight.hit([0.0; 2]).or(nearest);
         sight.seen = hits.into_iter().map(|(_, hit)| hit).collect();
@@ -253,10 +254,10 @@ impl<'a, S: Surfaces + ?Sized> PictureView<'a, S> {
 
 /// Returns the geometric mean; 0 for an empty slice.
 fn geometric_mean(light: &[f32]) -> f32 {
-    let logs: f32 = light.iter().map(|light| light.ln()).sum();
-    if light.is_empty() { 0.0 } else { (logs / light.len() as f32).exp() }
+    let logs: f32 = light.iter().map(|light| light.logarithm()).sum();
+    if light.is_empty() { 0.0 } else { (logs / light.len() as f32).exponential() }
 }
 
 fn bell(x: f32, width: f32) -> f32 {
-    (-(x / width).powi(2)).exp()
+    (-(x / width).powi(2)).exponential()
 }

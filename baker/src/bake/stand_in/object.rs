@@ -3,6 +3,7 @@
 use super::YFOV_DEG;
 use crate::scene::bounds_of;
 use glam::Vec3;
+use rebounce_shared::elementary::Elementary;
 
 /// Direction from the object to the eye: from the front (glTF objects face +z), slightly right and above.
 const AHEAD: Vec3 = Vec3::new(0.45, 0.35, 1.0);
@@ -50,7 +51,7 @@ pub fn view(low: Vec3, high: Vec3) -> (Vec3, Vec3) {
     let back = AHEAD.normalize();
     let right = Vec3::Y.cross(back).normalize();
     let up = back.cross(right);
-    let reach = FILLED * (0.5 * YFOV_DEG as f32).to_radians().tan();
+    let reach = FILLED * (0.5 * YFOV_DEG as f32).to_radians().tangent();
     let corners: Vec<Vec3> = (0..8).map(|i| Vec3::select(mask(i), high, low) - middle).collect();
     // Coordinates across the view, and along the view towards the eye.
     let seen =

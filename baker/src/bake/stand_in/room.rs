@@ -7,6 +7,7 @@ use crate::random::Stream;
 use crate::sampling::emitter::ParticleEmitter;
 use glam::Vec3;
 use rayon::prelude::*;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::light::LightSource;
 use std::collections::HashMap;
 
@@ -84,7 +85,7 @@ fn stands<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: &[Vec3]) -> Vec<Stand>
     let find = |i: u64| {
         let mut stream = Stream::new(0x7374_616e, i);
         let viewpoint = *viewpoints.get(i as usize % viewpoints.len().max(1))?;
-        let (z, x) = (std::f32::consts::TAU * stream.unit()).sin_cos();
+        let (z, x) = (std::f32::consts::TAU * stream.unit()).sine_cosine();
         let way = Vec3::new(x, 0.5 * stream.unit() - 0.25, z).normalize();
         let free = surfaces.cast(&Ray::visibility(viewpoint, way), 0);
         let free = free.map_or(0.25 * (high - low).length(), |hit| hit.distance);
@@ -106,7 +107,7 @@ fn stands<S: Surfaces + ?Sized>(surfaces: &S, viewpoints: &[Vec3]) -> Vec<Stand>
 
 fn is_free<S: Surfaces + ?Sized>(surfaces: &S, eye: Vec3, least: f32) -> bool {
     let around = (0..8).map(|i| {
-        let (z, x) = (std::f32::consts::TAU * i as f32 / 8.0).sin_cos();
+        let (z, x) = (std::f32::consts::TAU * i as f32 / 8.0).sine_cosine();
         Vec3::new(x, 0.0, z)
     });
     around.chain([Vec3::Y, -Vec3::Y]).all(|way| {
@@ -118,12 +119,12 @@ fn is_free<S: Surfaces + ?Sized>(surfaces: &S, eye: Vec3, least: f32) -> bool {
 /// Returns the three most open level views from a position: openness, eye, direction.
 fn rough<S: Surfaces + ?Sized>(surfaces: &S, eye: Vec3, tall: f32) -> Vec<(f32, Vec3, Vec3)> {
     let way = |i: usize| {
-        let (z, x) = (std::f32::consts::TAU * i as f32 / AROUND as f32).sin_cos();
+        let (z, x) = (std::f32::consts::TAU * i as f32 / AROUND as f32).sine_cosine();
         Vec3::new(x, 0.0, z)
     };
     let open: Vec<f32> = (0..AROUND)
         .map(|i| match surfaces.cast(&Ray::visibility(eye, way(i)), 0) {
-            Some(hit) if hit.faces(way(i)) => (hit.distance / tall).ln_1p(),
+            Some(hit) if hit.faces(way(i)) => (hit.distance / tall).logarithm1p(),
             // Back sides, and the sky.
             Some(_) => -1.0,
             None => 0.5,
@@ -152,7 +153,7 @@ fn score<S: Surfaces + ?Sized>(
     lights: &[LightSource],
 ) -> f32 {
     let right = towards.cross(Vec3::Y);
-    let half = (0.5 * YFOV_DEG as f32).to_radians().tan();
+    let half = (0.5 * YFOV_DEG as f32).to_radians().tangent();
     let (mut open, mut seen, mut near, mut floor, mut lit) = (0.0, 0.0f32, 0.0, 0.0, 0.0);
     let mut kinds: HashMap<u32, u32> = HashMap::new();
     for [x, y] in spread_over_picture(RAYS) {
@@ -160,7 +161,7 @@ fn score<S: Surfaces + ?Sized>(
         let ray = Ray::visibility(eye, way);
         let Some(hit) = surfaces.see(&ray, 0).filter(|hit| hit.faces(way)) else { continue };
         seen += 1.0;
-        open += (hit.distance / tall).ln_1p();
+        open += (hit.distance / tall).logarithm1p();
         near += (hit.distance < NEAR * tall) as u32 as f32;
         floor += (hit.normal.y > 0.8 && hit.position.y < eye.y - 0.7 * tall) as u32 as f32;
         if !lights.is_empty() && direct::at_hit(surfaces, lights, &hit) != Vec3::ZERO {
@@ -175,7 +176,7 @@ fn score<S: Surfaces + ?Sized>(
     let rays = RAYS as f32;
     // Effective number of materials: the number of equal shares with the same entropy.
     let part = |count: &u32| *count as f32 / seen.max(1.0);
-    let kinds = kinds.values().map(|count| -part(count) * part(count).ln()).sum::<f32>().exp();
+    let kinds = kinds.values().map(|count| -part(count) * part(count).logarithm()).sum::<f32>().exponential();
     let share = |part: f32| part / rays;
     let in_light = if lights.is_empty() { 1.0 } else { 0.3 + 0.7 * (share(lit) / 0.2).min(1.0) };
     share(open)

@@ -2,6 +2,7 @@
 
 use super::{Is, ROOM, WorldMesh, block};
 use glam::{DVec3, dvec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::TAU;
 
 /// Corners of round objects.
@@ -23,7 +24,7 @@ fn column(mesh: &mut WorldMesh, foot: [f64; 3], radius: f64, height: f64, is: Is
 fn cloth_shade(mesh: &mut WorldMesh, foot: [f64; 3], [lower, upper]: [f64; 2], height: f64, is: Is) {
     const CLOTH: f64 = 0.006;
     let rim = |k: usize, radius: f64, y: f64| {
-        let (sin, cos) = (TAU * k as f64 / SIDES as f64).sin_cos();
+        let (sin, cos) = (TAU * k as f64 / SIDES as f64).sine_cosine();
         DVec3::from(foot) + dvec3(radius * cos, y, -radius * sin)
     };
     let mut band = |[r, y]: [f64; 2], [next_r, next_y]: [f64; 2], is: Is| {
@@ -103,7 +104,7 @@ fn shelf(mesh: &mut WorldMesh, [left, right]: [f64; 2], z: f64, rows: usize, is:
 fn plant(mesh: &mut WorldMesh, [x, y, z]: [f64; 3], height: f64) {
     column(mesh, [x, y, z], 0.14, 0.28, Is::Clay);
     for k in 0..9 {
-        let (sin, cos) = (2.4 * k as f64).sin_cos();
+        let (sin, cos) = (2.4 * k as f64).sine_cosine();
         let out = 0.07 + 0.018 * k as f64;
         let top = 0.36 + (height - 0.36) * (k + 1) as f64 / 9.0;
         let stem = [x + 0.05 * cos, y + 0.28, z + 0.05 * sin];

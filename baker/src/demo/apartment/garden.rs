@@ -4,6 +4,7 @@ use super::super::walls::slab;
 use super::{Is, OUTER, ROOM, block};
 use crate::scene::world_mesh::WorldMesh;
 use glam::{DVec3, dvec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::{PI, TAU};
 
 /// Least and greatest corner of the lawn.
@@ -52,9 +53,9 @@ fn tree(mesh: &mut WorldMesh, x: f64, z: f64, height: f64) {
     // From the trunk to the top, nearly a point.
     let rim = |ring: usize, side: usize| {
         let polar = PI * (0.02 + 0.97 * ring as f64 / RINGS as f64);
-        let (sin, cos) = (TAU * side as f64 / SIDES as f64).sin_cos();
-        let radius = 0.36 * crown * polar.sin();
-        let y = height - crown * (0.5 + 0.5 * polar.cos());
+        let (sin, cos) = (TAU * side as f64 / SIDES as f64).sine_cosine();
+        let radius = 0.36 * crown * polar.sine();
+        let y = height - crown * (0.5 + 0.5 * polar.cosine());
         foot + dvec3(radius * cos, y, -radius * sin)
     };
     for (ring, side) in (0..RINGS).flat_map(|ring| (0..SIDES).map(move |side| (ring, side))) {

@@ -5,6 +5,7 @@ use super::super::walls::slab;
 use super::{DARK, Finish, HALL};
 use crate::scene::world_mesh::WorldMesh;
 use glam::{DVec3, dvec3};
+use rebounce_shared::elementary::Elementary;
 use std::f64::consts::TAU;
 
 /// Depth of a canvas before its wall, and of the layers of paint upon it.
@@ -206,7 +207,7 @@ fn sculpture(mesh: &mut WorldMesh, foot: DVec3) {
     let middle = foot + dvec3(0.0, PLINTH.y + 0.545, 0.0);
     let path = |t: f64| {
         let [a, b] = [TAU * t, 2.0 * TAU * t];
-        let across = dvec3(a.sin() + 2.0 * b.sin(), a.cos() - 2.0 * b.cos(), -(1.5 * b).sin());
+        let across = dvec3(a.sine() + 2.0 * b.sine(), a.cosine() - 2.0 * b.cosine(), -(1.5 * b).sine());
         middle + 0.155 * across
     };
     tube(mesh, path, TUBE, [120, 16], Finish::Red);
@@ -216,7 +217,7 @@ fn sculpture(mesh: &mut WorldMesh, foot: DVec3) {
 fn neon(mesh: &mut WorldMesh, middle: DVec3) {
     const RADIUS: f64 = 0.72;
     let at = |angle: f64| {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = angle.sine_cosine();
         middle + RADIUS * dvec3(cos, sin, 0.0)
     };
     tube(mesh, |t| at(TAU * t), 0.022, [48, 8], Finish::Neon);
@@ -233,7 +234,7 @@ fn tube(mesh: &mut WorldMesh, path: impl Fn(f64) -> DVec3, radius: f64, fine: [u
     let at = |u: f64, v: f64| {
         let forward = along(u);
         let side = forward.cross(DVec3::Z).normalize_or(DVec3::X);
-        let (sin, cos) = (TAU * v).sin_cos();
+        let (sin, cos) = (TAU * v).sine_cosine();
         let normal = cos * side + sin * forward.cross(side);
         (path(u) + radius * normal, normal)
     };
@@ -252,7 +253,7 @@ fn screen(mesh: &mut WorldMesh) {
     let cell = |k: usize, axis: usize| SIZE[axis] * (k as f64 / CELLS[axis] as f64 - 0.5);
     for row in 0..CELLS[1] {
         for column in 0..CELLS[0] {
-            let wave = (0.9 * column as f64).sin() + (1.3 * row as f64 + 0.5 * column as f64).cos();
+            let wave = (0.9 * column as f64).sine() + (1.3 * row as f64 + 0.5 * column as f64).cosine();
             let is = COLOURS[((wave + 2.0) * 1.25) as usize % COLOURS.len()];
             let [x, y] = [[column, column + 1].map(|k| cell(k, 0)), [row, row + 1].map(|k| cell(k, 1))];
             at.face(mesh, x, y, is);

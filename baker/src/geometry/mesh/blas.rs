@@ -4,10 +4,13 @@
 
 use super::bvh8::{Bvh8, LARGEST_LEAF, Visit};
 use super::geometry::{Surface, Triangle};
+use super::reinsertion;
 use super::triangle::{Corners, ShearedRay, TriangleHit};
 use crate::random::{mix, unit};
 use glam::{Vec2, Vec3, Vec3A};
-use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::ploc::PlocBuilder;
+use obvhs::ploc::morton::morton_encode_u64_unorm;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -55,6 +58,7 @@ impl ShadingAttributes {
 }
 
 /// Padded box, the input of a BVH build.
+#[derive(Clone, Copy)]
 pub(super) struct Padded(pub Aabb);
 
 impl Padded {
@@ -75,8 +79,39 @@ pub(super) fn build(boxes: &[Padded], leaf: u32) -> (Bvh8, Vec<u32>) {
     if boxes.is_empty() {
         return Default::default();
     }
-    let build = BvhBuildParams { max_prims_per_leaf: leaf, ..BvhBuildParams::medium_build() };
-    Bvh8::new(&build_bvh2(boxes, build, &mut Default::default()))
+    let preset = BvhBuildParams::medium_build();
+    let order = morton_order(boxes);
+    let sorted: Vec<Padded> = order.iter().map(|number| boxes[*number as usize]).collect();
+    // The steps of obvhs' `build_bvh2`, which reads a clock that wasm32 lacks.
+    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
+        preset.ploc_search_distance,
+        &sorted,
+        (0..boxes.len() as u32).collect(),
+        preset.sort_precision,
+        preset.search_depth_threshold,
+    );
+    reinsertion::optimize(&mut binary, preset.reinsertion_batch_ratio);
+    collapse(&mut binary, leaf, preset.collapse_traversal_cost);
+    let again = preset.reinsertion_batch_ratio * preset.post_collapse_reinsertion_batch_ratio_multiplier;
+    reinsertion::optimize(&mut binary, again);
+    let (bvh, leaves) = Bvh8::new(&binary);
+    (bvh, leaves.into_iter().map(|place| order[place as usize]).collect())
+}
+
+/// Numbers of boxes in ascending order of the Morton codes of their centres, equal ones by number. obvhs sorts by the
+/// same codes with an unstable sort that depends on the processor's word; what is sorted it leaves as it is.
+fn morton_order(boxes: &[Padded]) -> Vec<u32> {
+    let mut all = Aabb::empty();
+    boxes.iter().for_each(|of| {
+        all.extend(of.0.min);
+        all.extend(of.0.max);
+    });
+    let scale = 1.0 / all.diagonal().as_dvec3();
+    let offset = -all.min.as_dvec3() * scale;
+    let code = |of: &Padded| morton_encode_u64_unorm(of.0.center().as_dvec3() * scale + offset);
+    let mut codes: Vec<(u64, u32)> = boxes.iter().map(code).zip(0..).collect();
+    codes.par_sort_unstable();
+    codes.into_iter().map(|(_, number)| number).collect()
 }
 
 /// Ray in the space of a BLAS. The direction may have any length; distances are in units of this length.

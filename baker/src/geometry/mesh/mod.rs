@@ -18,6 +18,7 @@ pub(crate) mod glass;
 mod packet;
 mod packet_traversal;
 mod primitives;
+mod reinsertion;
 mod split;
 #[cfg(test)]
 mod tests;

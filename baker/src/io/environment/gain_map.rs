@@ -2,6 +2,7 @@
 //! *Ultra HDR Image Format* 1.1).
 
 use glam::Vec3;
+use rebounce_shared::elementary::{Elementary, ElementaryVector};
 
 /// Prefix of the properties.
 const PREFIX: &str = "hdrgm:";
@@ -57,8 +58,8 @@ impl GainMap {
 
     /// Radiance of a pixel of the linear base picture with a value of the map from 0 to 1, at full strength.
     pub(super) fn apply(&self, base: Vec3, map: Vec3) -> Vec3 {
-        let share = Vec3::from_array(std::array::from_fn(|i| map[i].powf(1.0 / self.gamma[i])));
-        let gain = (self.least + (self.most - self.least) * share).exp2();
+        let share = Vec3::from_array(std::array::from_fn(|i| map[i].power(1.0 / self.gamma[i])));
+        let gain = (self.least + (self.most - self.least) * share).exponential2();
         ((base + self.offset_base) * gain - self.offset_hdr).max(Vec3::ZERO)
     }
 }

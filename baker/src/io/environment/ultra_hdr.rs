@@ -7,6 +7,7 @@ use super::{EnvironmentError, EnvironmentFile};
 use glam::Vec3;
 use image::codecs::jpeg::JpegDecoder;
 use image::{DynamicImage, ImageDecoder, RgbImage};
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::environment::Environment;
 use std::io::Cursor;
 
@@ -76,7 +77,7 @@ fn picture(file: &EnvironmentFile, bytes: &[u8]) -> Result<RgbImage, Environment
 
 /// sRGB to linear, both from 0 to 1.
 fn linear(c: f32) -> f32 {
-    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).power(2.4) }
 }
 
 /// Bilinear value of a picture, from 0 to 1, at a place from 0 to 1; wraps around sidewards.

@@ -8,6 +8,7 @@ use glam::{DMat4, DQuat};
 use gltf::json::accessor::Type;
 use gltf::json::animation::{Interpolation as Kind, Sampler};
 use gltf::json::validation::Checked;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::rbn::LARGEST;
 use rebounce_shared::rbn::meta::{Animation, Interpolation, Property, Track};
 
@@ -84,7 +85,18 @@ fn straight<const W: usize>(a: [f64; W], b: [f64; W], s: f64) -> [f64; W] {
 
 fn around(a: [f64; 4], b: [f64; 4], s: f64) -> [f64; 4] {
     let [a, b] = [a, b].map(|q| DQuat::from_array(q).normalize());
-    if a.is_finite() && b.is_finite() { a.slerp(b, s).to_array() } else { [0.0, 0.0, 0.0, 1.0] }
+    if a.is_finite() && b.is_finite() { slerp(a, b, s).to_array() } else { [0.0, 0.0, 0.0, 1.0] }
+}
+
+/// Spherical linear interpolation of unit quaternions the shorter way round (Shoemake 1985).
+fn slerp(a: DQuat, b: DQuat, s: f64) -> DQuat {
+    let cosine = a.dot(b);
+    let (cosine, b) = if cosine < 0.0 { (-cosine, -b) } else { (cosine, b) };
+    if cosine > 1.0 - f64::EPSILON {
+        return (a * (1.0 - s) + b * s).normalize();
+    }
+    let angle = cosine.arc_cosine();
+    (a * ((1.0 - s) * angle).sine() + b * (s * angle).sine()) * angle.sine().recip()
 }
 
 /// Animation curves of a node.

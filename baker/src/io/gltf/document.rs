@@ -19,9 +19,9 @@ impl Document {
         let mut value: Value = serde_json::from_str(json).map_err(|e| e.to_string())?;
         check_version(&mut value)?;
         repair::mend(&mut value);
-        let exact = serde_path_to_error::deserialize(&value).map_err(|e| e.to_string())?;
+        let exact = deserialized(&value)?;
         repair::complete(&mut value);
-        let root = serde_path_to_error::deserialize(value).map_err(|e| e.to_string())?;
+        let root = deserialized(&value)?;
         Ok(Self { root, exact })
     }
 }
@@ -38,6 +38,14 @@ impl From<String> for Refused {
     fn from(problem: String) -> Self {
         Self::Not(problem)
     }
+}
+
+/// Reads a value as a `T`; the error has the problem and, with the feature `json-paths`, the JSON path.
+fn deserialized<T: DeserializeOwned>(value: &Value) -> Result<T, String> {
+    #[cfg(feature = "json-paths")]
+    return serde_path_to_error::deserialize(value).map_err(|error| error.to_string());
+    #[cfg(not(feature = "json-paths"))]
+    return T::deserialize(value).map_err(|error| error.to_string());
 }
 
 /// Refuses versions other than 2.x, before reading the rest.
@@ -84,8 +92,7 @@ pub(super) trait Extensible {
         let Some(value) = self.raw().and_then(|raw| raw.get(name)) else {
             return Ok(None);
         };
-        let read = serde_path_to_error::deserialize::<_, T>(value);
-        read.map(Some).map_err(|error| format!("has {name} that cannot be read: {error}"))
+        deserialized(value).map(Some).map_err(|error| format!("has {name} that cannot be read: {error}"))
     }
 }
 

@@ -4,6 +4,7 @@ use super::light;
 use super::mesh::{self, MeshPart};
 use super::source::Source;
 use glam::{DMat4, DQuat, DVec3};
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::light::Light;
 
 /// Number of test rays per lamp, over the sphere for a point light, within the cone for a spot light.
@@ -125,7 +126,7 @@ fn directions(axis: DVec3, edge: f64) -> Vec<DVec3> {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let direction = |i: usize| {
         let z = 1.0 - (1.0 - edge) * (i as f64 + 0.5) / DIRECTIONS as f64;
-        let (sin, cos) = (golden * i as f64).sin_cos();
+        let (sin, cos) = (golden * i as f64).sine_cosine();
         let r = (1.0 - z * z).max(0.0).sqrt();
         turn * DVec3::new(r * cos, r * sin, z)
     };

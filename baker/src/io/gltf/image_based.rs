@@ -10,6 +10,7 @@ use crate::scene::SceneError;
 use crate::scene::texture::{Texels, linear};
 use glam::{DQuat, Quat, Vec2, Vec3};
 use rayon::prelude::*;
+use rebounce_shared::elementary::ElementaryVector;
 use rebounce_shared::environment::{Environment, direction_at};
 use rebounce_shared::light::Light;
 use serde::Deserialize;
@@ -124,7 +125,7 @@ impl Face {
         let decode = |texel: &[u8; 4]| {
             let [r, g, b, a] = texel.map(|byte| f32::from(byte) / 255.0);
             match is_rgbd {
-                true => Vec3::new(r, g, b).powf(GAMMA) / a.max(LEAST_ALPHA),
+                true => Vec3::new(r, g, b).power(GAMMA) / a.max(LEAST_ALPHA),
                 false => linear(*texel),
             }
         };

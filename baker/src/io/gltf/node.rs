@@ -6,6 +6,7 @@ use crate::scene::SceneError;
 use glam::{DMat4, DVec3};
 use gltf::json::{Index, Node};
 use rebounce_shared::camera::Camera;
+use rebounce_shared::elementary::Elementary;
 use serde::Deserialize;
 
 /// A node of the scene with its transform to world space.
@@ -109,7 +110,7 @@ pub(super) fn camera(
     let distance = forward.dot(DVec3::from(origin) - position).max(0.05 * size);
     let yfov = match (&camera.perspective, &camera.orthographic) {
         (Some(perspective), _) => perspective.yfov,
-        (None, Some(orthographic)) => 2.0 * (orthographic.ymag.abs() / distance).atan(),
+        (None, Some(orthographic)) => 2.0 * (orthographic.ymag.abs() / distance).arc_tangent(),
         (None, None) => return Err(source.malformed(format!("camera {index} is of no known type"))),
     };
     let camera = Camera {

@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3};
 use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::material::NormalTexture;
 use gltf::json::texture::Info;
+use rebounce_shared::elementary::Elementary;
 
 /// A material's reference to a texture.
 pub(super) struct TextureInfo {
@@ -42,7 +43,7 @@ impl TextureInfo {
         let Some(t) = &self.transform else {
             return UvSource { set: self.set, matrix: DMat3::IDENTITY };
         };
-        let (sin, cos) = f64::from(t.rotation.0).sin_cos();
+        let (sin, cos) = f64::from(t.rotation.0).sine_cosine();
         let [sx, sy] = t.scale.0.map(f64::from);
         let [x, y] = t.offset.0.map(f64::from);
         UvSource {

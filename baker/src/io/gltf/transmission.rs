@@ -1,6 +1,7 @@
 //! Transmission through a surface: KHR_materials_transmission, _volume, _diffuse_transmission.
 
 use gltf::json::texture::Info;
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::rbn::extras::Extras;
 use serde::Deserialize;
 
@@ -75,7 +76,7 @@ impl TransmissionFactors {
         Extras {
             transmission: unit(self.transmission),
             transmission_tint: match depth > 0.0 {
-                true => self.attenuation_color.map(|c| unit(c).powf(depth)),
+                true => self.attenuation_color.map(|c| unit(c).power(depth)),
                 false => [1.0; 3],
             },
             scattered: unit(self.scattered),

@@ -1,7 +1,7 @@
 //! Communicator over MPI: members started by `mpirun` or another launcher of MPI programs.
 
 use super::slices::{places, slice};
-use super::{Communicator, Received};
+use super::{Communicator, Exchange, Received};
 use crate::job::watch::{Stopped, Watch};
 use mpi::Count;
 use mpi::Threading;
@@ -94,7 +94,14 @@ impl Communicator for Mpi {
         self.world.size() as usize
     }
 
-    fn exchange(&self, to_first: &[u8], to_all: &[u8], watch: &dyn Watch) -> Result<Received, Stopped> {
+    fn exchange<'a>(&'a self, to_first: &'a [u8], to_all: &'a [u8], watch: &'a dyn Watch) -> Exchange<'a> {
+        Box::pin(std::future::ready(self.all_gather(to_first, to_all, watch)))
+    }
+}
+
+impl Mpi {
+    /// Exchanges messages; blocks until all members have sent theirs.
+    fn all_gather(&self, to_first: &[u8], to_all: &[u8], watch: &dyn Watch) -> Result<Received, Stopped> {
         self.meet(watch)?;
         let (size, first) = (self.size(), self.world.process_at_rank(0));
         let mut lengths = vec![0u64; 2 * size];

@@ -3,7 +3,7 @@
 //! Members exchange results a few times per second, so that the checkpoint of member 0 contains the finished work of
 //! all members, and a last time when the last member is done.
 
-use super::{Communicator, CommunicatorError};
+use super::{Communicator, CommunicatorError, Received, run_blocking};
 use crate::job::watch::{Stopped, Watch};
 use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
@@ -46,27 +46,76 @@ impl SendBuffer {
         }
     }
 
-    fn take(&self) -> [Vec<u8>; 2] {
-        self.letters.lock().map(|mut letters| std::mem::take(&mut *letters)).unwrap_or_default()
+    /// Takes the messages to member 0 and to all members; the latter begins with whether the sender is done.
+    fn letters(&self, is_done: bool) -> [Vec<u8>; 2] {
+        let taken = self.letters.lock().map(|mut letters| std::mem::take(&mut *letters));
+        let [to_first, posted] = taken.unwrap_or_default();
+        let mut to_all = vec![u8::from(is_done)];
+        to_all.extend(posted);
+        [to_first, to_all]
     }
 }
 
-/// Runs this member's part of the work on the pool, and sends the results posted by `work` to the job during the work.
-/// Calls `arrive` for the messages of the other members: rank, message to member 0 (empty on other members), message to
-/// all members. Returns when all members are done.
+/// Runs this member's part of the work on the pool, and sends the results posted by `work` to the job: during the work
+/// if the communicator blocks, otherwise after the work. Calls `arrive` for the messages of the other members: rank,
+/// message to member 0 (empty on other members), message to all members. Returns when all members are done.
 ///
 /// # Errors
 /// [`CommunicatorError`], of `work`, of `arrive`, or of the exchange.
-pub fn share<T: Send>(
+pub async fn share<T: Send>(
     communicator: &dyn Communicator,
     watch: &dyn Watch,
     work: impl FnOnce(Option<&SendBuffer>) -> Result<T, Stopped> + Send,
-    mut arrive: impl FnMut(usize, &[u8], &[u8]) -> Result<(), CommunicatorError>,
+    arrive: impl FnMut(usize, &[u8], &[u8]) -> Result<(), CommunicatorError>,
 ) -> Result<(T, Traffic), CommunicatorError> {
-    let mut traffic = Traffic::default();
     if communicator.size() == 1 {
-        return Ok((work(None)?, traffic));
+        return Ok((work(None)?, Traffic::default()));
     }
+    let mut mail = Mail { rank: communicator.rank(), traffic: Traffic::default(), arrive };
+    if communicator.is_blocking() {
+        let done = share_meanwhile(communicator, watch, work, &mut mail)?;
+        return Ok((done, mail.traffic));
+    }
+    let outbox = SendBuffer::default();
+    let done = work(Some(&outbox))?;
+    let [to_first, to_all] = outbox.letters(true);
+    mail.open(communicator.exchange(&to_first, &to_all, watch).await?)?;
+    Ok((done, mail.traffic))
+}
+
+/// Messages of the other members on their way to whoever wants them.
+struct Mail<F> {
+    /// This member.
+    rank: usize,
+    traffic: Traffic,
+    arrive: F,
+}
+
+impl<F: FnMut(usize, &[u8], &[u8]) -> Result<(), CommunicatorError>> Mail<F> {
+    /// Hands on the messages of an exchange; returns whether all members are done.
+    fn open(&mut self, received: Received) -> Result<bool, CommunicatorError> {
+        let mut all_done = true;
+        for (member, letter) in received.to_all.iter().enumerate() {
+            let (is_done, for_all) = letter.split_first().ok_or(CommunicatorError::Garbled(member))?;
+            let for_first = received.to_first.get(member).map_or(&[][..], |letter| letter);
+            all_done &= *is_done != 0;
+            self.traffic.to_all += letter.len() as u64;
+            if member != self.rank {
+                self.traffic.to_first += for_first.len() as u64;
+                (self.arrive)(member, for_first, for_all)?;
+            }
+        }
+        Ok(all_done)
+    }
+}
+
+/// Computes on the pool while this thread exchanges messages, blocking.
+fn share_meanwhile<T: Send>(
+    communicator: &dyn Communicator,
+    watch: &dyn Watch,
+    work: impl FnOnce(Option<&SendBuffer>) -> Result<T, Stopped> + Send,
+    mail: &mut Mail<impl FnMut(usize, &[u8], &[u8]) -> Result<(), CommunicatorError>>,
+) -> Result<T, CommunicatorError> {
     let outbox = SendBuffer::default();
     let (told, end) = sync_channel(1);
     rayon::in_place_scope(|scope| {
@@ -81,23 +130,13 @@ pub fn share<T: Send>(
                 result = wait(&end, PERIOD)?.transpose()?;
             }
             // Taken after the end of `work` is known: later, nothing more is posted.
-            let [to_first, posted] = outbox.take();
-            let mut to_all = vec![u8::from(result.is_some())];
-            to_all.extend(posted);
-            let received = communicator.exchange(&to_first, &to_all, watch)?;
-            let mut all_done = true;
-            for (member, letter) in received.to_all.iter().enumerate() {
-                let (is_done, for_all) = letter.split_first().ok_or(CommunicatorError::Garbled(member))?;
-                let for_first = received.to_first.get(member).map_or(&[][..], |letter| letter);
-                all_done &= *is_done != 0;
-                traffic.to_all += letter.len() as u64;
-                if member != communicator.rank() {
-                    traffic.to_first += for_first.len() as u64;
-                    arrive(member, for_first, for_all)?;
-                }
-            }
-            if all_done && let Some(done) = result.take() {
-                return Ok((done, traffic));
+            let [to_first, to_all] = outbox.letters(result.is_some());
+            let exchange = communicator.exchange(&to_first, &to_all, watch);
+            let received = run_blocking(exchange).ok_or(CommunicatorError::WouldBlock)??;
+            if mail.open(received)?
+                && let Some(done) = result.take()
+            {
+                return Ok(done);
             }
         }
     })
@@ -136,7 +175,7 @@ fn wait<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::job::communicator::Received;
+    use crate::job::communicator::Exchange;
     use std::sync::{Arc, Barrier};
 
     /// Two members on two threads: messages are exchanged through a table, between two barriers.
@@ -155,13 +194,14 @@ mod tests {
             2
         }
 
-        fn exchange(&self, to_first: &[u8], to_all: &[u8], _: &dyn Watch) -> Result<Received, Stopped> {
+        fn exchange<'a>(&'a self, to_first: &'a [u8], to_all: &'a [u8], _: &'a dyn Watch) -> Exchange<'a> {
             self.table.lock().unwrap()[self.rank] = [to_first.to_vec(), to_all.to_vec()];
             self.meet.wait();
             let table = self.table.lock().unwrap().clone();
             self.meet.wait();
             let take = |k: usize| table.iter().map(|letters| letters[k].clone()).collect();
-            Ok(Received { to_first: if self.rank == 0 { take(0) } else { Vec::new() }, to_all: take(1) })
+            let to_first = if self.rank == 0 { take(0) } else { Vec::new() };
+            Box::pin(std::future::ready(Ok(Received { to_first, to_all: take(1) })))
         }
     }
 
@@ -188,7 +228,7 @@ mod tests {
                     heard[1].extend_from_slice(all);
                     Ok(())
                 };
-                let (done, traffic) = share(&member, &(), work, arrive).unwrap();
+                let (done, traffic) = run_blocking(share(&member, &(), work, arrive)).unwrap().unwrap();
                 assert_eq!(done, rank);
                 (heard, traffic.to_first)
             })
@@ -210,18 +250,19 @@ mod tests {
             2
         }
 
-        fn exchange(&self, to_first: &[u8], to_all: &[u8], _: &dyn Watch) -> Result<Received, Stopped> {
-            Ok(Received {
+        fn exchange<'a>(&'a self, to_first: &'a [u8], to_all: &'a [u8], _: &'a dyn Watch) -> Exchange<'a> {
+            Box::pin(std::future::ready(Ok(Received {
                 to_first: vec![to_first.to_vec(), Vec::new()],
                 to_all: vec![to_all.to_vec(), vec![0]],
-            })
+            })))
         }
     }
 
     #[test]
     fn work_that_stops_ends_it_for_this_member() {
         // On a busy pool the work starts late, and exchanges come before its end.
-        let found = share(&BesideIdle, &(), |_| Err::<(), _>(Stopped), |_, _, _| Ok(()));
+        let found =
+            run_blocking(share(&BesideIdle, &(), |_| Err::<(), _>(Stopped), |_, _, _| Ok(()))).unwrap();
         assert_eq!(found, Err(CommunicatorError::Stopped(Stopped)));
     }
 }

@@ -13,6 +13,7 @@
 
 use crate::random::Stream;
 use glam::{Vec2, Vec3};
+use rebounce_shared::elementary::Elementary;
 
 /// Share β of the cosine-weighted directions.
 const COSINE_SHARE: f32 = 0.8;
@@ -95,7 +96,7 @@ impl Directions {
         let side_by_side = |some: &[Vec2]| {
             let mut lanes = [[0.0; LANES]; 3];
             for (i, p) in some.iter().enumerate() {
-                let (sin, cos) = (p.y * std::f32::consts::TAU).sin_cos();
+                let (sin, cos) = (p.y * std::f32::consts::TAU).sine_cosine();
                 (lanes[0][i], lanes[1][i], lanes[2][i]) = (p.x, cos, sin);
             }
             lanes
@@ -136,7 +137,7 @@ impl Directions {
         let shift = self.shift(receiver, seed);
         let (tangent, bitangent) = normal.any_orthonormal_pair();
         // A shift of the second coordinate rotates the hemisphere.
-        let (sin, cos) = (shift.y * std::f32::consts::TAU).sin_cos();
+        let (sin, cos) = (shift.y * std::f32::consts::TAU).sine_cosine();
         let (tangent, bitangent) = (tangent * cos + bitangent * sin, bitangent * cos - tangent * sin);
         let frame = Frame { tangent, bitangent, normal, shift: shift.x };
         let first = (0..self.count).step_by(LANES);

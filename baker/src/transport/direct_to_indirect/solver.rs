@@ -25,18 +25,18 @@ pub struct DirectToIndirect;
 impl<S: Surfaces + ?Sized> Solver<S> for DirectToIndirect {
     type Solution = Operator;
 
-    fn solve(
+    async fn solve(
         &self,
-        problem: &Problem<S>,
-        job: &Job,
-        partial: &mut Partial<Operator>,
+        problem: &Problem<'_, S>,
+        job: &Job<'_>,
+        partial: &mut Partial<'_, Operator>,
     ) -> Result<Operator, CommunicatorError> {
         let &Problem { surfaces, points, relations, .. } = problem;
         let mut settings = problem.settings.clone();
         let watch = job.reporter.begin(Stage::Tints, None);
         settings.reflected = reflected_share(surfaces, points, settings.far_levels, settings.seed);
         let tints = tints(problem, &*watch)?;
-        job.agree(&Sha256::digest(bytemuck::cast_slice(&tints)), &*watch)?;
+        job.agree(&Sha256::digest(bytemuck::cast_slice(&tints)), &*watch).await?;
         drop(watch);
         let watch = job.reporter.begin(Stage::HitCache, None);
         let senders = Senders::new(surfaces, points, &settings, &tints, &*watch)?;
@@ -45,9 +45,9 @@ impl<S: Surfaces + ?Sized> Solver<S> for DirectToIndirect {
         let levels = points.levels.len();
         let coarse_levels = settings.later_levels.min(levels);
         for level in 0..levels {
-            links(&mut refiner, level, job)?;
+            links(&mut refiner, level, job).await?;
             if level + 1 == coarse_levels && settings.bounces != Some(1) {
-                later_bounces(&mut refiner, &settings, job)?;
+                later_bounces(&mut refiner, &settings, job).await?;
             }
             // Without later bounces a partial operator is too dark to look at.
             if level + 1 >= settings.later_levels && level + 1 < levels {
@@ -72,14 +72,14 @@ fn tints<S: Surfaces + ?Sized>(problem: &Problem<S>, watch: &dyn Watch) -> Resul
 }
 
 /// Gathers the links of the next level.
-fn links<S: Surfaces + ?Sized>(
-    refiner: &mut Refiner<S>,
+async fn links<S: Surfaces + ?Sized>(
+    refiner: &mut Refiner<'_, S>,
     level: usize,
-    job: &Job,
+    job: &Job<'_>,
 ) -> Result<(), CommunicatorError> {
     job.reporter.expect(Work::Rays { level, rays: refiner.rays_ahead() });
     let watch = job.reporter.begin(Stage::Links, Some(level));
-    let (found, traffic) = compute_parts(&refiner.next_level(), job, &*watch)?;
+    let (found, traffic) = compute_parts(&refiner.next_level(), job, &*watch).await?;
     job.reporter.sent(Stage::Links, Some(level), traffic);
     // Missing rows are never read on this process.
     let rows = found.into_iter().map(|chunk| chunk.map_or_else(Vec::new, |chunk| chunk.0));
@@ -88,10 +88,10 @@ fn links<S: Surfaces + ?Sized>(
 }
 
 /// Computes the coarse transport matrix and the later bounces.
-fn later_bounces<S: Surfaces + ?Sized>(
-    refiner: &mut Refiner<S>,
+async fn later_bounces<S: Surfaces + ?Sized>(
+    refiner: &mut Refiner<'_, S>,
     settings: &OperatorSettings,
-    job: &Job,
+    job: &Job<'_>,
 ) -> Result<(), CommunicatorError> {
     let watch = job.reporter.begin(Stage::CoarseMatrix, None);
     let matrix = refiner.coarse_matrix();
@@ -109,7 +109,7 @@ fn later_bounces<S: Surfaces + ?Sized>(
     let watch = job.reporter.begin(Stage::Multibounce, None);
     let tints = tint::unpack(&operator.tints[..operator.coarse.len()]);
     let Some(later) = LaterBounces::new(&operator.coarse, &tints, settings) else { return Ok(()) };
-    let (found, traffic) = compute_parts(&later, job, &*watch)?;
+    let (found, traffic) = compute_parts(&later, job, &*watch).await?;
     job.reporter.sent(Stage::Multibounce, None, traffic);
     // Only process 0 has all parts; no other process reads the rows.
     if let Some(parts) = found.into_iter().collect() {

@@ -9,6 +9,7 @@ use crate::sampling::Points;
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use rebounce_shared::colour::{pack_rounded, unpack_rgb9e5};
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::kernel::weight;
 
 /// Rays per point: on the finest level, and at most.
@@ -67,7 +68,7 @@ fn mean_albedo<S: Surfaces + ?Sized>(
     for k in 0..rays {
         let (angle, share) =
             (std::f32::consts::TAU * stream.unit(), (k as f32 + stream.unit()) / rays as f32);
-        let along = (first * angle.cos() + second * angle.sin()) * share.sqrt();
+        let along = (first * angle.cosine() + second * angle.sine()) * share.sqrt();
         let origin = point.position + radius * (along + ABOVE * point.normal);
         let down = Ray { origin, direction: -point.normal, max_distance: 2.0 * ABOVE * radius, spread };
         if let Some(hit) = surfaces.cast(&down, stream.bits() as u32)

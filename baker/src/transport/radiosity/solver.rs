@@ -41,14 +41,14 @@ pub struct ProgressiveRadiosity {
 impl<S: Surfaces + ?Sized> Solver<S> for ProgressiveRadiosity {
     type Solution = FixedSolution;
 
-    fn solve(
+    async fn solve(
         &self,
-        problem: &Problem<S>,
-        job: &Job,
-        partial: &mut Partial<FixedSolution>,
+        problem: &Problem<'_, S>,
+        job: &Job<'_>,
+        partial: &mut Partial<'_, FixedSolution>,
     ) -> Result<FixedSolution, CommunicatorError> {
         let &Problem { surfaces, points, relations, settings } = problem;
-        let links = self.links(problem, job)?;
+        let links = self.links(problem, job).await?;
         let watch = job.reporter.begin(Stage::DirectLight, None);
         let direct = direct_irradiance(surfaces, points, relations, &self.groups, &links, &*watch)?;
         let senders = SenderLevels::new(points, self.settings.epsilon_omega);
@@ -129,7 +129,11 @@ impl ProgressiveRadiosity {
     }
 
     /// Links from the sky and from emissive surfaces, if a group has light from them.
-    fn links<S: Surfaces + ?Sized>(&self, problem: &Problem<S>, job: &Job) -> Result<SourceLinks, Stopped> {
+    async fn links<S: Surfaces + ?Sized>(
+        &self,
+        problem: &Problem<'_, S>,
+        job: &Job<'_>,
+    ) -> Result<SourceLinks, CommunicatorError> {
         if !self.groups.iter().any(|group| group.has_links) {
             return Ok(SourceLinks::default());
         }
@@ -138,7 +142,7 @@ impl ProgressiveRadiosity {
         let settings = SourceSettings { sky: sky && self.sources.sky, ..self.sources.clone() };
         let Problem { surfaces, points, relations, .. } = *problem;
         let groups = self.emissive_groups.clone();
-        SourceGather::new(surfaces, points, relations, &settings, groups).links(&*watch)
+        SourceGather::new(surfaces, points, relations, &settings, groups).links(job, &*watch).await
     }
 }
 

@@ -7,6 +7,7 @@
 use crate::geometry::{EmissiveTriangle, Emitters};
 use crate::random::Stream;
 use glam::Vec3;
+use rebounce_shared::elementary::Elementary;
 
 /// A node. Children of an inner node are neighbours: `first` and `first + 1`.
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +146,8 @@ impl EmitterNode {
     fn union(&self, other: &Self, first: u32) -> Self {
         let axis = (self.power * self.axis + other.power * other.axis).normalize_or(self.axis);
         let reach = |node: &Self| -> f32 {
-            let (own, between) = (node.cos_spread.clamp(-1.0, 1.0).acos(), axis.angle_between(node.axis));
+            let (own, between) =
+                (node.cos_spread.clamp(-1.0, 1.0).arc_cosine(), axis.angle_between(node.axis));
             own + between
         };
         let widest = reach(self).max(reach(other));
@@ -154,7 +156,7 @@ impl EmitterNode {
             high: self.high.max(other.high),
             power: self.power + other.power,
             axis,
-            cos_spread: if widest >= std::f32::consts::PI { -1.0 } else { widest.cos() },
+            cos_spread: if widest >= std::f32::consts::PI { -1.0 } else { widest.cosine() },
             first,
             is_leaf: false,
         }
@@ -176,16 +178,16 @@ impl EmitterNode {
         let half = if is_inside {
             std::f32::consts::PI
         } else {
-            (radius_squared / distance_squared).sqrt().min(1.0).asin()
+            (radius_squared / distance_squared).sqrt().min(1.0).arc_sine()
         };
         let to_node = offset.normalize_or(normal);
         // Greatest cosines at the receiver and at the emitters.
-        let at_receiver = (normal.angle_between(to_node) - half).clamp(0.0, 1.55).cos();
-        let turned = self.axis.angle_between(-to_node) - self.cos_spread.clamp(-1.0, 1.0).acos() - half;
+        let at_receiver = (normal.angle_between(to_node) - half).clamp(0.0, 1.55).cosine();
+        let turned = self.axis.angle_between(-to_node) - self.cos_spread.clamp(-1.0, 1.0).arc_cosine() - half;
         if self.cos_spread > -1.0 && turned >= std::f32::consts::FRAC_PI_2 + 1e-3 {
             return 0.0;
         }
-        let at_emitter = if self.cos_spread <= -1.0 { 1.0 } else { turned.clamp(0.0, 1.55).cos() };
+        let at_emitter = if self.cos_spread <= -1.0 { 1.0 } else { turned.clamp(0.0, 1.55).cosine() };
         self.power * at_receiver * at_emitter / distance_squared.max(radius_squared).max(f32::MIN_POSITIVE)
     }
 }

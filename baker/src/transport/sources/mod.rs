@@ -8,11 +8,14 @@
 //! * [`sky`] – irradiance from the bins of the sky; [`emission`] – from emissive surfaces, by samples of an
 //!   [`emitter_tree`] and of [triangles](triangle_sampling), from closed forms (`unoccluded`) and visibility
 //!   (`group_seen`);
-//! * [`refine`] – the links, level by level; `quantize` – from differences to links.
+//! * [`refine`] – the links, level by level; `quantize` – from differences to links; `level` and `messages` –
+//!   receivers as parts, and their results as bytes, for processes and workers that share a bake.
 
 pub mod emission;
 pub mod emitter_tree;
 mod group_seen;
+mod level;
+mod messages;
 mod quantize;
 pub mod refine;
 pub mod sky;

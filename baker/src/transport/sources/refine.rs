@@ -4,12 +4,19 @@
 use super::emission::Emission;
 use super::emitter_tree::Assigned;
 use super::group_seen::GroupSeen;
+use super::level::SourceLevel;
+use super::messages::Receiver;
 use super::quantize::Quantizer;
 use super::sky::{Openings, SkyBins, see_sky};
 use super::{SourceSettings, describe_groups};
 use crate::basis::Relations;
 use crate::geometry::Surfaces;
-use crate::job::watch::{Stopped, Watch};
+use crate::job::Job;
+use crate::job::communicator::CommunicatorError;
+use crate::job::communicator::share::Traffic;
+use crate::job::parts::compute_parts;
+use crate::job::stage::Stage;
+use crate::job::watch::Watch;
 use crate::sampling::Points;
 use crate::transport::operator::COARSER;
 use glam::Vec3;
@@ -19,6 +26,7 @@ use rebounce_shared::interpolation::Entry;
 use rebounce_shared::link::{MAX_STEPS, Sent, SourceLink};
 use rebounce_shared::rbn::sources::{EmissiveGroup, Sources};
 use std::f32::consts::PI;
+use std::ops::Range;
 
 /// Levels whose receivers are all gathered for.
 const ALL: usize = 2;
@@ -41,20 +49,6 @@ pub struct SourceLinks {
     pub links: Vec<Vec<SourceLink>>,
     /// Number of rays cast.
     pub rays: u64,
-}
-
-/// A receiver's result.
-#[derive(Clone, Default)]
-struct Receiver {
-    links: Vec<SourceLink>,
-    /// Represented irradiance by source: the parents' prediction plus the links.
-    value: Vec<f32>,
-    /// Sum of `value` over the bins of the sky.
-    sky: f32,
-    /// Visibility of each group by channel; NaN where nothing of it is on the receiver's side.
-    visibility: Vec<Vec3>,
-    openings: Option<Box<Openings>>,
-    rays: u64,
 }
 
 /// Working memory of a thread.
@@ -126,14 +120,17 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         self.points.points.len() as u64 * (sky + emission)
     }
 
-    /// Computes the links. A unit of `watch` is a point.
+    /// Computes the links, together with the other processes of a job; process 0 returns those of all points. A unit of
+    /// `watch` is a point.
     ///
     /// # Errors
-    /// [`Stopped`].
-    pub fn links(&self, watch: &dyn Watch) -> Result<SourceLinks, Stopped> {
+    /// [`CommunicatorError`].
+    pub async fn links(&self, job: &Job<'_>, watch: &dyn Watch) -> Result<SourceLinks, CommunicatorError> {
         if !self.is_any() {
             return Ok(SourceLinks::default());
         }
+        let job = Job { partial_results: &(), ..*job };
+        let mut traffic = Traffic::default();
         let mut out = SourceLinks {
             sources: self.sources.clone(),
             links: vec![Vec::new(); self.points.points.len()],
@@ -143,18 +140,24 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         let mut before: Vec<Receiver> = Vec::new();
         for (level, place) in self.points.levels.iter().enumerate() {
             let range = place.range();
-            let receiver = |scratch: &mut SourceScratch, i: usize| {
-                watch.step(1)?;
-                Ok(self.receiver(level, i, &before, &out.links, scratch))
+            let gather = |receivers: Range<usize>| -> Vec<Receiver> {
+                let mut scratch = self.scratch();
+                receivers.map(|i| self.receiver(level, i, &before, &out.links, &mut scratch)).collect()
             };
-            let found = range.clone().into_par_iter().map_init(|| self.scratch(), receiver);
-            let mut found: Vec<Receiver> = found.collect::<Result<_, Stopped>>()?;
-            for (i, receiver) in range.clone().zip(&mut found) {
+            let is_last = level + 1 == self.points.levels.len();
+            let fits = |receiver: &Receiver| self.fits(receiver);
+            let chunks = SourceLevel { range: range.clone(), is_last, gather: &gather, fits: &fits };
+            let (found, sent) = compute_parts(&chunks, &job, watch).await?;
+            traffic.add(sent);
+            // Without results only where this process needs none.
+            let found = found.into_iter().flatten().flat_map(|chunk| chunk.0);
+            for (i, mut receiver) in range.zip(found) {
                 out.links[i] = std::mem::take(&mut receiver.links);
                 out.rays += receiver.rays;
+                before.push(receiver);
             }
-            before.append(&mut found);
         }
+        job.reporter.sent(Stage::Sources, None, traffic);
         Ok(out)
     }
 
@@ -165,7 +168,7 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
 
     /// Measures the typical irradiance from each source at the receivers of the coarsest level, and whether the sky is
     /// seen at all.
-    fn measure(&mut self, range: std::ops::Range<usize>, most: &[Vec3]) {
+    fn measure(&mut self, range: Range<usize>, most: &[Vec3]) {
         let count = range.len().max(1) as f32;
         let totals = |i: usize| {
             let point = &self.points.points[i];
@@ -288,6 +291,14 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
         (0..self.sources.groups.len()).map(mean).collect()
     }
 
+    /// Whether a message has as many values as there are sources.
+    fn fits(&self, receiver: &Receiver) -> bool {
+        receiver.links.iter().all(|link| link.sender() < self.typical.len())
+            && [0, self.typical.len()].contains(&receiver.value.len())
+            && [0, self.sources.groups.len()].contains(&receiver.visibility.len())
+    }
+
+    /// Links and values of receiver `i`, from those of the levels `before`.
     fn receiver(
         &self,
         level: usize,
@@ -314,8 +325,11 @@ impl<'a, S: Surfaces + ?Sized> SourceGather<'a, S> {
             || self.do_parents_differ(level, row, before);
         let visibility = self.parents_visibility(row, before);
         if !is_wanted {
+            if is_last {
+                return Receiver::default();
+            }
             // Those of the nearest parent: a mean of several would look partly hidden to the children.
-            let nearest = parents.iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| !is_last);
+            let nearest = parents.iter().max_by(|a, b| a.1.total_cmp(&b.1));
             let openings = nearest.map(|(openings, _)| Box::new(**openings));
             let sky = value.iter().take(self.sources.sky_bins()).sum();
             return Receiver { value, sky, openings, visibility, ..Receiver::default() };

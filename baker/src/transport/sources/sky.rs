@@ -16,6 +16,7 @@ use crate::geometry::Surfaces;
 use crate::random::{Stream, mix};
 use crate::sampling::SurfacePoint;
 use glam::{UVec2, Vec2, Vec3};
+use rebounce_shared::elementary::Elementary;
 use rebounce_shared::environment::bins::{BINS, SOLID_ANGLE, bin_of, direction};
 
 /// Rows and columns of rays within a bin, at the edge of what is seen and elsewhere: on the finest level, the next, and so
@@ -62,7 +63,7 @@ impl SkyBins {
             // A circle around the middle, about the width of a bin away.
             let width = SOLID_ANGLE.sqrt();
             let around = (0..12).map(|k| {
-                let (sin, cos) = (k as f32 / 12.0 * std::f32::consts::TAU).sin_cos();
+                let (sin, cos) = (k as f32 / 12.0 * std::f32::consts::TAU).sine_cosine();
                 bin_of((middle + width * (cos * right + sin * up)).normalize()) as u8
             });
             let mut all: Vec<u8> = around.filter(|other| usize::from(*other) != bin).collect();

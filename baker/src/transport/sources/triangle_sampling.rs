@@ -2,6 +2,7 @@
 //! Triangles"); uniform in area where the triangle is too small for the spherical formulas in single precision.
 
 use glam::{Vec2, Vec3};
+use rebounce_shared::elementary::Elementary;
 
 /// Solid angle below which samples are uniform in area, steradians: the cosine and distance hardly vary.
 const SMALL: f32 = 1e-4;
@@ -42,10 +43,10 @@ impl SphericalTriangle {
         let [Some(a), Some(b), Some(c)] = directions else { return None };
         // Van Oosterom and Strackee 1983.
         let triple = a.dot(b.cross(c)).abs();
-        let solid_angle = 2.0 * triple.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+        let solid_angle = 2.0 * triple.arc_tangent2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
         let (ab, ac) = (a.cross(b), a.cross(c));
         let alpha = match (ab.try_normalize(), ac.try_normalize()) {
-            (Some(ab), Some(ac)) if solid_angle > SMALL => ab.dot(ac).clamp(-1.0, 1.0).acos(),
+            (Some(ab), Some(ac)) if solid_angle > SMALL => ab.dot(ac).clamp(-1.0, 1.0).arc_cosine(),
             _ => 0.0,
         };
         let solid_angle = if alpha > 0.0 { solid_angle } else { 0.0 };
@@ -74,9 +75,9 @@ impl SphericalTriangle {
     fn by_solid_angle(&self, square: Vec2) -> Option<TriangleSample> {
         let [a, b, c] = self.directions;
         let cos_c = a.dot(b);
-        let (sin_alpha, cos_alpha) = self.alpha.sin_cos();
+        let (sin_alpha, cos_alpha) = self.alpha.sine_cosine();
         // Area of the sub-triangle, by Arvo's formulas.
-        let (s, t) = (square.x * self.solid_angle - self.alpha).sin_cos();
+        let (s, t) = (square.x * self.solid_angle - self.alpha).sine_cosine();
         let (u, v) = (t - cos_alpha, s + sin_alpha * cos_c);
         let below = (v * s + u * t) * sin_alpha;
         let q = ((v * t - u * s) * cos_alpha - v) / below;

@@ -7,6 +7,7 @@
 //! of a Bézier curve over the sun's elevation.
 
 use super::UNIT;
+use crate::elementary::{Elementary, ElementaryVector};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
 
@@ -36,7 +37,7 @@ impl SkyModel {
     /// an albedo of the ground of 0 to 1.
     pub fn new(elevation_deg: f32, turbidity: f32, albedo: Vec3) -> Self {
         let elevation = elevation_deg.to_radians().clamp(0.0, FRAC_PI_2);
-        let weights = bernstein((elevation / FRAC_PI_2).cbrt());
+        let weights = bernstein((elevation / FRAC_PI_2).cube_root());
         let vector = |value: &dyn Fn(usize, f32) -> f32| {
             Vec3::from_array(std::array::from_fn(|channel| value(channel, albedo[channel])))
         };
@@ -58,11 +59,11 @@ impl SkyModel {
     pub fn radiance(&self, view: Vec3, sun: Vec3) -> Vec3 {
         let [a, b, c, d, e, f, g, i, h] = self.coefficients;
         let cosine = view.dot(sun).clamp(-1.0, 1.0);
-        let (angle, up) = (cosine.acos(), view.y.max(0.0));
-        let mie = (1.0 + h * h - 2.0 * h * cosine).max(Vec3::splat(1e-6)).powf(1.5).recip()
+        let (angle, up) = (cosine.arc_cosine(), view.y.max(0.0));
+        let mie = (1.0 + h * h - 2.0 * h * cosine).max(Vec3::splat(1e-6)).power(1.5).recip()
             * (1.0 + cosine * cosine);
-        let horizon = 1.0 + a * (b / (up + 0.01)).exp();
-        let glow = c + d * (e * angle).exp() + f * (cosine * cosine) + g * mie + i * up.sqrt();
+        let horizon = 1.0 + a * (b / (up + 0.01)).exponential();
+        let glow = c + d * (e * angle).exponential() + f * (cosine * cosine) + g * mie + i * up.sqrt();
         (self.radiance * horizon * glow).max(Vec3::ZERO)
     }
 }

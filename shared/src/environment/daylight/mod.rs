@@ -16,6 +16,7 @@ pub mod twilight;
 
 use super::picture::Environment;
 use super::sun::Sun;
+use crate::elementary::Elementary;
 use glam::Vec3;
 use hosek_wilkie::SkyModel;
 pub use solar::sun_direction;
@@ -42,7 +43,7 @@ pub fn sky(sun_direction: Vec3, turbidity: f32, ground_albedo: Vec3) -> (Environ
     let turbidity = turbidity.clamp(TURBIDITY[0], TURBIDITY[1]);
     let albedo = ground_albedo.clamp(Vec3::ZERO, Vec3::ONE);
     let toward = sun_direction.try_normalize().unwrap_or(Vec3::Y);
-    let elevation_deg = toward.y.clamp(-1.0, 1.0).asin().to_degrees();
+    let elevation_deg = toward.y.clamp(-1.0, 1.0).arc_sine().to_degrees();
     let model = SkyModel::new(elevation_deg, turbidity, albedo);
     let brightness = twilight::share(elevation_deg);
     let sun = solar::sun(toward, turbidity);

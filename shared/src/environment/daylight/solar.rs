@@ -2,6 +2,7 @@
 
 use super::super::sun::Sun;
 use super::UNIT;
+use crate::elementary::{Elementary, ElementaryVector};
 use glam::{DVec3, Vec3};
 
 /// Angular radius of the sun at its mean distance, degrees.
@@ -16,10 +17,10 @@ const TILT_DEG: f64 = 23.44;
 /// Latitude in degrees, north positive; day of the year, 1 to 365 (80 is the equinox in March); solar hour, 0 to 24, at
 /// 12 the sun is highest. The declination is Cooper's (1969): 23.44° · sin(2π (284 + day) / 365), good to half a degree.
 pub fn sun_direction(latitude_deg: f64, day_of_year: f64, solar_hour: f64) -> Vec3 {
-    let declination = TILT_DEG.to_radians() * (std::f64::consts::TAU * (284.0 + day_of_year) / 365.0).sin();
-    let (sin_hour, cos_hour) = (15.0 * (solar_hour - 12.0)).to_radians().sin_cos();
-    let (sin_place, cos_place) = latitude_deg.to_radians().sin_cos();
-    let (sin, cos) = declination.sin_cos();
+    let declination = TILT_DEG.to_radians() * (std::f64::consts::TAU * (284.0 + day_of_year) / 365.0).sine();
+    let (sin_hour, cos_hour) = (15.0 * (solar_hour - 12.0)).to_radians().sine_cosine();
+    let (sin_place, cos_place) = latitude_deg.to_radians().sine_cosine();
+    let (sin, cos) = declination.sine_cosine();
     let east = -cos * sin_hour;
     let north = sin * cos_place - cos * sin_place * cos_hour;
     let up = sin * sin_place + cos * cos_place * cos_hour;
@@ -29,7 +30,7 @@ pub fn sun_direction(latitude_deg: f64, day_of_year: f64, solar_hour: f64) -> Ve
 /// The sun in a unit direction of world space, [`UNIT`]s; `None` if all of its disk is below the horizon. The disk counts
 /// with the share of its height that is above.
 pub fn sun(toward: Vec3, turbidity: f32) -> Option<Sun> {
-    let elevation_deg = toward.y.clamp(-1.0, 1.0).asin().to_degrees();
+    let elevation_deg = toward.y.clamp(-1.0, 1.0).arc_sine().to_degrees();
     let above = (0.5 + elevation_deg / (2.0 * RADIUS_DEG)).clamp(0.0, 1.0);
     let irradiance = transmittance(elevation_deg.max(0.0), turbidity) * (ABOVE_AIR / UNIT * above);
     (above > 0.0).then_some(Sun { direction: toward, irradiance, radius_deg: RADIUS_DEG })
@@ -39,10 +40,10 @@ pub fn sun(toward: Vec3, turbidity: f32) -> Option<Sun> {
 /// 1999, *A Practical Analytic Model for Daylight*, appendix A.1.
 pub fn transmittance(elevation_deg: f32, turbidity: f32) -> Vec3 {
     let depths = CHANNELS.map(|[wavelength, ozone]| {
-        let haze = (0.046_08 * turbidity - 0.045_86).max(0.0) * wavelength.powf(-1.3);
-        0.008_735 * wavelength.powf(-4.08) + haze + OZONE_CM * ozone
+        let haze = (0.046_08 * turbidity - 0.045_86).max(0.0) * wavelength.power(-1.3);
+        0.008_735 * wavelength.power(-4.08) + haze + OZONE_CM * ozone
     });
-    (-Vec3::from_array(depths) * air_mass(elevation_deg)).exp()
+    (-Vec3::from_array(depths) * air_mass(elevation_deg)).exponential()
 }
 
 /// Wavelength of red, green and blue, micrometres, and what ozone absorbs there, 1/cm. Wide channels weaken as these
@@ -53,7 +54,7 @@ const OZONE_CM: f32 = 0.35;
 
 /// How much air light passes through from an elevation of 0° to 90°, in vertical thicknesses (Kasten and Young 1989).
 pub fn air_mass(elevation_deg: f32) -> f32 {
-    1.0 / (elevation_deg.to_radians().sin() + 0.505_72 * (elevation_deg + 6.079_95).powf(-1.6364))
+    1.0 / (elevation_deg.to_radians().sine() + 0.505_72 * (elevation_deg + 6.079_95).power(-1.6364))
 }
 
 #[cfg(test)]

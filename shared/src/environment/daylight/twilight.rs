@@ -1,6 +1,8 @@
 //! How the sky fades after sunset: Janiczek and DeYoung, *Computer Programs for Sun and Moon Illuminance*, U.S. Naval
 //! Observatory Circular 171, 1987.
 
+use crate::elementary::Elementary;
+
 /// Elevation of the sun at which night begins, degrees.
 pub const NIGHT_DEG: f32 = -18.0;
 
@@ -19,7 +21,7 @@ pub fn share(elevation_deg: f32) -> f32 {
     let piece = PIECES.iter().find(|(from, _)| elevation >= *from).unwrap_or(&PIECES[2]);
     let x = elevation / 90.0;
     let logarithm = piece.1.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient);
-    10f32.powf(logarithm - PIECES[0].1[0])
+    10f32.power(logarithm - PIECES[0].1[0])
 }
 
 #[cfg(test)]

@@ -1,0 +1,52 @@
+/** Workers: of a browser, or of Node.js. */
+
+import type { Start, Told } from "./messages.js";
+import { IS_NODE, nodeModule } from "./node.js";
+
+/** A running worker. */
+export interface Thread {
+  /** Sends the start; hands over the ports. */
+  post(message: Start, ports: MessagePort[]): void;
+  /** Ends the worker at once. */
+  stop(): void;
+}
+
+/** What this uses of `Worker` of node:worker_threads. */
+interface NodeWorker {
+  postMessage(message: unknown, transfer: readonly MessagePort[]): void;
+  terminate(): Promise<number>;
+  on(event: "message" | "error" | "exit", then: (value: never) => void): void;
+}
+
+/** Returns the number of processor cores. */
+export async function cores(): Promise<number> {
+  if (!IS_NODE) return navigator.hardwareConcurrency;
+  const { cpus } = await nodeModule<{ cpus: () => unknown[] }>("node:os");
+  return Math.max(cpus().length, 1);
+}
+
+/** Starts a worker. `told` receives its messages, `died` the reason of its early end. */
+export async function startThread(told: (message: Told) => void, died: (why: string) => void): Promise<Thread> {
+  if (IS_NODE) {
+    const { Worker } = await nodeModule<{ Worker: new (url: URL) => NodeWorker }>("node:worker_threads");
+    const worker = new Worker(new URL("bake-worker.js", import.meta.url));
+    worker.on("message", told);
+    worker.on("error", (error: Error) => died(error.message));
+    worker.on("exit", (code: number) => died(`exit code ${code}`));
+    return { post: (message, ports) => worker.postMessage(message, ports), stop: () => void worker.terminate() };
+  }
+  const url = new URL("bake-worker.js", import.meta.url);
+  const worker = url.origin === location.origin ? new Worker(new URL("bake-worker.js", import.meta.url), { type: "module" }) : foreign(url);
+  worker.onmessage = ({ data }: MessageEvent<Told>) => told(data);
+  worker.onerror = (event) => died(event.message || "its program could not be loaded");
+  worker.onmessageerror = () => died("a message could not be read");
+  return { post: (message, ports) => worker.postMessage(message, ports), stop: () => worker.terminate() };
+}
+
+/** Starts a worker from another site: a browser starts only the page's own scripts, which may import others. */
+function foreign(url: URL): Worker {
+  const script = URL.createObjectURL(new Blob([`import ${JSON.stringify(url.href)};`], { type: "text/javascript" }));
+  const worker = new Worker(script, { type: "module" });
+  worker.addEventListener("message", () => URL.revokeObjectURL(script), { once: true });
+  return worker;
+}

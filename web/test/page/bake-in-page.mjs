@@ -1,0 +1,191 @@
+// Scenes baked in the page and in Node.js, by workers: the bytes of the command, and what goes wrong.
+
+import { readFile, readdir } from "node:fs/promises";
+import path from "node:path";
+import { Worker } from "node:worker_threads";
+import { exec } from "../agreement.mjs";
+import { check, equal } from "../harness.mjs";
+import { serveFolder } from "../serve.mjs";
+
+const DIST = path.resolve("dist");
+/** Scenes in every wrapping that is read, among them compressed and quantized meshes. */
+const CASES = path.resolve("../baker/tests/gltf");
+/** Few functions, so that a bake takes seconds; several levels, so that workers share all kinds of parts. */
+const SMALL = { preset: "draft", functions: 2000 };
+/** Bytes of each damaged copy that are turned over, and the seeds of their places. */
+const [TURNED, SEEDS] = [40, [1, 2, 3]];
+
+/** Writes the Cornell box as a .glb file with its materials. */
+export async function cornellBox({ work, rebounce, baked }) {
+  const file = path.join(work, "box.glb");
+  await exec(rebounce, ["export", baked, "--lightmap-texture", "--max-size", "64", "-o", file]);
+  return file;
+}
+
+/** Bakes with the command; its bytes. */
+export async function commandBake({ work, rebounce }, file, { preset, functions, seed }) {
+  const out = path.join(work, "of-command.rbn");
+  const more = [functions && ["--functions", String(functions)], seed && ["--seed", String(seed)]].filter(Boolean).flat();
+  await exec(rebounce, ["bake", file, "--preset", preset, ...more, "-o", out]);
+  return readFile(out);
+}
+
+/** Opens a page of the folder that has the baker; in it, `bakeBytes` bakes base64 and gives base64. */
+async function opened(browser, address) {
+  const page = await browser.newPage();
+  await page.goto(`${address}integrity.json`);
+  await page.evaluate(async () => {
+    const { bake } = await import("/bake.js");
+    globalThis.bake = bake;
+    globalThis.bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    globalThis.textOf = (bytes) => {
+      let text = "";
+      for (let at = 0; at < bytes.length; at += 8192) text += String.fromCharCode(...bytes.subarray(at, at + 8192));
+      return btoa(text);
+    };
+  });
+  return page;
+}
+
+/** Bakes in the page; its bytes. */
+async function inPage(page, file, options) {
+  const scene = (await readFile(file)).toString("base64");
+  const text = await page.evaluate(
+    async ([scene, options]) => textOf(await bake(bytesOf(scene), options)),
+    [scene, { ...options, name: path.basename(file) }],
+  );
+  return Buffer.from(text, "base64");
+}
+
+/** Random bits of a seed (Marsaglia's xorshift). */
+function* bits(seed) {
+  for (let state = seed; ; yield state >>> 0) {
+    state ^= state << 13;
+    state ^= state >>> 17;
+    state ^= state << 5;
+  }
+}
+
+/** Runs the tests. */
+export async function bakeInPage(harness, context) {
+  const served = await serveFolder(DIST);
+  const { bake } = await import(path.join(DIST, "bake.js"));
+  const file = await cornellBox(context);
+  const scene = new Uint8Array(await readFile(file));
+  const name = path.basename(file);
+  try {
+    const page = await opened(context.browser, served.address);
+    for (const workers of [1, 2, 3]) {
+      await harness.test(`bake-in-page::${workers}_workers_make_the_bytes_of_the_command`, async () => {
+        const options = { ...SMALL, seed: workers };
+        const expected = await commandBake(context, file, options);
+        check((await inPage(page, file, { ...options, workers })).equals(expected), "other bytes in the page");
+        check(Buffer.from(await bake(scene, { ...options, workers, name })).equals(expected), "other bytes in Node.js");
+      });
+    }
+
+    await harness.test("bake-in-page::progress_rises_and_previews_come_first", async () => {
+      const told = await page.evaluate(
+        async ([scene, options]) => {
+          const progress = [];
+          const previews = [];
+          const onProgress = (step) => progress.push(step);
+          const onPreview = (file) => previews.push(String.fromCharCode(...file.subarray(0, 4)));
+          await bake(bytesOf(scene), { ...options, onProgress, onPreview });
+          return { progress, previews };
+        },
+        [Buffer.from(scene).toString("base64"), { preset: "draft", functions: 16000, workers: 2 }],
+      );
+      const { progress, previews } = told;
+      check(progress.some(({ stage }) => stage === "gathering links"), "no stage is told");
+      check(progress.every(({ ratio, secondsLeft }) => ratio >= 0 && ratio <= 1 && secondsLeft >= 0), JSON.stringify(progress));
+      check(progress.every(({ ratio }, i) => i === 0 || ratio >= progress[i - 1].ratio), "the ratio falls");
+      check(previews.length >= 2, `${previews.length} previews`);
+      const magic = String.fromCharCode(...(await readFile(context.baked)).subarray(0, 4));
+      for (const preview of previews) equal(preview, magic, "a preview's first bytes");
+    });
+
+    await harness.test("bake-in-page::what_is_no_scene_is_refused_with_a_sentence", async () => {
+      for (const [bytes, says] of [
+        [new Uint8Array([1, 2, 3]), /broken\.glb/],
+        [scene.slice(0, 300), /broken\.glb/],
+        [new Uint8Array(), /broken\.glb/],
+      ]) {
+        const message = await bake(bytes, { ...SMALL, workers: 2, name: "broken.glb" }).then(() => "baked", (error) => error.message);
+        check(says.test(message) && !/fault of the baker/.test(message), `${bytes.length} bytes: ${message}`);
+      }
+      const message = await page.evaluate(() => bake(new Uint8Array([1, 2, 3])).then(() => "baked", (error) => error.message));
+      check(/scene\.glb/.test(message), message);
+      for (const options of [{ preset: "good" }, { workers: 0 }, { seed: -1 }, { functions: 1.5 }]) {
+        const error = await bake(scene, options).then(() => undefined, (error) => error);
+        check(error instanceof TypeError && error.message.startsWith("bake: "), `${JSON.stringify(options)}: ${error}`);
+      }
+    });
+
+    await harness.test("bake-in-page::an_abort_ends_the_bake_and_its_workers", async () => {
+      const { name, workers } = await page.evaluate(
+        async ([scene]) => {
+          const running = new Set();
+          const terminate = Worker.prototype.terminate;
+          const post = Worker.prototype.postMessage;
+          Worker.prototype.postMessage = function (...args) {
+            running.add(this);
+            return post.apply(this, args);
+          };
+          Worker.prototype.terminate = function () {
+            running.delete(this);
+            return terminate.apply(this);
+          };
+          const abort = new AbortController();
+          let most = 0;
+          const onProgress = ({ stage }) => {
+            most = Math.max(most, running.size);
+            if (stage === "gathering links") abort.abort();
+          };
+          const ended = bake(bytesOf(scene), { preset: "standard", workers: 2, onProgress, signal: abort.signal });
+          const name = await ended.then(() => "baked", (error) => error.name);
+          Object.assign(Worker.prototype, { terminate, postMessage: post });
+          return { name, workers: [most, running.size] };
+        },
+        [Buffer.from(scene).toString("base64")],
+      );
+      equal(name, "AbortError", "the reason");
+      equal(workers.join(), "2,0", "workers before and after");
+    });
+
+    await harness.test("bake-in-page::a_worker_that_dies_is_told_in_a_sentence", async () => {
+      const post = Worker.prototype.postMessage;
+      Worker.prototype.postMessage = function (start, ports) {
+        post.call(this, start, ports);
+        if (start.rank === 1) void this.terminate();
+      };
+      try {
+        const message = await bake(scene, { preset: "draft", workers: 2, name }).then(() => "baked", (error) => error.message);
+        check(/^a worker of the bake ended before its work: .*; bake with/.test(message), message);
+      } finally {
+        Worker.prototype.postMessage = post;
+      }
+    });
+
+    await harness.test("bake-in-page::damaged_files_are_errors_and_never_faults", async () => {
+      const files = (await readdir(CASES)).filter((name) => name.endsWith(".glb"));
+      check(files.length > 10, `${files.length} cases`);
+      let errors = 0;
+      for (const [i, name] of files.entries()) {
+        const whole = new Uint8Array(await readFile(path.join(CASES, name)));
+        const seed = SEEDS[i % SEEDS.length];
+        const random = bits(seed + 1000 * i);
+        const damaged = whole.slice();
+        // Behind the header, or all would be refused for its length.
+        for (let k = 0; k < TURNED; k += 1) damaged[20 + (random.next().value % (whole.length - 20))] ^= 1 << (k % 8);
+        const message = await bake(damaged, { preset: "draft", functions: 60, workers: 1, name }).then(() => "", (error) => error.message);
+        check(!/fault of the baker|more memory/.test(message), `${name}, seed ${seed}: ${message}`);
+        errors += Number(message !== "");
+      }
+      check(errors > 0, "no damaged file was refused");
+    });
+    await page.close();
+  } finally {
+    served.end();
+  }
+}
