@@ -140,48 +140,36 @@ mod tests {
     #[test]
     fn every_function_has_the_bits_of_every_platform() {
         let mut bits = Vec::new();
+        // The functions of both types, with the same names.
+        macro_rules! add {
+            ($x:expr, $y:expr) => {
+                let (x, y) = ($x, $y);
+                let (sine, cosine) = y.sine_cosine();
+                let found = [
+                    sine,
+                    cosine,
+                    y.tangent(),
+                    x.arc_sine(),
+                    x.arc_cosine(),
+                    y.arc_tangent(),
+                    y.arc_tangent2(x),
+                    y.exponential(),
+                    y.exponential2(),
+                    x.logarithm(),
+                    x.logarithm1p(),
+                    x.logarithm2(),
+                    x.power(y),
+                    x.cube_root(),
+                    x.hypotenuse(y),
+                ];
+                found.iter().for_each(|value| bits.extend(value.to_le_bytes()));
+            };
+        }
         for i in 0..4096u32 {
             let x = (i as f32 + 0.5) / 4096.0;
             let y = 40.0 * x - 20.0;
-            let (sine, cosine) = y.sine_cosine();
-            let found = [
-                sine,
-                cosine,
-                y.tangent(),
-                x.arc_sine(),
-                x.arc_cosine(),
-                y.arc_tangent(),
-                y.arc_tangent2(x),
-                y.exponential(),
-                y.exponential2(),
-                x.logarithm(),
-                x.logarithm1p(),
-                x.logarithm2(),
-                x.power(y),
-                x.cube_root(),
-                x.hypotenuse(y),
-            ];
-            found.iter().for_each(|value| bits.extend(value.to_le_bytes()));
-            let (x, y) = (f64::from(x), f64::from(y));
-            let (sine, cosine) = y.sine_cosine();
-            let found = [
-                sine,
-                cosine,
-                y.tangent(),
-                x.arc_sine(),
-                x.arc_cosine(),
-                y.arc_tangent(),
-                y.arc_tangent2(x),
-                y.exponential(),
-                y.exponential2(),
-                x.logarithm(),
-                x.logarithm1p(),
-                x.logarithm2(),
-                x.power(y),
-                x.cube_root(),
-                x.hypotenuse(y),
-            ];
-            found.iter().for_each(|value| bits.extend(value.to_le_bytes()));
+            add!(x, y);
+            add!(f64::from(x), f64::from(y));
         }
         assert_eq!(xxh32(&bits, 0), 0x3d25_ca94);
     }

@@ -17,7 +17,6 @@ use crate::transport::sources::SourceLinks;
 use crate::transport::{Operator, Problem, Solver};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::light::LightKind;
 use rebounce_shared::light_group::at_unit_strength;
@@ -79,11 +78,9 @@ impl<S: Surfaces> Recipe<'_, S> {
         let solution = solver.solve(&problem, &self.job, &mut |_, _| Ok(())).await?;
         let task = tracker.task(Stage::Assemble, None);
         let operator = Operator {
-            links: vec![Vec::new(); points.points.len()],
-            tints: vec![pack_rgb9e5(Vec3::ONE); points.points.len()],
             bounces: solution.bounces,
             rays: solution.rays + solution.source_rays,
-            ..Operator::default()
+            ..Operator::without_links(points.points.len())
         };
         let parts = (&relations, &operator, SourceLinks::default());
         let mut file = assemble(self.scene, &bake, self.staged.clone(), &points, parts);

@@ -21,7 +21,6 @@ use crate::transport::sources::{SourceGather, SourceLinks};
 use crate::transport::{Operator, Problem, Solver};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::light::Light;
 use rebounce_shared::link::MAX_SENDERS;
 use rebounce_shared::rbn::bulk::MAX_ALL_CUTS;
@@ -83,11 +82,7 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         };
         let is_first = self.job.communicator.rank() == 0;
         if is_first && self.observer.wants_direct_light() {
-            let unlinked = Operator {
-                links: vec![Vec::new(); points.points.len()],
-                tints: vec![pack_rgb9e5(Vec3::ONE); points.points.len()],
-                ..Operator::default()
-            };
+            let unlinked = Operator::without_links(points.points.len());
             let file = self.file(&settings, &points, &relations, &unlinked, SourceLinks::default());
             self.observer.preview(Preview { file, levels: 0 });
         }

@@ -1,5 +1,7 @@
 //! The sparse operator from direct to indirect irradiance, and the settings of its computation.
 
+use glam::Vec3;
+use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::link::{LaterLink, Link};
 
 /// Irradiance of a receiver from other points: (sender, irradiance per unit irradiance), senders ascending.
@@ -123,6 +125,15 @@ pub struct Operator {
 }
 
 impl Operator {
+    /// No bounced light between so many points, whose surfaces are grey.
+    pub fn without_links(points: usize) -> Self {
+        Self {
+            links: vec![Vec::new(); points],
+            tints: vec![pack_rgb9e5(Vec3::ONE); points],
+            ..Self::default()
+        }
+    }
+
     /// Number of links of each point in T.
     pub fn link_counts(&self) -> impl Iterator<Item = usize> + '_ {
         self.links.iter().map(Vec::len)

@@ -138,6 +138,7 @@ impl Environment {
     }
 
     /// The environment in at most so many columns, and half as many rows, of whole pixels: their means by solid angle.
+    /// [`reduced`](Self::reduced) divides pixels, with more code than a page has room for.
     pub fn coarse(&self, columns: u32) -> Self {
         let (width, height) = (self.width.min(columns), self.height.min(columns / 2));
         let mut pixels = Vec::with_capacity(width as usize * height as usize);

@@ -17,15 +17,18 @@ export interface BakeHost {
   setProgress(ratio?: number): void;
   /** Shows a .rbn file; of those after the first the view stays. */
   show(file: Uint8Array): Promise<void>;
+  /** Takes the finished file. */
+  keep(file: Uint8Array): void;
 }
 
-/** Finds the scene, bakes it, and shows previews until the file is there. Returns the file. Rejects with a `Failure`, or the signal's reason. */
-export async function bakeInto({ element, files, signal, setProgress, show }: BakeHost): Promise<Uint8Array> {
+/** Finds the scene, bakes it, and shows previews until the file is there. Rejects with a `Failure`, or the signal's reason. */
+export async function bakeInto({ element, files, signal, setProgress, show, keep }: BakeHost): Promise<void> {
   const scene = await (files ? sceneAmong(files) : fetchedScene(element.src, signal));
   if (scene.isBaked) {
     const file = new Uint8Array(await scene.file.arrayBuffer());
     await show(file);
-    return file;
+    keep(file);
+    return;
   }
   const tell = (detail: RebounceEventMap["bake-progress"]["detail"]) => {
     setProgress(detail.ratio);
@@ -58,9 +61,9 @@ export async function bakeInto({ element, files, signal, setProgress, show }: Ba
   await showing;
   signal.throwIfAborted();
   await show(file);
+  keep(file);
   tell({ stage: "done", ratio: 1, secondsLeft: 0 });
   setProgress();
-  return file;
 }
 
 async function baked(

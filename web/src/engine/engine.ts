@@ -207,7 +207,7 @@ export class Engine {
         await show(download(url, signal, (loaded, total) => this.#setProgress(loaded, total)));
       } else {
         const { bakeInto } = await wanted(import("../bake/element.js"), "baker");
-        this.baked = await bakeInto({ element, files, signal, show, setProgress: (ratio) => this.tree.setProgress(ratio) });
+        await bakeInto({ element, files, signal, show, setProgress: (ratio) => this.tree.setProgress(ratio), keep: (file) => (this.baked = file) });
       }
     } catch (error) {
       const failure = failureOf(error);

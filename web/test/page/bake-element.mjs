@@ -6,7 +6,7 @@ import { check, equal } from "../harness.mjs";
 import { serveFolder } from "../serve.mjs";
 import { document as pageWith } from "../strict.mjs";
 import { outcome, open } from "./open.mjs";
-import { commandBake, cornellBox } from "./bake-in-page.mjs";
+import { commandBake, cornellBox, countWorkers } from "./bake-in-page.mjs";
 
 const HEAD = '<link rel="icon" href="data:,"><script type="module" src="rebounce-viewer.js"></script>';
 
@@ -57,7 +57,10 @@ async function opened(context, address) {
   const { page, faults } = await open({ ...context, address }, {
     prepare: () => {
       globalThis.steps = [];
-      document.addEventListener("bake-progress", ({ detail }) => steps.push(detail), true);
+      document.addEventListener("bake-progress", ({ target, detail }) => {
+        steps.push(detail);
+        if (detail.stage === "done") globalThis.atEnd = target.toRbn()?.length;
+      }, true);
       globalThis.baked = async () => {
         await until(() => viewer.toRbn() || events.some(({ type }) => type === "error"));
         let text = "";
@@ -89,8 +92,9 @@ export async function bakeElement(harness, context) {
       });
       check(!early.done && early.file === undefined, "the first picture came with the finished file");
       check((await baked()).equals(expected), "other bytes");
-      const late = await page.evaluate(() => ({ steps, x: viewer.camera.position[0], loads: events.filter(({ type }) => type === "load").length }));
+      const late = await page.evaluate(() => ({ steps, atEnd, x: viewer.camera.position[0], loads: events.filter(({ type }) => type === "load").length }));
       equal(late.x, early.x, "the camera after the last file");
+      equal(late.atEnd, expected.length, "bytes of the file at the last step");
       equal(late.loads, 1, "load events");
       check(late.steps.every(({ ratio }, i) => i === 0 || ratio >= late.steps[i - 1].ratio), "the ratio falls");
       equal(JSON.stringify(late.steps.at(-1)), JSON.stringify({ stage: "done", ratio: 1, secondsLeft: 0 }), "the last step");
@@ -147,17 +151,8 @@ export async function bakeElement(harness, context) {
 
     await harness.test("bake-element::cancel_keeps_the_preview_and_ends_the_workers", async () => {
       const { page } = await opened(context, server.address);
+      await page.evaluate(countWorkers);
       await page.evaluate(() => {
-        globalThis.running = new Set();
-        const { terminate, postMessage } = Worker.prototype;
-        Worker.prototype.postMessage = function (...args) {
-          running.add(this);
-          return postMessage.apply(this, args);
-        };
-        Worker.prototype.terminate = function () {
-          running.delete(this);
-          return terminate.apply(this);
-        };
         viewer.preset = "fine";
         viewer.drop = true;
         viewer.src = "box.glb";

@@ -47,6 +47,20 @@ async function opened(browser, address) {
   return page;
 }
 
+/** In a page: `running` holds its workers from their first message to their end. */
+export function countWorkers() {
+  globalThis.running = new Set();
+  const { terminate, postMessage } = Worker.prototype;
+  Worker.prototype.postMessage = function (...args) {
+    running.add(this);
+    return postMessage.apply(this, args);
+  };
+  Worker.prototype.terminate = function () {
+    running.delete(this);
+    return terminate.apply(this);
+  };
+}
+
 /** Bakes in the page; its bytes. */
 async function inPage(page, file, options) {
   const scene = (await readFile(file)).toString("base64");
@@ -123,19 +137,9 @@ export async function bakeInPage(harness, context) {
     });
 
     await harness.test("bake-in-page::an_abort_ends_the_bake_and_its_workers", async () => {
+      await page.evaluate(countWorkers);
       const { name, workers } = await page.evaluate(
         async ([scene]) => {
-          const running = new Set();
-          const terminate = Worker.prototype.terminate;
-          const post = Worker.prototype.postMessage;
-          Worker.prototype.postMessage = function (...args) {
-            running.add(this);
-            return post.apply(this, args);
-          };
-          Worker.prototype.terminate = function () {
-            running.delete(this);
-            return terminate.apply(this);
-          };
           const abort = new AbortController();
           let most = 0;
           const onProgress = ({ stage }) => {
@@ -144,7 +148,6 @@ export async function bakeInPage(harness, context) {
           };
           const ended = bake(bytesOf(scene), { preset: "standard", workers: 2, onProgress, signal: abort.signal });
           const name = await ended.then(() => "baked", (error) => error.name);
-          Object.assign(Worker.prototype, { terminate, postMessage: post });
           return { name, workers: [most, running.size] };
         },
         [Buffer.from(scene).toString("base64")],

@@ -2,8 +2,7 @@
 //! Optimization*, Eurographics 2018), with obvhs' search and insertion.
 //!
 //! `obvhs::bvh2::reinsertion::ReinsertionOptimizer` sorts with unstable sorts whose order of equal keys depends on the
-//! processor's word and on the number of threads. Here equal keys keep the order of the nodes, so that a scene has one
-//! BVH on every machine.
+//! processor's word. Here equal keys keep the order of the nodes, so that a scene has one BVH on every machine.
 
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
