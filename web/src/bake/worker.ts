@@ -41,9 +41,9 @@ async function run(start: Start, tell: (message: Told, transfer?: ArrayBuffer[])
 }
 
 if (IS_NODE) {
-  // No await: bundlers make a classic script of a worker.
-  void nodeModule<{ parentPort: ParentPort }>("node:worker_threads").then(({ parentPort }) =>
-    parentPort.once("message", (start) => void run(start, (message, transfer) => parentPort.postMessage(message, transfer))),
+  // No await: bundlers make a classic script of a worker. A server that only imports this is no worker.
+  void nodeModule<{ parentPort: ParentPort | null }>("node:worker_threads").then(({ parentPort }) =>
+    parentPort?.once("message", (start) => void run(start, (message, transfer) => parentPort.postMessage(message, transfer))),
   );
 } else {
   const page = globalThis as unknown as Pick<Worker, "postMessage" | "onmessage">;

@@ -24,9 +24,13 @@ export async function counted(context, html, options = {}) {
       document.body.append(element);
       return element;
     };
-    // What is alive, when for a while nothing has come or gone.
+    // What is alive, when all that was submitted is done and then for a while nothing has come, gone or been drawn.
     globalThis.settled = async () => {
-      for (let before; before !== `${gpu.alive} ${gpu.bytes}`; await pause(1500)) before = `${gpu.alive} ${gpu.bytes}`;
+      const state = () => [gpu.alive, gpu.bytes, ...elements().map((it) => it.stats()?.frames)].join();
+      for (let before; before !== state(); await pause(1500)) {
+        before = state();
+        await idle();
+      }
       return { alive: gpu.alive, bytes: gpu.bytes };
     };
   });
