@@ -1,7 +1,8 @@
 // The site as `cargo xtask site` builds it: every page opened, in both colour schemes.
 
-import { readFile, readdir } from "node:fs/promises";
+import { mkdtemp, readFile, readdir, rm, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
 import path from "node:path";
 import { HANGS, launch, spread, within } from "./browser.mjs";
 import { check, equal } from "./harness.mjs";
@@ -24,6 +25,8 @@ export async function runSiteTests(harness, folder) {
     await harness.test("site::the_sun_and_the_lamps_follow_the_hour", () => apartment(context));
     await harness.test("site::the_comparison_moves_by_keyboard", () => comparison(context));
     await harness.test("site::the_hero_fills_its_frame", () => hero(context));
+    await harness.test("site::a_visitor_bakes_a_sample_and_saves_it", () => sample(context));
+    await harness.test("site::a_wrong_file_and_cancel_leave_the_page_sound", () => wrongFiles(context));
     await harness.test("site::the_gallery_has_four_scenes_with_their_figures", () => gallery(context));
     await harness.test("site::a_phone_scrolls_past_every_viewer", () => phone(context));
     await harness.test("site::without_webgpu_the_pages_say_so_and_stay_sound", () => withoutWebgpu(context));
@@ -61,10 +64,10 @@ async function open({ browser, address }, name, { prepare, ...options } = {}) {
   return { page, faults };
 }
 
-/** Waits until every viewer of the page has loaded; throws what one of them says instead. */
+/** Waits until every viewer of the page that names a file has loaded; throws what one of them says instead. */
 async function loaded(page) {
   const wait = page.evaluate(async () => {
-    const viewers = [...document.querySelectorAll("rebounce-viewer")];
+    const viewers = [...document.querySelectorAll("rebounce-viewer[src]")];
     for (const viewer of viewers) viewer.loading = "eager";
     const message = (viewer) => viewer.shadowRoot.querySelector("[role=alert]").textContent;
     for (;;) {
@@ -86,10 +89,10 @@ async function violations(page, axe) {
   }, RULES);
 }
 
-/** Every viewer of the page has a poster of its own shape. */
+/** Every viewer of the page that names a file has a poster of its own shape. */
 async function posters(page, name) {
   const shapes = await page.evaluate(() => {
-    const each = [...document.querySelectorAll("rebounce-viewer")].map(async (viewer) => {
+    const each = [...document.querySelectorAll("rebounce-viewer[src]")].map(async (viewer) => {
       const image = new Image();
       image.src = viewer.poster;
       await image.decode();
@@ -108,10 +111,10 @@ async function sound(context, name) {
   const { page, faults } = await open(context, name, { colorScheme: "light" });
   await posters(page, name);
   await loaded(page);
-  const viewers = await page.locator("rebounce-viewer").count();
+  const viewers = await page.locator("rebounce-viewer[src]").count();
   for (let i = 0; i < viewers; i += 1) {
     const pixels = await page.evaluate(
-      async (i) => Array.from(await document.querySelectorAll("rebounce-viewer")[i].readPixels(64, 36)),
+      async (i) => Array.from(await document.querySelectorAll("rebounce-viewer[src]")[i].readPixels(64, 36)),
       i,
     );
     const { mean, deviation } = spread(pixels);
@@ -263,6 +266,118 @@ async function hero(context) {
   for (const i of [0, 1]) check(JSON.stringify(morning[i]) !== JSON.stringify(evening[i]), `light ${i} is the same at 9 and at 17`);
   for (const browser of ["Chrome", "Edge", "Safari", "Firefox"]) check(rows.some((row) => row.includes(browser)), `no ${browser}`);
   check(/20\d\d/.test(await page.locator("caption").textContent()), "the table has no date");
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
+}
+
+/** What the page has fetched of the baker and of scenes to be baked. */
+const fetched = (page) =>
+  page.evaluate(() => {
+    const names = performance.getEntriesByType("resource").map(({ name }) => new URL(name).pathname);
+    return names.filter((name) => /\/bake[^/]*\.js$|baker|\.gl(b|tf)$/.test(name)).join(" ");
+  });
+
+/** In the page: writes down what the visitor's viewer and the lines below it tell. */
+function record() {
+  const viewer = document.getElementById("own-viewer");
+  globalThis.told = { stages: [], line: [], said: [], errors: [] };
+  viewer.addEventListener("bake-progress", ({ detail }) => told.stages.push(detail.stage));
+  viewer.addEventListener("error", ({ detail }) => told.errors.push(detail.message));
+  for (const name of ["line", "said"]) {
+    const element = document.getElementById(`own-${name}`);
+    new MutationObserver(() => told[name].push(element.textContent)).observe(element, { childList: true });
+  }
+}
+
+async function sample(context) {
+  const { page, faults } = await open(context, "index.html");
+  await loaded(page);
+  await page.locator("#own").scrollIntoViewIfNeeded();
+  equal(await fetched(page), "", "fetched before the visitor asks");
+  await page.evaluate(record);
+  const height = () => page.evaluate(() => document.body.scrollHeight);
+  const before = await height();
+  const early = page.evaluate(async () => {
+    const viewer = document.getElementById("own-viewer");
+    await new Promise((done, failed) => {
+      viewer.addEventListener("load", done, { once: true });
+      viewer.addEventListener("error", ({ detail }) => failed(new Error(detail.message)), { once: true });
+    });
+    const [isDone, file] = [told.stages.includes("done"), viewer.toRbn()];
+    return { isDone, isFile: file !== undefined, pixels: Array.from(await viewer.readPixels(64, 40)) };
+  });
+  await page.getByRole("button", { name: "Red and green" }).click();
+  const { isDone, isFile, pixels } = await within("the first picture", early);
+  check(!isDone && !isFile, "the first picture comes with the baked file");
+  const { mean, deviation } = spread(pixels);
+  check(deviation > 4, `the first picture: brightness ${mean.toFixed(1)} +- ${deviation.toFixed(1)} of 255`);
+  const save = page.getByRole("button", { name: "Save red-and-green.rbn" });
+  await save.waitFor();
+  const { stages, line, said, errors } = await page.evaluate(() => told);
+  equal(errors.join("\n"), "", "errors");
+  equal(stages.at(-1), "done", "the last stage");
+  check(line.some((text) => /^[A-Z][a-z ]+.*: \d+%/.test(text)), `no progress in ${JSON.stringify(line.slice(0, 5))}`);
+  check(said.length > 1 && said.length < 8, `screen readers hear ${JSON.stringify(said)}`);
+  check(/^Baked in \d+ s/.test(said.at(-1)), said.at(-1));
+  equal(await height(), before, "the page's height");
+  const download = page.waitForEvent("download");
+  await save.click();
+  const file = await download;
+  equal(file.suggestedFilename(), "red-and-green.rbn", "the file's name");
+  equal((await readFile(await file.path())).subarray(0, 8).toString("latin1"), "REBOUNCE", "the file's first bytes");
+  for (const colorScheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme });
+    equal((await violations(page, context.axe)).join("\n"), "", `what axe finds, ${colorScheme}`);
+  }
+  equal((await page.evaluate(() => globalThis.violations)).join("\n"), "", "violations of the policy");
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
+}
+
+/** Drops files of this machine on an element. */
+async function drop(page, locator, files) {
+  await locator.scrollIntoViewIfNeeded();
+  const box = await locator.boundingBox();
+  const client = await page.context().newCDPSession(page);
+  const at = { x: box.x + box.width / 2, y: box.y + box.height / 2, data: { items: [], files, dragOperationsMask: 1 } };
+  for (const type of ["dragEnter", "dragOver", "drop"]) await client.send("Input.dispatchDragEvent", { type, ...at });
+  await client.detach();
+}
+
+async function wrongFiles(context) {
+  // Without it the page is still scrolling when something is dropped.
+  const { page, faults } = await open(context, "index.html", { reducedMotion: "reduce" });
+  const viewer = page.locator("#own-viewer");
+  const says = (words) =>
+    page.waitForFunction((words) => document.getElementById("own-viewer").shadowRoot.querySelector("[role=alert]").textContent.includes(words), words);
+  const isIdle = () => page.evaluate(() => ["progress", "cancel", "save"].every((name) => document.getElementById(`own-${name}`).hidden));
+  const folder = await mkdtemp(path.join(tmpdir(), "rebounce-site-"));
+  try {
+    const [notes, broken] = ["notes.txt", "broken.glb"].map((name) => path.join(folder, name));
+    for (const file of [notes, broken]) await writeFile(file, "no scene");
+    await page.evaluate(record);
+    await drop(page, viewer, [notes]);
+    await says('"notes.txt" is no scene');
+    check(await isIdle(), "something goes on after a wrong file");
+    equal((await violations(page, context.axe)).join("\n"), "", "what axe finds beside an error");
+    await page.locator("#own-files-input").setInputFiles([broken]);
+    await says("is not a glTF 2.0 file");
+    check(await isIdle(), "something goes on after a broken file");
+  } finally {
+    await rm(folder, { recursive: true });
+  }
+  // Beside the viewer, a file does not take the page's place.
+  await drop(page, page.locator("#how"), [path.join(context.folder, "icon.svg")]);
+  equal(await page.evaluate(() => location.pathname), "/index.html", "the page after a drop beside the viewer");
+  // By keys alone: a sample, Cancel, and what is next.
+  await page.getByRole("button", { name: "Courtyard" }).focus();
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => document.getElementById("own-viewer").loaded);
+  await page.getByRole("button", { name: "Cancel" }).focus();
+  await page.keyboard.press("Enter");
+  equal(await page.locator("#own-said").textContent(), "Cancelled. What you see is the last preview.", "what is said");
+  check(await isIdle(), "something goes on after Cancel");
+  equal(await page.evaluate(() => document.activeElement.id), "own-files", "what has the focus after Cancel");
   equal(faults.join("\n"), "", "faults");
   await page.close();
 }
