@@ -1,7 +1,7 @@
 //! Scenes and pictures, made by `rebounce`.
 
-use super::{Quality, View};
-use crate::process;
+use super::{Quality, SAMPLES, View, entries};
+use crate::{process, web};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,16 +34,47 @@ impl<'a> Maker<'a> {
     /// If the bake fails.
     pub fn baked(&self, name: &str) -> Result<(PathBuf, PathBuf)> {
         let report = self.work.join(format!("{name}.json"));
-        let file = format!("{name}.rbn");
         if !report.exists() {
             // The report is written after the scene.
-            let _ = fs::remove_file(self.work.join(&file));
+            let _ = fs::remove_file(self.work.join(format!("{name}.rbn")));
         }
-        let baked = self.made(&file, &[], |command| {
-            command.args(["bake", &format!("builtin:{name}"), "--preset", &self.quality.preset]);
-            command.args(&self.quality.bake).arg("--report").arg(&report);
+        let baked = self.made(&format!("{name}.rbn"), &[], |command| {
+            self.bake(command, Path::new(&format!("builtin:{name}")));
+            command.arg("--report").arg(&report);
         })?;
         Ok((baked, report))
+    }
+
+    /// The scenes that visitors may bake, `NAME.glb` in a folder, by the scripts of web/site/samples.
+    ///
+    /// # Errors
+    /// If a script fails.
+    pub fn samples(&self) -> Result<PathBuf> {
+        let folder = self.work.join("samples");
+        let scripts = entries(&process::root().join("web/site/samples"))?;
+        let on: Vec<&Path> = scripts.iter().map(PathBuf::as_path).collect();
+        if SAMPLES.iter().any(|name| is_stale(&folder.join(format!("{name}.glb")), &on)) {
+            process::run(web::node().arg("site/samples/make.mjs").arg(&folder))?;
+        }
+        Ok(folder)
+    }
+
+    /// Renders a scene of a folder of samples with its own camera and lights, at half the common height.
+    ///
+    /// # Errors
+    /// If baking or rendering fails.
+    pub fn sample_picture(&self, samples: &Path, name: &str) -> Result<PathBuf> {
+        let scene = samples.join(format!("{name}.glb"));
+        let baked =
+            self.made(&format!("sample-{name}.rbn"), &[&scene], |command| self.bake(command, &scene))?;
+        let high = self.quality.size[1] / 2;
+        self.made(&format!("sample-{name}.png"), &[&baked], |command| {
+            command.arg("render").arg(&baked).args(["--size", &format!("{}x{high}", high * 8 / 5)]);
+        })
+    }
+
+    fn bake(&self, command: &mut Command, scene: &Path) {
+        command.arg("bake").arg(scene).args(["--preset", &self.quality.preset]).args(&self.quality.bake);
     }
 
     /// Renders a view, at the common height; with the scene's first camera and lights if no shot is given.
@@ -96,14 +127,17 @@ impl<'a> Maker<'a> {
     /// program or a dependency in `on`.
     fn made(&self, name: &str, on: &[&Path], arguments: impl Fn(&mut Command)) -> Result<PathBuf> {
         let file = self.work.join(name);
-        let time = |path: &Path| fs::metadata(path).and_then(|data| data.modified()).ok();
-        let is_newer = |path: &Path, made| time(path).is_none_or(|changed| made < changed);
-        let is_stale = |made| is_newer(self.rebounce, made) || on.iter().any(|path| is_newer(path, made));
-        if time(&file).is_none_or(is_stale) {
+        if is_stale(&file, &[&[self.rebounce], on].concat()) {
             let mut command = Command::new(self.rebounce);
             arguments(&mut command);
             process::run(command.arg("-o").arg(&file))?;
         }
         Ok(file)
     }
+}
+
+/// Whether a file is missing, or older than one that it depends on.
+fn is_stale(file: &Path, on: &[&Path]) -> bool {
+    let time = |path: &Path| fs::metadata(path).and_then(|data| data.modified()).ok();
+    time(file).is_none_or(|made| on.iter().any(|path| time(path).is_none_or(|changed| made < changed)))
 }

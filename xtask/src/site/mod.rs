@@ -79,6 +79,9 @@ const VIEWS: [View; 7] = [
     View { name: "blocks", scene: "cornell-box", has_shot: true, shape: [4, 3] },
 ];
 
+/// Scenes that visitors may bake themselves: `samples/NAME.glb`, with a picture `images/sample-NAME.png`.
+const SAMPLES: [&str; 4] = ["red-and-green", "afternoon", "courtyard", "rotunda"];
+
 fn parse(args: &[String]) -> Result<Options> {
     let mut options = Options { quality: Quality::usual(), serve: false, port: None };
     let mut args = args.iter();
@@ -139,6 +142,11 @@ pub fn build(rebounce: &Path, quality: &Quality, out: &Path) -> Result<()> {
         let shot = view.has_shot.then(|| site.join(format!("shots/{}.json", view.name)));
         files.push((format!("images/{}.png", view.name), maker.picture(view, shot.as_deref())?));
         files.extend(shot.map(|shot| (format!("shots/{}.json", view.name), shot)));
+    }
+    let samples = maker.samples()?;
+    for name in SAMPLES {
+        files.push((format!("images/sample-{name}.png"), maker.sample_picture(&samples, name)?));
+        files.push((format!("samples/{name}.glb"), samples.join(format!("{name}.glb"))));
     }
     let (ours, error) = maker.panel("rebounce", "all")?;
     let (direct, _) = maker.panel("direct", "direct")?;
