@@ -1,5 +1,6 @@
 /** Bakes scenes in the page, and in Node.js: the baker as WebAssembly, in workers that share the work. */
 
+import { channels } from "./bake/channels.js";
 import { checked, type BakeOptions } from "./bake/options.js";
 import { compiled } from "./bake/module.js";
 import type { Start, Told } from "./bake/messages.js";
@@ -31,7 +32,7 @@ export async function bake(scene: SceneFile, options: BakeOptions = {}): Promise
     options: JSON.stringify({ preset, seed, functions: functions ?? null, previews: onPreview !== undefined }),
     module: await module,
   };
-  const threads: Thread[] = [];
+  const threads: Thread<Start>[] = [];
   let ratio = 0;
   try {
     return await new Promise<Uint8Array>((resolve, reject) => {
@@ -70,19 +71,11 @@ async function begin(
   start: Omit<Start, "rank" | "ports">,
   told: (message: Told) => void,
   died: (why: string) => void,
-  threads: Thread[],
+  threads: Thread<Start>[],
 ): Promise<void> {
-  const ports: (MessagePort | null)[][] = Array.from({ length: start.size }, () => new Array<null>(start.size).fill(null));
-  for (let a = 0; a < start.size; a += 1) {
-    for (let b = 0; b < a; b += 1) {
-      const { port1, port2 } = new MessageChannel();
-      ports[a]![b] = port1;
-      ports[b]![a] = port2;
-    }
-  }
   await Promise.all(
-    ports.map(async (own, rank) => {
-      const thread = await startThread(told, died);
+    channels(start.size).map(async (own, rank) => {
+      const thread = await startThread<Start, Told>(told, died);
       threads.push(thread);
       thread.post({ ...start, rank, ports: own }, own.filter((port) => port !== null));
     }),

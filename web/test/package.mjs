@@ -1,4 +1,4 @@
-// The npm package as others have it: its tarball, installed into small apps that are built and opened.
+// The npm packages as others have them: their tarballs, installed into small apps that are built and opened.
 
 import { execFile, spawn } from "node:child_process";
 import { cp, mkdir, readFile, rm, writeFile } from "node:fs/promises";
@@ -6,17 +6,29 @@ import path from "node:path";
 import { promisify } from "node:util";
 import { HANGS, launch, spread, within } from "./browser.mjs";
 import { check, equal } from "./harness.mjs";
+import { commandTests } from "./command.mjs";
 import { serveFolder } from "./serve.mjs";
 
 const APPS = new URL("apps/", import.meta.url);
 
-/** Runs the tests of the package. `paths`: a folder to work in, the program rebounce, the tarball. */
-export async function runPackageTests(harness, { work, rebounce, tarball }) {
+/** Runs the tests of the packages. `paths`: a folder to work in, the program rebounce, the tarballs. */
+export async function runPackageTests(harness, { work, rebounce, viewer, command, native }) {
   const scene = path.join(work, "package.rbn");
   await exec(rebounce, ["bake", "builtin:cornell-box", "--preset", "draft", "--functions", "4000", "-o", scene]);
+  const glb = path.join(work, "package.glb");
+  await exec(rebounce, ["export", scene, "--lightmap-texture", "--max-size", "64", "-o", glb]);
   const browser = await launch();
-  const context = { browser, work, tarball, scene };
+  const context = { browser, work, tarball: viewer, scene };
+  const tools = {
+    exec,
+    scene: { glb },
+    install: (name, tarballs) => install({ work }, name, tarballs),
+    served: (folder) => served(context, folder),
+    developed: (folder) => developed(context, folder),
+  };
   try {
+    if (native === "none") console.log("tests of the command: left out, there is no native package for this machine");
+    else await commandTests(harness, { work, rebounce, viewer, command, native, tools });
     await contents(harness, context);
     await harness.test("package::a_plain_page_shows_the_scene", async () => {
       await served(context, await install(context, "plain"));
@@ -111,8 +123,8 @@ async function contents(harness, context) {
   });
 }
 
-/** Copies an app of test/apps into the work folder and installs the package into it; where it lies. */
-async function install({ work, tarball }, name) {
+/** Copies an app of test/apps into the work folder and installs tarballs into it; where it lies. */
+async function install({ work, tarball }, name, tarballs = [tarball]) {
   const folder = path.join(work, "apps", name);
   const modules = path.join(folder, "node_modules");
   await mkdir(folder, { recursive: true });
@@ -126,8 +138,8 @@ async function install({ work, tarball }, name) {
     await rm(modules, { recursive: true, force: true });
     if (lock) await exec("npm", ["ci", ...quiet], { cwd: folder });
   }
-  await rm(path.join(modules, "rebounce-viewer"), { recursive: true, force: true });
-  await exec("npm", ["install", "--no-save", "--no-package-lock", ...quiet, tarball], { cwd: folder });
+  for (const one of tarballs) await rm(path.join(modules, path.basename(one).replace(/-\d.*/, "")), { recursive: true, force: true });
+  await exec("npm", ["install", "--no-save", "--no-package-lock", ...quiet, ...tarballs], { cwd: folder });
   await writeFile(stamp, lock);
   return folder;
 }
@@ -185,7 +197,9 @@ async function shows(browser, address, more = () => undefined) {
   page.setDefaultTimeout(1000 * HANGS);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
-  page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
+  // A browser asks for an icon by itself.
+  const isFault = (message) => message.type() === "error" && !message.location().url.endsWith("/favicon.ico");
+  page.on("console", (message) => isFault(message) && faults.push(message.text()));
   try {
     await page.addInitScript(() => {
       globalThis.outcome = new Promise((resolve) => {

@@ -1,9 +1,9 @@
-// node test/run.mjs [--wasm DIR/NAME]... [--only PART] [--page WORK REBOUNCE COMPARE DAMAGE] [--package WORK REBOUNCE TARBALL]
+// node test/run.mjs [--wasm DIR/NAME]... [--only PART] [--page WORK REBOUNCE COMPARE DAMAGE] [--package WORK REBOUNCE TARBALLS]
 // [--site FOLDER]: tests that need a browser.
 // --only: before --page: of its parts those with this name (`PARTS` in page.mjs).
 // --wasm: a test program, where wasm-bindgen wrote NAME.js and NAME_bg.wasm.
 // --page: the tests of the page, with a folder to work in and three programs.
-// --package: those of the npm package, with a folder to work in, the program rebounce, and the tarball.
+// --package: those of the npm packages, with a folder to work in, the program rebounce, and the tarballs: viewer, command, native program (or none).
 // --site: those of the site that lies in a folder.
 // The last line printed is "N passed, N failed"; fails if any test does.
 
@@ -39,10 +39,10 @@ while (args.length > 0) {
       await harness.test("page", () => Promise.reject(error));
     }
   } else if (kind === "--package") {
-    const [work, rebounce, tarball] = args.splice(0, 3);
-    console.log("\ntests of the npm package");
+    const [work, rebounce, viewer, command, native] = args.splice(0, 5);
+    console.log("\ntests of the npm packages");
     try {
-      await runPackageTests(harness, { work, rebounce, tarball });
+      await runPackageTests(harness, { work, rebounce, viewer, command, native });
     } catch (error) {
       await harness.test("package", () => Promise.reject(error));
     }

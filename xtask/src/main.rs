@@ -24,6 +24,7 @@ mod kill_bake;
 mod layers;
 mod light_kinds;
 mod names;
+mod npm;
 mod package;
 mod plot_estimate;
 mod process;
@@ -54,7 +55,8 @@ cargo xtask web      builds the viewer and its page into web/dist
 cargo xtask site [--preset NAME] [--samples N] [--quick] [--serve] [--port N]
                      builds the site of web/site into target/site, and serves it on 127.0.0.1;
                      N samples a pixel for its path-traced pictures; --quick: coarse scenes, small pictures
-cargo xtask package  packs the npm package into target/package
+cargo xtask npm      builds the npm package of the command, without the native program, into baker/npm/dist
+cargo xtask package  packs the npm packages, the native program among them, into target/package
 cargo xtask fidelity [--presets draft,standard,fine] [--scenes DIR]
                      measures bakes against path-traced pictures and writes docs/reports/fidelity.md; DIR holds
                      scenes of yours in the same way: shots/NAME.shot.json, references/NAME.indirect.{a,b}.exr
@@ -121,6 +123,7 @@ fn dispatch(args: &[String]) -> Result<()> {
         Some("plot-estimate") => plot_estimate::run(&args[1..]),
         Some("install") => install::all(),
         Some("web") => web::build(),
+        Some("npm") => npm::build(),
         Some("package") => package::run(),
         Some("site") => site::run(&args[1..]),
         Some("help" | "--help" | "-h") => {

@@ -1,10 +1,9 @@
-//! `cargo xtask package`: the npm package as `npm publish` would send it, in target/package.
+//! `cargo xtask package`: the npm packages as `npm publish` would send them, in target/package.
 
-use crate::{process, web};
+use crate::{npm, process, web};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Files of the repository copied unchanged into the package.
 const COPIED: [&str; 6] = [
@@ -16,21 +15,40 @@ const COPIED: [&str; 6] = [
     "LICENSE-APACHE",
 ];
 
-/// Builds web/dist and packs it.
+/// The tarballs of the npm packages.
+pub struct Tarballs {
+    /// `rebounce-viewer`.
+    pub viewer: PathBuf,
+    /// `rebounce-cli`.
+    pub command: PathBuf,
+    /// The native program for this machine, if there is a package for it.
+    pub native: Option<PathBuf>,
+}
+
+/// Builds the packages, with the native program in its release profile, and packs them.
 ///
 /// # Errors
 /// If a tool is missing or fails.
 pub fn run() -> Result<()> {
     web::build()?;
-    println!("packed {}", pack()?.display());
+    npm::build()?;
+    let mut cargo = process::cargo();
+    cargo.args(["build", "--locked", "--release", "--package", "rebounce-cli"]);
+    // Half of the program is names of lines, which only its authors need.
+    process::run(cargo.env("CARGO_PROFILE_RELEASE_STRIP", "debuginfo"))?;
+    let Tarballs { viewer, command, native } = pack(&process::target().join("release/rebounce"))?;
+    for tarball in [Some(viewer), Some(command), native].into_iter().flatten() {
+        println!("packed {}", tarball.display());
+    }
     Ok(())
 }
 
-/// Packs web/dist (must exist) with the remaining files of the package; returns the path of the tarball.
+/// Packs web/dist and baker/npm/dist (must exist) with the remaining files of the packages, and the native program
+/// `rebounce`.
 ///
 /// # Errors
 /// If a file is missing, or npm fails.
-pub fn pack() -> Result<PathBuf> {
+pub fn pack(rebounce: &Path) -> Result<Tarballs> {
     let out = process::target().join("package");
     if out.exists() {
         fs::remove_dir_all(&out).with_context(|| out.display().to_string())?;
@@ -45,13 +63,11 @@ pub fn pack() -> Result<PathBuf> {
         process::copy(&built.join(name), &dist.join(name))?;
     }
     process::run(web::node().arg("manifest.mjs").arg(stage.join("custom-elements.json")))?;
-    let npm = ["pack", "--ignore-scripts", "--loglevel=error", "--pack-destination"];
-    process::run(Command::new("npm").args(npm).arg(&out).current_dir(&stage))?;
-    fs::read_dir(&out)?
-        .flatten()
-        .map(|entry| entry.path())
-        .find(|path| path.extension().is_some_and(|extension| extension == "tgz"))
-        .context("npm pack has left no .tgz file")
+    Ok(Tarballs {
+        viewer: npm::packed(&stage, &out)?,
+        command: npm::pack(&out)?,
+        native: npm::pack_native(rebounce, &out)?,
+    })
 }
 
 /// Whether a file of web/dist is part of the package; the page of `rebounce view` is not.

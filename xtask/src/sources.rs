@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 
 /// The checked crates.
-pub const CRATES: [&str; 4] = ["shared", "baker", "baker/cli", "viewer"];
+pub const CRATES: [&str; 6] = ["shared", "baker", "baker/args", "baker/cli", "baker/wasm", "viewer"];
 
 /// The source folder of a crate.
 pub fn of(name: &str) -> PathBuf {

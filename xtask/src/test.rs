@@ -1,7 +1,8 @@
 //! `cargo xtask test`: runs the tests, without duplicate compilation.
 
+use crate::package::{self, Tarballs};
 use crate::toolchain::{self, Toolchain};
-use crate::{bindgen, gate, install, installed, package, process, site, web};
+use crate::{bindgen, gate, install, installed, npm, process, site, web};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::Stdio;
@@ -113,7 +114,10 @@ fn browser(wasm: &[PathBuf], wanted: impl Fn(&'static str) -> bool, name: Option
         node.arg("--page").arg(&work).args(["rebounce", "compare", "damage"].map(bin));
     }
     if wanted("package") {
-        node.arg("--package").arg(&work).arg(bin("rebounce")).arg(package::pack()?);
+        npm::build()?;
+        let Tarballs { viewer, command, native } = package::pack(&bin("rebounce"))?;
+        node.arg("--package").arg(&work).arg(bin("rebounce")).args([viewer, command]);
+        node.arg(native.unwrap_or_else(|| "none".into()));
     }
     if wanted("site") {
         let folder = work.join("site");

@@ -15,7 +15,8 @@ use std::process::Command;
 
 /// The names of the generated JavaScript and wasm files.
 const NAME: &str = "rebounce_viewer";
-const BAKER: &str = "rebounce_baker";
+/// As [`NAME`], of the baker.
+pub const BAKER: &str = "rebounce_baker";
 /// The modules with the fetch of the wasm files, before the modules are bundled.
 const FETCHES: [(&str, &str); 2] = [("engine/module.js", NAME), ("bake/module.js", BAKER)];
 /// Files of web/ copied unchanged into the site.
@@ -33,7 +34,7 @@ pub fn build() -> Result<()> {
     let pkg = process::root().join("web/pkg");
     bindgen::module(&wasm(toolchain)?, NAME, bindgen::FROM_RESPONSE, &pkg)?;
     shrink(&pkg.join(format!("{NAME}_bg.wasm")))?;
-    bindgen::module(&baker_wasm(toolchain)?, BAKER, bindgen::FROM_MODULE, &pkg)?;
+    bindgen::module(&baker_wasm(toolchain, "web-baker", &[])?, BAKER, bindgen::FROM_MODULE, &pkg)?;
     let files = assemble(&pkg)?;
     let dist = process::root().join("web/dist");
     mirror(&files, &dist)?;
@@ -53,10 +54,13 @@ fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
     Ok(toolchain.target().join(toolchain::TARGET).join("web").join(NAME).with_extension("wasm"))
 }
 
-/// Compiles the baker; returns the path of the wasm file.
-fn baker_wasm(toolchain: Toolchain) -> Result<PathBuf> {
+/// Compiles the baker with a profile and options; returns the path of the wasm file.
+///
+/// # Errors
+/// If the code does not compile.
+pub fn baker_wasm(toolchain: Toolchain, profile: &str, options: &[&str]) -> Result<PathBuf> {
     let mut cargo = toolchain.cargo("build");
-    cargo.args(["--package", "rebounce-bake-wasm", "--lib", "--profile", "web-baker"]);
+    cargo.args(["--package", "rebounce-bake-wasm", "--lib", "--profile", profile]).args(options);
     cargo.env("RUSTC_BOOTSTRAP", "1");
     // Every browser with WebGPU has the instructions for four lanes, and so has Node.js.
     cargo.env(
@@ -64,7 +68,7 @@ fn baker_wasm(toolchain: Toolchain) -> Result<PathBuf> {
         "-Ctarget-feature=+simd128 -Zlocation-detail=none",
     );
     process::run(&mut cargo)?;
-    Ok(toolchain.target().join(toolchain::TARGET).join("web-baker").join("rebounce_bake_wasm.wasm"))
+    Ok(toolchain.target().join(toolchain::TARGET).join(profile).join("rebounce_bake_wasm.wasm"))
 }
 
 /// Whether a file of web/dist is of the baker alone.
@@ -220,7 +224,10 @@ fn bundle(modules: &Path) -> Result<PathBuf> {
 }
 
 /// Minifies a JavaScript module: short names, no comments; export names are kept.
-fn minified(file: &Path, source: &[u8]) -> Result<Vec<u8>> {
+///
+/// # Errors
+/// If the minifier fails.
+pub fn minified(file: &Path, source: &[u8]) -> Result<Vec<u8>> {
     fs::write(file, source).with_context(|| file.display().to_string())?;
     let out = file.with_extension("min");
     process::run(

@@ -8,9 +8,9 @@ use std::process::ExitCode;
 /// processes would wait for this process.
 #[cfg(feature = "mpi")]
 pub fn with_communicator(work: impl FnOnce(&dyn Communicator) -> Result<u8>) -> Result<ExitCode> {
-    use crate::escape::escape_controls;
     use anyhow::Context;
     use rebounce::job::communicator::mpi::Mpi;
+    use rebounce_args::escape::escape_controls;
     use std::time::Duration;
 
     /// Time for the first process to print the reason before a different process ends all processes.

@@ -1,13 +1,14 @@
 //! `rebounce compare`: how far a picture is from its reference.
 
+use super::TOO_NOISY;
 use super::picture::{check_panel, write_panel};
-use super::{TOO_NOISY, number};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rebounce::io::picture::exr;
 use rebounce::verify::compare::spots::{Spots, spots};
 use rebounce::verify::compare::uncertainty::{Answer, shown};
 use rebounce::verify::compare::{Comparison, compare, noticed, signed_difference};
+use rebounce_args::number;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -1,8 +1,9 @@
 //! `rebounce info`: what is inside a baked file.
 
-use super::{escape::escape_controls, read_baked};
+use super::read_baked;
 use anyhow::Result;
 use clap::Args;
+use rebounce_args::escape::escape_controls;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::{KINDS, Light};
 use rebounce_shared::rbn::container::{self, Section};

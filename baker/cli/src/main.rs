@@ -4,26 +4,21 @@ mod bake;
 mod communicator;
 mod compare;
 mod draft;
-mod escape;
 mod export;
 mod http;
 mod info;
-mod layout;
 mod load;
-mod number;
-mod paths;
 mod picture;
 mod progress;
 mod reference;
 mod render;
-mod sky;
 mod solve;
 mod stop;
 mod view;
 
 use anyhow::{Context, Result};
 use clap::{ArgAction, Parser, Subcommand};
-use escape::escape_controls;
+use rebounce_args::escape::escape_controls;
 use rebounce_shared::baked::BakedScene;
 use std::path::Path;
 use std::process::ExitCode;
@@ -45,7 +40,7 @@ struct Arguments {
 #[derive(Subcommand, Debug)]
 enum Command {
     /// Bakes a scene into a .rbn file
-    Bake(Box<bake::BakeArgs>),
+    Bake(Box<rebounce_args::bake::BakeArgs>),
     /// Solves for lights that stay in place, into a small .rbn file
     Solve(Box<solve::SolveArgs>),
     /// Says what is inside a .rbn file, and whether it is whole
@@ -72,16 +67,9 @@ fn main() -> ExitCode {
     }
 }
 
-/// Joins the error and its causes; skips causes already contained in the text of earlier errors.
+/// The error and its causes as a sentence.
 fn sentence(error: &anyhow::Error) -> String {
-    error.chain().fold(String::new(), |said, cause| {
-        let cause = cause.to_string();
-        match () {
-            () if said.is_empty() => cause,
-            () if said.contains(&cause) => said,
-            () => format!("{said}: {cause}"),
-        }
-    })
+    rebounce_args::error::sentence(error.chain())
 }
 
 /// Runs the subcommand and returns the exit code.

@@ -1,14 +1,16 @@
 //! `rebounce reference`: a scene path-traced by brute force.
 
-use super::load::{LoadArgs, warn};
+use super::load::{note, warn};
 use super::picture::{PictureArgs, Rows, shot_or_own};
 use anyhow::Result;
 use clap::Args;
 use rebounce::bake::{BakeSettings, Preset, lights_and_cameras};
 use rebounce::geometry::mesh::TriangleSurfaces;
+use rebounce::io::files::Disk;
 use rebounce::light::illumination::Illumination;
 use rebounce::scene::emissive_groups;
 use rebounce::verify::path_trace::{Settings, path_trace};
+use rebounce_args::load::LoadArgs;
 
 /// Arguments of `rebounce reference`.
 #[derive(Args, Debug)]
@@ -32,7 +34,7 @@ pub struct ReferenceArgs {
 /// Runs the command.
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let shot = args.picture.prepare()?;
-    let scene = args.load.load(&args.scene)?;
+    let scene = args.load.load(&Disk, &args.scene, &mut note)?;
     warn(&scene);
     let shot = match shot {
         Some(shot) => shot,

@@ -1,17 +1,20 @@
 //! `rebounce solve`: a scene and its lights in, a .rbn file whose lights stay in place out.
 
-use super::layout::{LayoutArgs, PresetName};
-use super::load::{LoadArgs, warn};
-use super::number;
-use super::paths::{check_paths, output_of};
+use super::load::{note, warn};
 use super::picture::{read_environment, set_threads};
 use anyhow::{Context, Result};
 use clap::Args;
 use rebounce::bake::{BakeSettings, SolveReport, SolveSettings, solve};
+use rebounce::io::files::Disk;
 use rebounce::io::shot;
 use rebounce::io::write::write_whole;
 use rebounce::scene::{Scene, emissive_groups};
 use rebounce::transport::radiosity::RadiositySettings;
+use rebounce_args::bake::output_of;
+use rebounce_args::layout::{LayoutArgs, PresetName};
+use rebounce_args::load::LoadArgs;
+use rebounce_args::number;
+use rebounce_args::paths::{DiskPlaces, check_paths};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::light::{Light, LightKind};
@@ -79,9 +82,9 @@ pub struct SolveArgs {
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> Result<()> {
     let output = output_of(&args.scene, args.output.as_deref());
-    check_paths(&args.scene, args.shot.as_deref(), &output, args.report.as_deref())?;
+    check_paths(&DiskPlaces, &args.scene, args.shot.as_deref(), &output, args.report.as_deref())?;
     set_threads(args.threads)?;
-    let mut scene = args.load.load(&args.scene)?;
+    let mut scene = args.load.load(&Disk, &args.scene, &mut note)?;
     warn(&scene);
     let mut settings = args.settings();
     if let Some(path) = &args.shot {

@@ -6,6 +6,7 @@ use super::stop::end_at_once;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rebounce::scene::SceneError;
+use rebounce_args::bake::PREVIEW;
 use rebounce_shared::rbn::container::MAGIC;
 use std::fs::File;
 use std::io::Read;
@@ -40,9 +41,6 @@ pub struct ViewArgs {
 
 /// Viewer files by name; empty if the binary was built without the viewer.
 static WEB: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/web_files.rs"));
-
-/// File extension of previews, beside the baked file.
-pub const PREVIEW: &str = "preview.rbn";
 
 const DEFAULT_PORT: u16 = 7777;
 

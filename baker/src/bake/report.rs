@@ -219,7 +219,15 @@ impl BakeReport {
     }
 }
 
+/// Returns the memory of the program, bytes, which never shrinks.
+#[cfg(target_arch = "wasm32")]
+pub fn peak_memory_bytes() -> u64 {
+    const PAGE: u64 = 1 << 16;
+    std::arch::wasm32::memory_size(0) as u64 * PAGE
+}
+
 /// Returns the peak resident memory of the process, bytes; 0 if unknown to the system.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn peak_memory_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

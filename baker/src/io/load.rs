@@ -1,5 +1,7 @@
 //! Loading of a scene by name.
 
+use super::Files;
+use super::files::Disk;
 use super::options::LoadOptions;
 #[cfg(feature = "demo-scenes")]
 use super::options::UNUSED_ALBEDO;
@@ -18,19 +20,27 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
 /// # Errors
 /// [`SceneError`], with the file's name and advice.
 pub fn load_with(spec: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+    load_by_name(&Disk, spec, options)
+}
+
+/// As [`load_with`], from any source of files.
+///
+/// # Errors
+/// [`SceneError`], with the file's name and advice.
+pub fn load_by_name(files: &dyn Files, spec: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
     match spec.strip_prefix("builtin:") {
         Some(name) => builtin(spec, name, options),
-        None => file(spec, options),
+        None => file(files, spec, options),
     }
 }
 
 #[cfg(feature = "gltf")]
-fn file(path: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
-    load_from(&super::files::Disk, std::path::Path::new(path), options)
+fn file(files: &dyn Files, path: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+    load_from(files, std::path::Path::new(path), options)
 }
 
 #[cfg(not(feature = "gltf"))]
-fn file(path: &str, _: &LoadOptions) -> Result<Scene, SceneError> {
+fn file(_: &dyn Files, path: &str, _: &LoadOptions) -> Result<Scene, SceneError> {
     Err(SceneError::WithoutFeature { what: path.to_owned(), feature: "gltf" })
 }
 
@@ -60,7 +70,7 @@ fn builtin(spec: &str, _: &str, _: &LoadOptions) -> Result<Scene, SceneError> {
 /// [`SceneError`], with the file's name and advice.
 #[cfg(feature = "gltf")]
 pub fn load_from(
-    files: &dyn super::Files,
+    files: &dyn Files,
     path: &std::path::Path,
     options: &LoadOptions,
 ) -> Result<Scene, SceneError> {

@@ -23,6 +23,6 @@ pub mod write;
 pub use files::Files;
 #[cfg(feature = "gltf")]
 pub use load::{from_bytes, load_from};
-pub use load::{load, load_with};
+pub use load::{load, load_by_name, load_with};
 pub use options::LoadOptions;
 pub use save::{SaveError, save};

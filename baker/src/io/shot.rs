@@ -1,10 +1,13 @@
 //! Reads SHOT.json.
 
+use super::Files;
+use super::files::Disk;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{self, LightKind};
 use rebounce_shared::mix;
 use rebounce_shared::shot::Shot;
 use serde_json::Value;
+use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Largest width or height of a picture.
@@ -36,8 +39,17 @@ pub enum ShotError {
 /// # Errors
 /// [`ShotError`].
 pub fn read(path: &Path) -> Result<Shot, ShotError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|source| ShotError::Read { path: path.to_owned(), source })?;
+    read_from(&Disk, path)
+}
+
+/// As [`read`], from any source of files.
+///
+/// # Errors
+/// [`ShotError`].
+pub fn read_from(files: &dyn Files, path: &Path) -> Result<Shot, ShotError> {
+    let utf8 = |bytes| String::from_utf8(bytes).map_err(|error| Error::new(ErrorKind::InvalidData, error));
+    let text = files.read(path).and_then(utf8);
+    let text = text.map_err(|source| ShotError::Read { path: path.to_owned(), source })?;
     parse(&text).map_err(|problem| ShotError::Invalid { path: path.to_owned(), problem })
 }
 

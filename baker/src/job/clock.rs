@@ -25,10 +25,20 @@ pub fn processor() -> Duration {
 #[cfg(target_arch = "wasm32")]
 static CLOCK: std::sync::OnceLock<fn() -> Duration> = std::sync::OnceLock::new();
 
+/// Clock of the processor time of all threads.
+#[cfg(target_arch = "wasm32")]
+static PROCESSOR: std::sync::OnceLock<fn() -> Duration> = std::sync::OnceLock::new();
+
 /// Sets the clock, which the platform itself lacks. Only the first call has an effect.
 #[cfg(target_arch = "wasm32")]
 pub fn set(clock: fn() -> Duration) {
     let _ = CLOCK.set(clock);
+}
+
+/// Sets the clock of the processor time of all threads. Only the first call has an effect.
+#[cfg(target_arch = "wasm32")]
+pub fn set_processor(clock: fn() -> Duration) {
+    let _ = PROCESSOR.set(clock);
 }
 
 /// Returns the wall-clock time.
@@ -37,8 +47,8 @@ pub fn wall() -> Duration {
     CLOCK.get().map_or(Duration::ZERO, |clock| clock())
 }
 
-/// Returns the processor time: of one thread, the wall-clock time.
+/// Returns the processor time: without a clock of it that of one thread, the wall-clock time.
 #[cfg(target_arch = "wasm32")]
 pub fn processor() -> Duration {
-    wall()
+    PROCESSOR.get().map_or_else(wall, |clock| clock())
 }

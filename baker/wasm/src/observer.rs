@@ -1,23 +1,7 @@
 //! Progress and previews of a bake, on their way to the page.
 
-use super::worker::Host;
+use super::host::with_host;
 use rebounce::bake::{Observer, Preview, Progress};
-use std::cell::RefCell;
-
-thread_local! {
-    /// What this worker reports to: an observer is `Sync`, JavaScript's objects are not.
-    static HOST: RefCell<Option<Host>> = const { RefCell::new(None) };
-}
-
-/// Sets what this worker reports to.
-pub fn set_host(host: Host) {
-    HOST.with_borrow_mut(|place| *place = Some(host));
-}
-
-/// Calls `tell` with what this worker reports to.
-pub fn with_host(tell: impl FnOnce(&Host)) {
-    HOST.with_borrow(|host| host.as_ref().map(tell));
-}
 
 /// Reports to the page.
 pub struct PageObserver {

@@ -1,50 +1,15 @@
-//! A bake in one worker.
+//! A bake of a page in one worker.
 
-use super::observer::{PageObserver, set_host, with_host};
+use super::host::{Host, check_memory, set_host};
+use super::observer::PageObserver;
 use super::options::PageOptions;
 use super::workers::Workers;
 use js_sys::Uint8Array;
-use rebounce::bake::{BakeError, BakeSettings, Baker, budget};
+use rebounce::bake::{BakeError, Baker};
 use rebounce::io::files::Memory;
 use rebounce::io::{LoadOptions, load_from};
-use rebounce::job::clock;
-use rebounce::scene::Scene;
 use std::path::Path;
-use std::time::Duration;
 use wasm_bindgen::prelude::*;
-
-/// Most bytes of memory of a worker, by the estimate.
-const MOST_MEMORY: u64 = 2_000_000_000;
-
-#[wasm_bindgen]
-extern "C" {
-    /// What the worker's JavaScript does for the bake: `Host` of `web/src/bake/host.ts`.
-    pub type Host;
-
-    /// Milliseconds of a clock.
-    #[wasm_bindgen(method)]
-    fn now(this: &Host) -> f64;
-
-    /// Reports a stage, the share of the bake's time that has passed, and the seconds left.
-    #[wasm_bindgen(method)]
-    pub fn progress(this: &Host, stage: &str, ratio: f64, seconds_left: f64);
-
-    /// Hands over a preview: a .rbn file.
-    #[wasm_bindgen(method)]
-    pub fn preview(this: &Host, file: Uint8Array);
-
-    /// Tells what of the scene is left out or changed.
-    #[wasm_bindgen(method)]
-    fn warn(this: &Host, sentence: &str);
-
-    /// Tells why the next trap happens.
-    #[wasm_bindgen(method)]
-    fn panicked(this: &Host, why: &str);
-
-    /// Sends to the first worker and to all workers; returns what was sent here: two arrays of `Uint8Array`s, by worker.
-    #[wasm_bindgen(method, catch)]
-    pub async fn exchange(this: &Host, to_first: Uint8Array, to_all: Uint8Array) -> Result<JsValue, JsValue>;
-}
 
 /// Result of a bake.
 #[wasm_bindgen]
@@ -89,20 +54,6 @@ impl SceneFiles {
     }
 }
 
-/// Refuses a scene that needs more memory than a worker has.
-fn check_memory(scene: &Scene, settings: &BakeSettings, path: &str) -> Result<(), String> {
-    let needed = budget::memory(scene, settings);
-    if needed <= MOST_MEMORY {
-        return Ok(());
-    }
-    Err(format!(
-        "{path} needs about {:.1} GB of memory in each worker, more than the {:.0} GB that pages may use: {}; simplify that, choose a coarser preset, or bake with the command rebounce",
-        needed as f64 * 1e-9,
-        MOST_MEMORY as f64 * 1e-9,
-        budget::largest_in_memory(scene)
-    ))
-}
-
 /// Bakes the scene in the file at `path` as worker `rank` of `size`. Returns the file on worker 0, nothing on the others.
 ///
 /// # Errors
@@ -116,21 +67,14 @@ pub async fn bake(
     rank: usize,
     size: usize,
 ) -> Result<Option<BakedFile>, JsError> {
-    let report_to: &JsValue = host.as_ref();
-    set_host(report_to.clone().unchecked_into());
-    std::panic::set_hook(Box::new(|info| with_host(|host| host.panicked(&info.to_string()))));
-    clock::set(|| {
-        let mut now = Duration::ZERO;
-        with_host(|host| now = Duration::from_secs_f64(host.now() * 1e-3));
-        now
-    });
+    set_host(&host);
     let options = PageOptions::read(&options).map_err(|error| JsError::new(&error))?;
     let settings = options.settings().map_err(|error| JsError::new(&error))?;
     let scene = load_from(&files.files, Path::new(&path), &LoadOptions::default())?;
     drop(files);
     scene.left_out.iter().for_each(|problem| host.warn(&format!("left out: {problem}")));
     scene.notes.iter().for_each(|note| host.warn(note));
-    check_memory(&scene, &settings, &path).map_err(|error| JsError::new(&error))?;
+    check_memory(&scene, &settings, &path, "pages").map_err(|error| JsError::new(&error))?;
     let workers = Workers { host: &host, rank, size };
     let observer = PageObserver { wants_previews: options.previews };
     let baked = Baker::new(&settings).observer(&observer).communicator(&workers).bake_async(&scene).await?;

@@ -1,6 +1,6 @@
 //! Communicator over the workers of a page: messages by `postMessage`, awaited.
 
-use super::worker::Host;
+use super::host::Host;
 use js_sys::{Array, Uint8Array};
 use rebounce::job::communicator::{Communicator, Exchange, Received};
 use rebounce::job::watch::{Stopped, Watch};

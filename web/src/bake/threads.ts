@@ -1,12 +1,11 @@
 /** Workers: of a browser, or of Node.js. */
 
-import type { Start, Told } from "./messages.js";
 import { IS_NODE, nodeModule } from "./node.js";
 
-/** A running worker. */
-export interface Thread {
+/** A running worker, which is sent an `S` to start. */
+export interface Thread<S> {
   /** Sends the start; hands over the ports. */
-  post(message: Start, ports: MessagePort[]): void;
+  post(message: S, ports: MessagePort[]): void;
   /** Ends the worker at once. */
   stop(): void;
 }
@@ -26,7 +25,7 @@ export async function cores(): Promise<number> {
 }
 
 /** Starts a worker. `told` receives its messages, `died` the reason of its early end. */
-export async function startThread(told: (message: Told) => void, died: (why: string) => void): Promise<Thread> {
+export async function startThread<S, T>(told: (message: T) => void, died: (why: string) => void): Promise<Thread<S>> {
   if (IS_NODE) {
     const { Worker } = await nodeModule<{ Worker: new (url: URL) => NodeWorker }>("node:worker_threads");
     const worker = new Worker(new URL("bake-worker.js", import.meta.url));
@@ -37,7 +36,7 @@ export async function startThread(told: (message: Told) => void, died: (why: str
   }
   const url = new URL("bake-worker.js", import.meta.url);
   const worker = url.origin === location.origin ? new Worker(new URL("bake-worker.js", import.meta.url), { type: "module" }) : foreign(url);
-  worker.onmessage = ({ data }: MessageEvent<Told>) => told(data);
+  worker.onmessage = ({ data }: MessageEvent<T>) => told(data);
   worker.onerror = (event) => died(event.message || "its program could not be loaded");
   worker.onmessageerror = () => died("a message could not be read");
   return { post: (message, ports) => worker.postMessage(message, ports), stop: () => worker.terminate() };

@@ -1,12 +1,12 @@
 //! `rebounce bake --target-error`: compares every bake with a path-traced reference; a finer bake follows if needed.
 
-use crate::escape::escape_controls;
 use crate::picture::{Rows, shot_or_own};
 use anyhow::{Context, Result};
 use rebounce::bake::aim::is_worth_another;
 use rebounce::bake::judge::{Judge, Worst};
 use rebounce::scene::{Scene, emissive_groups};
 use rebounce::verify::compare::uncertainty::{Answer, ErrorEstimate};
+use rebounce_args::escape::escape_controls;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::shot::Shot;
 

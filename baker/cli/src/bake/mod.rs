@@ -1,32 +1,32 @@
 //! `rebounce bake`: a scene in, a .rbn file out.
 //!
-//! * `args` – arguments; `plan` – settings and checkpoint; `tries` – bakes, until `aim` finds the error within the
+//! * `checkpoint` – the file to resume from; `tries` – bakes, until `aim` finds the error within the
 //!   target; `observers` – progress, previews and signals.
 
 mod aim;
-mod args;
+mod checkpoint;
 mod observers;
-mod plan;
 mod tries;
-
-pub use args::BakeArgs;
 
 use super::TOO_NOISY;
 use super::communicator::with_communicator;
-use super::escape::escape_controls;
-use super::load::warn;
+use super::load::{note, warn};
 use super::picture::set_threads;
 use super::progress::{Display, Unfinished};
 use super::stop::Stop;
-use super::view::PREVIEW;
 use aim::{Aim, shot_for};
 use anyhow::{Context, Result, ensure};
+use checkpoint::open_checkpoint;
 use cpu_time::ProcessTime;
 use observers::{Follower, Watcher};
-use plan::{Plan, open_checkpoint};
 use rebounce::bake::{BakeError, BakeReport, Baker, Checkpoint};
+use rebounce::io::files::Disk;
 use rebounce::job::communicator::Communicator;
 use rebounce::scene::{self, Scene};
+use rebounce_args::bake::BakeArgs;
+use rebounce_args::escape::escape_controls;
+use rebounce_args::paths::DiskPlaces;
+use rebounce_args::plan::Plan;
 use std::process::ExitCode;
 use std::sync::{Arc, Once};
 use std::time::Instant;
@@ -44,11 +44,11 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
             "--target-error bakes several times and measures in between, which is for one process: give several a --preset"
         );
         if communicator.rank() != 0 {
-            return follow(args, &args.scene()?, communicator);
+            return follow(args, &args.scene(&Disk, &mut |_| ())?, communicator);
         }
         // Until the scene is loaded, signals end the process at once.
-        let loaded = args.check().and_then(|()| args.scene());
-        let done = loaded.and_then(|scene| lead(args, &scene, communicator));
+        let loaded = args.check(&DiskPlaces).and_then(|()| args.scene(&Disk, &mut note)).map_err(Into::into);
+        let done = loaded.and_then(|scene: Scene| lead(args, &scene, communicator));
         if let Some(error) = done.as_ref().err().filter(|_| args.json_progress) {
             Unfinished::Failed { error: escape_controls(&crate::sentence(error)).into_owned() }.print();
         }
@@ -59,7 +59,7 @@ pub fn run(args: &BakeArgs) -> Result<ExitCode> {
 /// Work of a process other than the first: bakes, and leaves files and messages to the first process.
 fn follow(args: &BakeArgs, scene: &Scene, communicator: &dyn Communicator) -> Result<u8> {
     let stop = Stop::install(|| ()).context("setting up signals")?;
-    let shot = args.shot()?;
+    let shot = args.shot(&Disk)?;
     let settings = Plan::asked_for(args, scene, shot.as_ref().map(|shot| &shot.camera))?.settings;
     match Baker::new(&settings).observer(&Follower(stop.clone())).communicator(communicator).bake(scene) {
         Ok(_) => Ok(0),
@@ -75,7 +75,7 @@ fn lead(args: &BakeArgs, scene: &Scene, communicator: &dyn Communicator) -> Resu
     if let Some(far) = scene::outliers::far_away(scene) {
         eprintln!("warning: {}", escape_controls(&far));
     }
-    let given = args.shot()?;
+    let given = args.shot(&Disk)?;
     let camera = given.as_ref().map(|shot| shot.camera.clone());
     let shot = match args.target_error {
         Some(_) => shot_for(given, &args.scene, scene)?,
@@ -92,7 +92,7 @@ fn lead(args: &BakeArgs, scene: &Scene, communicator: &dyn Communicator) -> Resu
     let (checkpoint, first) = open_checkpoint(args, &output, scene, &plans)?;
     let last_words = last_words(&checkpoint, communicator, args.json_progress);
     let stop = Stop::install(last_words.clone()).context("setting up signals")?;
-    let previews = args.preview.then(|| output.with_extension(PREVIEW));
+    let previews = args.preview_output();
     let watcher = Watcher { display: Display::new(args.json_progress), stop, previews };
     let (began, processors) = (Instant::now(), ProcessTime::now());
     let mut tries = Tries { args, scene, communicator, watcher, output, aim, written: None };

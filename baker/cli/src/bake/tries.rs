@@ -1,15 +1,15 @@
 //! The bakes of a command, in sequence until the error is within the target; the output is the best bake.
 
 use super::aim::{Aim, Outcome, StopReason};
-use super::args::BakeArgs;
 use super::observers::Watcher;
-use super::plan::Plan;
+use crate::load::note;
 use anyhow::{Context, Result};
-use rebounce::bake::budget::{self, Thinned};
 use rebounce::bake::{BakeError, BakeReport, Baker, Checkpoint, Identity};
 use rebounce::io::write::write_whole;
 use rebounce::job::communicator::Communicator;
 use rebounce::scene::Scene;
+use rebounce_args::bake::BakeArgs;
+use rebounce_args::plan::{Plan, thin};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::rbn::container;
 use std::path::PathBuf;
@@ -76,7 +76,7 @@ impl Tries<'_> {
                     return Err(error).context(self.args.scene.clone());
                 }
             };
-            let thinned = self.thin(&mut baked)?;
+            let thinned = thin(self.args, &mut baked, &mut note)?;
             let last = match (plan.fewer.is_some() || thinned.is_some(), number + 1 == plans.len()) {
                 (true, _) => StopReason::Budget,
                 (false, true) => StopReason::Finest,
@@ -111,27 +111,17 @@ impl Tries<'_> {
 
     fn bake(
         &self,
-        Plan { settings, fewer }: &Plan,
+        plan: &Plan,
         checkpoint: &Checkpoint,
     ) -> Result<Option<(BakedScene, BakeReport)>, BakeError> {
-        if let Some(functions) = fewer {
-            eprintln!("note: about {functions} functions on the finest level, to keep within the budget");
+        if let Some(sentence) = plan.note() {
+            note(&sentence);
         }
-        Baker::new(settings)
+        Baker::new(&plan.settings)
             .observer(&self.watcher)
             .checkpoint(Some(checkpoint))
             .communicator(self.communicator)
             .bake(self.scene)
-    }
-
-    /// Removes links until the file is within `--max-bytes`.
-    fn thin(&self, baked: &mut BakedScene) -> Result<Option<Thinned>> {
-        let Some(bytes) = self.args.max_bytes else { return Ok(None) };
-        let thinned = budget::fit(baked, bytes).with_context(|| self.args.scene.clone())?;
-        if let Some(Thinned { before, after }) = thinned {
-            eprintln!("note: {after} of {before} links are left, to keep within the budget");
-        }
-        Ok(thinned)
     }
 
     /// Compares the bake's error with the target, and adds the error to `report`.

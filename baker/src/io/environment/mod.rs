@@ -11,6 +11,8 @@ mod hdr;
 mod jpeg_segments;
 mod ultra_hdr;
 
+use super::Files;
+use super::files::Disk;
 use glam::Vec3;
 use rebounce_shared::environment::Environment;
 use std::path::{Path, PathBuf};
@@ -125,8 +127,16 @@ pub enum EnvironmentError {
 /// # Errors
 /// [`EnvironmentError`].
 pub fn read(path: &Path) -> Result<(Environment, Vec<String>), EnvironmentError> {
+    read_from(&Disk, path)
+}
+
+/// As [`read`], from any source of files.
+///
+/// # Errors
+/// [`EnvironmentError`].
+pub fn read_from(files: &dyn Files, path: &Path) -> Result<(Environment, Vec<String>), EnvironmentError> {
     let bytes =
-        std::fs::read(path).map_err(|source| EnvironmentError::Read { path: path.to_owned(), source })?;
+        files.read(path).map_err(|source| EnvironmentError::Read { path: path.to_owned(), source })?;
     decode(&bytes, &path.display().to_string())
 }
 

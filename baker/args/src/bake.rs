@@ -1,20 +1,23 @@
 //! The arguments of `rebounce bake`.
 
+use crate::error::ArgsError;
 use crate::layout::{ADVANCED, LayoutArgs, PresetName};
 use crate::load::LoadArgs;
 use crate::number;
-use crate::paths::{check_paths, output_of};
-use anyhow::Result;
+use crate::paths::{Places, check_paths};
 use clap::Args;
 use rebounce::bake::{BakeSettings, Preset, budget};
-use rebounce::io::shot;
+use rebounce::io::{Files, shot};
+use rebounce::scene::Scene;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::shot::Shot;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Maximum rays per receiver: over a second of work per receiver.
 const MOST_RAYS: i64 = 1 << 20;
+/// Ending of the file with the previews of a bake.
+pub const PREVIEW: &str = "preview.rbn";
 /// Headings of the help.
 const QUALITY: &str = "Quality";
 
@@ -48,10 +51,10 @@ pub struct BakeArgs {
     /// The built-in scenes are builtin:cornell-box, builtin:apartment, builtin:gallery, builtin:library,
     /// builtin:theatre, builtin:two-rooms-door, builtin:two-rooms, builtin:arcade, builtin:corridor, builtin:attic and
     /// builtin:furnace.
-    pub(super) scene: String,
+    pub scene: String,
     /// Where to write; SCENE.rbn in the working folder when absent
     #[arg(short, long, value_name = "FILE.rbn")]
-    output: Option<PathBuf>,
+    pub output: Option<PathBuf>,
     /// How good and how costly
     #[arg(long, value_enum, default_value = "standard")]
     preset: PresetName,
@@ -60,13 +63,13 @@ pub struct BakeArgs {
     /// The error of the bounced light is measured in the view of --shot, or of the scene's own camera and lights. Where
     /// there is neither, the coarsest preset that is made for the error is taken.
     #[arg(long, value_name = "ERROR", value_parser = number::over_zero, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
-    pub(super) target_error: Option<f64>,
+    pub target_error: Option<f64>,
     /// A camera to bake for, and the view of --target-error (docs/guide/shot.md)
     ///
     /// Points are placed for this camera besides the scene's own. --target-error is measured with its camera and lights,
     /// with the scene's own when absent.
     #[arg(long, value_name = "SHOT.json")]
-    pub(super) shot: Option<PathBuf>,
+    pub shot: Option<PathBuf>,
     /// A place within the room that matters, in the scene's units
     ///
     /// What is seen from there, and what lights that, gets functions, in large open scenes most near by. The option may be
@@ -78,19 +81,20 @@ pub struct BakeArgs {
     ///
     /// The bake takes fewer functions, then fewer links.
     #[arg(long, value_name = "BYTES", value_parser = number::bytes)]
-    pub(super) max_bytes: Option<u64>,
+    pub max_bytes: Option<u64>,
     /// Writes FILE.preview.rbn early and ever finer, for `rebounce view --watch`
     #[arg(long)]
-    pub(super) preview: bool,
+    pub preview: bool,
     /// Goes on with a bake that was stopped or killed: the same scene, settings and output
     #[arg(long)]
-    pub(super) resume: bool,
+    pub resume: bool,
 
+    /// How the scene is loaded.
     #[command(flatten)]
-    pub(super) load: LoadArgs,
+    pub load: LoadArgs,
     /// Leaves out the light of the sky and of shining surfaces, which are then only shown
     #[arg(long, help_heading = QUALITY, hide_short_help = true)]
-    pub(super) no_sources: bool,
+    pub no_sources: bool,
 
     /// About how many functions the finest level has, as in 25K; the preset's when absent
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = |text: &str| number::count(text, MAX_POINTS))]
@@ -100,7 +104,7 @@ pub struct BakeArgs {
     rays: Option<Vec<u32>>,
     /// Bounces of light; all that matter when absent
     #[arg(long, help_heading = QUALITY, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
-    pub(super) bounces: Option<u32>,
+    pub bounces: Option<u32>,
     /// The weakest link that is kept, as a share of the light that the scene's surfaces reflect
     ///
     /// A link says how much light one part of a surface gives another. The light of a weaker link is added to a stronger one
@@ -116,17 +120,17 @@ pub struct BakeArgs {
 
     /// Most bytes of memory, about, as in 2G: the bake takes fewer functions
     #[arg(long, help_heading = "Limits", hide_short_help = true, value_name = "BYTES", value_parser = number::bytes)]
-    pub(super) max_memory: Option<u64>,
+    pub max_memory: Option<u64>,
     /// Threads; all cores when absent
     #[arg(long, help_heading = "Limits", hide_short_help = true)]
-    pub(super) threads: Option<usize>,
+    pub threads: Option<usize>,
 
     /// Prints progress as JSON, one object a line, on standard output, and no summary
     #[arg(long, help_heading = "Reports", hide_short_help = true)]
-    pub(super) json_progress: bool,
+    pub json_progress: bool,
     /// Writes the figures of the closing summary as JSON
     #[arg(long, help_heading = "Reports", hide_short_help = true, value_name = "FILE.json")]
-    pub(super) report: Option<PathBuf>,
+    pub report: Option<PathBuf>,
 
     /// Levels of senders, the coarsest ones
     #[arg(long, help_heading = ADVANCED, hide_short_help = true)]
@@ -142,9 +146,12 @@ pub struct BakeArgs {
 }
 
 impl BakeArgs {
-    /// Loads the scene.
-    pub(super) fn scene(&self) -> Result<rebounce::scene::Scene> {
-        let mut scene = self.load.load(&self.scene)?;
+    /// Loads the scene. `note` receives sentences about what is worth knowing.
+    ///
+    /// # Errors
+    /// The problem in the scene's file or in the environment.
+    pub fn scene(&self, files: &dyn Files, note: &mut dyn FnMut(&str)) -> Result<Scene, ArgsError> {
+        let mut scene = self.load.load(files, &self.scene, note)?;
         scene.emission_is_shown_only = self.no_sources;
         Ok(scene)
     }
@@ -152,15 +159,18 @@ impl BakeArgs {
     /// Checks the paths before long work: the outputs can be written, and overwrite no input.
     ///
     /// # Errors
-    /// A message about the problem.
-    pub(super) fn check(&self) -> Result<()> {
-        check_paths(&self.scene, self.shot.as_deref(), &self.output(), self.report.as_deref())
+    /// The problem.
+    pub fn check(&self, places: &dyn Places) -> Result<(), ArgsError> {
+        check_paths(places, &self.scene, self.shot.as_deref(), &self.output(), self.report.as_deref())
     }
 
     /// Returns the preset of `--preset`, or the preset for `--target-error`.
-    pub(super) fn preset(&self) -> Result<Preset> {
+    ///
+    /// # Errors
+    /// If no preset is made for the error.
+    pub fn preset(&self) -> Result<Preset, ArgsError> {
         Ok(match (self.target_error, self.preset) {
-            (Some(error), _) => budget::preset_for(error)?,
+            (Some(error), _) => budget::preset_for(error).map_err(ArgsError::Target)?,
             (None, preset) => preset.into(),
         })
     }
@@ -169,12 +179,12 @@ impl BakeArgs {
     ///
     /// # Errors
     /// If the file cannot be read.
-    pub(super) fn shot(&self) -> Result<Option<Shot>> {
-        Ok(self.shot.as_deref().map(shot::read).transpose()?)
+    pub fn shot(&self, files: &dyn Files) -> Result<Option<Shot>, ArgsError> {
+        Ok(self.shot.as_deref().map(|path| shot::read_from(files, path)).transpose()?)
     }
 
     /// Returns the preset's settings with the overrides of the arguments; points are placed for `camera`, too.
-    pub(super) fn settings(&self, preset: Preset, camera: Option<&Camera>) -> BakeSettings {
+    pub fn settings(&self, preset: Preset, camera: Option<&Camera>) -> BakeSettings {
         let mut s = BakeSettings::new(preset);
         fn set<T: Clone>(value: &mut T, given: &Option<T>) {
             if let Some(given) = given {
@@ -196,8 +206,19 @@ impl BakeArgs {
         s
     }
 
+    /// Path of the previews of `--preview`.
+    pub fn preview_output(&self) -> Option<PathBuf> {
+        self.preview.then(|| self.output().with_extension(PREVIEW))
+    }
+
     /// Path of the output file.
-    pub(super) fn output(&self) -> PathBuf {
+    pub fn output(&self) -> PathBuf {
         output_of(&self.scene, self.output.as_deref())
     }
+}
+
+/// Returns the path of the baked file: the `given` one, or the scene's name with .rbn in the working folder.
+pub fn output_of(scene: &str, given: Option<&Path>) -> PathBuf {
+    let name = || PathBuf::from(scene.rsplit([':', '/', '\\']).next().unwrap_or("scene"));
+    given.map_or_else(|| name().with_extension("rbn"), Path::to_owned)
 }

@@ -1,6 +1,6 @@
 //! Arguments that `bake` and `solve` share: preset and layout of the functions.
 
-use super::number;
+use crate::number;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use rebounce::bake::{BakeSettings, Preset};
@@ -13,6 +13,7 @@ pub const ADVANCED: &str = "Advanced: how functions are laid out";
 /// Range of support radius over disk radius: under 1, functions leave gaps; beyond 4, hundreds of functions overlap.
 const OVERLAPS: RangeInclusive<f32> = 1.0..=4.0;
 
+/// Name of a preset.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum PresetName {
     /// To look at while arranging a scene: error under 0.15 against a path tracer in most scenes, in seconds

@@ -1,10 +1,10 @@
 //! Light from infinitely far, given on the command line: an environment's picture, or a daylight sky.
 
-use super::number;
-use anyhow::{Result, ensure};
+use crate::error::ArgsError;
+use crate::number;
 use clap::Args;
 use glam::Vec3;
-use rebounce::io::environment;
+use rebounce::io::{Files, environment};
 use rebounce::scene::Scene;
 use rebounce_shared::environment::daylight::{sky, sun_direction};
 use rebounce_shared::light::{Light, LightKind};
@@ -39,16 +39,22 @@ pub struct SkyArgs {
 }
 
 impl SkyArgs {
-    /// Adds the light to a scene; in place of an environment of the scene's own.
+    /// Adds the light to a scene; in place of an environment of the scene's own. `note` receives sentences about the
+    /// picture.
     ///
     /// # Errors
     /// The problem in the picture.
-    pub fn add_to(&self, scene: &mut Scene) -> Result<()> {
+    pub fn add_to(
+        &self,
+        scene: &mut Scene,
+        files: &dyn Files,
+        note: &mut dyn FnMut(&str),
+    ) -> Result<(), ArgsError> {
         let color = [1.0; 3];
         let (environment, intensity, rotation_deg, sun) = match (&self.environment, self.sky) {
             (Some(file), _) => {
-                let (environment, notes) = environment::read(file)?;
-                notes.iter().for_each(|note| eprintln!("note: {note}"));
+                let (environment, notes) = environment::read_from(files, file)?;
+                notes.iter().for_each(|sentence| note(sentence));
                 (environment, self.environment_intensity, self.environment_rotation, None)
             }
             (None, Some([latitude, day, hour])) => {
@@ -64,7 +70,9 @@ impl SkyArgs {
             }
             (None, None) => return Ok(()),
         };
-        ensure!(environment.pixels.iter().any(|pixel| *pixel != Vec3::ZERO), "the environment is black");
+        if environment.pixels.iter().all(|pixel| *pixel == Vec3::ZERO) {
+            return Err(ArgsError::Black);
+        }
         scene.light_names.resize(scene.lights.len(), String::new());
         let lights =
             std::mem::take(&mut scene.lights).into_iter().zip(std::mem::take(&mut scene.light_names));
