@@ -15,7 +15,7 @@ export function rotunda() {
   const niche = ["#b8402f", "#2f6d8c", "#c98f2e", "#4f7d4a"].map((colour, i) => model.material(`Niche ${i + 1}`, colour));
   const tiles = ["#c9a27e", "#8e4a34", "#e2d3b8"].map((colour, i) => model.material(`Floor ${i + 1}`, colour, { roughness: 0.5 }));
   const marble = model.material("Columns", "#ece4d6", { roughness: 0.6 });
-  const disc = (inner, outer, y) => lathe([[outer, y], [inner, y]], { steps: 60, sharp: true });
+  const disc = (inner, outer, y) => lathe([[outer, y], [inner, y]], { steps: 48, sharp: true });
   model.add("Floor",
     [tiles[0], joined(disc(2.9, R + 1.2, 0), disc(0.75, 2.1, 0))],
     [tiles[1], joined(disc(2.6, 2.9, 0), disc(2.1, 2.25, 0), disc(0.0001, 0.55, 0))],
@@ -52,7 +52,7 @@ export function rotunda() {
   model.add("Cornice", [marble, inward(lathe(cornice, { steps: 60, sharp: true }))]);
   const column = joined(
     placed(box([-0.2, 0, -0.2], [0.2, 0.12, 0.2], "-y"), {}),
-    lathe([[0.18, 0.12], [0.18, 0.18], [0.145, 0.22], [0.14, 1.2], [0.12, 2.62], [0.16, 2.7], [0.19, 2.8]], { steps: 12 }),
+    lathe([[0.18, 0.12], [0.145, 0.22], [0.14, 1.2], [0.12, 2.62], [0.16, 2.7], [0.19, 2.8]], { steps: 12 }),
     placed(box([-0.2, 2.8, -0.2], [0.2, 2.94, 0.2]), {}),
   );
   model.add("Columns", [marble, joined(Array.from({ length: 8 }, (_, i) => placed(column, { at: at(45 * i, R - 0.24, 0), turn: -45 * i })))]);
@@ -91,8 +91,12 @@ export function rotunda() {
   model.add("Dome", [plaster, joined(ribs)], [coffer, joined(fields)]);
   const [eye, up] = [R * Math.cos(radians(EYE)), WALL + R * Math.sin(radians(EYE))];
   model.add("Eye", [marble, lathe([[eye - 0.03, up + 0.25], [eye - 0.03, up - 0.03], [eye + 0.12, up - 0.03]], { steps: 48, sharp: true })]);
+  // A second shell, unseen, keeps the sun from shining in where the coffers' edges meet.
+  const around = Array.from({ length: 6 }, (_, i) => radians((EYE * (i + 0.5)) / 6));
+  const outside = [[R + 1.3, -0.05], [R + 1.3, WALL + 0.1], ...around.map((a) => [(R + 0.45) * Math.cos(a), WALL + (R + 0.45) * Math.sin(a)]), [(eye - 0.03) / Math.cos(radians(180 / 24)), up + 0.25]];
+  model.add("Outer shell", [plaster, inward(lathe(outside, { steps: 24 }))]);
   model.add("Bench", [marble, joined([0, 180].map((turn) => placed(placed(cushion([1.4, 0.42, 0.5], 0.04), { at: [0, 0, 1.5] }), { turn: turn + 55 })))]);
-  model.light("Sun", "directional", { at: [2, 12, 2], to: [2 + 0.42, 12 - 0.83, 2 - 0.36], intensity: 48, colour: "#fff0d8" });
+  model.light("Sun", "directional", { at: [2, 12, 2], to: [2 + 0.42, 12 - 0.83, 2 - 0.36], intensity: 36, colour: "#fff0d8" });
   model.sky({ nits: 3, zenith: "#4c86d8", horizon: "#cfe0f2", ground: "#b7a98f", sun: [-0.42, 0.83, 0.36] });
   model.light("Lamp", "point", { at: [0, 2.6, 0], intensity: 2, colour: "#ffd6a0" });
   model.camera("From the entrance", { at: [-1.2, 1.5, 3.6], to: [0.35, 2.75, -2.2], yfov_deg: 74 });
