@@ -9,6 +9,7 @@ import { promisify } from "node:util";
 import { within } from "./browser.mjs";
 import { block } from "./guide.mjs";
 import { check, equal, same } from "./harness.mjs";
+import { bakeDamaged } from "./hostile.mjs";
 
 /** Few functions, so that a bake takes seconds. */
 const SMALL = ["--preset", "draft", "--functions", "1500"];
@@ -207,6 +208,14 @@ export async function commandTests(harness, { work, rebounce, command, native, v
       const stop = new AbortController();
       equal(await refused({ functions: 50_000, signal: stop.signal, onProgress: () => stop.abort(why) }), why, "the reason, while baking");
     }
+  });
+
+  await harness.test("command::damaged_scenes_come_to_the_same_with_both_programs", async () => {
+    const [{ bake }, { bake: bakeInPage }] = await Promise.all(
+      ["rebounce-cli/dist/index.js", "rebounce-viewer/dist/bake.js"].map((file) => import(pathToFileURL(path.join(folder, "node_modules", file)).href)),
+    );
+    const { refused, count } = await bakeDamaged({ bake, bakeInPage, rebounce, work: path.join(work, "hostile"), copies: 4, seed: 1 });
+    check(refused > 0 && refused < count, `${refused} of ${count} are refused`);
   });
 
   await harness.test("command::the_vite_app_of_the_guide_bakes_once_and_shows_the_scene", async () => {

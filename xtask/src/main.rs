@@ -77,8 +77,9 @@ cargo xtask light-kinds
                      writes the kinds of light and their fields for the page: web/src/wire/light-kinds.ts
 cargo xtask audit [--offline]
                      vulnerabilities, licences, doubled versions and sources of all dependencies
-cargo xtask damage [--files N] [--seed S]
-                     opens damaged files in headless Chromium: each is refused or gives a picture; 2,000 when absent
+cargo xtask damage [--files N | --scenes N] [--seed S]
+                     opens damaged files in headless Chromium: each is refused or gives a picture; 2,000 when absent.
+                     --scenes: bakes N damaged copies of each scene with the native program and as WebAssembly: the same
 cargo xtask soak [--minutes N]
                      moves lights and camera in headless Chromium and watches memory; an hour when absent
 cargo xtask kill-bake [--times N] [--each] [--scene SCENE] [-- OPTIONS OF THE BAKE]
