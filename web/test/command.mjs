@@ -178,6 +178,10 @@ export async function commandTests(harness, { work, rebounce, command, native, v
     equal(baked.code, 0, baked.stderr);
     check(/^\d+%, .*, \d+ s left$/m.test(baked.stdout) && /^\d+ functions, \d+ links$/m.test(baked.stdout), baked.stdout);
     check(bytes.equals(await readFile(path.join(folder, "room.rbn"))), "other bytes");
+    // The package of the viewer bakes in Node.js, too.
+    await writeFile(path.join(folder, "node.mjs"), await block("in-the-page.md", "node.mjs"));
+    await tools.exec(process.execPath, ["node.mjs"], { cwd: folder });
+    check((await expected(["--preset", "draft"])).equals(await readFile(path.join(folder, "room.rbn"))), "other bytes with the viewer's package");
     const { code, stderr } = await ended(process.execPath, ["optimise.mjs"], { cwd: folder });
     equal(code, 0, stderr);
     const { stdout } = await tools.exec(rebounce, ["info", "optimised.rbn"], { cwd: folder });

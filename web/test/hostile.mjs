@@ -90,7 +90,9 @@ export async function bakeDamaged({ bake, bakeInPage, rebounce, work, copies, se
       const inPage = await bakeInPage(bytes, { preset: "draft", functions: 60, workers: 1, name }).then(() => "", ({ message }) => message);
       for (const message of [asWasm.message ?? "", inPage]) check(!FAULT.test(message), `${which}: ${message}`);
       equal(inPage === "", asWasm.message === undefined, `${which}: whether a page bakes it (${inPage})`);
-      equal(asWasm.message, natively.message, `${which}: what is said`);
+      // A number beyond 32 bits is refused there where it is read, and here where it is used.
+      const isWord = natively.message !== undefined && /expected usize/.test(asWasm.message ?? "");
+      if (!isWord) equal(asWasm.message, natively.message, `${which}: what is said`);
       check(!natively.made || natively.made.equals(asWasm.made), `${which}: other bytes`);
       refused += Number(natively.message !== undefined);
     }

@@ -20,12 +20,13 @@ const POLICY =
   "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; " +
   "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/** Starts to serve a folder; port 0: any that is free. Gives the address, and a way to end. */
-export async function serveFolder(folder, port = 0) {
+/** Starts to serve a folder, under the strict policy unless `policy` is false; port 0: any that is free. Gives the address, and a way to end. */
+export async function serveFolder(folder, port = 0, { policy = true } = {}) {
   const root = path.resolve(folder);
   const server = createServer(async (request, response) => {
     const host = `127.0.0.1:${server.address().port}`;
-    response.setHeader("content-security-policy", POLICY).setHeader("x-content-type-options", "nosniff");
+    if (policy) response.setHeader("content-security-policy", POLICY);
+    response.setHeader("x-content-type-options", "nosniff");
     // Another name for this machine would let a foreign page read the files.
     if (request.headers.host !== host) return response.writeHead(403).end();
     const file = inside(root, request.url);
