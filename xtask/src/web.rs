@@ -133,7 +133,7 @@ pub fn lean(cargo: &mut Command) -> &mut Command {
 pub fn npm() -> Result<()> {
     packages(
         "web",
-        "the TypeScript compiler, the bundler, the minifiers, the manifest's analyzer, Playwright's driver, axe",
+        "the TypeScript compiler, the bundler, the minifiers, the manifest's analyzer, a glTF writer, Playwright's driver, axe",
     )
 }
 

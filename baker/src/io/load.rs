@@ -63,7 +63,7 @@ fn builtin(spec: &str, _: &str, _: &LoadOptions) -> Result<Scene, SceneError> {
     Err(SceneError::WithoutFeature { what: spec.to_owned(), feature: "demo-scenes" })
 }
 
-/// Loads a .gltf or .glb file from any source of files: a disk ([`Disk`](super::files::Disk)), memory
+/// Loads a .gltf or .glb file from any source of files: a disk ([`Disk`]), memory
 /// ([`Memory`](super::files::Memory)). Files that the scene refers to are looked up beside the scene's file.
 ///
 /// # Errors

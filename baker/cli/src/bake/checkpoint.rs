@@ -52,7 +52,6 @@ pub fn open_checkpoint(
 mod tests {
     use super::*;
     use clap::Parser;
-    use rebounce::bake::Preset;
 
     #[derive(Parser)]
     struct CommandLine {
