@@ -122,6 +122,19 @@ export async function bakeInPage(harness, context) {
       }
     });
 
+    await harness.test("bake-in-page::what_needs_more_memory_than_a_worker_has_is_refused_before_it_is_baked", async () => {
+      const { message, stages } = await page.evaluate(
+        async ([scene]) => {
+          const stages = [];
+          const options = { functions: 1 << 24, workers: 2, onProgress: ({ stage }) => stages.push(stage) };
+          return { message: await bake(bytesOf(scene), options).then(() => "baked", (error) => error.message), stages };
+        },
+        [Buffer.from(scene).toString("base64")],
+      );
+      check(/^scene\.glb needs about \d+\.\d GB of memory in each worker, more than the 2 GB that pages may use: .*; simplify that, choose/.test(message), message);
+      equal(stages.join(), "", "what was begun");
+    });
+
     await harness.test("bake-in-page::an_abort_ends_the_bake_and_its_workers", async () => {
       await page.evaluate(countWorkers);
       const { name, workers } = await page.evaluate(
