@@ -1,5 +1,6 @@
 /** What the baker's WebAssembly calls: `Host` of baker/wasm/src/worker.rs. */
 
+import { fault } from "./fault.js";
 import type { Told } from "./messages.js";
 
 /** Messages of a worker in one exchange: to the first worker, and to all. */
@@ -51,7 +52,7 @@ export class Host {
   }
 
   panicked(why: string): void {
-    this.#failed(`the baker failed: ${why}; this is a fault of the baker: report it with the scene, if you can`);
+    this.#failed(fault(why));
   }
 
   /** Sends to the other workers, and waits for what they send in this exchange. */

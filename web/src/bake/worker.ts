@@ -1,6 +1,7 @@
 /** A worker of a bake: runs in browsers and in Node.js. */
 
 import init, { SceneFiles, bake } from "../rebounce_baker.js";
+import { faultSentence, isFault } from "./fault.js";
 import { Host } from "./host.js";
 import type { Start, Told } from "./messages.js";
 import { IS_NODE, nodeModule } from "./node.js";
@@ -11,20 +12,12 @@ interface ParentPort {
   once(event: "message", then: (message: Start) => void): void;
 }
 
-/** Bytes of memory from which a program that ends without a word has most likely asked for too much. */
-const FULL = 3 * 2 ** 30;
-
 async function run(start: Start, tell: (message: Told, transfer?: ArrayBuffer[]) => void): Promise<void> {
   const failed = (message: string): void => tell({ type: "failed", message });
   const host = new Host(start.rank, start.ports, tell, failed);
   let memory: WebAssembly.Memory | undefined;
   // What the wasm does after a pause fails outside of the call that began it.
-  const ended = (error: unknown): void =>
-    failed(
-      (memory?.buffer.byteLength ?? 0) > FULL
-        ? "the scene needs more memory than a worker of a page has, 4 GB: bake it with the command rebounce"
-        : `the baker failed: ${String(error)}; this is a fault of the baker: report it with the scene, if you can`,
-    );
+  const ended = (error: unknown): void => failed(faultSentence(error, memory, "a worker of a page", "the command rebounce"));
   globalThis.addEventListener?.("unhandledrejection", ({ reason }) => ended(reason));
   try {
     ({ memory } = await init(start.module));
@@ -35,7 +28,7 @@ async function run(start: Start, tell: (message: Told, transfer?: ArrayBuffer[])
     const file = baked.bytes;
     tell({ type: "done", file, report: baked.report }, [file.buffer as ArrayBuffer]);
   } catch (error) {
-    if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) ended(error);
+    if (isFault(error)) ended(error);
     else failed(error instanceof Error ? error.message : String(error));
   }
 }
