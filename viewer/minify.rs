@@ -157,17 +157,18 @@ fn local_names<'a>(function: &[Token<'a>], fixed: &[bool]) -> BTreeMap<&'a str, 
 }
 
 /// Minifies shaders that may be concatenated in any combination: what functions share has one new name in all of them.
-pub fn minified(sources: &[String]) -> Vec<String> {
+/// The names of the `first` sources, by how often they use them, do not depend on the others.
+pub fn minified(sources: &[String], first: usize) -> Vec<String> {
     let files: Vec<Vec<Token<'_>>> = sources.iter().map(|source| tokens(source)).collect();
     let locals: Vec<Vec<Option<String>>> = files.iter().map(|tokens| renamed_locals(tokens)).collect();
-    // Number of uses of a name, whether the name is declared, and whether the name must stay.
+    // Number of uses of a name in the first sources, whether the name is declared, and whether the name must stay.
     let mut names: BTreeMap<&str, (usize, bool, bool)> = BTreeMap::new();
-    for (tokens, locals) in files.iter().zip(&locals) {
+    for (file, (tokens, locals)) in files.iter().zip(&locals).enumerate() {
         for (i, (token, fixed)) in tokens.iter().zip(fixed(tokens)).enumerate() {
             if starts_name(token.text) && locals[i].is_none() {
                 let entry = names.entry(token.text).or_default();
                 let entry_point = fixed && i > 0 && matches!(tokens[i - 1].text, "fn" | "override");
-                *entry = (entry.0 + 1, entry.1 || declares(tokens, i), entry.2 || entry_point);
+                *entry = (entry.0 + usize::from(file < first), entry.1 || declares(tokens, i), entry.2 || entry_point);
             }
         }
     }

@@ -8,10 +8,22 @@ import path from "node:path";
 /** Modules that pages import, or that are fetched when they are first wanted: by the name of the file, the module. */
 const ENTRIES = { "rebounce-viewer": "rebounce-viewer", panel: "panel/panel", environment: "environment/download", exr: "environment/exr", sky: "environment/sky", daylight: "daylight", page: "page/page", bake: "bake", "bake-element": "bake/element", "bake-drop": "bake/drop", "bake-worker": "bake/worker" };
 
+/** Entries for three.js: apart, so that what they share with those above stays where it is. */
+const THREE = { three: "three" };
+
 /** The wasms' own modules lie beside the bundles, in whatever folder the module that imports one was. */
 const WASM = {
   name: "wasm",
-  setup: ({ onResolve }) => onResolve({ filter: /\/rebounce_(viewer|baker)\.js$/ }, ({ path: name }) => ({ path: `./${path.basename(name)}`, external: true })),
+  setup: ({ onResolve }) => onResolve({ filter: /\/rebounce_(viewer|baker|three)\.js$/ }, ({ path: name }) => ({ path: `./${path.basename(name)}`, external: true })),
+};
+
+/** The page's own three.js, and the baker's module, which lies beside. */
+const OUTSIDE = {
+  name: "outside",
+  setup: ({ onResolve }) => {
+    onResolve({ filter: /^three(\/|$)/ }, ({ path: name }) => ({ path: name, external: true }));
+    onResolve({ filter: /\/bake\.js$/ }, () => ({ path: "./bake.js", external: true }));
+  },
 };
 
 /** Data of modules, where the rest of the repository has them. */
@@ -33,15 +45,18 @@ const ENDS = {
 
 const [modules, outdir] = process.argv.slice(2);
 if (!outdir) throw new Error("usage: node bundle.mjs MODULES OUT");
-await build({
-  entryPoints: Object.entries(ENTRIES).map(([out, name]) => ({ out, in: path.join(modules, `${name}.js`) })),
-  bundle: true,
-  splitting: true,
-  format: "esm",
-  target: "es2022",
-  chunkNames: "shared-[hash]",
-  plugins: [WASM, DATA, ENDS],
-  loader: { ".bin": "base64" },
-  logLevel: "warning",
-  outdir,
-});
+const bundled = (entries, chunkNames, plugins) =>
+  build({
+    entryPoints: Object.entries(entries).map(([out, name]) => ({ out, in: path.join(modules, `${name}.js`) })),
+    bundle: true,
+    splitting: true,
+    format: "esm",
+    target: "es2022",
+    chunkNames,
+    plugins,
+    loader: { ".bin": "base64" },
+    logLevel: "warning",
+    outdir,
+  });
+await bundled(ENTRIES, "shared-[hash]", [WASM, DATA, ENDS]);
+await bundled(THREE, "three-[hash]", [WASM, OUTSIDE]);

@@ -17,8 +17,11 @@ use std::process::Command;
 const NAME: &str = "rebounce_viewer";
 /// As [`NAME`], of the baker.
 pub const BAKER: &str = "rebounce_baker";
+/// As [`NAME`], of bounced light for three.js.
+const THREE: &str = "rebounce_three";
 /// The modules with the fetch of the wasm files, before the modules are bundled.
-const FETCHES: [(&str, &str); 2] = [("engine/module.js", NAME), ("bake/module.js", BAKER)];
+const FETCHES: [(&str, &str); 3] =
+    [("engine/module.js", NAME), ("bake/module.js", BAKER), ("three/module.js", THREE)];
 /// Files of web/ copied unchanged into the site.
 const STATIC: [&str; 2] = ["index.html", "page.css"];
 
@@ -32,13 +35,16 @@ pub fn build() -> Result<()> {
     let toolchain = toolchain::find()?;
     npm()?;
     let pkg = process::root().join("web/pkg");
-    bindgen::module(&wasm(toolchain)?, NAME, bindgen::FROM_RESPONSE, &pkg)?;
-    shrink(&pkg.join(format!("{NAME}_bg.wasm")))?;
+    for (package, name) in [("rebounce-viewer", NAME), ("rebounce-three", THREE)] {
+        bindgen::module(&wasm(toolchain, package, name)?, name, bindgen::FROM_RESPONSE, &pkg)?;
+        shrink(&pkg.join(format!("{name}_bg.wasm")))?;
+    }
     bindgen::module(&baker_wasm(toolchain, "web-baker", &[])?, BAKER, bindgen::FROM_MODULE, &pkg)?;
     let files = assemble(&pkg)?;
     let dist = process::root().join("web/dist");
     mirror(&files, &dist)?;
-    let served = files.iter().filter(|(name, _)| !name.ends_with(".d.ts") && !is_of_baker(name));
+    let is_served = |name: &str| !name.ends_with(".d.ts") && !is_of_baker(name) && !is_of_three(name);
+    let served = files.iter().filter(|(name, _)| is_served(name));
     let served: BTreeMap<_, _> = served.map(|(name, bytes)| (name.clone(), bytes.clone())).collect();
     mirror(&served, &process::root().join("baker/cli/viewer"))?;
     bundle_size::check(&files)?;
@@ -46,12 +52,12 @@ pub fn build() -> Result<()> {
     Ok(())
 }
 
-/// Compiles the viewer; returns the path of the wasm file.
-fn wasm(toolchain: Toolchain) -> Result<PathBuf> {
+/// Compiles a package of the renderer; returns the path of the wasm file.
+fn wasm(toolchain: Toolchain, package: &str, name: &str) -> Result<PathBuf> {
     let mut cargo = toolchain.cargo("build");
-    cargo.args(["--package", "rebounce-viewer", "--lib", "--profile", "web"]);
+    cargo.args(["--package", package, "--lib", "--profile", "web"]);
     process::run(lean(&mut cargo))?;
-    Ok(toolchain.target().join(toolchain::TARGET).join("web").join(NAME).with_extension("wasm"))
+    Ok(toolchain.target().join(toolchain::TARGET).join("web").join(name).with_extension("wasm"))
 }
 
 /// Compiles the baker with a profile and options; returns the path of the wasm file.
@@ -74,6 +80,11 @@ pub fn baker_wasm(toolchain: Toolchain, profile: &str, options: &[&str]) -> Resu
 /// Whether a file of web/dist is of the baker alone.
 pub fn is_of_baker(name: &str) -> bool {
     name.starts_with(BAKER) || name.starts_with("bake")
+}
+
+/// Whether a file of web/dist is for three.js alone.
+pub fn is_of_three(name: &str) -> bool {
+    name.starts_with(THREE) || name.starts_with("three")
 }
 
 /// Passes of Binaryen's wasm-opt for minimum size after gzip; `-Oz` gives a larger gzip size.

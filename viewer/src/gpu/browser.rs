@@ -96,6 +96,7 @@ pub fn device(device: &wgpu::Device) -> &Device {
 }
 
 /// The browser's object behind a queue.
+#[cfg(feature = "element")]
 pub fn queue(queue: &wgpu::Queue) -> &Queue {
     object(queue.as_webgpu())
 }

@@ -210,8 +210,8 @@ impl Renderer {
     }
 
     /// The scene's metadata.
-    pub fn scene(&self) -> Option<&GpuScene> {
-        self.scene.as_deref()
+    pub fn scene(&self) -> Option<&Rc<GpuScene>> {
+        self.scene.as_ref()
     }
 
     /// Draws the picture to the screen again on the next frame, as after a change of the canvas's size.
@@ -361,6 +361,16 @@ impl Renderer {
         self.target = Some(target);
         self.dirty = Dirty::default();
         Ok(())
+    }
+
+    /// Updates the bounced light at the points after changes of the lights, without a picture. Returns whether it changed
+    /// since the last call.
+    pub fn relight(&mut self) -> bool {
+        let Some(scene) = self.scene.clone() else { return false };
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.update_lights(&mut encoder, &scene, None, Mode::All);
+        self.gpu.queue.submit([encoder.finish()]);
+        std::mem::take(&mut self.dirty.display)
     }
 
     /// Collects the latest GPU times, and passes the time of the display way to the choice.

@@ -43,6 +43,10 @@ modules! {
         "area" "visibility" "penumbra" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
     FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place" "slots" "openness" "find";
+    /// As [`FIND`], for places that another renderer draws.
+    FIND_GIVEN: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place_given" "slots" "openness" "find";
+    /// Bounced irradiance of another renderer's pixels.
+    IRRADIANCE: "frame" "slots" "tilt" "bounced" "fullscreen" "irradiance";
     /// Light of the slots, from functions to pixels.
     GATHER: "frame" "slots" "tilt" "gather";
     /// Bounding quads of functions.
@@ -54,13 +58,13 @@ modules! {
     /// From sums to pixels.
     RESOLVE: "octahedral" "kernel" "frame" "place" "slots" "tilt" "level" "atlas" "resolve";
     /// The tone-mapped picture.
-    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "backdrop" "fullscreen" "composite";
+    COMPOSITE: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "shade" "backdrop" "fullscreen" "composite";
     /// Luminance of some pixels.
-    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "look";
+    LOOK: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "shade" "look";
     /// Automatic exposure.
     KEY: "key";
     /// Bounced light alone.
-    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "shade" "fullscreen" "indirect";
+    INDIRECT: "octahedral" "frame" "lights" "lights_second" "area" "visibility" "penumbra" "slots" "tilt" "surface" "brdf" "reflect" "sky" "bounced" "shade" "fullscreen" "indirect";
     /// Encoding for the screen.
     PRESENT: "fullscreen" "smooth" "present";
     /// Mip levels.
@@ -92,7 +96,7 @@ mod tests {
                 return distance(position.xyz, places[0x1eu].position) + sum[0] * helper(position.xy);
             }";
         let other = "fn helper(position: vec2f) -> f32 { return position.x; }";
-        let short = minified(&[source.to_owned(), other.to_owned()]);
+        let short = minified(&[source.to_owned(), other.to_owned()], 2);
         let [source, other] = [&short[0], &short[1]];
         for kept in [
             "override LANES=1u",

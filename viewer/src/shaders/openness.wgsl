@@ -36,11 +36,11 @@ fn openness(pixel: vec2u, place: Place) -> f32 {
                 if any(at < vec2f(0.0)) || any(at >= size) {
                     continue;
                 }
-                let depth = textureLoad(depth_texture, vec2u(at), 0);
-                if depth <= 0.0 {
+                let there = seen(vec2u(at));
+                if there.w <= 0.0 {
                     continue;
                 }
-                let offset = position_at(frame, at + 0.5, depth) - place.position;
+                let offset = there.xyz - place.position;
                 let distance = max(length(offset), 1e-6 * reach);
                 let height = dot(offset, to_eye) / distance;
                 if height > highest {

@@ -10,11 +10,16 @@ struct Place {
     present: bool,
 }
 
-fn place_at(pixel: vec2u) -> Place {
+// Where a pixel's surface is; w is 0 without one.
+fn seen(pixel: vec2u) -> vec4f {
     let depth = textureLoad(depth_texture, pixel, 0);
-    if depth <= 0.0 {
+    return vec4f(position_at(frame, vec2f(pixel) + 0.5, depth), depth);
+}
+
+fn place_at(pixel: vec2u) -> Place {
+    let at = seen(pixel);
+    if at.w <= 0.0 {
         return Place(vec3f(0.0), vec3f(0.0), false);
     }
-    let normal = unpack_normal(textureLoad(surface_texture, pixel, 0).x);
-    return Place(position_at(frame, vec2f(pixel) + 0.5, depth), normal, true);
+    return Place(at.xyz, unpack_normal(textureLoad(surface_texture, pixel, 0).x), true);
 }

@@ -15,26 +15,6 @@
 @group(0) @binding(10) var through_texture: texture_2d<f32>;
 @group(0) @binding(11) var shine_texture: texture_2d<f32>;
 
-// Irradiance that has bounced at least once, RGB, and its tilt.
-fn bounced_irradiance(pixel: vec2u) -> mat2x3f {
-    let slot = slots[pixel.y * u32(frame.width) + pixel.x];
-    if slot != 0u {
-        return mat2x3f(light[slot].rgb, tilt_unpack(light[slot].w));
-    }
-    let blocks = slots_blocks(frame);
-    let low = pixel / 2u;
-    let high = min((pixel + 1u) / 2u, blocks - 1u);
-    let a = light[low.y * blocks.x + low.x];
-    let b = light[low.y * blocks.x + high.x];
-    let c = light[high.y * blocks.x + low.x];
-    let d = light[high.y * blocks.x + high.x];
-    var tilt = vec3f(0.0);
-    if (shading.flags & DETAILED) != 0u {
-        tilt = 0.25 * (tilt_unpack(a.w) + tilt_unpack(b.w) + tilt_unpack(c.w) + tilt_unpack(d.w));
-    }
-    return mat2x3f(0.25 * (a.rgb + b.rgb + (c.rgb + d.rgb)), tilt);
-}
-
 // Radiance of the nearest area light in front of a place at this depth, black from behind; alpha: 1 where there is one.
 fn area_in_front(pixel: vec2u, depth: f32) -> vec4f {
     let way = position_at(frame, vec2f(pixel) + 0.5, frame.near) - frame.eye;
@@ -78,7 +58,7 @@ fn opaque_radiance(pixel: vec2u) -> vec4f {
     let surface = surface_unpack(texel, material, (shading.flags & DETAILED) != 0u);
     var bounced = mat2x3f();
     if shading.indirect > 0.0 {
-        bounced = bounced_irradiance(pixel);
+        bounced = bounced_irradiance(pixel, (shading.flags & DETAILED) != 0u);
     }
     let position = position_at(frame, vec2f(pixel) + 0.5, depth);
     return vec4f(reflected(surface, albedo.rgb, position, bounced, true), 1.0);

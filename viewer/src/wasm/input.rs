@@ -1,6 +1,6 @@
 //! Pointers, wheel and keys, passed from the element to the class [`Viewer`].
 
-use super::Viewer;
+use super::viewer::Viewer;
 use crate::controls::{Controls, PointerButton, Stage, sun};
 use wasm_bindgen::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Results of the class [`Viewer`]: pictures, counts, statistics, animations.
 
-use super::Viewer;
+use super::viewer::Viewer;
 use super::page::{animation, promise};
 use super::wire;
 use crate::renderer::Renderer;

@@ -1,6 +1,6 @@
 //! Settings of the class [`Viewer`]: camera, lights, exposure, mode, overlay.
 
-use super::Viewer;
+use super::viewer::Viewer;
 use super::wire;
 use crate::error::ViewerError;
 use crate::gpu::LIMITS;

@@ -30,7 +30,7 @@ function cameraOf(numbers: Float64Array, at = 0): Camera {
 }
 
 /** The lights' numbers. Throws `bad-json` for what are none. */
-function lightNumbers(lights: readonly Light[]): Float64Array {
+export function lightNumbers(lights: readonly Light[]): Float64Array {
   list("lights", lights);
   const out = new Float64Array(LIGHT * lights.length);
   for (const [i, light] of lights.entries()) {

@@ -1,12 +1,13 @@
 //! Lookup: finds the functions that cover every slot, with their weights, after a change of the camera; gathers the
 //! light of these functions whenever the light changes.
 
-use super::{SlotBuffers, Sources};
+use super::SlotBuffers;
 use crate::gpu::Gpu;
 use crate::gpu::MAX_BINDING;
 use crate::gpu::bindings::{Slot, WORKGROUP, compute, empty_buffer, grid, group, layout};
 use crate::gpu::scope::Scope;
 use crate::passes::timing::Stamps;
+use crate::scene::GpuScene;
 use crate::shaders;
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -36,14 +37,14 @@ pub struct LookupTarget {
 }
 
 impl LookupPass {
-    /// Creates the pipelines; `find` is the layout of find.wgsl.
-    pub fn new(gpu: &Gpu, find: &wgpu::BindGroupLayout) -> Self {
+    /// Creates the pipelines; `find` is the layout of `source`: [`shaders::FIND`] or [`shaders::FIND_GIVEN`].
+    pub fn new(gpu: &Gpu, find: &wgpu::BindGroupLayout, source: shaders::Source) -> Self {
         let [uniform, read] = [Slot::Uniform, Slot::Read];
         let gather = [uniform, uniform, read, read, read, Slot::Write, read, read];
         let gather_layout = layout(gpu, "gather", ShaderStages::COMPUTE, &gather);
         Self {
-            blocks: compute(gpu, "blocks", shaders::FIND, &[find], &[]),
-            edges: compute(gpu, "edges", shaders::FIND, &[find], &[]),
+            blocks: compute(gpu, "blocks", source, &[find], &[]),
+            edges: compute(gpu, "edges", source, &[find], &[]),
             gather: compute(gpu, "gather", shaders::GATHER, &[&gather_layout], &[]),
             gather_layout,
         }
@@ -54,19 +55,20 @@ impl LookupPass {
         &self,
         own: Scope,
         slots: &SlotBuffers,
-        from: Sources<'_>,
+        scene: &GpuScene,
+        frame: &wgpu::Buffer,
         find: impl Fn(&Scope, &wgpu::Buffer) -> wgpu::BindGroup,
     ) -> LookupTarget {
         let bytes = ENTRY * slots.row_length as u64 * slots.capacity as u64;
         let rows = empty_buffer(&own, "rows", BufferUsages::STORAGE, bytes);
         let resources = [
-            from.frame.as_entire_binding(),
+            frame.as_entire_binding(),
             slots.layout.as_entire_binding(),
             rows.as_entire_binding(),
             slots.counts.as_entire_binding(),
-            from.scene.relight.display.as_entire_binding(),
+            scene.relight.display.as_entire_binding(),
             slots.light.as_entire_binding(),
-            from.scene.upload.gains.as_entire_binding(),
+            scene.upload.gains.as_entire_binding(),
             slots.open.as_entire_binding(),
         ];
         let gather = group(&own, "gather", &self.gather_layout, &resources);

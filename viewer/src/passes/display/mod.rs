@@ -2,10 +2,13 @@
 //! functions are splatted to the covered pixels ([`splat`]). Both ways compute the light of every *slot*; the
 //! picture is the same.
 //!
+//! [`given`] computes the same light for the pixels of another renderer.
+//!
 //! Every second row and column of pixels has slots. Other pixels interpolate between slots on continuous surfaces,
 //! and have slots of their own at edges (slots.wgsl).
 
 pub mod choice;
+pub mod given;
 mod lookup;
 pub mod quad;
 mod splat;
@@ -18,6 +21,7 @@ use crate::gpu::MAX_BINDING;
 use crate::gpu::bindings::{Slot, buffer, empty_buffer, group, layout, view};
 use crate::gpu::scope::Scope;
 use crate::scene::GpuScene;
+use crate::shaders;
 use bytemuck::{Pod, Zeroable};
 use lookup::{LookupPass, LookupTarget};
 use splat::{SplatPass, SplatTarget};
@@ -122,22 +126,8 @@ impl SlotBuffers {
 impl DisplayPass {
     /// Creates the pipelines of lookup.
     pub fn new(gpu: &Gpu) -> Self {
-        let find = [
-            Slot::Uniform,
-            Slot::Uniform,
-            Slot::Depth,
-            Slot::TextureUint,
-            Slot::Read,
-            Slot::Read,
-            Slot::Read,
-            Slot::Write,
-            Slot::Write,
-            Slot::Write,
-            Slot::Write,
-            Slot::Read,
-        ];
-        let find_layout = layout(gpu, "find", ShaderStages::COMPUTE, &find);
-        Self { lookup: LookupPass::new(gpu, &find_layout), splat: OnceCell::new(), find_layout }
+        let find_layout = find_layout(gpu, [Slot::Depth, Slot::TextureUint]);
+        Self { lookup: LookupPass::new(gpu, &find_layout, shaders::FIND), splat: OnceCell::new(), find_layout }
     }
 
     /// Slots for a picture of this size, filled by `way` where possible; `every_pixel` gives every pixel a slot,
@@ -164,30 +154,16 @@ impl DisplayPass {
 
     fn make(&self, gpu: &Gpu, slots: &SlotBuffers, from: Sources<'_>, way: Way) -> MadeTarget {
         // `rows`: the rows of lookup.
+        let textures = [&from.gbuffer.depth, &from.gbuffer.surface];
         let find = |scope: &Scope, rows: &wgpu::Buffer| {
-            let upload = &from.scene.upload;
-            let resources = [
-                from.frame.as_entire_binding(),
-                slots.layout.as_entire_binding(),
-                view(&from.gbuffer.depth),
-                view(&from.gbuffer.surface),
-                upload.points.as_entire_binding(),
-                upload.cuts.as_entire_binding(),
-                upload.lookup.as_entire_binding(),
-                rows.as_entire_binding(),
-                slots.by_pixel.as_entire_binding(),
-                slots.counts.as_entire_binding(),
-                slots.open.as_entire_binding(),
-                upload.gains.as_entire_binding(),
-            ];
-            group(scope, "find", &self.find_layout, &resources)
+            find_group(scope, &self.find_layout, from.scene, slots, from.frame, textures, rows)
         };
         let own = Scope::new(gpu);
         match way {
             Way::Splat if splat::fits(slots.size) => {
                 MadeTarget::Splat(self.splat(gpu).target(own, slots, from, find))
             }
-            _ => MadeTarget::Lookup(self.lookup.target(own, slots, from, find)),
+            _ => MadeTarget::Lookup(self.lookup.target(own, slots, from.scene, from.frame, find)),
         }
     }
 
@@ -223,6 +199,55 @@ impl DisplayPass {
             MadeTarget::Splat(made) => self.splat(gpu).gather(encoder, made, &target.slots, stamps),
         }
     }
+}
+
+/// The layout of find.wgsl, for these textures of the visible surfaces.
+#[inline(always)]
+fn find_layout(gpu: &Gpu, [places, normals]: [Slot; 2]) -> wgpu::BindGroupLayout {
+    let find = [
+        Slot::Uniform,
+        Slot::Uniform,
+        places,
+        normals,
+        Slot::Read,
+        Slot::Read,
+        Slot::Read,
+        Slot::Write,
+        Slot::Write,
+        Slot::Write,
+        Slot::Write,
+        Slot::Read,
+    ];
+    layout(gpu, "find", ShaderStages::COMPUTE, &find)
+}
+
+/// The bind group of find.wgsl.
+#[inline(always)]
+fn find_group(
+    scope: &Scope,
+    layout: &wgpu::BindGroupLayout,
+    scene: &GpuScene,
+    slots: &SlotBuffers,
+    frame: &wgpu::Buffer,
+    textures: [&wgpu::TextureView; 2],
+    rows: &wgpu::Buffer,
+) -> wgpu::BindGroup {
+    let upload = &scene.upload;
+    let resources = [
+        frame.as_entire_binding(),
+        slots.layout.as_entire_binding(),
+        view(textures[0]),
+        view(textures[1]),
+        upload.points.as_entire_binding(),
+        upload.cuts.as_entire_binding(),
+        upload.lookup.as_entire_binding(),
+        rows.as_entire_binding(),
+        slots.by_pixel.as_entire_binding(),
+        slots.counts.as_entire_binding(),
+        slots.open.as_entire_binding(),
+        upload.gains.as_entire_binding(),
+    ];
+    group(scope, "find", layout, &resources)
 }
 
 impl DisplayTarget {

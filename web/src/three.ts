@@ -1,0 +1,6 @@
+/** Bounced light for scenes of three.js: of a .rbn file, relit as the scene's own lights move. */
+
+export { Rebounce, type LoadOptions, type Memory } from "./three/rebounce.js";
+export { type DeviceOptions } from "./three/device.js";
+export { type FollowedLights } from "./three/lights.js";
+export { type RebounceLight } from "./three/light.js";

@@ -1,0 +1,102 @@
+/** What a material reads: bounced irradiance of its pixel, from the textures of `Pixels`. */
+
+import { DataTexture, FloatType, RGBAFormat, type Node, type Texture } from "three/webgpu";
+import { clamp, dot, float, Fn, fwidth, If, ivec2, normalize, normalWorld, positionWorld, screenCoordinate, select, texture, uint, uniform, vec2, vec3, vec4 } from "three/tsl";
+import type { Space } from "./space.js";
+
+/** How far a pixel's place may be from the surface that is shaded, in widths of a pixel; at neighbours. */
+const NEAR = 1.5;
+const NEAR_BESIDE = 3;
+/** Of the neighbours of an edge's pixel, one sees the same surface. */
+const BESIDE = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]] as const;
+
+// As tilt.wgsl.
+const STEEPEST = 2;
+
+/** Texture of nothing, until there is a picture. */
+function nothing(): DataTexture {
+  const empty = new DataTexture(new Float32Array(4), 1, 1, RGBAFormat, FloatType);
+  empty.needsUpdate = true;
+  return empty;
+}
+
+/** The lookup of a pixel, as nodes. */
+export class Lookup {
+  readonly #empty = nothing();
+  readonly #places = texture(this.#empty);
+  readonly #light = texture(this.#empty);
+  readonly #hasPixels = uniform(0);
+  /** Irradiance of the surface that is shaded. */
+  readonly node: Node<"vec3">;
+
+  /** `otherwise`: irradiance at a place with a normal, local space, where no pixel has it. */
+  constructor(space: Space, isBumpy: boolean, diagonal: number, otherwise: (place: Node<"vec3">, normal: Node<"vec3">) => Node<"vec3">) {
+    const localFromWorld = uniform(space.localFromWorld);
+    this.node = Fn(() => {
+      const place = localFromWorld.mul(vec4(positionWorld, 1)).xyz.toVar();
+      const normal = normalize(localFromWorld.mul(vec4(normalWorld, 0)).xyz).toVar();
+      const width = fwidth(place).length().add(1e-6 * diagonal).toVar();
+      const pixel = ivec2(screenCoordinate.xy).toVar();
+      const found = vec4(0).toVar();
+      const at = ivec2(0).toVar();
+      for (const [x, y] of BESIDE) {
+        If(this.#hasPixels.greaterThan(0).and(found.w.lessThanEqual(0)), () => {
+          const beside = pixel.add(ivec2(x, y)).toVar();
+          const there = this.#places.load(beside).toVar();
+          const reach = width.mul(x || y ? NEAR_BESIDE : NEAR);
+          If(there.w.greaterThan(0).and(there.xyz.sub(place).length().lessThan(reach)), () => {
+            found.assign(there);
+            at.assign(beside);
+          });
+        });
+      }
+      const sum = vec3(0).toVar();
+      If(found.w.greaterThan(0), () => {
+        const light = this.#light.load(at).toVar();
+        sum.assign(light.xyz);
+        if (isBumpy) sum.mulAssign(turned(unpackNormal(found.w), unpackTilt(light.w), normal));
+      }).Else(() => {
+        sum.assign(otherwise(place, normal));
+      });
+      return sum;
+    })() as unknown as Node<"vec3">;
+  }
+
+  /** Reads from these textures from now on; from none without. */
+  set(places?: Texture, light?: Texture): void {
+    this.#hasPixels.value = places ? 1 : 0;
+    this.#places.value = places ?? this.#empty;
+    this.#light.value = light ?? this.#empty;
+  }
+
+  /** Frees its texture. */
+  dispose(): void {
+    this.#empty.dispose();
+  }
+}
+
+type Float = Node<"float">;
+type Vector = Node<"vec3">;
+
+/** What bounced light becomes on a normal that a normal map has turned, as reflect.wgsl has it. */
+function turned(normal: Vector, tilt: Vector, bent: Vector): Float {
+  const across = tilt.sub(normal.mul(dot(normal, tilt)));
+  return clamp(dot(bent, normal.add(across)), 0, STEEPEST) as unknown as Float;
+}
+
+/** As `tilt_unpack` of tilt.wgsl. */
+function unpackTilt(whole: Float): Vector {
+  const bits = uint(whole);
+  const part = (shift: number) => float(bits.shiftRight(uint(shift)).bitAnd(uint(255)));
+  return vec3(part(0), part(8), part(16)).sub(128).mul(STEEPEST / 127) as unknown as Vector;
+}
+
+/** As place_given.wgsl reads it. */
+function unpackNormal(whole: Float): Vector {
+  const code = uint(whole).sub(uint(1));
+  const flat = vec2(float(code.bitAnd(uint(4095))), float(code.shiftRight(uint(12)))).mul(2 / 4095).sub(1).toVar();
+  const z = float(1).sub(flat.x.abs()).sub(flat.y.abs());
+  const fold = z.negate().max(0);
+  const sign = vec2(select(flat.x.lessThan(0), float(-1), float(1)), select(flat.y.lessThan(0), float(-1), float(1)));
+  return normalize(vec3(flat.sub(sign.mul(fold)), z)) as unknown as Vector;
+}

@@ -1,0 +1,192 @@
+/** The bounced light of a .rbn file in a scene of three.js. */
+
+import { Vector2, Vector3, type Node, type NodeFrame, type Object3D, type WebGPURenderer } from "three/webgpu";
+import { vec3 } from "three/tsl";
+import { BouncedLight, type Device } from "../rebounce_three.js";
+import { Failure, failureOf } from "../wire/failure.js";
+import type { Light as OwnLight } from "../wire/light-kinds.js";
+import { lightNumbers } from "../wire/wire.js";
+import { deviceOf, openDevice, type DeviceOptions } from "./device.js";
+import type { Gpu } from "./gpu.js";
+import { RebounceLight, type LightSource } from "./light.js";
+import { FollowedLights } from "./lights.js";
+import { Lookup } from "./lookup.js";
+import { Objects } from "./objects.js";
+import { Pixels, type PixelSources } from "./pixels.js";
+import { Positions } from "./positions.js";
+import { Space } from "./space.js";
+
+/** How a file is loaded. */
+export interface LoadOptions {
+  /** The renderer that shows the scene. */
+  renderer: WebGPURenderer;
+  /** The object that the baked scene hangs on, where that is not the world itself: scaled evenly, if at all. */
+  root?: Object3D;
+  /** Looks every pixel up by itself, instead of every second one and edges. */
+  everyPixel?: boolean;
+  /** Whether openness of pixels modulates the light; true when absent. */
+  detail?: boolean;
+  /** Gives up when it aborts. */
+  signal?: AbortSignal;
+}
+
+/** Bytes on the GPU. */
+export interface Memory {
+  /** Of the file. */
+  scene: number;
+  /** Of pictures. */
+  pixels: number;
+}
+
+/** A file: its bytes, or where they are. */
+export type Source = string | URL | ArrayBuffer | Uint8Array | Blob;
+
+/** Pictures kept for targets at most. */
+const TARGETS = 4;
+
+/** Bounced light for a scene of three.js. */
+export class Rebounce implements LightSource {
+  /** The light to put into the scene. */
+  readonly light: RebounceLight;
+  /** The lights of the scene whose light bounces. */
+  readonly lights = new FollowedLights();
+  #from: PixelSources;
+  #lookup: Lookup;
+  #pixels = new Map<object, Pixels>();
+  #numbers: Float64Array = new Float64Array();
+  #own: OwnLight[] = [];
+  #isDisposed = false;
+
+  /**
+   * A GPU device for the renderer and for us, made with every feature that `WebGPURenderer` asks for:
+   * `new WebGPURenderer({ device: await Rebounce.device() })`. Rejects with an error whose `code` says what is missing.
+   */
+  static device(options?: DeviceOptions): Promise<Gpu> {
+    return openDevice(options);
+  }
+
+  /** Loads a .rbn file. Rejects with an error whose `code` says what is wrong, or with the signal's reason. */
+  static async load(source: Source, options: LoadOptions): Promise<Rebounce> {
+    const { renderer, signal } = options;
+    signal?.throwIfAborted();
+    await renderer.init();
+    const { device } = renderer.backend as unknown as { device?: object };
+    const shared = device && deviceOf(device);
+    if (!shared) {
+      throw new Failure("foreign-device", "The renderer has a GPU device of its own: make it with new WebGPURenderer({ device: await Rebounce.device() }).");
+    }
+    const bytes = await bytesOf(source, signal);
+    const light = await opened(shared, bytes);
+    if (signal?.aborted) light.free();
+    signal?.throwIfAborted();
+    return new Rebounce(light, options);
+  }
+
+  /** @internal */
+  constructor(light: BouncedLight, { root, everyPixel = false, detail = true }: LoadOptions) {
+    const [x0 = 0, y0 = 0, z0 = 0, x1 = 0, y1 = 0, z1 = 0] = light.bounds();
+    const diagonal = Math.hypot(x1 - x0, y1 - y0, z1 - z0);
+    const space = new Space(root, new Vector3(...light.origin()));
+    const objects = new Objects(light, space, diagonal);
+    this.#from = { light, space, objects, positions: new Positions(space), lit: 0, everyPixel, detail };
+    this.#lookup = new Lookup(space, light.isBumpy(), diagonal, () => vec3(0) as unknown as Node<"vec3">);
+    this.light = new RebounceLight(this);
+    light.setLights(new Float64Array());
+  }
+
+  /** Irradiance of the surface that is shaded, as a node: for materials of your own. */
+  get irradiance(): Node<"vec3"> {
+    return this.#lookup.node;
+  }
+
+  /** The lights as they were last followed, in the form of SHOT.json. */
+  get shotLights(): OwnLight[] {
+    return structuredClone(this.#own);
+  }
+
+  /** Follows the lights, and relights: once a frame, before it is drawn. */
+  update(): void {
+    if (this.#isDisposed) return;
+    const { light, space } = this.#from;
+    space.update();
+    this.#own = this.lights.in(space);
+    const numbers = lightNumbers(this.#own);
+    if (numbers.length !== this.#numbers.length || numbers.some((x, i) => !Object.is(x, this.#numbers[i]))) {
+      light.setLights(numbers);
+      this.#numbers = numbers;
+    }
+    if (light.relight()) this.#from.lit += 1;
+  }
+
+  /** @internal */
+  prepare({ renderer: any, scene, camera }: NodeFrame): void {
+    if (this.#isDisposed || !any || !scene || !camera || "isArrayCamera" in camera) return this.#lookup.set();
+    const renderer = any as WebGPURenderer;
+    const target = renderer.getRenderTarget();
+    const { width, height } = target ?? renderer.getDrawingBufferSize(new Vector2());
+    const key: object = target ?? renderer;
+    let pixels = this.#pixels.get(key);
+    if (pixels?.width !== width || pixels.height !== height) {
+      pixels?.dispose();
+      pixels = new Pixels(renderer, this.#from, width, height);
+    }
+    // The one that was used last comes last.
+    this.#pixels.delete(key);
+    this.#pixels.set(key, pixels);
+    for (const [old, of] of this.#pixels) {
+      if (this.#pixels.size <= TARGETS) break;
+      of.dispose();
+      this.#pixels.delete(old);
+    }
+    pixels.update(renderer, scene, camera, this.#from);
+    this.#lookup.set(pixels.places, pixels.irradiance);
+  }
+
+  /** Bytes on the GPU. */
+  memory(): Memory {
+    if (this.#isDisposed) return { scene: 0, pixels: 0 };
+    const { bytes } = JSON.parse(this.#from.light.stats()) as { bytes: Record<string, number> };
+    const sum = (numbers: number[]) => numbers.reduce((all, some) => all + some, 0);
+    return { scene: sum(Object.values(bytes)), pixels: sum([...this.#pixels.values()].map((one) => one.bytes)) };
+  }
+
+  /** Frees everything; the light gives nothing from then on. The device lives on. */
+  dispose(): void {
+    if (this.#isDisposed) return;
+    this.#isDisposed = true;
+    this.light.removeFromParent();
+    this.#lookup.set();
+    for (const pixels of this.#pixels.values()) pixels.dispose();
+    this.#pixels.clear();
+    this.#from.positions.dispose();
+    this.#lookup.dispose();
+    this.#from.light.free();
+  }
+}
+
+async function opened(device: Device, bytes: Uint8Array): Promise<BouncedLight> {
+  const light = new BouncedLight(device);
+  try {
+    await light.load(bytes);
+    return light;
+  } catch (error) {
+    light.free();
+    throw failureOf(error);
+  }
+}
+
+/** The bytes of a file. */
+async function bytesOf(source: Source, signal: AbortSignal | undefined): Promise<Uint8Array> {
+  if (source instanceof Uint8Array) return source;
+  if (source instanceof ArrayBuffer) return new Uint8Array(source);
+  if (source instanceof Blob) return new Uint8Array(await source.arrayBuffer());
+  let response: Response;
+  try {
+    response = await fetch(source, signal ? { signal } : {});
+  } catch (cause) {
+    signal?.throwIfAborted();
+    throw new Failure("network", `The file ${source} could not be loaded; check the connection.`, { cause });
+  }
+  if (!response.ok) throw new Failure("http", `The file ${source} could not be loaded: the server answered ${response.status}.`);
+  return new Uint8Array(await response.arrayBuffer());
+}
