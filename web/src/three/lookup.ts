@@ -22,9 +22,10 @@ function nothing(): DataTexture {
 
 /** The lookup of a pixel, as nodes. */
 export class Lookup {
-  readonly #empty = nothing();
-  readonly #places = texture(this.#empty);
-  readonly #light = texture(this.#empty);
+  // Two: three.js takes nodes of one texture for one node.
+  readonly #empty = [nothing(), nothing()] as const;
+  readonly #places = texture(this.#empty[0]);
+  readonly #light = texture(this.#empty[1]);
   readonly #hasPixels = uniform(0);
   /** Irradiance of the surface that is shaded. */
   readonly node: Node<"vec3">;
@@ -65,13 +66,13 @@ export class Lookup {
   /** Reads from these textures from now on; from none without. */
   set(places?: Texture, light?: Texture): void {
     this.#hasPixels.value = places ? 1 : 0;
-    this.#places.value = places ?? this.#empty;
-    this.#light.value = light ?? this.#empty;
+    this.#places.value = places ?? this.#empty[0];
+    this.#light.value = light ?? this.#empty[1];
   }
 
   /** Frees its texture. */
   dispose(): void {
-    this.#empty.dispose();
+    for (const empty of this.#empty) empty.dispose();
   }
 }
 
