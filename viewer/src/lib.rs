@@ -7,6 +7,7 @@
 //!
 //! * [`gpu`] – the device, and buffers, bindings and readbacks of it;
 //! * [`scene`] – a loaded file on the GPU, with its relighting: the bounced light at every point;
+//! * [`probes`] – bounced light in the air, for other renderers;
 //! * [`controls`] – moves camera and lights;
 //! * [`passes`] – from lights and points to a picture;
 //! * [`renderer`] – a frame: runs the passes whose inputs changed;
@@ -16,6 +17,7 @@ pub mod controls;
 pub mod error;
 pub mod gpu;
 pub mod passes;
+pub mod probes;
 pub mod renderer;
 pub mod scene;
 pub mod shaders;

@@ -10,6 +10,7 @@ mod detail;
 mod glass;
 mod openness;
 mod picture;
+mod probes;
 mod relight;
 mod scope;
 mod smooth;

@@ -29,10 +29,11 @@ const BAKER: [&[&str]; 14] = [
     &["lib"],
 ];
 /// The viewer's modules in layers. The device knows no scene, a scene no pass, and controls draw nothing.
-const VIEWER: [&[&str]; 8] = [
+const VIEWER: [&[&str]; 9] = [
     &["error", "shaders"],
     &["gpu"],
     &["scene"],
+    &["probes"],
     &["controls"],
     &["passes"],
     &["renderer"],

@@ -164,6 +164,14 @@ impl Renderer {
         Ok(())
     }
 
+    /// Strengths of the scene's sources: of the sky and of emissive surfaces.
+    pub fn source_strengths(&self) -> Vec<Vec3> {
+        let lighting = &self.lit.lighting;
+        self.scene.as_ref().map_or(Vec::new(), |scene| {
+            scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission)
+        })
+    }
+
     /// Sets strengths of sources and emission on the GPU; returns whether anything shines.
     pub(super) fn light_sources(&mut self, scene: &GpuScene) -> bool {
         let lighting = &self.lit.lighting;

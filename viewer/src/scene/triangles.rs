@@ -144,6 +144,19 @@ impl Triangles {
         }
     }
 
+    /// Calls `each` with the batch, the vertices' indices and the corners of every triangle.
+    pub fn each(&self, each: &mut dyn FnMut(&DrawBatch, [u32; 3], [Vec3; 3])) {
+        for run in &self.runs {
+            let indices = &self.indices[run.indices.start as usize..run.indices.end as usize];
+            for instance in &self.instances[run.instances.start as usize..run.instances.end as usize] {
+                let to = instance.local_from_model();
+                for corners in indices.as_chunks::<3>().0 {
+                    each(run, *corners, corners.map(|i| to.transform_point3(self.positions[i as usize])));
+                }
+            }
+        }
+    }
+
     fn bounds(&self) -> Vec<Boxes> {
         let of = |run: &DrawBatch| {
             let indices = &self.indices[run.indices.start as usize..run.indices.end as usize];

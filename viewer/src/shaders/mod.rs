@@ -47,6 +47,10 @@ modules! {
     FIND_GIVEN: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place_given" "slots" "openness" "find";
     /// Bounced irradiance of another renderer's pixels.
     IRRADIANCE: "frame" "slots" "tilt" "bounced" "fullscreen" "irradiance";
+    /// Surfaces at the hits of probes' rays.
+    HIT_SURFACE: "material" "octahedral" "detail" "hit_surface";
+    /// Radiance at probes.
+    PROBES: "colour" "point" "probes";
     /// Light of the slots, from functions to pixels.
     GATHER: "frame" "slots" "tilt" "gather";
     /// Bounding quads of functions.

@@ -4,7 +4,10 @@ use rebounce_viewer::ViewerError;
 use rebounce_viewer::gpu::{Gpu, Requested};
 use rebounce_viewer::passes::display::given::GivenPass;
 use rebounce_viewer::pipelines::Pipelines;
+use rebounce_viewer::probes::fill::ProbePass;
+use rebounce_viewer::probes::hits::HitPass;
 use rebounce_viewer::wasm::page::promise;
+use std::cell::OnceCell;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 
@@ -13,6 +16,14 @@ pub(crate) struct Shared {
     pub(crate) gpu: Gpu,
     pub(crate) pipelines: Rc<Pipelines>,
     pub(crate) given: GivenPass,
+    probes: OnceCell<(HitPass, ProbePass)>,
+}
+
+impl Shared {
+    /// The pipelines of probes, made when first wanted.
+    pub(crate) fn probes(&self) -> &(HitPass, ProbePass) {
+        self.probes.get_or_init(|| (HitPass::new(&self.gpu, &self.pipelines.material), ProbePass::new(&self.gpu)))
+    }
 }
 
 /// A device, with what all files on it share.
@@ -41,7 +52,7 @@ impl Device {
             // Whoever loses the device is told by the device itself.
             let Requested { gpu, .. } = Gpu::request(&adapter).await?;
             let (pipelines, given) = gpu.watch(|| (Pipelines::new(&gpu), GivenPass::new(&gpu)));
-            Ok(Device { shared: Rc::new(Shared { pipelines: Rc::new(pipelines?), given, gpu }) })
+            Ok(Device { shared: Rc::new(Shared { pipelines: Rc::new(pipelines?), given, gpu, probes: OnceCell::new() }) })
         })
     }
 

@@ -1,12 +1,14 @@
 //! A .rbn file and its lights, relit on the GPU.
 
 use crate::device::{Device, Shared};
+use crate::probes::Probes;
 use crate::view::View;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::glam::Vec3;
 use rebounce_viewer::ViewerError;
 use rebounce_viewer::gpu::Gpu;
+use rebounce_viewer::probes::rows::Input;
 use rebounce_viewer::renderer::Renderer;
 use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::wasm::page::{js_error, promise};
@@ -22,6 +24,8 @@ pub struct BouncedLight {
     /// The device, with errors of this light alone.
     gpu: Gpu,
     renderer: Rc<RefCell<Renderer>>,
+    /// What probes are made from, where they are wanted.
+    input: Rc<RefCell<Option<Rc<Input>>>>,
 }
 
 impl BouncedLight {
@@ -45,16 +49,18 @@ impl BouncedLight {
         let shared = device.shared.clone();
         let gpu = shared.gpu.share();
         let renderer = gpu.watch(|| Renderer::with(gpu.clone(), shared.pipelines.clone()));
-        Self { renderer: Rc::new(RefCell::new(renderer)), gpu, shared }
+        Self { renderer: Rc::new(RefCell::new(renderer)), gpu, shared, input: Rc::default() }
     }
 
-    /// Loads the bytes of a .rbn file, with its lights; rejects as the viewer's `load` does.
+    /// Loads the bytes of a .rbn file, with its lights; rejects as the viewer's `load` does. `probes`: they will be wanted.
     #[wasm_bindgen(unchecked_return_type = "Promise<void>")]
-    pub fn load(&self, bytes: js_sys::Uint8Array) -> js_sys::Promise {
+    pub fn load(&self, bytes: js_sys::Uint8Array, probes: bool) -> js_sys::Promise {
         let (renderer, gpu, shared) = (Rc::downgrade(&self.renderer), self.gpu.clone(), self.shared.clone());
+        let input = self.input.clone();
         promise(async move {
             let scene = BakedScene::from_bytes(&bytes.to_vec())?;
             drop(bytes);
+            *input.borrow_mut() = probes.then(|| Rc::new(Input::of(&scene)));
             let loaded = GpuScene::upload(&gpu, shared.pipelines.loaders(), scene).await?;
             // Without a holder it was disposed meanwhile.
             if let Some(renderer) = renderer.upgrade() {
@@ -130,6 +136,20 @@ impl BouncedLight {
         let made = View::new(self.shared.clone(), &self.gpu, scene, positions, [width, height], every_pixel);
         self.gpu.check().map_err(|error| js_error(&error))?;
         Ok(made)
+    }
+
+    /// Makes probes: `spacing` scene units apart, or as far as suits the scene for 0. `pause` returns a promise, which is
+    /// waited for between parts of the work of some milliseconds. Resolves with nothing where there can be none.
+    #[wasm_bindgen(unchecked_return_type = "Promise<Probes | undefined>")]
+    pub fn probes(&self, spacing: f32, pause: js_sys::Function) -> js_sys::Promise {
+        let (gpu, shared, input) = (self.gpu.clone(), self.shared.clone(), self.input.borrow_mut().take());
+        let scene = self.renderer.borrow().scene().cloned();
+        let renderer = Rc::downgrade(&self.renderer);
+        promise(async move {
+            let (Some(scene), Some(input)) = (scene, input) else { return Ok(JsValue::UNDEFINED) };
+            let made = Probes::build(&gpu, shared, renderer, scene, &input, spacing, &pause).await?;
+            Ok(made.map_or(JsValue::UNDEFINED, JsValue::from))
+        })
     }
 
     /// Counts, bytes on the GPU and times: JSON, integers.
