@@ -17,6 +17,7 @@ pub mod controls;
 pub mod error;
 pub mod gpu;
 pub mod passes;
+#[cfg(feature = "guest")]
 pub mod probes;
 pub mod renderer;
 pub mod scene;

@@ -2,5 +2,7 @@
 
 export { Rebounce, type LoadOptions, type Memory } from "./three/rebounce.js";
 export { type DeviceOptions } from "./three/device.js";
+export { type BakeOptions } from "./three/bake.js";
+export { irradianceAt, type ProbeData, type ProbeOptions } from "./three/probes.js";
 export { type FollowedLights } from "./three/lights.js";
 export { type RebounceLight } from "./three/light.js";

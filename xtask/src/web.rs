@@ -35,8 +35,9 @@ pub fn build() -> Result<()> {
     let toolchain = toolchain::find()?;
     npm()?;
     let pkg = process::root().join("web/pkg");
-    for (package, name) in [("rebounce-viewer", NAME), ("rebounce-three", THREE)] {
-        bindgen::module(&wasm(toolchain, package, name)?, name, bindgen::FROM_RESPONSE, &pkg)?;
+    let element = ["--no-default-features", "--features", "element"];
+    for (package, name, options) in [("rebounce-viewer", NAME, &element[..]), ("rebounce-three", THREE, &[])] {
+        bindgen::module(&wasm(toolchain, package, name, options)?, name, bindgen::FROM_RESPONSE, &pkg)?;
         shrink(&pkg.join(format!("{name}_bg.wasm")))?;
     }
     bindgen::module(&baker_wasm(toolchain, "web-baker", &[])?, BAKER, bindgen::FROM_MODULE, &pkg)?;
@@ -53,9 +54,9 @@ pub fn build() -> Result<()> {
 }
 
 /// Compiles a package of the renderer; returns the path of the wasm file.
-fn wasm(toolchain: Toolchain, package: &str, name: &str) -> Result<PathBuf> {
+fn wasm(toolchain: Toolchain, package: &str, name: &str, options: &[&str]) -> Result<PathBuf> {
     let mut cargo = toolchain.cargo("build");
-    cargo.args(["--package", package, "--lib", "--profile", "web"]);
+    cargo.args(["--package", package, "--lib", "--profile", "web"]).args(options);
     process::run(lean(&mut cargo))?;
     Ok(toolchain.target().join(toolchain::TARGET).join("web").join(name).with_extension("wasm"))
 }

@@ -153,7 +153,7 @@ impl Renderer {
         let layers: u32 = lighting.lamps.iter().map(most_layers).sum();
         if layers > MAX_LAYERS {
             return Err(ViewerError::BadArgument(format!(
-                "{} lights need {layers} shadow maps, there can be {}: a point light, a sphere, a disk and a spot light wider than 60° need six, a rectangle six to 24, a directional light and the sun of an environment up to five, others one",
+                "{} lights need {layers} shadow maps, there can be {}: a point, sphere, disk or spot wider than 60° needs six, a rectangle six to 24, a sun up to five, others one",
                 lights.len(),
                 MAX_LAYERS
             )));
@@ -165,6 +165,7 @@ impl Renderer {
     }
 
     /// Strengths of the scene's sources: of the sky and of emissive surfaces.
+    #[cfg(feature = "guest")]
     pub fn source_strengths(&self) -> Vec<Vec3> {
         let lighting = &self.lit.lighting;
         self.scene.as_ref().map_or(Vec::new(), |scene| {

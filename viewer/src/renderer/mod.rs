@@ -365,6 +365,7 @@ impl Renderer {
 
     /// Updates the bounced light at the points after changes of the lights, without a picture. Returns whether it changed
     /// since the last call.
+    #[cfg(feature = "guest")]
     pub fn relight(&mut self) -> bool {
         let Some(scene) = self.scene.clone() else { return false };
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -396,16 +397,12 @@ impl Renderer {
 
     fn check_size(&self, width: u32, height: u32) -> Result<(), ViewerError> {
         let limit = LIMITS.max_texture_dimension_2d;
-        if width == 0 || height == 0 || width > limit || height > limit {
-            return Err(ViewerError::BadArgument(format!(
-                "a picture of {width} x {height} pixels: both must be between 1 and {limit}"
-            )));
-        }
         // A 32-bit value for every pixel must fit one binding.
         let most = MAX_BINDING / 4;
-        if width as u64 * height as u64 > most {
+        let sides = 1..=limit;
+        if !sides.contains(&width) || !sides.contains(&height) || width as u64 * height as u64 > most {
             return Err(ViewerError::BadArgument(format!(
-                "a picture of {width} x {height} pixels: at most {most} together"
+                "a picture of {width} x {height} pixels: both must be between 1 and {limit}, and their product at most {most}"
             )));
         }
         Ok(())

@@ -1,8 +1,9 @@
 /** What a material reads: bounced irradiance of its pixel, from the textures of `Pixels`. */
 
-import { DataTexture, FloatType, RGBAFormat, type Node, type Texture } from "three/webgpu";
+import type { Node, Texture } from "three/webgpu";
 import { clamp, dot, float, Fn, fwidth, If, ivec2, normalize, normalWorld, positionWorld, screenCoordinate, select, texture, uint, uniform, vec2, vec3, vec4 } from "three/tsl";
 import type { Space } from "./space.js";
+import { nothing } from "./textures.js";
 
 /** How far a pixel's place may be from the surface that is shaded, in widths of a pixel; at neighbours. */
 const NEAR = 1.5;
@@ -12,13 +13,6 @@ const BESIDE = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]] as const;
 
 // As tilt.wgsl.
 const STEEPEST = 2;
-
-/** Texture of nothing, until there is a picture. */
-function nothing(): DataTexture {
-  const empty = new DataTexture(new Float32Array(4), 1, 1, RGBAFormat, FloatType);
-  empty.needsUpdate = true;
-  return empty;
-}
 
 /** The lookup of a pixel, as nodes. */
 export class Lookup {

@@ -1,20 +1,11 @@
 /** Bounced light at the pixels of a target of three.js: positions, and the texture of irradiance that follows from them. */
 
-import {
-  ExternalTexture,
-  FloatType,
-  NearestFilter,
-  NoColorSpace,
-  type Camera,
-  type RenderTarget,
-  type Scene,
-  type Texture,
-  type WebGPURenderer,
-} from "three/webgpu";
+import type { Camera, ExternalTexture, RenderTarget, Scene, Texture, WebGPURenderer } from "three/webgpu";
 import type { BouncedLight, View } from "../rebounce_three.js";
 import type { Objects } from "./objects.js";
 import { Positions } from "./positions.js";
 import type { Space } from "./space.js";
+import { external } from "./textures.js";
 
 /** What pictures need, of all targets. */
 export interface PixelSources {
@@ -52,17 +43,8 @@ export class Pixels {
     this.#target = Positions.target(width, height);
     renderer.initRenderTarget(this.#target);
     this.#view = light.view(gpuTexture(renderer, this.#target.texture), width, height, everyPixel);
-    this.irradiance = new ExternalTexture(this.#view.texture());
-    Object.assign(this.irradiance, {
-      name: "rebounce irradiance",
-      type: FloatType,
-      minFilter: NearestFilter,
-      magFilter: NearestFilter,
-      generateMipmaps: false,
-      colorSpace: NoColorSpace,
-    });
-    Object.assign(this.irradiance, { image: { width, height } });
-    this.irradiance.needsUpdate = true;
+    this.irradiance = external(this.#view.texture());
+    this.irradiance.name = "rebounce irradiance";
   }
 
   /** Places and normals by pixel. */

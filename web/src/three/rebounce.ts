@@ -1,11 +1,12 @@
 /** The bounced light of a .rbn file in a scene of three.js. */
 
 import { Vector2, Vector3, type Node, type NodeFrame, type Object3D, type WebGPURenderer } from "three/webgpu";
-import { vec3 } from "three/tsl";
+import type { WebGLRenderer } from "three";
 import { BouncedLight, type Device } from "../rebounce_three.js";
 import { Failure, failureOf } from "../wire/failure.js";
 import type { Light as OwnLight } from "../wire/light-kinds.js";
 import { lightNumbers } from "../wire/wire.js";
+import { bakeScene, type BakeOptions } from "./bake.js";
 import { deviceOf, openDevice, type DeviceOptions } from "./device.js";
 import type { Gpu } from "./gpu.js";
 import { RebounceLight, type LightSource } from "./light.js";
@@ -14,18 +15,23 @@ import { Lookup } from "./lookup.js";
 import { Objects } from "./objects.js";
 import { Pixels, type PixelSources } from "./pixels.js";
 import { Positions } from "./positions.js";
+import { ProbeNodes } from "./probe-nodes.js";
+import { Probes, type ProbeData, type ProbeOptions } from "./probes.js";
 import { Space } from "./space.js";
+import { WebGLGrid } from "./webgl-grid.js";
 
 /** How a file is loaded. */
 export interface LoadOptions {
-  /** The renderer that shows the scene. */
-  renderer: WebGPURenderer;
+  /** The renderer that shows the scene: `WebGPURenderer` on a device of `Rebounce.device()`, or one that draws through WebGL, which gets probes alone. */
+  renderer: WebGPURenderer | WebGLRenderer;
   /** The object that the baked scene hangs on, where that is not the world itself: scaled evenly, if at all. */
   root?: Object3D;
   /** Looks every pixel up by itself, instead of every second one and edges. */
   everyPixel?: boolean;
   /** Whether openness of pixels modulates the light; true when absent. */
   detail?: boolean;
+  /** How probes for moving, transparent and foreign objects are made; false for none. */
+  probes?: ProbeOptions | false;
   /** Gives up when it aborts. */
   signal?: AbortSignal;
 }
@@ -36,6 +42,8 @@ export interface Memory {
   scene: number;
   /** Of pictures. */
   pixels: number;
+  /** Of probes. */
+  probes: number;
 }
 
 /** A file: its bytes, or where they are. */
@@ -47,11 +55,17 @@ const TARGETS = 4;
 /** Bounced light for a scene of three.js. */
 export class Rebounce implements LightSource {
   /** The light to put into the scene. */
-  readonly light: RebounceLight;
+  readonly light: RebounceLight | WebGLGrid;
   /** The lights of the scene whose light bounces. */
   readonly lights = new FollowedLights();
-  #from: PixelSources;
-  #lookup: Lookup;
+  /** Resolves when probes light what the file does not know; with false where there are none. */
+  readonly ready: Promise<boolean>;
+  readonly #from: PixelSources;
+  readonly #lookup: Lookup;
+  readonly #nodes = new ProbeNodes();
+  /** Whether the renderer draws on our device, so that pixels can be looked up. */
+  readonly #isShared: boolean;
+  #probes: Probes | undefined;
   #pixels = new Map<object, Pixels>();
   #numbers: Float64Array = new Float64Array();
   #own: OwnLight[] = [];
@@ -69,29 +83,32 @@ export class Rebounce implements LightSource {
   static async load(source: Source, options: LoadOptions): Promise<Rebounce> {
     const { renderer, signal } = options;
     signal?.throwIfAborted();
-    await renderer.init();
-    const { device } = renderer.backend as unknown as { device?: object };
-    const shared = device && deviceOf(device);
-    if (!shared) {
-      throw new Failure("foreign-device", "The renderer has a GPU device of its own: make it with new WebGPURenderer({ device: await Rebounce.device() }).");
-    }
+    const device = await deviceFor(renderer);
     const bytes = await bytesOf(source, signal);
-    const light = await opened(shared, bytes);
+    const light = await opened(device.of, bytes, options.probes !== false);
     if (signal?.aborted) light.free();
     signal?.throwIfAborted();
-    return new Rebounce(light, options);
+    return new Rebounce(light, options, device.isShared);
+  }
+
+  /** Bakes what a scene, or a part of it, shows now, and loads it: the same objects are known then. Rejects with an error whose message is a sentence. */
+  static async bake(scene: Object3D, options: LoadOptions & BakeOptions): Promise<Rebounce> {
+    const file = await bakeScene(scene, options);
+    return Rebounce.load(file, options);
   }
 
   /** @internal */
-  constructor(light: BouncedLight, { root, everyPixel = false, detail = true }: LoadOptions) {
+  constructor(light: BouncedLight, { renderer, root, everyPixel = false, detail = true, probes = {} }: LoadOptions, isShared: boolean) {
     const [x0 = 0, y0 = 0, z0 = 0, x1 = 0, y1 = 0, z1 = 0] = light.bounds();
     const diagonal = Math.hypot(x1 - x0, y1 - y0, z1 - z0);
     const space = new Space(root, new Vector3(...light.origin()));
     const objects = new Objects(light, space, diagonal);
     this.#from = { light, space, objects, positions: new Positions(space), lit: 0, everyPixel, detail };
-    this.#lookup = new Lookup(space, light.isBumpy(), diagonal, () => vec3(0) as unknown as Node<"vec3">);
-    this.light = new RebounceLight(this);
+    this.#lookup = new Lookup(space, light.isBumpy(), diagonal, (place, normal) => this.#nodes.irradiance(place, normal));
+    this.#isShared = isShared;
+    this.light = isNodeRenderer(renderer) ? new RebounceLight(this) : new WebGLGrid();
     light.setLights(new Float64Array());
+    this.ready = probes === false ? Promise.resolve(false) : this.#makeProbes(probes);
   }
 
   /** Irradiance of the surface that is shaded, as a node: for materials of your own. */
@@ -116,11 +133,18 @@ export class Rebounce implements LightSource {
       this.#numbers = numbers;
     }
     if (light.relight()) this.#from.lit += 1;
+    this.#probes?.update(this.#from.lit, (radiance) => this.light instanceof WebGLGrid && this.light.copyProbes(this.#probes as Probes, radiance, space));
+  }
+
+  /** What probes hold now, for other renderers; nothing before they are `ready`. */
+  async readProbes(): Promise<ProbeData | undefined> {
+    this.update();
+    return this.#probes?.read();
   }
 
   /** @internal */
   prepare({ renderer: any, scene, camera }: NodeFrame): void {
-    if (this.#isDisposed || !any || !scene || !camera || "isArrayCamera" in camera) return this.#lookup.set();
+    if (this.#isDisposed || !this.#isShared || !any || !scene || !camera || "isArrayCamera" in camera) return this.#lookup.set();
     const renderer = any as WebGPURenderer;
     const target = renderer.getRenderTarget();
     const { width, height } = target ?? renderer.getDrawingBufferSize(new Vector2());
@@ -144,10 +168,10 @@ export class Rebounce implements LightSource {
 
   /** Bytes on the GPU. */
   memory(): Memory {
-    if (this.#isDisposed) return { scene: 0, pixels: 0 };
+    if (this.#isDisposed) return { scene: 0, pixels: 0, probes: 0 };
     const { bytes } = JSON.parse(this.#from.light.stats()) as { bytes: Record<string, number> };
     const sum = (numbers: number[]) => numbers.reduce((all, some) => all + some, 0);
-    return { scene: sum(Object.values(bytes)), pixels: sum([...this.#pixels.values()].map((one) => one.bytes)) };
+    return { scene: sum(Object.values(bytes)), pixels: sum([...this.#pixels.values()].map((one) => one.bytes)), probes: this.#probes?.bytes ?? 0 };
   }
 
   /** Frees everything; the light gives nothing from then on. The device lives on. */
@@ -155,19 +179,56 @@ export class Rebounce implements LightSource {
     if (this.#isDisposed) return;
     this.#isDisposed = true;
     this.light.removeFromParent();
+    this.light.dispose();
     this.#lookup.set();
+    this.#nodes.set(undefined);
+    this.#probes?.dispose();
+    this.#probes = undefined;
     for (const pixels of this.#pixels.values()) pixels.dispose();
     this.#pixels.clear();
     this.#from.positions.dispose();
     this.#lookup.dispose();
+    this.#nodes.dispose();
     this.#from.light.free();
+  }
+
+  async #makeProbes(options: ProbeOptions): Promise<boolean> {
+    let made: Probes | undefined;
+    try {
+      made = await Probes.make(this.#from.light, options, !this.#isShared);
+    } catch (error) {
+      // Disposed meanwhile, or the device is lost.
+      if (!this.#isDisposed) console.warn(`rebounce: there are no probes: ${failureOf(error).message}`);
+    }
+    if (this.#isDisposed) made?.dispose();
+    if (!made || this.#isDisposed) return false;
+    this.#probes = made;
+    this.#nodes.set(made);
+    return true;
   }
 }
 
-async function opened(device: Device, bytes: Uint8Array): Promise<BouncedLight> {
+/** Whether a renderer has node materials: `WebGPURenderer`, on WebGPU or WebGL. */
+const isNodeRenderer = (renderer: LoadOptions["renderer"]): renderer is WebGPURenderer => "backend" in renderer;
+
+/** Our device behind a renderer; one of its own where the renderer draws through WebGL. */
+async function deviceFor(renderer: LoadOptions["renderer"]): Promise<{ of: Device; isShared: boolean }> {
+  if (isNodeRenderer(renderer)) {
+    await renderer.init();
+    const { device } = renderer.backend as unknown as { device?: object };
+    const shared = device && deviceOf(device);
+    if (shared) return { of: shared, isShared: true };
+    if (device) {
+      throw new Failure("foreign-device", "The renderer has a GPU device of its own: make it with new WebGPURenderer({ device: await Rebounce.device() }).");
+    }
+  }
+  return { of: deviceOf(await openDevice()) as Device, isShared: false };
+}
+
+async function opened(device: Device, bytes: Uint8Array, probes: boolean): Promise<BouncedLight> {
   const light = new BouncedLight(device);
   try {
-    await light.load(bytes);
+    await light.load(bytes, probes);
     return light;
   } catch (error) {
     light.free();

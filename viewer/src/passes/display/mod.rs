@@ -8,6 +8,7 @@
 //! and have slots of their own at edges (slots.wgsl).
 
 pub mod choice;
+#[cfg(feature = "guest")]
 pub mod given;
 mod lookup;
 pub mod quad;
