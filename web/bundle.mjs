@@ -22,7 +22,7 @@ const OUTSIDE = {
   name: "outside",
   setup: ({ onResolve }) => {
     onResolve({ filter: /^three(\/|$)/ }, ({ path: name }) => ({ path: name, external: true }));
-    onResolve({ filter: /\/bake\.js$/ }, () => ({ path: "./bake.js", external: true }));
+    onResolve({ filter: /^\.\.\/bake\.js$/ }, () => ({ path: "./bake.js", external: true }));
   },
 };
 

@@ -24,6 +24,8 @@ const SIDE: usize = PLANES * FINER;
 pub const RAYS: usize = SIDE * SIDE;
 /// Bit of an entry's sender that marks a source: the sky or an emissive surface.
 pub const SOURCE: u32 = 1 << 31;
+/// Support radius of a sender's function over its distance, at most: the harmonics see no finer detail.
+const WIDTH: f32 = 0.3;
 /// A probe of which more rays meet backs of surfaces is within something solid.
 const INSIDE: f32 = 0.25;
 /// Distance to the nearest surface at which a probe is moved, in spacings.
@@ -186,8 +188,8 @@ impl Input {
 
     /// Senders of the radiance that a surface sends towards a probe.
     fn reflected(&self, place: Vec3, hit: &Hit, shade: &Shade, entry: &mut dyn FnMut(u32, f32)) {
-        // The coarsest level whose functions are no wider than the ray, or the finest one.
-        let width = 2.0 * hit.distance * (4.0 / RAYS as f32).sqrt();
+        // The coarsest level whose functions are small as seen from the probe, or the finest one.
+        let width = WIDTH * hit.distance;
         let finest = self.supports.len();
         let level = self.supports.iter().position(|support| *support <= width).map_or(finest, |level| level + 1);
         for level in (0..level).rev() {

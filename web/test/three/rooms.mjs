@@ -1,0 +1,37 @@
+// Scenes for probes: a ball that the bake does not know, in a room and behind a wall of 5 cm.
+
+import { Model } from "../../site/samples/model.mjs";
+import { ball, box, inward, joined, placed } from "../../site/samples/shapes.mjs";
+
+/** The ball: where it is in each scene, and its radius. */
+export const BALL = { room: [0.6, 1.1, -0.3], dark: [0.5, 1.2, 0], radius: 0.4 };
+
+/** A room of 5 × 3 × 4 m with coloured sides and a block; with `withBall`, what a path tracer is to see. */
+export function room(withBall) {
+  const model = new Model("Room");
+  const white = model.material("White", "#d8d8d8");
+  const red = model.material("Red", "#c83020");
+  const green = model.material("Green", "#30a040");
+  const shell = (low, high, without) => inward(box(low, high, without));
+  model.add("Floor, ceiling, ends", [white, shell([-2.5, 0, -2], [2.5, 3, 2], "-x+x")]);
+  model.add("Left", [red, shell([-2.5, 0, -2], [2.5, 3, 2], "+x-y+y-z+z")]);
+  model.add("Right", [green, shell([-2.5, 0, -2], [2.5, 3, 2], "-x-y+y-z+z")]);
+  model.add("Block", [white, box([-1.6, 0, -1.2], [-0.6, 1.2, -0.2], "-y")]);
+  if (withBall) model.add("Ball", [white, placed(ball(BALL.radius, 64), { at: BALL.room })]);
+  model.light("Lamp", "spot", { at: [-0.4, 2.8, 0.8], to: [-0.8, 0, 0.6], cone_deg: [49.9, 50], intensity: 40 });
+  model.camera("Camera", { at: [0.8, 1.4, 1.8], to: BALL.room, yfov_deg: 50 });
+  return model;
+}
+
+/** Two closed rooms with a wall of 5 cm between them; the lamp is in the left one, the ball in the right one. */
+export function twoRooms(withBall) {
+  const model = new Model("Two rooms");
+  const white = model.material("White", "#d8d8d8");
+  model.add("Lit", [white, inward(box([-3, 0, -1.5], [0, 2.5, 1.5]))]);
+  model.add("Dark", [white, inward(box([0.05, 0, -1.5], [3, 2.5, 1.5]))]);
+  if (withBall) model.add("Ball", [white, placed(ball(BALL.radius, 64), { at: BALL.dark })]);
+  model.light("Lamp", "point", { at: [-1.2, 1.8, 0.3], intensity: 30 });
+  model.camera("Camera", { at: [2.4, 1.3, 0.6], to: BALL.dark, yfov_deg: 60 });
+  model.camera("Lit", { at: [-2.4, 1.3, 0.6], to: [0, 1, 0], yfov_deg: 60 });
+  return model;
+}
