@@ -40,6 +40,7 @@ import { solved } from "./page/solved.mjs";
 import { soak } from "./page/soak.mjs";
 import { state } from "./page/state.mjs";
 import { text } from "./page/text.mjs";
+import { three } from "./page/three.mjs";
 import { touch } from "./page/touch.mjs";
 import { unsupported } from "./page/unsupported.mjs";
 import { walking } from "./page/walking.mjs";
@@ -47,7 +48,7 @@ import { watch } from "./page/watch.mjs";
 
 const PARTS = {
   loading, attributes, slots, onScreen, hidden, animation, lights, mixer, input, touch, walking, handles, history, panel, panelLights, panelLook, pictures, shown, solved, state, watch, light, environment, sky,
-  failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing, bakeInPage, bakeElement, bakeGuide,
+  failures, unsupported, downloads, exported, memory, text, policy, damaged, sharing, bakeInPage, bakeElement, bakeGuide, three,
 };
 /** Damaged files that are opened: a share of what `cargo xtask damage` opens, from another seed. */
 const DAMAGED = ["24", "2"];

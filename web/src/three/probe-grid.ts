@@ -4,7 +4,9 @@ import { Vector3 } from "three/webgpu";
 
 /** Where probes are, and what surfaces they see. */
 export interface ProbeGrid {
-  /** Place of the first probe, local space: world space of the file less its origin. */
+  /** World-space place of the file's local origin. */
+  origin: readonly [number, number, number];
+  /** Place of the first probe, local space. */
   first: Vector3;
   /** Distance of neighbours. */
   spacing: number;

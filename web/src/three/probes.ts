@@ -38,15 +38,16 @@ export class Probes {
   /** Makes probes in the background; none where a scene is too large for them. */
   static async make(light: BouncedLight, { spacing = 0 }: ProbeOptions, copies: boolean): Promise<Probes | undefined> {
     const made = await light.probes(spacing, pause);
-    return made && new Probes(made, copies);
+    return made && new Probes(made, light.origin(), copies);
   }
 
-  private constructor(made: Made, copies: boolean) {
+  private constructor(made: Made, origin: Float64Array, copies: boolean) {
     this.#made = made;
     this.#copies = copies;
     const [x = 0, y = 0, z = 0, spacing = 1, ...counts] = made.grid();
     const [width = 1, height = 1, depth = 1] = counts;
-    this.grid = { first: new Vector3(x, y, z), spacing, counts: [width, height, depth], planes: made.planes(), moves: made.moves() };
+    const [ox = 0, oy = 0, oz = 0] = origin;
+    this.grid = { origin: [ox, oy, oz], first: new Vector3(x, y, z), spacing, counts: [width, height, depth], planes: made.planes(), moves: made.moves() };
     this.textures = (copies ? this.#dataTextures() : made.textures().map(external)) as unknown as ProbeTextures;
   }
 

@@ -1,0 +1,397 @@
+// Bounced light in scenes of three.js: at pixels, in the air, and through the life of a page.
+
+import parseExr from "parse-exr";
+import { readFile, writeFile } from "node:fs/promises";
+import path from "node:path";
+import { exec } from "../agreement.mjs";
+import { check, equal } from "../harness.mjs";
+import { serveFolder } from "../serve.mjs";
+import { BALL, room, twoRooms } from "../three/rooms.mjs";
+
+const SIZE = [160, 90];
+
+/** Bakes a scene of rooms.mjs; its files as base64. */
+async function baked({ work, rebounce }, name, scene) {
+  const glb = path.join(work, `three-${name}.glb`);
+  await writeFile(glb, await scene(false).glb());
+  const rbn = path.join(work, `three-${name}.rbn`);
+  await exec(rebounce, ["bake", glb, "--preset", "draft", "-o", rbn]);
+  const [glbText, rbnText] = await Promise.all([glb, rbn].map(async (file) => (await readFile(file)).toString("base64")));
+  return { glb: glbText, rbn: rbnText };
+}
+
+/** Bounced light as a path tracer sees it with the ball in the room: RGB and more by pixel, rows from the top. */
+async function traced({ work, rebounce }, scene) {
+  const [glb, out] = ["three-ball.glb", "three-ball.exr"].map((name) => path.join(work, name));
+  await writeFile(glb, await scene(true).glb());
+  await exec(rebounce, ["reference", glb, "--only", "indirect", "--size", SIZE.join("x"), "--spp", "256", "-o", out]);
+  const bytes = await readFile(out);
+  // FloatType of three.js, for what parse-exr is to give.
+  const { data, width, height } = parseExr(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), 1015);
+  const channels = data.length / (width * height);
+  return (x, y) => [0, 1, 2].map((c) => data[channels * ((height - 1 - y) * width + x) + c]);
+}
+
+/** Opens a page with `stage`; what the page's errors were. */
+async function opened(browser, address) {
+  const page = await browser.newPage({ viewport: { width: 400, height: 300 } });
+  page.setDefaultTimeout(300_000);
+  const errors = [];
+  page.on("pageerror", (error) => errors.push(String(error)));
+  page.on("console", (message) => message.type() === "error" && !/404/.test(message.text()) && errors.push(message.text()));
+  await page.goto(`${address}test/three/stage.html`);
+  await page.waitForFunction(() => globalThis.stage, undefined, { timeout: 60_000 }).catch((error) => {
+    throw new Error(`no stage: ${errors.join("; ")}`, { cause: error });
+  });
+  return { page, errors };
+}
+
+/** Runs the tests. */
+export async function three(harness, context) {
+  const server = await serveFolder(".", 0, { policy: false });
+  const files = { room: await baked(context, "room", room), two: await baked(context, "two", twoRooms) };
+  const test = (name, work) =>
+    harness.test(`three::${name}`, async () => {
+      const { page, errors } = await opened(context.browser, server.address);
+      try {
+        await work(page);
+        equal(errors.join("\n"), "", "errors of the page");
+      } finally {
+        await page.close();
+      }
+    });
+  try {
+    await test("pixels_get_the_light_that_the_element_shows_for_three_places_of_the_lamp", async (page) => {
+      const errors = await page.evaluate(async ({ glb, rbn, size }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, indirect, rms } = stage;
+        const renderer = await rendererOf();
+        const { model, lamps, camera } = await modelOf(glb);
+        const gi = await Rebounce.load(bytesOf(rbn), { renderer, probes: false });
+        const scene = new THREE.Scene();
+        scene.add(model, gi.light);
+        gi.lights.add(...lamps);
+        await import("/dist/rebounce-viewer.js");
+        const viewer = document.createElement("rebounce-viewer");
+        viewer.style = "width: 160px; height: 90px; display: block";
+        viewer.src = URL.createObjectURL(new Blob([bytesOf(rbn)]));
+        document.body.append(viewer);
+        while (!viewer.loaded) await new Promise((later) => setTimeout(later, 50));
+        const out = [];
+        for (const x of [0, 0.8, 1.6]) {
+          lamps[0].position.x += x === 0 ? 0 : 0.8;
+          gi.update();
+          const found = await indirect(renderer, scene, camera, gi, ...size);
+          viewer.shot = { camera: viewer.camera, lights: gi.shotLights };
+          out.push(rms(found, await viewer.readIndirect(...size)));
+        }
+        return out;
+      }, { ...files.room, size: SIZE });
+      console.log(`  ${errors.map((error) => error.toFixed(4)).join(" ")}`);
+      check(errors.every((error) => error < 0.02), `relative errors ${errors}`);
+    });
+
+    await test("the_shader_reads_probes_as_the_cpu_does", async (page) => {
+      const { worst, largest, count } = await page.evaluate(async ({ rbn, at, glb }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, ballAt, irradianceAt, tsl } = stage;
+        const renderer = await rendererOf();
+        const gi = await Rebounce.load(bytesOf(rbn), { renderer });
+        const { lamps, camera } = await modelOf(glb);
+        gi.lights.add(...lamps);
+        if (!(await gi.ready)) throw new Error("no probes");
+        gi.update();
+        const scene = new THREE.Scene();
+        scene.add(ballAt(at), gi.light);
+        const value = (node) => tsl.vec4(node, 1);
+        const { e, p, n } = await read(renderer, scene, camera, [160, 90], { e: value(gi.irradiance), p: value(tsl.positionWorld), n: value(tsl.normalWorld) });
+        const data = await gi.readProbes();
+        const origin = new THREE.Vector3(...data.origin);
+        let [worst, largest, count] = [0, 0, 0];
+        for (let i = 0; i < e.length; i += 4) {
+          const normal = new THREE.Vector3().fromArray(n, i);
+          if (Math.abs(normal.length() - 1) > 1e-3) continue;
+          const wanted = irradianceAt(data, new THREE.Vector3().fromArray(p, i).sub(origin), normal).toArray();
+          wanted.forEach((x, c) => {
+            worst = Math.max(worst, Math.abs(x - e[i + c]));
+            largest = Math.max(largest, x);
+          });
+          count += 1;
+        }
+        return { worst, largest, count };
+      }, { ...files.room, at: BALL.room });
+      check(count > 500 && largest > 0.1, `${count} pixels, ${largest}`);
+      check(worst < 1e-3 * largest, `off by ${worst} of ${largest}`);
+    });
+
+    await test("a_ball_that_the_bake_does_not_know_gets_the_light_of_the_room", async (page) => {
+      const pixels = await page.evaluate(ballPixels, { ...files.room, at: BALL.room, eye: undefined });
+      const truth = await traced(context, room);
+      const [width, height] = SIZE;
+      const isBall = (x, y) => pixels[4 * (y * width + x) + 3] === 7;
+      let [error, power, count] = [0, 0, 0];
+      for (let y = 1; y < height - 1; y += 1) {
+        for (let x = 1; x < width - 1; x += 1) {
+          // Pixels at the rim show what is behind, too.
+          if (![[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]].every(([dx, dy]) => isBall(x + dx, y + dy))) continue;
+          truth(x, y).forEach((wanted, c) => {
+            error += (pixels[4 * (y * width + x) + c] - wanted) ** 2;
+            power += wanted ** 2;
+          });
+          count += 1;
+        }
+      }
+      const relative = Math.sqrt(error / power);
+      console.log(`  ${relative.toFixed(4)} over ${count} pixels`);
+      check(count > 500 && relative < 0.1, `relative error ${relative} over ${count} pixels`);
+    });
+
+    await test("a_wall_of_5_cm_keeps_light_from_what_is_behind_it", async (page) => {
+      // Between the wall and the ball, too.
+      const eye = [0.45, 1.3, 1.3];
+      const dark = await page.evaluate(ballPixels, { ...files.two, at: BALL.dark, eye });
+      const lit = await page.evaluate(ballPixels, { ...files.two, at: [-0.5, 1.2, 0], eye: [-0.5, 1.3, 1.3] });
+      const mean = (pixels) => {
+        const seen = pixels.filter((_, i) => i % 4 < 3 && pixels[4 * Math.floor(i / 4) + 3] === 7);
+        return seen.reduce((sum, x) => sum + x, 0) / seen.length;
+      };
+      console.log(`  ${(mean(dark) / mean(lit)).toExponential(1)}`);
+      check(mean(lit) > 0.1, `the lit side: ${mean(lit)}`);
+      check(mean(dark) < 0.005 * mean(lit), `${mean(dark)} behind the wall, ${mean(lit)} before it`);
+    });
+
+    await test("what_has_moved_is_said_once_and_lit_by_probes", async (page) => {
+      const { warnings, before, after } = await page.evaluate(async ({ glb, rbn }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, tsl, warnings } = stage;
+        const renderer = await rendererOf();
+        const { model, lamps, camera } = await modelOf(glb);
+        const gi = await Rebounce.load(bytesOf(rbn), { renderer });
+        await gi.ready;
+        const scene = new THREE.Scene();
+        scene.add(model, gi.light);
+        gi.lights.add(...lamps);
+        const mean = async () => {
+          gi.update();
+          const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance, 1) });
+          return e.reduce((sum, x) => sum + x, 0) / e.length;
+        };
+        const before = await mean();
+        const block = model.getObjectByName("Block");
+        block.position.x += 1;
+        const after = await mean();
+        block.position.x += 0.1;
+        await mean();
+        return { warnings: warnings.filter((text) => text.startsWith("rebounce")), before, after };
+      }, files.room);
+      equal(warnings.length, 1, `warnings: ${warnings.join("; ")}`);
+      check(warnings[0].includes('"Block" has moved'), warnings[0]);
+      check(Math.abs(after / before - 1) < 0.2, `${before} before, ${after} after`);
+    });
+
+    await test("canvases_share_a_file_and_sizes_change_and_passes_follow", async (page) => {
+      const found = await page.evaluate(async ({ glb, rbn }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, tsl } = stage;
+        const first = await rendererOf();
+        const { model, lamps, camera } = await modelOf(glb);
+        const gi = await Rebounce.load(bytesOf(rbn), { renderer: first, probes: false });
+        const second = await rendererOf({ device: first.backend.device, width: 96, height: 54 });
+        await second.init();
+        const scene = new THREE.Scene();
+        scene.add(model, gi.light);
+        gi.lights.add(...lamps);
+        for (const lamp of lamps) lamp.visible = true;
+        const brightness = async (renderer) => {
+          const canvas = new OffscreenCanvas(renderer.domElement.width, renderer.domElement.height);
+          const context = canvas.getContext("2d");
+          context.drawImage(renderer.domElement, 0, 0);
+          const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+          return data.reduce((sum, x, i) => sum + (i % 4 < 3 ? x : 0), 0) / (0.75 * data.length);
+        };
+        const out = [];
+        // Bounced light alone.
+        const draw = async (renderer, render = () => renderer.render(scene, camera)) => {
+          gi.update();
+          lamps.forEach((lamp) => (lamp.visible = false));
+          render();
+          lamps.forEach((lamp) => (lamp.visible = true));
+          out.push(await brightness(renderer));
+        };
+        await draw(first);
+        await draw(second);
+        first.setSize(64, 36);
+        await draw(first);
+        first.setSize(160, 90);
+        const pipeline = new THREE.RenderPipeline(first);
+        pipeline.outputNode = tsl.pass(scene, camera);
+        await draw(first, () => pipeline.render());
+        gi.light.visible = false;
+        await draw(first);
+        return out;
+      }, files.room);
+      const [first, ...others] = found;
+      const dark = others.pop();
+      check(first > 20 && dark < 1, `brightness ${found}`);
+      for (const one of others) check(Math.abs(one / first - 1) < 0.05, `brightness ${found}`);
+    });
+
+    await test("nothing_is_left_after_dispose_and_a_file_is_loaded_anew", async (page) => {
+      const { left, again, memory } = await page.evaluate(async ({ glb, rbn }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, ballAt } = stage;
+        const renderer = await rendererOf();
+        const { device } = (await renderer.init()) && renderer.backend;
+        const { model, lamps, camera } = await modelOf(glb);
+        const scene = new THREE.Scene();
+        scene.add(model, ballAt([0.6, 1.1, -0.3]));
+        renderer.render(scene, camera);
+        await device.queue.onSubmittedWorkDone();
+        // What is made from now on, and not destroyed.
+        const alive = new Set();
+        for (const name of ["createBuffer", "createTexture"]) {
+          const make = device[name].bind(device);
+          device[name] = (descriptor) => {
+            const made = make(descriptor);
+            alive.add(made);
+            const destroy = made.destroy.bind(made);
+            made.destroy = () => {
+              alive.delete(made);
+              destroy();
+            };
+            return made;
+          };
+        }
+        const turn = async () => {
+          const gi = await Rebounce.load(bytesOf(rbn), { renderer });
+          await gi.ready;
+          scene.add(gi.light);
+          gi.lights.add(...lamps);
+          for (let i = 0; i < 2; i += 1) {
+            gi.update();
+            renderer.render(scene, camera);
+          }
+          await device.queue.onSubmittedWorkDone();
+          const memory = gi.memory();
+          gi.dispose();
+          renderer.render(scene, camera);
+          await device.queue.onSubmittedWorkDone();
+          return { memory, after: gi.memory() };
+        };
+        const { memory } = await turn();
+        const left = alive.size;
+        const bytes = [...alive].reduce((sum, one) => sum + (one.size ?? 4 * one.width * one.height), 0);
+        await turn();
+        return { left: { left, bytes }, again: alive.size - left, memory };
+      }, files.room);
+      check(memory.scene > 1e6 && memory.pixels > 1e5 && memory.probes > 1e5, JSON.stringify(memory));
+      // three.js keeps some uniforms of materials that it has drawn.
+      check(left.bytes < 100_000, `${left.left} objects of ${left.bytes} bytes are left`);
+      equal(again, 0, "objects that each turn leaves");
+    });
+
+    for (const webgl of ["node", "classic"]) {
+      await test(`a_renderer_on_webgl_gets_probes_${webgl}`, async (page) => {
+        const { lit, dark } = await page.evaluate(async ({ glb, rbn, webgl, at }) => {
+          const { Rebounce, THREE, rendererOf, modelOf, bytesOf, ballAt } = stage;
+          const renderer = await rendererOf({ webgl });
+          const { lamps, camera } = await modelOf(glb);
+          const gi = await Rebounce.load(bytesOf(rbn), { renderer });
+          if (!(await gi.ready)) throw new Error("no probes");
+          gi.lights.add(...lamps);
+          const scene = new THREE.Scene();
+          scene.add(ballAt(at), gi.light);
+          const brightness = () => {
+            renderer.render(scene, camera);
+            const canvas = new OffscreenCanvas(160, 90);
+            const context = canvas.getContext("2d");
+            context.drawImage(renderer.domElement, 0, 0);
+            const { data } = context.getImageData(0, 0, 160, 90);
+            return data.reduce((most, x, i) => (i % 4 < 3 ? Math.max(most, x) : most), 0);
+          };
+          let lit = 0;
+          // Read back: some frames later.
+          for (let i = 0; i < 100 && lit < 20; i += 1) {
+            gi.update();
+            lit = brightness();
+            await new Promise((later) => setTimeout(later, 20));
+          }
+          gi.light.visible = false;
+          return { lit, dark: brightness() };
+        }, { ...files.room, webgl, at: BALL.room });
+        check(lit > 60 && dark < 5, `${lit} with, ${dark} without`);
+      });
+    }
+
+    await test("a_foreign_device_and_a_file_that_is_none_are_refused_in_words", async (page) => {
+      const found = await page.evaluate(async ({ rbn }) => {
+        const { Rebounce, THREE, rendererOf, bytesOf } = stage;
+        const reason = (promise) => promise.then(() => "loaded", ({ code, message }) => `${code}: ${message}`);
+        const foreign = new THREE.WebGPURenderer();
+        const own = await rendererOf();
+        return [
+          await reason(Rebounce.load(bytesOf(rbn), { renderer: foreign })),
+          await reason(Rebounce.load(new Uint8Array(100), { renderer: own })),
+          await reason(Rebounce.load("/none.rbn", { renderer: own })),
+          await reason(Rebounce.load(bytesOf(rbn), { renderer: own, signal: AbortSignal.abort(new Error("enough")) })),
+        ];
+      }, files.room);
+      check(found[0].startsWith("foreign-device: ") && found[0].includes("Rebounce.device()"), found[0]);
+      check(found[1].startsWith("not-rbn: "), found[1]);
+      check(found[2].startsWith("http: ") && found[2].includes("404"), found[2]);
+      equal(found[3], "undefined: enough", "aborted");
+    });
+
+    await test("the_device_has_every_feature_that_three_asks_for", async (page) => {
+      const missing = await page.evaluate(async () => {
+        const { Rebounce, THREE } = stage;
+        const own = await Rebounce.device();
+        const renderer = new THREE.WebGPURenderer();
+        await renderer.init();
+        return [...renderer.backend.device.features].filter((name) => !own.features.has(name));
+      });
+      equal(missing.join(), "", "features");
+    });
+
+    await test("a_scene_is_baked_as_it_stands", async (page) => {
+      const { share, warnings } = await page.evaluate(async ({ glb }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, read, tsl, warnings } = stage;
+        const renderer = await rendererOf();
+        const { model, lamps, camera } = await modelOf(glb);
+        const scene = new THREE.Scene();
+        scene.add(model);
+        const gi = await Rebounce.bake(scene, { renderer, preset: "draft", functions: 3000, probes: false });
+        scene.add(gi.light);
+        gi.lights.add(...lamps);
+        gi.update();
+        const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance, 1) });
+        let lit = 0;
+        for (let i = 0; i < e.length; i += 4) lit += e[i] > 1e-3;
+        return { share: (4 * lit) / e.length, warnings };
+      }, files.room);
+      check(share > 0.99, `${share} of the pixels have light; ${warnings.join("; ")}`);
+    });
+  } finally {
+    server.end();
+  }
+}
+
+/** In a page: radiance of a ball's bounced light by pixel, rows from the bottom of the picture as three reads them; alpha 7 where the ball is. */
+async function ballPixels({ glb, rbn, at, eye }) {
+  const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, ballAt, tsl } = stage;
+  const renderer = await rendererOf();
+  const gi = await Rebounce.load(bytesOf(rbn), { renderer });
+  await gi.ready;
+  const { lamps, camera } = await modelOf(glb);
+  gi.lights.add(...lamps);
+  gi.update();
+  if (eye) {
+    // Not the camera's parents, which turn it.
+    camera.removeFromParent();
+    camera.position.set(...eye);
+    camera.lookAt(...at);
+  }
+  const scene = new THREE.Scene();
+  const ball = ballAt(at);
+  const albedo = ball.material.color.r;
+  scene.add(ball, gi.light);
+  const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance.mul(albedo / Math.PI), 7) });
+  gi.dispose();
+  renderer.dispose();
+  return Array.from(e);
+}

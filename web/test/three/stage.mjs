@@ -1,0 +1,100 @@
+// A scene of three.js with bounced light, for tests: what they call is on `stage`.
+
+import * as THREE from "three/webgpu";
+import { WebGLRenderer } from "three";
+import { diffuseColor, float, mrt, normalWorld, output, pass, positionWorld, vec4 } from "three/tsl";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { irradianceAt, Rebounce } from "/dist/three.js";
+
+const bytesOf = (base64) => Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+/** What the console was told. */
+const warnings = [];
+const warn = console.warn;
+console.warn = (...words) => {
+  warnings.push(words.join(" "));
+  warn(...words);
+};
+
+/** A renderer on a device of ours; `webgl`: "node" or "classic" for those that draw through WebGL. */
+async function rendererOf({ webgl, width = 160, height = 90, device } = {}) {
+  const size = { antialias: false };
+  const own = webgl ? undefined : (device ?? (await Rebounce.device({ requiredLimits: { maxColorAttachmentBytesPerSample: 64 } })));
+  const renderer = webgl === "classic" ? new WebGLRenderer(size) : new THREE.WebGPURenderer(webgl ? { ...size, forceWebGL: true } : { ...size, device: own });
+  renderer.setPixelRatio(1);
+  renderer.setSize(width, height);
+  document.body.append(renderer.domElement);
+  return renderer;
+}
+
+/** The glTF scene as three loads it, with its lamp as three has it, and its first camera. */
+async function modelOf(glb) {
+  const { scene: model, cameras } = await new GLTFLoader().parseAsync(bytesOf(glb).buffer, "");
+  const lamps = [];
+  model.traverse((object) => {
+    if (object.isLight) lamps.push(object);
+  });
+  model.updateMatrixWorld(true);
+  const [camera] = cameras;
+  camera.aspect = 160 / 90;
+  camera.updateProjectionMatrix();
+  return { model, lamps, camera };
+}
+
+/** Reads textures of a target that a scene is drawn into, by name: what `outputs` says of each pixel. */
+async function read(renderer, scene, camera, [width, height], outputs) {
+  const names = Object.keys(outputs);
+  const target = new THREE.RenderTarget(width, height, { count: names.length + 1, type: THREE.FloatType });
+  target.textures[0].name = "output";
+  target.textures[0].type = THREE.HalfFloatType;
+  names.forEach((name, i) => (target.textures[i + 1].name = name));
+  renderer.setMRT(mrt({ output, ...outputs }));
+  renderer.setRenderTarget(target);
+  renderer.render(scene, camera);
+  const pixels = {};
+  for (const [i, name] of names.entries()) pixels[name] = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height, i + 1);
+  renderer.setRenderTarget(null);
+  renderer.setMRT(null);
+  target.dispose();
+  return pixels;
+}
+
+/** Radiance of bounced light alone, albedo over π times irradiance, as `readIndirect` of the element: the mean of places in each pixel. */
+async function indirect(renderer, scene, camera, gi, width, height, pictures = 16) {
+  const sum = new Float32Array(4 * width * height);
+  const eye = camera.clone();
+  const outputs = { indirect: vec4(diffuseColor.rgb.mul(gi.irradiance).div(Math.PI), float(1)) };
+  for (let k = 0; k < pictures; k += 1) {
+    let mirrored = 0;
+    for (let [i, digit] = [k, 0.5]; i; [i, digit] = [i >> 1, digit / 2]) mirrored += (i & 1) * digit;
+    const middle = 0.5 / pictures - 0.5;
+    eye.setViewOffset(2 * width, 2 * height, k / pictures + middle, mirrored + middle, 2 * width, 2 * height);
+    const { indirect: pixels } = await read(renderer, scene, eye, [2 * width, 2 * height], outputs);
+    for (let i = 0; i < pixels.length; i += 1) {
+      const [x, y] = [(i >> 2) % (2 * width), Math.floor((i >> 2) / (2 * width))];
+      sum[4 * ((y >> 1) * width + (x >> 1)) + (i & 3)] += pixels[i] / (4 * pictures);
+    }
+  }
+  return sum;
+}
+
+/** A ball that no bake knows. */
+function ballAt(at, radius = 0.4) {
+  const ball = new THREE.Mesh(new THREE.SphereGeometry(radius, 64, 64), new THREE.MeshStandardMaterial({ color: 0xd8d8d8 }));
+  ball.name = "ball";
+  ball.position.set(...at);
+  ball.updateMatrixWorld();
+  return ball;
+}
+
+/** The relative root mean square of the difference, colours alone. */
+function rms(found, expected) {
+  let [error, power] = [0, 0];
+  for (let i = 0; i < expected.length; i += 1) {
+    if (i % 4 === 3) continue;
+    error += (found[i] - expected[i]) ** 2;
+    power += expected[i] ** 2;
+  }
+  return Math.sqrt(error / power);
+}
+
+globalThis.stage = { THREE, Rebounce, irradianceAt, rendererOf, modelOf, bytesOf, read, indirect, ballAt, rms, warnings, tsl: { vec4, normalWorld, positionWorld, pass } };
