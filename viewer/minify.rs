@@ -168,7 +168,11 @@ pub fn minified(sources: &[String], first: usize) -> Vec<String> {
             if starts_name(token.text) && locals[i].is_none() {
                 let entry = names.entry(token.text).or_default();
                 let entry_point = fixed && i > 0 && matches!(tokens[i - 1].text, "fn" | "override");
-                *entry = (entry.0 + usize::from(file < first), entry.1 || declares(tokens, i), entry.2 || entry_point);
+                *entry = (
+                    entry.0 + usize::from(file < first),
+                    entry.1 || declares(tokens, i),
+                    entry.2 || entry_point,
+                );
             }
         }
     }

@@ -48,7 +48,9 @@ fn in_a_room_of_one_reflectance_under_even_light_every_place_gets_that_share_of_
     let (_, grid, rows) = probes(&gpu, &scene, 0.5);
     let sent: Vec<Vec3> = scene.points.iter().map(|point| point.tint()).collect();
     let radiance = apply(&rows, &sent, &[]);
-    for (place, normal) in [(Vec3::ZERO, Vec3::Y), (Vec3::new(0.7, -0.8, 0.9), Vec3::NEG_X), (Vec3::splat(0.99), Vec3::Z)] {
+    for (place, normal) in
+        [(Vec3::ZERO, Vec3::Y), (Vec3::new(0.7, -0.8, 0.9), Vec3::NEG_X), (Vec3::splat(0.99), Vec3::Z)]
+    {
         let irradiance = sample::irradiance(&grid, &rows, &radiance, place, normal);
         let error = (irradiance / Vec3::new(0.6, 0.4, 0.2) - 1.0).abs().max_element();
         assert!(error < 0.02, "{place} {normal}: {irradiance}");
@@ -64,8 +66,9 @@ fn the_gpu_sums_what_the_cpu_sums() {
     let pass = ProbePass::new(&gpu);
     let made = pass.upload(&gpu, &loaded, grid, &rows);
     let value = |seed: usize| common::random(seed as u32) * 3.0;
-    let light: Vec<Vec3> =
-        (0..scene.sender_count()).map(|i| Vec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2))).collect();
+    let light: Vec<Vec3> = (0..scene.sender_count())
+        .map(|i| Vec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2)))
+        .collect();
     let strengths: Vec<Vec3> = (0..scene.sources.count()).map(|i| Vec3::splat(value(i + 7))).collect();
     let texels: Vec<[f32; 4]> = light.iter().map(|e| e.extend(0.0).to_array()).collect();
     gpu.queue.write_buffer(&loaded.relight.irradiance, 0, bytemuck::cast_slice(&texels));
@@ -77,11 +80,19 @@ fn the_gpu_sums_what_the_cpu_sums() {
     let size = cpu.iter().flatten().map(|c| c.abs().max_element()).fold(0.0, f32::max);
     assert!(size > 0.1);
     for texture in [false, true] {
-        let read = if texture { Readback::texture(&gpu, &made.radiance_texture, 16) } else { Readback::buffer(&gpu, &made.radiance) };
+        let read = if texture {
+            Readback::texture(&gpu, &made.radiance_texture, 16)
+        } else {
+            Readback::buffer(&gpu, &made.radiance)
+        };
         let gpu: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&pollster::block_on(read.wait()).unwrap());
         for (i, wanted) in cpu.iter().flatten().enumerate() {
             let [r, g, b, _] = gpu[i];
-            assert!((Vec3::new(r, g, b) - *wanted).abs().max_element() < 1e-5 * size, "{i}: {:?}, not {wanted}", gpu[i]);
+            assert!(
+                (Vec3::new(r, g, b) - *wanted).abs().max_element() < 1e-5 * size,
+                "{i}: {:?}, not {wanted}",
+                gpu[i]
+            );
         }
     }
 }

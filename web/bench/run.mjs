@@ -1,5 +1,5 @@
 // node bench/run.mjs COMPARE SCENE.glb SCENE.rbn SHOT.json REFERENCE OUT: frames with a moving light at 1280 x 720,
-// in turns: rebounce-viewer, three.js without global illumination, with VXGI, with LightProbeGrid. At the end rebounce-viewer's
+// in turns: rebounce-viewer, three.js without global illumination, with our bounced light, with VXGI, with LightProbeGrid. At the end rebounce-viewer's
 // frames under a sky: with the sky turned, and with the light moved. Writes what was measured to OUT as JSON. REFERENCE.indirect.a.exr and .b.exr are path-traced pictures of the shot's bounced light, or "-".
 
 import { execFile } from "node:child_process";
@@ -43,7 +43,7 @@ async function error(page, work, name) {
   return JSON.parse(stdout);
 }
 
-const names = { ours: "ours.html", three: "three.html", vxgi: "three.html?gi", probes: "three.html?probes" };
+const names = { ours: "ours.html", three: "three.html", rebounce: "three.html?rebounce", vxgi: "three.html?gi", probes: "three.html?probes" };
 /** Slow ones: measured once, and a failure is written down. */
 const SLOW = ["vxgi", "probes"];
 const results = Object.fromEntries(Object.keys(names).map((which) => [which, { ms: [] }]));

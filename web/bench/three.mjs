@@ -1,6 +1,6 @@
 // The same scene in three.js' WebGPURenderer: Lambert materials, one spot light with a 2048² shadow map; with
 // ?gi, voxel-based global illumination of one bounce (VXGI, 128³); with ?probes, a LightProbeGrid that is baked anew as
-// the light moves. `bench` on the window is what run.mjs calls.
+// the light moves; with ?rebounce, our bounced light in its materials. `bench` on the window is what run.mjs calls.
 
 import * as THREE from "three/webgpu";
 import { diffuseColor, float, mrt, normalView, output, pass, renderOutput, vec4 } from "three/tsl";
@@ -10,8 +10,9 @@ const parameters = new URLSearchParams(location.search);
 const { camera: view, lights } = await (await fetch("/shot.json")).json();
 const gi = parameters.has("gi");
 const probes = parameters.has("probes");
+const { Rebounce } = parameters.has("rebounce") ? await import("/dist/three.js") : {};
 
-const renderer = new THREE.WebGPURenderer({ antialias: false });
+const renderer = new THREE.WebGPURenderer({ antialias: false, ...(Rebounce && { device: await Rebounce.device() }) });
 renderer.setPixelRatio(1);
 renderer.setSize(innerWidth, innerHeight);
 renderer.shadowMap.enabled = true;
@@ -78,6 +79,26 @@ if (gi) {
     renderer.setRenderTarget(null);
     const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
     return Array.from(pixels);
+  };
+}
+
+if (Rebounce) {
+  const light = await Rebounce.load("/scene.rbn", { renderer, probes: false });
+  scene.add(light.light);
+  light.lights.add(spot);
+  draw = () => {
+    light.update();
+    renderer.render(scene, camera);
+  };
+  indirect = async (width, height) => {
+    const target = new THREE.RenderTarget(width, height, { count: 2, type: THREE.FloatType });
+    ["output", "bounced"].forEach((name, i) => (target.textures[i].name = name));
+    renderer.setMRT(mrt({ output, bounced: vec4(diffuseColor.rgb.mul(light.irradiance).div(Math.PI), 1) }));
+    renderer.setRenderTarget(target);
+    draw();
+    renderer.setRenderTarget(null);
+    renderer.setMRT(null);
+    return Array.from(await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height, 1));
   };
 }
 

@@ -23,7 +23,9 @@ const ON_DEMAND: usize = 20_000;
 /// If code is over its limit.
 pub fn check(files: &BTreeMap<String, Vec<u8>>) -> Result<()> {
     let first = imported(files, ENTRY);
-    let is_first = |name: &str| first.contains(name) || (name.ends_with(".wasm") && !is_of_baker(name) && !is_of_three(name));
+    let is_first = |name: &str| {
+        first.contains(name) || (name.ends_with(".wasm") && !is_of_baker(name) && !is_of_three(name))
+    };
     println!("{:34} {:>9} {:>9}", "bytes", "raw", "gzip");
     let mut sum = 0;
     let mut over = Vec::new();

@@ -5,7 +5,8 @@ use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 
 /// The checked crates.
-pub const CRATES: [&str; 6] = ["shared", "baker", "baker/args", "baker/cli", "baker/wasm", "viewer"];
+pub const CRATES: [&str; 7] =
+    ["shared", "baker", "baker/args", "baker/cli", "baker/wasm", "viewer", "viewer/three"];
 
 /// The source folder of a crate.
 pub fn of(name: &str) -> PathBuf {

@@ -36,7 +36,8 @@ pub fn build() -> Result<()> {
     npm()?;
     let pkg = process::root().join("web/pkg");
     let element = ["--no-default-features", "--features", "element"];
-    for (package, name, options) in [("rebounce-viewer", NAME, &element[..]), ("rebounce-three", THREE, &[])] {
+    for (package, name, options) in [("rebounce-viewer", NAME, &element[..]), ("rebounce-three", THREE, &[])]
+    {
         bindgen::module(&wasm(toolchain, package, name, options)?, name, bindgen::FROM_RESPONSE, &pkg)?;
         shrink(&pkg.join(format!("{name}_bg.wasm")))?;
     }

@@ -6,14 +6,14 @@ use obvhs::bvh2::Bvh2;
 use obvhs::ploc::PlocBuilder;
 use obvhs::ray::{Ray, RayHit};
 use obvhs::triangle::Triangle;
-use obvhs::{BvhBuildParams, Boundable};
+use obvhs::{Boundable, BvhBuildParams};
 
 /// Most triangles, copies included, of a scene that has probes.
 pub const MOST_TRIANGLES: usize = 4 << 20;
 
 /// Attributes of a triangle.
 #[derive(Clone, Copy, Debug)]
-struct Shade {
+struct TriangleAttributes {
     vertices: [u32; 3],
     material: u32,
     one_sided: bool,
@@ -23,12 +23,12 @@ struct Shade {
 pub struct Caster {
     bvh: Bvh2,
     triangles: Vec<Triangle>,
-    shades: Vec<Shade>,
+    shades: Vec<TriangleAttributes>,
 }
 
 /// A surface that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub struct SurfaceHit {
     /// Distance along the ray.
     pub distance: f32,
     /// Unit normal of the triangle, on the ray's side.
@@ -45,11 +45,15 @@ impl Caster {
     /// Builds the BVH. Glass and blended surfaces are left out: rays pass. `None` past [`MOST_TRIANGLES`].
     pub fn new(from: &Triangles) -> Option<Self> {
         let (mut triangles, mut shades) = (Vec::new(), Vec::new());
-        from.each(&mut |run, vertices, corners| {
+        from.each(|run, vertices, corners| {
             if !run.glass && !run.blended && triangles.len() <= MOST_TRIANGLES {
                 let [v0, v1, v2] = corners.map(Vec3A::from);
                 triangles.push(Triangle { v0, v1, v2 });
-                shades.push(Shade { vertices, material: run.material, one_sided: run.one_sided });
+                shades.push(TriangleAttributes {
+                    vertices,
+                    material: run.material,
+                    one_sided: run.one_sided,
+                });
             }
         });
         if triangles.len() > MOST_TRIANGLES {
@@ -69,11 +73,12 @@ impl Caster {
     }
 
     /// The nearest hit of a ray of unit direction; `uvs` has the texture coordinates of every vertex.
-    pub fn cast(&self, origin: Vec3, direction: Vec3, most: f32, uvs: &[[f32; 2]]) -> Option<Hit> {
+    pub fn cast(&self, origin: Vec3, direction: Vec3, most: f32, uvs: &[[f32; 2]]) -> Option<SurfaceHit> {
         let mut nearest = RayHit::none();
         let ray = Ray::new(origin.into(), direction.into(), 0.0, most);
         let at = |primitive: usize| self.bvh.primitive_indices[primitive] as usize;
-        self.bvh.ray_traverse(ray, &mut nearest, |ray, primitive| self.triangles[at(primitive)].intersect(ray));
+        self.bvh
+            .ray_traverse(ray, &mut nearest, |ray, primitive| self.triangles[at(primitive)].intersect(ray));
         if nearest.primitive_id == u32::MAX {
             return None;
         }
@@ -88,6 +93,6 @@ impl Caster {
         let faces = front.dot(direction.into()) < 0.0;
         let normal = Vec3::from(front.normalize_or_zero()) * if faces { 1.0 } else { -1.0 };
         let is_back = shade.one_sided && !faces;
-        Some(Hit { distance: nearest.t, normal, material: shade.material, uv, is_back })
+        Some(SurfaceHit { distance: nearest.t, normal, material: shade.material, uv, is_back })
     }
 }

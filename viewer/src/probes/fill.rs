@@ -4,7 +4,9 @@ use super::grid::Grid;
 use super::harmonics::COUNT;
 use super::rows::{PLANES, Rows};
 use crate::gpu::Gpu;
-use crate::gpu::bindings::{Slot, WORKGROUP, buffer, compute, empty_buffer, grid as groups, group, layout, target};
+use crate::gpu::bindings::{
+    Slot, WORKGROUP, buffer, compute, empty_buffer, grid as groups, group, layout, target,
+};
 use crate::gpu::scope::Scope;
 use crate::scene::GpuScene;
 use crate::shaders;
@@ -77,7 +79,13 @@ impl ProbePass {
     }
 
     /// After a change of the light at the senders: computes the radiance of every probe. `strengths` of sources.
-    pub fn fill(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, probes: &GpuProbes, strengths: &[Vec3]) {
+    pub fn fill(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        probes: &GpuProbes,
+        strengths: &[Vec3],
+    ) {
         let strengths: Vec<_> = strengths.iter().map(|strength| strength.extend(0.0)).collect();
         gpu.queue.write_buffer(&probes.strengths, 0, bytemuck::cast_slice(&strengths));
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {

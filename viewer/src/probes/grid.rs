@@ -61,13 +61,18 @@ mod tests {
 
     #[test]
     fn a_grid_lies_within_its_box_and_has_no_more_probes_than_allowed() {
-        for size in [Vec3::ONE, Vec3::new(30.0, 12.0, 18.0), Vec3::new(4.0, 2.5, 0.01), Vec3::new(500.0, 3.0, 3.0)] {
+        for size in
+            [Vec3::ONE, Vec3::new(30.0, 12.0, 18.0), Vec3::new(4.0, 2.5, 0.01), Vec3::new(500.0, 3.0, 3.0)]
+        {
             let low = Vec3::new(-1.0, 2.0, 7.0);
             for spacing in [None, Some(0.5), Some(1e-4)] {
                 let grid = Grid::covering([low, low + size], spacing);
                 assert!((1..=LIMIT).contains(&grid.len()) && (spacing.is_some() || grid.len() <= MOST));
                 let ends = [grid.place(0), grid.place(grid.len() - 1)];
-                assert!(ends[0].cmpge(low - 1e-3).all() && ends[1].cmple(low + size + 1e-3).all(), "{grid:?}");
+                assert!(
+                    ends[0].cmpge(low - 1e-3).all() && ends[1].cmple(low + size + 1e-3).all(),
+                    "{grid:?}"
+                );
                 let middle = 0.5 * (ends[0] + ends[1]) - (low + 0.5 * size);
                 assert!(middle.abs().max_element() < 1e-3 * size.max_element());
             }

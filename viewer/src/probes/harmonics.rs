@@ -28,7 +28,8 @@ pub fn basis(d: Vec3) -> [f32; COUNT] {
 /// Irradiance of a surface with this unit normal under radiance of these coefficients; not negative.
 pub fn irradiance(radiance: &[Vec3; COUNT], normal: Vec3) -> Vec3 {
     let band = |i: usize| COSINE[usize::from(i > 0) + usize::from(i > 3)];
-    let sum: Vec3 = basis(normal).iter().zip(radiance).enumerate().map(|(i, (y, l))| *l * (*y * band(i))).sum();
+    let sum: Vec3 =
+        basis(normal).iter().zip(radiance).enumerate().map(|(i, (y, l))| *l * (*y * band(i))).sum();
     sum.max(Vec3::ZERO)
 }
 

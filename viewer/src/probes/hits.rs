@@ -1,7 +1,7 @@
 //! Reflectance and emission where rays have met surfaces: textures are on the GPU alone.
 
-use super::caster::Hit;
-use super::rows::{RAYS, Shade};
+use super::caster::SurfaceHit;
+use super::rows::{HitSurface, RAYS};
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
 use crate::gpu::bindings::{Draw, attachment, buffer, opaque, target};
@@ -21,7 +21,7 @@ const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 /// A hit, as the shader takes it.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-struct Record {
+struct HitRecord {
     uv: [f32; 2],
     texel: u32,
 }
@@ -30,13 +30,13 @@ struct Record {
 pub struct HitPass(wgpu::RenderPipeline);
 
 /// What surfaces do at hits, by row and ray.
-pub struct Shades([Vec<u8>; 2]);
+pub struct HitSurfaces([Vec<u8>; 2]);
 
 impl HitPass {
     /// Creates the pipeline; `material` is the layout of a material's bind group.
     pub fn new(gpu: &Gpu, material: &wgpu::BindGroupLayout) -> Self {
         let buffers = [Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<Record>() as u64,
+            array_stride: size_of::<HitRecord>() as u64,
             step_mode: wgpu::VertexStepMode::Instance,
             attributes: &wgpu::vertex_attr_array![0 => Float32x2, 1 => Uint32],
         })];
@@ -62,13 +62,13 @@ impl HitPass {
         &self,
         gpu: &Gpu,
         materials: &Materials,
-        hits: &[&[Option<Hit>]],
-    ) -> Result<Shades, ViewerError> {
-        let mut of: BTreeMap<u32, Vec<Record>> = BTreeMap::new();
+        hits: &[&[Option<SurfaceHit>]],
+    ) -> Result<HitSurfaces, ViewerError> {
+        let mut of: BTreeMap<u32, Vec<HitRecord>> = BTreeMap::new();
         for (row, hits) in hits.iter().enumerate() {
             for (ray, hit) in hits.iter().enumerate() {
                 if let Some(hit) = hit.filter(|hit| !hit.is_back) {
-                    let record = Record { uv: hit.uv.to_array(), texel: (row * RAYS + ray) as u32 };
+                    let record = HitRecord { uv: hit.uv.to_array(), texel: (row * RAYS + ray) as u32 };
                     of.entry(hit.material).or_default().push(record);
                 }
             }
@@ -77,7 +77,7 @@ impl HitPass {
             let own = Scope::new(gpu);
             let targets = [0, 1].map(|_| target(&own, "hit surfaces", FORMAT, RAYS as u32, BATCH as u32));
             let views = targets.each_ref().map(|texture| texture.create_view(&Default::default()));
-            let records: Vec<Record> = of.values().flatten().copied().collect();
+            let records: Vec<HitRecord> = of.values().flatten().copied().collect();
             let records = buffer(&own, "hits", BufferUsages::VERTEX, bytemuck::cast_slice(&records));
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -99,17 +99,18 @@ impl HitPass {
             targets.each_ref().map(|texture| Readback::texture(gpu, texture, 4))
         });
         let [albedo, emission] = begun;
-        Ok(Shades([albedo.wait().await?, emission.wait().await?]))
+        Ok(HitSurfaces([albedo.wait().await?, emission.wait().await?]))
     }
 }
 
-impl Shades {
+impl HitSurfaces {
     /// What the surface does at the hit of a ray of the probe in this row.
-    pub fn at(&self, row: usize, ray: usize) -> Shade {
-        let texel = |bytes: &[u8]| bytes[4 * (row * RAYS + ray)..].first_chunk::<4>().copied().unwrap_or_default();
+    pub fn at(&self, row: usize, ray: usize) -> HitSurface {
+        let texel =
+            |bytes: &[u8]| bytes[4 * (row * RAYS + ray)..].first_chunk::<4>().copied().unwrap_or_default();
         let color = |[r, g, b, _]: [u8; 4]| Vec3::from([r, g, b].map(linear));
         let [albedo, emission] = self.0.each_ref().map(|bytes| texel(bytes));
-        Shade { albedo: color(albedo), emission: color(emission), is_solid: albedo[3] > 127 }
+        HitSurface { albedo: color(albedo), emission: color(emission), is_solid: albedo[3] > 127 }
     }
 }
 

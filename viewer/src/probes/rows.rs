@@ -1,6 +1,6 @@
 //! What senders give to probes: rows of coefficients, from rays.
 
-use super::caster::{Caster, Hit};
+use super::caster::{Caster, SurfaceHit};
 use super::grid::Grid;
 use super::harmonics::{self, COUNT};
 use bytemuck::{Pod, Zeroable};
@@ -81,12 +81,12 @@ pub struct Rays {
     /// Whether it is in free space.
     pub is_free: bool,
     /// By ray; none for a probe within something solid.
-    pub hits: Vec<Option<Hit>>,
+    pub hits: Vec<Option<SurfaceHit>>,
 }
 
 /// What a surface does where a ray meets it: from [`super::hits`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shade {
+pub struct HitSurface {
     /// Reflectance, linear RGB.
     pub albedo: Vec3,
     /// Share of the material's emission.
@@ -146,7 +146,14 @@ impl Input {
     }
 
     /// Appends a probe to the rows: `shade` tells what a hit's surface does.
-    pub fn append(&self, rows: &mut Rows, grid: &Grid, probe: usize, rays: &Rays, shade: impl Fn(usize) -> Shade) {
+    pub fn append(
+        &self,
+        rows: &mut Rows,
+        grid: &Grid,
+        probe: usize,
+        rays: &Rays,
+        shade: impl Fn(usize) -> HitSurface,
+    ) {
         if rows.offsets.is_empty() {
             rows.offsets.push(0);
         }
@@ -158,9 +165,14 @@ impl Input {
             let shade = hit.map(|_| shade(ray)).filter(|shade| shade.is_solid);
             match (hit, shade) {
                 (Some(hit), Some(shade)) if !hit.is_back => {
-                    self.reflected(rays.place + towards * hit.distance, hit, &shade, &mut |sender, amount| {
-                        entries.push((sender, ray, amount));
-                    });
+                    self.reflected(
+                        rays.place + towards * hit.distance,
+                        hit,
+                        &shade,
+                        &mut |sender, amount| {
+                            entries.push((sender, ray, amount));
+                        },
+                    );
                 }
                 (None, _) if self.sources.has_sky && self.sources.sky_step > 0.0 => {
                     entries.push((SOURCE | bins::bin_of(towards) as u32, ray, 1.0 / self.sources.sky_step));
@@ -187,11 +199,12 @@ impl Input {
     }
 
     /// Senders of the radiance that a surface sends towards a probe.
-    fn reflected(&self, place: Vec3, hit: &Hit, shade: &Shade, entry: &mut dyn FnMut(u32, f32)) {
+    fn reflected(&self, place: Vec3, hit: &SurfaceHit, shade: &HitSurface, entry: &mut dyn FnMut(u32, f32)) {
         // The coarsest level whose functions are small as seen from the probe, or the finest one.
         let width = WIDTH * hit.distance;
         let finest = self.supports.len();
-        let level = self.supports.iter().position(|support| *support <= width).map_or(finest, |level| level + 1);
+        let level =
+            self.supports.iter().position(|support| *support <= width).map_or(finest, |level| level + 1);
         for level in (0..level).rev() {
             let covering = self.lookup.functions(level, place).iter().map(|j| {
                 let point = &self.points[*j as usize];
@@ -214,7 +227,7 @@ impl Input {
     }
 
     /// Sources of the radiance that an emissive surface sends.
-    fn emitted(&self, hit: &Hit, shade: &Shade, entry: &mut dyn FnMut(u32, f32)) {
+    fn emitted(&self, hit: &SurfaceHit, shade: &HitSurface, entry: &mut dyn FnMut(u32, f32)) {
         let Some(group) = self.group_of.get(hit.material as usize).copied().flatten() else { return };
         let emission = Vec3::from(self.materials[hit.material as usize].emission) * shade.emission;
         let before = self.sources.groups[..group as usize].iter().map(|group| group.senders()).sum::<usize>();
@@ -265,7 +278,11 @@ fn place_in(cell: usize, side: usize) -> Vec2 {
 fn solid_angle(cell: usize, side: usize) -> f32 {
     let p = place_in(cell, side);
     let a = p.abs();
-    let (xy, z) = if a.x + a.y > 1.0 { (Vec2::new(1.0 - a.y, 1.0 - a.x), a.x + a.y - 1.0) } else { (a, 1.0 - a.x - a.y) };
+    let (xy, z) = if a.x + a.y > 1.0 {
+        (Vec2::new(1.0 - a.y, 1.0 - a.x), a.x + a.y - 1.0)
+    } else {
+        (a, 1.0 - a.x - a.y)
+    };
     let cell = 2.0 / side as f32;
     cell * cell / xy.extend(z).length().powi(3)
 }
@@ -291,7 +308,10 @@ mod tests {
         for side in [GLANCES, PLANES, SIDE] {
             let sum: f32 = (0..side * side).map(|cell| solid_angle(cell, side)).sum();
             // The middle of a cell stands for the whole.
-            assert!((sum / (4.0 * std::f32::consts::PI) - 1.0).abs() < 2.0 / (side * side) as f32, "{side}: {sum}");
+            assert!(
+                (sum / (4.0 * std::f32::consts::PI) - 1.0).abs() < 2.0 / (side * side) as f32,
+                "{side}: {sum}"
+            );
         }
     }
 }

@@ -168,9 +168,9 @@ impl Renderer {
     #[cfg(feature = "guest")]
     pub fn source_strengths(&self) -> Vec<Vec3> {
         let lighting = &self.lit.lighting;
-        self.scene.as_ref().map_or(Vec::new(), |scene| {
-            scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission)
-        })
+        self.scene
+            .as_ref()
+            .map_or(Vec::new(), |scene| scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission))
     }
 
     /// Sets strengths of sources and emission on the GPU; returns whether anything shines.

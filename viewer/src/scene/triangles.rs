@@ -146,7 +146,7 @@ impl Triangles {
 
     /// Calls `each` with the batch, the vertices' indices and the corners of every triangle.
     #[cfg(feature = "guest")]
-    pub fn each(&self, each: &mut dyn FnMut(&DrawBatch, [u32; 3], [Vec3; 3])) {
+    pub fn each(&self, mut each: impl FnMut(&DrawBatch, [u32; 3], [Vec3; 3])) {
         for run in &self.runs {
             let indices = &self.indices[run.indices.start as usize..run.indices.end as usize];
             for instance in &self.instances[run.instances.start as usize..run.instances.end as usize] {

@@ -4,13 +4,15 @@
 //!   * `settings` – settings;
 //!   * `input` – pointers, wheel, keys;
 //!   * `read` – pictures, counts and statistics;
-//!   * `shared` – the page's device;
+//!   * `shared` – the page's device; `callbacks` – what the page is told;
 //! * `wire` – cameras and lights as lists of numbers;
 //! * `page` – errors and promises; `math` – the page's sine.
 //!
 //! The class is a feature, `element`: other wasm modules use the renderer without it. Every failure is a JavaScript
 //! `Error` with a `code` from [`ViewerError::code`](crate::ViewerError::code).
 
+#[cfg(feature = "element")]
+mod callbacks;
 #[cfg(feature = "element")]
 mod input;
 mod math;

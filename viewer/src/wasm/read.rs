@@ -1,7 +1,7 @@
 //! Results of the class [`Viewer`]: pictures, counts, statistics, animations.
 
-use super::viewer::Viewer;
 use super::page::{animation, promise};
+use super::viewer::Viewer;
 use super::wire;
 use crate::renderer::Renderer;
 use crate::renderer::stats::Counts;

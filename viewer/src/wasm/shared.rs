@@ -1,6 +1,6 @@
 //! The page's device, shared by all viewers of a page while a viewer lives.
 
-use super::viewer::Callbacks;
+use super::callbacks::Callbacks;
 use crate::error::ViewerError;
 use crate::gpu::browser;
 use crate::gpu::oneshot::{self, Receiver, Sender};

@@ -1,5 +1,8 @@
 //! The browser's class `Viewer`: the renderer on a canvas. Here: construction, loading, frames.
 
+use super::callbacks::Callbacks;
+use super::page::{self, js_error, promise};
+use super::shared::SharedDevice;
 use crate::controls::Controls;
 use crate::error::ViewerError;
 use crate::gpu::LIMITS;
@@ -8,10 +11,8 @@ use crate::passes::composite::FIRST_KEY;
 use crate::renderer::Renderer;
 use crate::renderer::pace::{Pace, Work};
 use crate::scene::GpuScene;
-use super::page::{self, js_error, promise};
 use rebounce_shared::baked::BakedScene;
-use super::shared::SharedDevice;
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
@@ -22,16 +23,6 @@ use web_sys::HtmlCanvasElement;
 pub struct Viewer {
     pub(super) state: Rc<RefCell<ViewerState>>,
     pub(super) callbacks: Rc<Callbacks>,
-}
-
-/// What the page is told of a viewer.
-#[derive(Default)]
-pub(super) struct Callbacks {
-    change: RefCell<Option<js_sys::Function>>,
-    lost: RefCell<Option<js_sys::Function>>,
-    pub(super) is_lost: Cell<bool>,
-    /// The scene's initial automatic exposure, as read back; 0 before.
-    pub(super) key: Rc<Cell<f32>>,
 }
 
 /// A viewer, behind its handle.
@@ -85,27 +76,12 @@ impl ViewerState {
     }
 }
 
-impl Callbacks {
-    /// A frame is wanted.
-    pub(super) fn changed(&self) {
-        let callback = self.change.borrow().clone();
-        if let Some(callback) = callback {
-            let _ = callback.call0(&JsValue::NULL);
-        }
-    }
-
-    /// The device is lost.
-    pub(super) fn lose(&self, message: &str) {
-        let callback = self.lost.borrow().clone();
-        if let Some(callback) = callback {
-            let _ = callback.call1(&JsValue::NULL, &message.into());
-        }
-    }
-}
-
 impl Viewer {
     /// Runs `work` on the state, then requests a frame from the page.
-    pub(super) fn change<T>(&self, work: impl FnOnce(&mut ViewerState) -> Result<T, ViewerError>) -> Result<T, JsValue> {
+    pub(super) fn change<T>(
+        &self,
+        work: impl FnOnce(&mut ViewerState) -> Result<T, ViewerError>,
+    ) -> Result<T, JsValue> {
         let result = work(&mut self.state.borrow_mut());
         self.callbacks.changed();
         result.map_err(|e| js_error(&e))

@@ -22,7 +22,8 @@ pub(crate) struct Shared {
 impl Shared {
     /// The pipelines of probes, made when first wanted.
     pub(crate) fn probes(&self) -> &(HitPass, ProbePass) {
-        self.probes.get_or_init(|| (HitPass::new(&self.gpu, &self.pipelines.material), ProbePass::new(&self.gpu)))
+        self.probes
+            .get_or_init(|| (HitPass::new(&self.gpu, &self.pipelines.material), ProbePass::new(&self.gpu)))
     }
 }
 
@@ -52,7 +53,14 @@ impl Device {
             // Whoever loses the device is told by the device itself.
             let Requested { gpu, .. } = Gpu::request(&adapter).await?;
             let (pipelines, given) = gpu.watch(|| (Pipelines::new(&gpu), GivenPass::new(&gpu)));
-            Ok(Device { shared: Rc::new(Shared { pipelines: Rc::new(pipelines?), given, gpu, probes: OnceCell::new() }) })
+            Ok(Device {
+                shared: Rc::new(Shared {
+                    pipelines: Rc::new(pipelines?),
+                    given,
+                    gpu,
+                    probes: OnceCell::new(),
+                }),
+            })
         })
     }
 

@@ -130,7 +130,13 @@ impl BouncedLight {
 
     /// A view of this size, whose places `positions` holds: a `GPUTexture` of the device, rgba32float, in the form of
     /// place_given.wgsl. `every_pixel`: without interpolation between neighbours.
-    pub fn view(&self, positions: JsValue, width: u32, height: u32, every_pixel: bool) -> Result<View, JsValue> {
+    pub fn view(
+        &self,
+        positions: JsValue,
+        width: u32,
+        height: u32,
+        every_pixel: bool,
+    ) -> Result<View, JsValue> {
         let renderer = self.renderer.borrow();
         let scene = renderer.scene().ok_or_else(|| js_error(&ViewerError::NoScene))?;
         let made = View::new(self.shared.clone(), &self.gpu, scene, positions, [width, height], every_pixel);

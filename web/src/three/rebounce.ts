@@ -22,8 +22,8 @@ import { WebGLGrid } from "./webgl-grid.js";
 
 /** How a file is loaded. */
 export interface LoadOptions {
-  /** The renderer that shows the scene: `WebGPURenderer` on a device of `Rebounce.device()`, or one that draws through WebGL, which gets probes alone. */
-  renderer: WebGPURenderer | WebGLRenderer;
+  /** The renderer that shows the scene: `WebGPURenderer` on a device of `Rebounce.device()`, or one that draws through WebGL, which gets probes alone. Without one there are probes to read. */
+  renderer?: WebGPURenderer | WebGLRenderer;
   /** The object that the baked scene hangs on, where that is not the world itself: scaled evenly, if at all. */
   root?: Object3D;
   /** Looks every pixel up by itself, instead of every second one and edges. */
@@ -80,7 +80,7 @@ export class Rebounce implements LightSource {
   }
 
   /** Loads a .rbn file. Rejects with an error whose `code` says what is wrong, or with the signal's reason. */
-  static async load(source: Source, options: LoadOptions): Promise<Rebounce> {
+  static async load(source: Source, options: LoadOptions = {}): Promise<Rebounce> {
     const { renderer, signal } = options;
     signal?.throwIfAborted();
     const device = await deviceFor(renderer);
@@ -209,7 +209,7 @@ export class Rebounce implements LightSource {
 }
 
 /** Whether a renderer has node materials: `WebGPURenderer`, on WebGPU or WebGL. */
-const isNodeRenderer = (renderer: LoadOptions["renderer"]): renderer is WebGPURenderer => "backend" in renderer;
+const isNodeRenderer = (renderer: LoadOptions["renderer"]): renderer is WebGPURenderer => renderer !== undefined && "backend" in renderer;
 
 /** Our device behind a renderer; one of its own where the renderer draws through WebGL. */
 async function deviceFor(renderer: LoadOptions["renderer"]): Promise<{ of: Device; isShared: boolean }> {

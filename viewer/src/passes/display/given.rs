@@ -53,7 +53,12 @@ impl GivenPass {
             ..Default::default()
         }
         .pipeline(gpu);
-        Self { lookup: LookupPass::new(gpu, &find_layout, shaders::FIND_GIVEN), find_layout, layout, pipeline }
+        Self {
+            lookup: LookupPass::new(gpu, &find_layout, shaders::FIND_GIVEN),
+            find_layout,
+            layout,
+            pipeline,
+        }
     }
 
     /// Resources for `positions` of this size: a texture of [`FORMAT`] as place_given.wgsl reads it. `every_pixel` gives

@@ -128,7 +128,11 @@ impl DisplayPass {
     /// Creates the pipelines of lookup.
     pub fn new(gpu: &Gpu) -> Self {
         let find_layout = find_layout(gpu, [Slot::Depth, Slot::TextureUint]);
-        Self { lookup: LookupPass::new(gpu, &find_layout, shaders::FIND), splat: OnceCell::new(), find_layout }
+        Self {
+            lookup: LookupPass::new(gpu, &find_layout, shaders::FIND),
+            splat: OnceCell::new(),
+            find_layout,
+        }
     }
 
     /// Slots for a picture of this size, filled by `way` where possible; `every_pixel` gives every pixel a slot,
