@@ -64,7 +64,8 @@ fn the_gpu_sums_what_the_cpu_sums() {
     common::add_sources(&mut scene);
     let (loaded, grid, rows) = probes(&gpu, &scene, 0.6);
     let pass = ProbePass::new(&gpu);
-    let made = pass.upload(&gpu, &loaded, grid, &rows);
+    let mut made = pass.allocate(&gpu, &loaded, grid);
+    pass.upload(&gpu, &loaded, &mut made, &rows);
     let value = |seed: usize| common::random(seed as u32) * 3.0;
     let light: Vec<Vec3> = (0..scene.sender_count())
         .map(|i| Vec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2)))

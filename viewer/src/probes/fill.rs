@@ -38,7 +38,8 @@ pub struct GpuProbes {
     /// How probes are moved, and whether they are in free space: [`PER_ROW`] a row.
     pub moved: wgpu::Texture,
     strengths: wgpu::Buffer,
-    group: wgpu::BindGroup,
+    /// The rows, once they are there.
+    rows: Option<(wgpu::BindGroup, Scope)>,
 }
 
 impl ProbePass {
@@ -49,10 +50,9 @@ impl ProbePass {
         Self { pipeline: compute(gpu, "probes", shaders::PROBES, &[&layout], &[]), layout }
     }
 
-    /// Uploads the rows of a file's probes.
-    pub fn upload(&self, gpu: &Gpu, scene: &GpuScene, grid: Grid, rows: &Rows) -> GpuProbes {
+    /// Textures and buffers of probes that are within something solid, all of them, until they have rows.
+    pub fn allocate(&self, gpu: &Gpu, scene: &GpuScene, grid: Grid) -> GpuProbes {
         let own = Scope::new(gpu);
-        let stored = |label, bytes: &[u8]| buffer(&own, label, BufferUsages::STORAGE, bytes);
         let height = (grid.len() as u32).div_ceil(PER_ROW);
         let coefficients = PER_ROW * COUNT as u32;
         let texture = |label, width, height| target(&own, label, FORMAT, width, height);
@@ -60,25 +60,33 @@ impl ProbePass {
         let side = PLANES as u32;
         let planes = texture("planes of probes", PER_ROW * side, height * side);
         let moved = texture("moves of probes", PER_ROW, height);
-        write(gpu, &planes, &arranged(&rows.planes, PLANES, PLANES));
-        write(gpu, &moved, &arranged(&rows.moved, 1, 1));
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let radiance = empty_buffer(&own, "radiance of probes", usage, 16 * u64::from(coefficients * height));
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let strengths = empty_buffer(&own, "strengths", usage, 16 * scene.sources.count() as u64);
+        GpuProbes { own, grid, radiance, radiance_texture, planes, moved, strengths, rows: None }
+    }
+
+    /// Uploads the rows of probes.
+    pub fn upload(&self, gpu: &Gpu, scene: &GpuScene, probes: &mut GpuProbes, rows: &Rows) {
+        let own = Scope::new(gpu);
+        let stored = |label, bytes: &[u8]| buffer(&own, label, BufferUsages::STORAGE, bytes);
+        write(gpu, &probes.planes, &arranged(&rows.planes, PLANES, PLANES));
+        write(gpu, &probes.moved, &arranged(&rows.moved, 1, 1));
         let buffers = [
             &stored("probes", bytemuck::cast_slice(&rows.offsets)),
             &stored("probes", bytemuck::cast_slice(&rows.entries)),
             &scene.upload.points,
             &scene.relight.irradiance,
-            &strengths,
-            &radiance,
+            &probes.strengths,
+            &probes.radiance,
         ];
         let group = group(&own, "probes", &self.layout, &buffers.map(|buffer| buffer.as_entire_binding()));
-        GpuProbes { own, grid, radiance, radiance_texture, planes, moved, strengths, group }
+        probes.rows = Some((group, own));
     }
 
-    /// After a change of the light at the senders: computes the radiance of every probe. `strengths` of sources.
+    /// After a change of the light at the senders: computes the radiance of every probe; none without rows. `strengths` of
+    /// sources.
     pub fn fill(
         &self,
         gpu: &Gpu,
@@ -86,6 +94,7 @@ impl ProbePass {
         probes: &GpuProbes,
         strengths: &[Vec3],
     ) {
+        let Some((rows, _)) = &probes.rows else { return };
         let strengths: Vec<_> = strengths.iter().map(|strength| strength.extend(0.0)).collect();
         gpu.queue.write_buffer(&probes.strengths, 0, bytemuck::cast_slice(&strengths));
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -93,7 +102,7 @@ impl ProbePass {
             timestamp_writes: None,
         });
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &probes.group, &[]);
+        pass.set_bind_group(0, rows, &[]);
         let [x, y] = groups(((probes.grid.len() * COUNT) as u32).div_ceil(WORKGROUP));
         pass.dispatch_workgroups(x, y, 1);
         drop(pass);
@@ -109,7 +118,7 @@ impl ProbePass {
 impl GpuProbes {
     /// Bytes on the GPU.
     pub fn bytes(&self) -> u64 {
-        self.own.bytes()
+        self.own.bytes() + self.rows.as_ref().map_or(0, |(_, own)| own.bytes())
     }
 }
 

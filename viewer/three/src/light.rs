@@ -144,18 +144,12 @@ impl BouncedLight {
         Ok(made)
     }
 
-    /// Makes probes: `spacing` scene units apart, or as far as suits the scene for 0. `pause` returns a promise, which is
-    /// waited for between parts of the work of some milliseconds. Resolves with nothing where there can be none.
-    #[wasm_bindgen(unchecked_return_type = "Promise<Probes | undefined>")]
-    pub fn probes(&self, spacing: f32, pause: js_sys::Function) -> js_sys::Promise {
-        let (gpu, shared, input) = (self.gpu.clone(), self.shared.clone(), self.input.borrow_mut().take());
-        let scene = self.renderer.borrow().scene().cloned();
+    /// Makes probes, without light until they are built: `spacing` scene units apart, or as far as suits the scene for 0.
+    /// Once a file, and only if they were asked for.
+    pub fn probes(&self, spacing: f32) -> Option<Probes> {
+        let (scene, input) = (self.renderer.borrow().scene().cloned()?, self.input.borrow_mut().take()?);
         let renderer = Rc::downgrade(&self.renderer);
-        promise(async move {
-            let (Some(scene), Some(input)) = (scene, input) else { return Ok(JsValue::UNDEFINED) };
-            let made = Probes::build(&gpu, shared, renderer, scene, &input, spacing, &pause).await?;
-            Ok(made.map_or(JsValue::UNDEFINED, JsValue::from))
-        })
+        Some(Probes::new(&self.gpu, self.shared.clone(), renderer, scene, input, spacing))
     }
 
     /// Counts, bytes on the GPU and times: JSON, integers.

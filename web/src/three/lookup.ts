@@ -1,7 +1,7 @@
 /** What a material reads: bounced irradiance of its pixel, from the textures of `Pixels`. */
 
 import type { Node, Texture } from "three/webgpu";
-import { clamp, dot, float, Fn, fwidth, If, ivec2, normalize, normalWorld, positionWorld, screenCoordinate, select, texture, uint, uniform, vec2, vec3, vec4 } from "three/tsl";
+import { clamp, dot, float, Fn, fwidth, If, ivec2, normalize, normalWorld, positionWorld, renderGroup, screenCoordinate, select, texture, uint, uniform, vec2, vec3, vec4 } from "three/tsl";
 import type { Space } from "./space.js";
 import { nothing } from "./textures.js";
 
@@ -20,13 +20,13 @@ export class Lookup {
   readonly #empty = [nothing(), nothing()] as const;
   readonly #places = texture(this.#empty[0]);
   readonly #light = texture(this.#empty[1]);
-  readonly #hasPixels = uniform(0);
+  readonly #hasPixels = uniform(0).setGroup(renderGroup);
   /** Irradiance of the surface that is shaded. */
   readonly node: Node<"vec3">;
 
   /** `otherwise`: irradiance at a place with a normal, local space, where no pixel has it. */
   constructor(space: Space, isBumpy: boolean, diagonal: number, otherwise: (place: Node<"vec3">, normal: Node<"vec3">) => Node<"vec3">) {
-    const localFromWorld = uniform(space.localFromWorld);
+    const localFromWorld = uniform(space.localFromWorld).setGroup(renderGroup);
     this.node = Fn(() => {
       const place = localFromWorld.mul(vec4(positionWorld, 1)).xyz.toVar();
       const normal = normalize(localFromWorld.mul(vec4(normalWorld, 0)).xyz).toVar();

@@ -1,7 +1,7 @@
 /** Irradiance from probes in a shader: probe-grid.ts as nodes. */
 
 import { Vector3, Vector4, type Node } from "three/webgpu";
-import { dot, exp, float, Fn, If, int, ivec2, ivec3, Loop, log, normalize, select, texture, uniform, vec2, vec3 } from "three/tsl";
+import { dot, exp, float, Fn, If, int, ivec2, ivec3, Loop, log, normalize, renderGroup, select, texture, uniform, vec2, vec3 } from "three/tsl";
 import { BEHIND, DEEPEST, FADE, LOBES, TOLERANCE } from "./probe-grid.js";
 import { PER_ROW, PLANES, type Probes } from "./probes.js";
 import { nothing } from "./textures.js";
@@ -15,11 +15,12 @@ export class ProbeNodes {
   readonly #radiance = texture(this.#empty[0]);
   readonly #planes = texture(this.#empty[1]);
   readonly #moved = texture(this.#empty[2]);
+  // Of the render group: three.js does not look at others of things that rest.
   /** First place, and the spacing; 0 without probes. */
-  readonly #first = uniform(new Vector4());
-  readonly #counts = uniform(new Vector3(1, 1, 1));
+  readonly #first = uniform(new Vector4()).setGroup(renderGroup);
+  readonly #counts = uniform(new Vector3(1, 1, 1)).setGroup(renderGroup);
 
-  /** Reads from these probes from now on. */
+  /** Reads from these probes from now on; for things that were drawn before, there must have been some. */
   set(probes: Probes | undefined): void {
     const { grid, textures } = probes ?? {};
     for (const [k, node] of [this.#radiance, this.#planes, this.#moved].entries()) node.value = textures?.[k] ?? (this.#empty[k] as ReturnType<typeof nothing>);

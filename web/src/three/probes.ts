@@ -23,40 +23,63 @@ const pause = (): Promise<void> => new Promise((done) => setTimeout(done));
 /** The three textures of probes, as three.js has them. */
 export type ProbeTextures = readonly [radiance: Texture, planes: Texture, moved: Texture];
 
-/** Probes, once they are made. */
+/** Probes of a file. */
 export class Probes {
   readonly #made: Made;
-  /** Where they are, and what surfaces they see. */
-  readonly grid: ProbeGrid;
-  /** For shaders. */
+  readonly #origin: readonly [number, number, number];
+  /** Where they are, and what surfaces they see: nothing until they are built. */
+  grid: ProbeGrid;
+  /** For shaders: these ones for good, as three.js does not look again at the textures of things that rest. */
   readonly textures: ProbeTextures;
-  /** Texels that are read back into, where the renderer has no WebGPU. */
-  readonly #copies: boolean;
+  /** Uploads texels that are read back, where the renderer has no WebGPU. */
+  readonly #upload: ((texture: Texture) => void) | undefined;
   #lit = -1;
   #reading = false;
+  #isBuilt = false;
 
-  /** Makes probes in the background; none where a scene is too large for them. */
-  static async make(light: BouncedLight, { spacing = 0 }: ProbeOptions, copies: boolean): Promise<Probes | undefined> {
-    const made = await light.probes(spacing, pause);
-    return made && new Probes(made, light.origin(), copies);
+  constructor(light: BouncedLight, { spacing = 0 }: ProbeOptions, upload?: (texture: Texture) => void) {
+    this.#made = light.probes(spacing) as Made;
+    this.#upload = upload;
+    const [x = 0, y = 0, z = 0] = light.origin();
+    this.#origin = [x, y, z];
+    this.grid = this.#gridNow();
+    this.textures = (upload ? this.#dataTextures() : this.#made.textures().map(external)) as unknown as ProbeTextures;
   }
 
-  private constructor(made: Made, origin: Float64Array, copies: boolean) {
-    this.#made = made;
-    this.#copies = copies;
-    const [x = 0, y = 0, z = 0, spacing = 1, ...counts] = made.grid();
-    const [width = 1, height = 1, depth = 1] = counts;
-    const [ox = 0, oy = 0, oz = 0] = origin;
-    this.grid = { origin: [ox, oy, oz], first: new Vector3(x, y, z), spacing, counts: [width, height, depth], planes: made.planes(), moves: made.moves() };
-    this.textures = (copies ? this.#dataTextures() : made.textures().map(external)) as unknown as ProbeTextures;
+  /** Finds what light they get; false where a scene is too large. */
+  async build(): Promise<boolean> {
+    if (!(await this.#made.build(pause))) return false;
+    this.grid = this.#gridNow();
+    const { planes, moves } = this.grid;
+    if (this.#upload) {
+      const [, ofPlanes, ofMoves] = this.textures;
+      for (const [texture, texels, side] of [[ofPlanes, planes, PLANES], [ofMoves, moves, 1]] as const) {
+        const { data } = texture.image as { data: Float32Array };
+        data.set(arranged(texels, side, data.length / (4 * PER_ROW * side * side)));
+        this.#put(texture);
+      }
+    }
+    this.#isBuilt = true;
+    return true;
+  }
+
+  #gridNow(): ProbeGrid {
+    const [x = 0, y = 0, z = 0, spacing = 1, width = 1, height = 1, depth = 1] = this.#made.grid();
+    const [planes, moves] = [this.#made.planes(), this.#made.moves()];
+    return { origin: this.#origin, first: new Vector3(x, y, z), spacing, counts: [width, height, depth], planes, moves };
+  }
+
+  #put(texture: Texture): void {
+    texture.needsUpdate = true;
+    this.#upload?.(texture);
   }
 
   /** Brings the radiance up to date with the light, of this number; `copied` is told where it is read back. */
   update(lit: number, copied: (radiance: Float32Array) => void): void {
-    if (this.#lit === lit || this.#reading) return;
+    if (!this.#isBuilt || this.#lit === lit || this.#reading) return;
     this.#lit = lit;
     this.#made.fill();
-    if (this.#copies) void this.#copy(copied);
+    if (this.#upload) void this.#copy(copied);
   }
 
   /** Reads everything: for other renderers. */
@@ -77,14 +100,10 @@ export class Probes {
 
   /** Textures of a renderer without our device: as `fill` of the wasm module arranges them. */
   #dataTextures(): ProbeTextures {
-    const { counts, planes, moves } = this.grid;
+    const { counts } = this.grid;
     const rows = Math.ceil((counts[0] * counts[1] * counts[2]) / PER_ROW);
-    const side = PLANES;
-    return [
-      data(new Float32Array(4 * PER_ROW * 9 * rows), PER_ROW * 9, rows),
-      data(arranged(planes, side, rows), PER_ROW * side, rows * side),
-      data(arranged(moves, 1, rows), PER_ROW, rows),
-    ];
+    const empty = (width: number, height: number) => data(new Float32Array(4 * width * height), width, height);
+    return [empty(PER_ROW * 9, rows), empty(PER_ROW * PLANES, rows * PLANES), empty(PER_ROW, rows)];
   }
 
   async #copy(copied: (radiance: Float32Array) => void): Promise<void> {
@@ -92,8 +111,8 @@ export class Probes {
     try {
       const radiance = await this.#made.read();
       const [texture] = this.textures;
-      (texture.image as { data: Float32Array }).data.set(radiance.subarray(0, (texture.image as { data: Float32Array }).data.length));
-      texture.needsUpdate = true;
+      (texture.image as { data: Float32Array }).data.set(radiance);
+      this.#put(texture);
       copied(radiance);
     } catch {
       // The device is lost, or the probes are disposed.

@@ -1,6 +1,6 @@
 /** The bounced light of a .rbn file in a scene of three.js. */
 
-import { Vector2, Vector3, type Node, type NodeFrame, type Object3D, type WebGPURenderer } from "three/webgpu";
+import { Vector2, Vector3, type Node, type NodeFrame, type Object3D, type Texture, type WebGPURenderer } from "three/webgpu";
 import type { WebGLRenderer } from "three";
 import { BouncedLight, type Device } from "../rebounce_three.js";
 import { Failure, failureOf } from "../wire/failure.js";
@@ -108,7 +108,14 @@ export class Rebounce implements LightSource {
     this.#isShared = isShared;
     this.light = isNodeRenderer(renderer) ? new RebounceLight(this) : new WebGLGrid();
     light.setLights(new Float64Array());
-    this.ready = probes === false ? Promise.resolve(false) : this.#makeProbes(probes);
+    if (probes === false) {
+      this.ready = Promise.resolve(false);
+      return;
+    }
+    const upload = (texture: Texture) => isNodeRenderer(renderer) && renderer.initTexture(texture);
+    this.#probes = new Probes(light, probes, isShared ? undefined : upload);
+    this.#nodes.set(this.#probes);
+    this.ready = this.#build(this.#probes);
   }
 
   /** Irradiance of the surface that is shaded, as a node: for materials of your own. */
@@ -192,19 +199,16 @@ export class Rebounce implements LightSource {
     this.#from.light.free();
   }
 
-  async #makeProbes(options: ProbeOptions): Promise<boolean> {
-    let made: Probes | undefined;
+  async #build(probes: Probes): Promise<boolean> {
     try {
-      made = await Probes.make(this.#from.light, options, !this.#isShared);
+      const isBuilt = await probes.build();
+      if (isBuilt && !this.#isDisposed) this.#from.lit += 1;
+      return isBuilt && !this.#isDisposed;
     } catch (error) {
       // Disposed meanwhile, or the device is lost.
       if (!this.#isDisposed) console.warn(`rebounce: there are no probes: ${failureOf(error).message}`);
+      return false;
     }
-    if (this.#isDisposed) made?.dispose();
-    if (!made || this.#isDisposed) return false;
-    this.#probes = made;
-    this.#nodes.set(made);
-    return true;
   }
 }
 

@@ -376,10 +376,8 @@ async function ballPixels({ glb, rbn, at, eye }) {
   const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, ballAt, tsl } = stage;
   const renderer = await rendererOf();
   const gi = await Rebounce.load(bytesOf(rbn), { renderer });
-  await gi.ready;
   const { lamps, camera } = await modelOf(glb);
   gi.lights.add(...lamps);
-  gi.update();
   if (eye) {
     // Not the camera's parents, which turn it.
     camera.removeFromParent();
@@ -390,7 +388,12 @@ async function ballPixels({ glb, rbn, at, eye }) {
   const ball = ballAt(at);
   const albedo = ball.material.color.r;
   scene.add(ball, gi.light);
-  const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance.mul(albedo / Math.PI), 7) });
+  const outputs = { e: tsl.vec4(gi.irradiance.mul(albedo / Math.PI), 7) };
+  // What was drawn before there were probes gets their light, too.
+  await read(renderer, scene, camera, [160, 90], outputs);
+  if (!(await gi.ready)) throw new Error("no probes");
+  gi.update();
+  const { e } = await read(renderer, scene, camera, [160, 90], outputs);
   gi.dispose();
   renderer.dispose();
   return Array.from(e);
