@@ -7,6 +7,7 @@ import { promisify } from "node:util";
 import { HANGS, launch, spread, within } from "./browser.mjs";
 import { check, equal } from "./harness.mjs";
 import { commandTests } from "./command.mjs";
+import { threeApps } from "./package-three.mjs";
 import { serveFolder } from "./serve.mjs";
 
 const APPS = new URL("apps/", import.meta.url);
@@ -49,6 +50,7 @@ export async function runPackageTests(harness, { work, rebounce, viewer, command
         check(await page.evaluate(() => document.querySelector("rebounce-viewer").controls), "no controls");
       });
     });
+    await threeApps(harness, { browser, work, rebounce, tools: { exec, install: (name) => install(context, name) } });
   } finally {
     await browser.close();
   }

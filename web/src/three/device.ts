@@ -2,16 +2,8 @@
 
 import { Device } from "../rebounce_three.js";
 import { Failure, failureOf } from "../wire/failure.js";
-import { adapters, type Adapter, type Gpu, type Listening, type Wanted } from "./gpu.js";
+import { adapters, type Adapter, type DeviceOptions, type Gpu, type Listening, type Wanted } from "./gpu.js";
 import { loaded } from "./module.js";
-
-/** What a device is asked for, as three.js's `WebGPURenderer` would be. */
-export interface DeviceOptions {
-  /** Which of several GPUs; the fast one when absent. */
-  powerPreference?: "high-performance" | "low-power";
-  /** Limits beyond the default ones. */
-  requiredLimits?: Record<string, number>;
-}
 
 /** The features that `WebGPURenderer` asks for where an adapter has them (`GPUFeatureName` in its constants). */
 const FEATURES = [

@@ -9,6 +9,14 @@ interface AnyDevice extends EventTarget {
   destroy(): void;
 }
 
+/** What a device is asked for, as three.js's `WebGPURenderer` would be. */
+export interface DeviceOptions {
+  /** Which of several GPUs; the fast one when absent. */
+  powerPreference?: "high-performance" | "low-power";
+  /** Limits beyond the default ones. */
+  requiredLimits?: Record<string, number>;
+}
+
 /** What is set on a device here. */
 export interface Listening {
   onuncapturederror: unknown;

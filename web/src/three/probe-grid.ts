@@ -18,6 +18,18 @@ export interface ProbeGrid {
   moves: Float32Array;
 }
 
+/** How probes are made. */
+export interface ProbeOptions {
+  /** Distance between probes, in the file's unit; as far as suits the scene when absent. */
+  spacing?: number;
+}
+
+/** What is read of probes: for other renderers. */
+export interface ProbeData extends ProbeGrid {
+  /** Radiance: nine coefficients by probe, RGB and a zero each, in the order of three.js' `SphericalHarmonics3`. */
+  radiance: Float32Array;
+}
+
 /** As probes/sample.rs. */
 export const TOLERANCE = 0.02;
 export const FADE = 0.004;
@@ -35,7 +47,7 @@ export const LOBES = Y.map((y, i) => y * (BANDS[i] as number));
 const clamp = (x: number, low: number, high: number) => Math.min(Math.max(x, low), high);
 
 /** Irradiance at a place with a unit normal, local space. */
-export function irradianceOf({ first, spacing, counts, planes, moves }: ProbeGrid, radiance: Float32Array, place: Vector3, normal: Vector3): Vector3 {
+export function irradianceAt({ first, spacing, counts, planes, moves, radiance }: ProbeData, place: Vector3, normal: Vector3): Vector3 {
   const axes = [0, 1, 2] as const;
   const at = axes.map((k) => clamp((place.getComponent(k) - first.getComponent(k)) / spacing, 0, counts[k] - 1));
   const base = axes.map((k) => Math.min(Math.floor(at[k] as number), Math.max(counts[k] - 2, 0)));

@@ -2,20 +2,8 @@
 
 import { Vector3, type Texture } from "three/webgpu";
 import type { BouncedLight, Probes as Made } from "../rebounce_three.js";
-import { irradianceOf, type ProbeGrid } from "./probe-grid.js";
+import type { ProbeData, ProbeGrid, ProbeOptions } from "./probe-grid.js";
 import { data, external } from "./textures.js";
-
-/** How probes are made. */
-export interface ProbeOptions {
-  /** Distance between probes, in the file's unit; as far as suits the scene when absent. */
-  spacing?: number;
-}
-
-/** What is read of probes: for other renderers. */
-export interface ProbeData extends ProbeGrid {
-  /** Radiance: nine coefficients by probe, RGB and a zero each, in the order of three.js' `SphericalHarmonics3`. */
-  radiance: Float32Array;
-}
 
 /** Lets the page do other things. */
 const pause = (): Promise<void> => new Promise((done) => setTimeout(done));
@@ -138,9 +126,4 @@ function arranged(maps: Float32Array, side: number, rows: number): Float32Array<
     out.set(maps.subarray(4 * i, 4 * i + 4), 4 * at);
   }
   return out;
-}
-
-/** Irradiance at a place with a unit normal, in the file's local space, from what was read. */
-export function irradianceAt(data: ProbeData, place: Vector3, normal: Vector3): Vector3 {
-  return irradianceOf(data, data.radiance, place, normal);
 }

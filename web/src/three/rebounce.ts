@@ -7,16 +7,17 @@ import { Failure, failureOf } from "../wire/failure.js";
 import type { Light as OwnLight } from "../wire/light-kinds.js";
 import { lightNumbers } from "../wire/wire.js";
 import { bakeScene, type BakeOptions } from "./bake.js";
-import { deviceOf, openDevice, type DeviceOptions } from "./device.js";
-import type { Gpu } from "./gpu.js";
-import { RebounceLight, type LightSource } from "./light.js";
+import { deviceOf, openDevice } from "./device.js";
+import type { DeviceOptions, Gpu } from "./gpu.js";
+import { RebounceLight } from "./light.js";
 import { FollowedLights } from "./lights.js";
 import { Lookup } from "./lookup.js";
 import { Objects } from "./objects.js";
 import { Pixels, type PixelSources } from "./pixels.js";
 import { Positions } from "./positions.js";
+import type { ProbeData, ProbeOptions } from "./probe-grid.js";
 import { ProbeNodes } from "./probe-nodes.js";
-import { Probes, type ProbeData, type ProbeOptions } from "./probes.js";
+import { Probes } from "./probes.js";
 import { Space } from "./space.js";
 import { WebGLGrid } from "./webgl-grid.js";
 
@@ -53,7 +54,7 @@ export type Source = string | URL | ArrayBuffer | Uint8Array | Blob;
 const TARGETS = 4;
 
 /** Bounced light for a scene of three.js. */
-export class Rebounce implements LightSource {
+export class Rebounce {
   /** The light to put into the scene. */
   readonly light: RebounceLight | WebGLGrid;
   /** The lights of the scene whose light bounces. */

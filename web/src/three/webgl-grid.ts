@@ -21,7 +21,8 @@ export class WebGLGrid extends Light {
     this.name = "bounced light";
   }
 
-  /** Takes over what probes hold now. */
+  /** Takes over what probes hold now.
+   * @internal */
   copyProbes(probes: Probes, radiance: Float32Array, space: Space): void {
     const { first, spacing, counts, moves } = probes.grid;
     const worldFromLocal = space.localFromWorld.clone().invert();

@@ -1,0 +1,1 @@
+export default { optimizeDeps: { exclude: ["rebounce-viewer"] }, build: { target: "es2022" } };
