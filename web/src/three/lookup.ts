@@ -1,15 +1,15 @@
 /** What a material reads: bounced irradiance of its pixel, from the textures of `Pixels`. */
 
 import type { Node, Texture } from "three/webgpu";
-import { clamp, dot, float, Fn, fwidth, If, ivec2, normalize, normalWorld, positionWorld, renderGroup, screenCoordinate, select, texture, uint, uniform, vec2, vec3, vec4 } from "three/tsl";
+import { Break, cameraPosition, clamp, dot, float, Fn, fwidth, If, int, ivec2, Loop, normalize, normalWorld, positionWorld, renderGroup, screenCoordinate, select, texture, uint, uniform, vec2, vec3, vec4 } from "three/tsl";
 import type { Space } from "./space.js";
 import { nothing } from "./textures.js";
 
 /** How far a pixel's place may be from the surface that is shaded, in widths of a pixel; at neighbours. */
 const NEAR = 1.5;
 const NEAR_BESIDE = 3;
-/** Of the neighbours of an edge's pixel, one sees the same surface. */
-const BESIDE = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]] as const;
+/** A pixel and its neighbours: of an edge's, one sees the same surface. */
+const BESIDE = 5;
 
 // As tilt.wgsl.
 const STEEPEST = 2;
@@ -24,8 +24,8 @@ export class Lookup {
   /** Irradiance of the surface that is shaded. */
   readonly node: Node<"vec3">;
 
-  /** `otherwise`: irradiance at a place with a normal, local space, where no pixel has it. */
-  constructor(space: Space, isBumpy: boolean, diagonal: number, otherwise: (place: Node<"vec3">, normal: Node<"vec3">) => Node<"vec3">) {
+  /** `otherwise`: irradiance at a place with a normal, local space, where no pixel has it; 0 where the last number is 0. */
+  constructor(space: Space, isBumpy: boolean, diagonal: number, otherwise?: (place: Node<"vec3">, normal: Node<"vec3">, wanted: Node<"float">) => Node<"vec3">) {
     const localFromWorld = uniform(space.localFromWorld).setGroup(renderGroup);
     this.node = Fn(() => {
       const place = localFromWorld.mul(vec4(positionWorld, 1)).xyz.toVar();
@@ -34,25 +34,29 @@ export class Lookup {
       const pixel = ivec2(screenCoordinate.xy).toVar();
       const found = vec4(0).toVar();
       const at = ivec2(0).toVar();
-      for (const [x, y] of BESIDE) {
-        If(this.#hasPixels.greaterThan(0).and(found.w.lessThanEqual(0)), () => {
-          const beside = pixel.add(ivec2(x, y)).toVar();
-          const there = this.#places.load(beside).toVar();
-          const reach = width.mul(x || y ? NEAR_BESIDE : NEAR);
-          If(there.w.greaterThan(0).and(there.xyz.sub(place).length().lessThan(reach)), () => {
-            found.assign(there);
-            at.assign(beside);
-          });
+      // Loops where branches would do: some software adapters walk through branches that nobody takes.
+      Loop({ start: int(0), end: select(this.#hasPixels.greaterThan(0), int(BESIDE), int(0)), type: "int", condition: "<" }, ({ i }) => {
+        const step = int(i).toVar();
+        const one = (k: number) => select(step.equal(int(k)), int(1), int(0));
+        const beside = pixel.add(ivec2(one(1).sub(one(2)), one(3).sub(one(4)))).toVar();
+        const there = this.#places.load(beside).toVar();
+        const reach = width.mul(select(step.equal(int(0)), float(NEAR), float(NEAR_BESIDE)));
+        If(there.w.greaterThan(0).and(there.xyz.sub(place).length().lessThan(reach)), () => {
+          found.assign(there);
+          at.assign(beside);
+          Break();
         });
-      }
-      const sum = vec3(0).toVar();
-      If(found.w.greaterThan(0), () => {
-        const light = this.#light.load(at).toVar();
-        sum.assign(light.xyz);
-        if (isBumpy) sum.mulAssign(turned(unpackNormal(found.w), unpackTilt(light.w), normal));
-      }).Else(() => {
-        sum.assign(otherwise(place, normal));
       });
+      const sum = vec3(0).toVar();
+      const isFound = found.w.greaterThan(0).toVar();
+      // What lies behind the pixel's surface is drawn over.
+      const front = this.#places.load(pixel).toVar();
+      const eye = localFromWorld.mul(vec4(cameraPosition, 1)).xyz.toVar();
+      const isHidden = this.#hasPixels.greaterThan(0).and(front.w.greaterThan(0)).and(place.sub(eye).length().greaterThan(front.xyz.sub(eye).length().add(width)));
+      const light = this.#light.load(at).toVar();
+      const own = isBumpy ? light.xyz.mul(turned(unpackNormal(found.w.max(1)), unpackTilt(light.w), normal)) : light.xyz;
+      sum.assign(select(isFound, own, vec3(0)));
+      if (otherwise) sum.addAssign(otherwise(place, normal, select(isFound.or(isHidden), float(0), float(1))));
       return sum;
     })() as unknown as Node<"vec3">;
   }

@@ -29,43 +29,42 @@ export class ProbeNodes {
     this.#counts.value.set(...grid.counts);
   }
 
-  /** Irradiance at a place with a unit normal, local space; nothing without probes. */
-  irradiance(place: Vector, normal: Vector): Vector {
+  /** Irradiance at a place with a unit normal, local space; nothing without probes, or where `wanted` is 0. */
+  irradiance(place: Vector, normal: Vector, wanted: Node<"float">): Vector {
     return Fn(() => {
       const out = vec3(0).toVar();
       const spacing = this.#first.w;
-      If(spacing.greaterThan(0), () => {
-        const counts = this.#counts;
-        const at = place.sub(this.#first.xyz).div(spacing).clamp(vec3(0), counts.sub(1)).toVar();
-        const base = at.floor().min(counts.sub(2).max(0)).toVar();
-        const share = at.sub(base).toVar();
-        const { x, y, z } = normal;
-        const basis = [float(1), y, z, x, x.mul(y), y.mul(z), z.mul(z).mul(3).sub(1), x.mul(z), x.mul(x).sub(y.mul(y))];
-        const lobes = basis.map((part, i) => part.mul(LOBES[i] as number).toVar());
-        const total = float(0).toVar();
-        Loop(8, ({ i }) => {
-          const corner = int(i);
-          const offset = vec3(ivec3(corner.bitAnd(int(1)), corner.shiftRight(int(1)).bitAnd(int(1)), corner.shiftRight(int(2))));
-          const cell = base.add(offset).min(counts.sub(1)).toVar();
-          const probe = int(cell.x.add(counts.x.mul(cell.y.add(counts.y.mul(cell.z)))).add(0.5)).toVar();
-          const column = probe.mod(int(PER_ROW)).toVar();
-          const row = probe.div(int(PER_ROW)).toVar();
-          const moved = this.#moved.load(ivec2(column, row)).toVar();
-          If(moved.w.greaterThan(0), () => {
-            const near = vec3(1).sub(offset.sub(share).abs()).max(1e-3).toVar();
-            const from = place.sub(this.#first.xyz.add(cell.mul(spacing)).add(moved.xyz)).toVar();
-            const facing = float(0.5).sub(dot(normal, normalize(from)).mul(0.5)).toVar();
-            const visible = this.#visible(column as never, row as never, from as unknown as Vector, spacing);
-            const weight = near.x.mul(near.y).mul(near.z).mul(facing.mul(facing).mul(1 - BEHIND).add(BEHIND)).mul(visible).toVar();
-            total.addAssign(weight);
-            lobes.forEach((lobe, k) => {
-              const texel = this.#radiance.load(ivec2(column.mul(9).add(k), row));
-              out.addAssign(texel.xyz.mul(lobe.mul(weight)));
-            });
+      const counts = this.#counts;
+      const at = place.sub(this.#first.xyz).div(spacing.max(1e-20)).clamp(vec3(0), counts.sub(1)).toVar();
+      const corners = select(wanted.mul(spacing).greaterThan(0), int(8), int(0));
+      const base = at.floor().min(counts.sub(2).max(0)).toVar();
+      const share = at.sub(base).toVar();
+      const { x, y, z } = normal;
+      const basis = [float(1), y, z, x, x.mul(y), y.mul(z), z.mul(z).mul(3).sub(1), x.mul(z), x.mul(x).sub(y.mul(y))];
+      const lobes = basis.map((part, i) => part.mul(LOBES[i] as number).toVar());
+      const total = float(0).toVar();
+      Loop({ start: int(0), end: corners, type: "int", condition: "<" }, ({ i }) => {
+        const corner = int(i);
+        const offset = vec3(ivec3(corner.bitAnd(int(1)), corner.shiftRight(int(1)).bitAnd(int(1)), corner.shiftRight(int(2))));
+        const cell = base.add(offset).min(counts.sub(1)).toVar();
+        const probe = int(cell.x.add(counts.x.mul(cell.y.add(counts.y.mul(cell.z)))).add(0.5)).toVar();
+        const column = probe.mod(int(PER_ROW)).toVar();
+        const row = probe.div(int(PER_ROW)).toVar();
+        const moved = this.#moved.load(ivec2(column, row)).toVar();
+        If(moved.w.greaterThan(0), () => {
+          const near = vec3(1).sub(offset.sub(share).abs()).max(1e-3).toVar();
+          const from = place.sub(this.#first.xyz.add(cell.mul(spacing)).add(moved.xyz)).toVar();
+          const facing = float(0.5).sub(dot(normal, normalize(from)).mul(0.5)).toVar();
+          const visible = this.#visible(column as never, row as never, from as unknown as Vector, spacing);
+          const weight = near.x.mul(near.y).mul(near.z).mul(facing.mul(facing).mul(1 - BEHIND).add(BEHIND)).mul(visible).toVar();
+          total.addAssign(weight);
+          lobes.forEach((lobe, k) => {
+            const texel = this.#radiance.load(ivec2(column.mul(9).add(k), row));
+            out.addAssign(texel.xyz.mul(lobe.mul(weight)));
           });
         });
-        out.assign(out.div(total.max(1e-37)).max(vec3(0)));
       });
+      out.assign(out.div(total.max(1e-37)).max(vec3(0)));
       return out;
     })() as unknown as Vector;
   }

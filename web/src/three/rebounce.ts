@@ -105,7 +105,7 @@ export class Rebounce {
     const space = new Space(root, new Vector3(...light.origin()));
     const objects = new Objects(light, space, diagonal);
     this.#from = { light, space, objects, positions: new Positions(space), lit: 0, everyPixel, detail };
-    this.#lookup = new Lookup(space, light.isBumpy(), diagonal, (place, normal) => this.#nodes.irradiance(place, normal));
+    this.#lookup = new Lookup(space, light.isBumpy(), diagonal, probes === false ? undefined : (place, normal, wanted) => this.#nodes.irradiance(place, normal, wanted));
     this.#isShared = isShared;
     this.light = isNodeRenderer(renderer) ? new RebounceLight(this) : new WebGLGrid();
     light.setLights(new Float64Array());

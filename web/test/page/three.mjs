@@ -1,9 +1,10 @@
 // Bounced light in scenes of three.js: at pixels, in the air, and through the life of a page.
 
 import parseExr from "parse-exr";
-import { readFile, writeFile } from "node:fs/promises";
+import { cp, mkdir, readFile, rm, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { exec } from "../agreement.mjs";
+import { block } from "../guide.mjs";
 import { check, equal } from "../harness.mjs";
 import { serveFolder } from "../serve.mjs";
 import { BALL, room, twoRooms } from "../three/rooms.mjs";
@@ -366,9 +367,55 @@ export async function three(harness, context) {
       }, files.room);
       check(share > 0.99, `${share} of the pixels have light; ${warnings.join("; ")}`);
     });
+    await guidePage(harness, context, files.room);
   } finally {
     server.end();
   }
+}
+
+/** The page of the guide, as whoever copies it has it. */
+async function guidePage(harness, context, { glb, rbn }) {
+  const root = path.join(context.work, "three-guide");
+  const modules = path.join(root, "node_modules");
+  await rm(root, { recursive: true, force: true });
+  await mkdir(path.join(modules, "rebounce-viewer"), { recursive: true });
+  await cp("dist", path.join(modules, "rebounce-viewer/dist"), { recursive: true });
+  for (const part of ["build", "examples/jsm"]) await cp(`node_modules/three/${part}`, path.join(modules, "three", part), { recursive: true });
+  await writeFile(path.join(root, "index.html"), `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">${await block("three.md", "three.html")}`);
+  for (const [name, text] of [["room.glb", glb], ["room.rbn", rbn]]) await writeFile(path.join(root, name), Buffer.from(text, "base64"));
+  const server = await serveFolder(root, 0, { policy: false });
+  await harness.test("three::the_page_of_the_guide_is_lit", async () => {
+    const page = await context.browser.newPage({ viewport: { width: 160, height: 90 } });
+    const errors = [];
+    page.on("pageerror", (error) => errors.push(String(error)));
+    try {
+      await page.goto(server.address);
+      await page.waitForFunction(() => document.querySelector("canvas"), undefined, { timeout: 300_000 });
+      const brightness = () =>
+        page.evaluate(
+          () =>
+            new Promise((done) =>
+              requestAnimationFrame(() => {
+                const canvas = document.querySelector("canvas");
+                const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+                context.drawImage(canvas, 0, 0);
+                // The ceiling, which gets bounced light alone.
+                done(context.getImageData(canvas.width / 2, 1, 1, 1).data[1]);
+              }),
+            ),
+        );
+      let found = 0;
+      for (let i = 0; i < 300 && found < 10; i += 1) {
+        found = await brightness();
+        await new Promise((later) => setTimeout(later, 100));
+      }
+      check(found >= 10, `brightness ${found}; ${errors.join("; ")}`);
+      equal(errors.join("\n"), "", "errors of the page");
+    } finally {
+      await page.close();
+      server.end();
+    }
+  });
 }
 
 /** In a page: radiance of a ball's bounced light by pixel, rows from the bottom of the picture as three reads them; alpha 7 where the ball is. */
