@@ -5,7 +5,7 @@
 //! * `view` – the class `View`: its light at the pixels of a picture;
 //! * `probes` – the class `Probes`: its light in the air.
 //!
-//! The other renderer draws places and normals of the visible surfaces into a texture; a [`View`] turns these into a
+//! The other renderer draws places and normals of the visible surfaces into a texture; a `View` turns these into a
 //! texture of irradiance, with the lookup of our own pictures.
 #![cfg(target_arch = "wasm32")]
 
