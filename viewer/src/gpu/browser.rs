@@ -101,6 +101,28 @@ pub fn queue(queue: &wgpu::Queue) -> &Queue {
     object(queue.as_webgpu())
 }
 
+/// The browser's texture as one of a device that shares it: one level, 2D.
+#[inline(always)]
+pub fn wrapped(
+    device: &wgpu::Device,
+    texture: GpuTexture,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+    [width, height]: [u32; 2],
+) -> wgpu::Texture {
+    let descriptor = wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    };
+    device.create_texture_from_webgpu_handle(texture, &descriptor, None)
+}
+
 /// The bytes of a mappable buffer.
 ///
 /// # Errors

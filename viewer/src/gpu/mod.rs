@@ -17,4 +17,6 @@ pub mod readback;
 mod refusals;
 pub mod scope;
 
+#[cfg(target_arch = "wasm32")]
+pub use browser::wrapped;
 pub use device::{Gpu, LIMITS, MAX_BINDING, MAX_LAYERS, Opened, Requested};

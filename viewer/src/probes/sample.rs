@@ -12,8 +12,8 @@ pub const TOLERANCE: f32 = 0.02;
 pub const FADE: f32 = 0.004;
 /// A probe right behind a surface has this weight of one before it.
 pub const BEHIND: f32 = 0.1;
-/// Depth at which a weight falls no further, in [`FADE`]s: where no probe sees a place, those it is least behind count.
-pub const DEEPEST: f32 = 60.0;
+/// Least weight by visibility: where no probe sees a place, all count.
+pub const LEAST: f32 = 1e-26;
 
 /// Irradiance at a place with a unit normal, local space; `radiance` by probe.
 pub fn irradiance(grid: &Grid, rows: &Rows, radiance: &[[Vec3; COUNT]], place: Vec3, normal: Vec3) -> Vec3 {
@@ -35,7 +35,7 @@ pub fn irradiance(grid: &Grid, rows: &Rows, radiance: &[[Vec3; COUNT]], place: V
         let facing = 0.5 - 0.5 * normal.dot(from.normalize_or_zero());
         let weight = near.max(Vec3A::splat(1e-3)).element_product()
             * (BEHIND + (1.0 - BEHIND) * facing * facing)
-            * (-depth(rows, probe, from, grid.spacing).min(DEEPEST)).exp();
+            * visibility(rows, probe, from, grid.spacing);
         total += weight;
         sum.iter_mut().zip(&radiance[probe]).for_each(|(sum, radiance)| *sum += *radiance * weight);
     }
@@ -45,8 +45,8 @@ pub fn irradiance(grid: &Grid, rows: &Rows, radiance: &[[Vec3; COUNT]], place: V
     harmonics::irradiance(&sum.map(|sum| sum / total), normal)
 }
 
-/// How far a place is behind the surfaces that a probe sees, in [`FADE`]s: between the four texels around its direction.
-fn depth(rows: &Rows, probe: usize, from: Vec3, spacing: f32) -> f32 {
+/// Weight of a probe by how far a place is behind the surfaces that it sees: between the four texels around its direction.
+fn visibility(rows: &Rows, probe: usize, from: Vec3, spacing: f32) -> f32 {
     let at = (octahedral::encode(from.normalize_or(Vec3::Y)) * 0.5 + 0.5) * PLANES as f32 - 0.5;
     let (base, share) = (at.floor(), at - at.floor());
     let mut visible = 0.0;
@@ -55,9 +55,9 @@ fn depth(rows: &Rows, probe: usize, from: Vec3, spacing: f32) -> f32 {
         let near = 1.0 - (offset - share).abs();
         let [x, y, z, distance] = rows.planes[probe * PLANES * PLANES + texel((base + offset).as_ivec2())];
         let behind = -(Vec3::new(x, y, z).dot(from) + distance) / spacing - TOLERANCE;
-        visible += near.x * near.y * (-(behind.max(0.0) / FADE).min(DEEPEST)).exp();
+        visible += near.x * near.y * (-behind.max(0.0) / FADE).exp();
     }
-    -visible.max(1e-30).ln()
+    visible.max(LEAST)
 }
 
 /// Number of a texel of a map, wrapped around its border.

@@ -61,18 +61,9 @@ impl ViewerState {
             self.context.configure(&page::object(members)).ok()?;
             self.configured = true;
         }
-        let descriptor = wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: shared.format(),
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        };
         let texture = self.context.texture().ok()?;
-        Some(shared.gpu.device.create_texture_from_webgpu_handle(texture, &descriptor, None))
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        Some(browser::wrapped(&shared.gpu.device, texture, shared.format(), usage, self.size))
     }
 }
 

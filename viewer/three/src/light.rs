@@ -4,7 +4,6 @@ use crate::device::{Device, Shared};
 use crate::probes::Probes;
 use crate::view::View;
 use rebounce_shared::baked::BakedScene;
-use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::glam::Vec3;
 use rebounce_viewer::ViewerError;
 use rebounce_viewer::gpu::Gpu;
@@ -74,25 +73,6 @@ impl BouncedLight {
     #[wasm_bindgen(js_name = setLights)]
     pub fn set_lights(&self, lights: &[f64]) -> Result<(), JsValue> {
         self.run(|renderer| renderer.set_lights(wire::lights_of(lights)?))
-    }
-
-    /// The present lights.
-    pub fn lights(&self) -> Vec<f64> {
-        wire::light_numbers(self.renderer.borrow().lights())
-    }
-
-    /// Names of the file's lights, zero-terminated, then of its cameras.
-    pub fn names(&self) -> Result<String, JsValue> {
-        self.scene(|scene| scene.meta.shown.names.clone())
-    }
-
-    /// Sets the picture of environment lights: rows of rgb9e5 texels from the top, `scale` the radiance of a texel of 1.
-    /// Without texels, the file's own picture.
-    #[wasm_bindgen(js_name = setEnvironment)]
-    pub fn set_environment(&self, width: u32, scale: f32, pixels: Vec<u32>) -> Result<(), JsValue> {
-        let height = pixels.len() as u32 / width.max(1);
-        let picture = PackedEnvironment { width, height, scale, pixels };
-        self.run(|renderer| renderer.set_environment(Some(picture).filter(|picture| picture.height > 0)))
     }
 
     /// Relights after changes of the lights; true if the bounced light changed.

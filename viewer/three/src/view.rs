@@ -1,7 +1,7 @@
 //! Bounced light at the pixels of a picture of another renderer.
 
 use crate::device::Shared;
-use rebounce_viewer::gpu::Gpu;
+use rebounce_viewer::gpu::{Gpu, wrapped};
 use rebounce_viewer::passes::display::given::{self, GivenTarget};
 use rebounce_viewer::scene::GpuScene;
 use rebounce_viewer::view::Frame;
@@ -30,22 +30,10 @@ impl View {
         size: [u32; 2],
         every_pixel: bool,
     ) -> Self {
-        let [width, height] = size;
-        let descriptor = wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: given::FORMAT,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        };
         let gpu = gpu.clone();
         let target = gpu.watch(|| {
-            let device = &gpu.device;
-            let positions =
-                device.create_texture_from_webgpu_handle(positions.unchecked_into(), &descriptor, None);
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+            let positions = wrapped(&gpu.device, positions.unchecked_into(), given::FORMAT, usage, size);
             let positions = positions.create_view(&Default::default());
             shared.given.target(&gpu, scene, &positions, size, every_pixel)
         });

@@ -2,15 +2,14 @@
 
 import type { Node, Texture } from "three/webgpu";
 import { Break, cameraPosition, clamp, dot, float, Fn, fwidth, If, int, ivec2, Loop, normalize, normalWorld, positionWorld, renderGroup, screenCoordinate, select, texture, uint, uniform, vec2, vec3, vec4 } from "three/tsl";
+import { octahedralDecode } from "./octahedral.js";
 import type { Space } from "./space.js";
 import { nothing } from "./textures.js";
 
-/** How far a pixel's place may be from the surface that is shaded, in widths of a pixel; at neighbours. */
+/** How far a pixel's place may be from the surface that is shaded, in widths of a pixel; at its neighbours, of which one sees
+ * the same surface where the pixel is at an edge. */
 const NEAR = 1.5;
 const NEAR_BESIDE = 3;
-/** A pixel and its neighbours: of an edge's, one sees the same surface. */
-const BESIDE = 5;
-
 // As tilt.wgsl.
 const STEEPEST = 2;
 
@@ -26,22 +25,24 @@ export class Lookup {
 
   /** `otherwise`: irradiance at a place with a normal, local space, where no pixel has it; 0 where the last number is 0. */
   constructor(space: Space, isBumpy: boolean, diagonal: number, otherwise?: (place: Node<"vec3">, normal: Node<"vec3">, wanted: Node<"float">) => Node<"vec3">) {
-    const localFromWorld = uniform(space.localFromWorld).setGroup(renderGroup);
+    const { localNode } = space;
     this.node = Fn(() => {
-      const place = localFromWorld.mul(vec4(positionWorld, 1)).xyz.toVar();
-      const normal = normalize(localFromWorld.mul(vec4(normalWorld, 0)).xyz).toVar();
+      const place = localNode.mul(vec4(positionWorld, 1)).xyz.toVar();
+      const normal = normalize(localNode.mul(vec4(normalWorld, 0)).xyz).toVar();
       const width = fwidth(place).length().add(1e-6 * diagonal).toVar();
       const pixel = ivec2(screenCoordinate.xy).toVar();
-      const found = vec4(0).toVar();
-      const at = ivec2(0).toVar();
+      const sees = (there: Place, reach: number) => there.w.greaterThan(0).and(there.xyz.sub(place).length().lessThan(width.mul(reach)));
+      const front = select(this.#hasPixels.greaterThan(0), this.#places.load(pixel), vec4(0)).toVar();
+      const isOwn = sees(front as unknown as Place, NEAR).toVar();
+      const found = select(isOwn, front, vec4(0)).toVar();
+      const at = pixel.toVar();
       // Loops where branches would do: some software adapters walk through branches that nobody takes.
-      Loop({ start: int(0), end: select(this.#hasPixels.greaterThan(0), int(BESIDE), int(0)), type: "int", condition: "<" }, ({ i }) => {
-        const step = int(i).toVar();
-        const one = (k: number) => select(step.equal(int(k)), int(1), int(0));
-        const beside = pixel.add(ivec2(one(1).sub(one(2)), one(3).sub(one(4)))).toVar();
+      const neighbours = select(isOwn.not().and(this.#hasPixels.greaterThan(0)), int(4), int(0));
+      Loop({ start: int(0), end: neighbours, type: "int", condition: "<" }, ({ i }) => {
+        const one = (k: number) => select(int(i).equal(int(k)), int(1), int(0));
+        const beside = pixel.add(ivec2(one(0).sub(one(1)), one(2).sub(one(3)))).toVar();
         const there = this.#places.load(beside).toVar();
-        const reach = width.mul(select(step.equal(int(0)), float(NEAR), float(NEAR_BESIDE)));
-        If(there.w.greaterThan(0).and(there.xyz.sub(place).length().lessThan(reach)), () => {
+        If(sees(there as unknown as Place, NEAR_BESIDE), () => {
           found.assign(there);
           at.assign(beside);
           Break();
@@ -50,9 +51,8 @@ export class Lookup {
       const sum = vec3(0).toVar();
       const isFound = found.w.greaterThan(0).toVar();
       // What lies behind the pixel's surface is drawn over.
-      const front = this.#places.load(pixel).toVar();
-      const eye = localFromWorld.mul(vec4(cameraPosition, 1)).xyz.toVar();
-      const isHidden = this.#hasPixels.greaterThan(0).and(front.w.greaterThan(0)).and(place.sub(eye).length().greaterThan(front.xyz.sub(eye).length().add(width)));
+      const eye = localNode.mul(vec4(cameraPosition, 1)).xyz.toVar();
+      const isHidden = front.w.greaterThan(0).and(place.sub(eye).length().greaterThan(front.xyz.sub(eye).length().add(width)));
       const light = this.#light.load(at).toVar();
       const own = isBumpy ? light.xyz.mul(turned(unpackNormal(found.w.max(1)), unpackTilt(light.w), normal)) : light.xyz;
       sum.assign(select(isFound, own, vec3(0)));
@@ -76,6 +76,7 @@ export class Lookup {
 
 type Float = Node<"float">;
 type Vector = Node<"vec3">;
+type Place = Node<"vec4">;
 
 /** What bounced light becomes on a normal that a normal map has turned, as reflect.wgsl has it. */
 function turned(normal: Vector, tilt: Vector, bent: Vector): Float {
@@ -93,9 +94,6 @@ function unpackTilt(whole: Float): Vector {
 /** As place_given.wgsl reads it. */
 function unpackNormal(whole: Float): Vector {
   const code = uint(whole).sub(uint(1));
-  const flat = vec2(float(code.bitAnd(uint(4095))), float(code.shiftRight(uint(12)))).mul(2 / 4095).sub(1).toVar();
-  const z = float(1).sub(flat.x.abs()).sub(flat.y.abs());
-  const fold = z.negate().max(0);
-  const sign = vec2(select(flat.x.lessThan(0), float(-1), float(1)), select(flat.y.lessThan(0), float(-1), float(1)));
-  return normalize(vec3(flat.sub(sign.mul(fold)), z)) as unknown as Vector;
+  const square = vec2(float(code.bitAnd(uint(4095))), float(code.shiftRight(uint(12))));
+  return octahedralDecode(square.mul(2 / 4095).sub(1).toVar() as unknown as Node<"vec2">);
 }

@@ -34,7 +34,7 @@ export class Objects {
   ) {}
 
   /** Whether the file's light holds for an object as it is now; an object that moved away is said once. */
-  holds(object: Object3D): boolean {
+  #holds(object: Object3D): boolean {
     const mesh = object as Mesh;
     if (!mesh.isMesh || "isSkinnedMesh" in mesh || "isBatchedMesh" in mesh || mesh.morphTargetInfluences?.some((share) => share !== 0)) return false;
     const now = this.#moved.multiplyMatrices(this.space.localFromWorld, mesh.matrixWorld);
@@ -53,18 +53,20 @@ export class Objects {
     return isThere;
   }
 
-  /** A number that changes with what of a scene a camera may see that holds still. */
-  signature(scene: Scene): number {
+  /** The visible objects of a scene for which the light holds, and a number that changes with them. */
+  held(scene: Scene): { held: Set<Object3D>; signature: number } {
+    const held = new Set<Object3D>();
     let sum = 0;
     scene.traverseVisible((object) => {
-      if (!(object as Mesh).isMesh || !this.holds(object)) return;
+      if (!this.#holds(object)) return;
+      held.add(object);
       const { geometry, material, layers } = object as Mesh;
       const materials = Array.isArray(material) ? material : [material];
       for (const part of [object.id, geometry.id, layers.mask, ...materials.flatMap(({ id, version }) => [id, version])]) {
         sum = (Math.imul(sum, 31) + part) | 0;
       }
     });
-    return sum;
+    return { held, signature: sum };
   }
 
   #isOnSurfaces(mesh: Mesh): boolean {

@@ -60,8 +60,9 @@ export class Pixels {
   /** Brings it up to date with a camera and with the light: does only what has changed. */
   update(renderer: WebGPURenderer, scene: Scene, camera: Camera, from: PixelSources): void {
     const { objects, space, positions, lit, detail } = from;
+    const { held, signature } = objects.held(scene);
     const now = [
-      objects.signature(scene),
+      signature,
       Number(detail),
       ...camera.matrixWorld.elements,
       ...camera.projectionMatrix.elements,
@@ -69,7 +70,7 @@ export class Pixels {
     ];
     const moved = now.some((x, i) => x !== this.#drawn[i]);
     if (moved) {
-      positions.draw(renderer, scene, camera, this.#target, (object) => objects.holds(object));
+      positions.draw(renderer, scene, camera, this.#target, held);
       this.#view.find(detail ? space.camera(camera) : new Float32Array());
       this.#drawn = now;
     }

@@ -13,7 +13,8 @@ import {
   type Scene,
   type WebGPURenderer,
 } from "three/webgpu";
-import { float, Fn, normalWorld, positionWorld, select, uniform, vec2, vec4 } from "three/tsl";
+import { Fn, normalWorld, positionWorld, vec4 } from "three/tsl";
+import { octahedralEncode } from "./octahedral.js";
 import type { Space } from "./space.js";
 
 /** What of a material decides where its surface is. */
@@ -46,12 +47,10 @@ type Utility = (renderer: WebGPURenderer, scene: Scene, state?: unknown) => unkn
 /** Draws into targets of positions. */
 export class Positions {
   #materials = new Map<Material, { own: NodeMaterial; version: number }>();
-  #localFromWorld: ReturnType<typeof uniform<"mat4">>;
-  #output: ReturnType<typeof vec4>;
+  readonly #output: ReturnType<typeof vec4>;
 
   constructor(space: Space) {
-    this.#localFromWorld = uniform(space.localFromWorld) as ReturnType<typeof uniform<"mat4">>;
-    this.#output = this.#placeAndNormal();
+    this.#output = placeAndNormal(space);
   }
 
   /** A target of a picture's size. */
@@ -67,8 +66,8 @@ export class Positions {
     return target;
   }
 
-  /** Draws the opaque surfaces of objects that `draws` accepts. */
-  draw(renderer: WebGPURenderer, scene: Scene, camera: Camera, target: RenderTarget, draws: (object: Object3D) => boolean): void {
+  /** Draws the opaque surfaces of these objects. */
+  draw(renderer: WebGPURenderer, scene: Scene, camera: Camera, target: RenderTarget, objects: Set<Object3D>): void {
     const state = (RendererUtils.resetRendererAndSceneState as unknown as Utility)(renderer, scene);
     const { xr } = renderer;
     const isXr = xr.enabled;
@@ -79,7 +78,7 @@ export class Positions {
       renderer.setClearColor(0x000000, 0);
       renderer.transparent = false;
       renderer.setRenderObjectFunction((object, of, by, geometry, material, group, lights, clipping, pass) => {
-        if (!isSolid(material) || !draws(object)) return;
+        if (!isSolid(material) || !objects.has(object)) return;
         renderer.renderObject(object, of, by, geometry, this.#shapeOf(material), group, lights, clipping, pass);
       });
       renderer.setRenderTarget(target);
@@ -124,19 +123,16 @@ export class Positions {
     }
     return own;
   }
+}
 
-  /** As place_given.wgsl reads it: the place in local space, and 1 + x + 4096 y of the normal's octahedral map. */
-  #placeAndNormal(): ReturnType<typeof vec4> {
-    return Fn(() => {
-      const place = this.#localFromWorld.mul(vec4(positionWorld, 1)).xyz;
-      const normal = this.#localFromWorld.mul(vec4(normalWorld, 0)).xyz;
-      const flat = normal.xy.div(normal.x.abs().add(normal.y.abs()).add(normal.z.abs())).toVar();
-      const sign = vec2(select(flat.x.lessThan(0), float(-1), float(1)), select(flat.y.lessThan(0), float(-1), float(1)));
-      const folded = vec2(1).sub(flat.yx.abs()).mul(sign);
-      const square = select(normal.z.lessThan(0), folded, flat).mul(0.5).add(0.5).mul(4095).round();
-      return vec4(place, square.y.mul(4096).add(square.x).add(1));
-    })() as unknown as ReturnType<typeof vec4>;
-  }
+/** As place_given.wgsl reads it: the place in local space, and 1 + x + 4096 y of the normal's octahedral map. */
+function placeAndNormal(space: Space): ReturnType<typeof vec4> {
+  return Fn(() => {
+    const place = space.localNode.mul(vec4(positionWorld, 1)).xyz;
+    const normal = space.localNode.mul(vec4(normalWorld, 0)).xyz;
+    const square = octahedralEncode(normal).mul(0.5).add(0.5).mul(4095).round();
+    return vec4(place, square.y.mul(4096).add(square.x).add(1));
+  })() as unknown as ReturnType<typeof vec4>;
 }
 
 /** Whether nothing shows through a material. */

@@ -34,7 +34,7 @@ export interface ProbeData extends ProbeGrid {
 export const TOLERANCE = 0.02;
 export const FADE = 0.004;
 export const BEHIND = 0.1;
-export const DEEPEST = 60;
+export const LEAST = 1e-26;
 
 const SIDE = 16;
 
@@ -61,7 +61,7 @@ export function irradianceAt({ first, spacing, counts, planes, moves, radiance }
     const near = axes.reduce<number>((product, k) => product * Math.max(1 - Math.abs((offset[k] as number) - (at[k] as number) + (base[k] as number)), 1e-3), 1);
     const from = new Vector3(...axes.map((k) => place.getComponent(k) - first.getComponent(k) - cell[k] * spacing - (moves[4 * probe + k] as number)));
     const facing = 0.5 - 0.5 * normal.dot(from.clone().normalize());
-    const weight = near * (BEHIND + (1 - BEHIND) * facing * facing) * Math.exp(-Math.min(depth(planes, probe, from, spacing), DEEPEST));
+    const weight = near * (BEHIND + (1 - BEHIND) * facing * facing) * visibility(planes, probe, from, spacing);
     total += weight;
     sums.forEach((sum, i) => sum.addScaledVector(new Vector3().fromArray(radiance, 4 * (9 * probe + i)), weight));
   }
@@ -72,8 +72,8 @@ export function irradianceAt({ first, spacing, counts, planes, moves, radiance }
   return out.max(new Vector3());
 }
 
-/** How far a place is behind the surfaces that a probe sees. */
-function depth(planes: Float32Array, probe: number, from: Vector3, spacing: number): number {
+/** Weight of a probe by how far a place is behind the surfaces that it sees. */
+function visibility(planes: Float32Array, probe: number, from: Vector3, spacing: number): number {
   const [u, v] = octahedral(from);
   const x = (u * 0.5 + 0.5) * SIDE - 0.5;
   const y = (v * 0.5 + 0.5) * SIDE - 0.5;
@@ -84,9 +84,9 @@ function depth(planes: Float32Array, probe: number, from: Vector3, spacing: numb
     const texel = 4 * (SIDE * SIDE * probe + wrapped(cx, cy));
     const [a = 0, b = 0, c = 0, distance = 0] = planes.subarray(texel, texel + 4);
     const behind = -(a * from.x + b * from.y + c * from.z + distance) / spacing - TOLERANCE;
-    visible += near * Math.exp(-Math.min(Math.max(behind, 0) / FADE, DEEPEST));
+    visible += near * Math.exp(-Math.max(behind, 0) / FADE);
   }
-  return -Math.log(Math.max(visible, 1e-30));
+  return Math.max(visible, LEAST);
 }
 
 /** The octahedral map of a direction, -1 to 1. */

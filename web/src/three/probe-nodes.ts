@@ -1,8 +1,9 @@
 /** Irradiance from probes in a shader: probe-grid.ts as nodes. */
 
 import { Vector3, Vector4, type Node } from "three/webgpu";
-import { dot, exp, float, Fn, If, int, ivec2, ivec3, Loop, log, normalize, renderGroup, select, texture, uniform, vec2, vec3 } from "three/tsl";
-import { BEHIND, DEEPEST, FADE, LOBES, TOLERANCE } from "./probe-grid.js";
+import { dot, exp, float, Fn, If, int, ivec2, ivec3, Loop, normalize, renderGroup, select, texture, uniform, vec2, vec3 } from "three/tsl";
+import { BEHIND, FADE, LEAST, LOBES, TOLERANCE } from "./probe-grid.js";
+import { octahedralEncode } from "./octahedral.js";
 import { PER_ROW, PLANES, type Probes } from "./probes.js";
 import { nothing } from "./textures.js";
 
@@ -77,10 +78,7 @@ export class ProbeNodes {
   /** Weight of a probe at this column and row by how far the place is behind what it sees. */
   #visible(column: Node<"int">, row: Node<"int">, from: Vector, spacing: Node<"float">): Node<"float"> {
     return Fn(() => {
-      const flat = from.xy.div(from.x.abs().add(from.y.abs()).add(from.z.abs()).max(1e-20)).toVar();
-      const sign = vec2(select(flat.x.lessThan(0), float(-1), float(1)), select(flat.y.lessThan(0), float(-1), float(1)));
-      const square = select(from.z.lessThan(0), vec2(1).sub(flat.yx.abs()).mul(sign), flat);
-      const at = square.mul(0.5).add(0.5).mul(PLANES).sub(0.5).toVar();
+      const at = octahedralEncode(from).mul(0.5).add(0.5).mul(PLANES).sub(0.5).toVar();
       const visible = float(0).toVar();
       const last = int(PLANES - 1);
       Loop(4, ({ i }) => {
@@ -98,10 +96,10 @@ export class ProbeNodes {
           v.assign(select(v.lessThan(int(0)), int(0), last));
         });
         const plane = this.#planes.load(ivec2(column.mul(int(PLANES)).add(u), row.mul(int(PLANES)).add(v))).toVar();
-        const behind = dot(plane.xyz, from).add(plane.w).negate().div(spacing).sub(TOLERANCE).max(0).div(FADE).min(DEEPEST);
+        const behind = dot(plane.xyz, from).add(plane.w).negate().div(spacing).sub(TOLERANCE).max(0).div(FADE);
         visible.addAssign(near.x.mul(near.y).mul(exp(behind.negate())));
       });
-      return exp(log(visible.max(1e-30)).max(-DEEPEST));
+      return visible.max(LEAST);
     })() as unknown as Node<"float">;
   }
 }

@@ -64,8 +64,8 @@ export class Rebounce {
   readonly #from: PixelSources;
   readonly #lookup: Lookup;
   readonly #nodes = new ProbeNodes();
-  /** Whether the renderer draws on our device, so that pixels can be looked up. */
-  readonly #isShared: boolean;
+  /** A device of our own, where the renderer does not draw on it, so that no pixels can be looked up. */
+  readonly #ownDevice: Device | undefined;
   #probes: Probes | undefined;
   #pixels = new Map<object, Pixels>();
   #numbers: Float64Array = new Float64Array();
@@ -89,7 +89,7 @@ export class Rebounce {
     const light = await opened(device.of, bytes, options.probes !== false);
     if (signal?.aborted) light.free();
     signal?.throwIfAborted();
-    return new Rebounce(light, options, device.isShared);
+    return new Rebounce(light, options, device.isShared ? undefined : device.of);
   }
 
   /** Bakes what a scene, or a part of it, shows now, and loads it: the same objects are known then. Rejects with an error whose message is a sentence. */
@@ -99,14 +99,14 @@ export class Rebounce {
   }
 
   /** @internal */
-  constructor(light: BouncedLight, { renderer, root, everyPixel = false, detail = true, probes = {} }: LoadOptions, isShared: boolean) {
+  constructor(light: BouncedLight, { renderer, root, everyPixel = false, detail = true, probes = {} }: LoadOptions, ownDevice?: Device) {
     const [x0 = 0, y0 = 0, z0 = 0, x1 = 0, y1 = 0, z1 = 0] = light.bounds();
     const diagonal = Math.hypot(x1 - x0, y1 - y0, z1 - z0);
     const space = new Space(root, new Vector3(...light.origin()));
     const objects = new Objects(light, space, diagonal);
     this.#from = { light, space, objects, positions: new Positions(space), lit: 0, everyPixel, detail };
     this.#lookup = new Lookup(space, light.isBumpy(), diagonal, probes === false ? undefined : (place, normal, wanted) => this.#nodes.irradiance(place, normal, wanted));
-    this.#isShared = isShared;
+    this.#ownDevice = ownDevice;
     this.light = isNodeRenderer(renderer) ? new RebounceLight(this) : new WebGLGrid();
     light.setLights(new Float64Array());
     if (probes === false) {
@@ -114,7 +114,7 @@ export class Rebounce {
       return;
     }
     const upload = (texture: Texture) => isNodeRenderer(renderer) && renderer.initTexture(texture);
-    this.#probes = new Probes(light, probes, isShared ? undefined : upload);
+    this.#probes = new Probes(light, probes, ownDevice && upload);
     this.#nodes.set(this.#probes);
     this.ready = this.#build(this.#probes);
   }
@@ -152,7 +152,7 @@ export class Rebounce {
 
   /** @internal */
   prepare({ renderer: any, scene, camera }: NodeFrame): void {
-    if (this.#isDisposed || !this.#isShared || !any || !scene || !camera || "isArrayCamera" in camera) return this.#lookup.set();
+    if (this.#isDisposed || this.#ownDevice || !any || !scene || !camera || "isArrayCamera" in camera) return this.#lookup.set();
     const renderer = any as WebGPURenderer;
     const target = renderer.getRenderTarget();
     const { width, height } = target ?? renderer.getDrawingBufferSize(new Vector2());
@@ -198,6 +198,7 @@ export class Rebounce {
     this.#lookup.dispose();
     this.#nodes.dispose();
     this.#from.light.free();
+    this.#ownDevice?.free();
   }
 
   async #build(probes: Probes): Promise<boolean> {

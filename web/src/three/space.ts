@@ -1,11 +1,14 @@
 /** The space of a file: that of the object which the baked scene hangs on, with the file's origin in its middle. */
 
 import { Matrix4, Vector3, type Camera, type Object3D } from "three/webgpu";
+import { renderGroup, uniform } from "three/tsl";
 
 /** From three's world to the space of a file. */
 export class Space {
   /** Places of the file, local to its origin, from those of three's world. */
   readonly localFromWorld = new Matrix4();
+  /** The same for shaders; of the render group, as three.js does not look at other uniforms of things that rest. */
+  readonly localNode = uniform(this.localFromWorld).setGroup(renderGroup);
   /** The same without the origin: world space of the file. */
   readonly fileFromWorld = new Matrix4();
   /** Length in the file of a length 1 in three's world. */

@@ -189,7 +189,7 @@ export async function three(harness, context) {
 
     await test("canvases_share_a_file_and_sizes_change_and_passes_follow", async (page) => {
       const found = await page.evaluate(async ({ glb, rbn }) => {
-        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, tsl } = stage;
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, pixelsOf, tsl } = stage;
         const first = await rendererOf();
         const { model, lamps, camera } = await modelOf(glb);
         const gi = await Rebounce.load(bytesOf(rbn), { renderer: first, probes: false });
@@ -199,11 +199,8 @@ export async function three(harness, context) {
         scene.add(model, gi.light);
         gi.lights.add(...lamps);
         for (const lamp of lamps) lamp.visible = true;
-        const brightness = async (renderer) => {
-          const canvas = new OffscreenCanvas(renderer.domElement.width, renderer.domElement.height);
-          const context = canvas.getContext("2d");
-          context.drawImage(renderer.domElement, 0, 0);
-          const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+        const brightness = (renderer) => {
+          const data = pixelsOf(renderer);
           return data.reduce((sum, x, i) => sum + (i % 4 < 3 ? x : 0), 0) / (0.75 * data.length);
         };
         const out = [];
@@ -213,7 +210,7 @@ export async function three(harness, context) {
           lamps.forEach((lamp) => (lamp.visible = false));
           render();
           lamps.forEach((lamp) => (lamp.visible = true));
-          out.push(await brightness(renderer));
+          out.push(brightness(renderer));
         };
         await draw(first);
         await draw(second);
@@ -289,7 +286,7 @@ export async function three(harness, context) {
     for (const webgl of ["node", "classic"]) {
       await test(`a_renderer_on_webgl_gets_probes_${webgl}`, async (page) => {
         const { lit, dark } = await page.evaluate(async ({ glb, rbn, webgl, at }) => {
-          const { Rebounce, THREE, rendererOf, modelOf, bytesOf, ballAt } = stage;
+          const { Rebounce, THREE, rendererOf, modelOf, bytesOf, pixelsOf, ballAt } = stage;
           const renderer = await rendererOf({ webgl });
           const { lamps, camera } = await modelOf(glb);
           const gi = await Rebounce.load(bytesOf(rbn), { renderer });
@@ -299,11 +296,7 @@ export async function three(harness, context) {
           scene.add(ballAt(at), gi.light);
           const brightness = () => {
             renderer.render(scene, camera);
-            const canvas = new OffscreenCanvas(160, 90);
-            const context = canvas.getContext("2d");
-            context.drawImage(renderer.domElement, 0, 0);
-            const { data } = context.getImageData(0, 0, 160, 90);
-            return data.reduce((most, x, i) => (i % 4 < 3 ? Math.max(most, x) : most), 0);
+            return pixelsOf(renderer).reduce((most, x, i) => (i % 4 < 3 ? Math.max(most, x) : most), 0);
           };
           let lit = 0;
           // Read back: some frames later.

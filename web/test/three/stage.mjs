@@ -77,6 +77,13 @@ async function indirect(renderer, scene, camera, gi, width, height, pictures = 1
   return sum;
 }
 
+/** The RGBA bytes of a renderer's canvas, right after it was drawn. */
+function pixelsOf({ domElement: canvas }) {
+  const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+  context.drawImage(canvas, 0, 0);
+  return context.getImageData(0, 0, canvas.width, canvas.height).data;
+}
+
 /** A ball that no bake knows. */
 function ballAt(at, radius = 0.4) {
   const ball = new THREE.Mesh(new THREE.SphereGeometry(radius, 64, 64), new THREE.MeshStandardMaterial({ color: 0xd8d8d8 }));
@@ -97,4 +104,4 @@ function rms(found, expected) {
   return Math.sqrt(error / power);
 }
 
-globalThis.stage = { THREE, Rebounce, irradianceAt, rendererOf, modelOf, bytesOf, read, indirect, ballAt, rms, warnings, tsl: { vec4, normalWorld, positionWorld, pass } };
+globalThis.stage = { THREE, Rebounce, irradianceAt, rendererOf, modelOf, bytesOf, read, indirect, pixelsOf, ballAt, rms, warnings, tsl: { vec4, normalWorld, positionWorld, pass } };
