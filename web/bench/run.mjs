@@ -1,6 +1,8 @@
 // node bench/run.mjs COMPARE SCENE.glb SCENE.rbn SHOT.json REFERENCE OUT: frames with a moving light at 1280 x 720,
-// in turns: rebounce-viewer, three.js without global illumination, with our bounced light, with VXGI, with LightProbeGrid. At the end rebounce-viewer's
-// frames under a sky: with the sky turned, and with the light moved. Writes what was measured to OUT as JSON. REFERENCE.indirect.a.exr and .b.exr are path-traced pictures of the shot's bounced light, or "-".
+// in turns: rebounce-viewer, three.js without global illumination, with our bounced light, with VXGI, with
+// LightProbeGrid. At the end rebounce-viewer's frames under a sky: with the sky turned, and with the light moved.
+// Writes what was measured to OUT as JSON. REFERENCE.indirect.a.exr and .b.exr are path-traced pictures of the shot's
+// bounced light, or "-".
 
 import { execFile } from "node:child_process";
 import { mkdtemp, readFile, writeFile } from "node:fs/promises";

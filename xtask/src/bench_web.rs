@@ -211,11 +211,13 @@ mod tests {
                 },
             },
             "three": { "median": 400.0 },
+            "rebounce": { "median": 500.0 },
             "vxgi": {},
             "probes": {},
         });
         let table = table(&results).unwrap();
         assert!(table.ends_with("frame ratio 1.50"), "{table}");
+        assert!(table.contains("three.js with our bounced light over three.js alone: 1.25"), "{table}");
         assert!(table.contains("| 0.60 | 0.070 | -0.010 |"), "{table}");
         assert!(
             table.contains("5.2 kernel evaluations a pixel, 17.0 functions looked at, 150 MB"),
