@@ -15,30 +15,34 @@ struct Choice {
 @group(0) @binding(3) var<storage, read_write> still: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> irradiance: array<vec4f>;
 
-// From the lights of a part of the list, over all samples.
+// From the lights of a part of the list, over all samples. What is to be done is said by the loops' ends, not by branches:
+// software adapters walk through branches that nobody takes.
 fn direct_sum(first: u32, end: u32, p: Point) -> vec3f {
     let normal = unpack_normal(p.normal);
     let position = point_position(p);
-    let samples = (p.cuts >> 3u) & 0xffu;
+    let on_surface = (p.cuts >> 3u) & 0xffu;
+    // A point without samples is looked at itself.
+    let samples = max(on_surface, 1u);
+    let radius = select(0.0, p.radius, on_surface > 0u);
     var sum = vec3f(0.0);
     for (var k = first; k < end; k++) {
         let l = choice.lights[k];
         // The footprint's samples lie within 0.27 radii.
-        if !may_reach(lights[l], position, normal, 0.27 * p.radius) {
-            continue;
+        let wanted = select(0u, samples, may_reach(lights[l], position, normal, 0.27 * p.radius));
+        let of_area = select(0u, wanted, is_area(lights[l]));
+        for (var rest = of_area; rest != 0u; rest &= rest - 1u) {
+            sum += lit_by_area(lights[l], sampled_place(rest, position, normal, radius), normal);
         }
-        if samples == 0u {
-            sum += lit(lights[l], position, normal, 0.0);
-            continue;
-        }
-        for (var sample = 0u; sample < SAMPLES; sample++) {
-            if ((samples >> sample) & 1u) != 0u {
-                let place = position + footprint_offset(sample, normal, p.radius);
-                sum += lit(lights[l], place, normal, LIFT * p.radius);
-            }
+        for (var rest = wanted - of_area; rest != 0u; rest &= rest - 1u) {
+            sum += lit(lights[l], sampled_place(rest, position, normal, radius), normal, LIFT * radius);
         }
     }
-    return sum / f32(max(countOneBits(samples), 1u));
+    return sum / f32(countOneBits(samples));
+}
+
+// The place of the first of these samples.
+fn sampled_place(samples: u32, position: vec3f, normal: vec3f, radius: f32) -> vec3f {
+    return position + footprint_offset(firstTrailingBit(samples), normal, radius);
 }
 
 @compute @workgroup_size(64)

@@ -211,16 +211,18 @@ fn area_light(light: Light, position: vec3f, normal: vec3f) -> Incident {
     return Incident(normalize(light.position - position), light.intensity * solid, solid);
 }
 
-// The light that arrives at a place which lies `lift` above a surface.
-fn lit(light: Light, position: vec3f, normal: vec3f, lift: f32) -> vec3f {
-    if is_area(light) {
-        let at = area_light(light, position, normal);
-        if all(at.irradiance <= vec3f(0.0)) {
-            return vec3f(0.0);
-        }
-        let seen = soft_visibility(light, position, normal, at.to_light, true, FEW);
-        return at.irradiance * seen * tinted(light, position);
+// The light of an area light that arrives at a place.
+fn lit_by_area(light: Light, position: vec3f, normal: vec3f) -> vec3f {
+    let at = area_light(light, position, normal);
+    if all(at.irradiance <= vec3f(0.0)) {
+        return vec3f(0.0);
     }
+    let seen = soft_visibility(light, position, normal, at.to_light, true, FEW);
+    return at.irradiance * seen * tinted(light, position);
+}
+
+// The light of one without a surface that arrives at a place which lies `lift` above a surface.
+fn lit(light: Light, position: vec3f, normal: vec3f, lift: f32) -> vec3f {
     let at = incident(light, position);
     let irradiance = at.irradiance * max(dot(normal, at.to_light), 0.0);
     if all(irradiance <= vec3f(0.0)) {

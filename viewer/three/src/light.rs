@@ -69,6 +69,16 @@ impl BouncedLight {
         })
     }
 
+    /// The lights, those of the file after loading: lists of numbers of `rebounce_viewer::wasm::wire`.
+    pub fn lights(&self) -> Vec<f64> {
+        wire::light_numbers(self.renderer.borrow().lights())
+    }
+
+    /// Names of the file's own lights, then of its cameras, zero-terminated; empty if none has a name.
+    pub fn names(&self) -> Result<String, JsValue> {
+        self.scene(|scene| scene.meta.shown.names.clone())
+    }
+
     /// Sets the lights: lists of numbers of `rebounce_viewer::wasm::wire`.
     #[wasm_bindgen(js_name = setLights)]
     pub fn set_lights(&self, lights: &[f64]) -> Result<(), JsValue> {

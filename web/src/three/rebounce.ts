@@ -5,7 +5,7 @@ import type { WebGLRenderer } from "three";
 import { BouncedLight, type Device } from "../rebounce_three.js";
 import { Failure, failureOf } from "../wire/failure.js";
 import type { Light as OwnLight } from "../wire/light-kinds.js";
-import { lightNumbers } from "../wire/wire.js";
+import { fileNames, lightNumbers, lightsOf } from "../wire/wire.js";
 import { bakeScene, type BakeOptions } from "./bake.js";
 import { deviceOf, openDevice } from "./device.js";
 import type { DeviceOptions, Gpu } from "./gpu.js";
@@ -59,6 +59,11 @@ export class Rebounce {
   readonly light: RebounceLight | WebGLGrid;
   /** The lights of the scene whose light bounces. */
   readonly lights = new FollowedLights();
+  /**
+   * What of the file shines and is no light of three: its sky, its shining surfaces, its area lights, in the form of
+   * SHOT.json. They shine as the file says; change them, or take them out, as you like.
+   */
+  readonly fileLights: OwnLight[];
   /** Resolves when probes light what the file does not know; with false where there are none. */
   readonly ready: Promise<boolean>;
   readonly #from: PixelSources;
@@ -68,7 +73,7 @@ export class Rebounce {
   readonly #ownDevice: Device | undefined;
   #probes: Probes | undefined;
   #pixels = new Map<object, Pixels>();
-  #numbers: Float64Array = new Float64Array();
+  #numbers: Float64Array | undefined;
   #own: OwnLight[] = [];
   #isDisposed = false;
 
@@ -108,7 +113,7 @@ export class Rebounce {
     this.#lookup = new Lookup(space, light.isBumpy(), diagonal, probes === false ? undefined : (place, normal, wanted) => this.#nodes.irradiance(place, normal, wanted));
     this.#ownDevice = ownDevice;
     this.light = isNodeRenderer(renderer) ? new RebounceLight(this) : new WebGLGrid();
-    light.setLights(new Float64Array());
+    this.fileLights = ownLights(light);
     if (probes === false) {
       this.ready = Promise.resolve(false);
       return;
@@ -134,9 +139,9 @@ export class Rebounce {
     if (this.#isDisposed) return;
     const { light, space } = this.#from;
     space.update();
-    this.#own = this.lights.in(space);
+    this.#own = [...this.lights.in(space), ...this.fileLights];
     const numbers = lightNumbers(this.#own);
-    if (numbers.length !== this.#numbers.length || numbers.some((x, i) => !Object.is(x, this.#numbers[i]))) {
+    if (numbers.length !== this.#numbers?.length || numbers.some((x, i) => !Object.is(x, this.#numbers?.[i]))) {
       light.setLights(numbers);
       this.#numbers = numbers;
     }
@@ -212,6 +217,13 @@ export class Rebounce {
       return false;
     }
   }
+}
+
+/** The lights of a file that loaders of three make no light of. */
+function ownLights(light: BouncedLight): OwnLight[] {
+  const names = fileNames(light);
+  const named = lightsOf(light.lights()).map((own, i) => ({ ...own, ...(names[i] && { name: names[i] }) }));
+  return named.filter(({ type }) => !["point", "spot", "directional"].includes(type));
 }
 
 /** Whether a renderer has node materials: `WebGPURenderer`, on WebGPU or WebGL. */

@@ -56,7 +56,7 @@ export function lightNumbers(lights: readonly Light[]): Float64Array {
 }
 
 /** The lights from their numbers. */
-function lightsOf(numbers: Float64Array): Light[] {
+export function lightsOf(numbers: Float64Array): Light[] {
   return Array.from({ length: numbers.length / LIGHT }, (_, i) => {
     const list = numbers.subarray(LIGHT * i);
     const type = TYPES[list[0] as number] as Light["type"];
@@ -71,7 +71,7 @@ function lightsOf(numbers: Float64Array): Light[] {
 }
 
 /** Names of the file's lights and then of its cameras; none where nothing has a name. Each ends with a zero. */
-const fileNames = (viewer: Viewer): string[] => viewer.names().split("\0").slice(0, -1);
+export const fileNames = (viewer: Pick<Viewer, "names">): string[] => viewer.names().split("\0").slice(0, -1);
 
 /** Texts of a light: its name, and fields that are no numbers. */
 type Texts = Record<string, string>;
