@@ -1,6 +1,6 @@
 //! `cargo xtask bench-web`: frame time of the viewer in a browser against three.js, with equal scene, light and
 //! size, alternating on the same machine. The bounced light of each picture is compared with the path-traced
-//! reference, if present. Then: frames under a sky, with the sky turned and with the light moved; costs of lookup and
+//! reference, if present. Then: a ball in three.js that no bake knows, by our probes and by three's own ways; frames under a sky, with the sky turned and with the light moved; costs of lookup and
 //! splatting, and the difference of their pictures.
 
 use crate::fidelity::given;
@@ -66,8 +66,8 @@ pub fn run(args: &[String]) -> Result<()> {
     ]))?;
     let work = process::target().join("bench-web");
     std::fs::create_dir_all(&work).with_context(|| work.display().to_string())?;
-    let [baked, out, ways] =
-        [format!("{name}.rbn"), "frames.json".into(), "ways.json".into()].map(|file| work.join(file));
+    let [baked, out, ways, ball] =
+        [&format!("{name}.rbn"), "frames.json", "ways.json", "ball.json"].map(|file| work.join(file));
     let release = |program: &str| process::target().join("release").join(program);
     process::run(Command::new(release("rebounce")).arg("bake").arg(&scene).arg("-o").arg(&baked))?;
     let reference = if has_reference { reference } else { PathBuf::from("-") };
@@ -80,7 +80,9 @@ pub fn run(args: &[String]) -> Result<()> {
         &out,
     ]))?;
     process::run(web::node().arg("bench/ways.mjs").args([&baked, &shot, &ways]))?;
-    let tables = format!("{}\n\n{}", ways_table(&figures(&ways)?)?, table(&figures(&out)?)?);
+    process::run(web::node().arg("bench/rooms.mjs").args([&release("rebounce"), &ball]))?;
+    let tables = [ways_table(&figures(&ways)?)?, ball_table(&figures(&ball)?)?, table(&figures(&out)?)?];
+    let tables = tables.join("\n\n");
     println!("{tables}");
     let command = format!("cargo xtask bench-web --shot {name}");
     report::write("web", "Frames in a browser", &command, &tables)
@@ -109,6 +111,26 @@ fn ways_table(results: &Value) -> Result<String> {
     let apart = results["apart"].as_f64().context("no pictures were compared")?;
     let adapter = results["adapter"].as_str().context("no adapter")?;
     lines.push(format!("\n{adapter}; the pictures are {:.3}% apart (relative RMS)", 100.0 * apart));
+    Ok(lines.join("\n"))
+}
+
+/// Table of a ball that no bake knows, in three.js.
+fn ball_table(results: &Value) -> Result<String> {
+    let mut lines = vec![
+        "| a ball in three.js that the bake does not know | error | bias | behind a wall of 5 cm, of the lit side |"
+            .to_owned(),
+        "|---|---|---|---|".to_owned(),
+    ];
+    let names = [
+        ("ours", "our probes"),
+        ("vxgi", "VXGI 256³, two cached bounces"),
+        ("probes", "LightProbeGrid, 0.5 m, six more bounces"),
+    ];
+    for (key, label) in names {
+        let number = |name: &str| results[key][name].as_f64().with_context(|| format!("no {name} of {key}"));
+        let (error, bias, leak) = (number("error")?, number("bias")?, number("leak")?);
+        lines.push(format!("| {label} | {error:.3} | {bias:.3} | {:.1}% |", 100.0 * leak));
+    }
     Ok(lines.join("\n"))
 }
 
@@ -196,6 +218,14 @@ mod tests {
         results["sizes"][0]["splat"] = serde_json::json!({ "light": 60.0 });
         assert!(ways_table(&results).unwrap().contains("| splat | 320 x 180 | – | – | 60 |"));
         assert!(ways_table(&serde_json::json!({})).is_err());
+    }
+
+    #[test]
+    fn a_ball_has_its_error_and_its_leak() {
+        let way = serde_json::json!({ "error": 0.0621, "bias": 0.003, "leak": 0.472 });
+        let table = ball_table(&serde_json::json!({ "ours": way, "vxgi": way, "probes": way })).unwrap();
+        assert!(table.contains("| our probes | 0.062 | 0.003 | 47.2% |"), "{table}");
+        assert!(ball_table(&serde_json::json!({ "ours": way })).is_err());
     }
 
     #[test]

@@ -1,37 +1,12 @@
 // Bounced light in scenes of three.js: at pixels, in the air, and through the life of a page.
 
-import parseExr from "parse-exr";
-import { cp, mkdir, readFile, rm, writeFile } from "node:fs/promises";
+import { cp, mkdir, rm, writeFile } from "node:fs/promises";
 import path from "node:path";
-import { exec } from "../agreement.mjs";
 import { block } from "../guide.mjs";
 import { check, equal } from "../harness.mjs";
 import { serveFolder } from "../serve.mjs";
-import { BALL, room, twoRooms } from "../three/rooms.mjs";
-
-const SIZE = [160, 90];
-
-/** Bakes a scene of rooms.mjs; its files as base64. */
-async function baked({ work, rebounce }, name, scene) {
-  const glb = path.join(work, `three-${name}.glb`);
-  await writeFile(glb, await scene(false).glb());
-  const rbn = path.join(work, `three-${name}.rbn`);
-  await exec(rebounce, ["bake", glb, "--preset", "draft", "-o", rbn]);
-  const [glbText, rbnText] = await Promise.all([glb, rbn].map(async (file) => (await readFile(file)).toString("base64")));
-  return { glb: glbText, rbn: rbnText };
-}
-
-/** Bounced light as a path tracer sees it with the ball in the room: RGB and more by pixel, rows from the top. */
-async function traced({ work, rebounce }, scene) {
-  const [glb, out] = ["three-ball.glb", "three-ball.exr"].map((name) => path.join(work, name));
-  await writeFile(glb, await scene(true).glb());
-  await exec(rebounce, ["reference", glb, "--only", "indirect", "--size", SIZE.join("x"), "--spp", "256", "-o", out]);
-  const bytes = await readFile(out);
-  // FloatType of three.js, for what parse-exr is to give.
-  const { data, width, height } = parseExr(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), 1015);
-  const channels = data.length / (width * height);
-  return (x, y) => [0, 1, 2].map((c) => data[channels * ((height - 1 - y) * width + x) + c]);
-}
+import { baked, errorOf, meanOf, SIZE, traced } from "../three/ball.mjs";
+import { room, twoRooms, VIEWS } from "../three/rooms.mjs";
 
 /** Opens a page with `stage`; what the page's errors were. */
 async function opened(browser, address) {
@@ -118,45 +93,24 @@ export async function three(harness, context) {
           count += 1;
         }
         return { worst, largest, count };
-      }, { ...files.room, at: BALL.room });
+      }, { ...files.room, ...VIEWS.room });
       check(count > 500 && largest > 0.1, `${count} pixels, ${largest}`);
       check(worst < 1e-3 * largest, `off by ${worst} of ${largest}`);
     });
 
     await test("a_ball_that_the_bake_does_not_know_gets_the_light_of_the_room", async (page) => {
-      const pixels = await page.evaluate(ballPixels, { ...files.room, at: BALL.room, eye: undefined });
-      const truth = await traced(context, room);
-      const [width, height] = SIZE;
-      const isBall = (x, y) => pixels[4 * (y * width + x) + 3] === 7;
-      let [error, power, count] = [0, 0, 0];
-      for (let y = 1; y < height - 1; y += 1) {
-        for (let x = 1; x < width - 1; x += 1) {
-          // Pixels at the rim show what is behind, too.
-          if (![[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]].every(([dx, dy]) => isBall(x + dx, y + dy))) continue;
-          truth(x, y).forEach((wanted, c) => {
-            error += (pixels[4 * (y * width + x) + c] - wanted) ** 2;
-            power += wanted ** 2;
-          });
-          count += 1;
-        }
-      }
-      const relative = Math.sqrt(error / power);
-      console.log(`  ${relative.toFixed(4)} over ${count} pixels`);
-      check(count > 500 && relative < 0.1, `relative error ${relative} over ${count} pixels`);
+      const pixels = await page.evaluate((files) => stage.ball(files), { ...files.room, ...VIEWS.room });
+      const { error, count } = errorOf(pixels, await traced(context));
+      console.log(`  ${error.toFixed(4)} over ${count} pixels`);
+      check(count > 500 && error < 0.1, `relative error ${error} over ${count} pixels`);
     });
 
     await test("a_wall_of_5_cm_keeps_light_from_what_is_behind_it", async (page) => {
-      // Between the wall and the ball, too.
-      const eye = [0.45, 1.3, 1.3];
-      const dark = await page.evaluate(ballPixels, { ...files.two, at: BALL.dark, eye });
-      const lit = await page.evaluate(ballPixels, { ...files.two, at: [-0.5, 1.2, 0], eye: [-0.5, 1.3, 1.3] });
-      const mean = (pixels) => {
-        const seen = pixels.filter((_, i) => i % 4 < 3 && pixels[4 * Math.floor(i / 4) + 3] === 7);
-        return seen.reduce((sum, x) => sum + x, 0) / seen.length;
-      };
-      console.log(`  ${(mean(dark) / mean(lit)).toExponential(1)}`);
-      check(mean(lit) > 0.1, `the lit side: ${mean(lit)}`);
-      check(mean(dark) < 0.005 * mean(lit), `${mean(dark)} behind the wall, ${mean(lit)} before it`);
+      const mean = async (view) => meanOf(await page.evaluate((files) => stage.ball(files), { ...files.two, ...view }));
+      const [dark, lit] = [await mean(VIEWS.dark), await mean(VIEWS.lit)];
+      console.log(`  ${(dark / lit).toExponential(1)}`);
+      check(lit > 0.1, `the lit side: ${lit}`);
+      check(dark < 0.005 * lit, `${dark} behind the wall, ${lit} before it`);
     });
 
     await test("what_has_moved_is_said_once_and_lit_by_probes", async (page) => {
@@ -307,7 +261,7 @@ export async function three(harness, context) {
           }
           gi.light.visible = false;
           return { lit, dark: brightness() };
-        }, { ...files.room, webgl, at: BALL.room });
+        }, { ...files.room, webgl, ...VIEWS.room });
         check(lit > 60 && dark < 5, `${lit} with, ${dark} without`);
       });
     }
@@ -409,32 +363,4 @@ async function guidePage(harness, context, { glb, rbn }) {
       server.end();
     }
   });
-}
-
-/** In a page: radiance of a ball's bounced light by pixel, rows from the bottom of the picture as three reads them; alpha 7 where the ball is. */
-async function ballPixels({ glb, rbn, at, eye }) {
-  const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, ballAt, tsl } = stage;
-  const renderer = await rendererOf();
-  const gi = await Rebounce.load(bytesOf(rbn), { renderer });
-  const { lamps, camera } = await modelOf(glb);
-  gi.lights.add(...lamps);
-  if (eye) {
-    // Not the camera's parents, which turn it.
-    camera.removeFromParent();
-    camera.position.set(...eye);
-    camera.lookAt(...at);
-  }
-  const scene = new THREE.Scene();
-  const ball = ballAt(at);
-  const albedo = ball.material.color.r;
-  scene.add(ball, gi.light);
-  const outputs = { e: tsl.vec4(gi.irradiance.mul(albedo / Math.PI), 7) };
-  // What was drawn before there were probes gets their light, too.
-  await read(renderer, scene, camera, [160, 90], outputs);
-  if (!(await gi.ready)) throw new Error("no probes");
-  gi.update();
-  const { e } = await read(renderer, scene, camera, [160, 90], outputs);
-  gi.dispose();
-  renderer.dispose();
-  return Array.from(e);
 }

@@ -6,6 +6,13 @@ import { ball, box, inward, joined, placed } from "../../site/samples/shapes.mjs
 /** The ball: where it is in each scene, and its radius. */
 export const BALL = { room: [0.6, 1.1, -0.3], dark: [0.5, 1.2, 0], radius: 0.4 };
 
+/** Where the ball is looked at: from the scene's camera, and on both sides of the wall, from between the wall and the ball. */
+export const VIEWS = {
+  room: { at: BALL.room },
+  dark: { at: BALL.dark, eye: [0.45, 1.3, 1.3] },
+  lit: { at: [-0.5, 1.2, 0], eye: [-0.5, 1.3, 1.3] },
+};
+
 /** A room of 5 × 3 × 4 m with coloured sides and a block; with `withBall`, what a path tracer is to see. */
 export function room(withBall) {
   const model = new Model("Room");

@@ -93,6 +93,41 @@ function ballAt(at, radius = 0.4) {
   return ball;
 }
 
+/** A scene with the ball, and with what `model` holds if it is wanted, from the scene's camera or from `eye`. */
+async function ballScene({ glb, at, eye }, withModel = false) {
+  const renderer = await rendererOf();
+  await renderer.init();
+  const { model, lamps, camera } = await modelOf(glb);
+  if (eye) {
+    // Not the camera's parents, which turn it.
+    camera.removeFromParent();
+    camera.position.set(...eye);
+    camera.lookAt(...at);
+  }
+  const scene = new THREE.Scene();
+  const ball = ballAt(at);
+  scene.add(ball);
+  if (withModel) scene.add(model);
+  return { renderer, model, lamps, camera, scene, ball, albedo: ball.material.color.r };
+}
+
+/** Radiance of a ball's bounced light by pixel, from our probes: rows from the bottom as three reads them; alpha 7 where the ball is. */
+async function ball(files) {
+  const { renderer, lamps, camera, scene, albedo } = await ballScene(files);
+  const gi = await Rebounce.load(bytesOf(files.rbn), { renderer });
+  gi.lights.add(...lamps);
+  scene.add(gi.light);
+  const outputs = { e: vec4(gi.irradiance.mul(albedo / Math.PI), 7) };
+  // What was drawn before there were probes gets their light, too.
+  await read(renderer, scene, camera, [160, 90], outputs);
+  if (!(await gi.ready)) throw new Error("no probes");
+  gi.update();
+  const { e } = await read(renderer, scene, camera, [160, 90], outputs);
+  gi.dispose();
+  renderer.dispose();
+  return Array.from(e);
+}
+
 /** The relative root mean square of the difference, colours alone. */
 function rms(found, expected) {
   let [error, power] = [0, 0];
@@ -104,4 +139,4 @@ function rms(found, expected) {
   return Math.sqrt(error / power);
 }
 
-globalThis.stage = { THREE, Rebounce, irradianceAt, rendererOf, modelOf, bytesOf, read, indirect, pixelsOf, ballAt, rms, warnings, tsl: { vec4, normalWorld, positionWorld, pass } };
+globalThis.stage = { THREE, Rebounce, irradianceAt, rendererOf, modelOf, bytesOf, read, indirect, pixelsOf, ballAt, ballScene, ball, rms, warnings, tsl: { vec4, normalWorld, positionWorld, pass } };
