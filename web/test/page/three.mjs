@@ -6,7 +6,8 @@ import { block } from "../guide.mjs";
 import { check, equal } from "../harness.mjs";
 import { serveFolder } from "../serve.mjs";
 import { baked, errorOf, meanOf, SIZE, traced } from "../three/ball.mjs";
-import { room, twoRooms, VIEWS } from "../three/rooms.mjs";
+import { solidKtx2 } from "../three/ktx2.mjs";
+import { glowing, room, twoRooms, VIEWS } from "../three/rooms.mjs";
 
 /** Opens a page with `stage`; what the page's errors were. */
 async function opened(browser, address) {
@@ -25,7 +26,7 @@ async function opened(browser, address) {
 /** Runs the tests. */
 export async function three(harness, context) {
   const server = await serveFolder(".", 0, { policy: false });
-  const files = { room: await baked(context, "room", room), two: await baked(context, "two", twoRooms) };
+  const files = { room: await baked(context, "room", room), two: await baked(context, "two", twoRooms), glow: await baked(context, "glow", glowing) };
   const test = (name, work) =>
     harness.test(`three::${name}`, async () => {
       const { page, errors } = await opened(context.browser, server.address);
@@ -235,6 +236,151 @@ export async function three(harness, context) {
       // three.js keeps some uniforms of materials that it has drawn.
       check(left.bytes < 100_000, `${left.left} objects of ${left.bytes} bytes are left`);
       equal(again, 0, "objects that each turn leaves");
+    });
+
+    await test("surfaces_that_shine_in_the_file_light_the_scene_as_strongly_as_they_are_told_to", async (page) => {
+      const { lights, means } = await page.evaluate(async ({ glb, rbn }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, tsl } = stage;
+        const renderer = await rendererOf();
+        const { model, camera } = await modelOf(glb);
+        const gi = await Rebounce.load(bytesOf(rbn), { renderer, probes: false });
+        const scene = new THREE.Scene();
+        scene.add(model, gi.light);
+        const mean = async () => {
+          gi.update();
+          const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance, 0) });
+          return e.reduce((sum, x) => sum + x, 0) / (0.75 * e.length);
+        };
+        const lights = structuredClone(gi.fileLights);
+        const means = [await mean()];
+        gi.fileLights[0].intensity *= 3;
+        means.push(await mean());
+        gi.fileLights.length = 0;
+        means.push(await mean());
+        return { lights, means };
+      }, files.glow);
+      equal(lights.map(({ type }) => type).join(), "emissive", "lights of the file");
+      const [once, thrice, none] = means;
+      check(once > 0.5 && Math.abs(thrice / once - 3) < 1e-3 && none === 0, `irradiance ${means}`);
+    });
+
+    await test("a_file_is_replaced_while_the_scene_goes_on", async (page) => {
+      const { found, same } = await page.evaluate(async ({ glb, rbn }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, tsl } = stage;
+        const renderer = await rendererOf();
+        await renderer.init();
+        const { model, lamps, camera } = await modelOf(glb);
+        const scene = new THREE.Scene();
+        scene.add(model);
+        let gi;
+        const reload = async () => {
+          const next = await Rebounce.load(bytesOf(rbn), { renderer, probes: false });
+          next.lights.add(...(gi ? gi.lights : lamps));
+          gi?.dispose();
+          gi = next;
+          scene.add(gi.light);
+        };
+        const found = [];
+        for (let i = 0; i < 3; i += 1) {
+          // Pictures go on meanwhile.
+          const loading = reload();
+          for (let k = 0; k < 3; k += 1) {
+            gi?.update();
+            renderer.render(scene, camera);
+            await new Promise((later) => setTimeout(later, 20));
+          }
+          await loading;
+          gi.update();
+          const { o } = await read(renderer, scene, camera, [160, 90], { o: tsl.vec4(tsl.output.rgb, 1) });
+          found.push(o.reduce((sum, x) => sum + x, 0) / o.length);
+        }
+        return { found, same: scene.children.filter((object) => object.isRebounceLight).length };
+      }, files.room);
+      equal(same, 1, "lights in the scene");
+      check(found.every((one) => Math.abs(one / found[0] - 1) < 1e-3), `brightness ${found}`);
+    });
+
+    await test("after_the_loss_of_a_device_the_file_is_loaded_on_another", async (page) => {
+      const { reason, before, after } = await page.evaluate(async ({ glb, rbn }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, tsl } = stage;
+        const { model, lamps, camera } = await modelOf(glb);
+        const scene = new THREE.Scene();
+        scene.add(model);
+        const open = async () => {
+          const renderer = await rendererOf();
+          renderer.onDeviceLost = () => {};
+          const gi = await Rebounce.load(bytesOf(rbn), { renderer });
+          gi.lights.add(...lamps);
+          scene.add(gi.light);
+          gi.update();
+          const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance, 1) });
+          return { renderer, gi, mean: e.reduce((sum, x) => sum + x, 0) / e.length };
+        };
+        const first = await open();
+        const { device } = first.renderer.backend;
+        device.destroy();
+        const { reason } = await device.lost;
+        // Frames that are on their way go on, and probes on their way come to an end.
+        for (let i = 0; i < 3; i += 1) {
+          lamps[0].position.x += 0.01;
+          first.gi.update();
+          first.renderer.render(scene, camera);
+        }
+        await first.gi.ready;
+        lamps[0].position.x -= 0.03;
+        first.gi.dispose();
+        const second = await open();
+        return { reason, before: first.mean, after: second.mean };
+      }, files.room);
+      equal(reason, "destroyed", "the device");
+      check(before > 0.1 && Math.abs(after / before - 1) < 1e-3, `${before} before, ${after} after`);
+    });
+
+    await test("textures_of_ktx2_and_effects_of_three_work_on_our_device", async (page) => {
+      const { colour, format, before, after } = await page.evaluate(async ({ glb, rbn, ktx2 }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, pixelsOf, tsl } = stage;
+        const [{ KTX2Loader }, { bloom }, { ao }] = await Promise.all([
+          import("three/addons/loaders/KTX2Loader.js"),
+          import("three/addons/tsl/display/BloomNode.js"),
+          import("three/addons/tsl/display/GTAONode.js"),
+        ]);
+        const renderer = await rendererOf();
+        await renderer.init();
+        const loader = new KTX2Loader().setTranscoderPath("/node_modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
+        const map = await loader.loadAsync(URL.createObjectURL(new Blob([bytesOf(ktx2)])));
+        const { model, lamps, camera } = await modelOf(glb);
+        const gi = await Rebounce.load(bytesOf(rbn), { renderer, probes: false });
+        const scene = new THREE.Scene();
+        const sign = new THREE.Mesh(new THREE.PlaneGeometry(100, 100), new THREE.MeshBasicMaterial({ map, side: THREE.DoubleSide }));
+        sign.position.set(0, 0, -20);
+        scene.add(sign, gi.light);
+        renderer.render(scene, new THREE.PerspectiveCamera(50, 16 / 9, 0.1, 100));
+        const colour = [...pixelsOf(renderer).slice(0, 3)];
+        const { format } = map;
+        loader.dispose();
+        // Effects over bounced light.
+        scene.remove(sign);
+        scene.add(model, ...lamps);
+        gi.lights.add(...lamps);
+        gi.update();
+        const picture = tsl.pass(scene, camera);
+        const pipeline = new THREE.RenderPipeline(renderer);
+        const brightness = () => {
+          pipeline.needsUpdate = true;
+          pipeline.render();
+          return pixelsOf(renderer).reduce((sum, x, i) => sum + (i % 4 < 3 ? x : 0), 0);
+        };
+        pipeline.outputNode = picture;
+        const before = brightness();
+        const occlusion = ao(picture.getTextureNode("depth"), null, camera);
+        pipeline.outputNode = picture.mul(occlusion.getTextureNode().r).add(bloom(picture, 2, 0.5, 0));
+        brightness();
+        return { colour, format, before, after: brightness() };
+      }, { ...files.room, ktx2: solidKtx2([200, 60, 20]) });
+      check([200, 60, 20].every((x, i) => Math.abs(x - colour[i]) < 8), `the colour ${colour}`);
+      // RGBAFormat of three.js: not compressed.
+      check(format !== 1023, "the texture is compressed on the GPU");
+      check(after > 1.05 * before, `${before} without bloom, ${after} with it`);
     });
 
     for (const webgl of ["node", "classic"]) {

@@ -42,3 +42,14 @@ export function twoRooms(withBall) {
   model.camera("Lit", { at: [-2.4, 1.3, 0.6], to: [0, 1, 0], yfov_deg: 60 });
   return model;
 }
+
+/** A closed room without lamps, under a panel that shines. */
+export function glowing() {
+  const model = new Model("Glow");
+  const white = model.material("White", "#d8d8d8");
+  const glow = model.material("Glow", "#fff0d8", { nits: 8 });
+  model.add("Room", [white, inward(box([-2, 0, -2], [2, 2.6, 2]))]);
+  model.add("Panel", [glow, box([-0.6, 2.5, -0.4], [0.6, 2.55, 0.4])]);
+  model.camera("Camera", { at: [1.6, 1.3, 1.6], to: [-0.4, 1, -0.4], yfov_deg: 70 });
+  return model;
+}

@@ -139,4 +139,4 @@ function rms(found, expected) {
   return Math.sqrt(error / power);
 }
 
-globalThis.stage = { THREE, Rebounce, irradianceAt, rendererOf, modelOf, bytesOf, read, indirect, pixelsOf, ballAt, ballScene, ball, rms, warnings, tsl: { vec4, normalWorld, positionWorld, pass } };
+globalThis.stage = { THREE, Rebounce, irradianceAt, rendererOf, modelOf, bytesOf, read, indirect, pixelsOf, ballAt, ballScene, ball, rms, warnings, tsl: { vec4, normalWorld, output, positionWorld, pass } };
