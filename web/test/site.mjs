@@ -29,6 +29,7 @@ export async function runSiteTests(harness, folder) {
     await harness.test("site::a_wrong_file_and_cancel_leave_the_page_sound", () => wrongFiles(context));
     await harness.test("site::the_gallery_has_four_scenes_with_their_figures", () => gallery(context));
     await harness.test("site::a_phone_scrolls_past_every_viewer", () => phone(context));
+    await harness.test("site::the_hall_in_three_has_bounced_light", () => hall(context));
     await harness.test("site::without_webgpu_the_pages_say_so_and_stay_sound", () => withoutWebgpu(context));
   } finally {
     await browser.close();
@@ -421,8 +422,40 @@ async function phone(context) {
   }
 }
 
+async function hall(context) {
+  const { page, faults } = await open(context, "three.html");
+  await page.waitForFunction(() => document.getElementById("status").textContent.includes("lit by probes"));
+  const brightness = () =>
+    within("a picture of the hall", page.evaluate(async () => {
+      const canvas = document.getElementById("hall");
+      const next = () => new Promise(requestAnimationFrame);
+      // What was changed is drawn in the next picture; it can be read before the browser shows it.
+      await next();
+      await next();
+      const [width, height] = [64, 36];
+      const context = new OffscreenCanvas(width, height).getContext("2d");
+      context.drawImage(canvas, 0, 0, width, height);
+      const { data } = context.getImageData(0, 0, width, height);
+      return data.reduce((sum, x, i) => sum + (i % 4 < 3 ? x : 0), 0) / (3 * width * height);
+    }));
+  const lit = await brightness();
+  await page.locator("#bounced").uncheck();
+  const dark = await brightness();
+  check(lit > 50 && dark < 0.5 * lit, `brightness ${lit} with bounced light, ${dark} without`);
+  await page.locator("#bounced").check();
+  await page.locator("#turn").fill("-40");
+  const turned = await brightness();
+  check(turned > 50, `brightness ${turned} with the sun turned`);
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
+}
+
 async function withoutWebgpu(context) {
   const prepare = () => delete Navigator.prototype.gpu;
+  const { page, faults } = await open(context, "three.html", { prepare });
+  await page.waitForFunction(() => document.getElementById("status").textContent.includes("no WebGPU"));
+  equal(faults.join("\n"), "", "faults");
+  await page.close();
   for (const name of ["index.html", "apartment.html"]) {
     const { page, faults } = await open(context, name, { prepare });
     await page.waitForFunction(() => document.querySelector("rebounce-viewer").shadowRoot.querySelector("[role=alert]").textContent);

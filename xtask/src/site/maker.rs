@@ -64,13 +64,20 @@ impl<'a> Maker<'a> {
     /// # Errors
     /// If baking or rendering fails.
     pub fn sample_picture(&self, samples: &Path, name: &str) -> Result<PathBuf> {
-        let scene = samples.join(format!("{name}.glb"));
-        let baked =
-            self.made(&format!("sample-{name}.rbn"), &[&scene], |command| self.bake(command, &scene))?;
+        let baked = self.baked_sample(samples, name)?;
         let high = self.quality.size[1] / 2;
         self.made(&format!("sample-{name}.png"), &[&baked], |command| {
             command.arg("render").arg(&baked).args(["--size", &format!("{}x{high}", high * 8 / 5)]);
         })
+    }
+
+    /// A sample, baked.
+    ///
+    /// # Errors
+    /// If the bake fails.
+    pub fn baked_sample(&self, samples: &Path, name: &str) -> Result<PathBuf> {
+        let scene = samples.join(format!("{name}.glb"));
+        self.made(&format!("sample-{name}.rbn"), &[&scene], |command| self.bake(command, &scene))
     }
 
     fn bake(&self, command: &mut Command, scene: &Path) {

@@ -79,6 +79,11 @@ const VIEWS: [View; 7] = [
     View { name: "blocks", scene: "cornell-box", has_shot: true, shape: [4, 3] },
 ];
 
+/// What the bundle for three.js fetches from its own folder.
+const THREE_WASM: &str = "rebounce_three_bg.wasm";
+/// The one of [`SAMPLES`] that three.js shows, baked.
+const IN_THREE: &str = "rotunda";
+
 /// Scenes that visitors may bake themselves: `samples/NAME.glb`, with a picture `images/sample-NAME.png`.
 const SAMPLES: [&str; 4] = ["red-and-green", "afternoon", "courtyard", "rotunda"];
 
@@ -148,6 +153,7 @@ pub fn build(rebounce: &Path, quality: &Quality, out: &Path) -> Result<()> {
         files.push((format!("images/sample-{name}.png"), maker.sample_picture(&samples, name)?));
         files.push((format!("samples/{name}.glb"), samples.join(format!("{name}.glb"))));
     }
+    files.push((format!("scenes/{IN_THREE}.rbn"), maker.baked_sample(&samples, IN_THREE)?));
     let (ours, error) = maker.panel("rebounce", "all")?;
     let (direct, _) = maker.panel("direct", "direct")?;
     files.push(("images/compare-rebounce.png".into(), ours));
@@ -171,6 +177,10 @@ pub fn build(rebounce: &Path, quality: &Quality, out: &Path) -> Result<()> {
             copy(&file, &out.join("rebounce-viewer").join(name))?;
         }
     }
+    let three = out.join("three");
+    process::run(web::node().arg("site/three/bundle.mjs").arg(&three))?;
+    copy(&process::root().join("web/dist").join(THREE_WASM), &three.join(THREE_WASM))?;
+    values.insert("three-hall".into(), escaped(&read(&site.join("three/hall.js"))?));
     values.extend(figures::of_frames(out, quality.size)?);
     write_pages(&site, out, &values)
 }
@@ -190,6 +200,11 @@ fn write_pages(site: &Path, out: &Path, values: &Values) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// A text as it stands in HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").trim_end().to_owned()
 }
 
 fn read(file: &Path) -> Result<String> {
