@@ -2,10 +2,7 @@
 
 use super::viewer::Viewer;
 use super::wire;
-use crate::error::ViewerError;
-use crate::gpu::LIMITS;
 use crate::passes::settings::{Display, Mode, Overlay, ToneMapping};
-use rebounce_shared::environment::PackedEnvironment;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
@@ -46,16 +43,7 @@ impl Viewer {
     /// Without texels, the file's own picture.
     #[wasm_bindgen(js_name = setEnvironment)]
     pub fn set_environment(&self, width: u32, scale: f32, texels: Vec<u32>) -> Result<(), JsValue> {
-        let height = texels.len() as u32 / width.max(1);
-        let most = LIMITS.max_texture_dimension_2d;
-        let is_whole = u64::from(width) * u64::from(height) == texels.len() as u64;
-        self.change(|state| {
-            if !is_whole || width > most || height > most {
-                return Err(ViewerError::BadArgument("environment: the texels are no picture".into()));
-            }
-            let picture = PackedEnvironment { width, height, scale, pixels: texels };
-            state.renderer.set_environment(Some(picture).filter(|picture| picture.height > 0))
-        })
+        self.change(|state| state.renderer.set_environment(wire::environment_of(width, scale, texels)?))
     }
 
     /// Blur of the background, 0 to 1.

@@ -10,7 +10,9 @@
 //! ```
 
 use crate::error::ViewerError;
+use crate::gpu::LIMITS;
 use rebounce_shared::camera::Camera;
+use rebounce_shared::environment::PackedEnvironment;
 use rebounce_shared::light::{self, Light};
 use rebounce_shared::mix::Channel;
 
@@ -76,6 +78,26 @@ pub fn mix_of(numbers: &[f64]) -> Vec<Channel> {
     numbers.chunks_exact(CHANNEL).map(channel).collect()
 }
 
+/// The picture of environment lights: rows of rgb9e5 texels from the top, `scale` the radiance of a texel of 1; none
+/// without texels.
+///
+/// # Errors
+/// [`ViewerError::BadArgument`] if the rows are incomplete, or too many or too long for a texture.
+pub fn environment_of(
+    width: u32,
+    scale: f32,
+    texels: Vec<u32>,
+) -> Result<Option<PackedEnvironment>, ViewerError> {
+    let height = texels.len() as u32 / width.max(1);
+    let most = LIMITS.max_texture_dimension_2d;
+    let is_whole = u64::from(width) * u64::from(height) == texels.len() as u64;
+    if !is_whole || width > most || height > most {
+        return Err(ViewerError::BadArgument("environment: the texels are no picture".into()));
+    }
+    let picture = PackedEnvironment { width, height, scale, pixels: texels };
+    Ok(Some(picture).filter(|picture| picture.height > 0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,5 +147,15 @@ mod tests {
         let unknown = light::KINDS.len() as f64;
         assert!(lights_of(&[0.0; LIGHT - 1]).is_err() && lights_of(&[unknown; LIGHT]).is_err());
         assert_eq!(lights_of(&[]).ok(), Some(Vec::new()));
+    }
+
+    #[test]
+    fn environments_have_whole_rows() {
+        let picture = environment_of(4, 2.0, vec![7; 8]).ok().flatten().unwrap();
+        assert_eq!((picture.width, picture.height, picture.scale, picture.pixels), (4, 2, 2.0, vec![7; 8]));
+        assert_eq!(environment_of(0, 1.0, Vec::new()).ok(), Some(None));
+        assert!(environment_of(3, 1.0, vec![7; 8]).is_err() && environment_of(0, 1.0, vec![7]).is_err());
+        let most = LIMITS.max_texture_dimension_2d as usize + 1;
+        assert!(environment_of(most as u32, 1.0, vec![7; most]).is_err());
     }
 }

@@ -85,6 +85,12 @@ impl BouncedLight {
         self.run(|renderer| renderer.set_lights(wire::lights_of(lights)?))
     }
 
+    /// Sets the picture of environment lights: [`wire::environment_of`]. Without texels, the file's own picture.
+    #[wasm_bindgen(js_name = setEnvironment)]
+    pub fn set_environment(&self, width: u32, scale: f32, texels: Vec<u32>) -> Result<(), JsValue> {
+        self.run(|renderer| renderer.set_environment(wire::environment_of(width, scale, texels)?))
+    }
+
     /// Relights after changes of the lights; true if the bounced light changed.
     pub fn relight(&self) -> Result<bool, JsValue> {
         self.run(|renderer| Ok(renderer.relight()))

@@ -27,7 +27,7 @@ export function checkSize(wide: number, tall: number): void {
   }
 }
 
-/** Makes a picture. `radiance` fills in a row of linear RGB, W/(sr m²): it is asked for one after the other, from the top. */
+/** Makes a picture. `radiance` fills in a row of linear RGB, W/(sr m²): it is asked for one after the other, from the top. Throws where one is negative or not finite. */
 export function pack(wide: number, tall: number, radiance: (y: number, row: Float64Array) => void): Picture {
   const factor = Math.ceil(wide / WIDEST);
   const [width, height] = [Math.floor(wide / factor), Math.max(Math.floor(tall / factor), 1)];
@@ -39,6 +39,10 @@ export function pack(wide: number, tall: number, radiance: (y: number, row: Floa
   const sums = new Float64Array(3 * width);
   for (let y = 0; y < height * factor; y += 1) {
     radiance(y, row);
+    const wrong = row.findIndex((value) => !(value >= 0 && value < Infinity));
+    if (wrong >= 0) {
+      throw new Error(`its pixel x = ${Math.floor(wrong / 3)}, y = ${y} (from the top left) has ${row[wrong]} for ${["red", "green", "blue"][wrong % 3]}, and must be finite and not negative: paint it over`);
+    }
     for (let x = 0; x < width * factor; x += 1) {
       const to = 3 * Math.floor(x / factor);
       for (let c = 0; c < 3; c += 1) (sums[to + c] as number) += row[3 * x + c] as number;

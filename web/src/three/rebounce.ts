@@ -1,13 +1,14 @@
 /** The bounced light of a .rbn file in a scene of three.js. */
 
 import { Vector2, Vector3, type Node, type NodeFrame, type Object3D, type Texture, type WebGPURenderer } from "three/webgpu";
-import type { WebGLRenderer } from "three";
+import type { DataTexture, WebGLRenderer } from "three";
 import { BouncedLight, type Device } from "../rebounce_three.js";
 import { Failure, failureOf } from "../wire/failure.js";
 import type { Light as OwnLight } from "../wire/light-kinds.js";
 import { fileNames, lightNumbers, lightsOf } from "../wire/wire.js";
 import { bakeScene, type BakeOptions } from "./bake.js";
 import { deviceOf, openDevice } from "./device.js";
+import { pictureOf } from "./environment.js";
 import type { DeviceOptions, Gpu } from "./gpu.js";
 import { RebounceLight } from "./light.js";
 import { FollowedLights } from "./lights.js";
@@ -147,6 +148,18 @@ export class Rebounce {
     }
     if (light.relight()) this.#from.lit += 1;
     this.#probes?.update(this.#from.lit, (radiance) => this.light instanceof WebGLGrid && this.light.copyProbes(this.#probes as Probes, radiance, space));
+  }
+
+  /**
+   * The picture of the environment: an equirectangular texture of floats, as three's loaders of .hdr and .exr give it;
+   * the file's own for none. Its light, of the type `environment`, is one of `fileLights`: there is one from now on.
+   * Throws `bad-environment` for another texture.
+   */
+  setEnvironment(texture?: DataTexture | null): void {
+    if (this.#isDisposed) return;
+    const { width, scale, texels } = texture ? pictureOf(texture) : { width: 0, scale: 1, texels: new Uint32Array() };
+    this.#from.light.setEnvironment(width, scale, texels);
+    if (texture && !this.fileLights.some(({ type }) => type === "environment")) this.fileLights.push({ type: "environment", intensity: 1 });
   }
 
   /** What probes hold now, for other renderers; nothing before they are `ready`. */

@@ -7,7 +7,7 @@ import { check, equal } from "../harness.mjs";
 import { serveFolder } from "../serve.mjs";
 import { baked, errorOf, meanOf, SIZE, traced } from "../three/ball.mjs";
 import { solidKtx2 } from "../three/ktx2.mjs";
-import { glowing, room, twoRooms, VIEWS } from "../three/rooms.mjs";
+import { court, glowing, room, twoRooms, VIEWS } from "../three/rooms.mjs";
 
 /** Opens a page with `stage`; what the page's errors were. */
 async function opened(browser, address) {
@@ -26,7 +26,12 @@ async function opened(browser, address) {
 /** Runs the tests. */
 export async function three(harness, context) {
   const server = await serveFolder(".", 0, { policy: false });
-  const files = { room: await baked(context, "room", room), two: await baked(context, "two", twoRooms), glow: await baked(context, "glow", glowing) };
+  const files = {
+    room: await baked(context, "room", room),
+    two: await baked(context, "two", twoRooms),
+    glow: await baked(context, "glow", glowing),
+    court: await baked(context, "court", court),
+  };
   const test = (name, work) =>
     harness.test(`three::${name}`, async () => {
       const { page, errors } = await opened(context.browser, server.address);
@@ -262,6 +267,62 @@ export async function three(harness, context) {
       equal(lights.map(({ type }) => type).join(), "emissive", "lights of the file");
       const [once, thrice, none] = means;
       check(once > 0.5 && Math.abs(thrice / once - 3) < 1e-3 && none === 0, `irradiance ${means}`);
+    });
+
+    await test("a_picture_of_three_is_the_sky_of_the_file", async (page) => {
+      const { own, even, twice, half, upper, lower, back, refused } = await page.evaluate(async ({ glb, rbn }) => {
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, tsl } = stage;
+        const renderer = await rendererOf();
+        const { model, camera } = await modelOf(glb);
+        const gi = await Rebounce.load(bytesOf(rbn), { renderer, probes: false });
+        const scene = new THREE.Scene();
+        scene.add(model, gi.light);
+        const mean = async () => {
+          gi.update();
+          const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance, 0) });
+          return e.reduce((sum, x, i) => (i % 4 < 3 ? sum + x : sum), 0) / (0.75 * e.length);
+        };
+        const [width, height] = [32, 16];
+        const picture = (radiance, { flipY = true, isHalf = false } = {}) => {
+          const data = Array.from({ length: 4 * width * height }, (_, i) => radiance(Math.floor(i / (4 * width))));
+          const texels = isHalf ? Uint16Array.from(data, THREE.DataUtils.toHalfFloat) : Float32Array.from(data);
+          const texture = new THREE.DataTexture(texels, width, height, THREE.RGBAFormat, isHalf ? THREE.HalfFloatType : THREE.FloatType);
+          texture.flipY = flipY;
+          return texture;
+        };
+        const own = await mean();
+        const of = async (...given) => {
+          gi.setEnvironment(picture(...given));
+          return mean();
+        };
+        const refused = [];
+        for (const wrong of [new THREE.DataTexture(new Uint8Array(4), 1, 1), picture(() => -1)]) {
+          try {
+            gi.setEnvironment(wrong);
+          } catch ({ code, message }) {
+            refused.push(`${code}: ${message}`);
+          }
+        }
+        return {
+          own,
+          even: await of(() => 1),
+          twice: await of(() => 2),
+          half: await of(() => 1, { isHalf: true }),
+          upper: await of((row) => (row < height / 2 ? 1 : 0.1)),
+          lower: await of((row) => (row < height / 2 ? 0.1 : 1), { flipY: false }),
+          back: (gi.setEnvironment(), await mean()),
+          refused,
+        };
+      }, files.court);
+      const near = (a, b, what) => check(Math.abs(a / b - 1) < 5e-3, `${what}: ${a}, ${b}`);
+      check(own > 0.1 && even > 0.5, `${own} of the file, ${even} of an even sky`);
+      near(twice, 2 * even, "twice the radiance");
+      near(half, even, "halves and floats");
+      // What is seen of the sky is above; texels at the middle are shared.
+      check(upper > 0.8 * even && upper <= 1.001 * even, `${upper} of the upper half, ${even} of all`);
+      near(lower, upper, "rows from the top and from the bottom");
+      near(back, own, "the file's own sky");
+      check(refused.length === 2 && refused.every((one) => one.startsWith("bad-environment: The environment cannot be used: ")), refused.join("; "));
     });
 
     await test("a_file_is_replaced_while_the_scene_goes_on", async (page) => {

@@ -53,3 +53,13 @@ export function glowing() {
   model.camera("Camera", { at: [1.6, 1.3, 1.6], to: [-0.4, 1, -0.4], yfov_deg: 70 });
   return model;
 }
+
+/** A court without a roof, under a sky. */
+export function court() {
+  const model = new Model("Court");
+  const white = model.material("White", "#d8d8d8");
+  model.add("Court", [white, inward(box([-2, 0, -2], [2, 2.6, 2], "+y"))]);
+  model.sky({ nits: 3, zenith: "#4f88d8", horizon: "#bfd8f4", ground: "#8d9a6c", sun: [-0.5, 0.8, 0.3] });
+  model.camera("Camera", { at: [1.6, 1.3, 1.6], to: [-0.4, 1, -0.4], yfov_deg: 70 });
+  return model;
+}
