@@ -33,8 +33,11 @@ model.traverse((object) => {
 scene.add(model);
 
 const [light] = lights;
+const outer = light.outer_cone_deg;
+// A hard edge where the shot names no inner cone.
+const penumbra = 1 - (light.inner_cone_deg ?? outer) / outer;
 const spot = new THREE.SpotLight(
-  new THREE.Color(...light.color), light.intensity, 0, (light.outer_cone_deg * Math.PI) / 180, 1, 2);
+  new THREE.Color(...light.color), light.intensity, 0, (outer * Math.PI) / 180, penumbra, 2);
 spot.castShadow = true;
 spot.shadow.mapSize.set(2048, 2048);
 spot.shadow.camera.near = 0.1;
@@ -139,5 +142,10 @@ window.bench = {
     await queue.onSubmittedWorkDone();
     return performance.now() - start;
   },
-  indirect,
+  /** Bounced light with the light where the shot has it. */
+  async indirect(width, height) {
+    placeLight(0);
+    draw();
+    return indirect(width, height);
+  },
 };

@@ -144,7 +144,7 @@ fn table(results: &Value) -> Result<String> {
         ("ours", "rebounce-viewer"),
         ("three", "three.js, no global illumination"),
         ("rebounce", "three.js, our bounced light"),
-        ("vxgi", "three.js, VXGI 128³, one bounce"),
+        ("vxgi", "three.js, VXGI 128³, one cached bounce"),
         ("probes", "three.js, LightProbeGrid of 6 x 3 x 4, one more bounce, baked anew"),
     ];
     for (key, label) in names {

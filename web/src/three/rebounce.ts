@@ -130,7 +130,7 @@ export class Rebounce {
     return this.#lookup.node;
   }
 
-  /** The lights as they were last followed, in the form of SHOT.json. */
+  /** The lights that bounce, as they were last followed, and those of the file, in the form of SHOT.json. */
   get shotLights(): OwnLight[] {
     return structuredClone(this.#own);
   }
