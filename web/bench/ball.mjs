@@ -2,10 +2,11 @@
 // LightProbeGrid. `bench` on the window is what rooms.mjs calls: pictures as `stage.ball` gives them.
 
 import * as THREE from "three/webgpu";
-import { diffuseColor, float, mrt, normalView, output, pass, vec4 } from "three/tsl";
+import { vec4 } from "three/tsl";
+import { IS_BALL, SIZE } from "/test/three/picture.mjs";
 import "/test/three/stage.mjs";
+import { picture, pipelineOf } from "./floats.mjs";
 
-const SIZE = [160, 90];
 /** Pictures before the one that is read: voxels and their bounces are there then. */
 const WARM = 3;
 /** Scene units between the probes of a LightProbeGrid. */
@@ -30,39 +31,23 @@ async function prepared(files) {
   return made;
 }
 
-/** Draws into a target of floats, and reads it. */
-async function picture(renderer, draw) {
-  const target = new THREE.RenderTarget(...SIZE, { type: THREE.FloatType });
-  renderer.setRenderTarget(target);
-  draw();
-  renderer.setRenderTarget(null);
-  return Array.from(await renderer.readRenderTargetPixelsAsync(target, 0, 0, ...SIZE));
-}
-
-/** Where the ball is: 7 in the last channel. */
+/** Where the ball is: `IS_BALL` in the last channel. */
 async function marked(renderer, scene, camera, ball, pixels) {
   const others = scene.children.filter((object) => object !== ball);
   scene.remove(...others);
-  const { e } = await stage.read(renderer, scene, camera, SIZE, { e: vec4(0, 0, 0, 7) });
+  const { e } = await stage.read(renderer, scene, camera, SIZE, { e: vec4(0, 0, 0, IS_BALL) });
   for (let i = 3; i < e.length; i += 4) pixels[i] = e[i];
   return pixels;
 }
 
 /** With voxels, as fine as they may be, and bounces, as many as there may be. */
 async function vxgi(files) {
-  const { vxgi } = await import("three/addons/lighting/vxgi/VXGINode.js");
+  const { vxgiOf } = await import("./vxgi.mjs");
   const { renderer, scene, camera, ball } = await prepared(files);
-  const first = pass(scene, camera);
-  first.setMRT(mrt({ output, normal: vec4(normalView, 1), diffuse: vec4(diffuseColor.rgb, 1) }));
-  const node = vxgi(first.getTextureNode("depth"), first.getTextureNode("normal"), scene, camera, 256);
-  node.bounces = 2;
-  node.useTemporalFiltering = false;
-  const bounced = first.getTextureNode("diffuse").rgb.mul(node.getGINode().rgb).div(Math.PI).mul(node.mul(0).add(1).x);
-  const pipeline = new THREE.RenderPipeline(renderer);
-  pipeline.outputColorTransform = false;
-  pipeline.outputNode = vec4(bounced, float(1));
-  for (let i = 0; i < WARM; i += 1) await picture(renderer, () => pipeline.render());
-  return marked(renderer, scene, camera, ball, await picture(renderer, () => pipeline.render()));
+  const pipeline = pipelineOf(renderer, vxgiOf(scene, camera, 256, 2).bounced);
+  const draw = () => picture(renderer, ...SIZE, () => pipeline.render());
+  for (let i = 0; i < WARM; i += 1) await draw();
+  return marked(renderer, scene, camera, ball, await draw());
 }
 
 /** With probes over the scene's box, and bounces until more make no difference. */
@@ -79,7 +64,7 @@ async function probes(files) {
   ball.visible = true;
   // Bounced light alone.
   for (const lamp of lamps) lamp.visible = false;
-  const pixels = await picture(renderer, () => renderer.render(scene, camera));
+  const pixels = await picture(renderer, ...SIZE, () => renderer.render(scene, camera));
   return marked(renderer, scene, camera, ball, pixels);
 }
 

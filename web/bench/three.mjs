@@ -1,10 +1,11 @@
 // The same scene in three.js' WebGPURenderer: Lambert materials, one spot light with a 2048² shadow map; with
-// ?gi, voxel-based global illumination of one bounce (VXGI, 128³); with ?probes, a LightProbeGrid that is baked anew as
+// ?gi, voxel-based global illumination with one cached bounce (VXGI, 128³); with ?probes, a LightProbeGrid that is baked anew as
 // the light moves; with ?rebounce, our bounced light in its materials. `bench` on the window is what run.mjs calls.
 
 import * as THREE from "three/webgpu";
-import { diffuseColor, float, mrt, normalView, output, pass, renderOutput, vec4 } from "three/tsl";
+import { diffuseColor, float, mrt, output, renderOutput, vec4 } from "three/tsl";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { picture, pipelineOf } from "./floats.mjs";
 
 const parameters = new URLSearchParams(location.search);
 const { camera: view, lights } = await (await fetch("/shot.json")).json();
@@ -59,30 +60,12 @@ let draw = () => renderer.render(scene, camera);
 /** Radiance of the bounced light alone, as `readIndirect` of the element gives it. */
 let indirect;
 if (gi) {
-  const { vxgi } = await import("three/addons/lighting/vxgi/VXGINode.js");
-  const first = pass(scene, camera);
-  first.setMRT(mrt({ output, normal: vec4(normalView, 1), diffuse: vec4(diffuseColor.rgb, 1) }));
-  const node = vxgi(first.getTextureNode("depth"), first.getTextureNode("normal"), scene, camera, 128);
-  node.bounces = 1;
-  node.useTemporalFiltering = false;
-  // The node gives irradiance: a Lambertian surface reflects its albedo over π of it.
-  // The effect runs where one of its textures is used; its occlusion is what starts it.
-  const bounced = first.getTextureNode("diffuse").rgb.mul(node.getGINode().rgb).div(Math.PI).mul(node.mul(0).add(1).x);
-  const pipeline = new THREE.RenderPipeline(renderer);
-  pipeline.outputColorTransform = false;
-  pipeline.outputNode = renderOutput(vec4(first.getTextureNode().rgb.add(bounced), float(1)));
+  const { vxgiOf } = await import("./vxgi.mjs");
+  const { first, bounced } = vxgiOf(scene, camera, 128, 1);
+  const pipeline = pipelineOf(renderer, renderOutput(vec4(first.getTextureNode().rgb.add(bounced), float(1))).rgb);
   draw = () => pipeline.render();
-  indirect = async (width, height) => {
-    const target = new THREE.RenderTarget(width, height, { type: THREE.FloatType });
-    const alone = new THREE.RenderPipeline(renderer);
-    alone.outputColorTransform = false;
-    alone.outputNode = vec4(bounced, float(1));
-    renderer.setRenderTarget(target);
-    alone.render();
-    renderer.setRenderTarget(null);
-    const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
-    return Array.from(pixels);
-  };
+  const alone = pipelineOf(renderer, bounced);
+  indirect = (width, height) => picture(renderer, width, height, () => alone.render());
 }
 
 if (Rebounce) {
@@ -119,17 +102,14 @@ if (probes) {
     grid.bake(renderer, scene, { bounces: BOUNCES });
     renderer.render(scene, camera);
   };
-  indirect = async (width, height) => {
-    const target = new THREE.RenderTarget(width, height, { type: THREE.FloatType });
-    spot.visible = false;
-    renderer.toneMapping = THREE.NoToneMapping;
-    renderer.setRenderTarget(target);
-    renderer.render(scene, camera);
-    renderer.setRenderTarget(null);
-    spot.visible = true;
-    renderer.toneMapping = THREE.AgXToneMapping;
-    return Array.from(await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height));
-  };
+  indirect = (width, height) =>
+    picture(renderer, width, height, () => {
+      spot.visible = false;
+      renderer.toneMapping = THREE.NoToneMapping;
+      renderer.render(scene, camera);
+      spot.visible = true;
+      renderer.toneMapping = THREE.AgXToneMapping;
+    });
 }
 
 const queue = renderer.backend.device.queue;

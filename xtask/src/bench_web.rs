@@ -1,7 +1,8 @@
 //! `cargo xtask bench-web`: frame time of the viewer in a browser against three.js, with equal scene, light and
 //! size, alternating on the same machine. The bounced light of each picture is compared with the path-traced
-//! reference, if present. Then: a ball in three.js that no bake knows, by our probes and by three's own ways; frames under a sky, with the sky turned and with the light moved; costs of lookup and
-//! splatting, and the difference of their pictures.
+//! reference, if present. Then: frames under a sky, with the sky turned and with the light moved; costs of lookup and
+//! splatting, and the difference of their pictures; a ball in three.js that no bake knows, by our probes and by three's
+//! own ways.
 
 use crate::fidelity::given;
 use crate::{install, process, report, web};

@@ -39,13 +39,16 @@ export function pack(wide: number, tall: number, radiance: (y: number, row: Floa
   const sums = new Float64Array(3 * width);
   for (let y = 0; y < height * factor; y += 1) {
     radiance(y, row);
-    const wrong = row.findIndex((value) => !(value >= 0 && value < Infinity));
-    if (wrong >= 0) {
-      throw new Error(`its pixel x = ${Math.floor(wrong / 3)}, y = ${y} (from the top left) has ${row[wrong]} for ${["red", "green", "blue"][wrong % 3]}, and must be finite and not negative: paint it over`);
-    }
-    for (let x = 0; x < width * factor; x += 1) {
+    for (let x = 0; x < wide; x += 1) {
       const to = 3 * Math.floor(x / factor);
-      for (let c = 0; c < 3; c += 1) (sums[to + c] as number) += row[3 * x + c] as number;
+      for (let c = 0; c < 3; c += 1) {
+        const value = row[3 * x + c] as number;
+        if (!(value >= 0 && value < Infinity)) {
+          throw new Error(`its pixel x = ${x}, y = ${y} (from the top left) has ${value} for ${["red", "green", "blue"][c]}, and must be finite and not negative: paint it over`);
+        }
+        // A reduced row leaves out what does not fill a pixel of its own.
+        if (to < sums.length) (sums[to + c] as number) += value;
+      }
     }
     if (y % factor < factor - 1) continue;
     const to = width * Math.floor(y / factor);

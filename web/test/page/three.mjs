@@ -5,8 +5,9 @@ import path from "node:path";
 import { block } from "../guide.mjs";
 import { check, equal } from "../harness.mjs";
 import { serveFolder } from "../serve.mjs";
-import { baked, errorOf, meanOf, SIZE, traced } from "../three/ball.mjs";
+import { baked, errorOf, meanOf, traced } from "../three/ball.mjs";
 import { solidKtx2 } from "../three/ktx2.mjs";
+import { SIZE } from "../three/picture.mjs";
 import { court, glowing, room, twoRooms, VIEWS } from "../three/rooms.mjs";
 
 /** Opens a page with `stage`; what the page's errors were. */
@@ -121,7 +122,7 @@ export async function three(harness, context) {
 
     await test("what_has_moved_is_said_once_and_lit_by_probes", async (page) => {
       const { warnings, before, after } = await page.evaluate(async ({ glb, rbn }) => {
-        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, tsl, warnings } = stage;
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, meanIrradiance, warnings } = stage;
         const renderer = await rendererOf();
         const { model, lamps, camera } = await modelOf(glb);
         const gi = await Rebounce.load(bytesOf(rbn), { renderer });
@@ -129,11 +130,7 @@ export async function three(harness, context) {
         const scene = new THREE.Scene();
         scene.add(model, gi.light);
         gi.lights.add(...lamps);
-        const mean = async () => {
-          gi.update();
-          const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance, 1) });
-          return e.reduce((sum, x) => sum + x, 0) / e.length;
-        };
+        const mean = () => meanIrradiance(renderer, scene, camera, gi);
         const before = await mean();
         const block = model.getObjectByName("Block");
         block.position.x += 1;
@@ -245,17 +242,13 @@ export async function three(harness, context) {
 
     await test("surfaces_that_shine_in_the_file_light_the_scene_as_strongly_as_they_are_told_to", async (page) => {
       const { lights, means } = await page.evaluate(async ({ glb, rbn }) => {
-        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, tsl } = stage;
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, meanIrradiance } = stage;
         const renderer = await rendererOf();
         const { model, camera } = await modelOf(glb);
         const gi = await Rebounce.load(bytesOf(rbn), { renderer, probes: false });
         const scene = new THREE.Scene();
         scene.add(model, gi.light);
-        const mean = async () => {
-          gi.update();
-          const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance, 0) });
-          return e.reduce((sum, x) => sum + x, 0) / (0.75 * e.length);
-        };
+        const mean = () => meanIrradiance(renderer, scene, camera, gi);
         const lights = structuredClone(gi.fileLights);
         const means = [await mean()];
         gi.fileLights[0].intensity *= 3;
@@ -271,17 +264,13 @@ export async function three(harness, context) {
 
     await test("a_picture_of_three_is_the_sky_of_the_file", async (page) => {
       const { own, even, twice, half, upper, lower, back, refused } = await page.evaluate(async ({ glb, rbn }) => {
-        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, tsl } = stage;
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, meanIrradiance } = stage;
         const renderer = await rendererOf();
         const { model, camera } = await modelOf(glb);
         const gi = await Rebounce.load(bytesOf(rbn), { renderer, probes: false });
         const scene = new THREE.Scene();
         scene.add(model, gi.light);
-        const mean = async () => {
-          gi.update();
-          const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance, 0) });
-          return e.reduce((sum, x, i) => (i % 4 < 3 ? sum + x : sum), 0) / (0.75 * e.length);
-        };
+        const mean = () => meanIrradiance(renderer, scene, camera, gi);
         const [width, height] = [32, 16];
         const picture = (radiance, { flipY = true, isHalf = false } = {}) => {
           const data = Array.from({ length: 4 * width * height }, (_, i) => radiance(Math.floor(i / (4 * width))));
@@ -363,7 +352,7 @@ export async function three(harness, context) {
 
     await test("after_the_loss_of_a_device_the_file_is_loaded_on_another", async (page) => {
       const { reason, before, after } = await page.evaluate(async ({ glb, rbn }) => {
-        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, read, tsl } = stage;
+        const { Rebounce, THREE, rendererOf, modelOf, bytesOf, meanIrradiance } = stage;
         const { model, lamps, camera } = await modelOf(glb);
         const scene = new THREE.Scene();
         scene.add(model);
@@ -373,9 +362,7 @@ export async function three(harness, context) {
           const gi = await Rebounce.load(bytesOf(rbn), { renderer });
           gi.lights.add(...lamps);
           scene.add(gi.light);
-          gi.update();
-          const { e } = await read(renderer, scene, camera, [160, 90], { e: tsl.vec4(gi.irradiance, 1) });
-          return { renderer, gi, mean: e.reduce((sum, x) => sum + x, 0) / e.length };
+          return { renderer, gi, mean: await meanIrradiance(renderer, scene, camera, gi) };
         };
         const first = await open();
         const { device } = first.renderer.backend;

@@ -4,13 +4,8 @@ import parseExr from "parse-exr";
 import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { exec } from "../agreement.mjs";
+import { IS_BALL, SIZE } from "./picture.mjs";
 import { room } from "./rooms.mjs";
-
-/** Size of the pictures. */
-export const SIZE = [160, 90];
-
-/** Alpha of pixels that show the ball, in pictures of it. */
-export const IS_BALL = 7;
 
 /** Bakes a scene of rooms.mjs; its files as base64. */
 export async function baked({ work, rebounce }, name, scene) {

@@ -5,6 +5,7 @@ import { WebGLRenderer } from "three";
 import { diffuseColor, float, mrt, normalWorld, output, pass, positionWorld, vec4 } from "three/tsl";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { irradianceAt, Rebounce } from "/dist/three.js";
+import { IS_BALL, SIZE } from "./picture.mjs";
 
 const bytesOf = (base64) => Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
 /** What the console was told. */
@@ -93,6 +94,13 @@ function ballAt(at, radius = 0.4) {
   return ball;
 }
 
+/** Mean bounced irradiance over a picture, under the lights as they are now. */
+async function meanIrradiance(renderer, scene, camera, gi) {
+  gi.update();
+  const { e } = await read(renderer, scene, camera, SIZE, { e: vec4(gi.irradiance, 1) });
+  return e.reduce((sum, x, i) => (i % 4 < 3 ? sum + x : sum), 0) / (0.75 * e.length);
+}
+
 /** A scene with the ball, and with what `model` holds if it is wanted, from the scene's camera or from `eye`. */
 async function ballScene({ glb, at, eye }, withModel = false) {
   const renderer = await rendererOf();
@@ -111,18 +119,18 @@ async function ballScene({ glb, at, eye }, withModel = false) {
   return { renderer, model, lamps, camera, scene, ball, albedo: ball.material.color.r };
 }
 
-/** Radiance of a ball's bounced light by pixel, from our probes: rows from the bottom as three reads them; alpha 7 where the ball is. */
+/** Radiance of a ball's bounced light by pixel, from our probes: rows from the bottom as three reads them; alpha `IS_BALL` where the ball is. */
 async function ball(files) {
   const { renderer, lamps, camera, scene, albedo } = await ballScene(files);
   const gi = await Rebounce.load(bytesOf(files.rbn), { renderer });
   gi.lights.add(...lamps);
   scene.add(gi.light);
-  const outputs = { e: vec4(gi.irradiance.mul(albedo / Math.PI), 7) };
+  const outputs = { e: vec4(gi.irradiance.mul(albedo / Math.PI), IS_BALL) };
   // What was drawn before there were probes gets their light, too.
-  await read(renderer, scene, camera, [160, 90], outputs);
+  await read(renderer, scene, camera, SIZE, outputs);
   if (!(await gi.ready)) throw new Error("no probes");
   gi.update();
-  const { e } = await read(renderer, scene, camera, [160, 90], outputs);
+  const { e } = await read(renderer, scene, camera, SIZE, outputs);
   gi.dispose();
   renderer.dispose();
   return Array.from(e);
@@ -139,4 +147,4 @@ function rms(found, expected) {
   return Math.sqrt(error / power);
 }
 
-globalThis.stage = { THREE, Rebounce, irradianceAt, rendererOf, modelOf, bytesOf, read, indirect, pixelsOf, ballAt, ballScene, ball, rms, warnings, tsl: { vec4, normalWorld, output, positionWorld, pass } };
+globalThis.stage = { THREE, Rebounce, irradianceAt, rendererOf, modelOf, bytesOf, read, indirect, meanIrradiance, pixelsOf, ballAt, ballScene, ball, rms, warnings, tsl: { vec4, normalWorld, output, positionWorld, pass } };
