@@ -11,8 +11,9 @@ fn main() -> io::Result<()> {
     let out = env::var_os("OUT_DIR").ok_or(io::ErrorKind::NotFound)?;
     let mut paths = shaders("src/shaders")?;
     let own = paths.len();
-    // What other renderers need does not change the bytes of the element.
+    // What other programs need does not change the bytes of the element.
     paths.extend(shaders("src/shaders/three")?);
+    paths.extend(shaders("src/shaders/radiosity")?);
     let sources = paths.iter().map(fs::read_to_string).collect::<io::Result<Vec<_>>>()?;
     for (path, short) in paths.iter().zip(minify::minified(&sources, own)) {
         fs::write(Path::new(&out).join(path.file_name().ok_or(io::ErrorKind::InvalidInput)?), short)?;

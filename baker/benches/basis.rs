@@ -44,7 +44,13 @@ fn main() {
         let list = &points.points[level.range()];
         let radius = level.support_radius;
         let grid = Evaluator::new(
-            list.iter().map(|p| Support { position: p.position, normal: p.normal, radius, cuts: &[] }),
+            list.iter().map(|p| Support {
+                position: p.position,
+                normal: p.normal,
+                radius,
+                cuts: &[],
+                group: 0,
+            }),
             0,
         );
         let tree = RTree::bulk_load(
@@ -59,7 +65,7 @@ fn main() {
             let start = Instant::now();
             grid_sum = 0.0;
             for q in &queries {
-                grid_sum += grid.gather(q.position, q.normal, |_, _| {}) as f64;
+                grid_sum += grid.gather(q.position, q.normal, 0, |_, _| {}) as f64;
             }
             grid_ns = grid_ns.min(start.elapsed().as_nanos() as f64 / queries.len() as f64);
             let start = Instant::now();

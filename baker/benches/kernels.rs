@@ -237,7 +237,7 @@ fn cover(room: &Room) -> u64 {
     let senders = room.context().senders;
     let mut weights = Vec::new();
     for hit in &room.hits {
-        senders.interpolate(hit.position, hit.normal, &mut weights);
+        senders.interpolate(hit.position, hit.normal, hit.group, &mut weights);
         black_box(&weights);
     }
     room.hits.len() as u64

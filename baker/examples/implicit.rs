@@ -133,6 +133,7 @@ impl Surfaces for Implicit {
             emission: Vec3::ZERO,
             emitter: None,
             is_unlit: false,
+            group: 0,
         })
     }
 

@@ -48,7 +48,7 @@ impl<S: Surfaces> Solver<S> for OneBounce {
                 let ray = Ray { origin, direction, max_distance: f32::INFINITY, spread: 0.0 };
                 let hit = surfaces.cast(&ray, stream.bits() as u32);
                 if let Some(hit) = hit.filter(|hit| hit.faces(direction)) {
-                    senders.interpolate(hit.position, hit.normal, &mut functions);
+                    senders.interpolate(hit.position, hit.normal, hit.group, &mut functions);
                     for (sender, weight) in &functions {
                         // A link carries light in the tint of its sender.
                         let amount = weight * hit.albedo.dot(duals[*sender as usize].into());
@@ -72,7 +72,8 @@ fn mean_bounced(scene: &BakedScene) -> Result<f32, Box<dyn Error>> {
     let surfaces = rebounce::geometry::mesh::TriangleSurfaces::from_baked(scene)?;
     let relit = rebounce::verify::render::Relit::new(scene, &surfaces, &scene.meta.lights, false);
     let points = &scene.points[scene.display()];
-    let light = points.iter().map(|point| relit.interpolated(point.position(), point.normal()).element_sum());
+    let light =
+        points.iter().map(|point| relit.interpolated(point.position(), point.normal(), 0).element_sum());
     Ok(light.sum::<f32>() / (3 * points.len()) as f32)
 }
 

@@ -13,13 +13,16 @@ pub fn canonical_indices<const N: usize>(count: usize, bits: impl Fn(u32) -> [u3
     let mut order: Vec<u64> = (0..count as u32).into_par_iter().map(key).collect();
     order.par_sort_unstable();
     let mut canonical_indices = vec![0; count];
-    for alike in order.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
-        // Hash collisions are rare.
-        if alike.len() > 1 {
-            alike.sort_unstable_by_key(|i| (bits(*i as u32), *i));
-        }
-        for same in alike.chunk_by(|a, b| bits(*a as u32) == bits(*b as u32)) {
-            same.iter().for_each(|i| canonical_indices[*i as u32 as usize] = same[0] as u32);
+    let mut firsts: Vec<u32> = Vec::new();
+    for alike in order.chunk_by(|a, b| a >> 32 == b >> 32) {
+        // The first items of different bits: one but for hash collisions, which are rare.
+        firsts.clear();
+        for i in alike.iter().map(|key| *key as u32) {
+            let same = firsts.iter().copied().find(|first| bits(*first) == bits(i));
+            canonical_indices[i as usize] = same.unwrap_or(i);
+            if same.is_none() {
+                firsts.push(i);
+            }
         }
     }
     canonical_indices

@@ -41,6 +41,7 @@ impl Surfaces for Squares {
                     emission: Vec3::ZERO,
                     emitter: None,
                     is_unlit: false,
+                    group: 0,
                 }
             })
         };

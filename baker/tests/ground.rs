@@ -150,7 +150,7 @@ fn all_that_is_seen_of_a_plain_is_covered() {
         let support = |i: usize| {
             let point = &points.points[i];
             let (position, normal) = (point.position, point.normal);
-            Support { position, normal, radius: level.support_radius, cuts: &[] }
+            Support { position, normal, radius: level.support_radius, cuts: &[], group: 0 }
         };
         Evaluator::new(level.range().map(support), level.first as u32)
     };
@@ -160,7 +160,7 @@ fn all_that_is_seen_of_a_plain_is_covered() {
     for (x, y) in (0..64).flat_map(|x| (0..64).map(move |y| (x as f32 + 0.5, y as f32 + 0.5))) {
         let direction = frame.direction(x, y, 64, 64);
         let Some(hit) = surfaces.cast(&Ray::visibility(frame.eye, direction), 0) else { continue };
-        let radius = functions.radius_at(hit.position, hit.normal);
+        let radius = functions.radius_at(hit.position, hit.normal, 0);
         assert!(radius.is_some(), "nothing covers {}, {} away", hit.position, hit.distance);
         seen += 1;
         finer += radius.is_some_and(|radius| radius < 0.1 * hit.distance.max(5.0)) as u32;

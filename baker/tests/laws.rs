@@ -61,6 +61,7 @@ fn points_keep_their_poisson_distance_and_cover_the_room() {
         }
         // Maximal: nearly every place is covered by a function.
         let support = |p: &SurfacePoint| Support {
+            group: p.group,
             position: p.position,
             normal: p.normal,
             radius: level.support_radius,
@@ -68,8 +69,10 @@ fn points_keep_their_poisson_distance_and_cover_the_room() {
         };
         let evaluator = Evaluator::new(list.iter().map(support), 0);
         let finest = &points.points[points.levels[3].range()];
-        let covered =
-            finest.iter().filter(|p| evaluator.gather(p.position, p.normal, |_, _| {}) > 0.0).count();
+        let covered = finest
+            .iter()
+            .filter(|p| evaluator.gather(p.position, p.normal, p.group, |_, _| {}) > 0.0)
+            .count();
         assert!(covered as f32 > 0.97 * finest.len() as f32, "level {l}: {covered} of {}", finest.len());
     }
     let counts: Vec<f32> = points.levels.iter().map(|l| l.count as f32).collect();

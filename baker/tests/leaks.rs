@@ -70,7 +70,7 @@ fn no_light_comes_through_a_curtain_where_it_meets_a_pillar() {
         let places =
             (1..=4).flat_map(|k| (0..24).map(move |j| (2.2 * k as f64 + 0.25, 0.8 + 0.08 * j as f64)));
         let at = |(z, y): (f64, f64)| (DVec3::new(x, y, z) - DVec3::from(scene.origin)).as_vec3();
-        places.map(|place| relit.interpolated(at(place), Vec3::Z).dot(Vec3::splat(1.0 / 3.0))).sum::<f32>()
+        places.map(|place| relit.interpolated(at(place), Vec3::Z, 0).dot(Vec3::splat(1.0 / 3.0))).sum::<f32>()
     };
     let (beside, away) = (light(-0.235) + light(-0.25), light(-0.34) + light(-0.36));
     assert!(beside < 1.5 * away, "{beside} beside the curtains, {away} away from them");

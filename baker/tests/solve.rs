@@ -123,7 +123,7 @@ fn the_light_is_that_of_the_operator() {
     let (mut difference, mut power, mut sums) = (0.0, 0.0, [Vec3::ZERO; 2]);
     for i in baked.display() {
         let (position, normal) = (baked.points[i].position(), baked.points[i].normal());
-        let [ours, theirs] = [&ours, &theirs].map(|relit| relit.interpolated(position, normal));
+        let [ours, theirs] = [&ours, &theirs].map(|relit| relit.interpolated(position, normal, 0));
         difference += (ours - theirs).length_squared();
         power += theirs.length_squared();
         sums = [sums[0] + ours, sums[1] + theirs];

@@ -182,7 +182,7 @@ fn a_room_with_a_shining_ceiling_is_as_bright_as_the_path_tracer_has_it() {
     let dimmed = [Light::Emissive { group: 0, intensity: 0.5, color: [1.0, 0.0, 0.5] }];
     let dim = Relit::new(&file, &surfaces, &dimmed, false);
     let at = Vec3::new(0.2, -1.0, 0.1);
-    let (full, dim) = (relit.light_at(at, Vec3::Y), dim.light_at(at, Vec3::Y));
+    let (full, dim) = (relit.light_at(at, Vec3::Y, 0), dim.light_at(at, Vec3::Y, 0));
     let factor = Vec3::new(0.5, 0.0, 0.25);
     assert!((dim.from_sources - full.from_sources * factor).length() < 1e-4 * full.from_sources.length());
 }
@@ -207,7 +207,7 @@ fn light_of_the_sky_does_not_pass_through_walls() {
         for _ in 0..10_000 {
             let ray = Ray { origin, direction: stream.sphere(), max_distance: f32::INFINITY, spread: 0.0 };
             let Some(hit) = surfaces.cast(&ray, 0) else { continue };
-            let light = relit.light_at(hit.position, hit.normal);
+            let light = relit.light_at(hit.position, hit.normal, 0);
             let light = (light.bounced + light.from_sources).x;
             (greatest, sum, count) = (greatest.max(light), sum + light, count + 1);
         }

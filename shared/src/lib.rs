@@ -14,6 +14,8 @@
 //! * [`rbn`] – the .rbn file: header, sections, checksums, metadata;
 //! * [`exposure`], [`backdrop`] – brightness of a picture, and background of an object;
 //! * [`tone`], [`smooth`] – display values from radiance, and antialiasing of their edges;
+//! * `radiosity` – bounced light of scenes whose things move, on the CPU, the reference for the GPU;
+//! * [`motion`] – rigid motions of nodes;
 //! * [`relight`] – one frame of relighting on the CPU, the reference for the GPU;
 //! * [`shot`], [`light`], [`camera`] – a picture to take: SHOT.json, lights and cameras.
 //!
@@ -36,8 +38,11 @@ pub mod light_group;
 pub mod lighting;
 pub mod link;
 pub mod mix;
+pub mod motion;
 pub mod octahedral;
 pub mod openness;
+#[cfg(feature = "radiosity")]
+pub mod radiosity;
 pub mod random;
 pub mod rbn;
 pub mod relight;

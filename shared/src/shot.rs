@@ -4,10 +4,13 @@
 //! { "size": [320, 180],
 //!   "camera": { "position": [0, 1, 4], "target": [0, 1, 0], "up": [0, 1, 0], "yfov_deg": 60 },
 //!   "emission": 1,
+//!   "move": { "door": { "translation": [0, 0, 0], "rotation_y_deg": 90 } },
 //!   "lights": [ { "type": "spot", "position": [0, 2, 0], "direction": [0, -1, 0],
 //!                 "outer_cone_deg": 40, "intensity": 60, "color": [1, 1, 1] } ] }
 //! ```
 
+use crate::motion::{Motions, NodeMotion};
+use crate::rbn::groups::Groups;
 use crate::{camera::Camera, light::Light, mix::Channel};
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +34,9 @@ pub struct Shot {
     /// Channels of the light mixer, by the lights' places; a light without one is as it is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mix: Vec<Channel>,
+    /// Motions of nodes, by their names. In SHOT.json, the object `move`.
+    #[serde(skip)]
+    pub moves: Vec<(String, NodeMotion)>,
     /// Names of the lights, empty for lights without; may be shorter than `lights`. In SHOT.json, a member of the light.
     #[serde(skip)]
     pub light_names: Vec<String>,
@@ -39,7 +45,8 @@ pub struct Shot {
 impl Shot {
     /// Returns a shot without names, whose surfaces shine as the scene says.
     pub fn new(size: [u32; 2], camera: Camera, lights: Vec<Light>) -> Self {
-        Self { scene: None, size, camera, emission: 1.0, lights, mix: Vec::new(), light_names: Vec::new() }
+        let (mix, moves, light_names) = Default::default();
+        Self { scene: None, size, camera, emission: 1.0, lights, mix, moves, light_names }
     }
 
     /// Resolves the names of emissive lights to numbers of groups of shining surfaces, by the names of the scene's
@@ -66,6 +73,29 @@ impl Shot {
             })?;
         }
         Ok(())
+    }
+}
+
+impl Shot {
+    /// Returns the motions of groups that the shot asks for; `origin` is that of local space.
+    ///
+    /// # Errors
+    /// A description of the node that cannot move, with those that can.
+    pub fn motions(&self, groups: &Groups, origin: [f64; 3]) -> Result<Motions, String> {
+        let mut nodes = vec![NodeMotion::default(); groups.nodes.len()];
+        for (name, motion) in &self.moves {
+            let mut named = groups.nodes.iter().zip(&mut nodes).filter(|(node, _)| node.name == *name);
+            let Some((_, first)) = named.next() else {
+                let names: Vec<&str> = groups.nodes.iter().map(|node| node.name.as_str()).take(32).collect();
+                let there = match names[..] {
+                    [] => "nothing can: bake with --solver radiosity, or with --group NODE".to_owned(),
+                    _ => format!("these can: {}", names.join(", ")),
+                };
+                return Err(format!("move: no node named {name:?} can move; {there}"));
+            };
+            *first = *motion;
+        }
+        Ok(Motions::new(groups, &nodes, origin))
     }
 }
 

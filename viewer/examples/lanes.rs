@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let shadows = ShadowPipelines::new(&gpu, &material_layout(&gpu));
     let pipelines = RelightPipelines::new(&gpu, &shadows.layout);
     let upload = Upload::new(&gpu, &scene)?;
-    let mut relight = Relight::new(&gpu, &pipelines, &upload, &scene);
+    let mut relight = Relight::new(&gpu, &pipelines, &upload, &upload.points, &scene);
     println!("{}: {} rows, {} links", gpu.adapter, scene.links.len(), scene.links.links.len());
     for lanes in [1, 2, 4, 8, 16, 32, 64] {
         relight.set_lanes(&gpu, &pipelines, lanes);

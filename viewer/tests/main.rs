@@ -11,6 +11,8 @@ mod glass;
 mod openness;
 mod picture;
 mod probes;
+#[cfg(feature = "radiosity")]
+mod radiosity;
 mod relight;
 mod scope;
 mod smooth;

@@ -25,7 +25,7 @@ fn run(gpu: &Gpu, scene: &BakedScene, direct: &[Vec3], lanes: u32) -> [Vec<f32>;
     let shadows = ShadowPipelines::new(gpu, &materials);
     let pipelines = RelightPipelines::new(gpu, &shadows.layout);
     let upload = Upload::new(gpu, scene).unwrap();
-    let mut relight = Relight::new(gpu, &pipelines, &upload, scene);
+    let mut relight = Relight::new(gpu, &pipelines, &upload, &upload.points, scene);
     relight.set_lanes(gpu, &pipelines, lanes);
     relight.set_strengths(gpu, &strengths(scene));
     let rows: Vec<[f32; 4]> = direct.iter().map(|e| [e.x, e.y, e.z, 0.0]).collect();
@@ -48,7 +48,7 @@ fn run_solved(
     let shadows = ShadowPipelines::new(gpu, &materials);
     let pipelines = RelightPipelines::new(gpu, &shadows.layout);
     let upload = Upload::new(gpu, scene).unwrap();
-    let relight = Relight::new(gpu, &pipelines, &upload, scene);
+    let relight = Relight::new(gpu, &pipelines, &upload, &upload.points, scene);
     assert!(relight.is_solved() && relight.has_sources());
     relight.set_parts(gpu, parts);
     relight.set_strengths(gpu, strengths);
@@ -130,7 +130,7 @@ fn a_scene_without_a_sky_has_no_dispatch_for_one_and_a_lamp_that_moves_none_for_
     // Dispatches of frames from the points' direct light on, with these strengths of the sources.
     let frames = |scene: &BakedScene, all: &[Vec<Vec3>]| -> Vec<usize> {
         let upload = Upload::new(&gpu, scene).unwrap();
-        let relight = Relight::new(&gpu, &pipelines, &upload, scene);
+        let relight = Relight::new(&gpu, &pipelines, &upload, &upload.points, scene);
         let frame = |strengths: &Vec<Vec3>| {
             relight.set_strengths(&gpu, strengths);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());

@@ -13,6 +13,7 @@ import type { PlayOptions } from "./animation/player.js";
 import { mixIn, setMix } from "./wire/mix.js";
 import type { Camera, Channel, Light, NamedCamera, Shot } from "./wire/shot.js";
 import { restoreState, stateLink } from "./element/state.js";
+import type { Nodes } from "./wire/nodes.js";
 import type { Counts, Stats } from "./wire/stats.js";
 import { cameraIn, cameraNumbers, camerasIn, countsIn, lightsIn, setLights, setShot, shotIn, statsIn } from "./wire/wire.js";
 
@@ -36,6 +37,7 @@ export type {
   SpotLight,
   Triple,
 } from "./wire/shot.js";
+export type { Nodes, SceneNode } from "./wire/nodes.js";
 export type { Counts, Stats } from "./wire/stats.js";
 
 /** How a picture is saved. */
@@ -104,6 +106,11 @@ export class RebounceViewer extends AttributeElement {
   set mix(mix: Channel[]) {
     if (this.loaded) this.#engine.use((viewer) => setMix(viewer, mix));
     else this.#engine.pending.mix = mix;
+  }
+
+  /** The nodes that may move, by their names; what is set of one moves it, and light follows. Nothing where none may. */
+  get nodes(): Nodes {
+    return this.loaded ? this.#engine.use((viewer) => (viewer as { nodes?: Nodes }).nodes ?? {}) : {};
   }
 
   /** Puts a light into the list, last or at a place; its place. Throws where no scene is loaded. */

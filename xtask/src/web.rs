@@ -15,13 +15,19 @@ use std::process::Command;
 
 /// The names of the generated JavaScript and wasm files.
 const NAME: &str = "rebounce_viewer";
+/// As [`NAME`], of the renderer of all files.
+const RADIOSITY: &str = "rebounce_radiosity";
 /// As [`NAME`], of the baker.
 pub const BAKER: &str = "rebounce_baker";
 /// As [`NAME`], of bounced light for three.js.
 const THREE: &str = "rebounce_three";
 /// The modules with the fetch of the wasm files, before the modules are bundled.
-const FETCHES: [(&str, &str); 3] =
-    [("engine/module.js", NAME), ("bake/module.js", BAKER), ("three/module.js", THREE)];
+const FETCHES: [(&str, &str); 4] = [
+    ("engine/module.js", NAME),
+    ("radiosity.js", RADIOSITY),
+    ("bake/module.js", BAKER),
+    ("three/module.js", THREE),
+];
 /// Files of web/ copied unchanged into the site.
 const STATIC: [&str; 2] = ["index.html", "page.css"];
 
@@ -35,10 +41,13 @@ pub fn build() -> Result<()> {
     let toolchain = toolchain::find()?;
     npm()?;
     let pkg = process::root().join("web/pkg");
-    let element = ["--no-default-features", "--features", "element"];
-    for (package, name, options) in [("rebounce-viewer", NAME, &element[..]), ("rebounce-three", THREE, &[])]
-    {
-        bindgen::module(&wasm(toolchain, package, name, options)?, name, bindgen::FROM_RESPONSE, &pkg)?;
+    let element = |features| ["--no-default-features", "--features", features];
+    for (package, library, name, options) in [
+        ("rebounce-viewer", NAME, NAME, &element("element")[..]),
+        ("rebounce-viewer", NAME, RADIOSITY, &element("element,radiosity")),
+        ("rebounce-three", THREE, THREE, &[]),
+    ] {
+        bindgen::module(&wasm(toolchain, package, library, options)?, name, bindgen::FROM_RESPONSE, &pkg)?;
         shrink(&pkg.join(format!("{name}_bg.wasm")))?;
     }
     bindgen::module(&baker_wasm(toolchain, "web-baker", &[])?, BAKER, bindgen::FROM_MODULE, &pkg)?;
@@ -82,6 +91,11 @@ pub fn baker_wasm(toolchain: Toolchain, profile: &str, options: &[&str]) -> Resu
 /// Whether a file of web/dist is of the baker alone.
 pub fn is_of_baker(name: &str) -> bool {
     name.starts_with(BAKER) || name.starts_with("bake")
+}
+
+/// Whether a file of web/dist is of the renderer of all files.
+pub fn is_of_radiosity(name: &str) -> bool {
+    name.starts_with(RADIOSITY) || name.starts_with("radiosity")
 }
 
 /// Whether a file of web/dist is for three.js alone.

@@ -1,7 +1,7 @@
 //! The arguments of `rebounce bake`.
 
 use crate::error::ArgsError;
-use crate::layout::{ADVANCED, LayoutArgs, PresetName};
+use crate::layout::{ADVANCED, LayoutArgs, PresetName, SolverName};
 use crate::load::LoadArgs;
 use crate::number;
 use crate::paths::{Places, check_paths};
@@ -64,6 +64,9 @@ pub struct BakeArgs {
     /// there is neither, the coarsest preset that is made for the error is taken.
     #[arg(long, value_name = "ERROR", value_parser = number::over_zero, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
     pub target_error: Option<f64>,
+    /// What bounced light is computed from
+    #[arg(long, value_enum, default_value = "operator")]
+    solver: SolverName,
     /// A camera to bake for, and the view of --target-error (docs/guide/shot.md)
     ///
     /// Points are placed for this camera besides the scene's own. --target-error is measured with its camera and lights,
@@ -151,7 +154,8 @@ impl BakeArgs {
     /// # Errors
     /// The problem in the scene's file or in the environment.
     pub fn scene(&self, files: &dyn Files, note: &mut dyn FnMut(&str)) -> Result<Scene, ArgsError> {
-        let mut scene = self.load.load(files, &self.scene, note)?;
+        let all_nodes_move = self.solver == SolverName::Radiosity;
+        let mut scene = self.load.load(files, &self.scene, all_nodes_move, note)?;
         scene.emission_is_shown_only = self.no_sources;
         Ok(scene)
     }
@@ -191,6 +195,7 @@ impl BakeArgs {
                 *value = given.clone();
             }
         }
+        s.solver = self.solver.into();
         s.viewpoints = self.viewpoint.clone();
         s.camera = camera.cloned();
         s.operator.bounces = self.bounces;

@@ -3,7 +3,7 @@
 use crate::number;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
-use rebounce::bake::{BakeSettings, Preset};
+use rebounce::bake::{BakeSettings, BakeSolver, Preset};
 use rebounce_shared::rbn::MAX_LEVELS;
 use std::ops::RangeInclusive;
 
@@ -30,6 +30,24 @@ impl From<PresetName> for Preset {
             PresetName::Draft => Preset::Draft,
             PresetName::Standard => Preset::Standard,
             PresetName::Fine => Preset::Fine,
+        }
+    }
+}
+
+/// Name of a solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SolverName {
+    /// Links between all parts of the scene: lights move at once, things stand still
+    Operator,
+    /// Points alone, in a small file baked in seconds: things move, and light finds its way anew within seconds
+    Radiosity,
+}
+
+impl From<SolverName> for BakeSolver {
+    fn from(name: SolverName) -> Self {
+        match name {
+            SolverName::Operator => BakeSolver::Operator,
+            SolverName::Radiosity => BakeSolver::Radiosity,
         }
     }
 }

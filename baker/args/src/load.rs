@@ -4,8 +4,9 @@ use crate::error::ArgsError;
 use crate::number;
 use crate::sky::SkyArgs;
 use clap::Args;
-use rebounce::io::{Files, LoadOptions, load_by_name};
+use rebounce::io::{Files, GroupOption, LoadOptions, load_by_name};
 use rebounce::scene::Scene;
+use rebounce_shared::rbn::groups::MAX_DENSITY;
 
 /// Arguments about the scene's file.
 #[derive(Args, Debug)]
@@ -21,12 +22,30 @@ pub struct LoadArgs {
     /// may be given several times
     #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "NODE")]
     light_group: Vec<String>,
+    /// What is at and below the nodes of this name, or the surfaces of this material, are a reconstruction group: functions of
+    /// their own, as dense as others, or so many times denser, as in statue=4; may be given several times
+    #[arg(long, help_heading = "The scene's file", hide_short_help = true, value_name = "NAME[=DENSITY]", value_parser = group)]
+    group: Vec<GroupOption>,
     #[command(flatten)]
     sky: SkyArgs,
 }
 
+/// Parses a group: a name, and a density after an equals sign.
+fn group(text: &str) -> Result<GroupOption, String> {
+    let wanted = || {
+        format!("NAME or NAME=DENSITY is needed, the density from {} to {MAX_DENSITY}", MAX_DENSITY.recip())
+    };
+    let (name, density) = match text.rsplit_once('=') {
+        Some((name, density)) => (name, density.trim().parse().map_err(|_| wanted())?),
+        None => (text, 1.0),
+    };
+    let is_sound = !name.is_empty() && (MAX_DENSITY.recip()..=MAX_DENSITY).contains(&density);
+    is_sound.then(|| GroupOption { name: name.to_owned(), density }).ok_or_else(wanted)
+}
+
 impl LoadArgs {
-    /// Loads a scene. `note` receives sentences about what is worth knowing of the environment's picture.
+    /// Loads a scene; with `all_nodes_move` every node with a mesh is a reconstruction group. `note` receives sentences about
+    /// what is worth knowing of the environment's picture.
     ///
     /// # Errors
     /// The problem in the scene's file or in the environment.
@@ -34,12 +53,15 @@ impl LoadArgs {
         &self,
         files: &dyn Files,
         spec: &str,
+        all_nodes_move: bool,
         note: &mut dyn FnMut(&str),
     ) -> Result<Scene, ArgsError> {
         let options = LoadOptions {
             scene: self.choice.clone(),
             albedo: self.albedo,
             light_groups: self.light_group.clone(),
+            groups: self.group.clone(),
+            all_nodes_move,
         };
         let mut scene = load_by_name(files, spec, &options)?;
         self.sky.add_to(&mut scene, files, note)?;

@@ -34,8 +34,13 @@ pub struct ReferenceArgs {
 /// Runs the command.
 pub fn run(args: &ReferenceArgs) -> Result<()> {
     let shot = args.picture.prepare()?;
-    let scene = args.load.load(&Disk, &args.scene, &mut note)?;
+    let moves = shot.as_ref().is_some_and(|shot| !shot.moves.is_empty());
+    let mut scene = args.load.load(&Disk, &args.scene, moves, &mut note)?;
     warn(&scene);
+    if let Some(shot) = shot.as_ref().filter(|_| moves) {
+        let motions = shot.motions(&scene.groups, scene.origin).map_err(anyhow::Error::msg)?;
+        scene = scene.moved(&motions);
+    }
     let shot = match shot {
         Some(shot) => shot,
         None => {

@@ -42,14 +42,18 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         true => (args.picture.lit_as_solved(shot, &names)?, own),
         false => args.picture.lit(shot, &names, own)?,
     };
-    let surfaces = TriangleSurfaces::from_baked(&scene)?;
+    let motions = shot
+        .motions(&scene.groups, scene.meta.origin)
+        .map_err(anyhow::Error::msg)
+        .with_context(|| name.clone())?;
+    let surfaces = TriangleSurfaces::from_moved(&scene, &motions)?;
     let exposure = args.picture.exposure(&shot, args.spp);
     let rows = Rows::new(exposure.size[1]);
     let lighting = Lighting::new(&shot.lights, environment.as_ref(), scene.meta.origin, names.len());
     let lighting = lighting.with_groups(scene.solved_lights(), &shot.lights).with_context(|| name.clone())?;
     let lamps = lighting.lamps.clone();
     let with_lights = WithLights::new(&surfaces, &lamps);
-    let relit = Relit::lit(&scene, &with_lights, lighting, !args.no_detail);
+    let relit = Relit::moved(&scene, &with_lights, lighting, !args.no_detail, &motions);
     let only = args.picture.only();
     let picture = relit.picture(&scene, &with_lights, &shot.camera, exposure, only, || rows.done());
     rows.finish();

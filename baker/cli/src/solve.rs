@@ -84,7 +84,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     let output = output_of(&args.scene, args.output.as_deref());
     check_paths(&DiskPlaces, &args.scene, args.shot.as_deref(), &output, args.report.as_deref())?;
     set_threads(args.threads)?;
-    let mut scene = args.load.load(&Disk, &args.scene, &mut note)?;
+    let mut scene = args.load.load(&Disk, &args.scene, false, &mut note)?;
     warn(&scene);
     let mut settings = args.settings();
     if let Some(path) = &args.shot {

@@ -1,7 +1,7 @@
 //! Assembles the file's contents.
 
-use super::BakeSettings;
 use super::stand_in::{Staged, outside};
+use super::{BakeSettings, BakeSolver};
 use crate::basis::Relations;
 use crate::sampling::Points;
 use crate::scene::steps::{least_step, power_of_two_under, to_steps};
@@ -40,6 +40,8 @@ pub(super) fn assemble(
     let (low, high) = scene.bounds();
     let senders = points.count_on(settings.operator.sender_levels);
     let (mut records, cuts, levels) = points.records();
+    let mut related = relations.clone();
+    related.lookup.add_materials(scene.materials.len(), |material| scene.groups.of_material(material));
     let meta = Meta {
         generator: format!("rebounce {}", env!("CARGO_PKG_VERSION")),
         scene_name: scene.name.clone(),
@@ -80,7 +82,7 @@ pub(super) fn assemble(
         points: records,
         cuts,
         openness: points.openness.clone(),
-        relations: relations.clone(),
+        relations: related,
         links: LinkMatrix::from_rows(&operator.links),
         later: LinkMatrix::from_rows(&operator.later),
         source_links: match sources.links.is_empty() {
@@ -88,6 +90,12 @@ pub(super) fn assemble(
             false => LinkMatrix::from_rows(&sources.links),
         },
         sources: Sources { environment, ..sources.sources },
+        groups: scene.groups.clone(),
+        point_groups: if scene.groups.is_empty() { Vec::new() } else { points.groups() },
+        reflectance: match settings.solver {
+            BakeSolver::Operator if scene.groups.nodes.is_empty() => Vec::new(),
+            _ => operator.reflectance.clone(),
+        },
         light_groups: LightGroups::default(),
     }
 }

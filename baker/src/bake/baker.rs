@@ -4,14 +4,13 @@ use super::estimate::Estimate;
 use super::stages::{Recipe, sketch_settings};
 use super::stand_in::Staged;
 use super::tracker::Tracker;
-use super::{BakeError, BakeReport, BakeSettings, Checkpoint, Observer, Stage, choose_emitter};
+use super::{BakeError, BakeReport, BakeSettings, BakeSolver, Checkpoint, Observer, Stage, choose_emitter};
 use crate::geometry::mesh::TriangleSurfaces;
 use crate::geometry::{Surfaces, Tessellate};
 use crate::job::Job;
 use crate::job::communicator::{Communicator, CommunicatorError, run_blocking};
 use crate::job::watch::Watch;
 use crate::scene::Scene;
-use crate::transport::direct_to_indirect::DirectToIndirect;
 use crate::transport::{Operator, Solver};
 use glam::{DVec3, Vec3};
 use rebounce_shared::baked::BakedScene;
@@ -75,7 +74,7 @@ impl<'a> Baker<'a> {
     /// # Errors
     /// [`BakeError`]; finished work is in the checkpoint.
     pub fn bake(&self, scene: &Scene) -> Baked {
-        self.bake_with(scene, &DirectToIndirect)
+        self.bake_with(scene, &self.settings.solver)
     }
 
     /// Bakes a scene of triangles with members that do not block: the workers of a web page. The future waits for nothing
@@ -84,7 +83,7 @@ impl<'a> Baker<'a> {
     /// # Errors
     /// [`BakeError`]; finished work is in the checkpoint.
     pub async fn bake_async(&self, scene: &Scene) -> Baked {
-        self.run(scene, || Built::of_triangles(scene), &DirectToIndirect).await
+        self.run(scene, || Built::of_triangles(scene), &self.settings.solver).await
     }
 
     /// Bakes a scene of triangles with a solver.
@@ -122,7 +121,9 @@ impl<'a> Baker<'a> {
         V: Solver<S, Solution = Operator>,
     {
         let settings = self.settings.clone().normalised();
-        let sketch = sketch_settings(&settings).filter(|_| self.wants_sketch());
+        // Points without links are a draft by themselves.
+        let has_links = settings.solver == BakeSolver::Operator;
+        let sketch = sketch_settings(&settings).filter(|_| has_links && self.wants_sketch());
         let baked = self.prepared(scene, build, sketch.is_some(), async |recipe, tracker, report| {
             if let Some(settings) = sketch {
                 recipe.sketch(solver, settings, &tracker.task(Stage::Sketch, None)).await?;

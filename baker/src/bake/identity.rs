@@ -5,7 +5,7 @@ use crate::job::checkpoint::Identity;
 use crate::sampling::{PlaceSettings, Points};
 use crate::scene::{InstancedMesh, Scene};
 use crate::transport::OperatorSettings;
-use rebounce_shared::rbn::container;
+use rebounce_shared::rbn::{container, groups};
 use sha2::{Digest, Sha256};
 use std::fmt::Debug;
 
@@ -13,10 +13,18 @@ impl Identity {
     /// Returns the identity of a bake of `scene` with `settings` by this program.
     pub fn new(scene: &Scene, settings: &BakeSettings) -> Self {
         // Destructured in full, so that no new field is forgotten.
-        let BakeSettings { preset, viewpoints, camera, place, operator, sources, direct_levels } =
+        let BakeSettings { preset, viewpoints, camera, solver, place, operator, sources, direct_levels } =
             settings.clone().normalised();
-        let PlaceSettings { levels, coarse_radius, functions, coarse_overlap, fine_overlap, patience, seed } =
-            place;
+        let PlaceSettings {
+            levels,
+            coarse_radius,
+            functions,
+            coarse_overlap,
+            fine_overlap,
+            patience,
+            seed,
+            groups: _,
+        } = place;
         let OperatorSettings {
             sender_levels,
             epsilon,
@@ -37,7 +45,7 @@ impl Identity {
             rebounce_shared::SOURCES,
             container::VERSION
         );
-        let parts: [(&str, &dyn Debug); 22] = [
+        let parts: [(&str, &dyn Debug); 23] = [
             ("preset", &preset.name()),
             ("viewpoints", &viewpoints),
             ("camera", &camera),
@@ -60,6 +68,7 @@ impl Identity {
             ("far levels", &far_levels),
             ("direct levels", &direct_levels),
             ("sources", &sources),
+            ("solver", &solver),
         ];
         let mut named = vec![
             ("program".to_owned(), program),
@@ -78,6 +87,7 @@ pub(super) fn digest_of_points(scene: &Scene, settings: &BakeSettings, points: &
     hash.update(Identity::new(scene, settings).to_json());
     for point in &points.points {
         hash.update(bytemuck::bytes_of(&[point.position, point.normal, point.geometric_normal]));
+        hash.update(point.group.to_le_bytes());
     }
     points.cuts.iter().for_each(|cuts| hash.update(bytemuck::cast_slice(cuts)));
     hash.update(&points.samples);
@@ -98,6 +108,7 @@ fn digest(scene: &Scene) -> String {
         models,
         materials,
         light_groups,
+        groups,
         textures,
         lights,
         cameras,
@@ -129,6 +140,10 @@ fn digest(scene: &Scene) -> String {
     // Debug output of numbers reads back exactly.
     add(format!("{name:?} {origin:?} {materials:?} {lights:?} {cameras:?} {animations:?}").as_bytes());
     add(format!("{light_names:?} {camera_names:?} {light_groups:?} {emission_is_shown_only}").as_bytes());
+    if let Ok(Some(bytes)) = groups::encode(groups) {
+        add(&bytes);
+        add(bytemuck::cast_slice(&groups.of_material));
+    }
     if let Some(environment) = environment {
         add(&environment.width.to_le_bytes());
         add(bytemuck::cast_slice(&environment.pixels));

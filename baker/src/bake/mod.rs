@@ -31,7 +31,7 @@ pub use crate::job::checkpoint::{Checkpoint, CheckpointError, Identity};
 pub use crate::job::stage::Stage;
 pub use baker::Baker;
 pub use observer::{Observer, Preview, Progress};
-pub use preset::{BakeSettings, Preset};
+pub use preset::{BakeSettings, BakeSolver, Preset};
 pub use report::{BakeReport, LevelReport, SectionReport, TrafficReport, peak_memory_bytes};
 pub use solve::{SolveSettings, solve};
 pub use solve_report::SolveReport;

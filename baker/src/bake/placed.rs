@@ -6,6 +6,7 @@ use crate::sampling::{PlacedMark, SurfacePoint};
 use glam::Vec3;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::rbn::bulk::{Cut, MAX_CUTS};
+use rebounce_shared::rbn::groups::MAX_GROUPS;
 
 /// Kinds of the records in the partial results; the solver's kinds are greater.
 const PLACED: u32 = 1;
@@ -36,25 +37,33 @@ impl PlacedLevel {
         for point in &self.points {
             put(&mut out, &[point.position, point.normal, point.geometric_normal]);
         }
+        let groups: Vec<u32> = self.points.iter().map(|point| point.group).collect();
+        put(&mut out, &groups);
         out
     }
 
     fn decode(bytes: &[u8]) -> Option<Self> {
         let mut from = Reader(bytes);
         let mark = PlacedMark { next_particle: from.one()?, coarse_radius: from.one()? };
-        let points = from.take::<[Vec3; 3]>(from.rest::<[Vec3; 3]>())?;
+        let count = from.rest::<[u32; 10]>();
+        let points = from.take::<[Vec3; 3]>(count)?;
+        let groups = from.take::<u32>(count)?;
         // Limit far above the number of particles of any bake.
         let is_mark = (1e-30..1e30).contains(&mark.coarse_radius) && mark.next_particle < 1 << 48;
-        let is_valid = from.is_empty() && is_mark && points.len() <= MAX_POINTS;
+        let is_valid = from.is_empty()
+            && is_mark
+            && points.len() <= MAX_POINTS
+            && groups.iter().all(|group| *group as usize <= MAX_GROUPS);
         if !is_valid || !points.iter().flatten().all(|v| v.is_finite()) {
             return None;
         }
-        let point = |[position, normal, geometric_normal]: [Vec3; 3]| SurfacePoint {
+        let point = |([position, normal, geometric_normal], group): ([Vec3; 3], u32)| SurfacePoint {
             position,
             normal,
             geometric_normal,
+            group,
         };
-        Some(Self { mark, points: points.into_iter().map(point).collect() })
+        Some(Self { mark, points: points.into_iter().zip(groups).map(point).collect() })
     }
 }
 
@@ -104,8 +113,12 @@ mod tests {
     #[test]
     fn points_come_back_as_they_were_and_no_beginning_is_taken_for_them() {
         let mark = PlacedMark { coarse_radius: 0.3, next_particle: 1 << 40 };
-        let point =
-            SurfacePoint { position: Vec3::ONE, normal: Vec3::Y, geometric_normal: Vec3::new(0.0, 0.8, 0.6) };
+        let point = SurfacePoint {
+            position: Vec3::ONE,
+            normal: Vec3::Y,
+            geometric_normal: Vec3::new(0.0, 0.8, 0.6),
+            group: 7,
+        };
         let placed = PlacedLevel { mark, points: vec![point; 3] };
         let bytes = placed.encode();
         assert_eq!(PlacedLevel::decode(&bytes), Some(placed));

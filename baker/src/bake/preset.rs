@@ -1,8 +1,12 @@
 //! Presets: named sets of parameters.
 
+use crate::geometry::Surfaces;
+use crate::job::Job;
+use crate::job::communicator::CommunicatorError;
 use crate::sampling::PlaceSettings;
-use crate::transport::OperatorSettings;
+use crate::transport::direct_to_indirect::DirectToIndirect;
 use crate::transport::sources::SourceSettings;
+use crate::transport::{Operator, OperatorSettings, Partial, Problem, Solver, Unlinked};
 use rebounce_shared::camera::Camera;
 
 /// Quality and cost of a bake.
@@ -38,6 +42,32 @@ impl Preset {
     }
 }
 
+/// What a file's bounced light is computed from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BakeSolver {
+    /// Links: [`DirectToIndirect`].
+    #[default]
+    Operator,
+    /// Points alone: [`Unlinked`].
+    Radiosity,
+}
+
+impl<S: Surfaces + ?Sized> Solver<S> for BakeSolver {
+    type Solution = Operator;
+
+    async fn solve(
+        &self,
+        problem: &Problem<'_, S>,
+        job: &Job<'_>,
+        partial: &mut Partial<'_, Operator>,
+    ) -> Result<Operator, CommunicatorError> {
+        match self {
+            Self::Operator => DirectToIndirect.solve(problem, job, partial).await,
+            Self::Radiosity => Unlinked.solve(problem, job, partial).await,
+        }
+    }
+}
+
 /// All inputs of a bake besides the scene.
 #[derive(Clone, Debug)]
 pub struct BakeSettings {
@@ -48,6 +78,8 @@ pub struct BakeSettings {
     pub viewpoints: Vec<[f64; 3]>,
     /// Additional camera to place points for, besides the scene's cameras.
     pub camera: Option<Camera>,
+    /// What bounced light is computed from.
+    pub solver: BakeSolver,
     /// How points are placed.
     pub place: PlaceSettings,
     /// How the operator is computed.
@@ -71,6 +103,7 @@ impl BakeSettings {
             preset,
             viewpoints: Vec::new(),
             camera: None,
+            solver: BakeSolver::default(),
             place: PlaceSettings { levels, functions, ..PlaceSettings::default() },
             operator: OperatorSettings {
                 sender_levels: levels,
@@ -107,6 +140,9 @@ impl BakeSettings {
     /// Makes the values consistent: clamps sender, later and direct levels to the number of levels.
     pub fn normalised(mut self) -> Self {
         let levels = self.place.levels.max(1);
+        if self.solver == BakeSolver::Radiosity {
+            self.operator.rays = vec![0];
+        }
         self.place.levels = levels;
         self.operator.levels = levels;
         self.operator.sender_levels = self.operator.sender_levels.clamp(1, levels);

@@ -15,7 +15,7 @@ use crate::job::stage::Stage;
 use crate::job::watch::{Stopped, Uncounted, Watch};
 use crate::light::direct::at_footprint;
 use crate::sampling::emitter::ParticleEmitter;
-use crate::sampling::{Placer, Points, cut, footprint, openness, place};
+use crate::sampling::{GroupPlacement, PlaceSettings, Placer, Points, cut, footprint, openness, place};
 use crate::scene::{Scene, emissive_groups};
 use crate::transport::sources::{SourceGather, SourceLinks};
 use crate::transport::{Operator, Problem, Solver};
@@ -68,6 +68,7 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         watch: &dyn Watch,
     ) -> Result<(), BakeError> {
         let quiet = &Uncounted(watch);
+        settings.place.groups = GroupPlacement::of_groups(&self.scene.groups);
         let mut points = place(self.surfaces, self.emitter, &settings.place, quiet)?;
         settings = settings.deepened(points.levels.len());
         let end = points.points.len();
@@ -171,7 +172,9 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         tracker: &Tracker<'_>,
         is_sampled: bool,
     ) -> Result<(Points, BakeSettings), BakeError> {
-        let mut placer = Placer::new(self.surfaces, self.emitter, &settings.place)?;
+        let groups = GroupPlacement::of_groups(&self.scene.groups);
+        let place = PlaceSettings { groups, ..settings.place.clone() };
+        let mut placer = Placer::new(self.surfaces, self.emitter, &place)?;
         let mut adapted = settings.clone();
         let far = placer.levels().saturating_sub(settings.place.levels);
         if far > 0 {

@@ -21,6 +21,8 @@ pub struct Support<'a> {
     pub radius: f32,
     /// Clip planes of the support.
     pub cuts: &'a [Cut],
+    /// [Reconstruction group](rebounce_shared::rbn::groups): the function covers no surface of another.
+    pub group: u32,
 }
 
 /// Ratio of a cell's width to the largest support radius.
@@ -36,7 +38,7 @@ const LANES: usize = 4;
 struct Function {
     /// Position, and radius in w.
     place: Vec4,
-    /// Unit normal; w is unused.
+    /// Unit normal, and the reconstruction group in w.
     facing: Vec4,
 }
 
@@ -91,8 +93,8 @@ impl Evaluator {
     pub fn new<'a>(supports: impl IntoIterator<Item = Support<'a>>, first_index: u32) -> Self {
         let (mut cuts, mut first_cuts) = (Vec::new(), vec![0]);
         let mut functions: Vec<Function> = Vec::new();
-        for Support { position, normal, radius, cuts: own } in supports {
-            functions.push(Function { place: position.extend(radius), facing: normal.extend(0.0) });
+        for Support { position, normal, radius, cuts: own, group } in supports {
+            functions.push(Function { place: position.extend(radius), facing: normal.extend(group as f32) });
             cuts.extend_from_slice(own);
             first_cuts.push(cuts.len() as u32);
         }
@@ -120,24 +122,32 @@ impl Evaluator {
     fn fill(&mut self) {
         let buckets = (8 * self.functions.len()).next_power_of_two().max(BLOCK as usize);
         self.starts = vec![0; buckets + 1];
-        let mut placed: Vec<(u32, u32)> = Vec::new();
-        for (i, function) in self.functions.iter().enumerate() {
-            self.cells(function, |cell| placed.push((self.bucket(cell) as u32, i as u32)));
-        }
-        placed.sort_unstable();
-        // Two cells of a function may share a bucket.
-        placed.dedup();
         let nothing = self.functions.len() as u32;
-        let mut next = 0;
-        for list in placed.chunk_by(|a, b| a.0 == b.0) {
-            let bucket = list[0].0 as usize;
-            self.starts[next..=bucket].fill(self.lists.len() as u32);
-            next = bucket + 1;
-            self.lists.extend(list.chunks(LANES).map(|chunk| {
-                std::array::from_fn(|lane| chunk.get(lane).map_or(nothing, |(_, function)| *function))
-            }));
+        // Pairs of bucket and function, functions ascending; two cells of a function may share a bucket.
+        let (mut placed, mut last): (Vec<(u32, u32)>, _) = (Vec::new(), vec![nothing; buckets]);
+        for (i, function) in (0u32..).zip(&self.functions) {
+            self.cells(function, |cell| {
+                let bucket = self.bucket(cell);
+                if std::mem::replace(&mut last[bucket], i) != i {
+                    placed.push((bucket as u32, i));
+                }
+            });
         }
-        self.starts[next..].fill(self.lists.len() as u32);
+        // Number of functions in each bucket, then the place of each bucket's next function.
+        let mut next = vec![0usize; buckets];
+        placed.iter().for_each(|(bucket, _)| next[*bucket as usize] += 1);
+        let mut lists = 0;
+        for (start, next) in self.starts.iter_mut().zip(&mut next) {
+            *start = lists as u32;
+            lists += std::mem::replace(next, lists * LANES).div_ceil(LANES);
+        }
+        self.starts[buckets] = lists as u32;
+        self.lists = vec![[nothing; LANES]; lists];
+        for (bucket, i) in placed {
+            let next = &mut next[bucket as usize];
+            self.lists.as_flattened_mut()[*next] = i;
+            *next += 1;
+        }
     }
 
     /// Visits the cells that overlap a function's support: an ellipsoid with semi-axes r, r and r /
@@ -203,15 +213,15 @@ impl Evaluator {
         self.bucket(place.as_ivec3() - IVec3::from(place.cmplt(Vec3::ZERO)))
     }
 
-    /// Calls `visit(index, weight)` for each function with a positive weight (Eq. 8) at this
-    /// position and no clip plane in between, and returns the sum of weights: 0 if no function
+    /// Calls `visit(index, weight)` for each function of a reconstruction group with a positive weight (Eq. 8) at
+    /// this position and no clip plane in between, and returns the sum of weights: 0 if no function
     /// covers the position.
     #[inline]
-    pub fn gather(&self, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) -> f32 {
+    pub fn gather(&self, position: Vec3, normal: Vec3, group: u32, mut visit: impl FnMut(u32, f32)) -> f32 {
         let bucket = self.bucket_at(position);
         let mut total = 0.0;
         for lanes in &self.lists[self.starts[bucket] as usize..self.starts[bucket + 1] as usize] {
-            let mut hopeful = self.hopeful(lanes, position, normal);
+            let mut hopeful = self.hopeful(lanes, position, normal, group);
             while hopeful != 0 {
                 let place = lanes[hopeful.trailing_zeros() as usize] as usize;
                 hopeful &= hopeful - 1;
@@ -236,7 +246,7 @@ impl Evaluator {
     /// Rejection test: a bit for each of the four functions, set if the function may cover the
     /// position. A set bit may be false by the margin; a cleared bit is exact.
     #[inline]
-    fn hopeful(&self, lanes: &[u32; LANES], position: Vec3, normal: Vec3) -> u32 {
+    fn hopeful(&self, lanes: &[u32; LANES], position: Vec3, normal: Vec3, group: u32) -> u32 {
         let [a, b, c, d] = lanes.map(|i| &self.functions[i as usize]);
         let place = Mat4::from_cols(a.place, b.place, c.place, d.place).transpose();
         let facing = Mat4::from_cols(a.facing, b.facing, c.facing, d.facing).transpose();
@@ -247,7 +257,8 @@ impl Evaluator {
         const SQUASHED: f32 = SQUASH * (2.0 + SQUASH);
         let distance = x * x + y * y + z * z + SQUASHED * height * height;
         let radius = MARGIN * place.w_axis;
-        (distance.cmplt(radius * radius) & cosine.cmpgt(Vec4::splat(LEAST_COSINE / MARGIN))).bitmask()
+        let is_near = distance.cmplt(radius * radius) & cosine.cmpgt(Vec4::splat(LEAST_COSINE / MARGIN));
+        (is_near & facing.w_axis.cmpeq(Vec4::splat(group as f32))).bitmask()
     }
 }
 
@@ -266,13 +277,13 @@ impl Leveled {
         Self { levels }
     }
 
-    /// Fills `out` with (index, normalised weight) of the functions of the finest level that covers
-    /// this position; the weights sum to 1. `out` is empty if no level covers the position.
+    /// Fills `out` with (index, normalised weight) of a reconstruction group's functions of the finest level that
+    /// covers this position; the weights sum to 1. `out` is empty if no level covers the position.
     #[inline]
-    pub fn interpolate(&self, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
+    pub fn interpolate(&self, position: Vec3, normal: Vec3, group: u32, out: &mut Vec<(u32, f32)>) {
         for level in self.levels.iter().rev() {
             out.clear();
-            let total = level.gather(position, normal, |i, w| out.push((i, w)));
+            let total = level.gather(position, normal, group, |i, w| out.push((i, w)));
             if total > LEAST_WEIGHT {
                 let scale = 1.0 / total;
                 out.iter_mut().for_each(|e| e.1 *= scale);
@@ -294,8 +305,8 @@ impl Leveled {
 
     /// Radius of the finest level that covers this position, scene units; `None` if no level covers
     /// the position.
-    pub fn radius_at(&self, position: Vec3, normal: Vec3) -> Option<f32> {
-        let covers = |level: &&Evaluator| level.gather(position, normal, |_, _| {}) > LEAST_WEIGHT;
+    pub fn radius_at(&self, position: Vec3, normal: Vec3, group: u32) -> Option<f32> {
+        let covers = |level: &&Evaluator| level.gather(position, normal, group, |_, _| {}) > LEAST_WEIGHT;
         self.levels.iter().rev().find(covers).map(|level| level.radius)
     }
 
@@ -336,6 +347,7 @@ mod tests {
                     normal: s.sphere(),
                     radius: 0.1 + 0.1 * s.unit(),
                     cuts: &CUT[..(i % 3) as usize],
+                    group: (i % 2) as u32 * 700,
                 }
             })
             .collect()
@@ -346,16 +358,17 @@ mod tests {
         let functions = functions(500);
         let grid = Evaluator::new(functions.iter().copied(), 10);
         let mut found = 0;
-        for i in 0..5000 {
+        for i in 0..10_000 {
             let mut s = Stream::new(8, i);
             let (x, n) = (Vec3::new(s.unit(), s.unit(), s.unit()) * 1.4 - 0.2, s.sphere());
             let mut got = Vec::new();
-            grid.gather(x, n, |i, w| got.push((i, w)));
+            let group = (i % 2) as u32 * 700;
+            grid.gather(x, n, group, |i, w| got.push((i, w)));
             got.sort_by_key(|e| e.0);
             let want: Vec<(u32, f32)> = functions
                 .iter()
                 .zip(10..)
-                .filter(|(f, _)| !f.cuts.iter().any(|cut| cut.ends(x - f.position)))
+                .filter(|(f, _)| f.group == group && !f.cuts.iter().any(|cut| cut.ends(x - f.position)))
                 .map(|(f, i)| (i, weight(x - f.position, n, f.normal, f.radius)))
                 .filter(|e| e.1 > 0.0)
                 .collect();
@@ -374,7 +387,7 @@ mod tests {
         let (mut out, mut fine, mut coarse) = (Vec::new(), 0, 0);
         for i in 0..5000 {
             let mut s = Stream::new(9, i);
-            leveled.interpolate(Vec3::new(s.unit(), s.unit(), s.unit()), s.sphere(), &mut out);
+            leveled.interpolate(Vec3::new(s.unit(), s.unit(), s.unit()), s.sphere(), 700, &mut out);
             if out.is_empty() {
                 continue;
             }

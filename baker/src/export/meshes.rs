@@ -23,6 +23,8 @@ pub struct ExportMesh {
     pub triangles: Vec<[u32; 3]>,
     /// Material of each triangle; triangles of one material are consecutive.
     pub materials: Vec<u32>,
+    /// Reconstruction group of each triangle.
+    pub groups: Vec<u32>,
     /// Transform of each copy; one identity for the static triangles.
     pub local_from_model: Vec<Affine3A>,
     /// Whether it is a model with copies.
@@ -40,6 +42,8 @@ pub struct SurfaceTriangle {
     pub uvs: [Vec2; 3],
     /// Index of the material.
     pub material: u32,
+    /// Reconstruction group.
+    pub group: u32,
 }
 
 impl SurfaceTriangle {
@@ -81,6 +85,7 @@ impl ExportMesh {
             normals: vertices.map(|v| normal(v).normalize_or_zero()),
             uvs: vertices.map(|v| self.uvs[v].into()),
             material: self.materials[triangle],
+            group: self.groups[triangle],
         }
     }
 
@@ -133,6 +138,7 @@ impl Growing {
         let [a, b, c] = triangle.map(|index| self.vertex(scene, index, material));
         self.mesh.triangles.push(if self.is_back { [a, c, b] } else { [a, b, c] });
         self.mesh.materials.push(material);
+        self.mesh.groups.push(scene.groups.of_material(material));
     }
 }
 

@@ -37,6 +37,8 @@ pub struct SurfaceElement {
     /// Share of the texture that the place stands for.
     share: f32,
     material: u32,
+    /// Reconstruction group.
+    group: u32,
 }
 
 impl SurfaceElement {
@@ -55,6 +57,7 @@ impl SurfaceElement {
             uv: s * weights[0] + t * weights[1] + u * weights[2],
             share: triangle.share(area),
             material: triangle.material,
+            group: triangle.group,
         })
     }
 
@@ -69,6 +72,7 @@ impl SurfaceElement {
             emission: Vec3::ZERO,
             emitter: None,
             is_unlit: false,
+            group: self.group,
         }
     }
 }

@@ -83,6 +83,8 @@ pub struct Hit {
     pub emitter: Option<HitEmitter>,
     /// Whether pictures show the emission in place of reflected light (unlit material).
     pub is_unlit: bool,
+    /// [Reconstruction group](rebounce_shared::rbn::groups) of the surface.
+    pub group: u32,
 }
 
 impl Hit {
@@ -174,7 +176,7 @@ pub struct Primitive {
     pub middle: Vec3,
     /// Unit normal at the centre, on the front, or zero.
     pub normal: Vec3,
-    /// Number of the material: primitives of equal kind look alike at a common edge.
+    /// Number of the material: primitives of equal kind look alike at a common edge, and are of one reconstruction group.
     pub kind: u32,
 }
 
@@ -189,6 +191,8 @@ pub struct SurfaceSample {
     pub albedo: Vec3,
     /// Fraction of rays stopped by the surface.
     pub opacity: f32,
+    /// [Reconstruction group](rebounce_shared::rbn::groups) of the surface.
+    pub group: u32,
 }
 
 /// Surfaces made of numbered primitives, so that data at hits is precomputed before rays are cast. Best if primitives

@@ -125,6 +125,7 @@ impl<'a, S: Surfaces + ?Sized> WithLights<'a, S> {
             emission: if is_front { self.lights[number as usize].intensity } else { Vec3::ZERO },
             emitter: is_front.then_some(HitEmitter::Light(number)),
             is_unlit: false,
+            group: 0,
         })
     }
 }

@@ -24,5 +24,5 @@ pub use files::Files;
 #[cfg(feature = "gltf")]
 pub use load::{from_bytes, load_from};
 pub use load::{load, load_by_name, load_with};
-pub use options::LoadOptions;
+pub use options::{GroupOption, LoadOptions};
 pub use save::{SaveError, save};

@@ -9,6 +9,19 @@ pub struct LoadOptions {
     pub albedo: Option<[f32; 3]>,
     /// Names of nodes: what shines at and below each is a group of its own.
     pub light_groups: Vec<String>,
+    /// Nodes and materials that are reconstruction groups.
+    pub groups: Vec<GroupOption>,
+    /// Whether every node with a mesh may move, and is a reconstruction group.
+    pub all_nodes_move: bool,
+}
+
+/// A reconstruction group: all that is at and below the nodes of this name, or the surfaces of the material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupOption {
+    /// Name of a node or a material.
+    pub name: String,
+    /// Functions for an area, relative to other surfaces.
+    pub density: f32,
 }
 
 /// Note for an unused albedo for meshes without a material.

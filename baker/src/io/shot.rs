@@ -5,6 +5,7 @@ use super::files::Disk;
 use rebounce_shared::camera::Camera;
 use rebounce_shared::light::{self, LightKind};
 use rebounce_shared::mix;
+use rebounce_shared::motion::NodeMotion;
 use rebounce_shared::shot::Shot;
 use serde_json::Value;
 use std::io::{Error, ErrorKind};
@@ -63,6 +64,7 @@ pub fn parse(text: &str) -> Result<Shot, String> {
     let mut shot: Shot = serde_json::from_str(text).map_err(|e| e.to_string())?;
     let members: Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
     check_members(&members)?;
+    shot.moves = moves(&members["move"])?;
     check(&shot)?;
     let name = |light: &Value| light[NAME].as_str().unwrap_or_default().to_owned();
     shot.light_names = members["lights"].as_array().into_iter().flatten().map(name).collect();
@@ -70,7 +72,7 @@ pub fn parse(text: &str) -> Result<Shot, String> {
 }
 
 /// Known members of a shot, of its camera, and of lights by type.
-const SHOT: &[&str] = &["scene", "size", "camera", "emission", "lights", "mix"];
+const SHOT: &[&str] = &["scene", "size", "camera", "emission", "lights", "mix", "move"];
 const CAMERA: &[&str] = &["position", "target", "up", "yfov_deg"];
 const LIGHTS: [(&str, &[&str]); light::MEMBERS.len()] = light::MEMBERS;
 /// Name of a light; of an emissive light, the name of its group.
@@ -96,6 +98,33 @@ fn check_members(shot: &Value) -> Result<(), String> {
     }
     Ok(())
 }
+
+/// Reads the motions of nodes by their names.
+fn moves(members: &Value) -> Result<Vec<(String, NodeMotion)>, String> {
+    let all = match members {
+        Value::Null => return Ok(Vec::new()),
+        members => members.as_object().ok_or("move is an object of nodes by their names")?,
+    };
+    let motion = |(name, value): (&String, &Value)| {
+        let mut out = NodeMotion::default();
+        for (member, value) in value.as_object().into_iter().flatten() {
+            let numbers: Vec<f64> =
+                value.as_array().into_iter().flatten().chain([value]).filter_map(Value::as_f64).collect();
+            match (member.as_str(), &numbers[..]) {
+                ("translation", &[x, y, z]) => out.translation = [x, y, z],
+                ("rotation", &[x, y, z, w]) => out.rotation = [x, y, z, w],
+                ("rotation_y_deg", &[degrees]) => out.rotation_y_deg = degrees,
+                _ => return Err(format!("move of {name:?} has no such {member:?}; {MOTION}")),
+            }
+        }
+        let is_sound = value.is_object() && out.is_usable();
+        is_sound.then(|| (name.clone(), out)).ok_or_else(|| format!("move of {name:?}: {MOTION}"))
+    };
+    all.iter().map(motion).collect()
+}
+
+/// What a motion may be.
+const MOTION: &str = "there can be translation (three finite numbers), rotation_y_deg (degrees) and rotation (a quaternion x, y, z, w)";
 
 fn check(shot: &Shot) -> Result<(), String> {
     if shot.size.iter().any(|&s| s == 0 || s > MAX_SIZE) {
@@ -152,7 +181,8 @@ mod tests {
             {"type":"sphere","position":[0,0,0],"radius":1,"intensity":1,"color":[1,1,1]},
             {"type":"environment","file":"sky.hdr","rotation_deg":30,"intensity":1,"color":[1,1,1]},
             {"type":"emissive","name":"screen","group":2,"intensity":1,"color":[1,1,1]}],
-            "mix":[{"stops":-1,"mute":true,"solo":true,"color":[1,0,0]},{}]}"#;
+            "mix":[{"stops":-1,"mute":true,"solo":true,"color":[1,0,0]},{}],
+            "move":{"door":{"translation":[1,0,0],"rotation_y_deg":90},"lid":{"rotation":[1,0,0,0]}}}"#;
         assert_eq!(parse(shot), Ok(()));
         let names = super::parse(shot).unwrap().light_names;
         assert_eq!(names, ["Lamp", "", "", "", "", "", "", "screen"]);
@@ -161,7 +191,8 @@ mod tests {
         // The lists of members must match the types.
         let written = serde_json::to_value(super::parse(shot).unwrap()).unwrap();
         let names = |value: &Value| value.as_object().unwrap().len();
-        assert_eq!((names(&written), names(&written["camera"])), (SHOT.len(), CAMERA.len()));
+        // Motions are not written.
+        assert_eq!((names(&written) + 1, names(&written["camera"])), (SHOT.len(), CAMERA.len()));
         for (light, (kind, known)) in written["lights"].as_array().unwrap().iter().zip(LIGHTS) {
             assert!(light["type"] == kind && names(light) + 1 == known.len(), "{light}");
         }
@@ -207,6 +238,8 @@ mod tests {
         for (json, word) in [
             (format!(r#"{{{camera},"size":[0,5]}}"#), "size"),
             (r#"{"camera":{"position":[0,0,0],"target":[0,0,0]}}"#.into(), "same"),
+            (format!(r#"{{{camera},"move":{{"door":{{"rotation":[0,0,0,0]}}}}}}"#), "door"),
+            (format!(r#"{{{camera},"move":{{"door":{{"turn":1}}}}}}"#), "turn"),
             (r#"{"camera":{"position":[0,0,1],"target":[0,0,0],"yfov_deg":180}}"#.into(), "yfov_deg"),
             (
                 format!(

@@ -209,7 +209,7 @@ mod tests {
         let scene = crate::io::load(name).unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let position = (place - DVec3::from(scene.origin)).as_vec3();
-        let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y };
+        let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y, group: 0 };
         cuts_of(&surfaces, &point, radius, 1)
     }
 
@@ -242,7 +242,12 @@ mod tests {
         let position = |x: f64| (dvec3(x, 2.0, 9.05) - DVec3::from(scene.origin)).as_vec3();
         // On the side of a pillar, which a curtain meets at 45 degrees, 18 cm behind its front.
         for (from, to) in [(-0.05, -0.3), (-0.1, -0.26), (-0.02, -0.45)] {
-            let point = SurfacePoint { position: position(from), normal: Vec3::Z, geometric_normal: Vec3::Z };
+            let point = SurfacePoint {
+                position: position(from),
+                normal: Vec3::Z,
+                geometric_normal: Vec3::Z,
+                group: 0,
+            };
             for radius in [0.5, 0.8] {
                 let cuts = cuts_of(&surfaces, &point, radius, 1);
                 assert!(ended(&cuts, position(to) - position(from)), "from {from}, {radius}: {cuts:?}");
@@ -260,7 +265,7 @@ mod tests {
         let normal = vec3(0.14, 0.0, 0.1417).normalize();
         for share in [0.1, 0.3, 0.6] {
             let on_fold = |share: f64| position(-0.18 - 0.14 * share, 9.05 + 0.1417 * share);
-            let point = SurfacePoint { position: on_fold(share), normal, geometric_normal: normal };
+            let point = SurfacePoint { position: on_fold(share), normal, geometric_normal: normal, group: 0 };
             let cuts = cuts_of(&surfaces, &point, 0.25, 1);
             assert!(ended(&cuts, position(-0.3, 9.05) - point.position), "{share}: {cuts:?}");
             assert!(!ended(&cuts, on_fold(0.9) - point.position), "{share}: {cuts:?}");

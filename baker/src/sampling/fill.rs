@@ -20,15 +20,14 @@ const SIGHT: u32 = 12;
 /// Height at which tries start, over the disk radius.
 const LIFT: f32 = 0.3;
 
-/// Adds points to the `board` of this disk radius, at tries around the board's points that are free and `fits`. The
-/// same board and seed add the same points.
+/// Adds points to the `board`, at tries around the board's points that are free and `fits`. The same board and seed add
+/// the same points.
 ///
 /// # Errors
 /// [`Stopped`].
 pub fn fill<S: Surfaces + ?Sized>(
     surfaces: &S,
     board: &mut DartBoard,
-    disk_radius: f32,
     seed: u64,
     fits: impl Fn(&SurfacePoint) -> bool + Sync,
     watch: &dyn Watch,
@@ -40,15 +39,14 @@ pub fn fill<S: Surfaces + ?Sized>(
         .map(|(i, point)| {
             watch.step(0)?;
             let mut stream = Stream::new(seed ^ 0x6669_6c6c, i as u64);
-            let normal = point.geometric_normal;
+            let (normal, disk_radius) = (point.geometric_normal, board.radius(point.group));
             let above = point.position + normal * (LIFT * disk_radius);
             let floor = point.position + normal * surfaces.epsilon_at(point.position);
             if surfaces.transmittance(floor, above).element_sum() < 1.5 {
                 return Ok(Vec::new());
             }
-            let mut found: Vec<SurfacePoint> = (0..ACROSS)
-                .filter_map(|_| across(surfaces, board, point, above, disk_radius, &mut stream))
-                .collect();
+            let mut found: Vec<SurfacePoint> =
+                (0..ACROSS).filter_map(|_| across(surfaces, board, point, above, &mut stream)).collect();
             found.extend((0..SIGHT).filter_map(|_| {
                 let direction = stream.sphere();
                 let direction = if direction.dot(normal) < 0.0 { -direction } else { direction };
@@ -72,10 +70,9 @@ fn across<S: Surfaces + ?Sized>(
     board: &DartBoard,
     point: &SurfacePoint,
     above: Vec3,
-    disk_radius: f32,
     stream: &mut Stream,
 ) -> Option<SurfacePoint> {
-    let normal = point.geometric_normal;
+    let (normal, disk_radius) = (point.geometric_normal, board.radius(point.group));
     let (tangent, bitangent) = normal.any_orthonormal_pair();
     let (sin, cos) = (stream.unit() * std::f32::consts::TAU).sine_cosine();
     let distance = disk_radius * (1.0 + 3.0 * stream.unit()).sqrt();

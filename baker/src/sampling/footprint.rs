@@ -68,7 +68,7 @@ mod tests {
         let scene = crate::io::load(name).unwrap();
         let surfaces = TriangleSurfaces::from_scene(&scene);
         let position = (place - DVec3::from(scene.origin)).as_vec3();
-        let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y };
+        let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y, group: 0 };
         let level = PointLevel { first: 0, count: 1, disk_radius: 0.2, support_radius: 0.4 };
         let mut points = Points { levels: vec![level], points: vec![point], ..Points::default() };
         cut(&surfaces, &mut points, 1, &()).unwrap();

@@ -4,6 +4,7 @@
 //! * [`viewpoint`] – search for viewpoints; [`locate`] – search for an [`emitter`]: viewpoints, and whether the scene
 //!   is open;
 //! * [`focus`] – local disk radii;
+//! * `objects` – points on objects that may move;
 //! * [`mod@place`] – points of all levels; [`poisson_disk`] – dart throwing of candidates into one level's Poisson-disk
 //!   distribution; [`fill`] – filling of the remaining gaps;
 //! * [`round`] – rounding to the file's precision;
@@ -17,6 +18,7 @@ mod fill;
 mod focus;
 mod footprint;
 mod locate;
+mod objects;
 mod openness;
 mod particle;
 pub mod place;
@@ -29,6 +31,7 @@ use crate::scene::steps::least_step;
 pub use clip_planes::cut;
 pub use footprint::footprint;
 use glam::Vec3;
+pub use objects::GroupPlacement;
 pub use openness::{open_share, openness};
 pub use place::{PlaceError, PlaceSettings, PlacedMark, Placer, expected_counts, place};
 use rebounce_shared::octahedral::pack_snorm16;
@@ -44,6 +47,8 @@ pub struct SurfacePoint {
     pub normal: Vec3,
     /// Normal of the true surface, along which ray origins are moved off.
     pub geometric_normal: Vec3,
+    /// [Reconstruction group](rebounce_shared::rbn::groups) of the surface.
+    pub group: u32,
 }
 
 impl SurfacePoint {
@@ -52,7 +57,7 @@ impl SurfacePoint {
         let (low, high) = surfaces.bounds();
         let least = least_step(low, high);
         let (position, normal) = round::rounded(hit, surfaces.epsilon_at(hit.position), least);
-        Self { position, normal, geometric_normal: hit.geometric_normal }
+        Self { position, normal, geometric_normal: hit.geometric_normal, group: hit.group }
     }
 }
 
@@ -89,6 +94,8 @@ pub struct Points {
     pub samples: Vec<u8>,
     /// [Openness](rebounce_shared::openness) of each point, in the file's encoding; empty before [`openness()`].
     pub openness: Vec<u8>,
+    /// Radii in each reconstruction group, relative to the level's; empty where all are 1.
+    pub scales: Vec<f32>,
 }
 
 impl Points {
@@ -102,9 +109,27 @@ impl Points {
         self.samples.get(point).copied().unwrap_or(0)
     }
 
+    /// Disk and support radii of a reconstruction group, relative to those of the levels.
+    #[inline]
+    pub fn scale(&self, group: u32) -> f32 {
+        self.scales.get(group as usize).copied().unwrap_or(1.0)
+    }
+
+    /// Reconstruction group of each point.
+    pub fn groups(&self) -> Vec<u32> {
+        self.points.iter().map(|point| point.group).collect()
+    }
+
+    /// Support radius of point `i` of a level, scene units.
+    #[inline]
+    pub fn support_radius(&self, level: &PointLevel, i: usize) -> f32 {
+        level.support_radius * self.scale(self.points[i].group)
+    }
+
     /// Support radius of each point, scene units.
     fn support_radii(&self) -> Vec<f32> {
-        self.levels.iter().flat_map(|level| level.range().map(|_| level.support_radius)).collect()
+        let radii = |level| PointLevel::range(level).map(move |i| self.support_radius(level, i));
+        self.levels.iter().flat_map(radii).collect()
     }
 
     /// Records of the file: points without tints, cuts, and levels.
@@ -116,7 +141,7 @@ impl Points {
                 let (p, own) = (&self.points[i], self.cuts_of(i));
                 records.push(Point {
                     position: p.position.to_array(),
-                    radius: level.support_radius,
+                    radius: self.support_radius(level, i),
                     normal: pack_snorm16(p.normal),
                     cuts: Point::pack_cuts(cuts.len(), own.len(), self.samples_of(i)),
                     tint: 0,

@@ -4,6 +4,7 @@ use super::candidates::Candidates;
 use super::emitter::ParticleEmitter;
 use super::fill::fill;
 use super::focus::{Focus, WORTH_IT, regions};
+use super::objects::{GroupPlacement, Object, Objects};
 use super::poisson_disk::DartBoard;
 use super::{PointLevel, Points, SurfacePoint};
 use crate::geometry::{Ray, Surfaces};
@@ -33,6 +34,8 @@ pub struct PlaceSettings {
     pub patience: u64,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// Reconstruction groups, group 0 first; empty where there is no other.
+    pub groups: Vec<GroupPlacement>,
 }
 
 impl Default for PlaceSettings {
@@ -47,7 +50,15 @@ impl Default for PlaceSettings {
             fine_overlap: 2.0,
             patience: 250,
             seed: 1,
+            groups: Vec::new(),
         }
+    }
+}
+
+impl PlaceSettings {
+    /// Radii in each reconstruction group, relative to the level's.
+    pub fn scales(&self) -> Vec<f32> {
+        self.groups.iter().map(|group| group.density.sqrt().recip()).collect()
     }
 }
 
@@ -74,11 +85,40 @@ pub enum PlaceError {
     Stopped(#[from] Stopped),
 }
 
+/// Counts tries at insertion, and tells the end of a level: when the last points took too many on average.
+pub(super) struct Patience {
+    /// Tries, in shares: a try at a place without need for points of this level counts less.
+    pub tried: u64,
+    /// Number of tries at the insertion of each of the last few points.
+    lately: [u64; LAST],
+    /// Shares that the last few points may take.
+    most: u64,
+}
+
+impl Patience {
+    pub fn new(settings: &PlaceSettings) -> Self {
+        Self { tried: 0, lately: [0; LAST], most: SHARES * settings.patience * LAST as u64 }
+    }
+
+    /// Notes that the point of this index was inserted.
+    pub fn inserted(&mut self, index: usize) {
+        self.lately[index % LAST] = self.tried;
+    }
+
+    /// Whether a board with so many points is full.
+    pub fn is_over(&self, count: usize) -> bool {
+        let oldest = count % LAST;
+        // With few points, the latest point.
+        let since = if count < LAST { (oldest + LAST - 1) % LAST } else { oldest };
+        count > 0 && self.tried - self.lately[since] >= self.most
+    }
+}
+
 /// Candidates that are filtered in parallel before throwing: on a coarse level, candidates of a larger set would mainly
 /// be in conflict with points of the same set, and the test for tight places costs rays.
 const THROWN: usize = 1024;
 /// Shares per try.
-const SHARES: u64 = 16;
+pub(super) const SHARES: u64 = 16;
 /// Number of last points for the decision about a level's end: enough to average out chance.
 const LAST: usize = 16;
 /// Number of candidates after which a level without points stays empty.
@@ -122,6 +162,10 @@ pub struct Placer<'a, S: Surfaces + ?Sized> {
     coarse_radius: f32,
     /// Locally needed radii; `None` with a uniform radius.
     focus: Option<Focus>,
+    /// Objects with candidates of their own.
+    objects: Vec<Object>,
+    /// Whether there are surfaces of no object.
+    has_others: bool,
     /// Total number of levels.
     levels: usize,
     points: Points,
@@ -168,7 +212,20 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
                 (source, pool) = (around, places);
             }
         }
-        Ok(Self { surfaces, settings, source, pool, coarse_radius, focus, levels, points: Points::default() })
+        let Objects { all: objects, has_others } = Objects::new(surfaces, settings);
+        let points = Points { scales: settings.scales(), ..Points::default() };
+        Ok(Self {
+            surfaces,
+            settings,
+            source,
+            pool,
+            coarse_radius,
+            focus,
+            levels,
+            objects,
+            has_others,
+            points,
+        })
     }
 
     /// Total number of levels: more than in the settings if radii differ from place to place.
@@ -176,18 +233,28 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
         self.levels
     }
 
-    /// True if points of a level may be at a place.
+    /// True if a particle's candidate may become a point of a level.
     fn fits(&self, level: usize, candidate: &SurfacePoint) -> bool {
-        let radius = self.disk_radius(level);
-        let is_needed = |level: usize| match &self.focus {
+        let radius = self.disk_radius(level) * self.points.scale(candidate.group);
+        // The finest level of a place must cover the place.
+        !self.is_on_object(candidate)
+            && self.is_needed(level, candidate)
+            && (level + 1 == self.levels
+                || !self.is_needed(level + 1, candidate)
+                || !is_tight(self.surfaces, candidate, radius))
+    }
+
+    /// True on an object, which has candidates of its own.
+    fn is_on_object(&self, candidate: &SurfacePoint) -> bool {
+        self.objects.iter().any(|object| object.group == candidate.group)
+    }
+
+    /// True if points of a level are needed at a place.
+    fn is_needed(&self, level: usize, candidate: &SurfacePoint) -> bool {
+        match &self.focus {
             Some(focus) if level > 0 => focus.needs(candidate.position, self.disk_radius(level)),
             _ => true,
-        };
-        // The finest level of a place must cover the place.
-        is_needed(level)
-            && (level + 1 == self.levels
-                || !is_needed(level + 1)
-                || !is_tight(self.surfaces, candidate, radius))
+        }
     }
 
     /// Levels placed so far.
@@ -219,14 +286,30 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
     /// # Errors
     /// [`PlaceError`].
     pub fn level(&mut self, watch: &dyn Watch) -> Result<(), PlaceError> {
-        let (surfaces, settings) = (self.surfaces, self.settings);
         let l = self.points.levels.len();
-        let disk_radius = self.disk_radius(l);
-        let mut board = DartBoard::new(disk_radius);
-        // Tries, in shares: a try at a place without need for points of this level counts less.
-        let mut tried = 0;
-        // Number of tries at the insertion of each of the last few points.
-        let mut lately = [0; LAST];
+        let mut parts = vec![if self.has_others { self.thrown(l, watch)? } else { Vec::new() }];
+        for object in &self.objects {
+            let board = DartBoard::with_scales(self.disk_radius(l), &self.points.scales);
+            let needed = |candidate: &SurfacePoint| self.is_needed(l, candidate);
+            let points = object.thrown(self.surfaces, board, (l, self.settings), needed);
+            watch.step(points.len() as u64)?;
+            parts.push(points);
+        }
+        let (low, high) = self.surfaces.bounds();
+        for points in &mut parts {
+            points.sort_by_cached_key(|p| morton::code(p.position, low, high));
+        }
+        let points = parts.concat();
+        self.within_limit(points.len())?;
+        self.push(points);
+        Ok(())
+    }
+
+    /// Throws particles' candidates on the surfaces that are of no object.
+    fn thrown(&mut self, l: usize, watch: &dyn Watch) -> Result<Vec<SurfacePoint>, PlaceError> {
+        let (surfaces, settings) = (self.surfaces, self.settings);
+        let mut board = DartBoard::with_scales(self.disk_radius(l), &self.points.scales);
+        let mut patience = Patience::new(settings);
         let mut batch = std::mem::take(&mut self.pool);
         'level: loop {
             let before = board.len();
@@ -235,41 +318,33 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
                 let looked_at = |candidate: &SurfacePoint| {
                     let is_free = board.is_free(candidate);
                     let is_hopeful = is_free && self.fits(l, candidate);
-                    (is_hopeful, if is_free && !is_hopeful && self.focus.is_some() { 1 } else { SHARES })
+                    let is_elsewhere = is_free && !is_hopeful && self.focus.is_some();
+                    (is_hopeful, if is_elsewhere || self.is_on_object(candidate) { 1 } else { SHARES })
                 };
                 let hopeful: Vec<(bool, u64)> = part.par_iter().map(looked_at).collect();
                 for (candidate, (hopeful, shares)) in part.iter().zip(hopeful) {
-                    tried += shares;
-                    let oldest = board.len() % LAST;
-                    // With few points, the latest point.
-                    let since = if board.len() < LAST { (oldest + LAST - 1) % LAST } else { oldest };
+                    patience.tried += shares;
                     if hopeful && board.is_free(candidate) {
+                        patience.inserted(board.len());
                         board.insert(*candidate);
-                        lately[oldest] = tried;
-                    } else if tried - lately[since] >= SHARES * settings.patience * LAST as u64
-                        && !board.is_empty()
-                    {
+                    } else if patience.is_over(board.len()) {
                         break 'level;
                     }
                 }
             }
             watch.step((board.len() - before) as u64)?;
             self.within_limit(board.len())?;
-            if tried > SHARES * MOST_TRIED && board.is_empty() {
+            if patience.tried > SHARES * MOST_TRIED && board.is_empty() {
                 break;
             }
             batch = self.source.batch();
         }
         let thrown = board.len();
         let fits = |candidate: &SurfacePoint| self.fits(l, candidate);
-        fill(surfaces, &mut board, disk_radius, settings.seed, fits, watch)?;
+        fill(surfaces, &mut board, settings.seed, fits, watch)?;
         watch.step((board.len() - thrown) as u64)?;
         self.within_limit(board.len())?;
-        let mut points = board.into_points();
-        let (low, high) = surfaces.bounds();
-        points.sort_by_cached_key(|p| morton::code(p.position, low, high));
-        self.push(points);
-        Ok(())
+        Ok(board.into_points())
     }
 
     /// Checks that `more` points stay within the limit of a file.

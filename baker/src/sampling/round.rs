@@ -34,6 +34,7 @@ mod tests {
                 emission: Vec3::ZERO,
                 emitter: None,
                 is_unlit: false,
+                group: 0,
             };
             let (p, n) = rounded(&hit(position, normal), epsilon, 0.0);
             assert!(p.distance(position) < 0.5 * epsilon && n.dot(normal) > 0.999_998, "{position} {normal}");

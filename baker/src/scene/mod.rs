@@ -4,7 +4,7 @@
 //! * [`texture`] – pictures and their sampling; `basis_universal` – Basis Universal pictures; `foreign` – pictures of
 //!   formats outside glTF; `orientation` – picture rotations in Exif metadata;
 //! * [`model`] – instanced meshes;
-//! * `colours` – vertex colours; `emissive` – groups of emissive surfaces;
+//! * `colours` – vertex colours; `emissive` – groups of emissive surfaces; [`groups`] – reconstruction groups;
 //! * [`detail`] – the main part, with nearly all of the detail; [`outliers`] – outliers far from the rest.
 
 mod basis_universal;
@@ -13,6 +13,7 @@ pub mod detail;
 mod emissive;
 mod error;
 mod foreign;
+pub mod groups;
 pub mod model;
 pub(crate) mod needed;
 mod orientation;
@@ -31,6 +32,7 @@ use glam::{Vec2, Vec3};
 use rebounce_shared::camera::Camera;
 use rebounce_shared::environment::Environment;
 use rebounce_shared::light::Light;
+use rebounce_shared::rbn::groups::Groups;
 use rebounce_shared::rbn::meta::{Animation, Material};
 use std::sync::Arc;
 
@@ -66,6 +68,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Names of groups of shining surfaces, one per material; `None`, and beyond the list, the material is a group.
     pub light_groups: Vec<Option<String>>,
+    /// Reconstruction groups, and the nodes that may move; each group's materials are its own.
+    pub groups: Groups,
     /// Textures of the materials.
     pub textures: Vec<Texture>,
     /// The scene's own lights, world space.

@@ -67,7 +67,7 @@ impl WorldMesh {
         scene.origin = origin.to_array();
         let mut colors = Vec::new();
         self.append(scene, origin, &mut colors);
-        for WorldInstancedMesh { mesh, world_from_model } in models {
+        for WorldInstancedMesh { mesh, world_from_model, group: _ } in models {
             let copies = world_from_model.len().saturating_sub(1);
             let (first_triangle, first_vertex) = (scene.triangles.len() as u32, scene.positions.len());
             let degenerate = scene.degenerate_triangles;
@@ -130,6 +130,8 @@ pub struct WorldInstancedMesh {
     pub mesh: WorldMesh,
     /// Transforms of the instances.
     pub world_from_model: Vec<DAffine3>,
+    /// [Group of nodes](super::groups::NodeGroups); 0 for none.
+    pub group: u32,
 }
 
 impl WorldInstancedMesh {

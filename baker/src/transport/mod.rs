@@ -5,6 +5,7 @@
 //!
 //! * [`direct_to_indirect`] – the operator S for moving lights and a still scene (Lehtinen et al. 2008);
 //! * [`radiosity`] – bounced light of given lights that stay in place (Lehtinen et al. 2007);
+//! * [`Unlinked`] – no transport: radiosity of moving things is computed when a file is shown (Schäfer et al. 2011);
 //! * [`sources`] – links from the sky and from emissive surfaces, which stay in place.
 //!
 //! A solver outside of the crate is as good: `examples/one_bounce.rs`.
@@ -13,8 +14,10 @@ pub mod direct_to_indirect;
 pub mod operator;
 pub mod radiosity;
 pub mod sources;
+mod unlinked;
 
 pub use operator::{Operator, OperatorSettings};
+pub use unlinked::Unlinked;
 
 use crate::basis::Relations;
 use crate::job::Job;

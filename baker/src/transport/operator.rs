@@ -103,6 +103,8 @@ pub struct Operator {
     pub links: Vec<Vec<Link>>,
     /// Colour of the light that each point's surface reflects, rgb9e5.
     pub tints: Vec<u32>,
+    /// Mean reflectance of each point's surface, in 255ths; empty where nobody needs it.
+    pub reflectance: Vec<u8>,
     /// C: total irradiance of every coarse point from every other coarse point, the input of later
     /// bounces. Not stored in the file.
     pub coarse: Vec<IrradianceRow>,

@@ -35,6 +35,7 @@ impl Surfaces for BoxRoom {
             emission: Vec3::ZERO,
             emitter: None,
             is_unlit: false,
+            group: 0,
         })
     }
 

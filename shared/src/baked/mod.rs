@@ -1,8 +1,9 @@
 //! A baked scene in memory: reading, writing and validation of a .rbn file.
 
 mod check;
+mod moved;
 
-use crate::basis::{ParentWeights, Relations};
+use crate::basis::{Functions, ParentWeights, Relations};
 use crate::interpolation::Rows;
 use crate::light::Light;
 use crate::link::{LaterLink, Link, SourceLink};
@@ -10,10 +11,12 @@ use crate::openness::LEVELS;
 use crate::rbn::LinkMatrix;
 use crate::rbn::bulk::{Copies, Cut, Instance, Point, Vertex};
 use crate::rbn::codec::{Damaged, Reader, Writer, columns, links};
+use crate::rbn::groups::{self, Groups};
 use crate::rbn::light_groups::{self, LightGroups};
 use crate::rbn::meta::{self, Meta};
 use crate::rbn::sources::{self, Sources};
 use crate::rbn::{RbnError, container, extras, shown};
+use glam::Vec3;
 use std::ops::Range;
 
 /// Baked scene: contents of a .rbn file.
@@ -49,6 +52,13 @@ pub struct BakedScene {
     /// From strengths of the sources to irradiance along the points' normals; a row per point of every level, without
     /// sources no rows.
     pub source_links: LinkMatrix<SourceLink>,
+    /// Reconstruction groups, and the nodes that may move.
+    pub groups: Groups,
+    /// Reconstruction group of each point; empty where all are of group 0.
+    pub point_groups: Vec<u32>,
+    /// Mean reflectance of the surface under each point, in 255ths; empty where bounced light comes from links or light groups
+    /// alone. [Radiosity](crate::radiosity) is computed from it when surfaces have moved, or where there are no links.
+    pub reflectance: Vec<u8>,
     /// Light of a fixed solution, in place of links; empty where lights may move.
     pub light_groups: LightGroups,
     /// H: from irradiance at the points of the coarse levels to irradiance of further bounces at the same points.
@@ -56,7 +66,8 @@ pub struct BakedScene {
 }
 
 use crate::rbn::{
-    COPY_SECTIONS, EXTRAS_SECTION, GROUP_SECTIONS, OPENNESS_SECTION, SECTIONS, SHOWN_SECTION, SOURCE_SECTIONS,
+    COPY_SECTIONS, EXTRAS_SECTION, GROUP_SECTIONS, OPENNESS_SECTION, RECONSTRUCTION_SECTIONS, SECTIONS,
+    SHOWN_SECTION, SOURCE_SECTIONS,
 };
 
 impl BakedScene {
@@ -110,20 +121,47 @@ impl BakedScene {
         self.relations.pull()
     }
 
+    /// Reconstruction group of point `i`.
+    #[inline]
+    pub fn group_of(&self, i: usize) -> u32 {
+        self.point_groups.get(i).copied().unwrap_or(0)
+    }
+
     /// Recomputes the points' relations. The points must satisfy the rules of the format.
     ///
     /// # Errors
     /// [`RbnError`] for an excess of functions in one place.
     pub fn relate(&mut self) -> Result<(), RbnError> {
         let direct_levels = self.meta.direct_levels as usize;
-        let Self { points, cuts, meta, parent_weights, .. } = self;
-        self.relations = Relations::new(points, cuts, &meta.levels, direct_levels, *parent_weights)?;
+        let Self { points, cuts, meta, parent_weights, point_groups, groups, .. } = self;
+        let functions = Functions { points, cuts, levels: &meta.levels, groups: point_groups };
+        self.relations = Relations::new(&functions, direct_levels, *parent_weights)?;
+        if cfg!(feature = "radiosity") {
+            self.relations
+                .lookup
+                .add_materials(meta.materials.len(), |material| groups.of_material(material));
+        }
         Ok(())
     }
 
+    /// Whether bounced light is computed by [radiosity](crate::radiosity): there are neither links nor light groups.
+    #[inline]
+    pub fn is_unlinked(&self) -> bool {
+        cfg!(feature = "radiosity")
+            && !self.reflectance.is_empty()
+            && self.links.links.is_empty()
+            && !self.is_solved()
+    }
+
+    /// Albedo of the surface under point `i`, linear RGB.
+    pub fn albedo(&self, i: usize) -> Vec3 {
+        self.points[i].tint() * (f32::from(self.reflectance[i]) / 255.0)
+    }
+
     /// Whether the file has the light of lights that stay in place, and no links.
+    #[inline]
     pub fn is_solved(&self) -> bool {
-        !self.light_groups.groups.is_empty()
+        cfg!(feature = "radiosity") && !self.light_groups.groups.is_empty()
     }
 
     /// Returns the lights that the groups of a fixed solution are for; `None` where lights may move.
@@ -151,8 +189,11 @@ impl BakedScene {
     /// Returns the format version of the file: the least version with the features used.
     pub fn version(&self) -> u32 {
         let has_extras = self.meta.materials.iter().any(|m| m.extras != extras::Extras::default());
-        if self.is_solved() || !self.meta.lights.iter().all(|light| light.kind().is_punctual()) {
+        if !self.groups.is_empty() || !self.reflectance.is_empty() {
             return container::VERSION;
+        }
+        if self.is_solved() || !self.meta.lights.iter().all(|light| light.kind().is_punctual()) {
+            return container::ONE_GROUP;
         }
         match (self.parent_weights, has_extras, self.copies.is_empty()) {
             (ParentWeights::LeastSquares, ..) => container::PUNCTUAL_LIGHTS,
@@ -185,9 +226,8 @@ impl BakedScene {
         }
         let extras = extras::encode(self.meta.materials.iter().map(|material| &material.extras))?;
         sections.extend(extras.iter().map(|bytes| (EXTRAS_SECTION, bytes.as_slice())));
-        let mut openness = Writer::default();
-        openness.bytes(&self.openness);
-        let openness = (!self.openness.is_empty()).then(|| openness.finish(self.openness.len()));
+        let openness = packed_bytes(&self.openness);
+        let reflectance = packed_bytes(&self.reflectance);
         sections.extend(openness.iter().map(|bytes| (OPENNESS_SECTION, bytes.as_slice())));
         let sources = sources::encode(&self.sources)?;
         let LinkMatrix { offsets, links: all } = &self.source_links;
@@ -200,6 +240,14 @@ impl BakedScene {
         if let Some(groups) = &groups {
             sections.extend(GROUP_SECTIONS.into_iter().zip([groups.as_slice(), &values]));
         }
+        let reconstruction = groups::encode(&self.groups)?;
+        let of_groups = [columns::encode(&self.groups.of_material), columns::encode(&self.point_groups)];
+        let [groups, of_materials, of_points, of_reflectance] = RECONSTRUCTION_SECTIONS;
+        sections.extend(reconstruction.iter().map(|bytes| (groups, bytes.as_slice())));
+        if !self.groups.is_empty() {
+            sections.extend([of_materials, of_points].into_iter().zip(of_groups.iter().map(Vec::as_slice)));
+        }
+        sections.extend(reflectance.iter().map(|bytes| (of_reflectance, bytes.as_slice())));
         let shown = shown::encode(&self.meta.shown);
         sections.extend(shown.iter().map(|bytes| (SHOWN_SECTION, bytes.as_slice())));
         Ok(container::write(self.version(), &sections))
@@ -219,16 +267,16 @@ impl BakedScene {
                 .map(|s| &file[s.offset..s.offset + s.len])
                 .ok_or_else(|| RbnError::invalid(&String::from_utf8_lossy(&name), "it is missing"))
         };
-        let has_copies = sections.iter().any(|s| COPY_SECTIONS.contains(&s.name));
-        let has_extras = sections.iter().any(|s| s.name == EXTRAS_SECTION);
+        let has = |name: [u8; 4]| sections.iter().any(|s| s.name == name);
         // Readers of an older version would draw a different scene.
         let version = container::version(file).unwrap_or_default();
-        if has_copies && version < container::WITHOUT_EXTRAS {
-            return Err(RbnError::invalid("COPY", "a file of this version has none"));
+        for (name, since) in container::SINCE {
+            if has(*name) && version < *since {
+                let name = String::from_utf8_lossy(name);
+                return Err(RbnError::invalid(&name, "a file of this version has none"));
+            }
         }
-        if has_extras && version < container::SHEPARD_WEIGHTS {
-            return Err(RbnError::invalid("MATX", "a file of this version has none"));
-        }
+        let has_copies = has(*b"INST") || has(*b"COPY");
         let mut scene = Self {
             meta: meta::decode(bytes(*b"META")?)?,
             vertices: records("VERT", bytes(*b"VERT")?)?,
@@ -247,43 +295,65 @@ impl BakedScene {
             later: matrix("LATL", bytes(*b"LATL")?)?,
             sources: Sources::default(),
             source_links: LinkMatrix::default(),
+            groups: Groups::default(),
+            point_groups: Vec::new(),
+            reflectance: Vec::new(),
             light_groups: LightGroups::default(),
             texture_bytes: bytes(*b"TEXD")?.to_vec(),
         };
         if version <= container::PUNCTUAL_LIGHTS && scene.version() > container::PUNCTUAL_LIGHTS {
             return Err(RbnError::invalid("META", "a file of this version has only punctual lights"));
         }
-        if has_extras {
+        if has(EXTRAS_SECTION) {
             let mut all: Vec<_> =
                 scene.meta.materials.iter_mut().map(|material| &mut material.extras).collect();
             extras::decode(bytes(EXTRAS_SECTION)?, &mut all)?;
         }
-        if sections.iter().any(|s| s.name == OPENNESS_SECTION) {
-            let mut reader = Reader::new(bytes(OPENNESS_SECTION)?);
-            let openness = reader.bytes_up_to(scene.points.len());
-            scene.openness =
-                openness.map_err(|Damaged| RbnError::invalid("OPEN", "its bytes cannot be unpacked"))?;
+        if has(OPENNESS_SECTION) {
+            scene.openness = unpacked_bytes("OPEN", bytes(OPENNESS_SECTION)?, scene.points.len())?;
         }
-        if sections.iter().any(|s| SOURCE_SECTIONS.contains(&s.name)) {
+        if SOURCE_SECTIONS.into_iter().any(has) {
             scene.sources = sources::decode(bytes(*b"SRCS")?)?;
             scene.source_links = matrix("SRCL", bytes(*b"SRCL")?)?;
         }
-        if sections.iter().any(|s| GROUP_SECTIONS.contains(&s.name)) {
-            if version <= container::PUNCTUAL_LIGHTS {
-                return Err(RbnError::invalid("LGRP", "a file of this version has none"));
-            }
-            scene.light_groups = LightGroups {
-                groups: light_groups::decode(bytes(*b"LGRP")?)?,
-                values: records("LVAL", bytes(*b"LVAL")?)?,
-            };
-        }
-        if sections.iter().any(|s| s.name == SHOWN_SECTION) {
+        #[cfg(feature = "radiosity")]
+        scene.read_groups(&has, &bytes)?;
+        if has(SHOWN_SECTION) {
             let shown = shown::decode(bytes(SHOWN_SECTION)?);
             scene.meta.shown = shown.ok_or_else(|| RbnError::invalid("SHOW", "names or ground"))?;
         }
         scene.check()?;
         scene.relate()?;
         Ok(scene)
+    }
+}
+
+#[cfg(feature = "radiosity")]
+impl BakedScene {
+    /// Reads the sections of fixed solutions, of groups and of reflectances.
+    fn read_groups<'f>(
+        &mut self,
+        has: &dyn Fn([u8; 4]) -> bool,
+        bytes: &dyn Fn([u8; 4]) -> Result<&'f [u8], RbnError>,
+    ) -> Result<(), RbnError> {
+        if GROUP_SECTIONS.into_iter().any(has) {
+            self.light_groups = LightGroups {
+                groups: light_groups::decode(bytes(*b"LGRP")?)?,
+                values: records("LVAL", bytes(*b"LVAL")?)?,
+            };
+        }
+        let mut of_material = Vec::new();
+        if has(*b"MGRP") {
+            of_material = records("MGRP", bytes(*b"MGRP")?)?;
+            self.point_groups = records("PGRP", bytes(*b"PGRP")?)?;
+        }
+        if has(*b"RGRP") {
+            self.groups = groups::decode(bytes(*b"RGRP")?, of_material)?;
+        }
+        if has(*b"REFL") {
+            self.reflectance = unpacked_bytes("REFL", bytes(*b"REFL")?, self.points.len())?;
+        }
+        Ok(())
     }
 }
 
@@ -294,6 +364,19 @@ impl BakedScene {
             || self.openness.len() == self.points.len() && self.openness.iter().all(|v| *v <= LEVELS);
         if is_sound { Ok(()) } else { Err(RbnError::invalid("OPEN", "it does not fit the points")) }
     }
+}
+
+/// Packs a byte per point; `None` without any.
+fn packed_bytes(bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut writer = Writer::default();
+    writer.bytes(bytes);
+    (!bytes.is_empty()).then(|| writer.finish(bytes.len()))
+}
+
+/// Unpacks at most `most` bytes.
+fn unpacked_bytes(section: &str, bytes: &[u8], most: usize) -> Result<Vec<u8>, RbnError> {
+    let unpacked = Reader::new(bytes).bytes_up_to(most);
+    unpacked.map_err(|Damaged| RbnError::invalid(section, "its bytes cannot be unpacked"))
 }
 
 fn records<T: columns::Columns>(section: &str, bytes: &[u8]) -> Result<Vec<T>, RbnError> {

@@ -1,11 +1,14 @@
 //! Lookup of functions that may cover a place: a hash grid per level, in a single array of words shared with the GPU.
 //!
 //! A pixel reads one bucket of its level and tests the functions in the bucket; lookup.wgsl of the viewer reads this
-//! array.
+//! array. An entry of a bucket has the function's reconstruction group beside its number, so that functions of other
+//! groups are passed over unread.
 
+use super::Functions;
+use crate::interpolation::MAX_POINTS;
 use crate::kernel::SQUASH;
 use crate::rbn::bulk::Point;
-use crate::rbn::meta::Level;
+use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec3};
 
 /// Header words per level: reciprocal of the cell size (f32), first bucket, number of buckets minus one.
@@ -15,18 +18,41 @@ const CELL: f32 = 0.6;
 /// Enlargement of supports in the grid, so that rounding at a cell's rim is harmless.
 const MARGIN: f32 = 1.001;
 
+/// A function in a bucket: bits 0 to 21 its number over all levels, 22 to 31 its reconstruction group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct LookupEntry(u32);
+
+/// Bits of a function's number.
+const FUNCTION_BITS: u32 = MAX_POINTS.trailing_zeros();
+
+impl LookupEntry {
+    /// Number of the function, over all levels.
+    #[inline]
+    pub fn function(self) -> u32 {
+        self.0 & (MAX_POINTS as u32 - 1)
+    }
+
+    /// Its reconstruction group.
+    #[inline]
+    pub fn group(self) -> u32 {
+        self.0 >> FUNCTION_BITS
+    }
+}
+
 /// The tables of all levels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lookup {
-    /// Number of levels, [`LEVEL_WORDS`] words per level (coarsest first), bucket offsets, function indices over all
-    /// levels. Bucket `b` of a level holds `words[words[first + b]..words[first + b + 1]]`, ascending; cells in the
-    /// same bucket share its functions.
+    /// Number of levels, [`LEVEL_WORDS`] words per level (coarsest first), bucket offsets, entries over all levels. Bucket
+    /// `b` of a level holds `words[words[first + b]..words[first + b + 1]]`, ascending by function; cells in the same
+    /// bucket share its functions. At the end, from the last word down, the reconstruction group of each material.
     pub words: Vec<u32>,
 }
 
 impl Lookup {
-    /// Builds the tables for the levels of `points`.
-    pub fn new(points: &[Point], levels: &[Level]) -> Self {
+    /// Builds the tables of all levels, without groups of materials.
+    pub fn new(functions: &Functions<'_>) -> Self {
+        let &Functions { points, levels, groups, .. } = functions;
         let mut words = vec![0; 1 + LEVEL_WORDS * levels.len()];
         words[0] = levels.len() as u32;
         for (l, level) in levels.iter().enumerate() {
@@ -38,17 +64,28 @@ impl Lookup {
             words[head + 1] = words.len() as u32;
             words[head + 2] = buckets as u32 - 1;
             append(&mut words, &grid, points, level.first, buckets);
+            if !groups.is_empty() {
+                let entries = words[head + 1] as usize + buckets + 1;
+                for entry in &mut words[entries..] {
+                    *entry |= functions.group_of(*entry as usize) << FUNCTION_BITS;
+                }
+            }
         }
         Self { words }
     }
 
+    /// Appends the reconstruction groups of `count` materials, the first one last.
+    pub fn add_materials(&mut self, count: usize, group_of: impl Fn(u32) -> u32) {
+        self.words.extend((0..count as u32).rev().map(group_of));
+    }
+
     /// Returns the functions of a level that may cover a place, ascending.
     #[inline]
-    pub fn functions(&self, level: usize, position: Vec3) -> &[u32] {
+    pub fn entries(&self, level: usize, position: Vec3) -> &[LookupEntry] {
         let head = 1 + LEVEL_WORDS * level;
         let cell = (position * f32::from_bits(self.words[head])).floor().as_ivec3();
         let bucket = (self.words[head + 1] + (hash(cell) & self.words[head + 2])) as usize;
-        &self.words[self.words[bucket] as usize..self.words[bucket + 1] as usize]
+        bytemuck::cast_slice(&self.words[self.words[bucket] as usize..self.words[bucket + 1] as usize])
     }
 
     /// Returns the number of functions in the fullest bucket of a level.
@@ -158,6 +195,7 @@ mod tests {
     use crate::baked::BakedScene;
     use crate::kernel::weight;
     use crate::octahedral::pack_snorm16;
+    use crate::rbn::meta::Level;
 
     fn random(seed: u32) -> f32 {
         let x = (seed ^ 0x85eb_ca6b).wrapping_mul(0x9e37_79b9);
@@ -187,15 +225,22 @@ mod tests {
         scene
     }
 
+    fn functions<'a>(scene: &'a BakedScene, groups: &'a [u32]) -> Functions<'a> {
+        Functions { points: &scene.points, cuts: &scene.cuts, levels: &scene.meta.levels, groups }
+    }
+
     #[test]
     fn a_bucket_holds_every_function_that_covers_a_place_once() {
         let scene = scene();
-        let lookup = Lookup::new(&scene.points, &scene.meta.levels);
+        let groups: Vec<u32> = (0..scene.points.len() as u32).map(|i| i % 3 * 500).collect();
+        let lookup = Lookup::new(&functions(&scene, &groups));
         let (mut found, mut tested) = (0, 0);
         for i in 0..4000 {
             let (x, normal) = (place(i + 20_000), place(i + 40_000).normalize());
             for l in 0..2 {
-                let list = lookup.functions(l, x);
+                let entries = lookup.entries(l, x);
+                assert!(entries.iter().all(|entry| entry.group() == groups[entry.function() as usize]));
+                let list: Vec<u32> = entries.iter().map(|entry| entry.function()).collect();
                 assert!(list.len() <= lookup.fullest(l));
                 assert!(list.windows(2).all(|w| w[0] < w[1]), "each function once");
                 assert!(list.iter().all(|&j| scene.level(l).contains(&(j as usize))));
@@ -216,8 +261,10 @@ mod tests {
 
     #[test]
     fn a_scene_without_functions_has_empty_tables() {
-        assert_eq!(Lookup::new(&[], &[]).words, [0]);
-        let lookup = Lookup::new(&[], &[Level::default()]);
-        assert!(lookup.functions(0, Vec3::ONE).is_empty() && lookup.fullest(0) == 0);
+        let mut scene = BakedScene::default();
+        assert_eq!(Lookup::new(&functions(&scene, &[])).words, [0]);
+        scene.meta.levels.push(Level::default());
+        let lookup = Lookup::new(&functions(&scene, &[]));
+        assert!(lookup.entries(0, Vec3::ONE).is_empty() && lookup.fullest(0) == 0);
     }
 }

@@ -13,5 +13,29 @@ mod least_squares;
 mod lookup;
 mod relations;
 
-pub use lookup::{LEVEL_WORDS, Lookup};
+pub use lookup::{LEVEL_WORDS, Lookup, LookupEntry};
 pub use relations::{ParentWeights, Relations};
+
+use crate::rbn::bulk::{Cut, Point};
+use crate::rbn::meta::Level;
+
+/// Functions of all levels.
+#[derive(Clone, Copy, Debug)]
+pub struct Functions<'a> {
+    /// Points, level after level.
+    pub points: &'a [Point],
+    /// Clip planes of all points.
+    pub cuts: &'a [Cut],
+    /// Levels, coarsest first.
+    pub levels: &'a [Level],
+    /// [Reconstruction group](crate::rbn::groups) of each point; empty where all are of group 0.
+    pub groups: &'a [u32],
+}
+
+impl Functions<'_> {
+    /// Reconstruction group of point `i`.
+    #[inline]
+    pub fn group_of(&self, i: usize) -> u32 {
+        self.groups.get(i).copied().unwrap_or(0)
+    }
+}

@@ -1,12 +1,10 @@
 //! Parents and children (paper, section 2.1).
 
-use super::Lookup;
 use super::least_squares::make_linear;
+use super::{Functions, Lookup};
 use crate::interpolation::{Entry, Rows, pack_row};
 use crate::kernel::{LEAST_WEIGHT, weight};
 use crate::rbn::RbnError;
-use crate::rbn::bulk::{Cut, Point};
-use crate::rbn::meta::Level;
 
 /// Weighting of a point's parents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,13 +53,12 @@ impl Relations {
     /// # Errors
     /// [`RbnError::Invalid`] for an excess of functions in one place.
     pub fn new(
-        points: &[Point],
-        cuts: &[Cut],
-        levels: &[Level],
+        functions: &Functions<'_>,
         direct_levels: usize,
         weights: ParentWeights,
     ) -> Result<Self, RbnError> {
-        let lookup = Lookup::new(points, levels);
+        let &Functions { points, levels, .. } = functions;
+        let lookup = Lookup::new(functions);
         let crowded = |most: usize| {
             RbnError::invalid("PNTS", format!("functions lie on top of each other, over {most} in one place"))
         };
@@ -74,8 +71,9 @@ impl Relations {
         let mut relations = Self { push_offsets: vec![0], lookup, ..Self::default() };
         let mut row = Vec::new();
         for (l, level) in levels.iter().enumerate() {
-            for p in &points[level.first as usize..(level.first + level.count) as usize] {
-                let tested = parents(points, cuts, &relations.lookup, l, p, &mut row);
+            for i in level.first as usize..(level.first + level.count) as usize {
+                let p = &points[i];
+                let tested = parents(functions, &relations.lookup, l, i, &mut row);
                 tests = tests.checked_sub(tested).ok_or_else(|| crowded(MOST_TESTED))?;
                 if weights == ParentWeights::LeastSquares {
                     make_linear(p.normal(), &mut row, |k| points[k as usize].position() - p.position());
@@ -137,25 +135,25 @@ impl Relations {
     }
 }
 
-/// Fills `row` with the functions that cover point `p` on the finest covering level coarser than `level`, and their
-/// weights. Leaves `row` empty for an uncovered point. Returns the number of functions tested plus levels visited.
+/// Fills `row` with the functions of its group that cover point `i` on the finest covering level coarser than `level`, and
+/// their weights. Leaves `row` empty for an uncovered point. Returns the number of functions tested plus levels visited.
 #[inline(never)]
 fn parents(
-    points: &[Point],
-    cuts: &[Cut],
+    functions: &Functions<'_>,
     lookup: &Lookup,
     level: usize,
-    p: &Point,
+    i: usize,
     row: &mut Vec<(u32, f32)>,
 ) -> usize {
-    let (position, normal) = (p.position(), p.normal());
+    let &Functions { points, cuts, .. } = functions;
+    let (position, normal, group) = (points[i].position(), points[i].normal(), functions.group_of(i));
     let mut tested = 0;
     for l in (0..level).rev() {
         row.clear();
         let mut total = 0.0;
-        let functions = lookup.functions(l, position);
-        tested += functions.len() + 1;
-        for &j in functions {
+        let entries = lookup.entries(l, position);
+        tested += entries.len() + 1;
+        for j in entries.iter().filter(|entry| entry.group() == group).map(|entry| entry.function()) {
             let q = &points[j as usize];
             let offset = position - q.position();
             // Rejects by distance before the normals are unpacked.
@@ -179,6 +177,8 @@ fn parents(
 mod tests {
     use super::*;
     use crate::octahedral::pack_snorm16;
+    use crate::rbn::bulk::Point;
+    use crate::rbn::meta::Level;
     use glam::Vec3;
 
     /// Two levels of functions with spacing `apart` and a support radius of one unit.
@@ -194,21 +194,29 @@ mod tests {
         (points, vec![level(0, counts[0]), level(counts[0], counts[1])])
     }
 
+    fn functions<'a>(points: &'a [Point], levels: &'a [Level]) -> Functions<'a> {
+        Functions { points, cuts: &[], levels, groups: &[] }
+    }
+
     #[test]
     fn crowds_that_would_take_for_ever_are_refused() {
         for counts in [[2500, 2500], [2000, 200_000], [400, 400_000]] {
             let (points, levels) = crowd(counts, 1e-6);
-            let refused =
-                Relations::new(&points, &[], &levels, 2, ParentWeights::Shepard).unwrap_err().to_string();
+            let refused = Relations::new(&functions(&points, &levels), 2, ParentWeights::Shepard)
+                .unwrap_err()
+                .to_string();
             assert!(refused.contains("on top of each other"), "{counts:?}: {refused}");
         }
         // Densities of real scenes are accepted; so are a few coincident points.
         let (points, levels) = crowd([16_000, 16_000], 0.5);
-        let relations = Relations::new(&points, &[], &levels, 2, ParentWeights::Shepard).unwrap();
+        let relations = Relations::new(&functions(&points, &levels), 2, ParentWeights::Shepard).unwrap();
         assert!(relations.push_entries.len() > 4 * 16_000);
         let (points, levels) = crowd([100, 100], 0.0);
         assert_eq!(
-            Relations::new(&points, &[], &levels, 2, ParentWeights::Shepard).unwrap().push_entries.len(),
+            Relations::new(&functions(&points, &levels), 2, ParentWeights::Shepard)
+                .unwrap()
+                .push_entries
+                .len(),
             100 * 100
         );
     }

@@ -36,8 +36,11 @@ fn checksum(bytes: &[u8]) -> u32 {
 /// First eight bytes of a file.
 pub const MAGIC: [u8; 8] = *b"REBOUNCE";
 /// Current format version; the reader supports versions from [`WITHOUT_COPIES`] up. A file is written in the least
-/// version that supports its features.
-pub const VERSION: u32 = 10;
+/// version that supports its features. Without the feature `radiosity` files with [groups](super::groups) are too new,
+/// and [fixed solutions](super::light_groups) are not read.
+pub const VERSION: u32 = if cfg!(feature = "radiosity") { 11 } else { ONE_GROUP };
+/// Last version without [reconstruction groups](super::groups).
+pub const ONE_GROUP: u32 = 10;
 /// Last version whose lights are all [punctual](crate::light::LightKind::is_punctual). Parents in files from this
 /// version on have [linear weights](crate::basis::ParentWeights::LeastSquares).
 pub const PUNCTUAL_LIGHTS: u32 = 9;
@@ -47,6 +50,22 @@ pub const SHEPARD_WEIGHTS: u32 = 8;
 pub const WITHOUT_EXTRAS: u32 = 7;
 /// Version of files without instanced triangles and without extras.
 pub const WITHOUT_COPIES: u32 = 6;
+/// Sections that files have from a version on.
+pub const SINCE: &[([u8; 4], u32)] = &[
+    (*b"COPY", WITHOUT_EXTRAS),
+    (*b"INST", WITHOUT_EXTRAS),
+    (*b"MATX", SHEPARD_WEIGHTS),
+    #[cfg(feature = "radiosity")]
+    (*b"LGRP", ONE_GROUP),
+    #[cfg(feature = "radiosity")]
+    (*b"RGRP", VERSION),
+    #[cfg(feature = "radiosity")]
+    (*b"MGRP", VERSION),
+    #[cfg(feature = "radiosity")]
+    (*b"PGRP", VERSION),
+    #[cfg(feature = "radiosity")]
+    (*b"REFL", VERSION),
+];
 /// Alignment of sections, bytes: the strictest buffer-offset alignment of WebGPU.
 pub const ALIGNMENT: usize = 256;
 const HEADER: usize = 32;

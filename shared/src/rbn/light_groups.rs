@@ -10,7 +10,9 @@
 //! dark places as in bright ones.
 
 use super::RbnError;
-use super::limits::{LARGEST, MAX_BYTES, sane};
+#[cfg(feature = "radiosity")]
+use super::limits::sane;
+use super::limits::{LARGEST, MAX_BYTES};
 use crate::interpolation::{Rows, mean};
 use bincode::{Decode, Encode};
 use bytemuck::{Pod, Zeroable};
@@ -201,6 +203,7 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<LightGroup>, RbnError> {
 ///
 /// # Errors
 /// [`RbnError::Invalid`].
+#[cfg(feature = "radiosity")]
 pub(crate) fn check(all: &LightGroups, lights: usize, points: usize) -> Result<(), RbnError> {
     if all.groups.is_empty() && all.values.is_empty() {
         return Ok(());

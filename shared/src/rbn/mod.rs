@@ -4,6 +4,7 @@
 //! * [`meta`] – the small metadata (bincode);
 //! * [`extras`] – optional material properties; [`shown`] – names, and the ground under an object;
 //! * [`sources`] – the sky and emissive surfaces; [`light_groups`] – light of a fixed solution;
+//! * [`groups`] – reconstruction groups, and the nodes that may move;
 //! * [`bulk`] – the records of the bulk sections as they are in memory and on the GPU;
 //! * [`codec`] – packing of the sections in the file;
 //! * [`LinkMatrix`] – transport links by receiver;
@@ -15,6 +16,7 @@ pub mod bulk;
 pub mod codec;
 pub mod container;
 pub mod extras;
+pub mod groups;
 pub mod light_groups;
 pub mod limits;
 mod matrix;
@@ -39,6 +41,9 @@ pub const OPENNESS_SECTION: [u8; 4] = *b"OPEN";
 pub const SOURCE_SECTIONS: [[u8; 4]; 2] = [*b"SRCS", *b"SRCL"];
 /// Names of the optional sections of [light groups](light_groups) and of their values, after the sections above.
 pub const GROUP_SECTIONS: [[u8; 4]; 2] = [*b"LGRP", *b"LVAL"];
+/// Names of the optional sections of [reconstruction groups](groups), of the materials' and the points' groups, and of the
+/// points' reflectance, after the sections above.
+pub const RECONSTRUCTION_SECTIONS: [[u8; 4]; 4] = [*b"RGRP", *b"MGRP", *b"PGRP", *b"REFL"];
 /// Name of the optional section of names and ground, last: see [shown].
 pub const SHOWN_SECTION: [u8; 4] = *b"SHOW";
 

@@ -115,6 +115,8 @@ impl BlendedPass {
                 Slot::Read,
                 Slot::Depth,
                 Slot::Depth,
+                #[cfg(feature = "radiosity")]
+                Slot::Uniform,
             ];
             slots.extend(tinted.then_some(Slot::TextureLoad));
             layout(gpu, "blended", ShaderStages::VERTEX_FRAGMENT, &slots)
@@ -176,6 +178,8 @@ impl BlendedPass {
                 scene.upload.lookup.as_entire_binding(),
                 view(opaque),
                 view(depth),
+                #[cfg(feature = "radiosity")]
+                scene.upload.rest.as_entire_binding(),
             ];
             resources.extend(veil.tints.iter().map(|tints| view(&tints.before.1)));
             group(gpu, "blended", self.layout(gpu, veil.tints.is_some()), &resources)

@@ -206,11 +206,12 @@ impl Input {
         let level =
             self.supports.iter().position(|support| *support <= width).map_or(finest, |level| level + 1);
         for level in (0..level).rev() {
-            let covering = self.lookup.functions(level, place).iter().map(|j| {
-                let point = &self.points[*j as usize];
+            let covering = self.lookup.entries(level, place).iter().map(|entry| {
+                let j = entry.function();
+                let point = &self.points[j as usize];
                 let offset = place - point.position();
                 let is_cut = self.cuts[point.cuts()].iter().any(|cut| cut.ends(offset));
-                (*j, if is_cut { 0.0 } else { weight(offset, hit.normal, point.normal(), point.radius) })
+                (j, if is_cut { 0.0 } else { weight(offset, hit.normal, point.normal(), point.radius) })
             });
             let covering: Vec<(u32, f32)> = covering.filter(|(_, weight)| *weight > 0.0).collect();
             let total: f32 = covering.iter().map(|(_, weight)| weight).sum();

@@ -59,6 +59,10 @@ impl Renderer {
 
     fn update_relight(&mut self, encoder: &mut wgpu::CommandEncoder, scene: &GpuScene) {
         let shines = self.light_sources(scene);
+        #[cfg(feature = "radiosity")]
+        if let Some(moving) = &scene.moving {
+            moving.relit();
+        }
         if !shines && !self.shadows.lights().iter().any(|light| light.shines()) {
             scene.relight.clear(encoder);
             return;
@@ -70,6 +74,10 @@ impl Renderer {
             self.timing.as_mut().and_then(|t| t.stamps(Pass::Relight)).map(|s| s.compute(true, true));
         scene.relight.encode(encoder, &self.pipelines.relight, Some(self.shadows.group()), stamps);
         self.relights += 1;
+        #[cfg(feature = "radiosity")]
+        if let (Some(moving), Some(pipelines)) = (&scene.moving, self.pipelines.radiosity.get()) {
+            moving.show(&self.gpu, encoder, pipelines, &scene.relight);
+        }
     }
 
     /// Draws the changed parts of the interactive picture, or a further picture for its average.

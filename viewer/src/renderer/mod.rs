@@ -4,6 +4,7 @@
 //! * `state` – settings: camera, exposure, mode, overlay;
 //! * `lighting` – lights, environment;
 //! * `frame` – the passes;
+//! * `moving` – nodes that move;
 //! * `read` – pictures read back;
 //! * `pipelines` – the pipelines of all passes, once a device;
 //! * `target` – everything of one picture size;
@@ -12,6 +13,8 @@
 
 mod frame;
 mod lighting;
+#[cfg(feature = "radiosity")]
+mod moving;
 pub mod pace;
 pub mod pipelines;
 mod read;
@@ -116,6 +119,8 @@ pub struct Renderer {
     lights_evaluated: u64,
     blended_layers: u64,
     still: CachedDirectLight,
+    #[cfg(feature = "radiosity")]
+    slice: moving::Slice,
 }
 
 impl Renderer {
@@ -176,6 +181,8 @@ impl Renderer {
             lights_evaluated: 0,
             blended_layers: 0,
             still: CachedDirectLight::default(),
+            #[cfg(feature = "radiosity")]
+            slice: moving::Slice::default(),
         }
     }
 
@@ -221,6 +228,10 @@ impl Renderer {
 
     /// True if [`Renderer::draw`] would change the picture.
     pub fn needs_frame(&self) -> bool {
+        #[cfg(feature = "radiosity")]
+        if self.is_solving() {
+            return true;
+        }
         self.dirty.any() || self.sketched() || self.refining()
     }
 
@@ -347,6 +358,8 @@ impl Renderer {
         self.collect_times();
         self.viewed = false;
         self.update_lights(&mut encoder, &scene, Some(full), self.mode);
+        #[cfg(feature = "radiosity")]
+        self.solve(&mut encoder, &scene);
         self.update_picture(&mut encoder, &scene, &mut target);
         self.pipelines.composite.present(&self.gpu, &mut encoder, &target.picture.present, view, format);
         self.draw_overlay(&mut encoder, &scene, &target, view, format, full);

@@ -10,8 +10,12 @@ use crate::passes::overlay::OverlayPass;
 use crate::passes::shadow::ShadowPipelines;
 use crate::scene::Loaders;
 use crate::scene::materials::material_layout;
+#[cfg(feature = "radiosity")]
+use crate::scene::radiosity::RadiosityPipelines;
 use crate::scene::relight::RelightPipelines;
 use crate::scene::textures::Mips;
+#[cfg(feature = "radiosity")]
+use std::cell::OnceCell;
 use std::cell::RefCell;
 use std::rc::Rc;
 use wgpu::TextureFormat;
@@ -34,6 +38,9 @@ pub struct Pipelines {
     pub composite: CompositePass,
     /// Mip levels.
     pub mips: Mips,
+    /// Radiosity; made for the first scene that takes it.
+    #[cfg(feature = "radiosity")]
+    pub radiosity: OnceCell<RadiosityPipelines>,
     overlay: RefCell<Vec<Rc<OverlayPass>>>,
 }
 
@@ -52,6 +59,8 @@ impl Pipelines {
             blended: BlendedPass::new(&material, &shadow.layout),
             composite: CompositePass::new(gpu, &shadow.layout),
             mips: Mips::new(gpu),
+            #[cfg(feature = "radiosity")]
+            radiosity: OnceCell::new(),
             overlay: RefCell::default(),
             material,
             shadow,
@@ -62,7 +71,13 @@ impl Pipelines {
 
     /// Layouts and pipelines for loading scenes.
     pub fn loaders(&self) -> Loaders<'_> {
-        Loaders { material: &self.material, mips: &self.mips, relight: &self.relight }
+        Loaders {
+            material: &self.material,
+            mips: &self.mips,
+            relight: &self.relight,
+            #[cfg(feature = "radiosity")]
+            radiosity: &self.radiosity,
+        }
     }
 
     /// Overlay pipelines for this target format; created on first use.

@@ -44,6 +44,8 @@ impl Renderer {
         let [mut before, mut out] = [average("indirect before"), average("indirect")];
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.update_lights(&mut encoder, &scene, None, Mode::Indirect);
+        #[cfg(feature = "radiosity")]
+        self.solve_all(&mut encoder, &scene);
         // One submission per picture: uniforms differ.
         for picture in 0..PICTURES {
             std::mem::swap(&mut before, &mut out);
@@ -92,6 +94,8 @@ impl Renderer {
         let view = out.create_view(&Default::default());
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         self.update_lights(&mut encoder, &scene, Some([width, height]), self.mode);
+        #[cfg(feature = "radiosity")]
+        self.solve_all(&mut encoder, &scene);
         // One submission per picture: uniforms differ.
         for picture in 0..self.still_pictures {
             self.draw_view(&mut encoder, &scene, &mut target, Sample::of(picture), false);

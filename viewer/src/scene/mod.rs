@@ -3,6 +3,7 @@
 //! * here: the scene;
 //! * `upload` – the file's sections in buffers;
 //! * `relight` – one frame of bounced light at its points;
+//! * `moving`, `radiosity` – nodes that move, and the bounced light that follows them;
 //! * `materials`, `textures` – a bind group per material, mip levels;
 //! * `draw_batch`, `fronts` – draw calls, and the winding of their triangles;
 //! * `triangles` – the surfaces on the CPU, for ray casts;
@@ -17,6 +18,10 @@ pub mod extent;
 mod fronts;
 pub(crate) mod ground;
 pub mod materials;
+#[cfg(feature = "radiosity")]
+pub mod moving;
+#[cfg(feature = "radiosity")]
+pub mod radiosity;
 pub mod relight;
 pub mod sky;
 pub mod textures;
@@ -26,15 +31,23 @@ pub mod view;
 
 use crate::error::ViewerError;
 use crate::gpu::Gpu;
+#[cfg(feature = "radiosity")]
+use crate::gpu::scope::Scope;
 use extent::Extent;
 use glam::Vec3;
 use materials::Materials;
+#[cfg(feature = "radiosity")]
+use moving::Moving;
+#[cfg(feature = "radiosity")]
+use radiosity::RadiosityPipelines;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::Light;
 use rebounce_shared::openness::REACH;
 use rebounce_shared::rbn::meta::Meta;
 use rebounce_shared::rbn::sources::Sources;
 use relight::{Relight, RelightPipelines};
+#[cfg(feature = "radiosity")]
+use std::cell::OnceCell;
 use std::ops::Range;
 use textures::Mips;
 use upload::Upload;
@@ -47,6 +60,9 @@ pub struct Loaders<'a> {
     pub mips: &'a Mips,
     /// Relighting.
     pub relight: &'a RelightPipelines,
+    /// Radiosity; made for the first scene that takes it.
+    #[cfg(feature = "radiosity")]
+    pub radiosity: &'a OnceCell<RadiosityPipelines>,
 }
 
 /// A scene on the GPU, with its metadata on the CPU.
@@ -61,6 +77,9 @@ pub struct GpuScene {
     pub materials: Materials,
     /// Relighting.
     pub relight: Relight,
+    /// Nodes that move, of a scene for radiosity.
+    #[cfg(feature = "radiosity")]
+    pub moving: Option<Moving>,
     /// Points of each level.
     pub levels: Vec<Range<u32>>,
     /// Number of links, page marks included.
@@ -75,6 +94,8 @@ pub struct GpuScene {
     pub near: f32,
     /// Bounds for shadow maps.
     pub extent: Extent,
+    /// Whether there are reconstruction groups: functions are looked up then, not splatted.
+    pub is_grouped: bool,
 }
 
 impl GpuScene {
@@ -89,11 +110,24 @@ impl GpuScene {
     /// [`ViewerError::TooLarge`] before the first upload, [`ViewerError::Texture`], [`ViewerError::OutOfMemory`],
     /// or [`ViewerError::Internal`] for any other refusal by the device.
     pub async fn upload(gpu: &Gpu, loaders: Loaders<'_>, scene: BakedScene) -> Result<Self, ViewerError> {
-        let (upload, relight) = gpu.watch(|| {
+        let (upload, relight, moving) = gpu.watch(|| {
             let upload = Upload::new(gpu, &scene)?;
-            let relight = Relight::new(gpu, loaders.relight, &upload, &scene);
-            Ok::<_, ViewerError>((upload, relight))
+            #[cfg(feature = "radiosity")]
+            if scene.is_unlinked() {
+                let own = Scope::new(gpu);
+                let points = moving::points(&own, &scene);
+                let relight = Relight::new(gpu, loaders.relight, &upload, &points, &scene);
+                let moving = Moving::new(gpu, &loaders, (&upload, &relight), (own, &points), &scene);
+                return Ok::<_, ViewerError>((upload, relight, Some(moving?)));
+            }
+            let relight = Relight::new(gpu, loaders.relight, &upload, &upload.points, &scene);
+            #[cfg(feature = "radiosity")]
+            return Ok((upload, relight, None));
+            #[cfg(not(feature = "radiosity"))]
+            Ok::<_, ViewerError>((upload, relight, ()))
         })?;
+        #[cfg(not(feature = "radiosity"))]
+        let () = moving;
         let materials = Materials::new(gpu, loaders.material, loaders.mips, &scene).await?;
         gpu.settle().await;
         gpu.check()?;
@@ -115,10 +149,13 @@ impl GpuScene {
             upload,
             materials,
             relight,
+            #[cfg(feature = "radiosity")]
+            moving,
             finest_radius,
             open_reach: if scene.openness.is_empty() { 0.0 } else { REACH * finest_support },
             near,
             extent,
+            is_grouped: !scene.groups.is_empty(),
         })
     }
 }

@@ -8,7 +8,7 @@
 use super::draw_batch::DrawBatch;
 use glam::{Affine3A, Vec3, Vec3A};
 use rebounce_shared::rbn::bulk::{Instance, Vertex};
-use std::cell::{Cell, OnceCell};
+use std::cell::{Cell, OnceCell, RefCell};
 
 /// Triangles in one chunk.
 const CHUNK: usize = 256;
@@ -42,7 +42,7 @@ struct Boxes {
 pub struct Triangles {
     positions: Vec<Vec3>,
     indices: Vec<u32>,
-    instances: Vec<Instance>,
+    instances: RefCell<Vec<Instance>>,
     runs: Vec<DrawBatch>,
     /// Created by the first query.
     boxes: OnceCell<Vec<Boxes>>,
@@ -69,7 +69,13 @@ impl Triangles {
         runs: Vec<DrawBatch>,
     ) -> Self {
         let positions = vertices.iter().map(|vertex| vertex.position.into()).collect();
-        Self { positions, indices, instances, runs, boxes: OnceCell::new() }
+        Self { positions, indices, instances: instances.into(), runs, boxes: OnceCell::new() }
+    }
+
+    /// Replaces the instances after the identity.
+    #[cfg(feature = "radiosity")]
+    pub fn set_instances(&self, instances: &[Instance]) {
+        self.instances.borrow_mut()[1..].copy_from_slice(instances);
     }
 
     /// Returns the nearest front-facing hit before `most` along a ray of unit direction.
@@ -124,7 +130,8 @@ impl Triangles {
         };
         for (run, boxes) in self.runs.iter().zip(self.boxes.get_or_init(|| self.bounds())) {
             let indices = &self.indices[run.indices.start as usize..run.indices.end as usize];
-            for instance in &self.instances[run.instances.start as usize..run.instances.end as usize] {
+            let instances = self.instances.borrow();
+            for instance in &instances[run.instances.start as usize..run.instances.end as usize] {
                 let to = instance.local_from_model();
                 if !meets(&boxes.whole, &to) {
                     continue;
@@ -149,7 +156,8 @@ impl Triangles {
     pub fn each(&self, mut each: impl FnMut(&DrawBatch, [u32; 3], [Vec3; 3])) {
         for run in &self.runs {
             let indices = &self.indices[run.indices.start as usize..run.indices.end as usize];
-            for instance in &self.instances[run.instances.start as usize..run.instances.end as usize] {
+            let instances = self.instances.borrow();
+            for instance in &instances[run.instances.start as usize..run.instances.end as usize] {
                 let to = instance.local_from_model();
                 for corners in indices.as_chunks::<3>().0 {
                     each(run, *corners, corners.map(|i| to.transform_point3(self.positions[i as usize])));

@@ -59,6 +59,9 @@ pub struct Upload {
     pub gains: wgpu::Buffer,
     /// Candidate functions by place ([`rebounce_shared::basis::Lookup`]).
     pub lookup: wgpu::Buffer,
+    /// By reconstruction group, the matrix from where it is to where the file has it: at_rest.wgsl.
+    #[cfg(feature = "radiosity")]
+    pub rest: wgpu::Buffer,
     /// Offsets of the push rows.
     pub push_offsets: wgpu::Buffer,
     /// Entries of the push rows.
@@ -127,6 +130,12 @@ impl Upload {
             cuts: stored("CUTS", bytemuck::cast_slice(&scene.cuts)),
             gains: stored("OPEN", bytemuck::cast_slice(&gains)),
             lookup: stored("PNTS", cast(&relations.lookup.words)),
+            #[cfg(feature = "radiosity")]
+            rest: section(
+                "RGRP",
+                BufferUsages::UNIFORM,
+                bytemuck::cast_slice(&[Instance::IDENTITY; rebounce_shared::rbn::groups::MAX_GROUPS + 1]),
+            ),
             push_offsets: stored("PNTS", cast(&relations.push_offsets)),
             push_entries: stored("PNTS", bytemuck::cast_slice(&relations.push_entries)),
             pull_offsets: stored("PNTS", cast(&relations.pull_offsets)),

@@ -8,8 +8,6 @@
 @group(0) @binding(7) var opaque_depth: texture_depth_2d;
 // For `next` that of the layer before, for `fragment` that of the layer itself.
 @group(0) @binding(8) var layer_depth: texture_depth_2d;
-// What the layers in front let through.
-@group(0) @binding(9) var through_before: texture_2d<f32>;
 
 // Half a step of 8 bits: what covers less is no layer.
 const LEAST_ALPHA = 0.002;
@@ -43,16 +41,20 @@ fn next(in: Out) -> @builtin(frag_depth) f32 {
 }
 
 // The bounced light at a place, as find.wgsl and gather.wgsl have it for the pixels of the G-buffer.
-fn bounced_at(position: vec3f, normal: vec3f) -> mat2x3f {
+fn bounced_at(place: vec3f, facing: vec3f) -> mat2x3f {
+    let group = group_of(material.index);
+    let position = at_rest(vec4f(place, 1.0), group);
+    let normal = at_rest(vec4f(facing, 0.0), group);
     for (var level = lookup[0]; level > 0u; level--) {
         let list = bucket(level - 1u, position);
         var sum = vec3f(0.0);
         var total = 0.0;
         var tilt = vec4f(0.0);
         for (var at = list.x; at < list.y; at++) {
-            let w = cover(lookup[at], position, normal);
-            if w > 0.0 {
-                let function = display[lookup[at]];
+            let j = function_of(lookup[at]);
+            let w = cover(j, position, normal);
+            if w > 0.0 && belongs(lookup[at], group) {
+                let function = display[j];
                 sum += w * function.xyz;
                 total += w;
                 tilt += vec4f(tilt_unpack(function.w), 1.0) * (w * tilt_weight(function.xyz));

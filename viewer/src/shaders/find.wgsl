@@ -40,21 +40,27 @@ fn replace_smallest(slot: u32, entry: u32) {
     }
 }
 
-// Writes the row of a place: the functions of the finest level that covers it. Whether something is near one of them.
-fn write_row(slot: u32, place: Place) -> bool {
+// Writes the row of a place: the functions of its group on the finest level that covers it. Whether something is near one
+// of them.
+fn write_row(slot: u32, place: Place, group: u32) -> bool {
     var most = 1.0;
     var count = 0u;
     var looks = 0u;
     var kernels = 0u;
+    let position = at_rest(vec4f(place.position, 1.0), group);
+    let normal = at_rest(vec4f(place.normal, 0.0), group);
     if place.present {
         for (var level = lookup[0]; level > 0u; level--) {
-            let list = bucket(level - 1u, place.position);
+            let list = bucket(level - 1u, position);
             looks += list.y - list.x;
             var total = 0.0;
             count = 0u;
             for (var at = list.x; at < list.y; at++) {
-                let j = lookup[at];
-                let w = cover(j, place.position, place.normal);
+                if !belongs(lookup[at], group) {
+                    continue;
+                }
+                let j = function_of(lookup[at]);
+                let w = cover(j, position, normal);
                 kernels += u32(w >= 0.0);
                 if w <= 0.0 {
                     continue;
@@ -87,7 +93,7 @@ fn write_row(slot: u32, place: Place) -> bool {
 fn fill(slot: u32, pixel: vec2u, place: Place) {
     var near = true;
     if ROWS {
-        near = write_row(slot, place);
+        near = write_row(slot, place, group_at(pixel));
     }
     open[slot] = 1.0;
     if near {

@@ -4,12 +4,12 @@
 pub type Source = &'static [&'static str];
 
 macro_rules! modules {
-    ($($(#[$doc:meta])* $name:ident: $($part:literal)+;)+) => {
-        $($(#[$doc])* pub const $name: Source =
+    ($($(#[doc = $doc:literal])+ $(#[cfg($when:meta)])? $name:ident: $($part:literal)+;)+) => {
+        $($(#[doc = $doc])+ $(#[cfg($when)])? pub const $name: Source =
             &[$(include_str!(concat!(env!("OUT_DIR"), "/", $part, ".wgsl"))),+];)+
 
         /// All modules with their names.
-        pub const ALL: &[(&str, Source)] = &[$((stringify!($name), $name)),+];
+        pub const ALL: &[(&str, Source)] = &[$($(#[cfg($when)])? (stringify!($name), $name)),+];
     };
 }
 
@@ -39,12 +39,21 @@ modules! {
     /// G-buffer.
     GBUFFER: "octahedral" "frame" "material" "detail" "model" "mesh" "gbuffer";
     /// Blended surfaces, layer by layer.
-    BLENDED: "octahedral" "frame" "material" "detail" "passage" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "lights" "lights_third"
+    #[cfg(feature = "radiosity")]
+    BLENDED: "octahedral" "frame" "material" "detail" "passage" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "groups" "rest_blended" "at_rest" "lights" "lights_third"
         "area" "visibility" "penumbra" "tilt" "surface" "brdf" "reflect" "blended";
     /// The functions that cover each pixel.
-    FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place" "slots" "openness" "find";
+    #[cfg(feature = "radiosity")]
+    FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "groups" "rest_find" "at_rest" "frame" "place" "group" "slots" "openness" "find";
+    /// Blended surfaces, layer by layer.
+    #[cfg(not(feature = "radiosity"))]
+    BLENDED: "octahedral" "frame" "material" "detail" "passage" "model" "mesh" "point" "kernel" "cuts" "cover" "lookup" "one_group" "through" "lights" "lights_third"
+        "area" "visibility" "penumbra" "tilt" "surface" "brdf" "reflect" "blended";
+    /// The functions that cover each pixel.
+    #[cfg(not(feature = "radiosity"))]
+    FIND: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "one_group" "frame" "place" "slots" "openness" "find";
     /// As [`FIND`], for places that another renderer draws.
-    FIND_GIVEN: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "frame" "place_given" "slots" "openness" "find";
+    FIND_GIVEN: "octahedral" "point" "kernel" "cuts" "cover" "lookup" "any_group" "frame" "place_given" "slots" "openness" "find";
     /// Bounced irradiance of another renderer's pixels.
     IRRADIANCE: "frame" "slots" "tilt" "bounced" "fullscreen" "irradiance";
     /// Surfaces at the hits of probes' rays.
@@ -73,6 +82,21 @@ modules! {
     PRESENT: "fullscreen" "smooth" "present";
     /// Mip levels.
     MIPS: "fullscreen" "mips";
+    /// Radiosity: irradiance of receivers by rays.
+    #[cfg(feature = "radiosity")]
+    GATHER_LIGHT: "octahedral" "point" "kernel" "cuts" "lookup" "groups" "radiosity_pass" "bvh" "hemisphere" "reconstruct" "gather_light";
+    /// Radiosity: light of coarse levels on finer ones.
+    #[cfg(feature = "radiosity")]
+    PULL_DOWN: "link" "radiosity_pass" "pull_down";
+    /// Radiosity: mean of a bounce.
+    #[cfg(feature = "radiosity")]
+    BOUNCE_MEAN: "radiosity_pass" "bounce_mean";
+    /// Radiosity: light of a solution for display.
+    #[cfg(feature = "radiosity")]
+    SHOW_LIGHT: "radiosity_pass" "show_light";
+    /// Radiosity: light that points send.
+    #[cfg(feature = "radiosity")]
+    SEND_LIGHT: "colour" "radiosity_pass" "send_light";
     /// Dots over the picture.
     OVERLAY: "point" "frame" "overlay";
     /// The lights' handles.

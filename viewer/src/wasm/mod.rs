@@ -4,6 +4,7 @@
 //!   * `settings` – settings;
 //!   * `input` – pointers, wheel, keys;
 //!   * `read` – pictures, counts and statistics;
+//!   * `nodes` – nodes that move;
 //!   * `shared` – the page's device; `callbacks` – what the page is told;
 //! * `wire` – cameras and lights as lists of numbers;
 //! * `page` – errors and promises; `math` – the page's sine.
@@ -16,6 +17,8 @@ mod callbacks;
 #[cfg(feature = "element")]
 mod input;
 mod math;
+#[cfg(all(feature = "element", feature = "radiosity"))]
+mod nodes;
 pub mod page;
 #[cfg(feature = "element")]
 mod read;

@@ -18,6 +18,10 @@ use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 use web_sys::HtmlCanvasElement;
 
+/// Milliseconds of a frame that computes a slice of bounced light.
+#[cfg(feature = "radiosity")]
+const SOLVING_BUDGET: f64 = 12.0;
+
 /// A view of a baked scene on a canvas.
 #[wasm_bindgen]
 pub struct Viewer {
@@ -201,6 +205,10 @@ impl Viewer {
             let _ = finished.await;
             let taken = js_sys::Date::now() - start;
             done(taken);
+            #[cfg(feature = "radiosity")]
+            if let Some(state) = held.upgrade() {
+                state.borrow_mut().renderer.add_solving_time(taken, SOLVING_BUDGET);
+            }
             if let (Some(way), Some(state)) = (untimed, held.upgrade()) {
                 state.borrow_mut().renderer.add_time(way, taken);
             }

@@ -10,7 +10,7 @@ import { tell } from "../element/events.js";
 import { Failure, failureOf, isFatal, sentence, unsupported, wanted } from "../wire/failure.js";
 import { History } from "./history.js";
 import { Losses } from "./losses.js";
-import type { Viewer } from "./module.js";
+import { wantsRadiosity, type Viewer } from "./module.js";
 import { gestures } from "../input/gesture.js";
 import { OnScreen } from "../element/onscreen.js";
 import { PanelSlot } from "../panel/slot.js";
@@ -39,6 +39,8 @@ export class Engine {
   pending: Pending = {};
   #element: RebounceViewer;
   #viewer: Viewer | undefined;
+  /** Whether it shows files whose bounced light comes not from links alone, too. */
+  #radiosity = false;
   #panel: PanelSlot;
   #changes = new Changes();
   /** Ends what belongs to the present canvas and viewer. */
@@ -185,11 +187,18 @@ export class Engine {
     const url = element.src;
     let shown = false;
     // It is made beside the download or the bake.
-    const viewerMade = this.#getViewer();
+    let viewerMade = this.#getViewer();
     // If the file fails first, nobody waits for the viewer any more.
     viewerMade.catch(() => undefined);
     const show = async (bytes: Uint8Array | Promise<Uint8Array>) => {
-      const [viewer, file] = await Promise.all([viewerMade, bytes]);
+      const file = await bytes;
+      signal.throwIfAborted();
+      if (!this.#radiosity && wantsRadiosity(file)) {
+        this.#radiosity = true;
+        this.#end();
+        viewerMade = this.#getViewer();
+      }
+      const viewer = await viewerMade;
       signal.throwIfAborted();
       // The view of a preview stays.
       if (shown) this.#keep();
@@ -285,7 +294,7 @@ export class Engine {
       gesture: gestures((began) => this.ready && this.history.gesture(began)),
       reset: () => this.#element.resetView(),
     };
-    const viewer = await openViewer(this.tree.canvas, host, signal);
+    const viewer = await openViewer(this.tree.canvas, host, signal, this.#radiosity);
     if (signal.aborted) {
       closeViewer(viewer);
       throw new DOMException("the element was removed", "AbortError");

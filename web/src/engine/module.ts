@@ -1,15 +1,18 @@
-/** The wasm module, loaded once for all elements of a page. */
+/** The renderer's wasm modules, each loaded once for all elements of a page. */
 
 import init, { Viewer } from "../rebounce_viewer.js";
-import { Failure } from "../wire/failure.js";
+import { Failure, wanted } from "../wire/failure.js";
 
 /** The build writes the hash of the wasm file here, so that no other one is run. */
 const WASM = "sha256-of-the-wasm";
 
 let loading: Promise<unknown> | undefined;
 
-/** Makes a viewer on a canvas. Rejects with an error whose `code` says what is missing. */
-export async function createViewer(canvas: HTMLCanvasElement): Promise<Viewer> {
+/** Whether a file's bounced light comes not from links alone: its table of sections names others (docs/format/rbn.md). */
+export const wantsRadiosity = (file: Uint8Array): boolean => /LGRP|[MR]GRP|REFL/.test(String.fromCharCode(...file.subarray(32, 2080)));
+
+/** Makes a viewer on a canvas, of all files or of those with links alone. Rejects with an error whose `code` says what is missing. */
+export async function createViewer(canvas: HTMLCanvasElement, radiosity: boolean): Promise<Viewer> {
   if (!("gpu" in navigator) || !navigator.gpu) {
     throw new Failure(
       "no-webgpu",
@@ -18,6 +21,7 @@ export async function createViewer(canvas: HTMLCanvasElement): Promise<Viewer> {
         : "WebGPU needs a secure page: open this one over https, or from localhost.",
     );
   }
+  if (radiosity) return (await wanted(import("../radiosity.js"), "renderer of radiosity")).createViewer(canvas);
   loading ??= init({ module_or_path: fetch(new URL("rebounce_viewer_bg.wasm", import.meta.url), { integrity: WASM }) });
   try {
     await loading;

@@ -15,9 +15,9 @@ export interface SessionHost extends Input {
   linked(): void;
 }
 
-/** Makes a viewer and listens until the signal aborts. Rejects with a `Failure`. */
-export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, signal: AbortSignal): Promise<Viewer> {
-  const viewer: Viewer = await createViewer(canvas);
+/** Makes a viewer, of all files or of those with links alone, and listens until the signal aborts. Rejects with a `Failure`. */
+export async function openViewer(canvas: HTMLCanvasElement, host: SessionHost, signal: AbortSignal, radiosity: boolean): Promise<Viewer> {
+  const viewer: Viewer = await createViewer(canvas, radiosity);
   viewer.onchange = () => host.changed();
   viewer.ondevicelost = (message: string) => signal.aborted || host.failed(new Failure("device-lost", message));
   listen(canvas, host, signal);

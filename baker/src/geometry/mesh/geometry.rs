@@ -8,8 +8,10 @@ use crate::scene::{InstancedMesh, Scene, SceneError, detail, needed, union};
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::motion::Motions;
 use rebounce_shared::octahedral;
 use rebounce_shared::rbn::bulk::Instance;
+use rebounce_shared::rbn::groups::Groups;
 use rebounce_shared::rbn::meta::{Alpha, Material};
 use std::collections::HashSet;
 use std::ops::Range;
@@ -48,6 +50,8 @@ pub struct Surface {
     pub is_unlit: bool,
     /// Transmission in addition to alpha.
     pub glass: Option<Box<Glass>>,
+    /// [Reconstruction group](rebounce_shared::rbn::groups) of the triangles with the material.
+    pub group: u32,
 }
 
 /// A model: triangles in model space, and the transforms of the copies.
@@ -73,7 +77,7 @@ pub struct Geometry {
 }
 
 impl Surface {
-    /// Prepares a material. `texture` returns textures by number.
+    /// Prepares a material of group 0. `texture` returns textures by number.
     pub fn new(material: &Material, texture: impl Fn(u32) -> Option<Sampler>) -> Self {
         let [r, g, b, a] = material.base_color;
         let glass = Glass::new(material, &texture);
@@ -102,6 +106,7 @@ impl Surface {
             emission_texture,
             is_unlit: material.extras.unlit,
             glass,
+            group: 0,
         }
     }
 
@@ -256,7 +261,12 @@ impl Geometry {
 /// Prepares the materials of a scene.
 fn surfaces(scene: &Scene) -> Vec<Surface> {
     let texture = |t: u32| scene.textures[t as usize].sampler();
-    scene.materials.iter().map(|m| Surface::new(m, texture)).collect()
+    of_groups(&scene.groups, scene.materials.iter().map(|m| Surface::new(m, texture)))
+}
+
+/// Gives prepared materials their reconstruction groups.
+fn of_groups(groups: &Groups, surfaces: impl Iterator<Item = Surface>) -> Vec<Surface> {
+    (0..).zip(surfaces).map(|(i, surface)| Surface { group: groups.of_material(i), ..surface }).collect()
 }
 
 impl From<&Scene> for Geometry {
@@ -266,14 +276,14 @@ impl From<&Scene> for Geometry {
     }
 }
 
-impl TryFrom<&BakedScene> for Geometry {
-    type Error = SceneError;
-
-    /// Decodes the textures of a baked file for light transport and for emission.
+impl Geometry {
+    /// Geometry of a baked file whose groups are where `motions` have them. Decodes the textures for light transport and for
+    /// emission.
     ///
     /// # Errors
     /// [`SceneError::Texture`] if a picture for light transport cannot be decoded.
-    fn try_from(scene: &BakedScene) -> Result<Self, SceneError> {
+    pub fn of_baked(scene: &BakedScene, motions: &Motions) -> Result<Self, SceneError> {
+        let instances = scene.moved_instances(motions);
         let materials = &scene.meta.materials;
         let needed: HashSet<u32> = materials.iter().flat_map(needed::of_light).collect();
         let used: HashSet<u32> = materials.iter().filter_map(needed::of_emission).collect();
@@ -317,7 +327,7 @@ impl TryFrom<&BakedScene> for Geometry {
         for (number, draw) in alone.chain(copied) {
             let (first, copies) = (triangles.len(), stands(number));
             if !copies.is_empty() && copies != last {
-                let local_from_model = scene.instances[copies.clone()].iter().map(Instance::local_from_model);
+                let local_from_model = instances[copies.clone()].iter().map(Instance::local_from_model);
                 models.push(Placed { triangles: first..first, local_from_model: local_from_model.collect() });
                 last = copies;
             }
@@ -339,7 +349,7 @@ impl TryFrom<&BakedScene> for Geometry {
             triangles,
             models,
             colors: Vec::new(),
-            surfaces: scene.meta.materials.iter().map(|m| Surface::new(m, texture)).collect(),
+            surfaces: of_groups(&scene.groups, materials.iter().map(|m| Surface::new(m, texture))),
         })
     }
 }

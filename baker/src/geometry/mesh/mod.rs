@@ -34,6 +34,7 @@ use blas::{Blas, LocalRay, TWO_SIDED};
 use geometry::{Placed, Surface};
 use glam::Vec3;
 use rebounce_shared::baked::BakedScene;
+use rebounce_shared::motion::Motions;
 use tlas::{Instance, Tlas};
 use triangle::TriangleHit;
 
@@ -165,7 +166,15 @@ impl TriangleSurfaces {
     /// # Errors
     /// [`SceneError::Texture`] if a picture for light transport cannot be decoded.
     pub fn from_baked(scene: &BakedScene) -> Result<Self, SceneError> {
-        Ok(Self::new(Geometry::try_from(scene)?))
+        Self::from_moved(scene, &Motions::default())
+    }
+
+    /// As [`Self::from_baked`], with groups where `motions` have them.
+    ///
+    /// # Errors
+    /// [`SceneError::Texture`] if a picture for light transport cannot be decoded.
+    pub fn from_moved(scene: &BakedScene, motions: &Motions) -> Result<Self, SceneError> {
+        Ok(Self::new(Geometry::of_baked(scene, motions)?))
     }
 
     /// Returns the number of triangles, with a model counted once.
@@ -224,7 +233,17 @@ impl TriangleSurfaces {
             true => None,
             false => self.emitter_at(&found).map(HitEmitter::Surface),
         };
-        Hit { distance: m.distance, position, geometric_normal, normal, albedo, emission, emitter, is_unlit }
+        Hit {
+            distance: m.distance,
+            position,
+            geometric_normal,
+            normal,
+            albedo,
+            emission,
+            emitter,
+            is_unlit,
+            group: surface.group,
+        }
     }
 
     /// Returns the distance of the nearest hit: the traversal of [`Surfaces::cast`] without shading.

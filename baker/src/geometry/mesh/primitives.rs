@@ -53,6 +53,7 @@ impl Primitives for TriangleSurfaces {
             normal: if place.is_back { -normal } else { normal },
             albedo: surface.albedo(color, uv, look.share(spanned) * area),
             opacity: surface.opacity(color, uv),
+            group: surface.group,
         }
     }
 

@@ -87,10 +87,15 @@ fn collapse(patch: &mut Patch, vertex: u32, ring: &mut Ring) -> Option<()> {
     // A vertex on two seams only moves along the seams.
     let neighbours = if ring.seams.is_empty() { &ring.ends[..] } else { &ring.seams };
     let least = sectors.iter().map(|sector| sector.roundness).fold(ROUND_ENOUGH, f32::min);
-    let mut candidates: SmallVec<[(f32, u32); MOST]> =
-        neighbours.iter().map(|to| (roundness_after(patch, ring, &sectors, *to), *to)).collect();
-    candidates.retain(|candidate| candidate.0 > 0.0 && candidate.0 >= least);
-    candidates.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    // The roundest first.
+    let mut candidates: SmallVec<[(f32, u32); MOST]> = SmallVec::new();
+    for to in neighbours {
+        let own = (roundness_after(patch, ring, &sectors, *to), *to);
+        if own.0 > 0.0 && own.0 >= least {
+            let is_before = |other: &(f32, u32)| other.0 > own.0 || (other.0 == own.0 && other.1 < own.1);
+            candidates.insert(candidates.partition_point(is_before), own);
+        }
+    }
     let (to, after) = candidates.iter().find_map(|&(_, to)| {
         let after = corners_after(patch, vertex, ring, &sectors, to)?;
         stays_a_surface(patch, ring, to).then_some((to, after))

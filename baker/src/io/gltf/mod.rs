@@ -7,6 +7,7 @@
 //!   selection; `merge` – merging of equal materials;
 //! * `primitive`, `mesh` – triangles in mesh space; `rest` – morph targets and skins;
 //! * `instances`, `place` – world-space placement; `choice` – scene selection; `notes` – messages about a file; `node`, `pose` – transforms and cameras;
+//! * `groups` – reconstruction groups;
 //! * `light`, `light_group`, `punctual`, `area_light`, `image_based`, `enclosed` – lights, and lamps enclosed by a mesh; `animation` – animated lights.
 
 mod accessor;
@@ -20,6 +21,7 @@ mod draco;
 mod enclosed;
 mod exact;
 mod extensions;
+mod groups;
 mod image_based;
 mod instances;
 mod light;
@@ -44,6 +46,7 @@ mod transmission;
 use super::Files;
 use super::files::Disk;
 use super::options::{LoadOptions, UNUSED_ALBEDO};
+use crate::scene::groups::{GroupedMeshes, NodeGroups};
 use crate::scene::world_mesh::WorldMesh;
 use crate::scene::{Scene, SceneError};
 use enclosed::Lamps;
@@ -113,8 +116,10 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     }
     let mut materials = material::Materials::new(source, options.albedo);
     let mut mesh = WorldMesh::default();
-    let groups = light_group::names(source, &nodes, &options.light_groups, &mut told);
-    let seen = place_all(source, (&nodes, &groups), &mut materials, &mut lamps, &mut mesh, &mut told)?;
+    let light_groups = light_group::names(source, &nodes, &options.light_groups, &mut told);
+    let (node_groups, of_node) = groups::of_nodes(source, &nodes, options, &mut told);
+    let grouped_nodes = Nodes { nodes: &nodes, light_groups, groups: &node_groups, of_node };
+    let seen = place_all(source, &grouped_nodes, &mut materials, &mut lamps, &mut mesh, &mut told)?;
     if mesh.triangles.is_empty() && mesh.models.is_empty() {
         return Err(SceneError::Empty { file: source.file.clone() });
     }
@@ -123,6 +128,10 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     }
     materials.finish(&mut scene)?;
     merge(&mut scene, &mut mesh, &source.file)?;
+    let by_material = groups::of_materials(&node_groups, options);
+    let lost = crate::scene::groups::assign(&mut scene, &mut mesh, node_groups, &by_material);
+    let told_of = |name| format!("--group {name:?}: no node and no material of the scene has this name");
+    told.notes.extend(lost.into_iter().map(told_of));
     scene.left_out.append(&mut told.left_out);
     mesh.finish(&mut scene);
     if scene.triangles.is_empty() {
@@ -161,14 +170,24 @@ fn convert_with(source: &Source, name: String, options: &LoadOptions) -> Result<
     Ok(scene)
 }
 
-/// Mesh index, index of the deforming node, if any, and group of shining surfaces, if its nodes name one.
-type Shape = (usize, Option<usize>, Option<Rc<str>>);
+/// Nodes of the scene with their groups.
+struct Nodes<'a> {
+    nodes: &'a [node::PlacedNode],
+    /// Group of shining surfaces of each node, if one is named.
+    light_groups: Vec<Option<Rc<str>>>,
+    groups: &'a NodeGroups,
+    /// Group of each node.
+    of_node: Vec<u32>,
+}
+
+/// Mesh index, index of the deforming node, if any, group of shining surfaces, if its nodes name one, and group of nodes.
+type Shape = (usize, Option<usize>, Option<Rc<str>>, u32);
 
 /// Places all meshes in node order. A mesh is read once per deformation and kept until the last node with the mesh is
 /// placed; a mesh with many placements becomes a model.
 fn place_all(
     source: &Source,
-    (nodes, groups): (&[node::PlacedNode], &[Option<Rc<str>>]),
+    Nodes { nodes, light_groups, groups, of_node }: &Nodes<'_>,
     materials: &mut material::Materials,
     lamps: &mut Lamps,
     out: &mut WorldMesh,
@@ -180,7 +199,7 @@ fn place_all(
     // Shape of every node with a mesh, and the number of placements added by the node.
     let mut placed: Vec<(Shape, usize)> = Vec::new();
     let mut count = 0;
-    for (node, group) in nodes.iter().zip(groups) {
+    for ((node, light_group), group) in nodes.iter().zip(light_groups).zip(of_node) {
         let Some(index) = source.root.nodes[node.index].mesh else { continue };
         let index = index.value();
         let mut more = instances::of(source, node)?;
@@ -197,40 +216,47 @@ fn place_all(
             let (file, what) = (source.file.clone(), "places of meshes");
             return Err(SceneError::TooLarge { file, what, count, limit: MOST_PLACES });
         }
-        let shape = (index, rest.is_some().then_some(node.index), group.clone());
+        let shape = (index, rest.is_some().then_some(node.index), light_group.clone(), *group);
         rests.extend(rest.map(|rest| (node.index, rest)));
         placed.push((shape.clone(), more.len()));
         places.entry(shape).or_default().extend(more);
     }
     let mut known: BTreeMap<Shape, (Vec<MeshPart>, Alone)> = BTreeMap::new();
     let mut seen: BTreeMap<usize, PlacementNotes> = BTreeMap::new();
+    let mut grouped = GroupedMeshes::default();
     for (shape, count) in placed {
-        let (index, deforming, group) = &shape;
-        let (index, deforming) = (*index, *deforming);
+        let (index, deforming, light_group, group) = &shape;
+        let (index, deforming, group) = (*index, *deforming, *group);
         let seen = seen.entry(index).or_default();
         let (parts, mut alone) = match known.remove(&shape) {
             Some(found) => found,
             None => {
                 let rest = deforming.and_then(|node| rests.remove(&node));
                 let rest = rest.unwrap_or_else(|| Rest::of_mesh(source, index));
-                let parts = mesh::read(source, index, &rest, (materials, group.as_deref()), told)?;
+                let parts = mesh::read(source, index, &rest, (materials, light_group.as_deref()), told)?;
                 let places = places.remove(&shape).unwrap_or_default();
                 let opaque: Vec<&MeshPart> =
                     parts.iter().filter(|part| materials.is_opaque(part.material)).collect();
                 lamps.look(index, &opaque, &places);
-                let taken = place::models(source, &parts, &places, out, seen)?;
+                let taken = place::models(source, (&parts, group), &places, out, seen)?;
                 (parts, places.into_iter().zip(taken))
             }
         };
         for (matrix, _) in alone.by_ref().take(count).filter(|(_, is_taken)| !is_taken) {
             for part in &parts {
-                place::append(source, part, &matrix, out, seen)?;
+                if group == 0 {
+                    place::append(source, part, &matrix, out, seen)?;
+                    continue;
+                }
+                let (mesh, pivot) = grouped.of(groups, group);
+                place::append(source, part, &(DMat4::from_translation(-pivot) * matrix), mesh, seen)?;
             }
         }
         if alone.len() > 0 {
             known.insert(shape, (parts, alone));
         }
     }
+    grouped.finish(groups, out);
     Ok(seen)
 }
 

@@ -20,11 +20,11 @@ pub(super) struct PlacementNotes {
     pub longest: f64,
 }
 
-/// Makes models of a mesh's parts for the placements where instancing pays. Returns for each placement whether a model
-/// covers the placement.
+/// Makes models of a mesh's parts, of a group of nodes, for the placements where instancing pays. Returns for each placement
+/// whether a model covers the placement.
 pub(super) fn models(
     source: &Source,
-    parts: &[MeshPart],
+    (parts, group): (&[MeshPart], u32),
     places: &[DMat4],
     out: &mut WorldMesh,
     seen: &mut PlacementNotes,
@@ -38,7 +38,7 @@ pub(super) fn models(
     let corners = parts.iter().flat_map(used);
     let bounds = corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
     for Copies { model_from_mesh, placed } in model::divide(places, triangles, bounds) {
-        let mut model = WorldInstancedMesh::default();
+        let mut model = WorldInstancedMesh { group, ..WorldInstancedMesh::default() };
         let mut once = PlacementNotes::default();
         for part in parts {
             append(source, part, &model_from_mesh, &mut model.mesh, &mut once)?;

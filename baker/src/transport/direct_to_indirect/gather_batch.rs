@@ -106,7 +106,7 @@ impl GatherBatch {
                     if let Some(hit) = hit.filter(|hit| hit.albedo != Vec3::ZERO && hit.faces(ray.direction))
                     {
                         self.nearness[number as usize] = hit.position.distance(ray.origin).recip();
-                        self.look_at(context, number, hit.position, hit.normal, hit.albedo);
+                        self.look_at(context, number, (hit.position, hit.normal, hit.group), hit.albedo);
                     }
                 }
             }
@@ -131,7 +131,7 @@ impl GatherBatch {
         }
         let spread = self.rays.rays[at].0.spread;
         let spot = primitives.spot(place, (spread * distance).powi(2));
-        self.look_at(context, number, spot.position, spot.normal, spot.albedo);
+        self.look_at(context, number, (spot.position, spot.normal, spot.group), spot.albedo);
     }
 
     /// Shades a hit individually: evaluates the functions that cover the hit.
@@ -140,15 +140,14 @@ impl GatherBatch {
         &mut self,
         context: &GatherContext<S>,
         number: u32,
-        position: Vec3,
-        normal: Vec3,
+        (position, normal, group): (Vec3, Vec3, u32),
         albedo: Vec3,
     ) {
         let number = number as usize;
         let arriving = Vec3A::from(albedo * self.rays.shares[number]);
         let chance = unit(mix(self.rays.rays[number].1 as u64));
         let Self { weights, weighed, .. } = self;
-        context.senders.interpolate(position, normal, weights);
+        context.senders.interpolate(position, normal, group, weights);
         weighed.clear();
         // Amount of the light in each sender's tint: the least-squares fit of the tint to the
         // light.

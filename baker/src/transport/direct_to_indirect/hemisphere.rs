@@ -105,7 +105,7 @@ mod tests {
         for (receiver, count) in [1, 5, 8, 250, 512, 4096].into_iter().enumerate() {
             let directions = Directions::new(count);
             let (normal, geometric_normal) = (stream.sphere(), stream.sphere());
-            let point = SurfacePoint { position: stream.sphere(), normal, geometric_normal };
+            let point = SurfacePoint { position: stream.sphere(), normal, geometric_normal, group: 0 };
             let (mut told, mut plain) = (GatherRays::default(), GatherRays::default());
             gather_rays(&point, receiver, 7, 0.01, &directions, &mut told);
             let point = &point;

@@ -53,3 +53,4 @@ pub mod tint;
 
 pub use super::operator::{Operator, OperatorSettings};
 pub use solver::DirectToIndirect;
+pub(super) use solver::colours;

@@ -108,7 +108,11 @@ impl Neighbourhood {
                 |radius| weight(way, neighbour.normal, point.normal, support / (1u32 << radius) as f32);
             if k == of {
                 self.members.push((k, [1.0; RADII]));
-            } else if weight(0) > LEAST_SHARED && !is_hidden(receiver, way) && !is_hidden(other, -way) {
+            } else if neighbour.group == point.group
+                && weight(0) > LEAST_SHARED
+                && !is_hidden(receiver, way)
+                && !is_hidden(other, -way)
+            {
                 let weight = |radius| if radius + 1 < RADII { weight(radius) } else { 0.0 };
                 self.members.push((k, std::array::from_fn(weight)));
             }
@@ -176,7 +180,7 @@ mod tests {
         let mut points: Vec<SurfacePoint> = (0..81)
             .map(|k| {
                 let position = 0.1 * Vec3::new((k % 9) as f32, 0.0, (k / 9) as f32);
-                SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y }
+                SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y, group: 0 }
             })
             .collect();
         points.push(SurfacePoint { normal: Vec3::NEG_Y, geometric_normal: Vec3::NEG_Y, ..points[40] });

@@ -5,6 +5,7 @@ use super::mean_albedo::reflected_share;
 use super::messages::GatheredChunk;
 use super::refine::{LevelGather, Refiner};
 use super::senders::Senders;
+use super::tint::PointColour;
 use super::{Operator, OperatorSettings, tint};
 use crate::geometry::Surfaces;
 use crate::job::Job;
@@ -35,7 +36,7 @@ impl<S: Surfaces + ?Sized> Solver<S> for DirectToIndirect {
         let mut settings = problem.settings.clone();
         let watch = job.reporter.begin(Stage::Tints, None);
         settings.reflected = reflected_share(surfaces, points, settings.far_levels, settings.seed);
-        let tints = tints(problem, &*watch)?;
+        let (tints, reflectance) = colours(problem, &*watch)?;
         job.agree(&Sha256::digest(bytemuck::cast_slice(&tints)), &*watch).await?;
         drop(watch);
         let watch = job.reporter.begin(Stage::HitCache, None);
@@ -54,21 +55,27 @@ impl<S: Surfaces + ?Sized> Solver<S> for DirectToIndirect {
                 partial(refiner.operator(), level + 1)?;
             }
         }
-        Ok(refiner.finish())
+        Ok(Operator { reflectance, ..refiner.finish() })
     }
 }
 
-/// Computes the tints of all points. A unit of `watch` is a point.
-fn tints<S: Surfaces + ?Sized>(problem: &Problem<S>, watch: &dyn Watch) -> Result<Vec<u32>, Stopped> {
-    let mut tints = Vec::with_capacity(problem.points.points.len());
+/// Computes tints and reflectances of all points. A unit of `watch` is a point.
+pub(in crate::transport) fn colours<S: Surfaces + ?Sized>(
+    problem: &Problem<S>,
+    watch: &dyn Watch,
+) -> Result<(Vec<u32>, Vec<u8>), Stopped> {
+    let count = problem.points.points.len();
+    let (mut tints, mut reflectance) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (l, level) in problem.points.levels.iter().enumerate() {
         let found = level.range().into_par_iter().map(|i| {
             watch.step(1)?;
-            Ok(tint::tint(problem.surfaces, problem.points, l, i, problem.settings.seed))
+            Ok(tint::colour(problem.surfaces, problem.points, l, i, problem.settings.seed))
         });
-        tints.extend(found.collect::<Result<Vec<u32>, Stopped>>()?);
+        let found = found.collect::<Result<Vec<PointColour>, Stopped>>()?;
+        tints.extend(found.iter().map(|colour| colour.tint));
+        reflectance.extend(found.iter().map(|colour| colour.reflectance));
     }
-    Ok(tints)
+    Ok((tints, reflectance))
 }
 
 /// Gathers the links of the next level.

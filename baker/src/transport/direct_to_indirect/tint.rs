@@ -1,7 +1,7 @@
-//! Tint of each point: the mean reflectance of the surface under the point's function, as a colour.
+//! Tint and reflectance of each point: the mean albedo of the surface under the point's function, as a colour and an amount.
 //!
 //! A link holds the brightness of a sender as seen by a receiver, a single amount for all channels;
-//! the colour is the sender's tint.
+//! the colour is the sender's tint. Radiosity, which has no links, takes the amount from the point.
 
 use crate::geometry::{Ray, Surfaces};
 use crate::random::Stream;
@@ -19,21 +19,37 @@ const ABOVE: f32 = 0.1;
 /// Mantissas are multiples of this unit: a channel is exact within a 256th of the largest channel.
 const TINT_UNIT: u32 = 2;
 
-/// Computes the tint of point `i` of level `level`, rgb9e5 as in the file; the channels' mean is 1. The tint of a black
-/// surface is grey.
-pub fn tint<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, level: usize, i: usize, seed: u64) -> u32 {
+/// What the surface under a point reflects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PointColour {
+    /// Colour, rgb9e5 as in the file; the channels' mean is 1. That of a black surface is grey.
+    pub tint: u32,
+    /// Mean of the channels, in 255ths.
+    pub reflectance: u8,
+}
+
+/// Computes the colour of point `i` of level `level`.
+pub fn colour<S: Surfaces + ?Sized>(
+    surfaces: &S,
+    points: &Points,
+    level: usize,
+    i: usize,
+    seed: u64,
+) -> PointColour {
     // A function of the next coarser level covers four times the area.
     let rays = (RAYS[0] << (2 * (points.levels.len() - 1 - level)).min(16)).min(RAYS[1]);
-    let albedo = mean_albedo(surfaces, points, i, points.levels[level].support_radius, rays, seed);
+    let (albedo, weight) =
+        albedo_sum(surfaces, points, i, points.support_radius(&points.levels[level], i), rays, seed);
     let mean = albedo.element_sum() / 3.0;
-    pack_rounded(if mean > 0.0 { albedo / mean } else { Vec3::ONE }, TINT_UNIT)
+    let tint = pack_rounded(if mean > 0.0 { albedo / mean } else { Vec3::ONE }, TINT_UNIT);
+    PointColour { tint, reflectance: (255.0 * mean / weight.max(f32::MIN_POSITIVE)).round() as u8 }
 }
 
 /// Computes the tints of all points.
 pub fn tints<S: Surfaces + ?Sized>(surfaces: &S, points: &Points, seed: u64) -> Vec<u32> {
     let of_level = |level: usize| {
         let range = points.levels[level].range().into_par_iter();
-        range.map(move |i| tint(surfaces, points, level, i, seed))
+        range.map(move |i| colour(surfaces, points, level, i, seed).tint)
     };
     (0..points.levels.len()).into_par_iter().flat_map(of_level).collect()
 }
@@ -49,20 +65,20 @@ pub fn duals(tints: &[u32]) -> Vec<Vec3A> {
     unpack(tints).into_iter().map(|tint| Vec3A::from(tint / tint.length_squared())).collect()
 }
 
-/// Mean reflectance around a point, weighted by the point's function, up to a factor; zero if no
+/// Sum of reflectances around a point, weighted by the point's function, and of the weights; zero if no
 /// surface reflects.
-fn mean_albedo<S: Surfaces + ?Sized>(
+fn albedo_sum<S: Surfaces + ?Sized>(
     surfaces: &S,
     points: &Points,
     i: usize,
     radius: f32,
     rays: usize,
     seed: u64,
-) -> Vec3 {
+) -> (Vec3, f32) {
     let point = &points.points[i];
     let (first, second) = point.normal.any_orthonormal_pair();
     let mut stream = Stream::new(seed ^ 0x7469_6e74, i as u64);
-    let mut sum = Vec3::ZERO;
+    let (mut sum, mut total) = (Vec3::ZERO, 0.0);
     // The ray's width at the surface equals its share of the disk.
     let spread = (std::f32::consts::PI / rays as f32).sqrt() / ABOVE;
     for k in 0..rays {
@@ -76,11 +92,13 @@ fn mean_albedo<S: Surfaces + ?Sized>(
         {
             let offset = hit.position - point.position;
             if !points.cuts_of(i).iter().any(|cut| cut.ends(offset)) {
-                sum += hit.albedo * weight(offset, hit.normal, point.normal, radius);
+                let weight = weight(offset, hit.normal, point.normal, radius);
+                sum += hit.albedo * weight;
+                total += weight;
             }
         }
     }
-    sum
+    (sum, total)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use super::ancestors::Ancestors;
 use super::direct::GroupField;
-use super::sender_level::SenderLevels;
+use super::sender_level::{SenderLevels, SurfacePlace};
 use crate::basis::FetchStep;
 use crate::geometry::{Primitives, SurfaceCoordinates, Surfaces};
 use crate::job::clock;
@@ -53,8 +53,7 @@ struct Met {
     /// Number of the receiver among those gathered together.
     receiver: u32,
     distance: f32,
-    position: Vec3,
-    normal: Vec3,
+    place: SurfacePlace,
     /// Reflectance times the ray's share of the irradiance.
     reflected: Vec3,
 }
@@ -123,7 +122,7 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
             }
             // Steps wait for distant memory once per packet, not once per hit.
             for step in [FetchStep::Bucket, FetchStep::List, FetchStep::Functions] {
-                found.iter().for_each(|hit| self.senders.fetch(hit.distance, hit.position, step));
+                found.iter().for_each(|hit| self.senders.fetch(hit.distance, hit.place.position, step));
             }
             found.iter().for_each(|hit| met(hit, weights));
             let done = clock::wall();
@@ -140,8 +139,7 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
                 found.push(Met {
                     receiver: owners[number as usize],
                     distance: hit.distance,
-                    position: hit.position,
-                    normal: hit.normal,
+                    place: SurfacePlace { position: hit.position, normal: hit.normal, group: hit.group },
                     reflected: hit.albedo * rays.shares[number as usize],
                 });
             }
@@ -160,7 +158,7 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
         let groups = field.groups;
         let mut out = vec![(Vec3::ZERO, 0.0); receivers.len() * groups];
         self.cast(receivers, directions, memory, |hit, weights| {
-            self.senders.interpolate(hit.distance, hit.position, hit.normal, weights);
+            self.senders.interpolate(hit.distance, &hit.place, weights);
             let sums = &mut out[hit.receiver as usize * groups..][..groups];
             for (group, (sum, squares)) in sums.iter_mut().enumerate() {
                 let light = |(sender, weight): &(u32, f32)| *weight * field.at(*sender as usize)[group];
@@ -188,7 +186,7 @@ impl<S: Surfaces + ?Sized> FieldGather<'_, S> {
     ) -> (Vec<Vec3>, ChannelRow) {
         let mut out = vec![Vec3::ZERO; field.groups];
         self.cast(&[receiver], directions, memory, |hit, weights| {
-            self.senders.interpolate(hit.distance, hit.position, hit.normal, weights);
+            self.senders.interpolate(hit.distance, &hit.place, weights);
             add_field(field, weights, hit.reflected, &mut out);
             for (sender, weight) in weights.iter() {
                 ancestors.each(*sender, |coarse, share| {
@@ -235,8 +233,7 @@ fn landed(
         found.push(Met {
             receiver: owners[at],
             distance,
-            position: spot.position,
-            normal: spot.normal,
+            place: SurfacePlace { position: spot.position, normal: spot.normal, group: spot.group },
             reflected: spot.albedo * rays.shares[at],
         });
     }

@@ -46,14 +46,15 @@ impl ReceiverOracle {
             Support {
                 position: point.position,
                 normal: point.normal,
-                radius: level.support_radius,
+                radius: level.support_radius * points.scale(point.group),
                 cuts: points.cuts_of(i),
+                group: point.group,
             }
         };
         let functions = Evaluator::new(level.range().map(support), level.first as u32);
         let is_refined = |i: usize| {
             let (point, mut is_refined) = (&points.points[i], false);
-            functions.gather(point.position, point.normal, |other, _| {
+            functions.gather(point.position, point.normal, point.group, |other, _| {
                 let other = irradiance.at(other as usize).iter().copied();
                 is_refined |= self.differs(irradiance.at(i).iter().copied(), other);
             });

@@ -8,6 +8,17 @@ use rayon::prelude::*;
 use rebounce_shared::kernel::LEAST_WEIGHT;
 use std::f32::consts::TAU;
 
+/// A place of a surface that light may leave from.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePlace {
+    /// Local space.
+    pub position: Vec3,
+    /// Unit shading normal.
+    pub normal: Vec3,
+    /// Reconstruction group.
+    pub group: u32,
+}
+
 /// Functions of all levels as senders.
 pub struct SenderLevels {
     levels: Vec<Evaluator>,
@@ -48,11 +59,11 @@ impl SenderLevels {
     /// Fills `out` with (index, normalised weight) of the functions that cover a place, on the level for a distance. Where no
     /// function of that level does, a small thing lies between them: finer levels follow, then coarser ones. Empty where none
     /// does.
-    pub fn interpolate(&self, distance: f32, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
-        let level = self.at(distance);
+    pub fn interpolate(&self, distance: f32, place: &SurfacePlace, out: &mut Vec<(u32, f32)>) {
+        let (level, &SurfacePlace { position, normal, group }) = (self.at(distance), place);
         for level in (level..self.levels.len()).chain((0..level).rev()) {
             out.clear();
-            let total = self.levels[level].gather(position, normal, |i, weight| out.push((i, weight)));
+            let total = self.levels[level].gather(position, normal, group, |i, weight| out.push((i, weight)));
             if total > LEAST_WEIGHT {
                 let scale = 1.0 / total;
                 out.iter_mut().for_each(|entry| entry.1 *= scale);

@@ -245,7 +245,7 @@ mod tests {
         for k in 0..50 {
             let position = Vec3::new(-0.9 + 0.036 * k as f32, -0.95, 0.3);
             let normal = Vec3::new(0.01 * k as f32, 1.0, 0.0).normalize();
-            let point = SurfacePoint { position, normal, geometric_normal: normal };
+            let point = SurfacePoint { position, normal, geometric_normal: normal, group: 0 };
             emission.see(&room, (&point, k), 16, 1, &mut assigned, &mut out);
             let exact: Vec3 = (0..64).map(|number| emission.unoccluded.irradiance(number, &point)).sum();
             let [GroupSeen { irradiance, variance, .. }] = out;

@@ -226,7 +226,7 @@ mod tests {
         let unoccluded = Unoccluded::new(&Gradient);
         for height in [0.05f32, 0.3, 0.9, 1.5, 4.0, 20.0] {
             let position = Vec3::new(0.5, -height, 0.2);
-            let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y };
+            let point = SurfacePoint { position, normal: Vec3::Y, geometric_normal: Vec3::Y, group: 0 };
             let spherical = SphericalTriangle::new(Gradient.emitter(0).corners, position).unwrap();
             let count = 1 << 16;
             let samples = (0..count)

@@ -248,6 +248,7 @@ impl Surfaces for Ball {
             emission: Vec3::ZERO,
             emitter: None,
             is_unlit: false,
+            group: 0,
         })
     }
 

@@ -24,7 +24,10 @@ use rebounce_shared::camera::Camera;
 use rebounce_shared::environment::{Environment, PackedEnvironment};
 use rebounce_shared::light::{Light, LightSource};
 use rebounce_shared::lighting::Lighting;
+use rebounce_shared::motion::Motions;
 use rebounce_shared::openness::{REACH, gain, received};
+use rebounce_shared::radiosity::solver::Scene;
+use rebounce_shared::radiosity::{Accelerator, RadiositySettings, solve};
 use rebounce_shared::relight::{self, GroupIrradiance};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -56,6 +59,8 @@ pub struct Relit {
     basis: Leveled,
     /// Radius of a pixel's openness, scene units; `None` without detail.
     reach: Option<f32>,
+    /// Where the groups are; functions are where the file has them.
+    motions: Motions,
 }
 
 /// Irradiance, linear RGB.
@@ -91,9 +96,21 @@ impl Relit {
 
     /// As [`Self::new`], with all lighting.
     pub fn lit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: Lighting, detail: bool) -> Self {
-        let mut irradiance = match scene.is_solved() {
-            true => mixed(scene, &lighting),
-            false => relit(scene, surfaces, &lighting),
+        Self::moved(scene, surfaces, lighting, detail, &Motions::default())
+    }
+
+    /// As [`Self::lit`], with groups where `motions` have them; `surfaces` are [there](BakedScene::moved_instances), too.
+    pub fn moved(
+        scene: &BakedScene,
+        surfaces: &impl Surfaces,
+        lighting: Lighting,
+        detail: bool,
+        motions: &Motions,
+    ) -> Self {
+        let mut irradiance = match (scene.is_solved(), scene.is_unlinked() || !motions.is_empty()) {
+            (true, _) => mixed(scene, &lighting),
+            (_, false) => relit(scene, surfaces, &lighting),
+            (_, true) => gathered(scene, surfaces, &lighting, motions),
         };
         let finest = scene.meta.levels.last().map_or(0.0, |level| level.support_radius);
         let reach = (detail && !scene.openness.is_empty()).then_some(REACH * finest);
@@ -109,24 +126,27 @@ impl Relit {
                     normal: p.normal(),
                     radius: p.radius,
                     cuts: scene.cuts_of(i),
+                    group: scene.group_of(i),
                 }
             };
             Evaluator::new(range.clone().map(support), range.start as u32)
         };
         let basis = Leveled::new((0..scene.meta.levels.len()).map(level).collect());
-        Self { lighting, irradiance, group_of: scene.sources.group_of_materials(), basis, reach }
+        let motions = motions.clone();
+        Self { lighting, irradiance, group_of: scene.sources.group_of_materials(), basis, reach, motions }
     }
 
-    /// Interpolates the points' light at a surface element, RGB, local space: without detail, the irradiance of the
-    /// bounced light. Zero where no function of any level covers the position.
-    pub fn interpolated(&self, position: Vec3, normal: Vec3) -> Vec3 {
-        self.light_at(position, normal).bounced
+    /// Interpolates the points' light at a surface element of a reconstruction group, RGB, local space: without detail,
+    /// the irradiance of the bounced light. Zero where no function of any level covers the position.
+    pub fn interpolated(&self, position: Vec3, normal: Vec3, group: u32) -> Vec3 {
+        self.light_at(position, normal, group).bounced
     }
 
     /// As [`Self::interpolated`], with the light straight from the sky and emissive surfaces.
-    pub fn light_at(&self, position: Vec3, normal: Vec3) -> PointLight {
+    pub fn light_at(&self, position: Vec3, normal: Vec3, group: u32) -> PointLight {
         let mut weights = Vec::with_capacity(64);
-        self.basis.interpolate(position, normal, &mut weights);
+        let (position, normal) = self.motions.at_rest(position, normal, group);
+        self.basis.interpolate(position, normal, group, &mut weights);
         let weighted = |(index, weight): &(u32, f32)| self.irradiance[*index as usize].scaled(*weight);
         let sum = weights.iter().map(weighted).fold(PointLight::default(), PointLight::plus);
         PointLight { bounced: sum.bounced.max(Vec3::ZERO), from_sources: sum.from_sources.max(Vec3::ZERO) }
@@ -142,7 +162,7 @@ impl Relit {
             let normals = [hit.normal, hit.geometric_normal];
             received(open_share(surfaces, hit.position, normals, reach, OPENNESS_SIDE, stream))
         };
-        self.light_at(hit.position, hit.normal).scaled(self.reach.map_or(1.0, open))
+        self.light_at(hit.position, hit.normal, hit.group).scaled(self.reach.map_or(1.0, open))
     }
 
     /// The lamps of the picture, local space, suns of environments included.
@@ -227,6 +247,29 @@ fn relit(scene: &BakedScene, surfaces: &impl Surfaces, lighting: &Lighting) -> V
     let bounced = relight::relight(scene, direct);
     let light = |(i, bounced)| PointLight { bounced, from_sources: source(i) };
     bounced.into_iter().enumerate().map(light).collect()
+}
+
+/// Returns the light of the points of a file without links, or of one whose groups have moved, by radiosity.
+fn gathered(
+    scene: &BakedScene,
+    surfaces: &impl Surfaces,
+    lighting: &Lighting,
+    motions: &Motions,
+) -> Vec<PointLight> {
+    let strengths = scene.sources.strengths(lighting.sky.as_deref(), &lighting.emission);
+    let from_sources = relight::from_sources(scene, &strengths);
+    let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
+    let points = (0..scene.points.len()).into_par_iter();
+    let direct: Vec<Vec3> = points
+        .map(|i| direct::at_footprint(surfaces, &lighting.lamps, &scene.moved_point(i, motions)) + source(i))
+        .collect();
+    let accelerator = Accelerator::new(scene);
+    let solved = Scene { baked: scene, accelerator: &accelerator, motions };
+    let solution = solve(solved, &RadiositySettings::default(), &direct, &|receivers, gather| {
+        receivers.par_iter().map(|receiver| gather(*receiver)).collect()
+    });
+    let light = |(i, bounced)| PointLight { bounced, from_sources: source(i) };
+    solution.irradiance.into_iter().enumerate().map(light).collect()
 }
 
 /// Returns the light of the points of a fixed solution.

@@ -12,7 +12,9 @@ use crate::rbn::limits::{MAX_COPIES, MAX_ROW, MAX_TRIANGLES, all_sane, sane};
 use crate::rbn::meta::Meta;
 use crate::rbn::shown::{GROUND, SIDE, Shown};
 use crate::rbn::sources::{self, Sources};
-use crate::rbn::{LinkMatrix, RbnError, container, light_groups};
+use crate::rbn::{LinkMatrix, RbnError, container};
+#[cfg(feature = "radiosity")]
+use crate::rbn::{groups, light_groups};
 use glam::Vec3;
 
 /// Least support radius, scene units.
@@ -85,15 +87,46 @@ impl BakedScene {
         let later = self.later_count();
         check_rows("LINK", &self.links.offsets, &self.links.links, self.points.len(), senders)?;
         check_rows("LATL", &self.later.offsets, &self.later.links, later, later)?;
+        #[cfg(feature = "radiosity")]
+        self.check_groups()?;
         sources::check(&self.sources, m.materials.len())?;
         let rows = if self.sources == Sources::default() { 0 } else { self.points.len() };
         let LinkMatrix { offsets, links } = &self.source_links;
         check_rows("SRCL", offsets, links, rows, self.sources.count())?;
-        self.check_light_groups()
+        #[cfg(feature = "radiosity")]
+        self.check_light_groups()?;
+        Ok(())
+    }
+
+    /// Checks groups and reflectances, and that triangles that move with a node stand at instances that move with no other.
+    #[cfg(feature = "radiosity")]
+    fn check_groups(&self) -> Result<(), RbnError> {
+        let points = self.points.len();
+        groups::check(&self.groups, &self.point_groups, points, self.meta.materials.len())?;
+        if !self.reflectance.is_empty() && self.reflectance.len() != points {
+            return Err(RbnError::invalid("REFL", "it does not fit the points"));
+        }
+        if self.groups.nodes.is_empty() {
+            return Ok(());
+        }
+        // Node that each instance moves with: none yet, or one more than its number, or 0 for an instance that stays.
+        let mut moves_with = vec![None; self.instances.len()];
+        for (i, draw) in self.meta.draws.iter().enumerate() {
+            let node = self.groups.node_of(self.groups.of_material(draw.material));
+            let instances = self.copies_of(i);
+            let with = Some(node.map_or(0, |node| node + 1));
+            let is_alone =
+                |own: &mut Option<u32>| own.replace(with.unwrap_or(0)).is_none_or(|own| Some(own) == with);
+            if (node.is_some() && instances.is_empty()) || !moves_with[instances].iter_mut().all(is_alone) {
+                return Err(RbnError::invalid("COPY", "triangles that move have no instance of their own"));
+            }
+        }
+        Ok(())
     }
 
     /// Checks that light groups fit lights and points, and that a file with groups has neither links nor animations that
     /// move a light.
+    #[cfg(feature = "radiosity")]
     fn check_light_groups(&self) -> Result<(), RbnError> {
         light_groups::check(&self.light_groups, self.meta.lights.len(), self.points.len())?;
         let links = self.links.links.len() + self.later.links.len() + self.source_links.links.len();

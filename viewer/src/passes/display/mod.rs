@@ -149,10 +149,10 @@ impl DisplayPass {
         DisplayTarget { made: self.make(scope, &slots, from, way), slots }
     }
 
-    /// Changes the way of filling slots, from the next [`Self::find`] on. Pictures too tall for splatting keep
-    /// lookup.
+    /// Changes the way of filling slots, from the next [`Self::find`] on. Pictures too tall for splatting, and scenes with
+    /// reconstruction groups, keep lookup.
     pub fn set_way(&self, gpu: &Gpu, target: &mut DisplayTarget, from: Sources<'_>, way: Way) {
-        if target.way() != way && (way == Way::Lookup || splat::fits(target.slots.size)) {
+        if target.way() != way && (way == Way::Lookup || splat::fits(from.scene, target.slots.size)) {
             target.made = self.make(gpu, &target.slots, from, way);
         }
     }
@@ -165,7 +165,7 @@ impl DisplayPass {
         };
         let own = Scope::new(gpu);
         match way {
-            Way::Splat if splat::fits(slots.size) => {
+            Way::Splat if splat::fits(from.scene, slots.size) => {
                 MadeTarget::Splat(self.splat(gpu).target(own, slots, from, find))
             }
             _ => MadeTarget::Lookup(self.lookup.target(own, slots, from.scene, from.frame, find)),
@@ -222,6 +222,8 @@ fn find_layout(gpu: &Gpu, [places, normals]: [Slot; 2]) -> wgpu::BindGroupLayout
         Slot::Write,
         Slot::Write,
         Slot::Read,
+        #[cfg(feature = "radiosity")]
+        Slot::Uniform,
     ];
     layout(gpu, "find", ShaderStages::COMPUTE, &find)
 }
@@ -251,6 +253,8 @@ fn find_group(
         slots.counts.as_entire_binding(),
         slots.open.as_entire_binding(),
         upload.gains.as_entire_binding(),
+        #[cfg(feature = "radiosity")]
+        upload.rest.as_entire_binding(),
     ];
     group(scope, "find", layout, &resources)
 }

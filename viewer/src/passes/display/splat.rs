@@ -13,6 +13,7 @@ use crate::gpu::bindings::{
 use crate::gpu::scope::Scope;
 use crate::gpu::{Gpu, LIMITS};
 use crate::passes::timing::Stamps;
+use crate::scene::GpuScene;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
 use std::cell::OnceCell;
@@ -100,9 +101,9 @@ fn atlas([width, height]: [u32; 2]) -> [u32; 2] {
     [width, height + height.div_ceil(2) + 1]
 }
 
-/// Whether a picture of this size can be splatted.
-pub fn fits(size: [u32; 2]) -> bool {
-    atlas(size)[1] <= LIMITS.max_texture_dimension_2d
+/// Whether a picture of this size can be splatted: a splat does not know the group of the pixels that it covers.
+pub fn fits(scene: &GpuScene, size: [u32; 2]) -> bool {
+    !scene.is_grouped && atlas(size)[1] <= LIMITS.max_texture_dimension_2d
 }
 
 impl SplatPass {

@@ -160,12 +160,22 @@ pub struct Relight {
     /// Of a fixed solution, with the sum of its light and direct light.
     groups: Option<(FromGroups, wgpu::ComputePipeline, wgpu::BindGroup)>,
     plan: Vec<Dispatch>,
+    /// Whether bounced light comes from radiosity, which adds the light of sources by itself.
+    #[cfg(feature = "radiosity")]
+    is_unlinked: bool,
     own: Scope,
 }
 
 impl Relight {
-    /// Creates buffers and bind groups for a scene.
-    pub fn new(gpu: &Gpu, pipelines: &RelightPipelines, upload: &Upload, scene: &BakedScene) -> Self {
+    /// Creates buffers and bind groups for a scene. Direct light is sampled at `points`: those of the file, where their
+    /// groups are.
+    pub fn new(
+        gpu: &Gpu,
+        pipelines: &RelightPipelines,
+        upload: &Upload,
+        points: &wgpu::Buffer,
+        scene: &BakedScene,
+    ) -> Self {
         let own = Scope::new(gpu);
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let colours = |label, count: usize| empty_buffer(&own, label, storage, 16 * count as u64);
@@ -192,12 +202,12 @@ impl Relight {
             resources.extend(buffers.iter().map(|b| b.as_entire_binding()));
             group(gpu, label, layout, &resources)
         };
-        let (points, offsets, entries) = (&upload.points, &upload.push_offsets, &upload.push_entries);
+        let (offsets, entries) = (&upload.push_offsets, &upload.push_entries);
         let sources = upload.source_links.as_ref().map(|links| {
             let made = pipelines.sources.get_or_init(|| FromSourcesPipelines::new(gpu, pipelines.lanes));
             FromSources::new(&own, made, &scene.sources, scene.points.len(), |light, strengths| Groups {
                 gather: by_chunk(links, &|rows, links| {
-                    let buffers = [rows, links, strengths, offsets, entries, points, light];
+                    let buffers = [rows, links, strengths, offsets, entries, &upload.points, light];
                     make("sources", &made.gather.0, &buffers)
                 }),
                 join: [&irradiance, &display].map(|to| make("join", &made.join.0, &[light, to])),
@@ -211,10 +221,12 @@ impl Relight {
             sources,
             groups,
             direct: make("direct", &pipelines.direct.0, &[points, &choice, &still, &irradiance]),
+            #[cfg(feature = "radiosity")]
+            is_unlinked: scene.is_unlinked(),
             pull: make("pull", &pipelines.pull.0, &[&upload.pull_offsets, &upload.pull_entries, &irradiance]),
-            send: make("send", &pipelines.send.0, &[points, &irradiance, &sent]),
+            send: make("send", &pipelines.send.0, &[&upload.points, &irradiance, &sent]),
             transport: by_chunk(&upload.links, &|rows, links| {
-                let buffers = [rows, links, &sent, offsets, entries, points, &display];
+                let buffers = [rows, links, &sent, offsets, entries, &upload.points, &display];
                 make("transport", &pipelines.transport, &buffers)
             }),
             bounce: by_chunk(&upload.later, &|rows, links| {
@@ -315,6 +327,8 @@ impl Relight {
         let mut count = 0;
         for (i, dispatch) in self.plan.iter().enumerate() {
             let (pipeline, bind) = match dispatch.kernel {
+                #[cfg(feature = "radiosity")]
+                Kernel::Show if self.is_unlinked => continue,
                 Kernel::Direct if lights.is_none() => continue,
                 Kernel::Direct => (&pipelines.direct.1, &self.direct),
                 Kernel::Pull => (&pipelines.pull.1, &self.pull),
@@ -341,6 +355,24 @@ impl Relight {
             count += 1;
         }
         count
+    }
+}
+
+#[cfg(feature = "radiosity")]
+impl Relight {
+    /// Adds the light straight from the sources to what is displayed: after radiosity has written bounced light there.
+    pub fn show_sources(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        for (i, dispatch) in self.plan.iter().enumerate().filter(|(_, d)| d.kernel == Kernel::Show) {
+            let Some((pipeline, bind)) =
+                self.sources.as_ref().and_then(|own| own.pass(dispatch.kernel, false))
+            else {
+                continue;
+            };
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);
+            pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
+        }
     }
 }
 

@@ -109,10 +109,10 @@ pub(super) fn plan(scene: &BakedScene, upload: &Upload, lanes: u32) -> Vec<Dispa
         }
     }
     plan.push(Dispatch::threads(Kernel::Direct, 0, scene.direct_count()));
-    // A fixed solution has no links.
+    // A fixed solution has no links, and a scene for radiosity neither.
     let (mut senders, mut coarse, mut levels) =
         (scene.sender_count(), scene.later_count(), scene.meta.levels.len());
-    if scene.is_solved() {
+    if scene.is_solved() || scene.is_unlinked() {
         (senders, coarse, levels) = (0, 0, 0);
     }
     if upload.source_links.is_some() || scene.is_solved() {

@@ -67,7 +67,7 @@ fn lay(primitives: &dyn Primitives, number: u32, primitive: &Primitive, function
         let found = (0..probed.count()).filter_map(|tile| {
             let at = probed.at(probed.column_row(tile)?, Vec2::splat(0.5));
             let spot = primitives.spot(SurfaceCoordinates { primitive: number, at, is_back: false }, 0.0);
-            functions.radius_at(spot.position, spot.normal)
+            functions.radius_at(spot.position, spot.normal, spot.group)
         });
         radius = found.reduce(f32::min).unwrap_or(functions.coarsest_radius());
     }
@@ -247,7 +247,7 @@ impl Maker<'_> {
     fn tile(
         &mut self,
         owner: u32,
-        group: Option<&TileGroup>,
+        alike: Option<&TileGroup>,
         laid: TileLayout,
         number: u32,
     ) -> PackedWeights {
@@ -257,22 +257,23 @@ impl Maker<'_> {
         let is_back = local >= count;
         let middle = |primitive: u32| SurfaceCoordinates { primitive, at: Vec2::splat(1.0 / 3.0), is_back };
         let within = |at: Vec2| SurfaceCoordinates { primitive: owner, at: laid.at(tile, at), is_back };
-        let is_tiny = group.is_none()
+        let is_tiny = alike.is_none()
             && 2.0 * primitive.sides[0].max(primitive.sides[1]) < WIDTH * self.functions.finest_radius();
-        let places: SmallVec<[SurfaceCoordinates; 4]> = match group {
-            Some(group) => group.some.iter().map(|primitive| middle(*primitive)).collect(),
+        let places: SmallVec<[SurfaceCoordinates; 4]> = match alike {
+            Some(alike) => alike.some.iter().map(|primitive| middle(*primitive)).collect(),
             None if is_tiny => smallvec![middle(owner)],
             None => inside(0.25).map(within).into(),
         };
-        let area = primitive.sides[0] * primitive.sides[1] * group.map_or(1, |group| group.primitives) as f32
+        let area = primitive.sides[0] * primitive.sides[1] * alike.map_or(1, |alike| alike.primitives) as f32
             / (laid.columns as f32 * laid.rows as f32 * places.len() as f32);
         self.together.clear();
         let mut total = 0.0;
         for place in places {
-            let SurfaceSample { position, normal, albedo: here, opacity } = self.primitives.spot(place, area);
+            let SurfaceSample { position, normal, albedo: here, opacity, group } =
+                self.primitives.spot(place, area);
             // Stochastic rays may hit between samples of zero opacity.
             let counts = opacity.max(LEAST_OPACITY);
-            self.functions.interpolate(position, normal, &mut self.weights);
+            self.functions.interpolate(position, normal, group, &mut self.weights);
             total += if self.weights.is_empty() { 0.0 } else { counts };
             for &(function, weight) in &self.weights {
                 let weight = counts * weight;
@@ -290,8 +291,8 @@ impl Maker<'_> {
         let has_cuts = self.together.iter().any(|entry| self.functions.has_cuts(entry.0));
         if has_cuts && !is_tiny {
             self.edges.clear();
-            match group {
-                Some(group) => self.edges.extend(group.corners()),
+            match alike {
+                Some(alike) => self.edges.extend(alike.corners()),
                 None => {
                     self.edges.extend(inside(EDGE).map(|at| self.primitives.spot(within(at), 0.0).position));
                 }

@@ -1,0 +1,49 @@
+//! Compute pipelines of radiosity, independent of a scene.
+
+use super::PassUniform;
+use crate::gpu::Gpu;
+use crate::gpu::bindings::{Slot, compute, layout};
+use crate::shaders::{self, Source};
+use wgpu::ShaderStages;
+
+/// Threads that share a receiver on a GPU.
+const LANES: u32 = 64;
+
+/// The pipelines, with the layouts of their bind groups.
+pub struct RadiosityPipelines {
+    pub(super) gather: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    pub(super) pull_down: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    pub(super) mean: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    pub(super) send: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    pub(super) show: (wgpu::BindGroupLayout, wgpu::ComputePipeline),
+    /// Receivers of a workgroup.
+    pub(super) receivers_of_group: u32,
+}
+
+impl RadiosityPipelines {
+    /// Creates the pipelines. On a software adapter, where synchronization within a workgroup is expensive, a thread has a
+    /// receiver of its own.
+    pub fn new(gpu: &Gpu) -> Self {
+        Self::with_lanes(gpu, if gpu.software { 1 } else { LANES })
+    }
+
+    /// As [`Self::new`], with so many threads a receiver: a power of two up to 64.
+    pub fn with_lanes(gpu: &Gpu, lanes: u32) -> Self {
+        let made = |entry: &str, source: Source, reads: usize, writes: usize, constants: &[(&str, f64)]| {
+            let mut slots = vec![Slot::UniformPart(size_of::<PassUniform>() as u64)];
+            slots.extend(std::iter::repeat_n(Slot::Read, reads));
+            slots.extend(std::iter::repeat_n(Slot::Write, writes));
+            let layout = layout(gpu, entry, ShaderStages::COMPUTE, &slots);
+            let pipeline = compute(gpu, entry, source, &[&layout], constants);
+            (layout, pipeline)
+        };
+        Self {
+            gather: made("gather_light", shaders::GATHER_LIGHT, 7, 1, &[("LANES", f64::from(lanes))]),
+            pull_down: made("pull_down", shaders::PULL_DOWN, 3, 1, &[]),
+            mean: made("bounce_mean", shaders::BOUNCE_MEAN, 1, 1, &[]),
+            send: made("send_light", shaders::SEND_LIGHT, 3, 2, &[]),
+            show: made("show_light", shaders::SHOW_LIGHT, 3, 1, &[]),
+            receivers_of_group: 64 / lanes,
+        }
+    }
+}

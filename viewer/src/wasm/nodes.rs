@@ -1,0 +1,48 @@
+//! Nodes of the class [`Viewer`] that may move.
+
+use super::viewer::Viewer;
+use crate::error::ViewerError;
+use rebounce_shared::motion::NodeMotion;
+use wasm_bindgen::prelude::*;
+
+/// Numbers of a node: its translation, and its rotation as a quaternion x, y, z, w.
+const NUMBERS: usize = 7;
+
+#[wasm_bindgen]
+impl Viewer {
+    /// Names of the nodes that may move, zero-terminated.
+    #[wasm_bindgen(js_name = nodeNames)]
+    pub fn node_names(&self) -> String {
+        self.state.borrow().renderer.node_names().iter().map(|name| format!("{name}\0")).collect()
+    }
+
+    /// Motions of the nodes, seven numbers each.
+    #[wasm_bindgen(js_name = nodeMotions)]
+    pub fn node_motions(&self) -> Vec<f64> {
+        let motions = self.state.borrow().renderer.node_motions();
+        motions.iter().flat_map(|motion| motion.translation.into_iter().chain(motion.rotation)).collect()
+    }
+
+    /// Moves the nodes.
+    #[wasm_bindgen(js_name = setNodeMotions)]
+    pub fn set_node_motions(&self, numbers: &[f64]) -> Result<(), JsValue> {
+        let motion = |n: &[f64]| NodeMotion {
+            translation: [n[0], n[1], n[2]],
+            rotation: [n[3], n[4], n[5], n[6]],
+            ..NodeMotion::default()
+        };
+        self.change(|state| {
+            let motions: Vec<NodeMotion> = numbers.chunks_exact(NUMBERS).map(motion).collect();
+            if motions.len() != state.renderer.node_names().len() {
+                return Err(ViewerError::BadArgument("motions of all nodes are needed".into()));
+            }
+            state.renderer.move_nodes(&motions)
+        })
+    }
+
+    /// Whether bounced light is on its way to what lights and nodes are now.
+    #[wasm_bindgen(getter)]
+    pub fn solving(&self) -> bool {
+        self.state.borrow().renderer.is_solving()
+    }
+}
