@@ -348,7 +348,7 @@ fn solved() -> BakedScene {
 fn light_groups_survive_the_file_and_add_up() {
     let scene = solved();
     let bytes = scene.to_bytes().unwrap();
-    assert_eq!(container::version(&bytes), Some(container::VERSION));
+    assert_eq!(container::version(&bytes), Some(container::ONE_GROUP));
     let back = BakedScene::from_bytes(&bytes).unwrap();
     assert_eq!(back, scene);
     assert_eq!((back.light_groups.columns(), back.light_groups.direct_column(1)), (3, Some(2)));

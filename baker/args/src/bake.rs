@@ -65,7 +65,7 @@ pub struct BakeArgs {
     #[arg(long, value_name = "ERROR", value_parser = number::over_zero, conflicts_with_all = ["preset", "functions", "coarse_radius", "levels"])]
     pub target_error: Option<f64>,
     /// What bounced light is computed from
-    #[arg(long, value_enum, default_value = "operator")]
+    #[arg(long, value_enum, default_value = "operator", help_heading = QUALITY, hide_short_help = true)]
     solver: SolverName,
     /// A camera to bake for, and the view of --target-error (docs/guide/shot.md)
     ///

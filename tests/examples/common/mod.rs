@@ -27,7 +27,7 @@ pub fn open(gpu: &Gpu, file: &Path) -> Result<Renderer> {
     Ok(renderer)
 }
 
-/// Takes camera, lights, mix and environment of a SHOT.json; returns the shot's size.
+/// Takes camera, lights, mix, environment and motions of a SHOT.json; returns the shot's size.
 ///
 /// # Errors
 /// If the shot or its environment cannot be read, or the scene cannot show it.
@@ -48,5 +48,8 @@ pub fn set_shot(renderer: &mut Renderer, file: &Path) -> Result<[u32; 2]> {
     renderer.set_camera(shot.camera)?;
     renderer.set_lights(with_emission(&shot.lights, groups.len(), shot.emission))?;
     renderer.set_mix(shot.mix)?;
+    if !shot.moves.is_empty() {
+        renderer.move_named(&shot.moves)?;
+    }
     Ok(shot.size)
 }

@@ -20,6 +20,12 @@ struct Light {
 }
 
 impl CachedDirectLight {
+    /// Notes that the sum is of no use: surfaces or points have moved.
+    #[cfg(feature = "radiosity")]
+    pub fn forget(&mut self) {
+        self.0.iter_mut().for_each(|light| light.record = light.record.of_none());
+    }
+
     /// Returns the work of the next evaluation, which must take place: for these lights, in the same scene and with
     /// the same shadow maps as before. Initially the sum is zero.
     pub fn choose(&mut self, lights: &[LightRecord]) -> CachedEvaluation {
@@ -97,6 +103,12 @@ mod tests {
                 0 => intensities.push(random(9) as f64),
                 1 if intensities.len() > 2 => drop(intensities.remove(random(2) as usize)),
                 2 => intensities[0] = random(9) as f64,
+                #[cfg(feature = "radiosity")]
+                3 => {
+                    // What the lights give the points is another amount now.
+                    still.forget();
+                    sum *= 2.0;
+                }
                 _ => {}
             }
             let choice = still.choose(&records(&intensities));

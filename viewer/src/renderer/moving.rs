@@ -2,7 +2,6 @@
 
 use super::Renderer;
 use crate::error::ViewerError;
-use crate::passes::cached_direct::CachedDirectLight;
 use crate::scene::GpuScene;
 use rebounce_shared::motion::NodeMotion;
 
@@ -59,10 +58,30 @@ impl Renderer {
         }
         moving.place(&self.gpu, &scene.upload, motions);
         self.shadows.forget();
-        self.still = CachedDirectLight::default();
+        self.still.forget();
         self.dirty.lights = true;
         self.dirty.view = true;
         Ok(())
+    }
+
+    /// Moves the nodes of these names; others stay where the file has them.
+    ///
+    /// # Errors
+    /// As [`Self::move_nodes`], and for a name that no node has.
+    pub fn move_named(&mut self, moves: &[(String, NodeMotion)]) -> Result<(), ViewerError> {
+        let names = self.node_names();
+        let mut motions = vec![NodeMotion::default(); names.len()];
+        for (name, motion) in moves {
+            let place = names.iter().position(|other| other == name);
+            let place = place.ok_or_else(|| {
+                ViewerError::BadArgument(format!(
+                    "no node {name:?} can move; these can: {}",
+                    names.join(", ")
+                ))
+            })?;
+            motions[place] = *motion;
+        }
+        self.move_nodes(&motions)
     }
 
     /// Whether bounced light is on its way.

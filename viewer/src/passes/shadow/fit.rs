@@ -35,6 +35,12 @@ impl LightRecord {
         self.source.is_far().then_some(self.source.direction)
     }
 
+    /// A record that no light has.
+    #[cfg(feature = "radiosity")]
+    pub fn of_none(&self) -> Self {
+        Self { layers: u32::MAX, ..*self }
+    }
+
     /// Whether the light is on.
     pub fn shines(&self) -> bool {
         self.source.intensity != Vec3::ZERO

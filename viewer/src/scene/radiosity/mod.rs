@@ -52,6 +52,9 @@ struct PassUniform {
 const STRIDE: u64 = 256;
 /// Dispatches that share a buffer of uniforms: those of one slice.
 const MOST_DISPATCHES: usize = 64;
+/// Uniforms of the dispatch that shows a solution: it may share a submission with those of a slice, and a queue writes
+/// buffers before it runs any of them.
+const SHOWN_AT: usize = MOST_DISPATCHES;
 
 /// The solver of a scene.
 pub struct Radiosity {
@@ -113,7 +116,7 @@ impl Radiosity {
         let [values, sum, sent] = ["values", "sum", "sent"].map(colours);
         let means = empty_buffer(&own, "means", storage, 4 * u64::from(settings.bounces.max(1)));
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let uniforms = empty_buffer(&own, "passes", uniform, STRIDE * MOST_DISPATCHES as u64);
+        let uniforms = empty_buffer(&own, "passes", uniform, STRIDE * (SHOWN_AT + 1) as u64);
         let make = |label: &str, layout, buffers: &[&wgpu::Buffer]| {
             let mut resources = vec![part(&uniforms, size_of::<PassUniform>() as u64)];
             resources.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
@@ -200,13 +203,13 @@ impl Radiosity {
         receivers: u32,
     ) -> u32 {
         let steps = self.plan.take(receivers, MOST_DISPATCHES);
-        self.run(gpu, encoder, pipelines, &steps);
+        self.run(gpu, encoder, pipelines, &steps, 0);
         steps.iter().filter(|step| step.kernel == Kernel::Gather).map(|step| step.count).sum()
     }
 
     /// Writes the bounced light of the solution so far to what is displayed.
     pub fn show(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, pipelines: &RadiosityPipelines) {
-        self.run(gpu, encoder, pipelines, &[self.plan.show()]);
+        self.run(gpu, encoder, pipelines, &[self.plan.show()], SHOWN_AT);
     }
 
     fn run(
@@ -215,6 +218,7 @@ impl Radiosity {
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &RadiosityPipelines,
         steps: &[Step],
+        place_of_first: usize,
     ) {
         let mut uniforms = vec![0u8; STRIDE as usize * steps.len()];
         let mut work = Vec::new();
@@ -235,11 +239,11 @@ impl Radiosity {
             place[..size_of::<PassUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
             work.push((pipeline, bind, groups));
         }
-        gpu.queue.write_buffer(&self.uniforms, 0, &uniforms);
+        gpu.queue.write_buffer(&self.uniforms, STRIDE * place_of_first as u64, &uniforms);
         let mut pass = encoder.begin_compute_pass(&Default::default());
         for (i, (pipeline, bind, groups)) in work.into_iter().enumerate() {
             pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, bind, &[i as u32 * STRIDE as u32]);
+            pass.set_bind_group(0, bind, &[(place_of_first + i) as u32 * STRIDE as u32]);
             pass.dispatch_workgroups(groups[0], groups[1], 1);
         }
     }
