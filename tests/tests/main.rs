@@ -18,6 +18,7 @@ mod display;
 mod environment;
 mod exposure;
 mod kinds;
+mod moving;
 mod openness;
 mod penumbra;
 mod shadows;

@@ -260,9 +260,10 @@ fn gathered(
     let from_sources = relight::from_sources(scene, &strengths);
     let source = |i: usize| from_sources.get(i).copied().unwrap_or(Vec3::ZERO);
     let points = (0..scene.points.len()).into_par_iter();
-    let direct: Vec<Vec3> = points
+    let mut direct: Vec<Vec3> = points
         .map(|i| direct::at_footprint(surfaces, &lighting.lamps, &scene.moved_point(i, motions)) + source(i))
         .collect();
+    relight::pull(scene, &mut direct);
     let accelerator = Accelerator::new(scene);
     let solved = Scene { baked: scene, accelerator: &accelerator, motions };
     let solution = solve(solved, &RadiositySettings::default(), &direct, &|receivers, gather| {

@@ -114,9 +114,8 @@ impl BakedScene {
         for (i, draw) in self.meta.draws.iter().enumerate() {
             let node = self.groups.node_of(self.groups.of_material(draw.material));
             let instances = self.copies_of(i);
-            let with = Some(node.map_or(0, |node| node + 1));
-            let is_alone =
-                |own: &mut Option<u32>| own.replace(with.unwrap_or(0)).is_none_or(|own| Some(own) == with);
+            let with = node.map_or(0, |node| node + 1);
+            let is_alone = |own: &mut Option<u32>| own.replace(with).is_none_or(|own| own == with);
             if (node.is_some() && instances.is_empty()) || !moves_with[instances].iter_mut().all(is_alone) {
                 return Err(RbnError::invalid("COPY", "triangles that move have no instance of their own"));
             }

@@ -8,6 +8,9 @@ use wgpu::ShaderStages;
 
 /// Threads that share a receiver on a GPU.
 const LANES: u32 = 64;
+/// Threads that share a receiver on a software adapter: synchronization within a workgroup is expensive there, but Mesa's
+/// llvmpipe ends all loops of a thread after 65535 rounds, which is about 300 rays.
+const SOFTWARE_LANES: u32 = 16;
 
 /// The pipelines, with the layouts of their bind groups.
 pub struct RadiosityPipelines {
@@ -21,10 +24,9 @@ pub struct RadiosityPipelines {
 }
 
 impl RadiosityPipelines {
-    /// Creates the pipelines. On a software adapter, where synchronization within a workgroup is expensive, a thread has a
-    /// receiver of its own.
+    /// Creates the pipelines.
     pub fn new(gpu: &Gpu) -> Self {
-        Self::with_lanes(gpu, if gpu.software { 1 } else { LANES })
+        Self::with_lanes(gpu, if gpu.software { SOFTWARE_LANES } else { LANES })
     }
 
     /// As [`Self::new`], with so many threads a receiver: a power of two up to 64.
