@@ -6,35 +6,16 @@
 //! most of what their nodes hold is never seen.
 
 use super::SurfacePoint;
-use super::place::{Patience, PlaceSettings, SHARES};
+use super::patience::{Patience, SHARES};
+use super::place_settings::PlaceSettings;
 use super::poisson_disk::DartBoard;
 use crate::geometry::{Hit, Primitives, SurfaceCoordinates, Surfaces};
 use crate::random::Stream;
 use crate::scene::union;
 use glam::{Vec2, Vec3};
-use rebounce_shared::rbn::groups::Groups;
 
 /// Greatest diagonal of an object, as a share of the scene's main part.
 const OBJECT: f32 = 0.5;
-
-/// Placement of points on a reconstruction group.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GroupPlacement {
-    /// Functions for an area, relative to group 0.
-    pub density: f32,
-    /// Whether the group may move.
-    pub moves: bool,
-}
-
-impl GroupPlacement {
-    /// The placements of a scene's groups, group 0 first; empty without groups.
-    pub fn of_groups(groups: &Groups) -> Vec<Self> {
-        let own = groups.groups.iter();
-        let own = own.map(|group| Self { density: group.density, moves: group.node.is_some() });
-        let rest = (!groups.is_empty()).then_some(Self { density: 1.0, moves: false });
-        rest.into_iter().chain(own).collect()
-    }
-}
 
 /// Primitives of a group that may move.
 #[derive(Debug, Default)]
@@ -105,7 +86,7 @@ impl Object {
         let Some(primitives) = surfaces.primitives() else { return Vec::new() };
         let mut stream =
             Stream::new(settings.seed ^ 0x6f62_6a65, (level as u64) << 32 | u64::from(self.group));
-        let mut patience = Patience::new(settings);
+        let mut patience = Patience::new(settings.patience);
         // Without a point so far, the same number of tries.
         let most = SHARES * settings.patience * 16;
         loop {

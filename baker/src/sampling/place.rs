@@ -4,7 +4,9 @@ use super::candidates::Candidates;
 use super::emitter::ParticleEmitter;
 use super::fill::fill;
 use super::focus::{Focus, WORTH_IT, regions};
-use super::objects::{GroupPlacement, Object, Objects};
+use super::objects::{Object, Objects};
+use super::patience::{Patience, SHARES};
+use super::place_settings::PlaceSettings;
 use super::poisson_disk::DartBoard;
 use super::{PointLevel, Points, SurfacePoint};
 use crate::geometry::{Ray, Surfaces};
@@ -16,51 +18,6 @@ use rayon::prelude::*;
 use rebounce_shared::elementary::Elementary;
 use rebounce_shared::interpolation::MAX_POINTS;
 use rebounce_shared::rbn::MAX_LEVELS;
-
-/// Settings of the placement of points.
-#[derive(Clone, Debug)]
-pub struct PlaceSettings {
-    /// Number of levels.
-    pub levels: usize,
-    /// Poisson-disk radius of level 0, scene units; `None`: chosen for `functions`.
-    pub coarse_radius: Option<f32>,
-    /// Approximate number of functions on the finest level.
-    pub functions: usize,
-    /// Support over disk radius on all levels but the finest.
-    pub coarse_overlap: f32,
-    /// Support over disk radius on the finest level.
-    pub fine_overlap: f32,
-    /// Number of candidates per point, averaged over the last few points of a level, at which the level ends.
-    pub patience: u64,
-    /// Seed of all random numbers.
-    pub seed: u64,
-    /// Reconstruction groups, group 0 first; empty where there is no other.
-    pub groups: Vec<GroupPlacement>,
-}
-
-impl Default for PlaceSettings {
-    /// The paper's numbers, except for the overlap of the finest level and `patience`: the paper ends a level after
-    /// 2,000 failures in a row, by chance early or late.
-    fn default() -> Self {
-        Self {
-            levels: 6,
-            coarse_radius: None,
-            functions: 120_000,
-            coarse_overlap: 1.5,
-            fine_overlap: 2.0,
-            patience: 250,
-            seed: 1,
-            groups: Vec::new(),
-        }
-    }
-}
-
-impl PlaceSettings {
-    /// Radii in each reconstruction group, relative to the level's.
-    pub fn scales(&self) -> Vec<f32> {
-        self.groups.iter().map(|group| group.density.sqrt().recip()).collect()
-    }
-}
 
 /// Reason for a failed placement of points.
 #[derive(Debug, thiserror::Error)]
@@ -85,42 +42,9 @@ pub enum PlaceError {
     Stopped(#[from] Stopped),
 }
 
-/// Counts tries at insertion, and tells the end of a level: when the last points took too many on average.
-pub(super) struct Patience {
-    /// Tries, in shares: a try at a place without need for points of this level counts less.
-    pub tried: u64,
-    /// Number of tries at the insertion of each of the last few points.
-    lately: [u64; LAST],
-    /// Shares that the last few points may take.
-    most: u64,
-}
-
-impl Patience {
-    pub fn new(settings: &PlaceSettings) -> Self {
-        Self { tried: 0, lately: [0; LAST], most: SHARES * settings.patience * LAST as u64 }
-    }
-
-    /// Notes that the point of this index was inserted.
-    pub fn inserted(&mut self, index: usize) {
-        self.lately[index % LAST] = self.tried;
-    }
-
-    /// Whether a board with so many points is full.
-    pub fn is_over(&self, count: usize) -> bool {
-        let oldest = count % LAST;
-        // With few points, the latest point.
-        let since = if count < LAST { (oldest + LAST - 1) % LAST } else { oldest };
-        count > 0 && self.tried - self.lately[since] >= self.most
-    }
-}
-
 /// Candidates that are filtered in parallel before throwing: on a coarse level, candidates of a larger set would mainly
 /// be in conflict with points of the same set, and the test for tight places costs rays.
 const THROWN: usize = 1024;
-/// Shares per try.
-pub(super) const SHARES: u64 = 16;
-/// Number of last points for the decision about a level's end: enough to average out chance.
-const LAST: usize = 16;
 /// Number of candidates after which a level without points stays empty.
 const MOST_TRIED: u64 = 1_000_000;
 /// Rays for the harmonic mean distance.
@@ -309,7 +233,7 @@ impl<'a, S: Surfaces + ?Sized> Placer<'a, S> {
     fn thrown(&mut self, l: usize, watch: &dyn Watch) -> Result<Vec<SurfacePoint>, PlaceError> {
         let (surfaces, settings) = (self.surfaces, self.settings);
         let mut board = DartBoard::with_scales(self.disk_radius(l), &self.points.scales);
-        let mut patience = Patience::new(settings);
+        let mut patience = Patience::new(settings.patience);
         let mut batch = std::mem::take(&mut self.pool);
         'level: loop {
             let before = board.len();

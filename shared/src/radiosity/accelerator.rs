@@ -21,7 +21,7 @@ use std::ops::Range;
 /// `first` on; one without is the node `first`. An absent child has a box that no ray meets.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Node {
+pub struct BvhNode {
     /// Both children.
     pub children: [Child; 2],
 }
@@ -107,7 +107,7 @@ struct Model {
 #[derive(Clone, Debug, Default)]
 pub struct Accelerator {
     /// Nodes of all models' BVHs.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<BvhNode>,
     /// Triangles, in the order of the leaves.
     pub triangles: Vec<Triangle>,
     models: Vec<Model>,
@@ -117,7 +117,7 @@ pub struct Accelerator {
 #[derive(Clone, Debug, Default)]
 pub struct PlacedModels {
     /// Nodes; the first is the root.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<BvhNode>,
     /// Models, in the order of the leaves.
     pub models: Vec<PlacedModel>,
 }
@@ -246,7 +246,7 @@ fn build(boxes: &[Aabb], leaf: u32) -> Bvh2 {
 }
 
 /// Appends the nodes of a BVH: the root has the number `root`, leaves count primitives from `first` on.
-fn flatten(bvh: &Bvh2, root: u32, first: u32, nodes: &mut Vec<Node>) {
+fn flatten(bvh: &Bvh2, root: u32, first: u32, nodes: &mut Vec<BvhNode>) {
     // Inner nodes keep their order.
     let mut numbers = vec![0u32; bvh.nodes.len()];
     let mut next = root;
@@ -271,11 +271,11 @@ fn flatten(bvh: &Bvh2, root: u32, first: u32, nodes: &mut Vec<Node>) {
     };
     let Some(top) = bvh.nodes.first() else { return };
     if top.is_leaf() {
-        nodes.push(Node { children: [child(0), Child::NONE] });
+        nodes.push(BvhNode { children: [child(0), Child::NONE] });
         return;
     }
     for node in bvh.nodes.iter().filter(|node| !node.is_leaf()) {
         let first = node.first_index as usize;
-        nodes.push(Node { children: [child(first), child(first + 1)] });
+        nodes.push(BvhNode { children: [child(first), child(first + 1)] });
     }
 }

@@ -3,7 +3,7 @@
 
 use super::accelerator::{Accelerator, PlacedModels};
 use super::directions::{direction, hash, shift, square};
-use super::reconstruction::{Place, Reconstruction, Senders};
+use super::reconstruction::{HitPoint, Reconstruction, Senders};
 use super::traversal::{Ray, nearest};
 use crate::footprint::LIFT;
 use glam::Vec3;
@@ -65,7 +65,7 @@ impl Gather<'_> {
         let Some(hit) = nearest(self.accelerator, self.placed, ray).filter(|hit| !hit.is_dark) else {
             return Vec3::ZERO;
         };
-        let place = Place {
+        let place = HitPoint {
             position: ray.origin + hit.distance * ray.direction,
             normal: hit.normal,
             group: self.accelerator.triangles[hit.triangle as usize].group,

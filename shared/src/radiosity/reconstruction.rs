@@ -17,7 +17,7 @@ pub enum Reconstruction {
 
 /// A place of a surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct HitPoint {
     /// Where it is, local space.
     pub position: Vec3,
     /// Unit normal there.
@@ -46,7 +46,7 @@ pub struct Senders<'a> {
 impl Senders<'_> {
     /// Returns the light that a place sends: a mean of `light`, the light of each point. Where no point of the sender level
     /// has a part in it, those of finer levels count, then those of coarser ones.
-    pub fn light(&self, place: &Place, reconstruction: Reconstruction, light: &[Vec3]) -> Vec3 {
+    pub fn light(&self, place: &HitPoint, reconstruction: Reconstruction, light: &[Vec3]) -> Vec3 {
         let rest = place.rest_from_local.transform_point3(place.position);
         for level in (self.level..self.levels).chain((0..self.level).rev()) {
             let found = match reconstruction {
@@ -61,7 +61,7 @@ impl Senders<'_> {
     }
 
     /// The point of a level with the nearest centre, among those that may cover the place and whose normals agree.
-    fn nearest(&self, level: usize, rest: Vec3, place: &Place) -> Option<u32> {
+    fn nearest(&self, level: usize, rest: Vec3, place: &HitPoint) -> Option<u32> {
         let mut best = (f32::MAX, None);
         for entry in self.lookup.entries(level, rest).iter().filter(|entry| entry.group() == place.group) {
             let point = &self.points[entry.function() as usize];
@@ -76,7 +76,7 @@ impl Senders<'_> {
     }
 
     /// The mean over the functions of a level that cover the place.
-    fn mean(&self, level: usize, rest: Vec3, place: &Place, light: &[Vec3]) -> Option<Vec3> {
+    fn mean(&self, level: usize, rest: Vec3, place: &HitPoint, light: &[Vec3]) -> Option<Vec3> {
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);
         for entry in self.lookup.entries(level, rest).iter().filter(|entry| entry.group() == place.group) {
             let point = &self.points[entry.function() as usize];

@@ -1,7 +1,7 @@
 //! Nearest hit of a ray: a traversal of the BVH over the placed models, and of the BVHs of the models that it meets. Twin of
 //! `bvh.wgsl`.
 
-use super::accelerator::{Accelerator, Child, Node, PlacedModels, TWO_SIDED, Triangle};
+use super::accelerator::{Accelerator, BvhNode, Child, PlacedModels, TWO_SIDED, Triangle};
 use super::directions::hash;
 use glam::{Affine3A, Vec3};
 
@@ -55,7 +55,13 @@ pub fn reciprocal(direction: Vec3) -> Vec3 {
 /// Walks over the leaves that a ray meets, near ones first; `visit` gets a leaf's primitives and the limit, and returns the
 /// new limit.
 #[inline]
-fn walk(nodes: &[Node], root: u32, ray: &Ray, mut limit: f32, mut visit: impl FnMut(u32, u32, f32) -> f32) {
+fn walk(
+    nodes: &[BvhNode],
+    root: u32,
+    ray: &Ray,
+    mut limit: f32,
+    mut visit: impl FnMut(u32, u32, f32) -> f32,
+) {
     let inverse = reciprocal(ray.direction);
     let mut stack = [0u32; STACK];
     let (mut depth, mut at) = (0usize, root);

@@ -102,7 +102,7 @@ pub fn encode(groups: &Groups) -> Result<Option<Vec<u8>>, RbnError> {
 
 /// Contents of section `RGRP`.
 #[cfg(feature = "radiosity")]
-type Record = (Vec<Node>, Vec<Group>, Vec<f32>);
+type GroupRecord = (Vec<Node>, Vec<Group>, Vec<f32>);
 
 /// Decodes section `RGRP`, for materials of these groups; the caller checks it.
 ///
@@ -111,7 +111,7 @@ type Record = (Vec<Node>, Vec<Group>, Vec<f32>);
 #[cfg(feature = "radiosity")]
 pub fn decode(bytes: &[u8], of_material: Vec<u32>) -> Result<Groups, RbnError> {
     let config = bincode::config::standard().with_limit::<MAX_BYTES>();
-    match bincode::decode_from_slice::<Record, _>(bytes, config) {
+    match bincode::decode_from_slice::<GroupRecord, _>(bytes, config) {
         Ok(((nodes, groups, transmittance), used)) if used == bytes.len() => {
             Ok(Groups { nodes, groups, transmittance, of_material })
         }

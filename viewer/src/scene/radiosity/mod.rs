@@ -17,11 +17,11 @@ use crate::gpu::bindings::{buffer, empty_buffer, grid, group, part};
 use crate::gpu::scope::Scope;
 use crate::gpu::{Gpu, MAX_BINDING};
 use bytemuck::{Pod, Zeroable};
-use plan::{Kernel, Plan, Step};
+use plan::{Plan, SolverKernel, SolverStep};
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::colour::pack_rgb9e5;
 use rebounce_shared::motion::Motions;
-use rebounce_shared::radiosity::accelerator::{Node, PlacedModel};
+use rebounce_shared::radiosity::accelerator::{BvhNode, PlacedModel};
 use rebounce_shared::radiosity::{Accelerator, RadiositySettings, Reconstruction};
 use rebounce_shared::rbn::bulk::Point;
 use wgpu::BufferUsages;
@@ -95,7 +95,7 @@ impl Radiosity {
         let count = scene.points.len();
         // A binary tree over the placed models has fewer nodes than models.
         let top_nodes = placed.models.len().max(1);
-        let node_bytes = (accelerator.nodes.len() + top_nodes) * size_of::<Node>();
+        let node_bytes = (accelerator.nodes.len() + top_nodes) * size_of::<BvhNode>();
         for (section, bytes) in
             [("INDX", node_bytes), ("INDX", size_of_val(&accelerator.triangles[..])), ("PNTS", 16 * count)]
         {
@@ -177,7 +177,7 @@ impl Radiosity {
     /// [`Self::restart`].
     pub fn place(&self, gpu: &Gpu, scene: &BakedScene, motions: &Motions) {
         let placed = self.accelerator.placed(scene, motions);
-        let top = (self.accelerator.nodes.len() * size_of::<Node>()) as u64;
+        let top = (self.accelerator.nodes.len() * size_of::<BvhNode>()) as u64;
         gpu.queue.write_buffer(&self.nodes, top, bytemuck::cast_slice(&placed.nodes));
         gpu.queue.write_buffer(&self.models, 0, bytemuck::cast_slice(&placed.models));
         let points: Vec<Point> = (0..scene.points.len()).map(|i| scene.moved_point(i, motions)).collect();
@@ -204,7 +204,7 @@ impl Radiosity {
     ) -> u32 {
         let steps = self.plan.take(receivers, MOST_DISPATCHES);
         self.run(gpu, encoder, pipelines, &steps, 0);
-        steps.iter().filter(|step| step.kernel == Kernel::Gather).map(|step| step.count).sum()
+        steps.iter().filter(|step| step.kernel == SolverKernel::Gather).map(|step| step.count).sum()
     }
 
     /// Writes the bounced light of the solution so far to what is displayed.
@@ -217,20 +217,20 @@ impl Radiosity {
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &RadiosityPipelines,
-        steps: &[Step],
+        steps: &[SolverStep],
         place_of_first: usize,
     ) {
         let mut uniforms = vec![0u8; STRIDE as usize * steps.len()];
         let mut work = Vec::new();
         for (step, place) in steps.iter().zip(uniforms.chunks_exact_mut(STRIDE as usize)) {
             let (pipeline, bind, groups) = match step.kernel {
-                Kernel::Gather => {
+                SolverKernel::Gather => {
                     (&pipelines.gather.1, &self.gather, step.count.div_ceil(pipelines.receivers_of_group))
                 }
-                Kernel::PullDown => (&pipelines.pull_down.1, &self.pull_down, step.count.div_ceil(64)),
-                Kernel::Mean => (&pipelines.mean.1, &self.mean, 1),
-                Kernel::Show => (&pipelines.show.1, &self.show, step.count.div_ceil(64)),
-                Kernel::Send { from_direct } => {
+                SolverKernel::PullDown => (&pipelines.pull_down.1, &self.pull_down, step.count.div_ceil(64)),
+                SolverKernel::Mean => (&pipelines.mean.1, &self.mean, 1),
+                SolverKernel::Show => (&pipelines.show.1, &self.show, step.count.div_ceil(64)),
+                SolverKernel::Send { from_direct } => {
                     (&pipelines.send.1, &self.send[usize::from(!from_direct)], step.count.div_ceil(64))
                 }
             };
@@ -248,7 +248,7 @@ impl Radiosity {
         }
     }
 
-    fn uniform(&self, step: &Step, groups: u32) -> PassUniform {
+    fn uniform(&self, step: &SolverStep, groups: u32) -> PassUniform {
         PassUniform {
             first: step.first,
             count: step.count,

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// What a step runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kernel {
+pub(super) enum SolverKernel {
     /// gather_light.wgsl, at points of a level.
     Gather,
     /// pull_down.wgsl, at points of a level.
@@ -20,8 +20,8 @@ pub(super) enum Kernel {
 
 /// A step: the kernel, its points, and its part of `Pass` in radiosity_pass.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Step {
-    pub kernel: Kernel,
+pub(super) struct SolverStep {
+    pub kernel: SolverKernel,
     pub first: u32,
     pub count: u32,
     pub number: u32,
@@ -47,7 +47,7 @@ pub struct Progress {
 pub(super) struct Plan {
     levels: Vec<Range<usize>>,
     sender_level: usize,
-    steps: Vec<Step>,
+    steps: Vec<SolverStep>,
     /// Next step, and next point of it.
     next: (usize, u32),
     /// Whether the last pass has all light; otherwise the sum of the bounces has.
@@ -93,8 +93,8 @@ impl Plan {
 
     fn send(&mut self, from_direct: bool, factor: f32, is_sum: bool, bounce: u32) {
         let count = self.levels.last().map_or(0, |level| level.end) as u32;
-        let step = Step {
-            kernel: Kernel::Send { from_direct },
+        let step = SolverStep {
+            kernel: SolverKernel::Send { from_direct },
             first: 0,
             count,
             number: 0,
@@ -107,10 +107,10 @@ impl Plan {
     }
 
     /// The step that shows the solution so far: the sum of its bounces, or all light of the last pass.
-    pub fn show(&self) -> Step {
+    pub fn show(&self) -> SolverStep {
         let count = self.levels.last().map_or(0, |level| level.end) as u32;
-        Step {
-            kernel: Kernel::Show,
+        SolverStep {
+            kernel: SolverKernel::Show,
             first: 0,
             count,
             number: 0,
@@ -124,8 +124,8 @@ impl Plan {
     /// A bounce, gathered on the `gathered` coarsest levels and pulled down to the others.
     fn pass(&mut self, number: u32, bounce: u32, gathered: usize) {
         for (l, level) in self.levels.clone().into_iter().enumerate() {
-            let step = Step {
-                kernel: Kernel::PullDown,
+            let step = SolverStep {
+                kernel: SolverKernel::PullDown,
                 first: level.start as u32,
                 count: level.len() as u32,
                 number,
@@ -136,10 +136,10 @@ impl Plan {
             };
             self.steps.push(step);
             if l < gathered {
-                self.steps.push(Step { kernel: Kernel::Gather, ..step });
+                self.steps.push(SolverStep { kernel: SolverKernel::Gather, ..step });
             }
             if l == 0 {
-                self.steps.push(Step { kernel: Kernel::Mean, ..step });
+                self.steps.push(SolverStep { kernel: SolverKernel::Mean, ..step });
             }
         }
     }
@@ -149,13 +149,13 @@ impl Plan {
     }
 
     /// Takes the next steps: gathers for at most `receivers` points, and at most `most` steps.
-    pub fn take(&mut self, receivers: u32, most: usize) -> Vec<Step> {
+    pub fn take(&mut self, receivers: u32, most: usize) -> Vec<SolverStep> {
         let (mut out, mut left) = (Vec::new(), receivers.max(1));
         while out.len() < most {
             let (place, begun) = self.next;
             let Some(step) = self.steps.get(place) else { break };
-            let rest = Step { first: step.first + begun, count: step.count - begun, ..*step };
-            if step.kernel != Kernel::Gather {
+            let rest = SolverStep { first: step.first + begun, count: step.count - begun, ..*step };
+            if step.kernel != SolverKernel::Gather {
                 out.push(rest);
                 self.next = (place + 1, 0);
                 continue;
@@ -165,15 +165,15 @@ impl Plan {
             }
             let count = rest.count.min(left);
             left -= count;
-            out.push(Step { count, ..rest });
+            out.push(SolverStep { count, ..rest });
             self.next = if count == rest.count { (place + 1, 0) } else { (place, begun + count) };
         }
         out
     }
 
     pub fn progress(&self) -> Progress {
-        let sends = |steps: &[Step]| {
-            steps.iter().filter(|step| matches!(step.kernel, Kernel::Send { .. })).count() as u32
+        let sends = |steps: &[SolverStep]| {
+            steps.iter().filter(|step| matches!(step.kernel, SolverKernel::Send { .. })).count() as u32
         };
         let done = sends(&self.steps[..self.next.0]);
         Progress {
@@ -198,17 +198,17 @@ mod tests {
             let settings = RadiositySettings { bounces: 3, passes, ..RadiositySettings::default() };
             let whole = Plan::new(levels(), &settings).take(u32::MAX, usize::MAX);
             let mut plan = Plan::new(levels(), &settings);
-            let mut sliced: Vec<Step> = Vec::new();
+            let mut sliced: Vec<SolverStep> = Vec::new();
             while !plan.progress().is_done {
                 let slice = plan.take(7, 64);
                 let gathered =
-                    slice.iter().filter(|step| step.kernel == Kernel::Gather).map(|step| step.count);
+                    slice.iter().filter(|step| step.kernel == SolverKernel::Gather).map(|step| step.count);
                 assert!(gathered.sum::<u32>() <= 7 && !slice.is_empty());
                 for step in slice {
                     match sliced.last_mut() {
                         Some(last)
-                            if last.kernel == Kernel::Gather
-                                && step.kernel == Kernel::Gather
+                            if last.kernel == SolverKernel::Gather
+                                && step.kernel == SolverKernel::Gather
                                 && last.first + last.count == step.first =>
                         {
                             last.count += step.count
