@@ -184,7 +184,7 @@ impl Radiosity {
         gpu.queue.write_buffer(&self.points, 0, bytemuck::cast_slice(&points));
     }
 
-    /// Begins a solution of the direct light in [`Self::direct`].
+    /// Begins a solution of the present direct light.
     pub fn restart(&mut self) {
         self.plan.restart();
     }
