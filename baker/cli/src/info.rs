@@ -7,6 +7,7 @@ use rebounce_args::escape::escape_controls;
 use rebounce_shared::baked::BakedScene;
 use rebounce_shared::light::{KINDS, Light};
 use rebounce_shared::rbn::container::{self, Section};
+use rebounce_shared::rbn::groups::{Group, Node};
 use rebounce_shared::rbn::meta::{Alpha, Material, Texture};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -44,7 +45,7 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
     let m = &scene.meta;
     let (version, bytes) = (container::version(bytes), bytes.len());
     let names: Vec<&str> = m.shown.names().collect();
-    json!({
+    let mut out = json!({
         "file": file,
         "bytes": bytes,
         "version": version,
@@ -93,7 +94,27 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
             "preset": m.bake.preset, "seed": m.bake.seed, "epsilon": m.bake.epsilon,
             "bounces": m.bake.bounces, "rays": m.bake.rays,
         },
+    });
+    out["by_radiosity"] = scene.is_unlinked().into();
+    out["groups"] =
+        scene.groups.groups.iter().zip(1..).map(|(group, number)| group_json(scene, group, number)).collect();
+    out["nodes"] = scene.groups.nodes.iter().map(node_json).collect();
+    out
+}
+
+fn group_json(scene: &BakedScene, group: &Group, number: u32) -> Value {
+    json!({
+        "name": group.name, "density": group.density, "node": group.node, "points": points_of(scene, number),
     })
+}
+
+fn node_json(node: &Node) -> Value {
+    json!({ "name": node.name, "parent": node.parent, "origin": node.origin })
+}
+
+/// Number of functions of a reconstruction group.
+fn points_of(scene: &BakedScene, group: u32) -> usize {
+    scene.point_groups.iter().filter(|own| **own == group).count()
 }
 
 fn material_json(m: &Material) -> Value {
@@ -145,10 +166,14 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
     let share = 100.0 * links as f64 / (m.bake.potential_links.max(1)) as f64;
     line(
         "links",
-        format!(
-            "{links}, {share:.2}% of {} potential ones; {later} for later bounces",
-            m.bake.potential_links
-        ),
+        if scene.is_unlinked() {
+            "none; radiosity computes bounced light when the file is shown".to_owned()
+        } else {
+            format!(
+                "{links}, {share:.2}% of {} potential ones; {later} for later bounces",
+                m.bake.potential_links
+            )
+        },
     );
     line(
         "bake",
@@ -202,6 +227,14 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
         };
         let groups: Vec<String> = m.lights.iter().enumerate().map(group).collect();
         line("light groups", format!("{}, in their places: {}", groups.len(), groups.join(", ")));
+    }
+    for (group, number) in scene.groups.groups.iter().zip(1..) {
+        let moves = if group.node.is_some() { ", may move" } else { "" };
+        let points = points_of(scene, number);
+        line(
+            if number == 1 { "groups" } else { "" },
+            format!("{:?}, {points} points, density {}{moves}", group.name, group.density),
+        );
     }
     line("sections", String::new());
     for s in sections {

@@ -9,5 +9,6 @@ mod export;
 mod faults;
 mod first_steps;
 mod kill;
+mod radiosity;
 mod solve;
 mod target;
