@@ -1,6 +1,7 @@
 //! `rebounce bake --solver radiosity`: files whose nodes move, what is said of them, and pictures of what has moved.
 
 use crate::common::program::said;
+use rebounce_shared::baked::BakedScene;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -19,7 +20,7 @@ fn done(folder: &Path, args: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Writes a room with a box in it: one cube with two-sided faces, twice.
+/// Writes a room with a box in it that lets a quarter of the light through: a cube with two-sided faces, twice.
 fn write_room(folder: &Path) {
     let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|bit| bit as f32 - 0.5);
     let faces: [[u32; 4]; 6] =
@@ -30,9 +31,11 @@ fn write_room(folder: &Path) {
     std::fs::write(folder.join("cube.bin"), &bytes).unwrap();
     let gltf = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
         "nodes":[{"name":"room","mesh":0,"scale":[4,4,4]},
-            {"name":"box","mesh":0,"scale":[0.8,0.8,0.8],"translation":[-0.6,-0.8,-0.7]}],
-        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],
-        "materials":[{"doubleSided":true,"pbrMetallicRoughness":{"baseColorFactor":[0.6,0.5,0.4,1],"metallicFactor":0}}],
+            {"name":"box","mesh":1,"scale":[0.8,0.8,0.8],"translation":[-0.6,-0.8,-0.7]}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]},
+            {"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":1}]}],
+        "materials":[{"doubleSided":true,"pbrMetallicRoughness":{"baseColorFactor":[0.6,0.5,0.4,1],"metallicFactor":0}},
+            {"doubleSided":true,"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[0.1,0.2,0.4,0.75],"metallicFactor":0}}],
         "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":8,"min":[-0.5,-0.5,-0.5],"max":[0.5,0.5,0.5]},
             {"bufferView":1,"componentType":5125,"type":"SCALAR","count":36}],
         "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":144}],
@@ -56,6 +59,12 @@ fn nodes_are_listed_and_pictures_follow_their_motion() {
     }
     let bytes = |name: &str| std::fs::read(at.join(name)).unwrap();
     assert!(bytes("a.rbn") == bytes("b.rbn"), "two bakes differ");
+    let baked = BakedScene::from_bytes(&bytes("a.rbn")).unwrap();
+    let [room, glass] = [1, 2].map(|group| {
+        let material = baked.groups.of_material.iter().position(|own| *own == group);
+        baked.groups.transmittance_of(material.unwrap() as u32)
+    });
+    assert!(room == 0.0 && (glass - 0.25).abs() < 1e-3, "{room}, {glass}");
     let told = done(at, &["info", "a.rbn"]);
     for part in ["none; radiosity", "\"room\"", "\"box\"", "may move"] {
         assert!(told.contains(part), "no {part} in {told}");

@@ -35,6 +35,8 @@ pub(super) struct Built<B> {
     surfaces: B,
     triangles: u64,
     primitives: u64,
+    /// Mean share of light that goes through each material; empty where none does.
+    transmittance: Vec<f32>,
 }
 
 impl Built<Box<TriangleSurfaces>> {
@@ -42,7 +44,9 @@ impl Built<Box<TriangleSurfaces>> {
     pub(super) fn of_triangles(scene: &Scene) -> Self {
         let surfaces = Box::new(TriangleSurfaces::simplified(scene));
         let (triangles, primitives) = (surfaces.triangle_count() as u64, surfaces.piece_count());
-        Self { surfaces, triangles, primitives }
+        let has_groups = !scene.groups.is_empty();
+        let transmittance = if has_groups { surfaces.mean_transmittance() } else { Vec::new() };
+        Self { surfaces, triangles, primitives, transmittance }
     }
 }
 
@@ -111,7 +115,11 @@ impl<'a> Baker<'a> {
         let scene = scene.with_triangles(surfaces.tessellate(TOLERANCE * (high - low).length()));
         let triangles = scene.triangles.len() as u64;
         let primitives = surfaces.primitives().map_or(triangles, |primitives| primitives.count() as u64);
-        blocking(self.run(&scene, || Built { surfaces, triangles, primitives }, solver))
+        blocking(self.run(
+            &scene,
+            || Built { surfaces, triangles, primitives, transmittance: Vec::new() },
+            solver,
+        ))
     }
 
     async fn run<S, B, V>(&self, scene: &Scene, build: impl FnOnce() -> Built<B>, solver: &V) -> Baked
@@ -158,7 +166,7 @@ impl<'a> Baker<'a> {
         let estimate = Estimate::new(&settings, scene.triangles.len(), has_sketch, threads);
         let tracker = Tracker::new(self.observer, self.checkpoint, estimate);
         let task = tracker.task(Stage::Bvh, None);
-        let Built { surfaces, triangles, primitives } = build();
+        let Built { surfaces, triangles, primitives, transmittance } = build();
         tracker.expect(|estimate| estimate.found_surfaces(&settings, primitives));
         task.step(0)?;
         let emitter = choose_emitter(scene, &*surfaces, &settings)?;
@@ -186,6 +194,7 @@ impl<'a> Baker<'a> {
             surfaces: &*surfaces,
             emitter: &emitter,
             staged: &staged,
+            transmittance: &transmittance,
             observer: self.observer,
             job,
         };

@@ -41,6 +41,8 @@ pub(super) struct Recipe<'a, S: Surfaces + ?Sized> {
     pub surfaces: &'a S,
     pub emitter: &'a ParticleEmitter,
     pub staged: &'a Staged,
+    /// Mean share of light that goes through each material.
+    pub transmittance: &'a [f32],
     pub observer: &'a dyn Observer,
     pub job: Job<'a>,
 }
@@ -279,6 +281,9 @@ impl<S: Surfaces + ?Sized> Recipe<'_, S> {
         operator: &Operator,
         sources: SourceLinks,
     ) -> BakedScene {
-        assemble(self.scene, settings, self.staged.clone(), points, (relations, operator, sources))
+        let mut file =
+            assemble(self.scene, settings, self.staged.clone(), points, (relations, operator, sources));
+        file.groups.transmittance = self.transmittance.to_vec();
+        file
     }
 }

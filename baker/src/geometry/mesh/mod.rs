@@ -15,6 +15,7 @@ mod bvh8;
 mod emitters;
 pub mod geometry;
 pub(crate) mod glass;
+mod mean_transmittance;
 mod packet;
 mod packet_traversal;
 mod primitives;
