@@ -60,12 +60,19 @@ impl Default for RadiositySettings {
 pub const WHOLE_LEVELS: usize = 2;
 /// Most that a bounce is taken to keep of the one before.
 pub const MOST_KEPT: f32 = 0.95;
+/// Most that two bounces are taken to bring together, as a multiple of the second.
+pub const MOST_PAIR: f32 = 16.0;
 
 /// What the bounces after the last one bring, as a multiple of it; `means` are the mean irradiances of the bounces. Light that
 /// has bounced often has one shape and loses one share a bounce: that of the transport's largest eigenvalue.
 pub fn further(means: &[f32]) -> f32 {
     match means {
-        [.., before, last] => {
+        // By pairs of bounces: light may go to and fro between a floor and a ceiling.
+        [.., first, before, last] => {
+            let kept = (last / first.max(1e-30)).clamp(0.0, MOST_KEPT * MOST_KEPT);
+            (1.0 + before / last.max(1e-30)).min(MOST_PAIR) * kept / (1.0 - kept)
+        }
+        [before, last] => {
             let kept = (last / before.max(1e-30)).clamp(0.0, MOST_KEPT);
             kept / (1.0 - kept)
         }

@@ -11,6 +11,8 @@
 
 // Most that a bounce is taken to keep of the one before.
 const MOST_KEPT = 0.95;
+// Most that two bounces are taken to bring together, as a multiple of the second.
+const MOST_PAIR = 16.0;
 
 // What the bounces after this one bring, as a multiple of it: the last two bounces' ratio goes on.
 fn further() -> f32 {
@@ -18,6 +20,11 @@ fn further() -> f32 {
         return 0.0;
     }
     let before = means[pass_.bounce - 1u];
+    if pass_.bounce > 1u {
+        let last = means[pass_.bounce];
+        let pair = clamp(last / max(means[pass_.bounce - 2u], 1e-30), 0.0, MOST_KEPT * MOST_KEPT);
+        return min(1.0 + before / max(last, 1e-30), MOST_PAIR) * pair / (1.0 - pair);
+    }
     let kept = clamp(means[pass_.bounce] / max(before, 1e-30), 0.0, MOST_KEPT);
     return kept / (1.0 - kept);
 }
