@@ -96,25 +96,24 @@ fn as_json(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
         },
     });
     out["by_radiosity"] = scene.is_unlinked().into();
-    out["groups"] =
-        scene.groups.groups.iter().zip(1..).map(|(group, number)| group_json(scene, group, number)).collect();
+    out["groups"] = groups_with_points(scene).map(group_json).collect();
     out["nodes"] = scene.groups.nodes.iter().map(node_json).collect();
     out
 }
 
-fn group_json(scene: &BakedScene, group: &Group, number: u32) -> Value {
-    json!({
-        "name": group.name, "density": group.density, "node": group.node, "points": points_of(scene, number),
-    })
+fn group_json((group, points): (&Group, usize)) -> Value {
+    json!({ "name": group.name, "density": group.density, "node": group.node, "points": points })
 }
 
 fn node_json(node: &Node) -> Value {
     json!({ "name": node.name, "parent": node.parent, "origin": node.origin })
 }
 
-/// Number of functions of a reconstruction group.
-fn points_of(scene: &BakedScene, group: u32) -> usize {
-    scene.point_groups.iter().filter(|own| **own == group).count()
+/// The reconstruction groups besides group 0, with their numbers of points.
+fn groups_with_points(scene: &BakedScene) -> impl Iterator<Item = (&Group, usize)> {
+    let mut counts = vec![0; 1 + scene.groups.groups.len()];
+    scene.point_groups.iter().for_each(|group| counts[*group as usize] += 1);
+    scene.groups.groups.iter().zip(counts.into_iter().skip(1))
 }
 
 fn material_json(m: &Material) -> Value {
@@ -228,11 +227,10 @@ fn as_text(file: &str, bytes: &[u8], sections: &[Section], scene: &BakedScene) -
         let groups: Vec<String> = m.lights.iter().enumerate().map(group).collect();
         line("light groups", format!("{}, in their places: {}", groups.len(), groups.join(", ")));
     }
-    for (group, number) in scene.groups.groups.iter().zip(1..) {
+    for (i, (group, points)) in groups_with_points(scene).enumerate() {
         let moves = if group.node.is_some() { ", may move" } else { "" };
-        let points = points_of(scene, number);
         line(
-            if number == 1 { "groups" } else { "" },
+            if i == 0 { "groups" } else { "" },
             format!("{:?}, {points} points, density {}{moves}", group.name, group.density),
         );
     }

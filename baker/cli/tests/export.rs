@@ -1,13 +1,8 @@
 //! `rebounce export` as a child process: its files, and what it refuses.
 
 use crate::common::program;
-use program::{names, said};
+use program::{names, rebounce, said};
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn rebounce(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rebounce")).current_dir(folder).args(args).output().unwrap()
-}
 
 /// Asserts success; returns what was said.
 fn works(folder: &Path, args: &[&str]) -> String {

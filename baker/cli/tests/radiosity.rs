@@ -1,24 +1,12 @@
 //! `rebounce bake --solver radiosity`: files whose nodes move, what is said of them, and pictures of what has moved.
 
-use crate::common::program::said;
+use crate::common::program::{done, rebounce, said};
 use rebounce_shared::baked::BakedScene;
 use std::path::Path;
-use std::process::{Command, Output};
 
 const SHOT: &str = r#"{"size":[32,18],"camera":{"position":[0,0,1.8],"target":[0,0,-1],"yfov_deg":70},
     "lights":[{"type":"point","position":[0.2,1.2,0.1],"intensity":4,"color":[1,1,1]}]}"#;
 const MOVE: &str = r#""size":[32,18],"move":{"box":{"translation":[1,0.5,-0.5],"rotation_y_deg":30}}"#;
-
-fn rebounce(folder: &Path, args: &[&str]) -> Output {
-    let output = Command::new(env!("CARGO_BIN_EXE_rebounce")).current_dir(folder).args(args).output();
-    output.unwrap()
-}
-
-fn done(folder: &Path, args: &[&str]) -> String {
-    let output = rebounce(folder, args);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", said(&output));
-    String::from_utf8(output.stdout).unwrap()
-}
 
 /// Writes a room with a box in it that lets a quarter of the light through: a cube with two-sided faces, twice.
 fn write_room(folder: &Path) {

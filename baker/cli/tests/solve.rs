@@ -1,22 +1,9 @@
 //! `rebounce solve`: files whose lights stay in place, and pictures of them.
 
-use crate::common::program::said;
-use std::path::Path;
-use std::process::{Command, Output};
+use crate::common::program::{done, rebounce, said};
 
 const SHOT: &str = r#"{"size":[32,18],"camera":{"position":[0,0,0.8],"target":[0,0,-1],"yfov_deg":70},
     "lights":[{"type":"point","name":"Blue","position":[0.2,0.4,0.1],"intensity":4,"color":[0.2,0.4,1]}]}"#;
-
-fn rebounce(folder: &Path, args: &[&str]) -> Output {
-    let output = Command::new(env!("CARGO_BIN_EXE_rebounce")).current_dir(folder).args(args).output();
-    output.unwrap()
-}
-
-fn done(folder: &Path, args: &[&str]) -> String {
-    let output = rebounce(folder, args);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", said(&output));
-    String::from_utf8(output.stdout).unwrap()
-}
 
 #[test]
 fn a_solved_file_is_listed_mixed_and_refuses_a_lamp_elsewhere() {

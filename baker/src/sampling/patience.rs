@@ -11,7 +11,7 @@ pub(super) struct Patience {
     pub tried: u64,
     /// Number of tries at the insertion of each of the last few points.
     lately: [u64; LAST],
-    /// Shares that the last few points may take.
+    /// Limit of the shares between the last [`LAST`] insertions.
     most: u64,
 }
 

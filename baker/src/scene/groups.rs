@@ -56,7 +56,7 @@ impl GroupedMeshes {
 }
 
 impl Scene {
-    /// Returns this scene with its groups where `motions` have them.
+    /// The scene after these motions of its groups.
     pub fn moved(&self, motions: &Motions) -> Self {
         let mut out = self.clone();
         for model in &mut out.models {

@@ -85,7 +85,7 @@ pub fn further(means: &[f32]) -> f32 {
 pub struct Solution {
     /// Bounced irradiance along each point's normal, linear RGB.
     pub irradiance: Vec<Vec3>,
-    /// Receivers that were gathered for, all passes together.
+    /// Number of gathers in all passes.
     pub gathers: u64,
     /// Bounces.
     pub bounces: u32,
@@ -233,5 +233,36 @@ impl Solver<'_> {
             }
         }
         values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::further;
+
+    /// The bounces after the first `seen` ones of an endless series, as a multiple of the last of these.
+    fn rest(series: impl Fn(u32) -> f32, seen: u32) -> f32 {
+        (seen..200).map(&series).sum::<f32>() / series(seen - 1)
+    }
+
+    #[test]
+    fn a_series_that_loses_one_share_a_bounce_is_continued_to_its_end() {
+        let series = |bounce: u32| 3.0 * 0.6f32.powi(bounce as i32);
+        for seen in 2..7 {
+            let means: Vec<f32> = (0..seen).map(series).collect();
+            assert!((further(&means) / rest(series, seen) - 1.0).abs() < 1e-4, "{seen}");
+        }
+        assert_eq!(further(&[1.0]), 0.0);
+    }
+
+    #[test]
+    fn light_to_and_fro_between_two_surfaces_is_continued_by_pairs() {
+        // A bright floor under a dark ceiling: every second bounce is weak.
+        let series =
+            |bounce: u32| if bounce.is_multiple_of(2) { 1.0 } else { 0.3 } * 0.4f32.powi(bounce as i32 / 2);
+        for seen in 3..8 {
+            let means: Vec<f32> = (0..seen).map(series).collect();
+            assert!((further(&means) / rest(series, seen) - 1.0).abs() < 1e-4, "{seen}");
+        }
     }
 }

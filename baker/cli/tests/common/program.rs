@@ -6,6 +6,18 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output};
 use std::time::Duration;
 
+/// Runs the command in a folder.
+pub fn rebounce(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rebounce")).current_dir(folder).args(args).output().unwrap()
+}
+
+/// Runs the command in a folder, asserts success, and returns what it printed.
+pub fn done(folder: &Path, args: &[&str]) -> String {
+    let output = rebounce(folder, args);
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", said(&output));
+    String::from_utf8(output.stdout).unwrap()
+}
+
 /// Standard error of a process.
 pub fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()

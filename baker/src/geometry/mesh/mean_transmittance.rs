@@ -3,6 +3,7 @@
 use super::blas::Blas;
 use super::tlas::Instance;
 use super::{Surface, TriangleSurfaces};
+use glam::Vec3;
 
 /// Samples of a material, at least.
 const SAMPLES: usize = 4096;
@@ -35,15 +36,14 @@ impl TriangleSurfaces {
         }
         // Area, and the area that light goes through.
         let mut sums = vec![[0f64; 2]; self.surfaces.len()];
-        let mut add = |blas: &Blas, instance: Option<&Instance>| {
+        let mut add = |blas: &Blas, area_of: &dyn Fn(Vec3) -> f32| {
             for (triangle, look) in blas.attributes.iter().enumerate() {
                 let material = look.material as usize;
                 let surface = &self.surfaces[material];
                 if surface.is_opaque() {
                     continue;
                 }
-                let spanned = blas.corners[triangle].spanned();
-                let area = instance.map_or(spanned, |instance| instance.across(spanned)).length();
+                let area = area_of(blas.corners[triangle].spanned());
                 let rows = ((SAMPLES as f32 / counts[material] as f32).sqrt().ceil() as usize).clamp(1, ROWS);
                 let through = |shares| {
                     surface
@@ -55,9 +55,11 @@ impl TriangleSurfaces {
                 sums[material][1] += f64::from(area * mean);
             }
         };
-        add(&self.static_blas, None);
-        for instance in &self.instances.all {
-            add(&self.models[instance.model as usize], Some(instance));
+        add(&self.static_blas, &|spanned| spanned.length());
+        let mut copies: Vec<Vec<&Instance>> = vec![Vec::new(); self.models.len()];
+        self.instances.all.iter().for_each(|instance| copies[instance.model as usize].push(instance));
+        for (model, copies) in self.models.iter().zip(&copies) {
+            add(model, &|spanned| copies.iter().map(|copy| copy.across(spanned).length()).sum());
         }
         sums.iter()
             .map(|[area, passed]| if *area > 0.0 { (passed / area).clamp(0.0, 1.0) as f32 } else { 0.0 })
@@ -68,7 +70,6 @@ impl TriangleSurfaces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
     fn the_samples_of_a_triangle_are_in_it_and_have_its_middle() {

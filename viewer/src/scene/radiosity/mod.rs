@@ -1,7 +1,7 @@
 //! Radiosity on the GPU: the steps of [`rebounce_shared::radiosity`] as compute passes, in slices, so that a page stays
 //! responsive.
 //!
-//! * here: buffers and what they are filled with;
+//! * here: buffers, their contents, and the dispatches;
 //! * `pipelines` – the compute pipelines;
 //! * `plan` – the steps of a solution in order.
 

@@ -34,7 +34,7 @@ pub(super) struct SolverStep {
 /// How far a solution is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Passes that are done, and all of them.
+    /// Number of finished passes, and of all passes.
     pub passes: [u32; 2],
     /// Whether there is light to show, coarse as it may be.
     pub is_shown: bool,
